@@ -1,0 +1,86 @@
+//! The rig: a machine made of numbers, for boards that have none of metal.
+//!
+//! It counts the steps of each motor, knows from them where the tool is, and presses endstops. The host
+//! simulator and the QEMU board use the same rig, so a homing move ends at the same step on both.
+#![no_std]
+#![forbid(unsafe_code)]
+
+use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+
+/// Where the tool stands at power-up if nobody says: well inside, and not on a round number.
+const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.4")];
+
+/// The simulated machine. An endstop is pressed while its axis is at or below 0.
+pub struct Rig {
+    /// Belt travel of each motor in steps, signed, since power-up.
+    counts: [i32; Motor::ALL.len()],
+    /// Tool at power-up, in steps of x, y and z.
+    start: [i32; 3],
+}
+
+impl Rig {
+    /// A machine whose tool stands at `start` (x, y, z in mm), or somewhere if `None`.
+    #[must_use]
+    pub fn new(settings: &Settings, start: Option<[Mm; 3]>) -> Self {
+        let a = &settings.axes;
+        let pitch = [a.x.steps_per_mm, a.y.steps_per_mm, a.z.steps_per_mm];
+        let mut steps = [0; 3];
+        for ((steps, mm), pitch) in steps.iter_mut().zip(start.unwrap_or(AT_POWER_UP)).zip(pitch) {
+            *steps = (i128::from(mm.to_bits()) * i128::from(pitch.to_bits()) >> 48) as i32;
+        }
+        Self { counts: [0; Motor::ALL.len()], start: steps }
+    }
+
+    /// One step of each motor in `steps`, forward if it is in `forward`.
+    pub fn step(&mut self, steps: MotorSet, forward: MotorSet) {
+        for (motor, count) in Motor::ALL.into_iter().zip(&mut self.counts) {
+            if steps.has(motor) {
+                *count = count.wrapping_add(if forward.has(motor) { 1 } else { -1 });
+            }
+        }
+    }
+
+    /// Steps of each motor since power-up, signed.
+    #[must_use]
+    pub const fn counts(&self) -> [i32; Motor::ALL.len()] {
+        self.counts
+    }
+
+    /// The endstops that are pressed.
+    #[must_use]
+    pub fn endstops(&self) -> EndstopSet {
+        let [n1, n4, n8, n11, z1, ..] = self.counts.map(i64::from);
+        let [x, y, z] = self.start.map(i64::from);
+        // Four times the tool's way, as the belt tells it (the transpose of the kinematics).
+        let way = corehbot::kinematics::forward(corehbot::kinematics::BeltSteps { n1, n4, n8, n11 });
+        let mut pressed = 0;
+        for (at, endstop) in [(4 * x + way.x, EndstopSet::X), (4 * y + way.y, EndstopSet::Y), (z + z1, EndstopSet::Z)] {
+            if at <= 0 {
+                pressed |= endstop.0;
+            }
+        }
+        EndstopSet(pressed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_switch_of_x_is_pressed_when_the_tool_gets_there() {
+        let start = [Mm::ONE, Mm::ONE, Mm::ONE];
+        let mut rig = Rig::new(&Settings::prototype(), Some(start));
+        assert_eq!(rig.endstops(), EndstopSet::NONE);
+        // To the left: 1 and 4 counter-clockwise, 8 and 11 clockwise.
+        let forward = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M4));
+        for _ in 0..79 {
+            rig.step(MotorSet::BELT, forward);
+        }
+        assert_eq!(rig.endstops(), EndstopSet::NONE);
+        rig.step(MotorSet::BELT, forward);
+        assert_eq!(rig.endstops(), EndstopSet::X);
+    }
+}

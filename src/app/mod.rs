@@ -1,0 +1,78 @@
+//! The app: puts the rooms together and gives a board its three handles.
+//!
+//! | handle | context on a board | what it does |
+//! |---|---|---|
+//! | [`Stepper`] | step-timer interrupt, highest priority, never masked | plays step events on the pins |
+//! | [`StepGenerator`] | software-pended interrupt, low priority | turns moves into step events |
+//! | [`Console`] | thread or lowest executor | everything else |
+//!
+//! Each lives in one context, and nobody else holds it.
+
+use crate::machine::{Console, Ports};
+use crate::motion::{Link, MoveQueue, StepGenerator, StepQueue, Stepper};
+use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort};
+use crate::settings::Settings;
+use crate::status::Status;
+use crate::units::Mm;
+
+/// All memory that the handles share: 4 KiB of step events, 3 KiB of moves, and the status.
+pub struct Memory {
+    moves: MoveQueue,
+    events: StepQueue,
+    status: Status,
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Memory {
+    /// Empty queues.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { moves: MoveQueue::new(), events: StepQueue::new(), status: Status::new() }
+    }
+}
+
+/// The two ports of the step interrupt.
+pub struct StepPorts<P: StepPort, C: StepClock> {
+    /// Step and direction lines.
+    pub pins: P,
+    /// Step timer.
+    pub clock: C,
+}
+
+/// The handles.
+pub struct Parts<'m, P: StepPort, C: StepClock, S: Serial, D: DriverBus, K: Clock, W: Pend> {
+    /// For the step interrupt.
+    pub stepper: Stepper<'m, P, C, W>,
+    /// For the generator's interrupt.
+    pub generator: StepGenerator<'m, W>,
+    /// For the Console's task.
+    pub console: Console<'m, S, D, K, W>,
+    /// For everybody, to look at.
+    pub status: &'m Status,
+}
+
+/// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed.
+pub fn assemble<'m, P: StepPort, C: StepClock, S: Serial, D: DriverBus, K: Clock, W: Pend + Copy>(
+    memory: &'m mut Memory,
+    settings: Settings,
+    start: Option<[Mm; 3]>,
+    step_ports: StepPorts<P, C>,
+    ports: Ports<S, D, K>,
+    pend: W,
+) -> Parts<'m, P, C, S, D, K, W> {
+    let Memory { moves, events, status } = memory;
+    let status: &'m Status = status;
+    let (moves_in, moves_out) = moves.split();
+    let (events_in, events_out) = events.split();
+    Parts {
+        stepper: Stepper::new(events_out, status, step_ports.pins, step_ports.clock, pend),
+        generator: StepGenerator::new(moves_out, events_in, status, pend),
+        console: Console::new(settings, start, Link::new(moves_in, status, pend), ports),
+        status,
+    }
+}

@@ -1,0 +1,179 @@
+//! What a line of G-code asks for, as a type in which nonsense cannot be written down.
+
+use super::number::Number;
+
+/// One value per axis, each only if the line gave it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct AxisWords {
+    /// Value of the X word.
+    pub x: Option<Number>,
+    /// Value of the Y word.
+    pub y: Option<Number>,
+    /// Value of the Z word.
+    pub z: Option<Number>,
+    /// Value of the E word.
+    pub e: Option<Number>,
+}
+
+/// The axes that a line named, with or without a value.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct AxisFlags {
+    /// X was named.
+    pub x: bool,
+    /// Y was named.
+    pub y: bool,
+    /// Z was named.
+    pub z: bool,
+    /// E was named.
+    pub e: bool,
+}
+
+/// Where the centre of an arc lies.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ArcShape {
+    /// Centre relative to the start (I, J).
+    Centre {
+        /// Offset in X.
+        i: Number,
+        /// Offset in Y.
+        j: Number,
+    },
+    /// Radius (R); a negative one takes the longer way round.
+    Radius(Number),
+    /// Neither I, J nor R was given.
+    Missing,
+}
+
+/// A command; every variant is answered with one `ok`. Lengths are in the units that G20/G21 chose.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Command<'a> {
+    /// G0, G1: straight move.
+    Line {
+        /// Whether it was G0 (a travel move by intent).
+        rapid: bool,
+        /// The target.
+        to: AxisWords,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
+    /// G2, G3: arc or helix in the XY plane.
+    Arc {
+        /// G2 runs clockwise, G3 counter-clockwise.
+        clockwise: bool,
+        /// The target.
+        to: AxisWords,
+        /// F, per minute.
+        feed: Option<Number>,
+        /// I, J or R.
+        shape: ArcShape,
+        /// P: total number of turns, at least 1 (RS-274/NGC section 3.5.3).
+        turns: u16,
+    },
+    /// G4: wait this many milliseconds after the motion so far.
+    Dwell {
+        /// S and P summed, in ms.
+        ms: u32,
+    },
+    /// G17: the XY plane, the only one there is.
+    PlaneXy,
+    /// G20: lengths are inches.
+    Inches,
+    /// G21: lengths are millimetres.
+    Millimetres,
+    /// G28: home the named axes, all if none is named.
+    Home(AxisFlags),
+    /// G90: positions are absolute.
+    Absolute,
+    /// G91: positions are relative, E too.
+    Relative,
+    /// G92: the present position is called this from now on; all zero if no axis is named.
+    SetPosition(AxisWords),
+    /// M17: power the motors of the named axes, all if none is named.
+    EnableMotors(AxisFlags),
+    /// M18, M84: unpower the motors of the named axes, all if none is named.
+    DisableMotors(AxisFlags),
+    /// M18 S, M84 S: seconds without motion after which motors lose power; 0 is never.
+    IdleTimeout {
+        /// The time in s.
+        seconds: u32,
+    },
+    /// M82: E is absolute.
+    AbsoluteExtrusion,
+    /// M83: E is relative.
+    RelativeExtrusion,
+    /// M92: steps a millimetre.
+    StepsPerMm(AxisWords),
+    /// M105: report temperatures.
+    ReportTemperatures,
+    /// M108: end the present wait.
+    Continue,
+    /// M110: set or, without a number, report the line number. The protocol room acts on it.
+    LineNumber,
+    /// M112: stop everything until reset.
+    EmergencyStop,
+    /// M113: seconds between busy messages, or report them.
+    Keepalive(Option<Number>),
+    /// M114: report the position; R asks for the real one, counted from emitted steps.
+    ReportPosition {
+        /// Whether R was given.
+        real: bool,
+    },
+    /// M115: who are you.
+    ReportFirmware,
+    /// M117: a message for a display that is not there.
+    Message,
+    /// M119: report the endstops.
+    ReportEndstops,
+    /// M155: report temperatures every so many seconds.
+    AutoReport(Option<Number>),
+    /// M201: acceleration limits, units/s2.
+    MaxAcceleration(AxisWords),
+    /// M203: speed limits, units/s.
+    MaxSpeed(AxisWords),
+    /// M204: accelerations of printing, retracting and travelling moves, units/s2.
+    Acceleration {
+        /// P, or S.
+        print: Option<Number>,
+        /// R.
+        retract: Option<Number>,
+        /// T, or S.
+        travel: Option<Number>,
+    },
+    /// M205: corner speeds and least feeds.
+    Corners {
+        /// J: junction deviation in units.
+        deviation: Option<Number>,
+        /// X, Y, Z, E: the speed jump allowed in a corner, units/s.
+        jerk: AxisWords,
+        /// S: least speed of a printing move, units/s.
+        min_feed: Option<Number>,
+        /// T: least speed of a travelling move, units/s.
+        min_travel: Option<Number>,
+    },
+    /// M211: keep moves inside the reachable space, or report.
+    SoftEndstops(Option<bool>),
+    /// M220: feed override in percent, or report.
+    FeedPercent(Option<Number>),
+    /// M220 B: remember the feed override.
+    BackUpFeedPercent,
+    /// M220 R: go back to the remembered feed override.
+    RestoreFeedPercent,
+    /// M221: flow override in percent, or report.
+    FlowPercent(Option<Number>),
+    /// M400: wait until all motion is done.
+    Finish,
+    /// M410: stop the motion now and forget what is queued.
+    QuickStop,
+    /// M503: report the settings as G-code.
+    ReportSettings,
+    /// T: choose a tool.
+    Tool(u8),
+    /// A command for heaters or fans, of which this firmware has none yet.
+    Heater,
+    /// M302: report on cold extrusion, which cannot be forbidden without heaters.
+    ColdExtrusion,
+    /// A command that hosts and slicers send and that needs no answer but `ok`.
+    Silent,
+    /// Anything else, as it came.
+    Unknown(&'a [u8]),
+}

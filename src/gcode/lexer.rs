@@ -1,0 +1,151 @@
+//! Words: a letter, perhaps with a number, and everything that people write round it.
+//!
+//! Spaces are optional everywhere, also between a letter and its number. A word keeps the characters of
+//! numbers that are glued to it (`U6.2.6+8948` is U6.2), other glued characters are skipped up to the next
+//! blank. Comments are `;` to the end and `( )`.
+
+use super::number::Number;
+
+/// One word of a line.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Word {
+    /// The letter in upper case.
+    pub letter: u8,
+    /// The number, if the word is more than a flag.
+    pub number: Option<Number>,
+}
+
+/// The words of a text, in order.
+#[derive(Clone, Debug)]
+pub(super) struct Words<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Words<'a> {
+    /// The words of `text`, which begins behind the command's code.
+    pub(super) const fn new(text: &'a [u8]) -> Self {
+        Self { rest: text }
+    }
+}
+
+/// Space or tab.
+pub(super) const fn is_blank(byte: u8) -> bool {
+    matches!(byte, b' ' | b'\t')
+}
+
+/// `text` without the blanks it begins with.
+pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
+    while let [byte, rest @ ..] = text
+        && is_blank(*byte)
+    {
+        text = rest;
+    }
+    text
+}
+
+/// `text` from the first byte on that `is_end` likes; empty if there is none.
+fn skip_until(text: &[u8], is_end: impl Fn(u8) -> bool) -> &[u8] {
+    let end = text.iter().position(|&byte| is_end(byte));
+    end.and_then(|end| text.get(end..)).unwrap_or_default()
+}
+
+/// The text behind the next `end`; empty if there is none.
+pub(super) fn skip_past(text: &[u8], end: u8) -> &[u8] {
+    let rest = skip_until(text, |byte| byte == end);
+    rest.get(1..).unwrap_or_default()
+}
+
+impl Iterator for Words<'_> {
+    type Item = Word;
+
+    fn next(&mut self) -> Option<Word> {
+        let letter = loop {
+            let (&byte, tail) = self.rest.split_first()?;
+            self.rest = match byte {
+                b'A'..=b'Z' | b'a'..=b'z' => {
+                    self.rest = tail;
+                    break byte.to_ascii_uppercase();
+                }
+                b' ' | b'\t' => tail,
+                b';' => &[],
+                b'(' => skip_past(tail, b')'),
+                b'"' => skip_past(tail, b'"'),
+                _ => skip_until(tail, |byte| matches!(byte, b' ' | b'\t' | b';' | b'(' | b'"')),
+            };
+        };
+        let Some((number, rest)) = Number::read(skip_blanks(self.rest)) else {
+            self.rest = behind_number(self.rest);
+            return Some(Word { letter, number: None });
+        };
+        self.rest = behind_number(rest);
+        Some(Word { letter, number: Some(number) })
+    }
+}
+
+/// The text behind the characters of numbers that it begins with.
+fn behind_number(mut text: &[u8]) -> &[u8] {
+    while let [b'0'..=b'9' | b'+' | b'-' | b'.', rest @ ..] = text {
+        text = rest;
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::string::{String, ToString};
+    use std::vec::Vec;
+
+    /// The words, printed the shortest way.
+    fn words(text: &str) -> Vec<String> {
+        let print = |word: Word| {
+            let mut text = (word.letter as char).to_string();
+            if let Some(number) = word.number {
+                text += &number.to_string();
+            }
+            text
+        };
+        Words::new(text.as_bytes()).map(print).collect()
+    }
+
+    #[test]
+    fn spaces_are_where_people_put_them() {
+        for text in ["X10Y20E-.04", " X 10 Y 20 E -.04 ", "x10\ty20\te-0.04", "X10  Y20 E-.04 ; Z9"] {
+            assert_eq!(words(text), ["X10", "Y20", "E-0.04"], "{text}");
+        }
+    }
+
+    #[test]
+    fn an_exponent_is_another_word() {
+        assert_eq!(words("X1E5"), ["X1", "E5"]);
+        assert_eq!(words("X1e-3"), ["X1", "E-0.003"].map(|w| w.replace("0.003", "3")));
+        assert_eq!(words("K1e-05"), ["K1", "E-5"]);
+    }
+
+    #[test]
+    fn flags_have_no_number() {
+        assert_eq!(words(" X Y"), ["X", "Y"]);
+        assert_eq!(words("X- Y. Z-.E"), ["X", "Y", "Z", "E"]);
+        assert_eq!(words("XYZ"), ["X", "Y", "Z"]);
+    }
+
+    #[test]
+    fn glued_rubbish_is_skipped() {
+        assert_eq!(words(" U6.2.6+8948 S1"), ["U6.2", "S1"]);
+        assert_eq!(words("X1*Y2 Z3"), ["X1", "Z3"]);
+        assert_eq!(words("X=5 Y6"), ["X", "Y6"]);
+        assert_eq!(words("%*# \u{fc}X5 Y6"), ["Y6"]);
+        assert_eq!(words("X - 5 Y6"), ["X", "Y6"]);
+    }
+
+    #[test]
+    fn comments_and_strings_hide_their_letters() {
+        assert_eq!(words("X1 (Y2) Z3;E4"), ["X1", "Z3"]);
+        assert_eq!(words("X1(Y2)Z3 (E4"), ["X1", "Z3"]);
+        assert_eq!(words("P\"Input shaper; X5\" S1"), ["P", "S1"]);
+        assert_eq!(words("P \"MK4S\"S1"), ["P", "S1"]);
+        assert_eq!(words("\"X5\" S1 A\"never ends X5"), ["S1", "A"]);
+    }
+}

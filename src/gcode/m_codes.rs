@@ -1,0 +1,184 @@
+//! M-codes: switches, limits, reports.
+
+use super::code::Code;
+use super::command::{AxisWords, Command};
+use super::lexer::{Word, Words};
+use super::number::Number;
+use super::parse::{axis_flags, axis_words, take_axis};
+use super::quiet::{is_heater, is_silent};
+
+/// The command of an M-code, or `None` if it is not understood.
+pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
+    if is_silent(code) {
+        return Some(Command::Silent);
+    }
+    if is_heater(code) {
+        return Some(Command::Heater);
+    }
+    if code.letter != b'M' || code.subcode != 0 {
+        return None;
+    }
+    Some(match code.number {
+        17 => Command::EnableMotors(axis_flags(text)),
+        18 | 84 => release_motors(text),
+        82 => Command::AbsoluteExtrusion,
+        83 => Command::RelativeExtrusion,
+        92 => Command::StepsPerMm(axis_words(text)),
+        105 => Command::ReportTemperatures,
+        108 => Command::Continue,
+        110 => Command::LineNumber,
+        112 => Command::EmergencyStop,
+        113 => Command::Keepalive(number(text, b'S')),
+        114 => Command::ReportPosition { real: last(text, b'R').is_some() },
+        115 => Command::ReportFirmware,
+        117 => Command::Message,
+        119 => Command::ReportEndstops,
+        155 => Command::AutoReport(number(text, b'S')),
+        200 if !is_volumetric(text) => Command::Silent,
+        201 => Command::MaxAcceleration(axis_words(text)),
+        203 => Command::MaxSpeed(axis_words(text)),
+        204 => acceleration(text),
+        205 => corners(text),
+        211 => Command::SoftEndstops(last(text, b'S').map(|word| word.number != Some(Number::ZERO))),
+        220 => feed_percent(text),
+        221 => Command::FlowPercent(number(text, b'S')),
+        302 => Command::ColdExtrusion,
+        400 => Command::Finish,
+        410 => Command::QuickStop,
+        503 => Command::ReportSettings,
+        _ => return None,
+    })
+}
+
+/// The last word of that letter.
+fn last(text: &[u8], letter: u8) -> Option<Word> {
+    Words::new(text).filter(|word| word.letter == letter).last()
+}
+
+/// The number of the last word of that letter.
+fn number(text: &[u8], letter: u8) -> Option<Number> {
+    last(text, letter)?.number
+}
+
+/// M18 and M84: with S a time, otherwise axes.
+fn release_motors(text: &[u8]) -> Command<'static> {
+    match number(text, b'S') {
+        Some(seconds) => Command::IdleTimeout { seconds: seconds.to_u32() },
+        None => Command::DisableMotors(axis_flags(text)),
+    }
+}
+
+/// Whether M200 asks for volumetric extrusion, which would print wrongly if it were ignored: a diameter
+/// or S1. `M200 D0` and `M200 S0` are how slicers make sure that it is off.
+fn is_volumetric(text: &[u8]) -> bool {
+    let is_set = |number: Option<Number>| number.is_some_and(|number| number != Number::ZERO);
+    match number(text, b'S') {
+        Some(switch) => is_set(Some(switch)),
+        None => is_set(number(text, b'D')),
+    }
+}
+
+/// M204; S is the old name for printing and travelling at once.
+fn acceleration(text: &[u8]) -> Command<'static> {
+    let (mut print, mut retract, mut travel, mut both) = (None, None, None, None);
+    for word in Words::new(text) {
+        match word.letter {
+            b'P' => print = word.number,
+            b'R' => retract = word.number,
+            b'T' => travel = word.number,
+            b'S' => both = word.number,
+            _ => {}
+        }
+    }
+    Command::Acceleration { print: print.or(both), retract, travel: travel.or(both) }
+}
+
+/// M205.
+fn corners(text: &[u8]) -> Command<'static> {
+    let mut jerk = AxisWords::default();
+    let (mut deviation, mut min_feed, mut min_travel) = (None, None, None);
+    for word in Words::new(text) {
+        match word.letter {
+            b'J' => deviation = word.number,
+            b'S' => min_feed = word.number,
+            b'T' => min_travel = word.number,
+            _ => take_axis(&mut jerk, word),
+        }
+    }
+    Command::Corners { deviation, jerk, min_feed, min_travel }
+}
+
+/// M220. B and R stand alone in practice; beside them S is ignored.
+fn feed_percent(text: &[u8]) -> Command<'static> {
+    if last(text, b'B').is_some() {
+        Command::BackUpFeedPercent
+    } else if last(text, b'R').is_some() {
+        Command::RestoreFeedPercent
+    } else {
+        Command::FeedPercent(number(text, b'S'))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::super::command::AxisFlags;
+    use super::super::parse::parse;
+    use super::*;
+
+    #[test]
+    fn a_t_word_is_not_a_tool_change() {
+        let five_hundred = Some(Number::from(500));
+        let expected = Command::Acceleration { print: five_hundred, retract: None, travel: five_hundred };
+        assert_eq!(parse(b"M204 P500 T500"), expected);
+        assert_eq!(parse(b"M204 S500"), expected);
+        assert_eq!(parse(b"M104 T0 S200"), Command::Heater);
+    }
+
+    #[test]
+    fn releasing_motors_or_setting_their_timeout() {
+        assert_eq!(parse(b"M84 S0"), Command::IdleTimeout { seconds: 0 });
+        assert_eq!(parse(b"M18 S120.7"), Command::IdleTimeout { seconds: 120 });
+        assert_eq!(parse(b"M84"), Command::DisableMotors(AxisFlags::default()));
+        let expected = Command::DisableMotors(AxisFlags { x: true, y: true, z: false, e: true });
+        assert_eq!(parse(b"M84 X Y E ;disable"), expected);
+    }
+
+    #[test]
+    fn feed_override_in_its_three_forms() {
+        assert_eq!(parse(b"M220 S80"), Command::FeedPercent(Some(Number::from(80))));
+        assert_eq!(parse(b"M220"), Command::FeedPercent(None));
+        assert_eq!(parse(b"M220 B"), Command::BackUpFeedPercent);
+        assert_eq!(parse(b"M220 R"), Command::RestoreFeedPercent);
+    }
+
+    #[test]
+    fn switches_and_flags() {
+        assert_eq!(parse(b"M211"), Command::SoftEndstops(None));
+        assert_eq!(parse(b"M211 S0"), Command::SoftEndstops(Some(false)));
+        assert_eq!(parse(b"M211 S"), Command::SoftEndstops(Some(true)));
+        assert_eq!(parse(b"M114 R"), Command::ReportPosition { real: true });
+        assert_eq!(parse(b"M114 D"), Command::ReportPosition { real: false });
+    }
+
+    #[test]
+    fn volumetric_extrusion_is_only_ever_switched_off() {
+        for line in ["M200 D0", "M200 S0 D1.75", "M200"] {
+            assert_eq!(parse(line.as_bytes()), Command::Silent);
+        }
+        for line in ["M200 D1.75", "M200 S1"] {
+            assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()));
+        }
+    }
+
+    #[test]
+    fn quiet_commands_swallow_any_text() {
+        for line in ["M73 P5 R10", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M900 K1e-05", "M20", "M111 S6"] {
+            assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
+        }
+        assert_eq!(parse(b"M117 E5 * ; x"), Command::Message);
+        assert_eq!(parse(b"M115 U6.2.6+8948"), Command::ReportFirmware);
+        assert_eq!(parse(b"M109 S205;"), Command::Heater);
+    }
+}

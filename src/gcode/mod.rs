@@ -1,0 +1,18 @@
+//! G-code: one line of text in, one [`Command`] out.
+//!
+//! The dialect is the one that slicers and hosts write for Marlin 2. This room knows words and numbers,
+//! but neither line numbers and checksums (room `protocol`) nor the meaning of a command (room `app`).
+//! It keeps no state: a line means the same whatever came before it.
+
+mod code;
+mod command;
+mod lexer;
+mod m_codes;
+mod number;
+mod parse;
+mod print;
+mod quiet;
+
+pub use command::{ArcShape, AxisFlags, AxisWords, Command};
+pub use number::Number;
+pub use parse::parse;

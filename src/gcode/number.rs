@@ -1,0 +1,309 @@
+//! Numbers: decimal text becomes fixed point without a float in between.
+//!
+//! The nearest multiple of 2^-32 is taken, a tie goes away from zero. Ties are rarer than they look: an
+//! odd multiple of 2^-33 has exactly 33 decimals, so shorter texts never lie half-way, and longer ones
+//! are decided by their first 33 decimals alone.
+//!
+//! There is no exponent: to every slicer and to Marlin `X1E5` is X1 and E5.
+
+use core::fmt;
+
+use fixed::types::I32F32;
+
+/// A number of a G-code word; never beyond ±[`Number::LIMIT`], so that sums of a few cannot overflow.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+pub struct Number(I32F32);
+
+impl Number {
+    /// The largest magnitude; larger texts and values saturate to it.
+    pub const LIMIT: i32 = 1_000_000_000;
+
+    /// Zero.
+    pub const ZERO: Self = Self(I32F32::ZERO);
+
+    /// The number nearest to `value`.
+    #[must_use]
+    pub const fn saturating(value: I32F32) -> Self {
+        const LIMIT_BITS: i64 = (Number::LIMIT as i64) << 32;
+        let bits = value.to_bits();
+        if bits > LIMIT_BITS {
+            Self(I32F32::from_bits(LIMIT_BITS))
+        } else if bits < -LIMIT_BITS {
+            Self(I32F32::from_bits(-LIMIT_BITS))
+        } else {
+            Self(value)
+        }
+    }
+
+    /// Reads the number that `text` begins with, and returns it with the text behind it.
+    ///
+    /// A sign and the digits on one side of the point may be missing. `None` if there is no digit.
+    #[must_use]
+    pub fn read(text: &[u8]) -> Option<(Self, &[u8])> {
+        let (is_negative, text) = match text {
+            [b'-', rest @ ..] => (true, rest),
+            [b'+', rest @ ..] => (false, rest),
+            _ => (false, text),
+        };
+        let mut integer = 0u32;
+        let mut rest = text;
+        while let [digit @ b'0'..=b'9', tail @ ..] = rest {
+            integer = match integer {
+                0..TOO_LARGE => integer * 10 + u32::from(digit - b'0'),
+                _ => u32::MAX,
+            };
+            rest = tail;
+        }
+        let has_integer = rest.len() < text.len();
+        let mut fraction = 0;
+        if let [b'.', decimals @ ..] = rest {
+            let (value, tail) = read_fraction(decimals);
+            if !has_integer && tail.len() == decimals.len() {
+                return None;
+            }
+            fraction = value;
+            rest = tail;
+        } else if !has_integer {
+            return None;
+        }
+        let magnitude = (u64::from(integer.min(Self::LIMIT as u32)) << 32) + fraction;
+        let magnitude = magnitude.min((Self::LIMIT as u64) << 32) as i64;
+        let bits = if is_negative { -magnitude } else { magnitude };
+        Some((Self(I32F32::from_bits(bits)), rest))
+    }
+
+    /// The value.
+    #[must_use]
+    pub const fn value(self) -> I32F32 {
+        self.0
+    }
+
+    /// The integer part; decimals are cut off towards zero.
+    #[must_use]
+    pub const fn to_int(self) -> i32 {
+        let bits = self.0.to_bits();
+        let magnitude = (bits.unsigned_abs() >> 32) as i32;
+        if bits < 0 { -magnitude } else { magnitude }
+    }
+
+    /// The integer part if it is positive, otherwise 0.
+    #[must_use]
+    pub const fn to_u32(self) -> u32 {
+        let int = self.to_int();
+        if int < 0 { 0 } else { int as u32 }
+    }
+
+    /// The value in thousandths, rounded to the nearest (a tie away from zero).
+    #[must_use]
+    pub const fn to_thousandths(self) -> i64 {
+        let bits = self.0.to_bits();
+        let magnitude = bits.unsigned_abs();
+        let fraction = ((magnitude & 0xFFFF_FFFF) * 1000 + (1 << 31)) >> 32;
+        let thousandths = ((magnitude >> 32) * 1000 + fraction) as i64;
+        if bits < 0 { -thousandths } else { thousandths }
+    }
+}
+
+impl From<i32> for Number {
+    fn from(int: i32) -> Self {
+        Self::saturating(I32F32::from_num(int))
+    }
+}
+
+/// Ten times this and a digit might not fit 32 bits.
+const TOO_LARGE: u32 = u32::MAX / 10;
+
+/// Decimals that the quick path takes; slicers write 3 for positions and 5 for the extruder.
+const QUICK: usize = 9;
+
+/// 10^n, and floor(2^63 / 10^n), which spares the quick path a 64-bit division.
+const POWERS: [(u32, u64); QUICK + 1] = {
+    let mut table = [(1, 1 << 63); QUICK + 1];
+    let mut n = 1;
+    let mut power = 1;
+    while n <= QUICK {
+        power *= 10;
+        table[n] = (power, (1 << 63) / power as u64);
+        n += 1;
+    }
+    table
+};
+
+/// Reads the decimals that `text` begins with: their value in units of 2^-32, and the text behind them.
+fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
+    let mut decimals = 0u32;
+    let mut rest = text;
+    for &(power, reciprocal) in &POWERS {
+        let [digit @ b'0'..=b'9', tail @ ..] = rest else {
+            return (scale(decimals, power, reciprocal), rest);
+        };
+        if power == POWERS_END {
+            break;
+        }
+        decimals = decimals * 10 + u32::from(digit - b'0');
+        rest = tail;
+    }
+    read_long_fraction(text)
+}
+
+/// The last power of the table, up to which `decimals` fits 32 bits.
+const POWERS_END: u32 = 1_000_000_000;
+
+/// `decimals / power` in units of 2^-32, rounded to the nearest; `decimals` must be below `power`.
+///
+/// The reciprocal is too small by less than 1, so the estimate is too small by less than
+/// decimals / 2^31 < 1/2 before its own decimals are cut off: the quotient or one less. The remainder
+/// then says what is missing.
+fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
+    let quotient = (u64::from(decimals) * reciprocal) >> 31;
+    let power = u64::from(power);
+    let remainder = (u64::from(decimals) << 32).wrapping_sub(quotient * power);
+    quotient + u64::from(2 * remainder >= power) + u64::from(2 * remainder >= 3 * power)
+}
+
+/// As [`read_fraction`], for any number of decimals: long multiplication by 2^32 in base 10^9.
+///
+/// Four limbs hold 36 decimals. What is cut off behind them cannot lift a value to a tie, because ties
+/// are whole multiples of 10^-33.
+fn read_long_fraction(text: &[u8]) -> (u64, &[u8]) {
+    let mut limbs = [0u32; 4];
+    let mut rest = text;
+    for limb in &mut limbs {
+        for _ in 0..QUICK {
+            *limb *= 10;
+            if let [digit @ b'0'..=b'9', tail @ ..] = rest {
+                *limb += u32::from(digit - b'0');
+                rest = tail;
+            }
+        }
+    }
+    while let [b'0'..=b'9', tail @ ..] = rest {
+        rest = tail;
+    }
+    let base = u64::from(POWERS_END);
+    let mut carry = 0;
+    for limb in limbs.iter_mut().rev() {
+        let product = (u64::from(*limb) << 32) + carry;
+        carry = product / base;
+        *limb = (product % base) as u32;
+    }
+    let is_half_or_more = limbs[0] >= POWERS_END / 2;
+    (carry + u64::from(is_half_or_more), rest)
+}
+
+/// Prints the fewest decimals that read back as the same number; ten always do, because half a unit of
+/// the tenth is less than 2^-33.
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bits = self.0.to_bits();
+        let magnitude = bits.unsigned_abs();
+        let fraction = magnitude & 0xFFFF_FFFF;
+        if bits < 0 {
+            f.write_str("-")?;
+        }
+        write!(f, "{}", magnitude >> 32)?;
+        if fraction == 0 {
+            return Ok(());
+        }
+        for (n, &(power, reciprocal)) in POWERS.iter().enumerate() {
+            let decimals = ((fraction * u64::from(power) + (1 << 31)) >> 32) as u32;
+            if decimals < power && scale(decimals, power, reciprocal) == fraction {
+                return write!(f, ".{decimals:0n$}");
+            }
+        }
+        let nine = fraction * u64::from(POWERS_END);
+        let ten = (nine >> 32) * 10 + (((nine & 0xFFFF_FFFF) * 10 + (1 << 31)) >> 32);
+        write!(f, ".{ten:010}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::string::ToString;
+
+    fn bits(text: &str) -> i64 {
+        let (number, rest) = Number::read(text.as_bytes()).unwrap();
+        assert!(rest.is_empty(), "{text} left {rest:?}");
+        number.value().to_bits()
+    }
+
+    const ONE: i64 = 1 << 32;
+
+    #[test]
+    fn slicers_leave_out_what_they_can() {
+        assert_eq!(bits(".5"), ONE / 2);
+        assert_eq!(bits("-.5"), -ONE / 2);
+        assert_eq!(bits("5."), 5 * ONE);
+        assert_eq!(bits("+0.25"), ONE / 4);
+        assert_eq!(bits("-0"), 0);
+        assert_eq!(bits("007"), 7 * ONE);
+    }
+
+    #[test]
+    fn without_a_digit_there_is_no_number() {
+        for text in ["", "-", "+", ".", "-.", "x", " 1", "--1", "e5", "inf", "nan"] {
+            assert_eq!(Number::read(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_text_behind_a_number_is_left_alone() {
+        assert_eq!(Number::read(b"1E5").unwrap(), (Number::from(1), &b"E5"[..]));
+        assert_eq!(Number::read(b"6.2.6+8948").unwrap().1, b".6+8948");
+        assert_eq!(Number::read(b"1-2").unwrap().1, b"-2");
+    }
+
+    #[test]
+    fn numbers_out_of_range_saturate() {
+        let limit = i64::from(Number::LIMIT) * ONE;
+        assert_eq!(bits("99999999999999999999"), limit);
+        assert_eq!(bits("-99999999999999999999.5"), -limit);
+        assert_eq!(bits("1000000000.9"), limit);
+        assert_eq!(bits("999999999.9999999999999999"), limit);
+        assert_eq!(Number::saturating(I32F32::MIN), Number::from(-Number::LIMIT));
+        assert_eq!(Number::from(i32::MAX), Number::from(Number::LIMIT));
+    }
+
+    #[test]
+    fn a_tie_goes_away_from_zero_and_less_than_a_tie_does_not() {
+        let tie = "0.000000000116415321826934814453125"; // 2^-33
+        assert_eq!(bits(tie), 1);
+        assert_eq!(bits(&std::format!("-{tie}")), -1);
+        assert_eq!(bits("0.000000000116415321826934814453124999999999999999"), 0);
+        assert_eq!(bits("0.0000000001164153218269348144531250000000000000001"), 1);
+        assert_eq!(bits("0.99999999999999"), ONE);
+    }
+
+    #[test]
+    fn quick_and_long_paths_agree() {
+        for decimals in ["1", "12345", "999999999", "000000001", "500000000", "123456789", "00001"] {
+            let long = std::format!("{decimals}0000000000000");
+            assert_eq!(read_fraction(decimals.as_bytes()).0, read_fraction(long.as_bytes()).0);
+        }
+    }
+
+    #[test]
+    fn parts_of_a_number() {
+        let number = |text: &str| Number::read(text.as_bytes()).unwrap().0;
+        assert_eq!(number("-1.9").to_int(), -1);
+        assert_eq!(number("-1.9").to_u32(), 0);
+        assert_eq!(number("255.9").to_u32(), 255);
+        assert_eq!(number("1.2345").to_thousandths(), 1235);
+        assert_eq!(number("-0.0004").to_thousandths(), 0);
+        assert_eq!(number("1e9").to_thousandths(), 1000);
+        assert_eq!(number("1000000000").to_thousandths(), 1_000_000_000_000);
+    }
+
+    #[test]
+    fn printing_is_short() {
+        for text in ["0", "5", "-5", "0.1", "-0.04", "12.345", "0.00001", "1000000000", "-0.5"] {
+            assert_eq!(Number::read(text.as_bytes()).unwrap().0.to_string(), text);
+        }
+        assert_eq!(Number(I32F32::DELTA).to_string(), "0.0000000002");
+        assert_eq!(bits("0.0000000002"), 1);
+        assert_eq!(bits(&Number(I32F32::from_bits(ONE - 1)).to_string()), ONE - 1);
+    }
+}

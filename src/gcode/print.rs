@@ -1,0 +1,158 @@
+//! Printing: a command as the shortest G-code that reads back as the same command.
+
+use core::fmt::{self, Display, Formatter, Write};
+
+use super::command::{ArcShape, AxisFlags, AxisWords, Command};
+use super::number::Number;
+
+/// Commands that stand for a whole family are printed as one of it: M107 for heaters and fans, M73 for
+/// silent ones. An unknown text is printed with `?` for what is neither printable ASCII nor a tab.
+impl Display for Command<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Line { rapid, to, feed } => {
+                f.write_str(if rapid { "G0" } else { "G1" })?;
+                axes(f, to)?;
+                word(f, 'F', feed)
+            }
+            Self::Arc { clockwise, to, feed, shape, turns } => {
+                f.write_str(if clockwise { "G2" } else { "G3" })?;
+                axes(f, to)?;
+                arc(f, shape)?;
+                if turns > 1 {
+                    write!(f, " P{turns}")?;
+                }
+                word(f, 'F', feed)
+            }
+            Self::Dwell { ms } => write!(f, "G4 P{ms}"),
+            Self::PlaneXy => f.write_str("G17"),
+            Self::Inches => f.write_str("G20"),
+            Self::Millimetres => f.write_str("G21"),
+            Self::Home(named) => flags(f, "G28", named),
+            Self::Absolute => f.write_str("G90"),
+            Self::Relative => f.write_str("G91"),
+            Self::SetPosition(to) => axis_line(f, "G92", to),
+            Self::EnableMotors(named) => flags(f, "M17", named),
+            Self::DisableMotors(named) => flags(f, "M84", named),
+            Self::IdleTimeout { seconds } => write!(f, "M84 S{seconds}"),
+            Self::AbsoluteExtrusion => f.write_str("M82"),
+            Self::RelativeExtrusion => f.write_str("M83"),
+            Self::StepsPerMm(words) => axis_line(f, "M92", words),
+            Self::ReportTemperatures => f.write_str("M105"),
+            Self::Continue => f.write_str("M108"),
+            Self::LineNumber => f.write_str("M110"),
+            Self::EmergencyStop => f.write_str("M112"),
+            Self::Keepalive(seconds) => switch(f, "M113", seconds),
+            Self::ReportPosition { real } => f.write_str(if real { "M114 R" } else { "M114" }),
+            Self::ReportFirmware => f.write_str("M115"),
+            Self::Message => f.write_str("M117"),
+            Self::ReportEndstops => f.write_str("M119"),
+            Self::AutoReport(seconds) => switch(f, "M155", seconds),
+            Self::MaxAcceleration(words) => axis_line(f, "M201", words),
+            Self::MaxSpeed(words) => axis_line(f, "M203", words),
+            Self::Acceleration { print, retract, travel } => {
+                f.write_str("M204")?;
+                word(f, 'P', print)?;
+                word(f, 'R', retract)?;
+                word(f, 'T', travel)
+            }
+            Self::Corners { deviation, jerk, min_feed, min_travel } => {
+                axis_line(f, "M205", jerk)?;
+                word(f, 'J', deviation)?;
+                word(f, 'S', min_feed)?;
+                word(f, 'T', min_travel)
+            }
+            Self::SoftEndstops(on) => switch(f, "M211", on.map(|on| Number::from(i32::from(on)))),
+            Self::FeedPercent(percent) => switch(f, "M220", percent),
+            Self::BackUpFeedPercent => f.write_str("M220 B"),
+            Self::RestoreFeedPercent => f.write_str("M220 R"),
+            Self::FlowPercent(percent) => switch(f, "M221", percent),
+            Self::Finish => f.write_str("M400"),
+            Self::QuickStop => f.write_str("M410"),
+            Self::ReportSettings => f.write_str("M503"),
+            Self::Tool(tool) => write!(f, "T{tool}"),
+            Self::Heater => f.write_str("M107"),
+            Self::ColdExtrusion => f.write_str("M302"),
+            Self::Silent => f.write_str("M73"),
+            Self::Unknown(text) => text.iter().try_for_each(|&byte| {
+                f.write_char(match byte {
+                    b' '..=b'~' => byte as char,
+                    b'\t' => ' ',
+                    _ => '?',
+                })
+            }),
+        }
+    }
+}
+
+/// One word, if it has a value.
+fn word(f: &mut Formatter<'_>, letter: char, number: Option<Number>) -> fmt::Result {
+    match number {
+        Some(number) => write!(f, " {letter}{number}"),
+        None => Ok(()),
+    }
+}
+
+/// The axis words.
+fn axes(f: &mut Formatter<'_>, words: AxisWords) -> fmt::Result {
+    word(f, 'X', words.x)?;
+    word(f, 'Y', words.y)?;
+    word(f, 'Z', words.z)?;
+    word(f, 'E', words.e)
+}
+
+/// A command of axis words alone.
+fn axis_line(f: &mut Formatter<'_>, code: &str, words: AxisWords) -> fmt::Result {
+    f.write_str(code)?;
+    axes(f, words)
+}
+
+/// A command with an S word or nothing.
+fn switch(f: &mut Formatter<'_>, code: &str, value: Option<Number>) -> fmt::Result {
+    f.write_str(code)?;
+    word(f, 'S', value)
+}
+
+/// A command of axis names.
+fn flags(f: &mut Formatter<'_>, code: &str, named: AxisFlags) -> fmt::Result {
+    f.write_str(code)?;
+    for (is_named, name) in [(named.x, " X"), (named.y, " Y"), (named.z, " Z"), (named.e, " E")] {
+        if is_named {
+            f.write_str(name)?;
+        }
+    }
+    Ok(())
+}
+
+/// The centre or radius of an arc.
+fn arc(f: &mut Formatter<'_>, shape: ArcShape) -> fmt::Result {
+    match shape {
+        ArcShape::Centre { i, j } => write!(f, " I{i} J{j}"),
+        ArcShape::Radius(radius) => write!(f, " R{radius}"),
+        ArcShape::Missing => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::super::parse::parse;
+    use std::string::ToString;
+
+    #[test]
+    fn the_canonical_form() {
+        for (line, canonical) in [
+            ("g1x.5y-12.300e-.04f1800", "G1 X0.5 Y-12.3 E-0.04 F1800"),
+            ("G3 Z.76 I.194 J1.201 P1  F30000", "G3 Z0.76 I0.194 J1.201 F30000"),
+            ("G28 X0 Y0", "G28 X Y"),
+            ("M84 S0", "M84 S0"),
+            ("M205 J.02 X8", "M205 X8 J0.02"),
+            ("M204 S800", "M204 P800 T800"),
+            ("M211 S3", "M211 S1"),
+            ("say \u{fc}", "say ??"),
+        ] {
+            assert_eq!(parse(line.as_bytes()).to_string(), canonical);
+        }
+    }
+}

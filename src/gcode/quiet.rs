@@ -1,0 +1,81 @@
+//! Quiet commands: what hosts and slicers send although this machine has nothing to do for it.
+//!
+//! An echo for each would flood the host's console and cost link time. Only commands whose absence
+//! changes nothing on the plate are here: levelling (G29, G80, M420), pauses (M0, M600) and the like
+//! stay unknown and are echoed, so that a user learns that they did not happen.
+
+use super::code::Code;
+
+/// A command that is answered with `ok` and nothing else.
+pub(super) fn is_silent(code: Code) -> bool {
+    match (code.letter, code.subcode) {
+        (b'G', 0) => code.number == 12,
+        (b'M', 0) => SILENT.binary_search(&code.number).is_ok() || code.number == CHECKS,
+        (b'M', _) => code.number == CHECKS,
+        _ => false,
+    }
+}
+
+/// M862.1 to M862.6, with which PrusaSlicer asks whether nozzle, model and firmware are the right ones.
+const CHECKS: u16 = 862;
+
+/// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
+/// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
+const SILENT: [u16; 31] = [
+    2,   // end of program: the line itself is the end
+    20,  // list files: Repetier-Host sends it when it connects
+    21,  // look for a card: OctoPrint and Repetier-Host send it when they connect
+    73,  // progress
+    74,  // weight of the print (Prusa)
+    75,  // job timer, on the host
+    76,  // job timer, on the host
+    77,  // job timer, on the host
+    80,  // power supply on
+    81,  // power supply off
+    111, // debug level: Repetier-Host sends it when it connects
+    118, // text for the host; not yet
+    142, // heatbreak temperature (Prusa)
+    150, // lamps
+    202, // travel acceleration of Repetier; M204 T does the work
+    217, // tool change settings
+    240, // photo
+    300, // beep
+    355, // lamps
+    403, // filament of an MMU
+    413, // power-loss recovery
+    425, // backlash compensation
+    486, // objects of the print, for cancelling one; not yet
+    530, // print mode (Repetier)
+    532, // progress (Repetier)
+    555, // print area (Prusa)
+    569, // silent mode of the drivers
+    572, // pressure advance (RepRapFirmware); not yet, and slicers send it with every feature
+    870, // Prusa
+    900, // pressure advance (Marlin); not yet, and slicers send it with every feature
+    907, // motor current, which the board's settings fix
+];
+
+/// A command for heaters or fans.
+pub(super) fn is_heater(code: Code) -> bool {
+    code.letter == b'M'
+        && code.subcode == 0
+        && matches!(code.number, 104 | 106 | 107 | 109 | 116 | 140 | 141 | 190 | 191 | 301 | 303 | 304)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_order() {
+        assert!(SILENT.is_sorted_by(|a, b| a < b));
+    }
+
+    #[test]
+    fn subcodes_are_silent_only_where_they_mean_something() {
+        let code = |number, subcode| Code { letter: b'M', number, subcode };
+        assert!(is_silent(code(862, 3)));
+        assert!(is_silent(code(73, 0)));
+        assert!(!is_silent(code(73, 1)));
+    }
+}

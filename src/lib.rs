@@ -1,0 +1,27 @@
+//! Firmware core for a CoreH-bot 3D printer: bytes of G-code go in, step events of four belt motors, Z and
+//! the extruder come out.
+//!
+//! The core knows no hardware, no clock and no executor: a board gives it bytes and time and takes step
+//! events. The same code therefore runs on the host, in QEMU and on a controller, and gives the same steps.
+//!
+//! ```text
+//! bytes -> protocol -> gcode -> machine -> motion::planner ==MoveQueue==> motion::stepgen ==StepQueue==> motion::stepper -> pins
+//! ```
+//!
+//! A room (module) may use only the rooms to its left in
+//! `units <- motors <- status <- port <- {protocol, gcode, settings, kinematics} <- motion <- machine <- app`;
+//! `tests/layers.rs` holds every `use` to that.
+#![no_std]
+#![forbid(unsafe_code)]
+
+pub mod app;
+pub mod gcode;
+pub mod kinematics;
+pub mod machine;
+pub mod motion;
+pub mod motors;
+pub mod port;
+pub mod protocol;
+pub mod settings;
+pub mod status;
+pub mod units;

@@ -1,0 +1,175 @@
+//! Every command, and what it does.
+
+use super::arc::{Arc, Shape};
+use super::console::{Console, Interrupt};
+use super::modal::{Modal, Wanted};
+use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
+use crate::motion::Work;
+use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial};
+use crate::units::{Mm, TICKS_PER_MS};
+
+/// The motors that move the named axes; all if none is named.
+fn motors(flags: AxisFlags) -> MotorSet {
+    let mut set = MotorSet::NONE;
+    if flags.x || flags.y {
+        set = set.with(MotorSet::BELT);
+    }
+    if flags.z {
+        set = set.with(MotorSet::Z);
+    }
+    if flags.e {
+        set = set.with(MotorSet::E);
+    }
+    if set.is_empty() { MotorSet::ALL } else { set }
+}
+
+/// The arguments of G2 and G3.
+struct ArcWords {
+    clockwise: bool,
+    to: AxisWords,
+    shape: ArcShape,
+    turns: u16,
+}
+
+impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+    /// Carries out a command up to its `ok`.
+    pub(super) async fn execute(&mut self, command: &Command<'_>) -> Result<(), Interrupt> {
+        match *command {
+            Command::Line { to, feed, .. } => self.line(&to, feed).await,
+            Command::Arc { clockwise, to, feed, shape, turns } => {
+                self.modal.set_feed(feed);
+                self.arc(&ArcWords { clockwise, to, shape, turns }).await
+            }
+            Command::Dwell { ms } => self.dwell(ms).await,
+            Command::Home(flags) => self.home(flags).await,
+            Command::Finish => self.finish().await,
+            // The receive path has acted on these already.
+            Command::Continue | Command::QuickStop => Ok(()),
+            Command::EmergencyStop => Err(Interrupt::Halt),
+            Command::EnableMotors(flags) => {
+                self.power(motors(flags));
+                Ok(())
+            }
+            Command::DisableMotors(flags) => {
+                self.finish().await?;
+                self.unpower(motors(flags));
+                self.told_of_edge = false;
+                Ok(())
+            }
+            Command::IdleTimeout { seconds } => {
+                self.idle_timeout_s = seconds;
+                Ok(())
+            }
+            Command::Inches => Ok(self.modal.inches = true),
+            Command::Millimetres => Ok(self.modal.inches = false),
+            Command::Absolute => Ok(self.modal.absolute = true),
+            Command::Relative => Ok(self.modal.absolute = false),
+            Command::AbsoluteExtrusion => Ok(self.modal.absolute_extrusion = true),
+            Command::RelativeExtrusion => Ok(self.modal.absolute_extrusion = false),
+            Command::SetPosition(words) => Ok(self.modal.rename(&words)),
+            Command::StepsPerMm(words) => self.set_resolution(&words).await,
+            Command::MaxAcceleration(words) => self.set_max_acceleration(&words).await,
+            Command::MaxSpeed(words) => self.set_max_speed(&words).await,
+            Command::Acceleration { print, retract, travel } => self.set_acceleration(print, retract, travel).await,
+            Command::Corners { deviation, jerk, min_feed, min_travel } => {
+                self.set_corners(deviation, &jerk, min_feed, min_travel).await
+            }
+            Command::SoftEndstops(None) => self.report_soft_endstops().await,
+            Command::SoftEndstops(Some(on)) => Ok(self.settings.soft_endstops = on),
+            Command::FeedPercent(None) => {
+                let percent = self.modal.feed_percent;
+                self.say(format_args!("FR:{percent}%")).await
+            }
+            Command::FeedPercent(Some(number)) => Ok(self.modal.feed_percent = Modal::percent(number)),
+            Command::BackUpFeedPercent => Ok(self.modal.kept_feed_percent = self.modal.feed_percent),
+            Command::RestoreFeedPercent => Ok(self.modal.feed_percent = self.modal.kept_feed_percent),
+            Command::FlowPercent(None) => {
+                let percent = self.modal.flow_percent;
+                self.say(format_args!("echo:E0 Flow: {percent}%")).await
+            }
+            Command::FlowPercent(Some(number)) => Ok(self.modal.flow_percent = Modal::percent(number)),
+            Command::Keepalive(seconds) => self.set_keepalive(seconds).await,
+            Command::ReportPosition { real } => self.report_position(real).await,
+            Command::ReportFirmware => self.report_firmware().await,
+            Command::ReportEndstops => self.report_endstops().await,
+            Command::ReportSettings => self.report_settings().await,
+            Command::Tool(0) => Ok(()),
+            Command::Tool(number) => self.say(format_args!("echo:there is no tool T{number}")).await,
+            Command::Heater => self.explain_heaters().await,
+            Command::ColdExtrusion => self.say(format_args!("echo:Cold extrudes are enabled")).await,
+            Command::PlaneXy
+            | Command::LineNumber
+            | Command::Message
+            | Command::AutoReport(_)
+            | Command::ReportTemperatures
+            | Command::Silent
+            | Command::Unknown(_) => Ok(()),
+        }
+    }
+
+    /// G0, G1.
+    async fn line(&mut self, to: &AxisWords, feed: Option<Number>) -> Result<(), Interrupt> {
+        self.modal.set_feed(feed);
+        let wanted = self.target(to).await?;
+        self.go(wanted.position, self.modal.overridden_feed()).await?;
+        self.modal.extrusion = wanted.extrusion;
+        Ok(())
+    }
+
+    async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
+        let wanted = self.modal.target(to, &self.settings);
+        if wanted.too_much {
+            let most = self.settings.axes.e.length.to_num::<i32>();
+            self.say(format_args!("echo:E left out: more than {most} mm of filament in one move")).await?;
+        }
+        Ok(wanted)
+    }
+
+    /// G2, G3. Z and E run evenly along the arc.
+    async fn arc(&mut self, words: &ArcWords) -> Result<(), Interrupt> {
+        let wanted = self.target(&words.to).await?;
+        let [sx, sy, sz, se] = self.modal.position;
+        let [ex, ey, ez, ee] = wanted.position;
+        let arc = Shape::new(words.shape, |n| self.modal.length(n)).and_then(|shape| {
+            let tolerance = self.settings.arc_tolerance;
+            Arc::new([sx, sy], [ex, ey], shape, words.clockwise, words.turns, tolerance)
+        });
+        let arc = match arc {
+            Ok(arc) => arc,
+            Err(error) => return self.say(format_args!("echo:{}", error.text())).await,
+        };
+        let speed = self.modal.overridden_feed();
+        let begin = self.modal.extrusion;
+        let between = |from: Mm, to: Mm, part: u32| {
+            let way = i128::from(to.to_bits()) - i128::from(from.to_bits());
+            Mm::from_bits(from.to_bits() + (way * i128::from(part) / i128::from(arc.chords())) as i64)
+        };
+        for part in 1..=arc.chords() {
+            let [x, y] = arc.point(part);
+            self.go([x, y, between(sz, ez, part), between(se, ee, part)], speed).await?;
+            self.modal.extrusion = between(begin, wanted.extrusion, part);
+        }
+        Ok(())
+    }
+
+    /// G4: lets time pass in the motion itself; M108 ends it.
+    async fn dwell(&mut self, ms: u32) -> Result<(), Interrupt> {
+        self.finish().await?;
+        if ms == 0 {
+            return Ok(());
+        }
+        self.continued = false;
+        self.until(|c| c.link.has_room()).await?;
+        self.link.send(Work::Dwell((u64::from(ms) * u64::from(TICKS_PER_MS)) << 16));
+        self.until(|c| c.continued || c.link.is_idle()).await?;
+        if self.link.is_idle() { Ok(()) } else { self.drop_motion().await }
+    }
+
+    /// M104 and its relatives, until there are heaters.
+    async fn explain_heaters(&mut self) -> Result<(), Interrupt> {
+        if core::mem::replace(&mut self.told_of_heaters, true) {
+            return Ok(());
+        }
+        self.say(format_args!("echo:no heaters configured")).await
+    }
+}

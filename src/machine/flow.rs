@@ -1,0 +1,143 @@
+//! When moves leave the look-ahead.
+//!
+//! Moves leave for good: their speeds never change after. Which speeds they leave with must not depend on
+//! when the host's bytes arrived, so only final moves leave by themselves (see `motion::window`). Time has
+//! a say in two cases alone: when motion begins, which changes no speed, and when the stream is dry.
+
+use crate::units::{Instant, TICKS_PER_MS};
+
+/// Motion begins when this much of it is final: a host that answers within an USB adapter's 16 ms stays
+/// ahead from then on.
+pub(super) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
+
+/// Motion begins, whatever is planned, when no move has been added for this long. Marlin waits as long for
+/// a second block (BLOCK_DELAY_FOR_1ST_MOVE).
+const PAUSE_MS: u32 = 100;
+
+/// With more than this queued, nothing needs to leave the look-ahead.
+const COMFORT: u64 = 100 * TICKS_PER_MS as u64;
+
+/// With less than this queued, the stream is dry: moves leave though they are not final.
+const DRY: u64 = 20 * TICKS_PER_MS as u64;
+
+/// What may leave now.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Release {
+    /// Nothing.
+    Nothing,
+    /// Final moves.
+    Final,
+    /// The next move, final or not.
+    Next,
+    /// Every move; the last ends at rest.
+    All,
+}
+
+/// Decides when moves leave.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Flow {
+    /// Motion has not begun since the last rest.
+    gathering: bool,
+    /// When the last move was added.
+    added: Instant,
+    /// Whether the present drought was counted.
+    counted: bool,
+    /// Whether the look-ahead has been full since the last rest.
+    was_full: bool,
+}
+
+impl Flow {
+    pub const fn new() -> Self {
+        Self { gathering: true, added: Instant(0), counted: false, was_full: false }
+    }
+
+    /// A move was added.
+    pub const fn add(&mut self, now: Instant) {
+        self.added = now;
+    }
+
+    /// The look-ahead is full.
+    pub const fn fill(&mut self) {
+        self.gathering = false;
+        self.was_full = true;
+    }
+
+    /// Whether the look-ahead has once been full, so that its level says something of the host.
+    pub const fn is_level_telling(&self) -> bool {
+        self.was_full
+    }
+
+    /// Everything leaves now, because a command waits for it.
+    pub const fn drain(&mut self) {
+        self.gathering = false;
+        self.was_full = false;
+    }
+
+    /// Motion rests, and begins anew with the next move.
+    pub const fn rest(&mut self) {
+        self.gathering = true;
+        self.was_full = false;
+        self.counted = false;
+    }
+
+    /// Whether motion has not begun since the last rest.
+    pub const fn is_gathering(&self) -> bool {
+        self.gathering
+    }
+
+    /// What may leave to begin with, given the nominal time of final moves, in ticks.
+    pub fn begin(&mut self, final_time: u64, now: Instant) -> Release {
+        let paused = now >= self.added.after_ms(PAUSE_MS);
+        self.gathering = !paused && final_time < GATHERED;
+        match (paused, self.gathering) {
+            (true, _) => Release::All,
+            (false, true) => Release::Nothing,
+            (false, false) => Release::Final,
+        }
+    }
+
+    /// What may leave under way, given the time queued behind the look-ahead, in ticks.
+    pub const fn release(&mut self, queued: u64) -> Release {
+        if queued > COMFORT {
+            self.counted = false;
+            Release::Nothing
+        } else if queued > DRY {
+            Release::Final
+        } else {
+            Release::Next
+        }
+    }
+
+    /// A move left before it was final; true if that is a new drought.
+    pub const fn note_drought(&mut self) -> bool {
+        !core::mem::replace(&mut self.counted, true)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn motion_begins_when_enough_is_gathered_or_the_host_pauses() {
+        let mut flow = Flow::new();
+        flow.add(Instant(0));
+        assert_eq!(flow.begin(GATHERED - 1, Instant(0).after_ms(99)), Release::Nothing);
+        assert!(flow.is_gathering());
+        assert_eq!(flow.begin(GATHERED, Instant(0).after_ms(99)), Release::Final);
+        assert!(!flow.is_gathering());
+        let mut flow = Flow::new();
+        assert_eq!(flow.begin(1, Instant(0).after_ms(PAUSE_MS)), Release::All);
+    }
+
+    #[test]
+    fn a_comfortable_queue_lets_nothing_go() {
+        let mut flow = Flow::new();
+        flow.fill();
+        assert_eq!(flow.release(COMFORT + 1), Release::Nothing);
+        assert_eq!(flow.release(COMFORT), Release::Final);
+        assert_eq!(flow.release(DRY), Release::Next);
+        assert!(flow.note_drought());
+        assert!(!flow.note_drought());
+    }
+}

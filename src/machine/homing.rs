@@ -1,0 +1,134 @@
+//! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
+
+use super::console::{Console, Interrupt};
+use crate::gcode::AxisFlags;
+use crate::motion::Target;
+use crate::port::{Clock, DriverBus, EndstopSet, Pend, Serial};
+use crate::settings::Homing;
+use crate::units::{Mm, MmPerSec, Steps};
+
+/// How far beyond an axis' length the switch is looked for: the machine may stand a little outside.
+const BEYOND: Mm = Mm::const_from_int(10);
+
+/// Why homing failed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum HomeError {
+    /// The switch was not met on the whole length of the axis.
+    NoTrigger,
+    /// The switch was still pressed after backing off.
+    StillPressed,
+    /// Something else ended it.
+    Interrupted(Interrupt),
+}
+
+impl From<Interrupt> for HomeError {
+    fn from(interrupt: Interrupt) -> Self {
+        Self::Interrupted(interrupt)
+    }
+}
+
+/// An axis that can be homed.
+#[derive(Clone, Copy)]
+struct Axis {
+    index: usize,
+    name: char,
+    endstop: EndstopSet,
+    homing: Homing,
+    length: Mm,
+}
+
+impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+    /// G28. Whichever axis fails, the print must not go on: the machine halts.
+    pub(super) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
+        self.finish().await?;
+        let all = !(flags.x || flags.y || flags.z);
+        let (axes, homing) = (self.settings.axes, self.settings.homing);
+        let x = Axis { index: 0, name: 'X', endstop: EndstopSet::X, homing: homing.x, length: axes.x.length };
+        let y = Axis { index: 1, name: 'Y', endstop: EndstopSet::Y, homing: homing.y, length: axes.y.length };
+        let z = Axis { index: 2, name: 'Z', endstop: EndstopSet::Z, homing: homing.z, length: axes.z.length };
+        for (axis, wanted) in [(x, flags.x), (y, flags.y), (z, flags.z)] {
+            if !(wanted || all) {
+                continue;
+            }
+            match self.home_axis(&axis).await {
+                Ok(()) => {}
+                Err(HomeError::Interrupted(interrupt)) => return Err(interrupt),
+                Err(HomeError::NoTrigger) => {
+                    self.say(format_args!("Error:Homing failed: {} endstop not found", axis.name)).await?;
+                    return Err(Interrupt::Halt);
+                }
+                Err(HomeError::StillPressed) => {
+                    self.say(format_args!("Error:Homing failed: {} endstop does not release", axis.name)).await?;
+                    return Err(Interrupt::Halt);
+                }
+            }
+        }
+        self.told_of_edge = false;
+        Ok(())
+    }
+
+    async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
+        self.set_homed(axis.index, false);
+        if !self.approach(axis, axis.length + BEYOND, axis.homing.fast).await? {
+            return Err(HomeError::NoTrigger);
+        }
+        self.travel(axis, axis.homing.back_off, axis.homing.fast, EndstopSet::NONE).await?;
+        // Twice the way back finds any switch that is still there.
+        let sought = axis.homing.back_off * 2;
+        let before = self.real_steps();
+        if !self.approach(axis, sought, axis.homing.slow).await? {
+            return Err(HomeError::NoTrigger);
+        }
+        if self.real_steps() == before {
+            return Err(HomeError::StillPressed);
+        }
+        self.call_it_zero(axis.index).await?;
+        self.set_homed(axis.index, true);
+        Ok(())
+    }
+
+    /// Moves towards the switch; true if it was met.
+    async fn approach(&mut self, axis: &Axis, way: Mm, speed: MmPerSec) -> Result<bool, Interrupt> {
+        self.travel(axis, -way, speed, axis.endstop).await?;
+        let met = !self.link.status().triggered().is_empty();
+        self.drop_motion().await?;
+        Ok(met)
+    }
+
+    /// Moves one axis, and waits until it is there or has met what it watches for.
+    async fn travel(&mut self, axis: &Axis, way: Mm, speed: MmPerSec, watch: EndstopSet) -> Result<(), Interrupt> {
+        let mut position = self.planner.mm(self.planner.end());
+        if let Some(at) = position.get_mut(axis.index) {
+            *at = at.saturating_add(way);
+        }
+        self.plan(Target { position, speed, watch }).await?;
+        self.finish().await
+    }
+
+    /// The axis stands at 0. Belt motors stand on whole steps, so the sum and difference of x and y do too.
+    async fn call_it_zero(&mut self, index: usize) -> Result<(), Interrupt> {
+        let [u, v, ..] = self.real_counts();
+        let mut position = self.real_steps();
+        if let Some(at) = position.get_mut(index) {
+            *at = Steps::ZERO;
+        }
+        if index < 2 && u.wrapping_add(v) & 1 != 0 {
+            // The other axis lies on a half step; it moves to the whole one, 6 um beside.
+            let [x, y, ..] = &mut position;
+            (*x, *y) = (x.wrapping_round(), y.wrapping_round());
+        }
+        self.adopt_position(position).await?;
+        self.modal.position = self.planner.mm(position);
+        Ok(())
+    }
+
+    fn set_homed(&mut self, index: usize, homed: bool) {
+        if let Some(flag) = self.homed.0.get_mut(index) {
+            *flag = homed;
+        }
+        // A homed axis carries the machine's own zero.
+        if let Some(origin) = self.modal.origin.get_mut(index).filter(|_| homed) {
+            *origin = Mm::ZERO;
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! The machine: what each command does, from the line that asked for it to the `ok` that answers it.
+//!
+//! The [`Console`] is one `async` function that is polled whenever something may have changed; it needs no
+//! executor and no waker. Every wait in it turns the same crank: take bytes in, see to emergencies, hand
+//! released moves on, send replies out.
+
+mod angle;
+mod arc;
+mod console;
+mod execute;
+mod flow;
+mod homing;
+mod limits;
+mod modal;
+mod motion;
+mod report;
+mod tuning;
+
+pub use console::{Console, Ports};

@@ -1,0 +1,225 @@
+//! Modal state: what earlier lines said that still holds, and what a line therefore means.
+
+use crate::gcode::{AxisWords, Number};
+use crate::settings::{Range, Settings, ranges};
+use crate::units::{Mm, MmPerSec};
+
+/// Positions are kept within +-10 m, whatever a line says: no machine is larger, and no sum overflows.
+const FARTHEST: Range<Mm> = Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
+
+/// Overrides in percent (M220, M221): a tenth to ten times, as Marlin accepts them.
+const PERCENT: Range<u16> = Range { least: 10, most: 999 };
+
+/// The speed of moves before the first F: 50 mm/s suits any axis once its limit is applied.
+const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
+
+/// Millimetres an inch, exactly 25.4, as the fraction 127/5.
+const INCH: (i64, i64) = (127, 5);
+
+/// What still holds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Modal {
+    /// G90; cleared by G91.
+    pub absolute: bool,
+    /// M82; cleared by M83. E is relative if either this or `absolute` is cleared.
+    pub absolute_extrusion: bool,
+    /// G20; cleared by G21.
+    pub inches: bool,
+    /// F, before the override.
+    pub feed: MmPerSec,
+    /// M220.
+    pub feed_percent: u16,
+    /// M220 B.
+    pub kept_feed_percent: u16,
+    /// M221.
+    pub flow_percent: u16,
+    /// Where the machine is commanded to: x, y, z as machine coordinates, e as filament really asked for.
+    pub position: [Mm; 4],
+    /// What a program calls 0, as machine coordinates (G92).
+    pub origin: [Mm; 3],
+    /// E as the program counts it.
+    pub extrusion: Mm,
+}
+
+/// What a line of motion asks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Wanted {
+    /// Target in machine coordinates.
+    pub position: [Mm; 4],
+    /// E as the program will count it then.
+    pub extrusion: Mm,
+    /// Whether the filament asked for in one move was more than there may be; it is left out then.
+    pub too_much: bool,
+}
+
+impl Modal {
+    /// As after a reset: absolute, millimetres, at `position`.
+    pub const fn new(position: [Mm; 3]) -> Self {
+        let [x, y, z] = position;
+        Self {
+            absolute: true,
+            absolute_extrusion: true,
+            inches: false,
+            feed: FIRST_FEED,
+            feed_percent: 100,
+            kept_feed_percent: 100,
+            flow_percent: 100,
+            position: [x, y, z, Mm::ZERO],
+            origin: [Mm::ZERO; 3],
+            extrusion: Mm::ZERO,
+        }
+    }
+
+    /// A number of a line as a length.
+    pub fn length(&self, number: Number) -> Mm {
+        let bits = number.value().to_bits();
+        if self.inches {
+            let wide = i128::from(bits) * i128::from(INCH.0) / i128::from(INCH.1);
+            Mm::from_bits(wide.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64)
+        } else {
+            Mm::from_bits(bits)
+        }
+    }
+
+    /// A number of a line as a speed in units a second.
+    pub fn speed(&self, number: Number) -> MmPerSec {
+        ranges::SPEED.clamp(MmPerSec::saturating_from_num(self.length(number)))
+    }
+
+    /// Takes over F, in units a minute; 0 and less change nothing.
+    pub fn set_feed(&mut self, number: Option<Number>) {
+        if let Some(feed) = number.map(|n| self.length(n)).filter(|f| *f > Mm::ZERO) {
+            self.feed = ranges::SPEED.clamp(MmPerSec::saturating_from_num(feed / 60));
+        }
+    }
+
+    /// F with the override.
+    pub fn overridden_feed(&self) -> MmPerSec {
+        let bits = u64::from(self.feed.to_bits()) * u64::from(self.feed_percent) / 100;
+        MmPerSec::from_bits(bits.min(u64::from(u32::MAX)) as u32)
+    }
+
+    /// A number of a line as an override.
+    pub fn percent(number: Number) -> u16 {
+        PERCENT.clamp(number.to_u32().min(u32::from(PERCENT.most)) as u16)
+    }
+
+    /// Where the words of a line lead.
+    pub fn target(&self, words: &AxisWords, settings: &Settings) -> Wanted {
+        let axis = |word: Option<Number>, at: Mm, origin: Mm| match word.map(|n| self.length(n)) {
+            None => at,
+            Some(v) if self.absolute => FARTHEST.clamp(origin.saturating_add(v)),
+            Some(v) => FARTHEST.clamp(at.saturating_add(v)),
+        };
+        let [x, y, z, e] = self.position;
+        let [ox, oy, oz] = self.origin;
+        let extrusion = match words.e.map(|n| self.length(n)) {
+            None => self.extrusion,
+            Some(v) if self.absolute && self.absolute_extrusion => v,
+            Some(v) => self.extrusion.saturating_add(v),
+        };
+        let asked = extrusion.saturating_sub(self.extrusion);
+        let flow = i128::from(asked.to_bits()) * i128::from(self.flow_percent) / 100;
+        let flow = Mm::from_bits(flow.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64);
+        let too_much = flow.saturating_abs() > settings.axes.e.length;
+        Wanted {
+            position: [
+                axis(words.x, x, ox),
+                axis(words.y, y, oy),
+                axis(words.z, z, oz),
+                if too_much { e } else { e.wrapping_add(flow) },
+            ],
+            extrusion,
+            too_much,
+        }
+    }
+
+    /// From now on the present position is called what the words say (G92).
+    pub fn rename(&mut self, words: &AxisWords) {
+        let names = [words.x, words.y, words.z].map(|word| word.map(|n| FARTHEST.clamp(self.length(n))));
+        for ((origin, at), name) in self.origin.iter_mut().zip(self.position).zip(names) {
+            if let Some(name) = name {
+                *origin = at.saturating_sub(name);
+            }
+        }
+        if let Some(e) = words.e {
+            self.extrusion = self.length(e);
+        }
+    }
+
+    /// Where the program believes to be.
+    pub fn named_position(&self, position: [Mm; 4]) -> [Mm; 4] {
+        let [x, y, z, e] = position;
+        let [ox, oy, oz] = self.origin;
+        // Filament not yet moved, in what the program counts.
+        let behind = self.position[3].wrapping_sub(e);
+        [x - ox, y - oy, z - oz, self.extrusion.saturating_sub(behind)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(text: &str) -> Option<Number> {
+        Number::read(text.as_bytes()).map(|(n, _)| n)
+    }
+
+    fn modal() -> (Modal, Settings) {
+        (Modal::new([Mm::from_num(10), Mm::from_num(20), Mm::from_num(5)]), Settings::prototype())
+    }
+
+    fn words(x: &str, e: &str) -> AxisWords {
+        AxisWords { x: number(x), e: number(e), ..AxisWords::default() }
+    }
+
+    #[test]
+    fn relative_extrusion_needs_only_one_of_its_two_switches() {
+        let (mut m, s) = modal();
+        m.extrusion = Mm::from_num(7);
+        assert_eq!(m.target(&words("1", "8"), &s).extrusion, Mm::from_num(8));
+        m.absolute_extrusion = false;
+        assert_eq!(m.target(&words("1", "8"), &s).extrusion, Mm::from_num(15));
+        m.absolute_extrusion = true;
+        m.absolute = false;
+        assert_eq!(m.target(&words("1", "8"), &s).extrusion, Mm::from_num(15));
+        assert_eq!(m.target(&words("1", "8"), &s).position[0], Mm::from_num(11));
+    }
+
+    #[test]
+    fn flow_stretches_the_filament_but_not_the_program_count() {
+        let (mut m, s) = modal();
+        m.flow_percent = 150;
+        let w = m.target(&words("1", "2"), &s);
+        assert_eq!((w.extrusion, w.position[3]), (Mm::from_num(2), Mm::from_num(3)));
+    }
+
+    #[test]
+    fn a_new_name_moves_nothing() {
+        let (mut m, s) = modal();
+        m.rename(&words("0", "0"));
+        assert_eq!(m.position[0], Mm::from_num(10));
+        assert_eq!(m.target(&words("5", ""), &s).position[0], Mm::from_num(15));
+        assert_eq!(m.named_position(m.position)[0], Mm::ZERO);
+    }
+
+    #[test]
+    fn inches_are_exact_and_huge_numbers_end_at_the_fence() {
+        let (mut m, s) = modal();
+        m.inches = true;
+        assert_eq!(m.target(&words("5", ""), &s).position[0], Mm::from_num(127));
+        assert_eq!(m.target(&words("999999999999", ""), &s).position[0], Mm::from_num(10_000));
+        assert!(m.target(&words("1", "99999"), &s).too_much);
+    }
+
+    #[test]
+    fn feed_is_a_minute_and_the_override_a_percentage() {
+        let (mut m, _) = modal();
+        m.set_feed(number("6000"));
+        m.feed_percent = 50;
+        assert_eq!(m.overridden_feed(), MmPerSec::from_num(50));
+        m.set_feed(number("0"));
+        m.set_feed(number("-5"));
+        assert_eq!(m.feed, MmPerSec::from_num(100));
+    }
+}

@@ -1,0 +1,184 @@
+//! The Console's dealings with motion: planning moves, waiting for them, stopping them.
+
+use super::console::{Console, Interrupt};
+use super::flow::{GATHERED, Release};
+use super::limits::{Homed, clamp};
+use crate::kinematics::GROUPS;
+use crate::motion::{Target, Work};
+use crate::port::{Clock, DriverBus, EndstopSet, MotorSet, Pend, Serial};
+use crate::units::{Mm, MmPerSec, Steps};
+
+impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+    /// Plans a move within the reachable space and takes it as the commanded position.
+    pub(super) async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
+        let (inside, moved) = clamp(position, self.homed, &self.settings);
+        if moved && !self.told_of_edge {
+            self.told_of_edge = true;
+            self.say(format_args!("echo:target beyond the reachable space, moved to its edge")).await?;
+        }
+        self.plan(Target { position: inside, speed, watch: EndstopSet::NONE }).await?;
+        self.modal.position = inside;
+        Ok(())
+    }
+
+    /// Plans a move as soon as there is room for it.
+    pub(super) async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
+        self.power(MotorSet::ALL);
+        while !self.planner.has_room() {
+            self.flow.fill();
+            self.planner.release_some();
+            self.feed_motion();
+            if !self.planner.has_room() {
+                self.turn().await?;
+            }
+        }
+        self.planner.push(&target, &self.settings);
+        self.flow.add(self.ports.clock.now());
+        let (moves, path) = self.planner.planned();
+        self.link.status().set_planned(moves, path);
+        Ok(())
+    }
+
+    /// Hands released moves on, and releases more when it is time.
+    pub(super) fn feed_motion(&mut self) {
+        if self.flow.is_level_telling() {
+            let level = self.planner.len() + self.link.len();
+            self.link.status().note_level(level as u32);
+        }
+        while self.link.has_room() && !(self.flow.is_gathering() && !self.begin_motion()) {
+            if let Some(released) = self.planner.pop() {
+                self.link.send(Work::Move(released));
+                continue;
+            }
+            if self.planner.is_empty() {
+                if self.link.is_idle() {
+                    self.flow.rest();
+                }
+                return;
+            }
+            let release = self.flow.release(self.link.left());
+            if release == Release::Nothing {
+                return;
+            }
+            self.planner.release_final();
+            if self.planner.has_ready() {
+                continue;
+            }
+            if release == Release::Final {
+                return;
+            }
+            self.planner.release_next();
+            if self.flow.note_drought() {
+                self.link.status().count_underrun();
+            }
+        }
+    }
+
+    /// Whether motion begins now.
+    fn begin_motion(&mut self) -> bool {
+        if self.planner.is_empty() {
+            return false;
+        }
+        // Nothing can be final that is not even planned; this saves the passes over the window.
+        let planned = self.planner.waiting() >= GATHERED;
+        let final_time = if planned { self.planner.plan_ahead() } else { 0 };
+        match self.flow.begin(final_time, self.ports.clock.now()) {
+            Release::All => self.planner.release_all(),
+            Release::Nothing => return false,
+            Release::Final | Release::Next => {}
+        }
+        true
+    }
+
+    /// Waits until everything planned has been stepped.
+    pub(super) async fn finish(&mut self) -> Result<(), Interrupt> {
+        self.flow.drain();
+        self.planner.release_all();
+        self.feed_motion();
+        self.until(|c| c.planner.is_empty() && c.link.is_idle()).await?;
+        self.flow.rest();
+        Ok(())
+    }
+
+    /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one.
+    pub(super) async fn drop_motion(&mut self) -> Result<(), Interrupt> {
+        self.planner.stand_at(self.planner.end());
+        self.link.abort();
+        let mut halted = Ok(());
+        while !self.link.is_idle() {
+            // A second quick stop changes nothing; a halt does.
+            match self.turn().await {
+                Err(Interrupt::Halt) => halted = Err(Interrupt::Halt),
+                Err(Interrupt::QuickStop) | Ok(()) => {}
+            }
+            halted?;
+        }
+        self.link.settle();
+        self.flow.rest();
+        let real = self.real_steps();
+        self.adopt_position(real).await?;
+        let real = self.planner.mm(real);
+        self.modal.extrusion = self.modal.named_position(real)[3];
+        self.modal.position = real;
+        Ok(())
+    }
+
+    /// M410: motion ends here and now, the position stays true.
+    pub(super) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
+        self.drop_motion().await
+    }
+
+    /// Tells the planner and the generator where the machine stands. Motion rests.
+    pub(super) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
+        self.planner.stand_at(position);
+        let counts = self.link.status().counts();
+        for (origin, group) in self.origin.iter_mut().zip(&GROUPS) {
+            let mut sum = Steps::ZERO;
+            for (times, steps) in group.row.iter().zip(position) {
+                sum = sum.wrapping_add(steps.wrapping_mul_int(i64::from(*times)));
+            }
+            let count = counts.get(group.lead as usize).copied().unwrap_or_default();
+            *origin = (sum.wrapping_round().to_bits() >> 32) as i32;
+            *origin = origin.wrapping_sub(count);
+        }
+        self.until(|c| c.link.has_room()).await?;
+        self.link.send(Work::Position(position));
+        Ok(())
+    }
+
+    /// Steps of each motor group, from the steps really emitted.
+    pub(super) fn real_counts(&self) -> [i32; 4] {
+        let counts = self.link.status().counts();
+        let mut real = self.origin;
+        for (real, group) in real.iter_mut().zip(&GROUPS) {
+            *real = real.wrapping_add(counts.get(group.lead as usize).copied().unwrap_or_default());
+        }
+        real
+    }
+
+    /// Where the machine really is, in steps of x, y, z and e.
+    pub(super) fn real_steps(&self) -> [Steps; 4] {
+        let [u, v, z, e] = self.real_counts().map(|n| i64::from(n) << 32);
+        // u = x + y and v = x - y; half a step is what an odd sum leaves.
+        [Steps::from_bits((u + v) / 2), Steps::from_bits((u - v) / 2), Steps::from_bits(z), Steps::from_bits(e)]
+    }
+
+    /// Gives power to motors.
+    pub(super) fn power(&mut self, motors: MotorSet) {
+        let powered = self.powered.with(motors);
+        if powered != self.powered {
+            self.powered = powered;
+            self.ports.drivers.enable(powered);
+        }
+    }
+
+    /// Takes power from motors; what they held is no longer where it was.
+    pub(super) fn unpower(&mut self, motors: MotorSet) {
+        self.powered = self.powered.without(motors);
+        self.ports.drivers.enable(self.powered);
+        let Homed([x, y, z]) = self.homed;
+        let lost = |set: MotorSet| !motors.without(MotorSet::ALL.without(set)).is_empty();
+        let (belt, screws) = (lost(MotorSet::BELT), lost(MotorSet::Z));
+        self.homed = Homed([x && !belt, y && !belt, z && !screws]);
+    }
+}

@@ -1,0 +1,24 @@
+//! A step event: all the motors that step in one instant.
+
+use crate::port::{EndstopSet, MotorSet};
+
+/// One entry of the StepQueue.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct StepEvent {
+    /// Ticks since the event before, in motion time; at most [`LONGEST_INTERVAL`].
+    pub interval: u32,
+    /// The motors that step; none in an event that only lets time pass.
+    pub steps: MotorSet,
+    /// The direction of every motor from here on; a set bit is forward.
+    pub forward: MotorSet,
+    /// The epoch in which the event was made; an event of another epoch is discarded.
+    pub epoch: u8,
+    /// Endstops that end the motion if any of them is pressed.
+    pub watch: EndstopSet,
+}
+
+/// Longest time between two events: a third of what [`Tick::is_before`](crate::units::Tick::is_before)
+/// can tell apart. Longer pauses are cut by events without steps.
+pub const LONGEST_INTERVAL: u32 = 1 << 30;
+
+const _: () = assert!(core::mem::size_of::<StepEvent>() == 8);

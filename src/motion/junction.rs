@@ -1,0 +1,97 @@
+//! Junction speeds: how fast a corner may be taken.
+//!
+//! Junction deviation (S. Jeon, "Improving Grbl: Cornering Algorithm", 2011): the tool is thought to follow
+//! an arc that touches both moves and leaves the corner by the deviation d; with the angle t between the
+//! moves that arc has the radius `d sin(t/2) / (1 - sin(t/2))`, and `v^2 = a r`. A square-corner velocity w
+//! is the same law with the deviation for which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`, so that
+//! `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not depend on the acceleration.
+
+use super::geometry::{Geometry, RATIO, UNIT};
+use crate::settings::{CornerRule, Settings};
+use crate::units::{MmPerSec2, mul_div};
+
+/// sqrt(2) - 1, scaled by [`UNIT`].
+const SQRT_2_MINUS_1: u64 = 444_758_426;
+
+/// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`.
+pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2, s: &Settings) -> u64 {
+    if before.is_extruder_only() || after.is_extruder_only() {
+        // The tool stands still in one of the two.
+        return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
+    }
+    let dot: i64 = before.unit.iter().zip(after.unit).map(|(p, q)| p * q).sum::<i64>() >> 30;
+    // The angle between the moves is pi minus the change of direction, hence the sign.
+    let cosine = (-dot).clamp(-UNIT, UNIT);
+    let sine_half = (((UNIT - cosine) as u64 / 2) << 30).isqrt().min(UNIT as u64);
+    let flatness = UNIT as u64 - sine_half;
+    let base = match s.corner {
+        CornerRule::JunctionDeviation(d) => mul_div(u64::from(a.to_bits()), d.to_bits().unsigned_abs(), 1 << 8),
+        CornerRule::SquareCorner(w) => {
+            let w = u64::from(w.to_bits());
+            mul_div(w * w, SQRT_2_MINUS_1, UNIT as u64)
+        }
+    };
+    let bend = mul_div(base, sine_half, flatness);
+    bend.min(extruder_jump(before, after, s))
+}
+
+/// Two retractions in a row are one if they go the same way.
+fn extruder_only(before: &Geometry, after: &Geometry) -> u64 {
+    if before.extrusion.signum() == after.extrusion.signum() { u64::MAX } else { 0 }
+}
+
+/// The speed squared at which the extruder's own speed would jump by its jerk limit.
+fn extruder_jump(before: &Geometry, after: &Geometry, s: &Settings) -> u64 {
+    let jump = before.extrusion.abs_diff(after.extrusion);
+    if jump == 0 {
+        return u64::MAX;
+    }
+    let v = mul_div(u64::from(s.extruder_jerk.to_bits()), RATIO, jump);
+    v.checked_mul(v).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::{Mm, MmPerSec};
+
+    fn heading(degrees: f64) -> Geometry {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
+    }
+
+    fn speed(turn: f64, s: &Settings) -> f64 {
+        let a = MmPerSec2::from_num(3000);
+        (corner_speed_sq(&heading(20.0), &heading(20.0 + turn), a, s) as f64 / 2f64.powi(32)).sqrt()
+    }
+
+    #[test]
+    fn corners_follow_the_junction_deviation_law() {
+        let mut s = Settings::prototype();
+        s.corner = CornerRule::JunctionDeviation(Mm::from_num(0.013));
+        for turn in [5.0, 30.0, 45.0, 90.0, 135.0, 170.0] {
+            let half = ((180.0 - turn) / 2.0f64).to_radians().sin();
+            let exact = (3000.0 * 0.013 * half / (1.0 - half)).sqrt();
+            assert!((speed(turn, &s) / exact - 1.0).abs() < 1e-3, "{turn}: {} {exact}", speed(turn, &s));
+        }
+    }
+
+    #[test]
+    fn a_square_corner_is_taken_at_the_square_corner_velocity() {
+        let mut s = Settings::prototype();
+        s.corner = CornerRule::SquareCorner(MmPerSec::from_num(8));
+        assert!((speed(90.0, &s) - 8.0).abs() < 1e-3);
+        assert!(speed(179.99, &s) < 0.2);
+        assert!(speed(0.0, &s) > 1000.0);
+    }
+
+    #[test]
+    fn the_extruder_limits_a_corner_where_its_speed_jumps() {
+        let s = Settings::prototype();
+        let mut printing = heading(0.0);
+        printing.extrusion = RATIO as i64 / 20;
+        let sq = corner_speed_sq(&printing, &heading(0.0), MmPerSec2::from_num(3000), &s);
+        let v = (sq as f64 / 2f64.powi(32)).sqrt();
+        assert!((v - 100.0).abs() < 0.01, "5 mm/s of filament at 0.05 mm a mm: {v}");
+    }
+}

@@ -1,0 +1,94 @@
+//! The Console's end of the motion: puts work into the MoveQueue and knows how much of it is left.
+
+use super::moves::{Entry, Work};
+use crate::port::Pend;
+use crate::status::Status;
+use heapless::spsc::Producer;
+
+/// The Console's end of the MoveQueue.
+pub struct Link<'m, W: Pend> {
+    queue: Producer<'m, Entry>,
+    status: &'m Status,
+    pend: W,
+    epoch: u8,
+    /// Entries ever queued, wrapping.
+    entries: u32,
+    /// Motion time queued and not yet seen to be stepped, in ticks times 2^16.
+    left: u64,
+    /// The Stepper's tick when last looked at.
+    seen: u32,
+}
+
+impl<'m, W: Pend> Link<'m, W> {
+    /// The end `queue` of the MoveQueue.
+    pub fn new(queue: Producer<'m, Entry>, status: &'m Status, pend: W) -> Self {
+        Self { queue, status, pend, epoch: status.epoch(), entries: 0, left: 0, seen: status.tick() }
+    }
+
+    /// What the contexts know of each other.
+    pub const fn status(&self) -> &'m Status {
+        self.status
+    }
+
+    /// Whether the queue takes another entry.
+    pub fn has_room(&self) -> bool {
+        self.queue.ready()
+    }
+
+    /// Entries in the queue.
+    pub fn len(&self) -> usize {
+        self.queue.len()
+    }
+
+    /// Whether all that was ever queued has been stepped.
+    pub fn is_idle(&self) -> bool {
+        self.status.is_idle(self.entries)
+    }
+
+    /// Whether nothing was ever queued.
+    pub const fn is_fresh(&self) -> bool {
+        self.entries == 0
+    }
+
+    /// Lets the Stepper look at the endstops, which it does by itself only while there is motion.
+    pub fn look_at_endstops(&self) {
+        self.pend.pend_stepper();
+    }
+
+    /// Queues work; the caller has asked [`has_room`](Self::has_room).
+    pub fn send(&mut self, work: Work) {
+        let time = match &work {
+            Work::Move(m) => m.time(),
+            Work::Dwell(time) => *time,
+            Work::Position(_) => 0,
+        };
+        if self.queue.enqueue(Entry { epoch: self.epoch, work }).is_ok() {
+            self.entries = self.entries.wrapping_add(1);
+            self.left += time;
+            self.pend.pend_generator();
+        }
+    }
+
+    /// Motion time queued and not yet stepped, in ticks. Ask more often than every 429 s.
+    pub fn left(&mut self) -> u64 {
+        let tick = self.status.tick();
+        let done = u64::from(tick.wrapping_sub(self.seen)) << 16;
+        self.seen = tick;
+        self.left = if self.is_idle() { 0 } else { self.left.saturating_sub(done) };
+        self.left >> 16
+    }
+
+    /// Drops everything queued, and every step not yet made. The link is idle when that has happened.
+    pub fn abort(&mut self) {
+        self.epoch = self.status.next_epoch();
+        self.pend.pend_generator();
+        self.pend.pend_stepper();
+    }
+
+    /// Begins counting anew after an abort; the link is idle.
+    pub fn settle(&mut self) {
+        self.status.clear_triggered();
+        self.left = 0;
+        self.seen = self.status.tick();
+    }
+}

@@ -1,0 +1,34 @@
+//! Motion: from targets to step events, on time.
+//!
+//! The [`Planner`] looks ahead and releases moves whose speeds can no longer change; the [`StepGenerator`]
+//! turns released moves into step events; the [`Stepper`] plays these on the pins. Two queues stand
+//! between the three, and each end of a queue has one owner, so nothing is locked.
+
+mod crossing;
+mod event;
+mod geometry;
+mod junction;
+mod link;
+mod moves;
+mod planner;
+mod profile;
+mod stepgen;
+mod stepper;
+mod window;
+
+pub use crossing::{Curve, Path};
+pub use event::{LONGEST_INTERVAL, StepEvent};
+pub use link::Link;
+pub use moves::{Entry, Move, WHOLE, Work};
+pub use planner::{Planner, Target};
+pub use profile::{Speeds, profile};
+pub use stepgen::{MIN_STEP_INTERVAL, StepGenerator};
+pub use stepper::Stepper;
+pub use window::{FORCED_BATCH, LOOK_AHEAD, WINDOW};
+
+/// Released moves between Console and StepGenerator. Full: the Console waits. Empty: motion rests.
+pub type MoveQueue = heapless::spsc::Queue<Entry, 33>;
+
+/// Step events between StepGenerator and Stepper. Full: the generator waits. Empty: motion rests, or has
+/// starved, which is counted. 511 events are 5 ms at 100,000 events a second.
+pub type StepQueue = heapless::spsc::Queue<StepEvent, 512>;

@@ -1,0 +1,64 @@
+//! Moves: what the planner releases and the generator steps. A released move never changes.
+
+use crate::port::EndstopSet;
+use crate::units::Steps;
+
+/// One in the fixed point of fractions of a move.
+pub const WHOLE: u32 = 1 << 31;
+
+/// A straight move with a trapezoid of speed: its distance is cut in three phases, each with its time.
+///
+/// Fractions are scaled by 2^31, times are ticks times 2^16.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Move {
+    /// Where it ends, in steps of x, y, z and e.
+    pub end: [Steps; 4],
+    /// The fraction of the path behind when the acceleration ends.
+    pub accelerated: u32,
+    /// The fraction of the path behind when the deceleration begins.
+    pub cruised: u32,
+    /// The part of the accelerating phase that its entry speed alone would cover in its time.
+    pub entry_share: u32,
+    /// The part of the decelerating phase that its exit speed alone would cover in its time.
+    pub exit_share: u32,
+    /// Time of the accelerating phase.
+    pub accelerate: u64,
+    /// Time of the cruising phase.
+    pub cruise: u64,
+    /// Time of the decelerating phase.
+    pub decelerate: u64,
+    /// Whether it ends at standstill.
+    pub rests: bool,
+    /// Endstops that end it early.
+    pub watch: EndstopSet,
+}
+
+impl Move {
+    /// How long it takes, in ticks times 2^16.
+    #[must_use]
+    pub const fn time(&self) -> u64 {
+        self.accelerate + self.cruise + self.decelerate
+    }
+}
+
+/// One entry of the MoveQueue.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Work {
+    /// A move.
+    Move(Move),
+    /// Time without motion, in ticks times 2^16.
+    Dwell(u64),
+    /// Without motion: here is where the machine stands, in steps of x, y, z and e.
+    Position([Steps; 4]),
+}
+
+/// Work, and the epoch to which it belongs.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Entry {
+    /// The epoch in which it was queued.
+    pub epoch: u8,
+    /// What to do.
+    pub work: Work,
+}
+
+const _: () = assert!(core::mem::size_of::<Entry>() <= 96);

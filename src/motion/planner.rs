@@ -1,0 +1,254 @@
+//! The planner: from targets to moves with speeds, looking ahead.
+//!
+//! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
+//! the geometry of a move is taken between its real ends.
+
+use super::geometry::{Geometry, Pitch};
+use super::junction::corner_speed_sq;
+use super::moves::Move;
+use super::window::{FORCED_BATCH, Planned, Window};
+use crate::port::EndstopSet;
+use crate::settings::Settings;
+use crate::units::{Mm, MmPerSec, MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
+
+/// Where to go, and how fast.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Target {
+    /// x, y, z and e.
+    pub position: [Mm; 4],
+    /// Speed along the path.
+    pub speed: MmPerSec,
+    /// Endstops that end the move early; such a move begins and ends at rest.
+    pub watch: EndstopSet,
+}
+
+/// Moves shorter than this wait for the next target instead of being planned: 0.5 um is a twentieth of a
+/// step of the belt, and its time would be lost between two ticks.
+const LEAST_LENGTH: u64 = (1 << 32) / 2000;
+
+/// Ends of moves at least this long are put on whole steps of x and y. Then an axis-parallel move steps all
+/// four belt motors in the same events, and the half step by which the end may be off bends the path by less
+/// than 0.4 degrees. Shorter moves keep their fractions of a step, or the speed along a finely cut curve
+/// would ripple.
+const SNAP_LENGTH: u64 = 1 << 32;
+
+/// Looks ahead over targets and releases moves.
+pub struct Planner {
+    window: Window,
+    pitch: [Pitch; 4],
+    /// Where the last move ends.
+    end: [Steps; 4],
+    /// The last move and its nominal speed squared, for the corner to the next.
+    last: (Geometry, u64),
+    /// Nominal time of the moves in the window, in ticks.
+    waiting: u64,
+    moves: u32,
+    /// Path of the tool, raw `Mm` bits.
+    path: u64,
+}
+
+impl Planner {
+    /// A planner for a machine that stands at `position` (x, y, z, e).
+    #[must_use]
+    pub fn new(settings: &Settings, position: [Mm; 4]) -> Self {
+        let mut planner = Self {
+            window: Window::new(),
+            pitch: settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array(),
+            end: [Steps::ZERO; 4],
+            last: (Geometry::new([0; 4]), 0),
+            waiting: 0,
+            moves: 0,
+            path: 0,
+        };
+        planner.end = planner.steps(position);
+        planner
+    }
+
+    /// Takes over new resolutions (M92); the machine stands.
+    pub fn set_resolution(&mut self, settings: &Settings) {
+        self.pitch = settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array();
+    }
+
+    /// A position in steps.
+    #[must_use]
+    pub fn steps(&self, position: [Mm; 4]) -> [Steps; 4] {
+        let [x, y, z, e] = self.pitch;
+        let [px, py, pz, pe] = position;
+        [x.steps(px), y.steps(py), z.steps(pz), e.steps(pe)]
+    }
+
+    /// A position in mm.
+    #[must_use]
+    pub fn mm(&self, steps: [Steps; 4]) -> [Mm; 4] {
+        self.mm_bits(steps).map(Mm::from_bits)
+    }
+
+    fn mm_bits(&self, steps: [Steps; 4]) -> [i64; 4] {
+        let [x, y, z, e] = self.pitch;
+        let [sx, sy, sz, se] = steps;
+        [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz), e.mm_bits(se)]
+    }
+
+    /// The way from the end of the last move to `end`, in raw `Mm` bits.
+    fn way_to(&self, end: [Steps; 4]) -> [i64; 4] {
+        let mut way = end;
+        for (to, from) in way.iter_mut().zip(self.end) {
+            *to = to.wrapping_sub(from);
+        }
+        self.mm_bits(way)
+    }
+
+    /// Forgets all moves: the machine stands at `position` in steps.
+    pub fn stand_at(&mut self, position: [Steps; 4]) {
+        self.window.clear();
+        self.waiting = 0;
+        self.end = position;
+    }
+
+    /// Where the last planned move ends, in steps.
+    #[must_use]
+    pub const fn end(&self) -> [Steps; 4] {
+        self.end
+    }
+
+    /// Plans a move to `target`; one without length is none. The caller has asked [`has_room`](Self::has_room).
+    pub fn push(&mut self, target: &Target, settings: &Settings) {
+        let Some((end, vector)) = self.lay_out(target.position) else {
+            return;
+        };
+        let (least, acceleration) = purpose(&vector, settings);
+        let nominal = vector.speed_limit(target.speed.max(least), settings);
+        let acceleration = vector.acceleration_limit(acceleration, settings);
+        let nominal_sq = u64::from(nominal.to_bits()) * u64::from(nominal.to_bits());
+        let (before, before_sq) = self.last;
+        let corner = corner_speed_sq(&before, &vector, acceleration, settings);
+        let time = mul_div(vector.length, u64::from(TICKS_PER_SECOND), u64::from(nominal.to_bits()) << 16);
+        let time = time.min(u64::from(u32::MAX)) as u32;
+        self.window.push(Planned {
+            end,
+            length: vector.length,
+            nominal,
+            acceleration,
+            cap: if target.watch.is_empty() { corner.min(before_sq).min(nominal_sq) } else { 0 },
+            entry: 0,
+            nominal_ticks: time,
+            watch: target.watch,
+        });
+        self.waiting += u64::from(time);
+        self.last = (vector, if target.watch.is_empty() { nominal_sq } else { 0 });
+        self.end = end;
+        self.moves = self.moves.wrapping_add(1);
+        if !vector.is_extruder_only() {
+            self.path = self.path.wrapping_add(vector.length);
+        }
+    }
+
+    /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
+    fn lay_out(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
+        let end = self.steps(position);
+        let way = self.way_to(end);
+        let vector = Geometry::new(way);
+        let [dx, dy, _, de] = way;
+        if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
+            // What the tool still lacks is part of the next target.
+            let [x, y, z, _] = self.end;
+            let extrusion = Geometry::new([0, 0, 0, de]);
+            return (extrusion.length >= LEAST_LENGTH).then_some(([x, y, z, end[3]], extrusion));
+        }
+        if dx.unsigned_abs().max(dy.unsigned_abs()) < SNAP_LENGTH {
+            return Some((end, vector));
+        }
+        let [x, y, z, e] = end;
+        let end = [x.wrapping_round(), y.wrapping_round(), z, e];
+        Some((end, Geometry::new(self.way_to(end))))
+    }
+
+    /// Whether another move can be planned.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        !self.window.is_full()
+    }
+
+    /// Whether [`pop`](Self::pop) would give a move.
+    #[must_use]
+    pub fn has_ready(&self) -> bool {
+        self.window.has_ready()
+    }
+
+    /// Whether no move waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.window.is_empty()
+    }
+
+    /// Moves that wait.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.window.len()
+    }
+
+    /// Nominal time of the moves that wait, in ticks: what they would take without ramps.
+    #[must_use]
+    pub const fn waiting(&self) -> u64 {
+        self.waiting
+    }
+
+    /// Moves planned so far, and the path of the tool in um; both wrap.
+    #[must_use]
+    pub const fn planned(&self) -> (u32, u32) {
+        (self.moves, ((self.path as u128 * 1000) >> 32) as u32)
+    }
+
+    /// Plans speeds and lets all final moves leave; says their nominal time, in ticks.
+    pub fn plan_ahead(&mut self) -> u64 {
+        self.window.plan();
+        self.window.ready_time()
+    }
+
+    /// Plans speeds, unless some moves may leave already, and lets all final moves leave.
+    pub fn release_final(&mut self) {
+        if !self.window.has_ready() {
+            self.window.plan();
+        }
+    }
+
+    /// As [`release_final`](Self::release_final), but if none is final, a few leave all the same.
+    pub fn release_some(&mut self) {
+        self.release_final();
+        if !self.window.has_ready() {
+            self.window.force(FORCED_BATCH);
+        }
+    }
+
+    /// Lets the first move leave, final or not.
+    pub fn release_next(&mut self) {
+        self.release_final();
+        if !self.window.has_ready() {
+            self.window.force(1);
+        }
+    }
+
+    /// Lets every move leave; the last one ends at rest.
+    pub fn release_all(&mut self) {
+        self.window.plan();
+        self.window.force(usize::MAX);
+    }
+
+    /// Takes the next move that may leave.
+    pub fn pop(&mut self) -> Option<Move> {
+        let (released, ticks) = self.window.pop()?;
+        self.waiting = self.waiting.saturating_sub(u64::from(ticks));
+        Some(released)
+    }
+}
+
+/// Least speed and acceleration of a move, by what it is for: print, travel, or retract.
+fn purpose(vector: &Geometry, s: &Settings) -> (MmPerSec, MmPerSec2) {
+    if vector.is_extruder_only() {
+        (MmPerSec::ZERO, s.retract_acceleration)
+    } else if vector.extrusion != 0 {
+        (s.min_feed, s.print_acceleration)
+    } else {
+        (s.min_travel, s.travel_acceleration)
+    }
+}

@@ -1,0 +1,114 @@
+//! Trapezoids: from distance, acceleration and the speeds at both ends to times.
+//!
+//! Three phases: accelerate from the entry speed to the peak, cruise, decelerate to the exit speed. Where
+//! the distance is too short for the nominal speed, the peak is where the two ramps meet:
+//! `peak^2 = (entry^2 + exit^2) / 2 + a L`.
+
+use super::moves::{Move, WHOLE};
+use crate::port::EndstopSet;
+use crate::units::{MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
+
+/// The speeds of a move, squared, in raw bits of 2^-32 mm2/s2.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Speeds {
+    /// At its begin.
+    pub entry: u64,
+    /// Not to be exceeded.
+    pub nominal: u64,
+    /// At its end.
+    pub exit: u64,
+}
+
+/// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
+#[must_use]
+pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
+    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7.
+    let wide = (a.to_bits() as u128 * length as u128) >> 7;
+    if wide > u64::MAX as u128 { u64::MAX } else { wide as u64 }
+}
+
+/// Time in ticks times 2^16 to change the speed by `change` (raw `MmPerSec` bits).
+const fn ramp_time(change: u64, a: MmPerSec2) -> u64 {
+    // (change / 2^16) / (a / 2^8) seconds.
+    mul_div(change, (TICKS_PER_SECOND as u64) << 8, a.to_bits() as u64)
+}
+
+/// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
+const fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
+    mul_div(change, 1 << 7, a.to_bits() as u64)
+}
+
+/// A move over `length` raw `Mm` bits to `end`. The entry and exit speed must be possible: neither above
+/// nominal, and `|exit - entry| <= gain(a, length)` but for rounding.
+#[must_use]
+pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch: EndstopSet) -> Move {
+    let meet = speeds.entry / 2 + speeds.exit / 2 + gain(a, length) / 2;
+    let peak = speeds.nominal.min(meet).max(speeds.entry).max(speeds.exit).max(1);
+    let (entry_speed, peak_speed, exit_speed) = (speeds.entry.isqrt(), peak.isqrt(), speeds.exit.isqrt());
+
+    let rise = ramp_length(peak - speeds.entry, a).min(length);
+    let fall = ramp_length(peak - speeds.exit, a).min(length - rise);
+    let level = length - rise - fall;
+    let fraction = |part: u64| mul_div(part, u64::from(WHOLE), length.max(1)).min(u64::from(WHOLE)) as u32;
+    // A ramp's length is its time times the mean of its two speeds.
+    let share = |slow: u64| mul_div(slow, 2 * u64::from(WHOLE), slow + peak_speed).min(u64::from(WHOLE)) as u32;
+    Move {
+        end,
+        accelerated: fraction(rise),
+        cruised: fraction(length - fall),
+        entry_share: share(entry_speed),
+        exit_share: share(exit_speed),
+        accelerate: ramp_time(peak_speed - entry_speed, a),
+        cruise: mul_div(level, u64::from(TICKS_PER_SECOND), peak_speed),
+        decelerate: ramp_time(peak_speed - exit_speed, a),
+        rests: speeds.exit == 0,
+        watch,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Mm;
+
+    fn sq(v: f64) -> u64 {
+        (v * v * 2f64.powi(32)) as u64
+    }
+
+    fn seconds(t: u64) -> f64 {
+        t as f64 / 65536.0 / 1e7
+    }
+
+    fn run(length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
+        let speeds = Speeds { entry: sq(entry), nominal: sq(nominal), exit: sq(exit) };
+        let length = Mm::from_num(length).to_bits() as u64;
+        profile(length, MmPerSec2::from_num(a), speeds, [Steps::ZERO; 4], EndstopSet::NONE)
+    }
+
+    #[test]
+    fn a_long_move_cruises() {
+        let m = run(60.0, 3000.0, 0.0, 100.0, 0.0);
+        assert!((seconds(m.accelerate) - 1.0 / 30.0).abs() < 1e-8);
+        assert!((seconds(m.cruise) - (60.0 - 100.0 / 30.0) / 100.0).abs() < 1e-7);
+        assert_eq!(m.entry_share, 0);
+        assert!(m.rests);
+    }
+
+    #[test]
+    fn a_short_move_peaks_where_the_ramps_meet() {
+        let m = run(1.0, 1000.0, 10.0, 300.0, 20.0);
+        let peak = (250.0f64 + 1000.0).sqrt();
+        assert!((seconds(m.accelerate) - (peak - 10.0) / 1000.0).abs() < 1e-7);
+        assert!((seconds(m.decelerate) - (peak - 20.0) / 1000.0).abs() < 1e-7);
+        assert!(seconds(m.cruise) < 1e-6);
+        assert!(!m.rests);
+    }
+
+    #[test]
+    fn a_move_at_one_speed_only_cruises() {
+        let m = run(5.0, 1000.0, 50.0, 50.0, 50.0);
+        assert_eq!((m.accelerate, m.decelerate), (0, 0));
+        assert_eq!((m.accelerated, m.cruised), (0, WHOLE));
+        assert!((seconds(m.cruise) - 0.1).abs() < 1e-7);
+    }
+}

@@ -1,0 +1,328 @@
+//! The step generator: from released moves to step events.
+//!
+//! A move is taken phase by phase. In each phase every motor group has a [`Path`], and the next event is
+//! the earliest next step of any group, with all groups that step in the same tick. A group's count is
+//! always the position rounded to the nearest step, a step being due where the position crosses a half.
+//!
+//! Time is counted in ticks times 2^16 from the start of the epoch, so a phase begins where the one before
+//! ended to within 2^-17 of a tick; only the instant of a step is rounded to a whole tick.
+
+use super::crossing::{Curve, Path};
+use super::event::{LONGEST_INTERVAL, StepEvent};
+use super::moves::{Entry, Move, WHOLE, Work};
+use crate::kinematics::GROUPS;
+use crate::port::{EndstopSet, MotorSet, Pend};
+use crate::status::Status;
+use crate::units::Steps;
+use heapless::spsc::{Consumer, Producer};
+
+/// Two pulses of a motor are at least this many ticks apart: 1 us, ten times what the driver asks for
+/// (TMC2209 datasheet rev 1.09, section 13.1: STEP high and low 100 ns each). Motion at legal speeds never
+/// comes near it; a motor that reverses within half a step does.
+pub const MIN_STEP_INTERVAL: u64 = 10;
+
+/// Events made in one call of [`StepGenerator::run`].
+const BATCH: usize = 64;
+
+/// Half a step.
+const HALF: i64 = 1 << 31;
+
+/// One motor group.
+#[derive(Clone, Copy)]
+struct Track {
+    /// The group's count of steps.
+    count: i32,
+    path: Path,
+    /// When its next step is due, and which way.
+    next: Option<(u64, bool)>,
+    /// When its next step may come at the earliest.
+    free: u64,
+}
+
+/// A phase of a move.
+#[derive(Clone, Copy)]
+struct Phase {
+    curve: Curve,
+    /// Fraction of the move behind at its end.
+    end: u32,
+    slow_share: u32,
+    time: u64,
+}
+
+/// What is being done.
+#[derive(Clone, Copy)]
+enum Task {
+    Nothing,
+    /// A move, from where, and which phase comes next.
+    Move(Move, [Steps; 4], usize),
+    /// Time without motion.
+    Dwell,
+}
+
+/// Turns moves into step events.
+pub struct StepGenerator<'m, W: Pend> {
+    moves: Consumer<'m, Entry>,
+    events: Producer<'m, StepEvent>,
+    status: &'m Status,
+    pend: W,
+    epoch: u8,
+    task: Task,
+    tracks: [Track; GROUPS.len()],
+    /// End of the present phase, in ticks times 2^16.
+    end: u64,
+    /// Tick of the last event.
+    last: u64,
+    /// Where the last move ended.
+    position: [Steps; 4],
+    forward: MotorSet,
+    watch: EndstopSet,
+}
+
+impl<'m, W: Pend> StepGenerator<'m, W> {
+    /// The generator between the two queues. It learns where the machine stands from the first
+    /// [`Work::Position`].
+    pub fn new(moves: Consumer<'m, Entry>, events: Producer<'m, StepEvent>, status: &'m Status, pend: W) -> Self {
+        let still = Path::new(Steps::ZERO, Steps::ZERO, Curve::Steady, 0, 0);
+        Self {
+            moves,
+            events,
+            status,
+            pend,
+            epoch: status.epoch(),
+            task: Task::Nothing,
+            tracks: [Track { count: 0, path: still, next: None, free: 0 }; GROUPS.len()],
+            end: 0,
+            last: 0,
+            position: [Steps::ZERO; 4],
+            forward: MotorSet::NONE,
+            watch: EndstopSet::NONE,
+        }
+    }
+
+    /// Makes step events until the StepQueue is full, nothing is left to do, or a bounded amount of work is
+    /// done; in the last case it pends itself. Call it whenever either queue may have moved.
+    pub fn run(&mut self) {
+        if self.status.epoch() != self.epoch {
+            self.begin_epoch();
+        }
+        for _ in 0..BATCH {
+            if !self.events.ready() {
+                return;
+            }
+            if !self.advance() {
+                return;
+            }
+        }
+        self.pend.pend_generator();
+    }
+
+    fn begin_epoch(&mut self) {
+        self.epoch = self.status.epoch();
+        if !matches!(self.task, Task::Nothing) {
+            self.task = Task::Nothing;
+            self.status.entry_done();
+        }
+        self.end = 0;
+        self.last = 0;
+        for track in &mut self.tracks {
+            track.next = None;
+            track.free = 0;
+        }
+    }
+
+    /// One event, phase or entry further; false if there is nothing to do.
+    fn advance(&mut self) -> bool {
+        let due = self.tracks.iter().filter_map(|t| t.next).map(|(tick, _)| tick).min();
+        if let Some(tick) = due.filter(|tick| *tick << 16 <= self.end + (1 << 15)) {
+            self.step(tick);
+            return true;
+        }
+        match self.task {
+            Task::Nothing => self.next_entry(),
+            Task::Dwell => {
+                if self.rest() {
+                    self.finish();
+                }
+                true
+            }
+            Task::Move(m, from, phase) => {
+                match phases(&m).get(phase) {
+                    Some(p) => {
+                        self.begin_phase(&m, from, p, phase);
+                        self.task = Task::Move(m, from, phase + 1);
+                    }
+                    None => {
+                        self.position = m.end;
+                        // At a standstill an event marks the end of the motion, so that time is whole there.
+                        if !m.rests || self.rest() {
+                            self.finish();
+                        }
+                    }
+                }
+                true
+            }
+        }
+    }
+
+    fn finish(&mut self) {
+        self.task = Task::Nothing;
+        self.status.entry_done();
+    }
+
+    fn next_entry(&mut self) -> bool {
+        let Some(entry) = self.moves.dequeue() else {
+            return false;
+        };
+        if entry.epoch != self.epoch {
+            self.status.entry_done();
+            return true;
+        }
+        match entry.work {
+            Work::Move(m) => {
+                self.watch = m.watch;
+                self.task = Task::Move(m, self.position, 0);
+            }
+            Work::Dwell(time) => {
+                self.end += time;
+                self.watch = EndstopSet::NONE;
+                self.task = Task::Dwell;
+            }
+            Work::Position(position) => {
+                self.position = position;
+                for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
+                    track.count = rounded(coordinate(&group.row, position));
+                    track.next = None;
+                }
+                self.status.entry_done();
+            }
+        }
+        true
+    }
+
+    fn begin_phase(&mut self, m: &Move, from: [Steps; 4], phase: &Phase, index: usize) {
+        let begin = self.end;
+        self.end += phase.time;
+        for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
+            let first = coordinate(&group.row, from);
+            let last = coordinate(&group.row, m.end);
+            // A phase begins where the one before it ended, to the last bit.
+            let start = if index == 0 { first } else { track.path.end() };
+            let stop = if phase.end == WHOLE { last } else { part(first, last, phase.end) };
+            track.path = Path::new(start, stop, phase.curve, phase.slow_share, phase.time);
+            track.plan_next(begin);
+        }
+    }
+
+    /// Emits the event at `tick`.
+    fn step(&mut self, tick: u64) {
+        if !self.pass_time(tick) {
+            return;
+        }
+        let begin = self.end - self.tracks[0].path.time();
+        let mut steps = MotorSet::NONE;
+        for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
+            let Some((_, ahead)) = track.next.filter(|(due, _)| *due == tick) else {
+                continue;
+            };
+            steps = steps.with(group.with).with(group.against);
+            let (forward, backward) = if ahead { (group.with, group.against) } else { (group.against, group.with) };
+            self.forward = self.forward.without(backward).with(forward);
+            track.count = track.count.wrapping_add(if ahead { 1 } else { -1 });
+            track.free = tick + MIN_STEP_INTERVAL;
+            track.plan_next(begin);
+        }
+        self.emit(tick, steps);
+    }
+
+    /// Lets time pass up to the end of the present task; true when that is reached.
+    fn rest(&mut self) -> bool {
+        let tick = (self.end + (1 << 15)) >> 16;
+        if tick > self.last {
+            if !self.pass_time(tick) {
+                return false;
+            }
+            self.emit(tick, MotorSet::NONE);
+        }
+        true
+    }
+
+    /// Cuts a pause that no single event can span; true when the rest of it fits.
+    fn pass_time(&mut self, tick: u64) -> bool {
+        let fits = tick.saturating_sub(self.last) <= u64::from(LONGEST_INTERVAL);
+        if !fits {
+            self.emit(self.last + u64::from(LONGEST_INTERVAL), MotorSet::NONE);
+        }
+        fits
+    }
+
+    fn emit(&mut self, tick: u64, steps: MotorSet) {
+        // The last step of a phase may be rounded beyond its end, the first of the next is not before it.
+        let interval = tick.saturating_sub(self.last) as u32;
+        self.last = self.last.max(tick);
+        let event = StepEvent { interval, steps, forward: self.forward, epoch: self.epoch, watch: self.watch };
+        if self.events.enqueue(event).is_ok() {
+            self.status.event_made();
+            // Only a stepper that has run out of events needs to be told.
+            if self.events.len() <= 1 {
+                self.pend.pend_stepper();
+            }
+        }
+    }
+}
+
+impl Track {
+    /// Finds the group's next step in its present path, which began at `begin`.
+    fn plan_next(&mut self, begin: u64) {
+        let goal = rounded(self.path.end());
+        if goal == self.count {
+            self.next = None;
+            return;
+        }
+        let ahead = goal.wrapping_sub(self.count) > 0;
+        let edge = Steps::from_bits((i64::from(self.count) << 32).wrapping_add(if ahead { HALF } else { -HALF }));
+        // A step that is left over from the phase before is due at once.
+        let after = if ahead == self.path.is_forward() { self.path.reaches(edge) } else { 0 };
+        let tick = (begin + after + (1 << 15)) >> 16;
+        self.next = Some((tick.max(self.free), ahead));
+    }
+}
+
+/// The phases of a move; one without time is left out.
+fn phases(m: &Move) -> heapless::Vec<Phase, 3> {
+    let mut phases = heapless::Vec::new();
+    let all = [
+        Phase { curve: Curve::Speeding, end: m.accelerated, slow_share: m.entry_share, time: m.accelerate },
+        Phase { curve: Curve::Steady, end: m.cruised, slow_share: 0, time: m.cruise },
+        Phase { curve: Curve::Slowing, end: WHOLE, slow_share: m.exit_share, time: m.decelerate },
+    ];
+    for phase in all {
+        if phase.time > 0 {
+            let _ = phases.push(phase);
+        }
+    }
+    // The last phase ends where the move does.
+    if let Some(last) = phases.last_mut() {
+        last.end = WHOLE;
+    }
+    phases
+}
+
+/// The group's coordinate at a position.
+fn coordinate(row: &[i8; 4], position: [Steps; 4]) -> Steps {
+    let mut sum = Steps::ZERO;
+    for (times, steps) in row.iter().zip(position) {
+        sum = sum.wrapping_add(steps.wrapping_mul_int(i64::from(*times)));
+    }
+    sum
+}
+
+/// The point a fraction of the way from `first` to `last`.
+fn part(first: Steps, last: Steps, fraction: u32) -> Steps {
+    let way = i128::from(last.wrapping_sub(first).to_bits()) * i128::from(fraction);
+    first.wrapping_add(Steps::from_bits((way >> 31) as i64))
+}
+
+/// The nearest whole step, halves upwards.
+fn rounded(position: Steps) -> i32 {
+    (position.to_bits().wrapping_add(HALF) >> 32) as i32
+}

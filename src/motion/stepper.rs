@@ -1,0 +1,166 @@
+//! The stepper: plays step events on the pins, each at its tick.
+//!
+//! It runs in the step timer's interrupt at the highest priority. Everything it needs stands in the event;
+//! it decides nothing but whether the moment has come. Motion time runs while there are events: at each
+//! start after a rest, real time is taken anew, so a pause of the host never shows in the motion.
+
+use super::event::StepEvent;
+use crate::port::{MotorSet, Pend, StepClock, StepPort};
+use crate::status::Status;
+use crate::units::Tick;
+use heapless::spsc::Consumer;
+
+/// Events played or discarded in one interrupt before others of the same priority get their turn.
+const BURST: usize = 8;
+
+/// When the queue has drained to this many events the generator is woken: half of it.
+const REFILL: usize = 256;
+
+/// An event that comes later than this moves all that follow: 10 us, half of the closest spacing at the
+/// greatest speed of one motor. Steps are late then, but never too close to each other, and none is lost.
+const GRACE: u32 = 100;
+
+/// Between the first event's arrival and its alarm: 20 us, for the generator to fill the queue.
+const LEAD: u32 = 200;
+
+/// Plays step events.
+pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
+    events: Consumer<'m, StepEvent>,
+    status: &'m Status,
+    port: P,
+    clock: C,
+    pend: W,
+    /// The event that comes next, and when.
+    next: Option<(StepEvent, Tick)>,
+    /// When the last event was due, if motion has not rested since.
+    running: Option<Tick>,
+    /// Motion time.
+    tick: u64,
+    /// Direction lines as they are.
+    forward: MotorSet,
+    /// An epoch whose motion an endstop has ended.
+    ended: Option<u8>,
+}
+
+impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
+    /// The stepper at the end of the StepQueue.
+    pub fn new(events: Consumer<'m, StepEvent>, status: &'m Status, mut port: P, clock: C, pend: W) -> Self {
+        port.dir(MotorSet::NONE);
+        status.set_endstops(port.endstops());
+        Self {
+            events,
+            status,
+            port,
+            clock,
+            pend,
+            next: None,
+            running: None,
+            tick: 0,
+            forward: MotorSet::NONE,
+            ended: None,
+        }
+    }
+
+    /// Call it when the alarm rings and when it is pended. Bounded: plays or discards at most a few events.
+    pub fn on_alarm(&mut self) {
+        for _ in 0..BURST {
+            let Some((event, due)) = self.next.or_else(|| self.fetch()) else {
+                self.status.set_endstops(self.port.endstops());
+                self.clock.silence();
+                return;
+            };
+            if event.epoch != self.status.epoch() || self.ended == Some(event.epoch) {
+                self.discard();
+                continue;
+            }
+            self.ended = None;
+            let now = self.clock.now();
+            if now.is_before(due) {
+                self.next = Some((event, due));
+                self.status.set_endstops(self.port.endstops());
+                self.clock.alarm(due);
+                return;
+            }
+            if !event.watch.is_empty() {
+                let pressed = self.port.endstops().and(event.watch);
+                if !pressed.is_empty() {
+                    self.status.set_triggered(pressed);
+                    self.ended = Some(event.epoch);
+                    self.discard();
+                    continue;
+                }
+            }
+            self.play(&event);
+            let late = now.since(due);
+            self.running = Some(if late > GRACE {
+                self.status.count_stretched();
+                now
+            } else {
+                due
+            });
+        }
+        // More may be due at once; ring again as soon as other interrupts have had their turn.
+        self.clock.alarm(self.clock.now());
+    }
+
+    /// Takes the next event from the queue and dates it.
+    fn fetch(&mut self) -> Option<(StepEvent, Tick)> {
+        let Some(event) = self.events.dequeue() else {
+            self.running = None;
+            return None;
+        };
+        if self.events.len() == REFILL {
+            self.pend.pend_generator();
+        }
+        let due = match self.running {
+            Some(last) => last.after(event.interval),
+            None => self.clock.now().after(event.interval.max(LEAD)),
+        };
+        self.next = Some((event, due));
+        self.next
+    }
+
+    fn discard(&mut self) {
+        self.next = None;
+        self.running = None;
+        self.status.event_done(self.tick as u32);
+    }
+
+    fn play(&mut self, event: &StepEvent) {
+        self.next = None;
+        self.tick += u64::from(event.interval);
+        if !event.steps.is_empty() {
+            if event.forward != self.forward {
+                self.forward = event.forward;
+                self.port.dir(event.forward);
+            }
+            self.port.rise(event.steps, self.tick);
+            // The pulse is as long as the counting takes, and the port sees to it that this is enough.
+            for motor in 0..7 {
+                if event.steps.0 & 1 << motor != 0 {
+                    self.status.count_step(motor, if event.forward.0 & 1 << motor != 0 { 1 } else { -1 });
+                }
+            }
+            self.port.fall(event.steps);
+            if !self.events.ready() {
+                self.status.count_starved();
+            }
+        }
+        self.status.event_done(self.tick as u32);
+    }
+
+    /// Motion time so far, in ticks.
+    pub const fn tick(&self) -> u64 {
+        self.tick
+    }
+
+    /// The port, for a board that has to look at it.
+    pub const fn port(&mut self) -> &mut P {
+        &mut self.port
+    }
+
+    /// The clock, for a board that has to look at it.
+    pub const fn clock(&mut self) -> &mut C {
+        &mut self.clock
+    }
+}

@@ -1,0 +1,124 @@
+//! Motors and endstops: their names, and sets of them as bits.
+
+/// The name of a motor; its number is its bit in a [`MotorSet`] and its column in a step trace.
+///
+/// Belt motors carry the number of their pulley in figure 5 of the CoreH-bot paper.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum Motor {
+    /// Pulley 1, lower left.
+    M1,
+    /// Pulley 4, lower right.
+    M4,
+    /// Pulley 8, upper right.
+    M8,
+    /// Pulley 11, upper left.
+    M11,
+    /// Left ball screw.
+    Z1,
+    /// Right ball screw.
+    Z2,
+    /// Extruder.
+    E0,
+}
+
+impl Motor {
+    /// Every motor in the order of the trace's columns.
+    pub const ALL: [Self; 7] = [Self::M1, Self::M4, Self::M8, Self::M11, Self::Z1, Self::Z2, Self::E0];
+
+    /// The motor's name as traces and reports print it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::M1 => "m1",
+            Self::M4 => "m4",
+            Self::M8 => "m8",
+            Self::M11 => "m11",
+            Self::Z1 => "z1",
+            Self::Z2 => "z2",
+            Self::E0 => "e0",
+        }
+    }
+}
+
+/// A set of motors, one bit each.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct MotorSet(pub u8);
+
+impl MotorSet {
+    /// No motor.
+    pub const NONE: Self = Self(0);
+    /// All seven motors.
+    pub const ALL: Self = Self(0x7F);
+    /// The four belt motors, which are switched on and off together.
+    pub const BELT: Self = Self(0x0F);
+    /// Both ball screws.
+    pub const Z: Self = Self(0x30);
+    /// The extruder.
+    pub const E: Self = Self(0x40);
+
+    /// The set of one motor.
+    #[must_use]
+    pub const fn of(motor: Motor) -> Self {
+        Self(1 << motor as u8)
+    }
+
+    /// Whether `motor` is in the set.
+    #[must_use]
+    pub const fn has(self, motor: Motor) -> bool {
+        self.0 & Self::of(motor).0 != 0
+    }
+
+    /// Whether the set is empty.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The motors of either set.
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The motors of this set that are not in `other`.
+    #[must_use]
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+}
+
+/// A set of endstop inputs, one bit each; a set bit is a switch that is pressed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct EndstopSet(pub u8);
+
+impl EndstopSet {
+    /// No endstop.
+    pub const NONE: Self = Self(0);
+    /// The switch at the low end of X.
+    pub const X: Self = Self(1);
+    /// The switch at the low end of Y.
+    pub const Y: Self = Self(2);
+    /// The switch at the low end of Z.
+    pub const Z: Self = Self(4);
+
+    /// Whether every endstop of `other` is in the set.
+    #[must_use]
+    pub const fn has(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The endstops of both sets.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
+    /// Whether the set is empty.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}

@@ -1,0 +1,80 @@
+//! The seam: what a machine must offer so that the core can run on it.
+//!
+//! Everything above is free of hardware; everything below implements these few traits. A simulated
+//! fault is one more implementation wrapped round another, never a flag.
+
+pub use crate::motors::{EndstopSet, Motor, MotorSet};
+
+use crate::units::{Instant, Tick};
+
+/// Step and direction lines of all motors, and the endstop inputs. Called from the step interrupt only:
+/// no call may block, lock or loop without a constant bound.
+pub trait StepPort {
+    /// Sets the direction lines; a set bit turns the motor counter-clockwise seen from above (belt) or
+    /// towards larger coordinates (Z, E). Returns when a step may follow (TMC2209 datasheet rev 1.09,
+    /// section 13.1: DIR to STEP set-up 20 ns).
+    fn dir(&mut self, forward: MotorSet);
+
+    /// Raises the step lines of all `steps` in one instant: one store a GPIO port.
+    /// `tick` is the event's motion time, which a trace records and a GPIO port ignores.
+    fn rise(&mut self, steps: MotorSet, tick: u64);
+
+    /// Lowers the step lines of `steps`, at least 100 ns after `rise` (TMC2209 datasheet rev 1.09,
+    /// section 13.1: minimum STEP high time).
+    fn fall(&mut self, steps: MotorSet);
+
+    /// All endstop inputs in one read.
+    fn endstops(&mut self) -> EndstopSet;
+}
+
+/// The step timer: a free-running counter of [`Tick`]s and one alarm.
+pub trait StepClock {
+    /// The counter.
+    fn now(&self) -> Tick;
+
+    /// Asks for the step interrupt at `at`, or at once if that has passed already.
+    fn alarm(&mut self, at: Tick);
+
+    /// No alarm until the next call of [`alarm`](Self::alarm).
+    fn silence(&mut self);
+}
+
+/// A way to wake another context: pends the interrupt that runs it.
+pub trait Pend {
+    /// Wakes the StepGenerator's context.
+    fn pend_generator(&self);
+
+    /// Wakes the Stepper's context (its alarm may be silent).
+    fn pend_stepper(&self);
+}
+
+/// The Console's clock.
+pub trait Clock {
+    /// Time since start.
+    fn now(&self) -> Instant;
+}
+
+/// What the serial line delivered.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Received {
+    /// A byte that arrived whole.
+    Byte(u8),
+    /// Something was lost or damaged here: overrun, framing or noise error.
+    Lost,
+}
+
+/// A serial line; never blocks.
+pub trait Serial {
+    /// The next thing received, if any.
+    fn recv(&mut self) -> Option<Received>;
+
+    /// Takes as many of `bytes` as fit and says how many; replies must leave at once, not wait for more.
+    fn send(&mut self, bytes: &[u8]) -> usize;
+}
+
+/// The motor drivers.
+pub trait DriverBus {
+    /// Powers exactly the motors of `on`; the four belt motors change in one transaction.
+    fn enable(&mut self, on: MotorSet);
+}

@@ -1,0 +1,179 @@
+//! Emergency commands: M112, M108 and M410 act as they arrive, even while another command blocks.
+//!
+//! The scanner reads every byte beside the line layer (the idea is that of Marlin's emergency_parser.h).
+//! It ignores numbers and checksums, because a stop that comes through damaged is still meant, but it
+//! insists on the start of a line and on the end of the digits: M1125 and `M117 M112` are harmless.
+//! The line then also takes its turn in the queue and is answered there.
+
+use super::words::is_blank;
+
+/// A command that cannot wait for its turn.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Emergency {
+    /// M112: stop everything until reset.
+    Stop,
+    /// M108: end the present wait.
+    Continue,
+    /// M410: stop the motion now and forget what is queued.
+    QuickStop,
+}
+
+impl Emergency {
+    /// The emergency of an M-code.
+    const fn of(code: u16) -> Option<Self> {
+        match code {
+            108 => Some(Self::Continue),
+            112 => Some(Self::Stop),
+            410 => Some(Self::QuickStop),
+            _ => None,
+        }
+    }
+}
+
+/// Where in a line the scanner is.
+#[derive(Clone, Copy)]
+enum State {
+    /// Nothing but blanks so far.
+    Start,
+    /// N, or a sign behind it.
+    Number,
+    /// A digit of the line number, or blanks behind it.
+    Numbered,
+    /// M.
+    Letter,
+    /// Digits behind M; their value.
+    Code(u16),
+    /// An emergency, complete; waits for the end of the line.
+    Complete(Emergency),
+    /// Anything else; waits for the end of the line.
+    Other,
+}
+
+/// Finds emergency commands in a stream of bytes.
+pub(super) struct Scanner {
+    state: State,
+}
+
+impl Scanner {
+    /// At the start of a line.
+    pub(super) const fn new() -> Self {
+        Self { state: State::Start }
+    }
+
+    /// Damage: whatever this line was, it is nothing now.
+    pub(super) const fn spoil(&mut self) {
+        self.state = State::Other;
+    }
+
+    /// Reads a byte; an emergency is returned at the end of its line.
+    pub(super) const fn read(&mut self, byte: u8) -> Option<Emergency> {
+        if matches!(byte, b'\n' | b'\r') {
+            let found = match self.state {
+                State::Complete(emergency) => Some(emergency),
+                State::Code(code) => Emergency::of(code),
+                _ => None,
+            };
+            self.state = State::Start;
+            return found;
+        }
+        if matches!(self.state, State::Other) {
+            return None;
+        }
+        self.state = match (self.state, byte) {
+            (state, 0) => state,
+            (State::Start | State::Numbered, b'M' | b'm') => State::Letter,
+            (State::Start, b'N' | b'n') => State::Number,
+            (State::Number, b'-' | b'+') => State::Number,
+            (State::Number | State::Numbered, b'0'..=b'9') => State::Numbered,
+            (State::Letter, b'0'..=b'9') => State::Code((byte - b'0') as u16),
+            (State::Code(code), b'0'..=b'9') => {
+                State::Code(code.saturating_mul(10).saturating_add((byte - b'0') as u16))
+            }
+            // A subcode or a longer name makes it another command.
+            (State::Code(_), b'.' | b'_') => State::Other,
+            (State::Code(code), _) => match Emergency::of(code) {
+                Some(emergency) => State::Complete(emergency),
+                None => State::Other,
+            },
+            (State::Complete(emergency), _) => State::Complete(emergency),
+            (State::Start | State::Number | State::Numbered | State::Letter, _) if is_blank(byte) => self.state,
+            _ => State::Other,
+        };
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    /// The emergencies of a text, and the text's length up to the first.
+    fn scan(text: &str) -> Vec<Emergency> {
+        let mut scanner = Scanner::new();
+        text.bytes().filter_map(|byte| scanner.read(byte)).collect()
+    }
+
+    #[test]
+    fn an_emergency_comes_in_many_dresses() {
+        for text in [
+            "M112\n",
+            "M112\r\n",
+            "m112\n",
+            " M112 \n",
+            "M 112\n",
+            "N5 M112*34\n",
+            "N-1M112*9\n",
+            "n 5\tm0112\n",
+            "M112 ;now\n",
+            "M112(now)\n",
+            "\0M\x0011\x002\n",
+            "G1 X5\nM112\n",
+            "M112*\n",
+            "M112 S1\n",
+        ] {
+            assert_eq!(scan(text), [Emergency::Stop], "{text:?}");
+        }
+        assert_eq!(scan("N4 M108*46\nM410\n"), [Emergency::Continue, Emergency::QuickStop]);
+    }
+
+    #[test]
+    fn a_false_alarm_would_ruin_a_print() {
+        for text in [
+            "M112",
+            "M1125\n",
+            "M11\n",
+            "M1120\n",
+            ";M112\n",
+            "M117 M112\n",
+            "G1 M112\n",
+            "M117 x;M112\n",
+            "(M112)\n",
+            "M112.1\n",
+            "M112_X\n",
+            "M1 12\n",
+            "NM112\n",
+            "XM112\n",
+            "N5 N6 M112\n",
+            "M67648\n",
+            "M-112\n",
+            "MM112\n",
+        ] {
+            assert_eq!(scan(text), [], "{text:?}");
+        }
+    }
+
+    #[test]
+    fn damage_lasts_to_the_end_of_the_line() {
+        let mut scanner = Scanner::new();
+        scanner.read(b'M');
+        scanner.spoil();
+        for &byte in b"M112\n" {
+            assert_eq!(scanner.read(byte), None);
+        }
+        assert_eq!(b"M112\n".iter().find_map(|&byte| scanner.read(byte)), Some(Emergency::Stop));
+    }
+}

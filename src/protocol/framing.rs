@@ -1,0 +1,295 @@
+//! Framing: bytes become one line, with its comment taken out and its checksum worked out on the way.
+//!
+//! The checksum is the XOR of everything before the last `*`, so the sum is noted at every `*` and the
+//! digits behind it are read as they come. A line of any length is therefore verified, although only its
+//! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that is told
+//! `checksum mismatch` would send it again for ever.
+
+use super::words::is_blank;
+
+/// Bytes of a line that are kept: 256 of payload and room for the line number.
+pub(super) const CAPACITY: usize = 288;
+
+/// What the checksum of a line says.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Checksum {
+    /// There is no `*`.
+    Missing,
+    /// It is right.
+    Good,
+    /// It is wrong, or no number at all.
+    Bad,
+}
+
+/// Where in the text of a line the next byte stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Context {
+    Plain,
+    Quoted,
+    Comment,
+}
+
+/// What has been read behind a `*`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Tail {
+    /// Blanks at most.
+    Nothing,
+    /// Digits.
+    Digits,
+    /// Digits, then blanks.
+    Blanks,
+    /// Digits, then a comment.
+    Comment,
+    /// Something that does not belong behind a checksum.
+    Rubbish,
+}
+
+/// A `*`, until another one follows.
+#[derive(Clone, Copy)]
+struct Star {
+    /// Length of the line before it.
+    length: usize,
+    /// XOR of the bytes before it.
+    sum: u8,
+    /// The number behind it.
+    claim: u16,
+    tail: Tail,
+    is_in_comment: bool,
+}
+
+/// A line in the making.
+pub(super) struct Frame {
+    text: [u8; CAPACITY],
+    /// Length without comment, counted on where `text` is full.
+    length: usize,
+    sum: u8,
+    star: Option<Star>,
+    context: Context,
+    is_escaped: bool,
+    is_damaged: bool,
+}
+
+impl Frame {
+    /// An empty line.
+    pub(super) const fn new() -> Self {
+        Self {
+            text: [0; CAPACITY],
+            length: 0,
+            sum: 0,
+            star: None,
+            context: Context::Plain,
+            is_escaped: false,
+            is_damaged: false,
+        }
+    }
+
+    /// Makes the line empty again.
+    pub(super) const fn clear(&mut self) {
+        self.length = 0;
+        self.sum = 0;
+        self.star = None;
+        self.context = Context::Plain;
+        self.is_escaped = false;
+        self.is_damaged = false;
+    }
+
+    /// Notes that something of this line was lost.
+    pub(super) const fn damage(&mut self) {
+        self.is_damaged = true;
+    }
+
+    /// Takes a byte of the line; its end is not one of them.
+    pub(super) fn push(&mut self, byte: u8) {
+        let is_ordinary = !matches!(byte, b' ' | b'\t' | b'*' | b';' | b'"' | b'\\');
+        if is_ordinary && self.context == Context::Plain && self.star.is_none() {
+            self.is_escaped = false;
+            self.sum ^= byte;
+            self.keep(byte);
+        } else {
+            self.push_special(byte);
+        }
+    }
+
+    /// As [`push`](Self::push), for every byte; kept apart because most bytes need nothing of it.
+    fn push_special(&mut self, byte: u8) {
+        // Blanks before the line are not part of it (Marlin queue.cpp), nor of its checksum.
+        if self.length == 0 && self.context == Context::Plain && is_blank(byte) {
+            return;
+        }
+        if byte == b'*' {
+            self.star = Some(Star {
+                length: self.length,
+                sum: self.sum,
+                claim: 0,
+                tail: Tail::Nothing,
+                is_in_comment: self.context == Context::Comment,
+            });
+        } else if let Some(star) = &mut self.star {
+            star.read(byte);
+        }
+        self.sum ^= byte;
+        if !self.is_comment(byte) {
+            self.keep(byte);
+        }
+    }
+
+    /// Adds a byte to the text, or only counts it if there is no room.
+    fn keep(&mut self, byte: u8) {
+        if let Some(place) = self.text.get_mut(self.length) {
+            *place = byte;
+        }
+        self.length = self.length.saturating_add(1);
+    }
+
+    /// Follows quotes and comments; says whether `byte` belongs to a comment.
+    fn is_comment(&mut self, byte: u8) -> bool {
+        let is_literal = core::mem::replace(&mut self.is_escaped, false);
+        match (self.context, byte) {
+            (Context::Comment, _) => return true,
+            _ if is_literal => {}
+            (_, b'\\') => self.is_escaped = true,
+            (Context::Plain, b'"') => self.context = Context::Quoted,
+            (Context::Quoted, b'"') => self.context = Context::Plain,
+            (Context::Plain, b';') => {
+                self.context = Context::Comment;
+                return true;
+            }
+            _ => {}
+        }
+        false
+    }
+
+    /// Whether something of the line was lost.
+    pub(super) const fn is_damaged(&self) -> bool {
+        self.is_damaged
+    }
+
+    /// The line without comment, as far as it was kept.
+    pub(super) fn text(&self) -> &[u8] {
+        self.text.get(..self.length).unwrap_or(&self.text)
+    }
+
+    /// As [`text`](Self::text), up to the checksum.
+    pub(super) fn before_checksum(&self) -> &[u8] {
+        let text = self.text();
+        self.star.and_then(|star| text.get(..star.length)).unwrap_or(text)
+    }
+
+    /// Whether the line was longer than what is kept of it.
+    pub(super) const fn is_too_long(&self) -> bool {
+        self.length > CAPACITY
+    }
+
+    /// Whether the part before the checksum was longer than what is kept of it.
+    pub(super) fn is_too_long_before_checksum(&self) -> bool {
+        self.star.map_or(self.length, |star| star.length) > CAPACITY
+    }
+
+    /// What the checksum says.
+    pub(super) fn checksum(&self) -> Checksum {
+        match self.star {
+            None => Checksum::Missing,
+            Some(star) if star.is_number() && star.claim == u16::from(star.sum) => Checksum::Good,
+            Some(_) => Checksum::Bad,
+        }
+    }
+
+    /// Whether the line, without its comment, ends in something like a checksum, right or wrong.
+    pub(super) fn ends_in_number(&self) -> bool {
+        self.star.is_some_and(|star| star.is_number() && !star.is_in_comment)
+    }
+}
+
+impl Star {
+    /// Reads on behind the `*`.
+    fn read(&mut self, byte: u8) {
+        self.tail = match (self.tail, byte) {
+            (Tail::Nothing | Tail::Digits, b'0'..=b'9') => {
+                self.claim = self.claim.saturating_mul(10).saturating_add(u16::from(byte - b'0'));
+                Tail::Digits
+            }
+            (Tail::Digits | Tail::Blanks, b';') => Tail::Comment,
+            (Tail::Digits | Tail::Blanks, _) if is_blank(byte) => Tail::Blanks,
+            (Tail::Nothing, _) if is_blank(byte) => Tail::Nothing,
+            (Tail::Comment, _) => Tail::Comment,
+            _ => Tail::Rubbish,
+        };
+    }
+
+    /// Whether a number and nothing else stands behind the `*`.
+    fn is_number(self) -> bool {
+        matches!(self.tail, Tail::Digits | Tail::Blanks | Tail::Comment)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+
+    fn frame(line: &str) -> Frame {
+        let mut frame = Frame::new();
+        line.bytes().for_each(|byte| frame.push(byte));
+        frame
+    }
+
+    #[test]
+    fn the_sum_of_a_real_line() {
+        // As printcore opens a print.
+        assert_eq!(frame("N-1 M110 N-1*125").checksum(), Checksum::Good);
+        assert_eq!(frame("N0 M110 N0*125").checksum(), Checksum::Good);
+        assert_eq!(frame("N1 M115*39").checksum(), Checksum::Good);
+        assert_eq!(frame("N1 M115*39").before_checksum(), b"N1 M115");
+        assert_eq!(frame("N1 M115*38").checksum(), Checksum::Bad);
+        assert_eq!(frame("N1 M115").checksum(), Checksum::Missing);
+    }
+
+    #[test]
+    fn what_may_stand_behind_a_checksum() {
+        for line in ["N1 M115*39  ", "N1 M115*39 ;x", "N1 M115* 39", "  N1 M115*39", "N1 M115*039"] {
+            assert_eq!(frame(line).checksum(), Checksum::Good, "{line}");
+        }
+        for line in ["N1 M115*39x", "N1 M115*", "N1 M115*295", "N1 M115*3 9", "N1 M115*65575", "N1 M115*-39"] {
+            assert_eq!(frame(line).checksum(), Checksum::Bad, "{line}");
+        }
+    }
+
+    #[test]
+    fn the_last_star_counts_wherever_it_stands() {
+        for body in ["N5 M117 2*3*4", "N5 G1 X1 ;a*b", "N5 M117 \"*\"", "N5 M117 a\\*b"] {
+            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+            assert_eq!(frame(&std::format!("{body}*{sum}")).checksum(), Checksum::Good, "{body}");
+        }
+    }
+
+    #[test]
+    fn comments_are_taken_out_but_not_of_strings() {
+        assert_eq!(frame("G1 X5 ;Y6").text(), b"G1 X5 ");
+        assert_eq!(frame("; all of it").text(), b"");
+        assert_eq!(frame("M862.3 P\"a;b\" ;c").text(), b"M862.3 P\"a;b\" ");
+        assert_eq!(frame("M117 a\\;b;c").text(), b"M117 a\\;b");
+        assert_eq!(frame("M117 5\" pipe ;b").text(), b"M117 5\" pipe ;b");
+    }
+
+    #[test]
+    fn a_long_line_is_verified_to_its_end() {
+        let body = std::format!("N7 M117 {}", "x".repeat(9000));
+        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        let long = frame(&std::format!("{body}*{sum}"));
+        assert_eq!(long.checksum(), Checksum::Good);
+        assert!(long.is_too_long_before_checksum());
+        assert_eq!(long.text(), &body.as_bytes()[..CAPACITY]);
+        assert!(!frame(&std::format!("G1 X5;{}", "x".repeat(9000))).is_too_long());
+    }
+
+    #[test]
+    fn a_full_line_may_still_have_a_checksum() {
+        let body = std::format!("N7 M117 {}", "x".repeat(CAPACITY - 8));
+        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        let full = frame(&std::format!("{body}*{sum}"));
+        assert_eq!(full.checksum(), Checksum::Good);
+        assert!(!full.is_too_long_before_checksum());
+        assert_eq!(full.before_checksum(), body.as_bytes());
+    }
+}

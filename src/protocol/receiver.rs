@@ -1,0 +1,273 @@
+//! The receiver: what arrives on the serial line, as lines in order and emergencies at once.
+
+use super::emergency::{Emergency, Scanner};
+use super::framing::Frame;
+use super::numbering::{Numbering, ResendReason, Verdict};
+use super::ring::Ring;
+use crate::port::Received;
+use crate::units::Instant;
+
+/// A damaged line whose end does not come within this time has lost its end too. Within a line a host
+/// pauses for no longer than its USB adapter does (FTDI latency timer: 16 ms).
+const QUIET_MS: u32 = 100;
+
+/// A line, or what became of one. Each is answered with exactly one `ok`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Incoming<'a> {
+    /// A command to carry out: verified, or sent without number and checksum. Never empty, without
+    /// blanks round it and without its `;` comment; any bytes but NUL, CR and LF.
+    Command(&'a [u8]),
+    /// Nothing to carry out: an empty numbered line, or one that is stale while a request is open.
+    Acknowledge,
+    /// M110 was carried out.
+    LineNumber {
+        /// The line number, if a bare M110 asked for it.
+        report: Option<i32>,
+    },
+    /// The line was in order, but is too long to be carried out.
+    TooLong,
+    /// The host must send again from the line after `last`.
+    Resend {
+        /// What was wrong.
+        reason: ResendReason,
+        /// The last line that was in order.
+        last: i32,
+    },
+}
+
+/// Turns received bytes into lines. Put bytes in with [`feed`](Self::feed) as they arrive, take lines out
+/// with [`next_line`](Self::next_line) when there is time for one.
+pub struct Receiver {
+    ring: Ring,
+    scanner: Scanner,
+    frame: Frame,
+    /// Whether `frame` holds a line that was handed out.
+    is_frame_done: bool,
+    numbering: Numbering,
+    /// Since when a damaged line has been waiting for its end.
+    quiet_since: Option<Instant>,
+}
+
+impl Default for Receiver {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Receiver {
+    /// A receiver as after a reset: line 1 comes next.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            ring: Ring::new(),
+            scanner: Scanner::new(),
+            frame: Frame::new(),
+            is_frame_done: false,
+            numbering: Numbering::new(),
+            quiet_since: None,
+        }
+    }
+
+    /// Whether another byte can be fed without loss. Feeding on regardless finds emergencies still, but
+    /// spoils the line.
+    #[must_use]
+    pub const fn has_room(&self) -> bool {
+        self.ring.has_room()
+    }
+
+    /// Takes what arrived; an emergency command is returned at the end of its line. That line will
+    /// also come out of [`next_line`](Self::next_line) and is answered there.
+    pub fn feed(&mut self, received: Received) -> Option<Emergency> {
+        self.ring.push(received);
+        match received {
+            Received::Byte(byte) => self.scanner.read(byte),
+            Received::Lost => {
+                self.scanner.spoil();
+                None
+            }
+        }
+    }
+
+    /// The number of the last line that was in order.
+    #[must_use]
+    pub const fn last_line(&self) -> i32 {
+        self.numbering.last()
+    }
+
+    /// The next line that asks for an answer, if a whole one has arrived. Reads at most the bytes fed so
+    /// far. Call it also while nothing arrives, so that a damaged line without an end is noticed.
+    pub fn next_line(&mut self, now: Instant) -> Option<Incoming<'_>> {
+        let verdict = self.next_verdict(now)?;
+        Some(match verdict {
+            Verdict::Command { end, length } => {
+                let command = self.frame.text().get(end.saturating_sub(length)..end);
+                Incoming::Command(command.unwrap_or_default())
+            }
+            Verdict::Acknowledge => Incoming::Acknowledge,
+            Verdict::LineNumber { report } => Incoming::LineNumber { report },
+            Verdict::TooLong => Incoming::TooLong,
+            Verdict::Resend { reason, last } => Incoming::Resend { reason, last },
+        })
+    }
+
+    fn next_verdict(&mut self, now: Instant) -> Option<Verdict> {
+        while let Some(received) = self.ring.pop() {
+            if core::mem::replace(&mut self.is_frame_done, false) {
+                self.frame.clear();
+            }
+            self.quiet_since = None;
+            match received {
+                Received::Byte(b'\n' | b'\r') => {
+                    self.is_frame_done = true;
+                    if let Some(verdict) = self.numbering.judge(&self.frame, now) {
+                        return Some(verdict);
+                    }
+                }
+                Received::Byte(byte) => self.frame.push(byte),
+                Received::Lost => self.frame.damage(),
+            }
+        }
+        self.give_up_damaged(now)
+    }
+
+    /// Asks for a damaged line again that never ends. The host would wait for an answer for ever
+    /// (printcore) or for half a minute (OctoPrint).
+    fn give_up_damaged(&mut self, now: Instant) -> Option<Verdict> {
+        if self.is_frame_done || !self.frame.is_damaged() {
+            return None;
+        }
+        let since = *self.quiet_since.get_or_insert(now);
+        if now < since.after_ms(QUIET_MS) {
+            return None;
+        }
+        self.quiet_since = None;
+        self.is_frame_done = true;
+        self.scanner = Scanner::new();
+        Some(self.numbering.damaged(now))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::string::{String, ToString};
+    use std::vec::Vec;
+
+    /// A receiver and what it makes of things, in short: commands as they are, the rest by name.
+    struct Line {
+        receiver: Receiver,
+        ms: u32,
+    }
+
+    impl Line {
+        fn new() -> Self {
+            Self { receiver: Receiver::new(), ms: 0 }
+        }
+
+        fn send(&mut self, text: &str) -> Vec<String> {
+            text.bytes().for_each(|byte| {
+                self.receiver.feed(Received::Byte(byte));
+            });
+            self.take()
+        }
+
+        fn lose(&mut self) {
+            self.receiver.feed(Received::Lost);
+        }
+
+        fn take(&mut self) -> Vec<String> {
+            let mut all = Vec::new();
+            while let Some(incoming) = self.receiver.next_line(Instant(0).after_ms(self.ms)) {
+                all.push(match incoming {
+                    Incoming::Command(text) => String::from_utf8_lossy(text).to_string(),
+                    Incoming::Resend { last, .. } => std::format!("resend after {last}"),
+                    other => std::format!("{other:?}"),
+                });
+            }
+            all
+        }
+    }
+
+    #[test]
+    fn every_line_end_ends_a_line_and_empty_ones_do_not_count() {
+        let mut line = Line::new();
+        assert_eq!(line.send("M105\nM114\rM115\r\n\n \t \n;x\n\0\nM119"), ["M105", "M114", "M115"]);
+        assert_eq!(line.send("\n"), ["M119"]);
+    }
+
+    #[test]
+    fn a_packet_may_end_anywhere() {
+        let mut line = Line::new();
+        assert_eq!(line.send("N1 M1"), [""; 0]);
+        assert_eq!(line.send("15*3"), [""; 0]);
+        assert_eq!(line.send("9\n"), ["M115"]);
+    }
+
+    #[test]
+    fn damage_spoils_its_own_line_only() {
+        let mut line = Line::new();
+        line.send("M105\nG1");
+        line.lose();
+        assert_eq!(line.send(" X5\nM114\n"), ["resend after 0", "M114"]);
+    }
+
+    #[test]
+    fn damage_before_a_line_spoils_it() {
+        let mut line = Line::new();
+        line.lose();
+        assert_eq!(line.send("M105\nM114\n"), ["resend after 0", "M114"]);
+    }
+
+    #[test]
+    fn a_line_that_lost_its_end_is_asked_for_after_a_while() {
+        let mut line = Line::new();
+        line.send("N1 M11");
+        line.lose();
+        assert_eq!(line.take(), [""; 0]);
+        line.ms += QUIET_MS - 1;
+        assert_eq!(line.take(), [""; 0]);
+        line.ms += 1;
+        assert_eq!(line.take(), ["resend after 0"]);
+        line.ms += QUIET_MS * 10;
+        assert_eq!(line.take(), [""; 0]);
+        assert_eq!(line.send("N1 M115*39\n"), ["M115"]);
+    }
+
+    #[test]
+    fn as_long_as_bytes_arrive_the_end_may_still_come() {
+        let mut line = Line::new();
+        line.lose();
+        for _ in 0..5 {
+            assert_eq!(line.send("x"), [""; 0]);
+            line.ms += QUIET_MS - 1;
+        }
+        assert_eq!(line.send("\n"), ["resend after 0"]);
+    }
+
+    #[test]
+    fn a_healthy_line_may_take_its_time() {
+        let mut line = Line::new();
+        line.send("M1");
+        line.ms += 60_000;
+        assert_eq!(line.send("05\n"), ["M105"]);
+    }
+
+    #[test]
+    fn an_emergency_is_seen_while_nobody_takes_lines() {
+        let mut receiver = Receiver::new();
+        for _ in 0..2000 {
+            assert_eq!(receiver.feed(Received::Byte(b'x')), None);
+        }
+        assert!(!receiver.has_room());
+        let found = b"\nM112\n".iter().filter_map(|&byte| receiver.feed(Received::Byte(byte)));
+        assert_eq!(found.collect::<Vec<_>>(), [Emergency::Stop]);
+    }
+
+    #[test]
+    fn an_emergency_also_takes_its_turn() {
+        let mut line = Line::new();
+        assert_eq!(line.send("M108\n"), ["M108"]);
+    }
+}

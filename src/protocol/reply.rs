@@ -1,0 +1,365 @@
+//! Replies: every text of the protocol, and the ring that they leave by.
+//!
+//! A line goes into the ring whole or not at all, and so do the lines of one dialogue: hosts have ended
+//! prints over an `ok` with a temperature report in the middle (OctoPrint issue 4671). Only printable
+//! ASCII leaves, because one other byte ends printcore's reading thread.
+//!
+//! Hosts act on what a line begins with, and on some words anywhere in it. The fixed texts here avoid
+//! all of those that are not meant; a test holds them to it.
+//!
+//! Full: [`NoRoom`], nothing is written, the caller tries again later. Empty: nothing is sent.
+
+use core::fmt::{self, Write};
+
+use heapless::Deque;
+
+use super::numbering::ResendReason;
+
+/// Bytes held: 178 ms at 115200 baud, several times the answer to M115.
+const CAPACITY: usize = 2048;
+
+/// Characters of an unknown command that are echoed.
+const ECHOED: usize = 60;
+
+/// The lines do not fit now; nothing was written. Try again when some have been sent.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct NoRoom;
+
+impl fmt::Display for NoRoom {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("no room for the reply")
+    }
+}
+
+impl core::error::Error for NoRoom {}
+
+/// Lines on their way to the host.
+pub struct Replies {
+    bytes: Deque<u8, CAPACITY>,
+}
+
+impl Default for Replies {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Replies {
+    /// Nothing to send.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { bytes: Deque::new() }
+    }
+
+    /// Adds one line and its line end. Bytes other than printable ASCII become `?`, line ends too.
+    ///
+    /// # Errors
+    /// [`NoRoom`] if the whole line does not fit.
+    pub fn line(&mut self, args: fmt::Arguments<'_>) -> Result<(), NoRoom> {
+        self.whole(|replies| replies.append(args))
+    }
+
+    /// The oldest bytes that wait to be sent, as many as lie together; empty if none do.
+    #[must_use]
+    pub fn pending(&self) -> &[u8] {
+        self.bytes.as_slices().0
+    }
+
+    /// Forgets the oldest `count` bytes, because they have been sent.
+    pub fn sent(&mut self, count: usize) {
+        for _ in 0..count {
+            if self.bytes.pop_front().is_none() {
+                return;
+            }
+        }
+    }
+
+    /// Bytes that may be added.
+    #[must_use]
+    pub const fn room(&self) -> usize {
+        self.bytes.capacity() - self.bytes.len()
+    }
+
+    /// `ok`: the line was taken.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn ok(&mut self) -> Result<(), NoRoom> {
+        self.line(format_args!("ok"))
+    }
+
+    /// Asks for the line after `last` in three lines, the third of which is the refused line's `ok`.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn resend(&mut self, reason: ResendReason, last: i32) -> Result<(), NoRoom> {
+        // Marlin's words (language.h): hosts know by them that the error is not fatal.
+        let what = match reason {
+            ResendReason::LineNumber => "Line Number is not Last Line Number+1",
+            ResendReason::ChecksumMismatch => "checksum mismatch",
+            ResendReason::NoChecksum => "No Checksum with line number",
+        };
+        self.whole(|replies| {
+            replies.append(format_args!("Error:{what}, Last Line: {last}"))?;
+            replies.append(format_args!("Resend: {}", i64::from(last) + 1))?;
+            replies.append(format_args!("ok"))
+        })
+    }
+
+    /// Answers M110, with the line number if it asked for it.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn line_number(&mut self, report: Option<i32>) -> Result<(), NoRoom> {
+        self.whole(|replies| {
+            if let Some(number) = report {
+                replies.append(format_args!("Line: {number}"))?;
+            }
+            replies.append(format_args!("ok"))
+        })
+    }
+
+    /// Answers a line that is too long, `ok` included.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn too_long(&mut self) -> Result<(), NoRoom> {
+        self.whole(|replies| {
+            replies.append(format_args!("echo:Line too long, ignored"))?;
+            replies.append(format_args!("ok"))
+        })
+    }
+
+    /// Answers a command that is not understood, `ok` included. The beginning of the text is echoed, its
+    /// colons and quotes as `?`: ` T:` or `Cap:` would mean something to a host.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn unknown(&mut self, text: &[u8]) -> Result<(), NoRoom> {
+        self.whole(|replies| {
+            replies.append(format_args!("echo:Unknown command: \"{}\"", Echo(text)))?;
+            replies.append(format_args!("ok"))
+        })
+    }
+
+    /// Says that a line is still being worked on.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn busy(&mut self) -> Result<(), NoRoom> {
+        self.line(format_args!("echo:busy: processing"))
+    }
+
+    /// The first line after a reset.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn start(&mut self) -> Result<(), NoRoom> {
+        self.line(format_args!("start"))
+    }
+
+    /// The answer to everything after an emergency stop; there is no `ok` any more.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn killed(&mut self) -> Result<(), NoRoom> {
+        self.line(format_args!("Error:Printer halted. kill() called!"))
+    }
+
+    /// Runs `write`, and undoes it if it fails.
+    fn whole(&mut self, write: impl FnOnce(&mut Self) -> fmt::Result) -> Result<(), NoRoom> {
+        let length = self.bytes.len();
+        write(self).map_err(|fmt::Error| {
+            self.bytes.truncate(length);
+            NoRoom
+        })
+    }
+
+    fn append(&mut self, args: fmt::Arguments<'_>) -> fmt::Result {
+        Line(&mut self.bytes).write_fmt(args)?;
+        self.bytes.push_back(b'\n').map_err(|_| fmt::Error)
+    }
+}
+
+/// A line being written.
+struct Line<'a>(&'a mut Deque<u8, CAPACITY>);
+
+impl Write for Line<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        text.bytes().try_for_each(|byte| {
+            let byte = if matches!(byte, b' '..=b'~') { byte } else { b'?' };
+            self.0.push_back(byte).map_err(|_| fmt::Error)
+        })
+    }
+}
+
+/// The beginning of a host's text, made harmless.
+struct Echo<'a>(&'a [u8]);
+
+impl fmt::Display for Echo<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for &byte in self.0.iter().take(ECHOED) {
+            f.write_char(match byte {
+                b':' | b'"' => '?',
+                b' '..=b'~' => byte as char,
+                b'\t' => ' ',
+                _ => '?',
+            })?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::string::{String, ToString};
+
+    /// Everything that waits, taken out in the pieces that [`Replies::pending`] gives.
+    fn drain(replies: &mut Replies) -> String {
+        let mut text = String::new();
+        while !replies.pending().is_empty() {
+            text += std::str::from_utf8(replies.pending()).unwrap();
+            replies.sent(replies.pending().len());
+        }
+        text
+    }
+
+    fn reply(write: impl FnOnce(&mut Replies) -> Result<(), NoRoom>) -> String {
+        let mut replies = Replies::new();
+        write(&mut replies).unwrap();
+        drain(&mut replies)
+    }
+
+    #[test]
+    fn the_resend_dialogue() {
+        assert_eq!(
+            reply(|r| r.resend(ResendReason::LineNumber, 12)),
+            "Error:Line Number is not Last Line Number+1, Last Line: 12\nResend: 13\nok\n"
+        );
+        assert_eq!(
+            reply(|r| r.resend(ResendReason::ChecksumMismatch, -1)),
+            "Error:checksum mismatch, Last Line: -1\nResend: 0\nok\n"
+        );
+        assert_eq!(
+            reply(|r| r.resend(ResendReason::NoChecksum, i32::MAX)),
+            "Error:No Checksum with line number, Last Line: 2147483647\nResend: 2147483648\nok\n"
+        );
+    }
+
+    #[test]
+    fn an_unknown_command_is_echoed_without_teeth() {
+        assert_eq!(reply(|r| r.unknown(b"G29 A")), "echo:Unknown command: \"G29 A\"\nok\n");
+        let nasty = b"FOO T:21 \"\xFF\x00\nok";
+        assert_eq!(reply(|r| r.unknown(nasty)), "echo:Unknown command: \"FOO T?21 ????ok\"\nok\n");
+        assert_eq!(reply(|r| r.unknown(&[b'x'; 500])).matches('x').count(), ECHOED);
+    }
+
+    #[test]
+    fn only_printable_ascii_leaves() {
+        assert_eq!(reply(|r| r.line(format_args!("a\nb\r{}~", "\u{fc}"))), "a?b???~\n");
+    }
+
+    #[test]
+    fn a_dialogue_that_does_not_fit_leaves_nothing_behind() {
+        for filled in 0..120 {
+            let mut replies = Replies::new();
+            let filling = "x".repeat(CAPACITY - 1 - filled);
+            replies.line(format_args!("{filling}")).unwrap();
+            let result = replies.resend(ResendReason::NoChecksum, 7);
+            let dialogue = "Error:No Checksum with line number, Last Line: 7\nResend: 8\nok\n";
+            let fits = dialogue.len() <= filled;
+            assert_eq!(result, if fits { Ok(()) } else { Err(NoRoom) });
+            let rest = drain(&mut replies);
+            assert_eq!(&rest[filling.len() + 1..], if fits { dialogue } else { "" });
+        }
+    }
+
+    #[test]
+    fn lines_survive_the_end_of_the_ring() {
+        let mut replies = Replies::new();
+        for n in 0..500 {
+            replies.line(format_args!("line {n} {}", "x".repeat(n))).unwrap();
+            assert_eq!(drain(&mut replies), std::format!("line {n} {}\n", "x".repeat(n)));
+        }
+        assert_eq!(replies.room(), CAPACITY);
+        replies.sent(5);
+    }
+
+    /// What a line may not begin with, unless it is meant (printcore, OctoPrint comm.py).
+    const RESERVED_BEGINNINGS: [&str; 11] =
+        ["ok", "start", "rs", "resend", "wait", "error", "fatal", "!!", "//", "debug_", "cap:"];
+
+    /// What may not stand anywhere in a line (OctoPrint, Printrun, Cura); the last two for old versions
+    /// of Cura.
+    const RESERVED_WORDS: [&str; 26] = [
+        "X:",
+        " T:",
+        "T0:",
+        " B:",
+        "NAME:",
+        "TargetExtr",
+        "TargetBed",
+        "Begin file list",
+        "End file list",
+        "File opened",
+        "File selected",
+        "Writing to file",
+        "Done printing file",
+        "Done saving file",
+        "File deleted",
+        "SD printing byte",
+        "Not SD printing",
+        "SD card ok",
+        "SD init fail",
+        "Invalid extruder",
+        " Count ",
+        "_min",
+        "_max",
+        "start",
+        "ok",
+        "rs",
+    ];
+
+    #[test]
+    fn our_words_mean_nothing_else_to_any_host() {
+        let fixed = [
+            reply(|r| r.resend(ResendReason::LineNumber, 1)),
+            reply(|r| r.resend(ResendReason::ChecksumMismatch, 1)),
+            reply(|r| r.resend(ResendReason::NoChecksum, 1)),
+            reply(|r| r.line_number(Some(5))),
+            reply(Replies::too_long),
+            reply(|r| r.unknown(b"G29")),
+            reply(Replies::busy),
+            reply(Replies::killed),
+            reply(Replies::start),
+            reply(Replies::ok),
+        ]
+        .concat();
+        let is_meant =
+            |line: &str| ["ok", "start"].contains(&line) || line.starts_with("Resend: ") || line.starts_with("Error:");
+        for line in fixed.lines() {
+            if !is_meant(line) {
+                let small = line.to_lowercase();
+                assert!(!RESERVED_BEGINNINGS.iter().any(|word| small.starts_with(word)), "{line}");
+            }
+            if !["ok", "start"].contains(&line) {
+                assert!(!RESERVED_WORDS.iter().any(|word| line.contains(word)), "{line}");
+            }
+        }
+        // An error ends the print unless it has one of these words (OctoPrint comm.py) or must end it.
+        for error in fixed.lines().filter(|line| line.starts_with("Error:")) {
+            let small = error.to_lowercase();
+            assert!(["line number", "checksum", "kill() called"].iter().any(|word| small.contains(word)));
+            assert!(!small.contains("no line number with checksum"));
+        }
+    }
+
+    #[test]
+    fn an_error_has_words() {
+        assert_eq!(NoRoom.to_string(), "no room for the reply");
+    }
+}

@@ -1,0 +1,125 @@
+//! The byte ring: holds what arrived while a command is being carried out.
+//!
+//! Damage travels with the bytes, so that it spoils the line it belongs to and no other. Its mark is the
+//! NUL byte, which means nothing in this protocol and is dropped at the door.
+//!
+//! Full: the byte is lost, which is damage and is marked as such; one place is kept free for the mark.
+//! Empty: there is nothing to do.
+
+use crate::port::Received;
+
+/// Bytes held: some thirty lines, or 89 ms at 115200 baud. A power of two, so that a place is found by
+/// masking; this runs for every byte.
+const CAPACITY: usize = 1024;
+
+/// The mark of damage.
+const DAMAGE: u8 = 0;
+
+/// Received bytes in order.
+pub(super) struct Ring {
+    bytes: [u8; CAPACITY],
+    /// Place of the oldest byte.
+    first: usize,
+    length: usize,
+}
+
+impl Ring {
+    /// An empty ring.
+    pub(super) const fn new() -> Self {
+        Self {
+            bytes: [0; CAPACITY],
+            first: 0,
+            length: 0,
+        }
+    }
+
+    /// Whether another byte can be taken without loss.
+    pub(super) const fn has_room(&self) -> bool {
+        self.length < CAPACITY - 1
+    }
+
+    /// Takes what arrived.
+    pub(super) fn push(&mut self, received: Received) {
+        match received {
+            Received::Byte(0) => {}
+            Received::Byte(byte) if self.has_room() => self.append(byte),
+            Received::Byte(_) | Received::Lost => self.mark(),
+        }
+    }
+
+    /// The oldest thing that arrived.
+    pub(super) fn pop(&mut self) -> Option<Received> {
+        self.length = self.length.checked_sub(1)?;
+        let byte = *self.bytes.get(self.first)?;
+        self.first = (self.first + 1) % CAPACITY;
+        Some(if byte == DAMAGE {
+            Received::Lost
+        } else {
+            Received::Byte(byte)
+        })
+    }
+
+    /// Marks damage. A second mark beside the first would say nothing new, so there is always a place.
+    fn mark(&mut self) {
+        let newest = (self.first + self.length + CAPACITY - 1) % CAPACITY;
+        if self.length == 0 || self.bytes.get(newest) != Some(&DAMAGE) {
+            self.append(DAMAGE);
+        }
+    }
+
+    fn append(&mut self, byte: u8) {
+        if let Some(place) = self.bytes.get_mut((self.first + self.length) % CAPACITY) {
+            *place = byte;
+        }
+        self.length += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_full_ring_marks_the_loss_where_it_happened() {
+        let mut ring = Ring::new();
+        let mut taken = 0;
+        while ring.has_room() {
+            ring.push(Received::Byte(b'x'));
+            taken += 1;
+        }
+        assert_eq!(taken, CAPACITY - 1);
+        ring.push(Received::Byte(b'y'));
+        ring.push(Received::Byte(b'y'));
+        ring.push(Received::Lost);
+        for _ in 0..taken {
+            assert_eq!(ring.pop(), Some(Received::Byte(b'x')));
+        }
+        ring.push(Received::Byte(b'z'));
+        assert_eq!(ring.pop(), Some(Received::Lost));
+        assert_eq!(ring.pop(), Some(Received::Byte(b'z')));
+        assert_eq!(ring.pop(), None);
+    }
+
+    #[test]
+    fn a_mark_in_the_last_place_but_one_leaves_no_gap() {
+        let mut ring = Ring::new();
+        for _ in 0..CAPACITY - 2 {
+            ring.push(Received::Byte(b'x'));
+        }
+        ring.push(Received::Lost);
+        assert!(!ring.has_room());
+        ring.push(Received::Byte(b'y'));
+        for _ in 0..CAPACITY - 2 {
+            ring.pop();
+        }
+        assert_eq!(ring.pop(), Some(Received::Lost));
+        assert_eq!(ring.pop(), None);
+    }
+
+    #[test]
+    fn nul_is_nothing() {
+        let mut ring = Ring::new();
+        ring.push(Received::Byte(0));
+        assert_eq!(ring.pop(), None);
+    }
+}

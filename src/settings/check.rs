@@ -1,0 +1,158 @@
+//! The ranges in which every setting must lie; outside of them the planner's arithmetic or the machine
+//! would not do what the number says.
+
+use super::{AxisSettings, CornerRule, Homing, Settings};
+use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
+
+/// Least and greatest legal value.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Range<T> {
+    /// Least legal value.
+    pub least: T,
+    /// Greatest legal value.
+    pub most: T,
+}
+
+impl<T: PartialOrd + Copy> Range<T> {
+    /// Whether `value` is legal.
+    #[must_use]
+    pub fn holds(&self, value: T) -> bool {
+        self.least <= value && value <= self.most
+    }
+
+    /// The legal value nearest to `value`.
+    #[must_use]
+    pub fn clamp(&self, value: T) -> T {
+        if value < self.least {
+            self.least
+        } else if value > self.most {
+            self.most
+        } else {
+            value
+        }
+    }
+}
+
+/// The legal ranges, by kind of quantity.
+pub mod ranges {
+    use super::{Mm, MmPerSec, MmPerSec2, Range, StepsPerMm};
+
+    /// Resolution: from a full-step rack to 256 microsteps on a fine screw.
+    pub const STEPS_PER_MM: Range<StepsPerMm> =
+        Range { least: StepsPerMm::const_from_int(1), most: StepsPerMm::const_from_int(25_600) };
+    /// Speed: a snail to six times the fastest printers.
+    pub const SPEED: Range<MmPerSec> = Range { least: MmPerSec::lit("0.01"), most: MmPerSec::const_from_int(3000) };
+    /// Acceleration: below 1 mm/s2 a move would take minutes to start.
+    pub const ACCELERATION: Range<MmPerSec2> =
+        Range { least: MmPerSec2::const_from_int(1), most: MmPerSec2::const_from_int(100_000) };
+    /// Length of an axis.
+    pub const LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(5000) };
+    /// Junction deviation and arc tolerance.
+    pub const TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
+    /// Way back after the first approach to an endstop.
+    pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
+    /// Steps a second of one motor: ten times what the step interrupt is asked for in practice, and far
+    /// below the 1 MHz at which two pulses of a motor would touch.
+    pub const STEP_RATE: u32 = 500_000;
+}
+
+/// What is wrong with a set of settings; the text names the setting.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum SettingsError {
+    /// A value lies outside its range in [`ranges`].
+    OutOfRange(&'static str),
+    /// Speed times resolution of this axis is above [`ranges::STEP_RATE`].
+    TooManySteps(&'static str),
+    /// X and Y share their belt, so they need the same steps a millimetre.
+    BeltResolutionsDiffer,
+}
+
+impl core::fmt::Display for SettingsError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::OutOfRange(what) => write!(f, "{what} is outside its legal range"),
+            Self::TooManySteps(axis) => {
+                write!(f, "{axis}: max_speed x steps_per_mm is above {} steps/s", ranges::STEP_RATE)
+            }
+            Self::BeltResolutionsDiffer => f.write_str("x and y share their belt: steps_per_mm must be equal"),
+        }
+    }
+}
+
+impl core::error::Error for SettingsError {}
+
+fn within<T: PartialOrd + Copy>(range: Range<T>, value: T, what: &'static str) -> Result<(), SettingsError> {
+    if range.holds(value) { Ok(()) } else { Err(SettingsError::OutOfRange(what)) }
+}
+
+fn axis(a: &AxisSettings, name: &'static str) -> Result<(), SettingsError> {
+    within(ranges::STEPS_PER_MM, a.steps_per_mm, name)?;
+    within(ranges::SPEED, a.max_speed, name)?;
+    within(ranges::ACCELERATION, a.max_acceleration, name)?;
+    within(ranges::LENGTH, a.length, name)?;
+    let rate = u64::from(a.max_speed.to_bits()) * u64::from(a.steps_per_mm.to_bits()) >> 32;
+    if rate > u64::from(ranges::STEP_RATE) { Err(SettingsError::TooManySteps(name)) } else { Ok(()) }
+}
+
+fn homing(h: &Homing, name: &'static str) -> Result<(), SettingsError> {
+    within(ranges::SPEED, h.fast, name)?;
+    within(ranges::SPEED, h.slow, name)?;
+    within(ranges::BACK_OFF, h.back_off, name)
+}
+
+impl Settings {
+    /// Checks every value against its range.
+    ///
+    /// # Errors
+    /// The first setting found to be illegal.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        axis(&self.axes.x, "axes.x")?;
+        axis(&self.axes.y, "axes.y")?;
+        axis(&self.axes.z, "axes.z")?;
+        axis(&self.axes.e, "axes.e")?;
+        if self.axes.x.steps_per_mm != self.axes.y.steps_per_mm {
+            return Err(SettingsError::BeltResolutionsDiffer);
+        }
+        within(ranges::SPEED, self.motor_max_speed, "motor_max_speed")?;
+        within(ranges::ACCELERATION, self.motor_max_acceleration, "motor_max_acceleration")?;
+        within(ranges::ACCELERATION, self.print_acceleration, "print_acceleration")?;
+        within(ranges::ACCELERATION, self.retract_acceleration, "retract_acceleration")?;
+        within(ranges::ACCELERATION, self.travel_acceleration, "travel_acceleration")?;
+        match self.corner {
+            CornerRule::JunctionDeviation(d) => within(ranges::TOLERANCE, d, "corner.junction_deviation")?,
+            CornerRule::SquareCorner(v) => within(ranges::SPEED, v, "corner.square_corner")?,
+        }
+        within(ranges::SPEED, self.extruder_jerk, "extruder_jerk")?;
+        within(ranges::TOLERANCE, self.arc_tolerance, "arc_tolerance")?;
+        homing(&self.homing.x, "homing.x")?;
+        homing(&self.homing.y, "homing.y")?;
+        homing(&self.homing.z, "homing.z")?;
+        let most = ranges::SPEED.most;
+        if self.min_feed > most || self.min_travel > most {
+            return Err(SettingsError::OutOfRange("min_feed or min_travel"));
+        }
+        if self.keepalive_s > 60 {
+            return Err(SettingsError::OutOfRange("keepalive_s"));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_prototype_is_legal() {
+        assert_eq!(Settings::prototype().check(), Ok(()));
+    }
+
+    #[test]
+    fn a_resolution_that_the_belt_cannot_have_is_named() {
+        let mut s = Settings::prototype();
+        s.axes.y.steps_per_mm = StepsPerMm::const_from_int(160);
+        assert_eq!(s.check(), Err(SettingsError::BeltResolutionsDiffer));
+        s.axes.y.steps_per_mm = StepsPerMm::const_from_int(25_600);
+        assert_eq!(s.check(), Err(SettingsError::TooManySteps("axes.y")));
+    }
+}

@@ -1,0 +1,93 @@
+//! Settings: the machine as data. Values are range-checked where they enter, so the rooms that read them
+//! need not ask.
+
+mod axis;
+mod check;
+
+pub use axis::{Axes, AxisSettings, Cartesian, Homing};
+pub use check::{Range, SettingsError, ranges};
+
+use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
+use serde::{Deserialize, Serialize};
+
+/// What limits the speed in a corner.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub enum CornerRule {
+    /// Junction deviation: how far an arc that rounds the corner may leave it.
+    JunctionDeviation(Mm),
+    /// Square-corner velocity: the speed through a corner of 90 degrees.
+    SquareCorner(MmPerSec),
+}
+
+/// Everything that makes one machine different from another.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Settings {
+    /// Resolution, limits and length of every axis.
+    pub axes: Axes<AxisSettings>,
+    /// Speed limit of a belt motor, in mm of belt a second.
+    pub motor_max_speed: MmPerSec,
+    /// Acceleration limit of a belt motor, in mm of belt a second squared.
+    pub motor_max_acceleration: MmPerSec2,
+    /// Acceleration of moves that print (M204 P).
+    pub print_acceleration: MmPerSec2,
+    /// Acceleration of moves of the extruder alone (M204 R).
+    pub retract_acceleration: MmPerSec2,
+    /// Acceleration of moves that do not print (M204 T).
+    pub travel_acceleration: MmPerSec2,
+    /// Speed limit in corners (M205 J or X, Y).
+    pub corner: CornerRule,
+    /// The jump in the extruder's speed that a corner may ask for (M205 E).
+    pub extruder_jerk: MmPerSec,
+    /// Least commanded speed of a printing move (M205 S).
+    pub min_feed: MmPerSec,
+    /// Least commanded speed of a travelling move (M205 T).
+    pub min_travel: MmPerSec,
+    /// How each axis finds its endstop.
+    pub homing: Cartesian<Homing>,
+    /// Whether moves are kept inside the reachable space (M211).
+    pub soft_endstops: bool,
+    /// How far the chords of an arc may lie inside it.
+    pub arc_tolerance: Mm,
+    /// Seconds between two busy messages, 0 for none (M113).
+    pub keepalive_s: u8,
+}
+
+impl Settings {
+    /// The prototype of the CoreH-bot paper with an 80 mm head: belts of 20 teeth and 2 mm pitch on
+    /// 200-step motors at 16 microsteps (80 steps/mm), two M12x4 ball screws (800 steps/mm), and a geared
+    /// extruder. The reachable space is W - e = 470 - 80 mm by the y range of equation 20.
+    #[must_use]
+    pub const fn prototype() -> Self {
+        Self {
+            axes: Axes {
+                x: AxisSettings::belt(Mm::const_from_int(390)),
+                y: AxisSettings::belt(Mm::lit("417.6")),
+                z: AxisSettings {
+                    steps_per_mm: StepsPerMm::const_from_int(800),
+                    max_speed: MmPerSec::const_from_int(20),
+                    max_acceleration: MmPerSec2::const_from_int(200),
+                    length: Mm::const_from_int(335),
+                },
+                e: AxisSettings {
+                    steps_per_mm: StepsPerMm::const_from_int(400),
+                    max_speed: MmPerSec::const_from_int(80),
+                    max_acceleration: MmPerSec2::const_from_int(5000),
+                    length: Mm::const_from_int(1000),
+                },
+            },
+            motor_max_speed: MmPerSec::const_from_int(450),
+            motor_max_acceleration: MmPerSec2::const_from_int(7500),
+            print_acceleration: MmPerSec2::const_from_int(3000),
+            retract_acceleration: MmPerSec2::const_from_int(3000),
+            travel_acceleration: MmPerSec2::const_from_int(5000),
+            corner: CornerRule::JunctionDeviation(Mm::lit("0.013")),
+            extruder_jerk: MmPerSec::const_from_int(5),
+            min_feed: MmPerSec::ZERO,
+            min_travel: MmPerSec::ZERO,
+            homing: Cartesian { x: Homing::belt(), y: Homing::belt(), z: Homing::screw() },
+            soft_endstops: true,
+            arc_tolerance: Mm::lit("0.005"),
+            keepalive_s: 2,
+        }
+    }
+}

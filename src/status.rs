@@ -1,0 +1,222 @@
+//! Status: the only way by which word travels from the step interrupt back to the Console.
+//!
+//! Single atomics, each with one writer (`epoch` apart, which the Console writes). A count that both sides
+//! keep tells idleness without a race: nothing is under way when as much was finished as was begun.
+
+use crate::motors::{EndstopSet, Motor};
+use core::sync::atomic::{
+    AtomicBool, AtomicI32, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
+};
+
+/// What the contexts know of each other.
+pub struct Status {
+    /// Steps really emitted, signed, wrapping; written by the Stepper.
+    counts: [AtomicI32; Motor::ALL.len()],
+    /// Work of another epoch is discarded; written by the Console.
+    epoch: AtomicU8,
+    /// Endstops that ended the present epoch's motion; written by the Stepper, cleared with the epoch.
+    triggered: AtomicU8,
+    /// All endstop inputs as the Stepper last saw them.
+    endstops: AtomicU8,
+    /// Motion time executed, low 32 bits of ticks; written by the Stepper.
+    tick: AtomicU32,
+    /// Entries of the MoveQueue finished; written by the StepGenerator.
+    entries_done: AtomicU32,
+    /// Events put into the StepQueue; written by the StepGenerator.
+    events_made: AtomicU32,
+    /// Events taken out of the StepQueue; written by the Stepper.
+    events_done: AtomicU32,
+    /// How often the StepQueue ran dry in mid-motion; written by the Stepper.
+    starved: AtomicU32,
+    /// How often an event came so late that time was stretched; written by the Stepper.
+    stretched: AtomicU32,
+    /// Whether the Console waits for the host and has nothing else to do.
+    awaiting_input: AtomicBool,
+    /// Moves planned.
+    moves: AtomicU32,
+    /// Length of the path planned, in um, wrapping.
+    path_um: AtomicU32,
+    /// How often the host was so slow that the look-ahead had to let go of moves unfinished.
+    underruns: AtomicU32,
+    /// Fewest moves in the look-ahead while the stream ran; `u32::MAX` if it never did.
+    low_water: AtomicU32,
+    /// Whether an emergency stop holds until reset.
+    halted: AtomicBool,
+}
+
+impl Default for Status {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Status {
+    /// Everything at rest.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            counts: [const { AtomicI32::new(0) }; Motor::ALL.len()],
+            epoch: AtomicU8::new(0),
+            triggered: AtomicU8::new(0),
+            endstops: AtomicU8::new(0),
+            tick: AtomicU32::new(0),
+            entries_done: AtomicU32::new(0),
+            events_made: AtomicU32::new(0),
+            events_done: AtomicU32::new(0),
+            starved: AtomicU32::new(0),
+            stretched: AtomicU32::new(0),
+            awaiting_input: AtomicBool::new(false),
+            moves: AtomicU32::new(0),
+            path_um: AtomicU32::new(0),
+            underruns: AtomicU32::new(0),
+            low_water: AtomicU32::new(u32::MAX),
+            halted: AtomicBool::new(false),
+        }
+    }
+
+    /// Steps emitted by each motor, signed.
+    #[must_use]
+    pub fn counts(&self) -> [i32; Motor::ALL.len()] {
+        core::array::from_fn(|i| self.counts.get(i).map_or(0, |c| c.load(Relaxed)))
+    }
+
+    /// One step of `motor`, the only writer being the Stepper.
+    pub(crate) fn count_step(&self, motor: usize, step: i32) {
+        if let Some(c) = self.counts.get(motor) {
+            c.store(c.load(Relaxed).wrapping_add(step), Relaxed);
+        }
+    }
+
+    /// The present epoch.
+    #[must_use]
+    pub fn epoch(&self) -> u8 {
+        self.epoch.load(Acquire)
+    }
+
+    /// Begins a new epoch: everything queued is to be discarded.
+    pub(crate) fn next_epoch(&self) -> u8 {
+        let epoch = self.epoch().wrapping_add(1);
+        self.epoch.store(epoch, Release);
+        epoch
+    }
+
+    /// Endstops that ended the motion of this epoch.
+    #[must_use]
+    pub fn triggered(&self) -> EndstopSet {
+        EndstopSet(self.triggered.load(Acquire))
+    }
+
+    pub(crate) fn clear_triggered(&self) {
+        self.triggered.store(0, Release);
+    }
+
+    pub(crate) fn set_triggered(&self, set: EndstopSet) {
+        self.triggered.store(set.0, Release);
+    }
+
+    /// Endstop inputs as last seen.
+    #[must_use]
+    pub fn endstops(&self) -> EndstopSet {
+        EndstopSet(self.endstops.load(Relaxed))
+    }
+
+    pub(crate) fn set_endstops(&self, set: EndstopSet) {
+        self.endstops.store(set.0, Relaxed);
+    }
+
+    /// Motion time executed, low 32 bits, in ticks.
+    #[must_use]
+    pub fn tick(&self) -> u32 {
+        self.tick.load(Acquire)
+    }
+
+    pub(crate) fn entry_done(&self) {
+        self.entries_done.store(self.entries_done.load(Relaxed).wrapping_add(1), Release);
+    }
+
+    pub(crate) fn event_made(&self) {
+        self.events_made.store(self.events_made.load(Relaxed).wrapping_add(1), Release);
+    }
+
+    pub(crate) fn event_done(&self, tick: u32) {
+        self.tick.store(tick, Relaxed);
+        self.events_done.store(self.events_done.load(Relaxed).wrapping_add(1), Release);
+    }
+
+    /// Whether all `entries` that the Console ever queued have been stepped to their end.
+    #[must_use]
+    pub fn is_idle(&self, entries: u32) -> bool {
+        // The order matters: once every entry is done, no event is added to those already made.
+        self.entries_done.load(Acquire) == entries && self.events_made.load(Acquire) == self.events_done.load(Acquire)
+    }
+
+    /// Times the StepQueue ran dry in mid-motion, and times an event was so late that time was stretched.
+    #[must_use]
+    pub fn overload(&self) -> (u32, u32) {
+        (self.starved.load(Relaxed), self.stretched.load(Relaxed))
+    }
+
+    pub(crate) fn count_starved(&self) {
+        self.starved.store(self.starved.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    pub(crate) fn count_stretched(&self) {
+        self.stretched.store(self.stretched.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// Whether the Console waits for the host and has nothing else to do.
+    #[must_use]
+    pub fn is_awaiting_input(&self) -> bool {
+        self.awaiting_input.load(Relaxed)
+    }
+
+    pub(crate) fn set_awaiting_input(&self, waiting: bool) {
+        self.awaiting_input.store(waiting, Relaxed);
+    }
+
+    /// Moves planned, and the length of their path in um (wrapping at 4295 m).
+    #[must_use]
+    pub fn planned(&self) -> (u32, u32) {
+        (self.moves.load(Relaxed), self.path_um.load(Relaxed))
+    }
+
+    pub(crate) fn set_planned(&self, moves: u32, path_um: u32) {
+        self.moves.store(moves, Relaxed);
+        self.path_um.store(path_um, Relaxed);
+    }
+
+    /// Times the host was so slow that the look-ahead had to let go of moves unfinished.
+    #[must_use]
+    pub fn underruns(&self) -> u32 {
+        self.underruns.load(Relaxed)
+    }
+
+    pub(crate) fn count_underrun(&self) {
+        self.underruns.store(self.underruns.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// Fewest moves in the look-ahead while the stream ran.
+    #[must_use]
+    pub fn low_water(&self) -> Option<u32> {
+        match self.low_water.load(Relaxed) {
+            u32::MAX => None,
+            moves => Some(moves),
+        }
+    }
+
+    pub(crate) fn note_level(&self, moves: u32) {
+        if moves < self.low_water.load(Relaxed) {
+            self.low_water.store(moves, Relaxed);
+        }
+    }
+
+    /// Whether an emergency stop holds.
+    #[must_use]
+    pub fn is_halted(&self) -> bool {
+        self.halted.load(Relaxed)
+    }
+
+    pub(crate) fn set_halted(&self) {
+        self.halted.store(true, Relaxed);
+    }
+}

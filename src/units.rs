@@ -1,0 +1,103 @@
+//! Units: what a number means is part of its type, and conversions live here alone.
+//!
+//! Everything is integer or fixed point, so that every platform computes the same bits. The widths are
+//! chosen so that the largest machine we drive leaves headroom: see the range beside each type.
+
+use fixed::types::{I32F32, U16F16, U24F8};
+
+/// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
+pub type Mm = I32F32;
+
+/// A position of one motor or axis in (micro)steps, with the fraction that lies between two steps;
+/// range +-2.1e9 steps. Arithmetic on absolute positions wraps (an extruder never comes back), so
+/// differences are taken with `wrapping_sub`.
+pub type Steps = I32F32;
+
+/// A speed in mm/s; resolution 15 um/s, range 65 m/s.
+pub type MmPerSec = U16F16;
+
+/// An acceleration in mm/s2; resolution 0.004 mm/s2, range 16.7 km/s2.
+pub type MmPerSec2 = U24F8;
+
+/// A motor's resolution in (micro)steps a millimetre.
+pub type StepsPerMm = U16F16;
+
+/// The one tick of every platform: 0.1 us. TIM2 of an STM32F446 reaches it exactly (90 MHz / 9).
+pub const TICKS_PER_SECOND: u32 = 10_000_000;
+
+/// Ticks in a millisecond.
+pub const TICKS_PER_MS: u32 = TICKS_PER_SECOND / 1000;
+
+/// A point of real time on the step timer's 32-bit counter; it wraps after 429 s.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Tick(pub u32);
+
+impl Tick {
+    /// The tick `span` later.
+    #[must_use]
+    pub const fn after(self, span: u32) -> Self {
+        Self(self.0.wrapping_add(span))
+    }
+
+    /// Whether this tick comes before `other`; right for distances below 214 s.
+    #[must_use]
+    pub const fn is_before(self, other: Self) -> bool {
+        (self.0.wrapping_sub(other.0) as i32) < 0
+    }
+
+    /// Ticks from `earlier` to this one, across a wrap.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> u32 {
+        self.0.wrapping_sub(earlier.0)
+    }
+}
+
+/// A point of real time for the Console, in ticks since start; 64 bits, so it never wraps.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+pub struct Instant(pub u64);
+
+impl Instant {
+    /// The instant `ms` milliseconds later.
+    #[must_use]
+    pub const fn after_ms(self, ms: u32) -> Self {
+        Self(self.0.saturating_add(ms as u64 * TICKS_PER_MS as u64))
+    }
+}
+
+/// Multiplies before it divides, with all the bits in between; saturates instead of wrapping and
+/// treats a division by zero as infinite.
+#[must_use]
+pub const fn mul_div(a: u64, b: u64, divisor: u64) -> u64 {
+    if divisor == 0 {
+        return u64::MAX;
+    }
+    // The narrow path is the common one, and a 128-bit division costs a Cortex-M4 some thousand cycles.
+    if let Some(product) = a.checked_mul(b) {
+        return product / divisor;
+    }
+    let wide = a as u128 * b as u128 / divisor as u128;
+    if wide > u64::MAX as u128 { u64::MAX } else { wide as u64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_compare_across_the_wrap() {
+        let before = Tick(u32::MAX - 5);
+        let after = before.after(10);
+        assert_eq!(after, Tick(4));
+        assert!(before.is_before(after));
+        assert!(!after.is_before(before));
+        assert_eq!(after.since(before), 10);
+    }
+
+    #[test]
+    fn mul_div_keeps_every_bit_and_saturates() {
+        assert_eq!(mul_div(u64::MAX, 6, 3), u64::MAX);
+        assert_eq!(mul_div(u64::MAX / 2, 4, 8), u64::MAX / 4);
+        assert_eq!(mul_div(7, 3, 2), 10);
+        assert_eq!(mul_div(7, 3, 0), u64::MAX);
+    }
+}
