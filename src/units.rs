@@ -79,6 +79,14 @@ pub const fn mul_div(a: u64, b: u64, divisor: u64) -> u64 {
     if wide > u64::MAX as u128 { u64::MAX } else { wide as u64 }
 }
 
+/// The integer nearest to the square root. A root that is always cut short would make every speed a little
+/// too small, and the error would add up over a print.
+#[must_use]
+pub const fn root(square: u64) -> u64 {
+    let root = square.isqrt();
+    if square - root * root > root { root + 1 } else { root }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,6 +99,13 @@ mod tests {
         assert!(before.is_before(after));
         assert!(!after.is_before(before));
         assert_eq!(after.since(before), 10);
+    }
+
+    #[test]
+    fn roots_are_the_nearest() {
+        for (square, expected) in [(0, 0), (2, 1), (3, 2), (6, 2), (7, 3), (u64::MAX, 1 << 32)] {
+            assert_eq!(root(square), expected);
+        }
     }
 
     #[test]

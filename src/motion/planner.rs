@@ -38,6 +38,8 @@ pub struct Planner {
     pitch: [Pitch; 4],
     /// Where the last move ends.
     end: [Steps; 4],
+    /// Where it was asked to end: an axis that is asked for the same again stays where it is.
+    asked: [Mm; 4],
     /// The last move and its nominal speed squared, for the corner to the next.
     last: (Geometry, u64),
     /// Nominal time of the moves in the window, in ticks.
@@ -55,6 +57,7 @@ impl Planner {
             window: Window::new(),
             pitch: settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array(),
             end: [Steps::ZERO; 4],
+            asked: position,
             last: (Geometry::new([0; 4]), 0),
             waiting: 0,
             moves: 0,
@@ -103,6 +106,7 @@ impl Planner {
         self.window.clear();
         self.waiting = 0;
         self.end = position;
+        self.asked = self.mm(position);
     }
 
     /// Where the last planned move ends, in steps.
@@ -116,6 +120,9 @@ impl Planner {
         let Some((end, vector)) = self.lay_out(target.position) else {
             return;
         };
+        let [x, y, z, _] = self.asked;
+        let e = target.position[3];
+        self.asked = if vector.is_extruder_only() { [x, y, z, e] } else { target.position };
         let (least, acceleration) = purpose(&vector, settings);
         let nominal = vector.speed_limit(target.speed.max(least), settings);
         let acceleration = vector.acceleration_limit(acceleration, settings);
@@ -145,7 +152,12 @@ impl Planner {
 
     /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
     fn lay_out(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
-        let end = self.steps(position);
+        let mut end = self.steps(position);
+        for (i, end) in end.iter_mut().enumerate() {
+            if position.get(i) == self.asked.get(i) {
+                *end = self.end.get(i).copied().unwrap_or(*end);
+            }
+        }
         let way = self.way_to(end);
         let vector = Geometry::new(way);
         let [dx, dy, _, de] = way;

@@ -6,7 +6,7 @@
 
 use super::moves::{Move, WHOLE};
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
+use crate::units::{MmPerSec2, Steps, TICKS_PER_SECOND, mul_div, root};
 
 /// The speeds of a move, squared, in raw bits of 2^-32 mm2/s2.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -27,10 +27,26 @@ pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
     if wide > u64::MAX as u128 { u64::MAX } else { wide as u64 }
 }
 
-/// Time in ticks times 2^16 to change the speed by `change` (raw `MmPerSec` bits).
+/// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
+/// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
+fn speed(square: u64) -> u64 {
+    let shift = square.leading_zeros() & !1;
+    if square == 0 { 0 } else { (root(square << shift) << 16) >> (shift / 2) }
+}
+
+/// Time in ticks times 2^16 to change the speed by `change` (2^-32 mm/s).
 const fn ramp_time(change: u64, a: MmPerSec2) -> u64 {
-    // (change / 2^16) / (a / 2^8) seconds.
-    mul_div(change, (TICKS_PER_SECOND as u64) << 8, a.to_bits() as u64)
+    // (change / 2^32) / (a / 2^8) seconds.
+    mul_div(change, TICKS_PER_SECOND as u64, (a.to_bits() as u64) << 8)
+}
+
+/// `part / whole`, scaled by [`WHOLE`].
+const fn fraction(part: u64, whole: u64) -> u32 {
+    // 33 bits of the whole are enough, and the product fits.
+    let shift = 31u32.saturating_sub(whole.leading_zeros());
+    let (part, whole) = (part >> shift, whole >> shift);
+    let scaled = if whole == 0 { WHOLE as u64 } else { part * WHOLE as u64 / whole };
+    if scaled > WHOLE as u64 { WHOLE } else { scaled as u32 }
 }
 
 /// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
@@ -44,22 +60,22 @@ const fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
 pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch: EndstopSet) -> Move {
     let meet = speeds.entry / 2 + speeds.exit / 2 + gain(a, length) / 2;
     let peak = speeds.nominal.min(meet).max(speeds.entry).max(speeds.exit).max(1);
-    let (entry_speed, peak_speed, exit_speed) = (speeds.entry.isqrt(), peak.isqrt(), speeds.exit.isqrt());
+    let (entry_speed, peak_speed, exit_speed) = (speed(speeds.entry), speed(peak), speed(speeds.exit));
 
     let rise = ramp_length(peak - speeds.entry, a).min(length);
     let fall = ramp_length(peak - speeds.exit, a).min(length - rise);
     let level = length - rise - fall;
-    let fraction = |part: u64| mul_div(part, u64::from(WHOLE), length.max(1)).min(u64::from(WHOLE)) as u32;
     // A ramp's length is its time times the mean of its two speeds.
-    let share = |slow: u64| mul_div(slow, 2 * u64::from(WHOLE), slow + peak_speed).min(u64::from(WHOLE)) as u32;
+    let share = |slow: u64| fraction(2 * slow, slow + peak_speed);
     Move {
         end,
-        accelerated: fraction(rise),
-        cruised: fraction(length - fall),
+        accelerated: fraction(rise, length),
+        cruised: fraction(length - fall, length),
         entry_share: share(entry_speed),
         exit_share: share(exit_speed),
         accelerate: ramp_time(peak_speed - entry_speed, a),
-        cruise: mul_div(level, u64::from(TICKS_PER_SECOND), peak_speed),
+        // Where there is a cruise, its speed is the nominal one, which has 16 fractional bits.
+        cruise: mul_div(level, u64::from(TICKS_PER_SECOND), (peak_speed >> 16).max(1)),
         decelerate: ramp_time(peak_speed - exit_speed, a),
         rests: speeds.exit == 0,
         watch,

@@ -133,7 +133,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     /// One event, phase or entry further; false if there is nothing to do.
     fn advance(&mut self) -> bool {
         let due = self.tracks.iter().filter_map(|t| t.next).map(|(tick, _)| tick).min();
-        if let Some(tick) = due.filter(|tick| *tick << 16 <= self.end + (1 << 15)) {
+        if let Some(tick) = due.filter(|tick| *tick < self.end_of_steps()) {
             self.step(tick);
             return true;
         }
@@ -161,6 +161,17 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
                 }
                 true
             }
+        }
+    }
+
+    /// The first tick whose steps do not belong to the present phase. Steps on the boundary between two
+    /// phases belong to the later one, where they meet those of the other groups in one event; at a
+    /// standstill there is no later one.
+    fn end_of_steps(&self) -> u64 {
+        let end = (self.end + (1 << 15)) >> 16;
+        match self.task {
+            Task::Move(m, _, phase) if m.rests && phases(&m).get(phase).is_none() => end + 1,
+            _ => end,
         }
     }
 
@@ -318,8 +329,9 @@ fn coordinate(row: &[i8; 4], position: [Steps; 4]) -> Steps {
 
 /// The point a fraction of the way from `first` to `last`.
 fn part(first: Steps, last: Steps, fraction: u32) -> Steps {
-    let way = i128::from(last.wrapping_sub(first).to_bits()) * i128::from(fraction);
-    first.wrapping_add(Steps::from_bits((way >> 31) as i64))
+    // Rounded towards zero, so that groups that mirror each other still do.
+    let way = i128::from(last.wrapping_sub(first).to_bits()) * i128::from(fraction) / i128::from(WHOLE);
+    first.wrapping_add(Steps::from_bits(way as i64))
 }
 
 /// The nearest whole step, halves upwards.

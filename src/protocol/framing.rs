@@ -54,7 +54,6 @@ struct Star {
     /// The number behind it.
     claim: u16,
     tail: Tail,
-    is_in_comment: bool,
 }
 
 /// A line in the making.
@@ -117,13 +116,7 @@ impl Frame {
             return;
         }
         if byte == b'*' {
-            self.star = Some(Star {
-                length: self.length,
-                sum: self.sum,
-                claim: 0,
-                tail: Tail::Nothing,
-                is_in_comment: self.context == Context::Comment,
-            });
+            self.star = Some(Star { length: self.length, sum: self.sum, claim: 0, tail: Tail::Nothing });
         } else if let Some(star) = &mut self.star {
             star.read(byte);
         }
@@ -194,9 +187,9 @@ impl Frame {
         }
     }
 
-    /// Whether the line, without its comment, ends in something like a checksum, right or wrong.
+    /// Whether the line ends in something like a checksum, right or wrong, perhaps inside a comment.
     pub(super) fn ends_in_number(&self) -> bool {
-        self.star.is_some_and(|star| star.is_number() && !star.is_in_comment)
+        self.star.is_some_and(Star::is_number)
     }
 }
 

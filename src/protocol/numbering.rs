@@ -133,7 +133,10 @@ impl Numbering {
     fn judge_bare(&mut self, frame: &Frame, now: Instant) -> Option<Verdict> {
         let text = trim_end(frame.text());
         if text.is_empty() {
-            return None;
+            // Hosts take comments out before they add checksums, so one with a checksum was a line whose N
+            // came through as a semicolon. Unanswered, its host would wait for ever.
+            let was_line = frame.ends_in_number();
+            return was_line.then(|| self.damaged(now));
         }
         let code = m_code(text);
         let is_headless = if frame.is_too_long() { frame.ends_in_number() } else { ends_in_checksum(text) };

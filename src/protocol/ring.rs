@@ -26,11 +26,7 @@ pub(super) struct Ring {
 impl Ring {
     /// An empty ring.
     pub(super) const fn new() -> Self {
-        Self {
-            bytes: [0; CAPACITY],
-            first: 0,
-            length: 0,
-        }
+        Self { bytes: [0; CAPACITY], first: 0, length: 0 }
     }
 
     /// Whether another byte can be taken without loss.
@@ -52,11 +48,7 @@ impl Ring {
         self.length = self.length.checked_sub(1)?;
         let byte = *self.bytes.get(self.first)?;
         self.first = (self.first + 1) % CAPACITY;
-        Some(if byte == DAMAGE {
-            Received::Lost
-        } else {
-            Received::Byte(byte)
-        })
+        Some(if byte == DAMAGE { Received::Lost } else { Received::Byte(byte) })
     }
 
     /// Marks damage. A second mark beside the first would say nothing new, so there is always a place.

@@ -1,0 +1,285 @@
+//! G-code against independent models: long-hand decimal arithmetic, and its own printed form.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+use corehbot::gcode::{AxisFlags, AxisWords, Command, Number, parse};
+use proptest::prelude::*;
+
+/// Decimal text as the nearest multiple of 2^-32, by doubling the written digits: bit after bit of the
+/// fraction falls out on the left, as in a schoolbook.
+fn by_hand(is_negative: bool, integer: &str, fraction: &str) -> i64 {
+    const LIMIT: i128 = 1_000_000_000 << 32;
+    let mut digits: Vec<u8> = fraction.bytes().map(|digit| digit - b'0').collect();
+    let mut double = || {
+        let mut carry = 0;
+        for digit in digits.iter_mut().rev() {
+            let sum = 2 * *digit + carry;
+            *digit = sum % 10;
+            carry = sum / 10;
+        }
+        i128::from(carry)
+    };
+    let integer = integer.bytes().fold(0, |sum, digit| (sum * 10 + i128::from(digit - b'0')).min(LIMIT));
+    let bits = (0..32).fold(integer, |bits, _| bits * 2 + double());
+    let bits = (bits + double()).min(LIMIT);
+    i64::try_from(if is_negative { -bits } else { bits }).unwrap()
+}
+
+fn read(text: &str) -> Number {
+    let (number, rest) = Number::read(text.as_bytes()).unwrap();
+    assert!(rest.is_empty(), "{text} left {rest:?}");
+    number
+}
+
+/// The number of a G1 line's X word.
+fn x_of(line: &str) -> Option<Number> {
+    match parse(line.as_bytes()) {
+        Command::Line { to, .. } => to.x,
+        other => panic!("{line} became {other:?}"),
+    }
+}
+
+/// Something like a number: as slicers write it, with too many digits, or broken.
+fn number_text() -> impl Strategy<Value = String> {
+    prop_oneof!["[+-]?[0-9]{0,3}\\.?[0-9]{0,5}", "[+-]?[0-9]{1,12}\\.[0-9]{0,45}", "[0-9.+-]{0,8}",]
+}
+
+/// A line that is probably a command.
+fn line() -> impl Strategy<Value = String> {
+    const CODES: &[&str] = &[
+        "G0",
+        "G1",
+        "g1",
+        "G01",
+        "G2",
+        "G3",
+        "G4",
+        "G17",
+        "G20",
+        "G21",
+        "G28",
+        "G90",
+        "G91",
+        "G92",
+        "M17",
+        "M18",
+        "M84",
+        "M82",
+        "M83",
+        "M92",
+        "M104",
+        "M105",
+        "M106",
+        "M108",
+        "M110",
+        "M112",
+        "M113",
+        "M114",
+        "M115",
+        "M117",
+        "M119",
+        "M155",
+        "M200",
+        "M201",
+        "M203",
+        "M204",
+        "M205",
+        "M211",
+        "M220",
+        "M221",
+        "M302",
+        "M400",
+        "M410",
+        "M503",
+        "T0",
+        "T3",
+        "T300",
+        "M862.3",
+        "M900",
+        "G29",
+        "M600",
+        "print_end",
+        "M1234567",
+        "(x) G1",
+    ];
+    let word = ("[XYZEFSPRTIJBDxyzesN]", "[ \t]?", number_text(), "[ ]{0,2}")
+        .prop_map(|(letter, gap, number, after)| letter + &gap + &number + &after);
+    let extra = prop_oneof![
+        8 => Just(String::new()),
+        1 => "\"[ -~]{0,9}\"?",
+        1 => "[;(][ -~]{0,9}",
+        1 => "[ -~]{0,9}",
+    ];
+    (proptest::sample::select(CODES), "[ ]?", proptest::collection::vec((word, extra), 0..6)).prop_map(
+        |(code, gap, words)| {
+            let words: String = words.into_iter().map(|(word, extra)| word + &extra).collect();
+            code.to_string() + &gap + &words
+        },
+    )
+}
+
+/// Printing and reading again changes nothing; printing is final.
+fn survives_printing(line: &[u8]) {
+    let command = parse(line);
+    let printed = command.to_string();
+    let again = parse(printed.as_bytes());
+    match command {
+        // Unprintable bytes are replaced, so only the text is the same.
+        Command::Unknown(_) => assert_eq!(again, Command::Unknown(printed.as_bytes()), "{line:?}"),
+        _ => assert_eq!(again, command, "{printed}"),
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn numbers_are_correctly_rounded(
+        is_negative: bool,
+        integer in "0{0,3}[0-9]{1,12}",
+        fraction in prop_oneof!["[0-9]{0,9}", "[0-9]{8,50}", "0{8,12}[0-9]{20,30}"],
+    ) {
+        let text = format!("{}{integer}.{fraction}", if is_negative { "-" } else { "" });
+        prop_assert_eq!(read(&text).value().to_bits(), by_hand(is_negative, &integer, &fraction));
+    }
+
+    #[test]
+    fn numbers_next_to_a_tie_go_the_right_way(step in 0u64..1 << 32, nudge in 0i8..3) {
+        // (2 step + 1) / 2^33 has 33 decimals: (2 step + 1) * 5^33 / 10^33, written out.
+        let mut digits = [0u8; 33];
+        for bit in format!("{:033b}", 2 * step + 1).bytes() {
+            // Halving what is to come is doubling what is there: digits = digits * 2 + bit, in units of 5^33.
+            let mut carry = 0;
+            for digit in digits.iter_mut().rev() {
+                let sum = 2 * *digit + carry;
+                *digit = sum % 10;
+                carry = sum / 10;
+            }
+            if bit == b'1' {
+                let mut carry = 0;
+                for (digit, add) in digits.iter_mut().rev().zip(FIVE_TO_33.bytes().rev().chain(std::iter::repeat(b'0'))) {
+                    let sum = *digit + (add - b'0') + carry;
+                    *digit = sum % 10;
+                    carry = sum / 10;
+                }
+            }
+        }
+        let mut text: String = digits.iter().map(|digit| char::from(b'0' + digit)).collect();
+        match nudge {
+            // Just below: one unit less in the last place, and nines behind it.
+            0 => {
+                let last = text.pop().unwrap();
+                prop_assert_eq!(last, '5');
+                text += "4999999999";
+            }
+            1 => {}
+            _ => text += "0000000001",
+        }
+        let expected = step as i64 + i64::from(nudge > 0);
+        prop_assert_eq!(read(&format!("0.{text}")).value().to_bits(), expected);
+        prop_assert_eq!(by_hand(false, "0", &text), expected);
+    }
+
+    #[test]
+    fn a_printed_number_reads_back_to_the_bit(bits: i64) {
+        let number = Number::saturating(fixed::types::I32F32::from_bits(bits));
+        prop_assert_eq!(read(&number.to_string()), number);
+    }
+
+    #[test]
+    fn a_number_is_printed_no_longer_than_it_was_written(integer in 0u32..1_000_000_000, decimals in 0u32..100_000) {
+        let text = format!("{integer}.{decimals:05}");
+        let shortest = text.trim_end_matches('0').trim_end_matches('.');
+        prop_assert_eq!(read(&text).to_string(), shortest);
+    }
+
+    #[test]
+    fn no_line_panics_or_changes_by_printing(line in line()) {
+        survives_printing(line.as_bytes());
+    }
+
+    #[test]
+    fn no_bytes_panic_or_change_by_printing(line in proptest::collection::vec(any::<u8>(), 0..80)) {
+        survives_printing(&line);
+    }
+
+    #[test]
+    fn near_misses_do_not_panic(line in "[GMT][0-9.]{1,4}[ XYZEFSPR0-9.+*;()\"\\\\\t_-]{0,40}") {
+        survives_printing(line.as_bytes());
+    }
+
+    #[test]
+    fn spacing_and_case_do_not_matter(
+        words in proptest::collection::vec(("[XYZEF]", "-?[0-9]{1,4}(\\.[0-9]{1,4})?"), 0..6),
+        gap in "[ \t]{0,3}",
+    ) {
+        let plain: String = words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect();
+        let odd: String = words.iter().map(|(letter, number)| format!("{letter}{gap}{number}{gap}")).collect();
+        let expected = parse(format!("G1{plain}").as_bytes()).to_string();
+        prop_assert_eq!(parse(format!("G1{odd}").as_bytes()).to_string(), expected.clone());
+        prop_assert_eq!(parse(format!("g1{odd};X99").to_lowercase().as_bytes()).to_string(), expected);
+    }
+}
+
+const FIVE_TO_33: &str = "116415321826934814453125";
+
+#[test]
+fn every_number_of_five_decimals_is_nearest() {
+    for decimals in 0..100_000i128 {
+        let nearest = ((decimals << 33) + 100_000) / 200_000;
+        let bits = read(&format!("0.{decimals:05}")).value().to_bits();
+        assert_eq!(i128::from(bits), nearest);
+    }
+}
+
+#[test]
+fn forms_that_slicers_and_people_write() {
+    let ten = Some(Number::from(10));
+    for line in ["G1X10", "G1 X 10", "G1  X  10", "g1 x10", "G1 X10.", "G1 X+10", "G1 X010", "G1\tX10", "G1 Y3X10"] {
+        assert_eq!(x_of(line), ten, "{line}");
+    }
+    assert_eq!(x_of("G1 X.5"), Some(read("0.5")));
+    assert_eq!(x_of("G1 X-.5"), Some(read("-0.5")));
+    for line in
+        ["G1", "G1 X", "G1 X-", "G1 X.", "G1 Xnan", "G1 Xinf", "G1 ;X10", "G1 (X10)", "G1 \"X10\"", "G1 X\"10\""]
+    {
+        assert_eq!(x_of(line), None, "{line}");
+    }
+    assert_eq!(x_of("G1 X99999999999999999999"), Some(Number::from(1_000_000_000)));
+    assert_eq!(x_of("G1 X-99999999999999999999"), Some(Number::from(-1_000_000_000)));
+}
+
+#[test]
+fn an_exponent_is_an_extruder_word() {
+    let Command::Line { to, .. } = parse(b"G1 X1E5") else { panic!() };
+    assert_eq!((to.x, to.e), (Some(Number::from(1)), Some(Number::from(5))));
+}
+
+#[test]
+fn custom_code_of_real_profiles() {
+    let e_zero = Command::SetPosition(AxisWords { e: Some(Number::ZERO), ..AxisWords::default() });
+    let x_and_y = AxisFlags { x: true, y: true, ..AxisFlags::default() };
+    for (line, expected) in [
+        ("G92 E0; G1 E-10 F1200", e_zero),
+        ("G90;", Command::Absolute),
+        ("M109 S205;", Command::Heater),
+        ("G4 ; wait", Command::Dwell { ms: 0 }),
+        ("G28 X0 Y0", Command::Home(x_and_y)),
+        ("G28 W", Command::Home(AxisFlags::default())),
+        ("M84 X Y E ;disable all but Z", Command::DisableMotors(AxisFlags { e: true, ..x_and_y })),
+        ("M115 U6.2.6+8948", Command::ReportFirmware),
+        ("M862.3 P \"MK4S\" ; printer model check", Command::Silent),
+        ("M862.6 P \"Input shaper\"", Command::Silent),
+        ("M486 ACube (1)*", Command::Silent),
+        ("M117 E5 * ; x", Command::Message),
+        ("M400 U1", Command::Finish),
+        ("M106 S91.8", Command::Heater),
+        ("T0", Command::Tool(0)),
+        ("M73 P0 R12", Command::Silent),
+    ] {
+        assert_eq!(parse(line.as_bytes()), expected, "{line}");
+    }
+    for line in ["print_end", "SET_VELOCITY_LIMIT ACCEL=500", "P0 S1", "Q603 X1", "%", "(comment)", "/G1", "T0_PARK"] {
+        assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()));
+    }
+}

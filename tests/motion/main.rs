@@ -1,0 +1,6 @@
+//! Motion, held to an independent model: steps on time, limits kept, every move able to stop.
+
+mod line;
+mod model;
+mod properties;
+mod timing;

@@ -1,0 +1,215 @@
+//! Properties of any path: limits are kept, every prefix can stop, positions are exact.
+
+use super::line::{Step, generate, plan, target};
+use corehbot::kinematics::{BeltSteps, residual};
+use corehbot::motion::{MIN_STEP_INTERVAL, Move, Planner, WHOLE};
+use corehbot::motors::Motor;
+use corehbot::settings::Settings;
+use corehbot::units::{Mm, Steps};
+use proptest::prelude::*;
+
+type Path = Vec<([f64; 4], f64)>;
+
+/// Paths as slicers, people and accidents write them: long, tiny and zero moves, single axes, reversals.
+fn paths() -> impl Strategy<Value = Path> {
+    let axis = |most: f64| prop_oneof![3 => Just(f64::NAN), 4 => 0.0..most, 1 => Just(most), 1 => Just(0.0)];
+    let fine = prop_oneof![Just(f64::NAN), -0.2..0.2f64];
+    let far = (axis(390.0), axis(417.6), axis(3.0), -2.0..4.0f64).prop_map(|(x, y, z, e)| ([x, y, z, e], true));
+    let near = (fine.clone(), fine.clone(), Just(f64::NAN), fine).prop_map(|(x, y, z, e)| ([x, y, z, e], false));
+    let steps = proptest::collection::vec((prop_oneof![1 => far, 3 => near], 0.5..400.0f64), 1..60);
+    steps.prop_map(|steps| {
+        let mut at = [0.0f64; 4];
+        let mut path = Path::new();
+        for ((words, absolute), speed) in steps {
+            for (i, (at, word)) in at.iter_mut().zip(words).enumerate() {
+                if !word.is_nan() {
+                    *at = if absolute && i < 3 { word } else { *at + word };
+                }
+            }
+            path.push((at, speed));
+        }
+        path
+    })
+}
+
+/// Entry, peak and exit speed of a move in its own unit: fractions of the path a second.
+fn speeds(m: &Move) -> (f64, f64, f64) {
+    let seconds = |t: u64| t as f64 / 65536.0 / 1e7;
+    let whole = f64::from(WHOLE);
+    let (rise, fall) = (f64::from(m.accelerated) / whole, 1.0 - f64::from(m.cruised) / whole);
+    let level = 1.0 - rise - fall;
+    let peak = if m.cruise > 0 && level > 1e-6 {
+        level / seconds(m.cruise)
+    } else if m.accelerate > 0 && rise >= fall {
+        rise / seconds(m.accelerate) * (2.0 - f64::from(m.entry_share) / whole)
+    } else {
+        fall / seconds(m.decelerate) * (2.0 - f64::from(m.exit_share) / whole)
+    };
+    let end = |share: u32| {
+        let share = f64::from(share) / whole;
+        peak * share / (2.0 - share)
+    };
+    (end(m.entry_share), peak, end(m.exit_share))
+}
+
+fn counts(steps: &[Step]) -> [i64; 7] {
+    let mut counts = [0; 7];
+    for s in steps {
+        for (motor, count) in Motor::ALL.into_iter().zip(&mut counts) {
+            if s.steps.has(motor) {
+                *count += if s.forward.has(motor) { 1 } else { -1 };
+            }
+        }
+    }
+    counts
+}
+
+/// What a chain of moves must be: continuous in speed, within the limits, at rest at its end.
+fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
+    let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
+    let most_speed = s.axes.map(|a| a.max_speed.to_num::<f64>()).to_array();
+    let most_acceleration = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
+    let mut from = [Steps::ZERO; 4];
+    let mut carried = 0.0;
+    for (i, m) in moves.iter().enumerate() {
+        let d: [f64; 4] = std::array::from_fn(|i| m.end[i].wrapping_sub(from[i]).to_num::<f64>() / pitch[i]);
+        let tool = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+        let length = if tool > 0.0 { tool } else { d[3].abs() };
+        let (entry, peak, exit) = speeds(m);
+        let slack = 1e-3 + 1e-4 * peak * length;
+        prop_assert!(
+            (entry * length - carried).abs() <= slack,
+            "move {i} enters with {} mm/s, the one before left with {carried}",
+            entry * length
+        );
+        carried = exit * length;
+        let a = if m.accelerate > 0 { (peak - entry) / (m.accelerate as f64 / 65536.0 / 1e7) } else { 0.0 };
+        let b = if m.decelerate > 0 { (peak - exit) / (m.decelerate as f64 / 65536.0 / 1e7) } else { 0.0 };
+        for axis in 0..4 {
+            let v = peak * d[axis].abs();
+            prop_assert!(v <= most_speed[axis] * 1.0001 + 1e-3, "move {i}, axis {axis}: {v} mm/s");
+            // Ramps shorter than 10 ticks are all rounding.
+            for (a, t) in [(a, m.accelerate), (b, m.decelerate)] {
+                let a = a * d[axis].abs();
+                let short = t < 10 << 16;
+                prop_assert!(short || a <= most_acceleration[axis] * 1.001 + 1.0, "move {i}, axis {axis}: {a} mm/s2");
+            }
+        }
+        from = m.end;
+    }
+    prop_assert!(moves.last().is_none_or(|m| m.rests && m.exit_share == 0), "the last move does not rest");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    #[test]
+    fn limits_are_never_exceeded(path in paths()) {
+        let settings = Settings::prototype();
+        check_chain(&plan(&path, &settings), &settings)?;
+    }
+
+    /// Whatever was released before, the moves still in the window brake the machine to rest.
+    #[test]
+    fn any_prefix_of_released_moves_can_stop(path in paths(), cuts in proptest::collection::vec(0..4u8, 60)) {
+        let settings = Settings::prototype();
+        let mut planner = Planner::new(&settings, [Mm::ZERO; 4]);
+        let mut moves = Vec::new();
+        for ((position, speed), cut) in path.iter().zip(&cuts) {
+            planner.push(&target(*position, *speed), &settings);
+            match cut {
+                0 => planner.release_final(),
+                1 => planner.release_next(),
+                2 => planner.release_some(),
+                _ => {}
+            }
+            moves.extend(std::iter::from_fn(|| planner.pop()));
+        }
+        planner.release_all();
+        moves.extend(std::iter::from_fn(|| planner.pop()));
+        check_chain(&moves, &settings)?;
+    }
+
+    /// When final moves leave makes no difference to any move.
+    #[test]
+    fn final_moves_are_the_same_whenever_they_leave(
+        path in paths(),
+        cuts in proptest::collection::vec(any::<bool>(), 60),
+    ) {
+        let settings = Settings::prototype();
+        let mut planner = Planner::new(&settings, [Mm::ZERO; 4]);
+        let mut moves = Vec::new();
+        for ((position, speed), cut) in path.iter().zip(&cuts) {
+            planner.push(&target(*position, *speed), &settings);
+            if *cut {
+                planner.release_final();
+                moves.extend(std::iter::from_fn(|| planner.pop()));
+            }
+        }
+        planner.release_all();
+        moves.extend(std::iter::from_fn(|| planner.pop()));
+        prop_assert_eq!(moves, plan(&path, &settings));
+    }
+
+    #[test]
+    fn pairs_step_together_and_the_belt_is_never_strained(path in paths()) {
+        let steps = generate(&plan(&path, &Settings::prototype()));
+        let mut last = [None::<u64>; 7];
+        for s in &steps {
+            let has = |m| s.steps.has(m);
+            prop_assert_eq!(has(Motor::M1), has(Motor::M8));
+            prop_assert_eq!(has(Motor::M4), has(Motor::M11));
+            prop_assert_eq!(has(Motor::Z1), has(Motor::Z2));
+            for (motor, last) in Motor::ALL.into_iter().zip(&mut last) {
+                if has(motor) {
+                    prop_assert!(last.is_none_or(|l| s.tick >= l + MIN_STEP_INTERVAL), "{motor:?} at {}", s.tick);
+                    *last = Some(s.tick);
+                }
+            }
+            prop_assert!(!has(Motor::M1) || s.forward.has(Motor::M1) != s.forward.has(Motor::M8));
+            prop_assert!(!has(Motor::M4) || s.forward.has(Motor::M4) != s.forward.has(Motor::M11));
+        }
+        prop_assert!(steps.windows(2).all(|w| w[0].tick <= w[1].tick));
+        let [n1, n4, n8, n11, ..] = counts(&steps);
+        prop_assert_eq!(residual(BeltSteps { n1, n4, n8, n11 }), 0);
+    }
+
+    #[test]
+    fn the_end_is_met_to_the_step(path in paths()) {
+        let settings = Settings::prototype();
+        let moves = plan(&path, &settings);
+        let steps = generate(&moves);
+        let end = moves.last().map_or([Steps::ZERO; 4], |m| m.end);
+        let nearest = |v: Steps| (v + Steps::from_num(0.5)).floor().to_num::<i64>();
+        let [n1, n4, n8, n11, z1, z2, e0] = counts(&steps);
+        let (u, v) = (nearest(end[0] + end[1]), nearest(end[0] - end[1]));
+        prop_assert_eq!((n11, n4, n8, n1), (u, -u, v, -v));
+        prop_assert_eq!((z1, z2, e0), (nearest(end[2]), nearest(end[2]), nearest(end[3])));
+        // And the end is where the last target said, to within a step of the belt.
+        let (target, _) = path[path.len() - 1];
+        for (end, want) in end.iter().zip(target).take(2) {
+            prop_assert!((end.to_num::<f64>() - want * 80.0).abs() <= 0.5 + 0.05);
+        }
+    }
+
+    /// Moves along x or y of a millimetre and more (from step to step) step all four belt motors in the same instants.
+    #[test]
+    fn an_axis_move_steps_all_four_belt_motors_at_once(
+        path in proptest::collection::vec((any::<bool>(), 1.0..380.0f64, 1.0..300.0f64), 1..20),
+    ) {
+        let mut at = [0.0f64; 4];
+        let path: Path = path
+            .into_iter()
+            .filter_map(|(x, to, speed)| {
+                let axis = usize::from(!x);
+                let far = (at[axis] - to).abs() >= 1.02;
+                at[axis] = if far { to } else { at[axis] };
+                far.then_some((at, speed))
+            })
+            .collect();
+        for s in generate(&plan(&path, &Settings::prototype())) {
+            prop_assert_eq!(s.steps.0 & 0x0F, 0x0F, "at {}", s.tick);
+        }
+    }
+}
