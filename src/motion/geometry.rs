@@ -9,6 +9,9 @@ pub(super) const UNIT: i64 = 1 << 30;
 /// One in the fixed point of extrusion ratios.
 pub(super) const RATIO: u64 = 1 << 24;
 
+/// Bits that a fine acceleration has more than `MmPerSec2`: a corner into a slow axis needs them.
+const FINE: u32 = 16;
+
 /// A move as a vector. Lengths are raw `Mm` bits (2^-32 mm).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Geometry {
@@ -47,23 +50,32 @@ impl Geometry {
 
     /// The fastest that no axis and no belt motor forbids, at most `wanted`.
     pub fn speed_limit(&self, wanted: MmPerSec, s: &Settings) -> MmPerSec {
-        let axes = s.axes.map(|a| a.max_speed.to_bits()).to_array();
-        MmPerSec::from_bits(self.limit(wanted.to_bits(), axes, s.motor_max_speed.to_bits()))
+        let bits = |v: MmPerSec| u64::from(v.to_bits());
+        let axes = s.axes.map(|a| bits(a.max_speed)).to_array();
+        let most = self.limit(bits(wanted), axes, bits(s.motor_max_speed));
+        // Nothing stands still that was asked to move.
+        MmPerSec::from_bits((most as u32).max(1))
     }
 
     /// The greatest acceleration that no axis and no belt motor forbids, at most `wanted`.
     pub fn acceleration_limit(&self, wanted: MmPerSec2, s: &Settings) -> MmPerSec2 {
-        let axes = s.axes.map(|a| a.max_acceleration.to_bits()).to_array();
-        MmPerSec2::from_bits(self.limit(wanted.to_bits(), axes, s.motor_max_acceleration.to_bits()))
+        MmPerSec2::from_bits(((self.fine_acceleration_limit(wanted, s) >> FINE) as u32).max(1))
+    }
+
+    /// The same in 2^-24 mm/s2.
+    pub fn fine_acceleration_limit(&self, wanted: MmPerSec2, s: &Settings) -> u64 {
+        let bits = |a: MmPerSec2| u64::from(a.to_bits()) << FINE;
+        let axes = s.axes.map(|a| bits(a.max_acceleration)).to_array();
+        self.limit(bits(wanted), axes, bits(s.motor_max_acceleration))
     }
 
     /// What every axis and motor allows along the path; its share of the path is at most what it bears.
-    fn limit(&self, wanted: u32, axes: [u32; 4], motor: u32) -> u32 {
+    fn limit(&self, wanted: u64, axes: [u64; 4], motor: u64) -> u64 {
         let [ux, uy, uz] = self.unit;
-        let mut value = u64::from(wanted);
-        let mut bound = |most: u32, share: u64, one: u64| {
+        let mut value = wanted;
+        let mut bound = |most: u64, share: u64, one: u64| {
             if share != 0 && u128::from(value) * u128::from(share) > u128::from(most) * u128::from(one) {
-                value = mul_div(u64::from(most), one, share);
+                value = mul_div(most, one, share);
             }
         };
         let one = UNIT as u64;
@@ -73,8 +85,7 @@ impl Geometry {
         bound(axes[3], self.extrusion.unsigned_abs(), RATIO);
         bound(motor, (ux + uy).unsigned_abs(), one);
         bound(motor, (ux - uy).unsigned_abs(), one);
-        // Nothing stands still that was asked to move.
-        (value as u32).max(1)
+        value
     }
 }
 

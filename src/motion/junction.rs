@@ -5,6 +5,9 @@
 //! moves that arc has the radius `d sin(t/2) / (1 - sin(t/2))`, and `v^2 = a r`. A square-corner velocity w
 //! is the same law with the deviation for which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`, so that
 //! `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not depend on the acceleration.
+//!
+//! The acceleration on that arc points along the change of direction, so it is limited by what the axes
+//! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
 use super::geometry::{Geometry, RATIO, UNIT};
 use crate::settings::{CornerRule, Settings};
@@ -25,7 +28,10 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2,
     let sine_half = (((UNIT - cosine) as u64 / 2) << 30).isqrt().min(UNIT as u64);
     let flatness = UNIT as u64 - sine_half;
     let base = match s.corner {
-        CornerRule::JunctionDeviation(d) => mul_div(u64::from(a.to_bits()), d.to_bits().unsigned_abs(), 1 << 8),
+        CornerRule::JunctionDeviation(d) => {
+            let a = turn(before, after).fine_acceleration_limit(a, s);
+            mul_div(a, d.to_bits().unsigned_abs(), 1 << 24)
+        }
         CornerRule::SquareCorner(w) => {
             let w = u64::from(w.to_bits());
             mul_div(w * w, SQRT_2_MINUS_1, UNIT as u64)
@@ -33,6 +39,13 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2,
     };
     let bend = mul_div(base, sine_half, flatness);
     bend.min(extruder_jump(before, after, s))
+}
+
+/// The change of direction.
+fn turn(before: &Geometry, after: &Geometry) -> Geometry {
+    let [px, py, pz] = before.unit;
+    let [qx, qy, qz] = after.unit;
+    Geometry::new([qx - px, qy - py, qz - pz, 0])
 }
 
 /// Two retractions in a row are one if they go the same way.
@@ -74,6 +87,16 @@ mod tests {
             let exact = (3000.0 * 0.013 * half / (1.0 - half)).sqrt();
             assert!((speed(turn, &s) / exact - 1.0).abs() < 1e-3, "{turn}: {} {exact}", speed(turn, &s));
         }
+    }
+
+    #[test]
+    fn a_corner_into_z_is_as_slow_as_z() {
+        let s = Settings::prototype();
+        let up = Geometry::new([0, 0, Mm::ONE.to_bits(), 0]);
+        let sq = corner_speed_sq(&heading(0.0), &up, MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
+        // Z bears 200 mm/s2 and has 0.707 of the change.
+        let exact = 200.0 * 2f64.sqrt() * 0.013 * 0.5f64.sqrt() / (1.0 - 0.5f64.sqrt());
+        assert!((sq / exact - 1.0).abs() < 1e-3, "{sq} {exact}");
     }
 
     #[test]

@@ -130,7 +130,18 @@ fn corner(p: &Way, q: &Way, s: &Settings) -> f64 {
         panic!("the model knows junction deviation only");
     };
     let half = ((1.0 + dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
-    let bend = if half >= 1.0 { f64::INFINITY } else { q.a * d.to_num::<f64>() * half / (1.0 - half) };
+    // The change of direction, and what the axes bear along it.
+    let turn: [f64; 3] = std::array::from_fn(|i| q.unit[i] - p.unit[i]);
+    let size = dot(turn, turn).sqrt();
+    let bears = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
+    let motor = s.motor_max_acceleration.to_num::<f64>();
+    let shares = [turn[0], turn[1], turn[2], turn[0] + turn[1], turn[0] - turn[1]];
+    let a = shares
+        .iter()
+        .zip([bears[0], bears[1], bears[2], motor, motor])
+        .map(|(share, most)| most * size / share.abs())
+        .fold(q.a, f64::min);
+    let bend = if half >= 1.0 { f64::INFINITY } else { a * d.to_num::<f64>() * half / (1.0 - half) };
     let jump = (p.ratio - q.ratio).abs();
     let jerk = if jump > 0.0 { s.extruder_jerk.to_num::<f64>() / jump } else { f64::INFINITY };
     most.min(bend.sqrt()).min(jerk)
