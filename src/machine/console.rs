@@ -61,7 +61,7 @@ pub struct Console<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> {
     last_motion: Instant,
     /// A received line has not been answered yet, since when.
     owes_ok: Option<Instant>,
-    /// M108 came since the last wait began.
+    /// M108 came since the present command began.
     pub(super) continued: bool,
     /// The host was told of a target beyond the edge.
     pub(super) told_of_edge: bool,
@@ -150,6 +150,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
             };
             self.link.status().set_awaiting_input(false);
             self.owes_ok = Some(now);
+            self.continued = false;
             match answer {
                 None => self.carry_out(&text).await?,
                 Some(Answer::Ok) => self.answer(Replies::ok).await?,

@@ -158,7 +158,6 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
         if ms == 0 {
             return Ok(());
         }
-        self.continued = false;
         self.until(|c| c.link.has_room()).await?;
         self.link.send(Work::Dwell((u64::from(ms) * u64::from(TICKS_PER_MS)) << 16));
         self.until(|c| c.continued || c.link.is_idle()).await?;

@@ -1,0 +1,179 @@
+//! The checker against synthetic motion: sound traces pass, each kind of fault is found.
+
+use super::*;
+use corehbot::settings::Settings;
+
+/// Steps a path that is given as positions (x, y, z, e in mm) over time, as an ideal firmware would.
+struct Motion {
+    checker: Checker,
+    stands: [i64; 4],
+    time: u64,
+    pulses: [i32; 7],
+}
+
+impl Motion {
+    fn new(gcode: &str) -> Self {
+        let checker = Checker::new(&Limits::new(&Settings::prototype(), gcode));
+        Self { checker, stands: [0; 4], time: 0, pulses: [0; 7] }
+    }
+
+    /// Follows `position(t)` for `seconds`, looking every 10 us.
+    fn follow(&mut self, seconds: f64, position: impl Fn(f64) -> [f64; 4]) -> &mut Self {
+        for i in 1..=(seconds * 1e5) as u64 {
+            let [x, y, z, e] = position(i as f64 / 1e5);
+            let wanted = [(x + y) * 80.0, (x - y) * 80.0, z * 800.0, e * 400.0].map(|p| (p + 0.5).floor() as i64);
+            let (mut steps, mut forward) = (0, 0);
+            // Bits of each coordinate's motors: forward with it, forward against it.
+            let motors = [(0x08u8, 0x02u8), (0x04, 0x01), (0x30, 0), (0x40, 0)];
+            for ((stand, want), (with, against)) in self.stands.iter_mut().zip(wanted).zip(motors) {
+                let way = (want - *stand).signum();
+                *stand += way;
+                if way != 0 {
+                    steps |= with | against;
+                    forward |= if way > 0 { with } else { against };
+                }
+            }
+            self.event(self.time + i * 100, steps, forward);
+        }
+        self.time += (seconds * 1e7) as u64;
+        self
+    }
+
+    fn event(&mut self, tick: u64, steps: u8, forward: u8) {
+        if steps != 0 {
+            self.checker.event(tick, MotorSet(steps), MotorSet(forward));
+        }
+        for (i, pulses) in self.pulses.iter_mut().enumerate() {
+            *pulses += i32::from(steps >> i & 1) * (2 * i32::from(forward >> i & 1) - 1);
+        }
+    }
+
+    fn findings(self) -> Findings {
+        self.checker.finish(Some(self.pulses))
+    }
+}
+
+/// A trapezoid from 0 over `way` with acceleration `a` to speed `v`, at time `t`.
+fn trapezoid(t: f64, way: f64, v: f64, a: f64) -> f64 {
+    let ramp = v / a;
+    let level = way / v - ramp;
+    let ramp_way = a * ramp * ramp / 2.0;
+    if t < ramp {
+        a * t * t / 2.0
+    } else if t < ramp + level {
+        ramp_way + v * (t - ramp)
+    } else {
+        way - a * (2.0 * ramp + level - t).max(0.0).powi(2) / 2.0
+    }
+}
+
+fn found(findings: &Findings, text: &str) -> bool {
+    findings.first.iter().any(|v| v.text.contains(text))
+}
+
+#[test]
+fn trapezoids_at_the_limits_pass() {
+    let mut m = Motion::new("");
+    m.follow(0.5, |t| [trapezoid(t, 100.0, 300.0, 5000.0), 0.0, 0.0, 0.0]);
+    m.follow(0.5, |t| [100.0, trapezoid(t, 100.0, 300.0, 5000.0), 0.0, 0.0]);
+    m.follow(0.5, |t| [100.0 - trapezoid(t, 70.0, 225.0, 3750.0), 100.0 - trapezoid(t, 70.0, 225.0, 3750.0), 0.0, 0.0]);
+    m.follow(0.5, |t| [30.0, 30.0, trapezoid(t, 5.0, 20.0, 200.0), trapezoid(t, 12.0, 80.0, 5000.0)]);
+    assert_eq!(m.findings(), Findings::default());
+}
+
+#[test]
+fn a_corner_may_jump_as_far_as_the_settings_say() {
+    let mut m = Motion::new("");
+    // Along x, a corner at 16 mm/s, then along y, at the end of a deceleration and the begin of an acceleration.
+    let v = 16.0;
+    let ramp = (300.0 - v) / 5000.0;
+    let run = |t: f64| v * t + 2500.0 * t * t;
+    let end = run(ramp);
+    m.follow(300.0 / 5000.0, |t| [2500.0 * t * t, 0.0, 0.0, 0.0]);
+    m.follow(ramp, |t| [9.0 + end - run(ramp - t), 0.0, 0.0, 0.0]);
+    m.follow(ramp, |t| [9.0 + end, run(t), 0.0, 0.0]);
+    m.follow(300.0 / 5000.0, |t| [9.0 + end, end + 300.0 * t - 2500.0 * t * t, 0.0, 0.0]);
+    assert_eq!(m.findings(), Findings::default());
+}
+
+#[test]
+fn a_circle_at_the_acceleration_limit_passes() {
+    let mut m = Motion::new("");
+    let (r, a) = (5.0f64, 3000.0);
+    let v = (r * a).sqrt();
+    m.follow(1.0, |t| {
+        let angle = v / r * (t - 0.05 + 0.05 * (-t / 0.05).exp());
+        [r * angle.cos() - r, r * angle.sin(), 0.0, 0.0]
+    });
+    assert_eq!(m.findings().first.iter().filter(|f| f.tick < 9_900_000).count(), 0, "only the sudden end is a fault");
+}
+
+#[test]
+fn twice_the_acceleration_is_found() {
+    for axis in 0..2 {
+        let mut m = Motion::new("");
+        m.follow(0.5, |t| {
+            let mut p = [0.0; 4];
+            p[axis] = trapezoid(t, 100.0, 300.0, 10_000.0);
+            p
+        });
+        assert!(found(&m.findings(), "accelerates"), "axis {axis}");
+    }
+    let mut m = Motion::new("");
+    m.follow(0.5, |t| [0.0, 0.0, 0.0, trapezoid(t, 20.0, 80.0, 10_000.0)]);
+    assert!(found(&m.findings(), "e accelerates"));
+}
+
+#[test]
+fn a_sudden_start_is_found() {
+    let mut m = Motion::new("");
+    m.follow(0.3, |t| [70.0 * t, 0.0, 0.0, 0.0]);
+    assert!(found(&m.findings(), "x accelerates"));
+    let mut m = Motion::new("");
+    m.follow(0.3, |t| [0.0, 0.0, 12.0 * t, 0.0]);
+    assert!(found(&m.findings(), "z accelerates"));
+}
+
+#[test]
+fn an_axis_above_its_speed_is_found() {
+    let mut m = Motion::new("");
+    m.follow(1.0, |t| [0.0, 0.0, trapezoid(t, 15.0, 21.0, 150.0), 0.0]);
+    assert!(found(&m.findings(), "z moves at"));
+    let mut m = Motion::new("M203 Z30");
+    m.follow(1.0, |t| [0.0, 0.0, trapezoid(t, 15.0, 21.0, 150.0), 0.0]);
+    assert_eq!(m.findings(), Findings::default());
+}
+
+#[test]
+fn a_homing_stop_is_hard_but_only_if_the_print_homes() {
+    let stop = |gcode: &str| {
+        let mut m = Motion::new(gcode);
+        let down = |t: f64| -8.0 * (t - 0.05 + 0.05 * (-t / 0.05).exp());
+        m.follow(0.5, |t| [0.0, 0.0, down(t), 0.0]);
+        m.follow(0.1, |t| [0.0, 0.0, down(0.5) + trapezoid(t, 0.2, 5.0, 200.0), 0.0]);
+        m.findings()
+    };
+    assert_eq!(stop("G28"), Findings::default());
+    assert!(found(&stop("G1"), "z accelerates"));
+}
+
+#[test]
+fn a_missing_step_a_short_pulse_and_falling_time_are_found() {
+    let mut m = Motion::new("");
+    m.event(100, 0x0F, 0x0C);
+    m.event(109, 0x0F, 0x0C);
+    m.event(1000, 0x0E, 0x0C);
+    m.event(900, 0x30, 0x10);
+    let findings = m.checker.finish(None);
+    for text in ["m11 are 9 ticks apart", "out of step", "time falls"] {
+        assert!(found(&findings, text), "{text}: {findings:?}");
+    }
+}
+
+#[test]
+fn a_wrong_end_is_found() {
+    let mut m = Motion::new("");
+    m.event(100, 0x40, 0x40);
+    m.pulses[6] = 2;
+    assert!(found(&m.findings(), "e0 ends at step 1 instead of 2"));
+}

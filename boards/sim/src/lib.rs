@@ -1,0 +1,21 @@
+//! Host simulator: a whole CoreH-bot on a desk without a desk.
+//!
+//! [`world`] plays firmware and mechanism against each other in simulated time; a [`world::Host`] feeds it
+//! and every step event goes to a [`world::Sink`]. The sinks here write traces, add up figures and hold the
+//! steps to physics; the rest turns that into what a person or a program wants to read.
+#![forbid(unsafe_code)]
+
+pub mod check;
+pub mod cli;
+pub mod host;
+pub mod limits;
+pub mod machine_file;
+pub mod path;
+pub mod report;
+pub mod sampler;
+pub mod series;
+pub mod summary;
+pub mod tally;
+pub mod trace;
+pub mod vcd;
+pub mod world;

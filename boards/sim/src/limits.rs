@@ -1,0 +1,178 @@
+//! Limits: what a print may ask of each axis, as the checker holds it to.
+//!
+//! They come from the settings, widened by whatever limits the print itself sets (M201, M203, M205): the
+//! checker sees only steps and cannot know when a command took effect, so the widest limit counts for the
+//! whole print.
+//!
+//! # Jumps of speed
+//! A corner may change the speed at once. Under junction deviation d a corner of half angle t (between the
+//! moves) is taken at `v^2 = a d s / (1 - s)` with `s = sin t`; the change of velocity is `2 v cos t`, whose
+//! square is `4 a d s (1 + s)`, at most `8 a d` however flat the corner. Along an axis that bears the
+//! acceleration a, no more than `sqrt(8 a d)` may therefore jump. A square-corner velocity w is the same law
+//! with `a d = w^2 (sqrt 2 - 1)`.
+
+use crate::host::{strip_comment, words};
+use corehbot::settings::{CornerRule, Settings};
+use std::f64::consts::SQRT_2;
+
+/// What one coordinate may do, in mm and s.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Limit {
+    /// The coordinate's name in messages.
+    pub name: &'static str,
+    /// Length of one step.
+    pub step: f64,
+    /// Greatest speed.
+    pub speed: f64,
+    /// Greatest acceleration.
+    pub acceleration: f64,
+    /// Greatest sudden change of speed in a corner.
+    pub jump: f64,
+    /// Greatest speed from which an endstop may stop the motion at once; 0 if nothing does.
+    pub hard_stop: f64,
+}
+
+/// The limits of x, y, z, e and of the two belt coordinates u = x + y and v = x - y, in this order.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Limits {
+    /// One limit a coordinate.
+    pub of: [Limit; 6],
+    /// Whether speeds and accelerations can be judged: not if the print changes its own steps/mm (M92).
+    pub is_judged: bool,
+}
+
+/// Corner settings, the widest that were in force.
+struct Corner {
+    deviation: f64,
+    square: f64,
+    extruder: f64,
+}
+
+impl Limits {
+    /// The limits of a machine that runs `gcode`.
+    #[must_use]
+    pub fn new(s: &Settings, gcode: &str) -> Self {
+        let axis = |name, a: corehbot::settings::AxisSettings| Limit {
+            name,
+            step: 1.0 / a.steps_per_mm.to_num::<f64>(),
+            speed: a.max_speed.to_num(),
+            acceleration: a.max_acceleration.to_num(),
+            jump: 0.0,
+            hard_stop: 0.0,
+        };
+        let belt = |name| Limit {
+            speed: s.motor_max_speed.to_num(),
+            acceleration: s.motor_max_acceleration.to_num(),
+            ..axis(name, s.axes.x)
+        };
+        let a = s.axes;
+        let mut limits = Self {
+            of: [axis("x", a.x), axis("y", a.y), axis("z", a.z), axis("e", a.e), belt("belt 4/11"), belt("belt 1/8")],
+            is_judged: true,
+        };
+        let mut corner = Corner { deviation: 0.0, square: 0.0, extruder: s.extruder_jerk.to_num() };
+        match s.corner {
+            CornerRule::JunctionDeviation(d) => corner.deviation = d.to_num(),
+            CornerRule::SquareCorner(w) => corner.square = w.to_num(),
+        }
+        let mut unit = 1.0;
+        for line in gcode.lines() {
+            limits.widen(&strip_comment(line), s, &mut corner, &mut unit);
+        }
+        limits.set_jumps(&corner);
+        limits
+    }
+
+    /// Takes in what one command allows.
+    fn widen(&mut self, command: &str, s: &Settings, corner: &mut Corner, unit: &mut f64) {
+        let mut words = words(command);
+        let Some((letter, Some(code))) = words.next() else { return };
+        let wide = |slot: &mut f64, value: f64| *slot = slot.max(value);
+        match (letter, code) {
+            ('G', 20.0) => *unit = 25.4,
+            ('G', 21.0) => *unit = 1.0,
+            ('G', 28.0) => {
+                let homing = [s.homing.x, s.homing.y, s.homing.z].map(|h| h.fast.to_num::<f64>());
+                let belt = homing[0].max(homing[1]);
+                let stops = [homing[0], homing[1], homing[2], 0.0, belt, belt];
+                self.of.iter_mut().zip(stops).for_each(|(l, v)| wide(&mut l.hard_stop, v));
+            }
+            // A quick stop forgets what is queued; how fast that may be is the machine room's choice.
+            ('M', 112.0 | 410.0) => self.of.iter_mut().for_each(|l| l.hard_stop = f64::INFINITY),
+            ('M', 92.0) => self.is_judged = false,
+            ('M', 201.0 | 203.0) => {
+                for (axis, value) in words {
+                    if let (Some(i), Some(v)) = ("XYZE".find(axis), value) {
+                        let limit = &mut self.of[i];
+                        let slot = if code == 201.0 { &mut limit.acceleration } else { &mut limit.speed };
+                        wide(slot, v * *unit);
+                    }
+                }
+            }
+            ('M', 205.0) => {
+                for (what, value) in words {
+                    let v = value.unwrap_or(0.0) * *unit;
+                    match what {
+                        'J' => wide(&mut corner.deviation, v),
+                        'X' | 'Y' => wide(&mut corner.square, v),
+                        'E' => wide(&mut corner.extruder, v),
+                        _ => {}
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn set_jumps(&mut self, corner: &Corner) {
+        let law = |reach: f64, acceleration: f64| {
+            let deviation = (8.0 * reach * acceleration * corner.deviation).sqrt();
+            let square = reach * corner.square * (8.0 * (SQRT_2 - 1.0)).sqrt();
+            deviation.max(square)
+        };
+        for (i, limit) in self.of.iter_mut().enumerate() {
+            limit.jump = match i {
+                3 => corner.extruder,
+                // A belt coordinate sums two axes: a unit vector of the tool reaches sqrt 2 in it.
+                4 | 5 => law(SQRT_2, limit.acceleration),
+                _ => law(1.0, limit.acceleration),
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_settings_are_the_limits() {
+        let limits = Limits::new(&Settings::prototype(), "G1 X5 ; M203 X900\n");
+        let x = limits.of[0];
+        assert_eq!((x.step, x.speed, x.acceleration, x.hard_stop), (0.0125, 300.0, 5000.0, 0.0));
+        assert!((x.jump - (8.0 * 5000.0 * 0.013f64).sqrt()).abs() < 0.01);
+        assert_eq!(limits.of[3].jump, 5.0);
+    }
+
+    #[test]
+    fn a_print_may_widen_its_limits_and_homing_may_stop_hard() {
+        let limits = Limits::new(&Settings::prototype(), "M203 X400 Y10\nG20\nM201Z10 E1000\nG28\n");
+        assert_eq!(limits.of[0].speed, 400.0);
+        assert_eq!(limits.of[1].speed, 300.0);
+        assert_eq!(limits.of[2].acceleration, 254.0);
+        assert_eq!(limits.of[2].hard_stop, 8.0);
+        assert!(limits.is_judged);
+    }
+
+    /// The bound that the text derives, by trying corners.
+    #[test]
+    fn no_corner_jumps_by_more_than_the_square_root_of_8_a_d() {
+        let (a, d) = (3000.0f64, 0.013);
+        for i in 1..1000 {
+            let half = f64::from(i) * std::f64::consts::FRAC_PI_2 / 1000.0;
+            let s = half.sin();
+            let jump = 2.0 * (a * d * s / (1.0 - s)).sqrt() * half.cos();
+            assert!(jump <= (8.0 * a * d).sqrt());
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Machine file: settings as TOML that a person writes.
+//!
+//! Every key is optional and stands over the prototype's value; an unknown key or a value outside its legal
+//! range is an error that names both. `examples/machines/prototype.toml` shows every key.
+
+use corehbot::settings::{AxisSettings, CornerRule, Homing, Range, Settings, SettingsError, ranges};
+use corehbot::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
+use serde::Deserialize;
+use std::fmt::{self, Display};
+
+/// A machine as its file describes it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Machine {
+    /// What the file calls it.
+    pub name: Option<String>,
+    /// Its settings, all in range.
+    pub settings: Settings,
+}
+
+/// What is wrong with a machine file.
+#[derive(Debug)]
+pub enum MachineFileError {
+    /// Not TOML, an unknown key, or a value of the wrong type.
+    Syntax(toml::de::Error),
+    /// A value outside its range.
+    Range {
+        /// The key with its tables.
+        key: String,
+        /// The value in the file.
+        value: f64,
+        /// Least and greatest legal value.
+        legal: String,
+    },
+    /// `corner` names no rule, or both.
+    Corner,
+    /// The values do not go together.
+    Settings(SettingsError),
+}
+
+impl Display for MachineFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Syntax(error) => f.write_str(error.to_string().trim_end()),
+            Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
+            Self::Corner => f.write_str("corner wants either junction_deviation or square_corner"),
+            Self::Settings(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for MachineFileError {}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct MachineToml {
+    name: Option<String>,
+    motor_max_speed: Option<f64>,
+    motor_max_acceleration: Option<f64>,
+    print_acceleration: Option<f64>,
+    retract_acceleration: Option<f64>,
+    travel_acceleration: Option<f64>,
+    extruder_jerk: Option<f64>,
+    min_feed: Option<f64>,
+    min_travel: Option<f64>,
+    soft_endstops: Option<bool>,
+    arc_tolerance: Option<f64>,
+    keepalive_s: Option<f64>,
+    corner: CornerToml,
+    axes: AxesToml,
+    homing: HomingsToml,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct CornerToml {
+    junction_deviation: Option<f64>,
+    square_corner: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct AxesToml {
+    x: AxisToml,
+    y: AxisToml,
+    z: AxisToml,
+    e: AxisToml,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct AxisToml {
+    steps_per_mm: Option<f64>,
+    max_speed: Option<f64>,
+    max_acceleration: Option<f64>,
+    length: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct HomingsToml {
+    x: HomingToml,
+    y: HomingToml,
+    z: HomingToml,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct HomingToml {
+    fast: Option<f64>,
+    slow: Option<f64>,
+    back_off: Option<f64>,
+}
+
+/// A kind of quantity: its legal range, and how it comes from a number that is not NaN.
+struct Kind<T> {
+    range: Range<T>,
+    convert: fn(f64) -> T,
+}
+
+const RESOLUTION: Kind<StepsPerMm> =
+    Kind { range: ranges::STEPS_PER_MM, convert: StepsPerMm::saturating_from_num::<f64> };
+const SPEED: Kind<MmPerSec> = Kind { range: ranges::SPEED, convert: MmPerSec::saturating_from_num::<f64> };
+const LEAST_SPEED: Kind<MmPerSec> = Kind { range: Range { least: MmPerSec::ZERO, most: ranges::SPEED.most }, ..SPEED };
+const ACCELERATION: Kind<MmPerSec2> =
+    Kind { range: ranges::ACCELERATION, convert: MmPerSec2::saturating_from_num::<f64> };
+const LENGTH: Kind<Mm> = Kind { range: ranges::LENGTH, convert: Mm::saturating_from_num::<f64> };
+const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..LENGTH };
+const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..LENGTH };
+const KEEPALIVE: Kind<u8> = Kind { range: Range { least: 0, most: 60 }, convert: |s| s as u8 };
+
+/// The settings of a machine file.
+///
+/// # Errors
+/// What is wrong, in words for the person who wrote the file.
+pub fn load(text: &str) -> Result<Settings, MachineFileError> {
+    parse(text).map(|machine| machine.settings)
+}
+
+/// The machine of a machine file.
+///
+/// # Errors
+/// What is wrong, in words for the person who wrote the file.
+pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
+    let file: MachineToml = toml::from_str(text).map_err(MachineFileError::Syntax)?;
+    let mut s = Settings::prototype();
+    put(&mut s.motor_max_speed, "motor_max_speed", file.motor_max_speed, &SPEED)?;
+    put(&mut s.motor_max_acceleration, "motor_max_acceleration", file.motor_max_acceleration, &ACCELERATION)?;
+    put(&mut s.print_acceleration, "print_acceleration", file.print_acceleration, &ACCELERATION)?;
+    put(&mut s.retract_acceleration, "retract_acceleration", file.retract_acceleration, &ACCELERATION)?;
+    put(&mut s.travel_acceleration, "travel_acceleration", file.travel_acceleration, &ACCELERATION)?;
+    put(&mut s.extruder_jerk, "extruder_jerk", file.extruder_jerk, &SPEED)?;
+    put(&mut s.min_feed, "min_feed", file.min_feed, &LEAST_SPEED)?;
+    put(&mut s.min_travel, "min_travel", file.min_travel, &LEAST_SPEED)?;
+    put(&mut s.arc_tolerance, "arc_tolerance", file.arc_tolerance, &TOLERANCE)?;
+    put(&mut s.keepalive_s, "keepalive_s", file.keepalive_s, &KEEPALIVE)?;
+    s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
+    s.corner = corner(s.corner, &file.corner)?;
+    axis(&mut s.axes.x, "axes.x", &file.axes.x)?;
+    axis(&mut s.axes.y, "axes.y", &file.axes.y)?;
+    axis(&mut s.axes.z, "axes.z", &file.axes.z)?;
+    axis(&mut s.axes.e, "axes.e", &file.axes.e)?;
+    homing(&mut s.homing.x, "homing.x", &file.homing.x)?;
+    homing(&mut s.homing.y, "homing.y", &file.homing.y)?;
+    homing(&mut s.homing.z, "homing.z", &file.homing.z)?;
+    s.check().map_err(MachineFileError::Settings)?;
+    Ok(Machine { name: file.name, settings: s })
+}
+
+fn corner(default: CornerRule, file: &CornerToml) -> Result<CornerRule, MachineFileError> {
+    match (file.junction_deviation, file.square_corner) {
+        (None, None) => Ok(default),
+        (Some(d), None) => quantity("corner.junction_deviation", d, &TOLERANCE).map(CornerRule::JunctionDeviation),
+        (None, Some(v)) => quantity("corner.square_corner", v, &SPEED).map(CornerRule::SquareCorner),
+        (Some(_), Some(_)) => Err(MachineFileError::Corner),
+    }
+}
+
+fn axis(a: &mut AxisSettings, table: &str, file: &AxisToml) -> Result<(), MachineFileError> {
+    put(&mut a.steps_per_mm, &format!("{table}.steps_per_mm"), file.steps_per_mm, &RESOLUTION)?;
+    put(&mut a.max_speed, &format!("{table}.max_speed"), file.max_speed, &SPEED)?;
+    put(&mut a.max_acceleration, &format!("{table}.max_acceleration"), file.max_acceleration, &ACCELERATION)?;
+    put(&mut a.length, &format!("{table}.length"), file.length, &LENGTH)
+}
+
+fn homing(h: &mut Homing, table: &str, file: &HomingToml) -> Result<(), MachineFileError> {
+    put(&mut h.fast, &format!("{table}.fast"), file.fast, &SPEED)?;
+    put(&mut h.slow, &format!("{table}.slow"), file.slow, &SPEED)?;
+    put(&mut h.back_off, &format!("{table}.back_off"), file.back_off, &BACK_OFF)
+}
+
+/// Puts a value of the file, if there is one, in the place of the default.
+fn put<T: PartialOrd + Copy + Display>(
+    slot: &mut T,
+    key: &str,
+    value: Option<f64>,
+    kind: &Kind<T>,
+) -> Result<(), MachineFileError> {
+    if let Some(value) = value {
+        *slot = quantity(key, value, kind)?;
+    }
+    Ok(())
+}
+
+fn quantity<T: PartialOrd + Copy + Display>(key: &str, value: f64, kind: &Kind<T>) -> Result<T, MachineFileError> {
+    let Kind { range, convert } = kind;
+    // Conversions saturate, which leaves an illegal value illegal, but they have no answer to NaN.
+    match (!value.is_nan()).then(|| convert(value)) {
+        Some(legal) if range.holds(legal) => Ok(legal),
+        _ => {
+            let legal = format!("{} to {}", range.least, range.most);
+            Err(MachineFileError::Range { key: key.to_owned(), value, legal })
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_empty_file_is_the_prototype() {
+        assert_eq!(load("").unwrap(), Settings::prototype());
+    }
+
+    #[test]
+    fn the_example_is_the_prototype_with_every_key() {
+        let text = include_str!("../../../examples/machines/prototype.toml");
+        assert_eq!(load(text).unwrap(), Settings::prototype());
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 38);
+    }
+
+    #[test]
+    fn keys_stand_over_the_defaults() {
+        let s = load("soft_endstops = false\n[axes.x]\nmax_speed = 250\n[corner]\nsquare_corner = 8.5").unwrap();
+        assert_eq!(s.axes.x.max_speed, MmPerSec::from_num(250));
+        assert_eq!(s.axes.x.length, Settings::prototype().axes.x.length);
+        assert_eq!(s.corner, CornerRule::SquareCorner(MmPerSec::from_num(8.5)));
+        assert!(!s.soft_endstops);
+    }
+
+    #[test]
+    fn errors_name_the_key_and_what_is_legal() {
+        let error = |text: &str| load(text).unwrap_err().to_string();
+        assert_eq!(error("[axes.x]\nmax_speed = 5000"), "axes.x.max_speed = 5000 is outside 0.01 to 3000");
+        assert_eq!(error("keepalive_s = 61"), "keepalive_s = 61 is outside 0 to 60");
+        assert!(error("print_acceleration = nan").contains("is outside 1 to 100000"));
+        assert!(error("extruder_jerk = -1").contains("extruder_jerk = -1"));
+        assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));
+        assert!(error("[axes.y]\nsteps_per_mm = 100").contains("share their belt"));
+        assert!(error("[corner]\nsquare_corner = 1\njunction_deviation = 0.1").contains("either"));
+    }
+}

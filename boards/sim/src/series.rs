@@ -1,0 +1,92 @@
+//! Series: a quantity over time in bounded memory.
+//!
+//! Bins begin short; when there are too many, every two become one. A print of seconds is thus drawn in
+//! milliseconds, one of a day in minutes, and both look the same size to the report.
+
+use crate::sampler::SAMPLE_TICKS;
+
+/// Most bins that are kept.
+const MOST_BINS: usize = 4096;
+
+/// One stretch of time.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Bin {
+    /// Length of path in mm.
+    pub path: f32,
+    /// Greatest speed in mm/s.
+    pub peak_speed: f32,
+    /// Step events.
+    pub events: u32,
+}
+
+impl Bin {
+    fn join(self, other: Self) -> Self {
+        Self {
+            path: self.path + other.path,
+            peak_speed: self.peak_speed.max(other.peak_speed),
+            events: self.events + other.events,
+        }
+    }
+}
+
+/// Speed and event rate over motion time.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Series {
+    bin_ticks: u64,
+    bins: Vec<Bin>,
+}
+
+impl Default for Series {
+    fn default() -> Self {
+        Self { bin_ticks: 20 * SAMPLE_TICKS, bins: Vec::new() }
+    }
+}
+
+impl Series {
+    /// Ticks in a bin.
+    #[must_use]
+    pub const fn bin_ticks(&self) -> u64 {
+        self.bin_ticks
+    }
+
+    /// The bins, from tick 0 on.
+    #[must_use]
+    pub fn bins(&self) -> &[Bin] {
+        &self.bins
+    }
+
+    /// Adds what happened at `tick`.
+    pub fn add(&mut self, tick: u64, what: Bin) {
+        while tick / self.bin_ticks >= MOST_BINS as u64 {
+            self.halve();
+        }
+        let index = (tick / self.bin_ticks) as usize;
+        if index >= self.bins.len() {
+            self.bins.resize(index + 1, Bin::default());
+        }
+        self.bins[index] = self.bins[index].join(what);
+    }
+
+    fn halve(&mut self) {
+        self.bins =
+            self.bins.chunks(2).map(|pair| pair.iter().copied().reduce(Bin::join).unwrap_or_default()).collect();
+        self.bin_ticks *= 2;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_day_fits_and_nothing_is_lost() {
+        let mut series = Series::default();
+        for second in 0..86_400u64 {
+            series.add(second * 10_000_000, Bin { path: 1.0, peak_speed: second as f32, events: 3 });
+        }
+        assert!(series.bins().len() <= MOST_BINS);
+        assert_eq!(series.bins().iter().map(|b| b.events).sum::<u32>(), 3 * 86_400);
+        assert_eq!(series.bins().iter().map(|b| b.peak_speed).fold(0.0, f32::max), 86_399.0);
+        assert!(series.bin_ticks() * series.bins().len() as u64 > 86_399 * 10_000_000);
+    }
+}

@@ -1,0 +1,268 @@
+//! Step trace: every step event as a row of CSV, and a digest of it all.
+//!
+//! Version 1 of the format: comment lines, a header row that names the motors, then one row an instant with
+//! the signed steps (-1, 0, +1) of each motor. Ticks are motion time and never fall. The digest is SHA-256
+//! over exactly the bytes of the file; it is computed even if no file is written, so two runs can be
+//! compared without keeping gigabytes.
+//!
+//! A print has tens of millions of rows, so rows are put together from prepared pieces instead of being
+//! formatted.
+
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::settings::Settings;
+use corehbot::units::{StepsPerMm, TICKS_PER_SECOND};
+use sha2::{Digest, Sha256};
+use std::io::{self, Write};
+
+/// Bytes gathered before they are hashed and written.
+const CHUNK: usize = 1 << 16;
+
+/// Longest row: 20 digits and seven signed columns with their commas and line end.
+const LONGEST_ROW: usize = 64;
+
+/// What the first comment of a trace says of the machine.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Header {
+    /// Resolution of the belt motors.
+    pub belt: StepsPerMm,
+    /// Resolution of the ball screws.
+    pub z: StepsPerMm,
+    /// Resolution of the extruder.
+    pub e: StepsPerMm,
+}
+
+impl From<&Settings> for Header {
+    fn from(s: &Settings) -> Self {
+        Self { belt: s.axes.x.steps_per_mm, z: s.axes.z.steps_per_mm, e: s.axes.e.steps_per_mm }
+    }
+}
+
+impl Header {
+    /// The comment and the header row.
+    fn text(&self) -> String {
+        let names = Motor::ALL.map(Motor::name).join(",");
+        format!(
+            "# corehbot-trace v1 tick_hz={TICKS_PER_SECOND} kinematics=corehbot steps_per_mm={}/{}/{}\ntick,{names}\n",
+            exact(self.belt),
+            exact(self.z),
+            exact(self.e)
+        )
+    }
+}
+
+/// All digits of a resolution: a fraction of 16 bits ends after 16 decimal places.
+fn exact(value: StepsPerMm) -> String {
+    // 10^16 / 2^16 = 5^16, so the fraction's digits are an exact integer.
+    let fraction = u64::from(value.to_bits() & 0xFFFF) * 5u64.pow(16);
+    let text = format!("{}.{fraction:016}", value.to_bits() >> 16);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// What a finished trace amounts to.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Finished {
+    /// SHA-256 of the trace in hexadecimal.
+    pub sha256: String,
+    /// Rows.
+    pub events: u64,
+}
+
+/// A few characters of a row.
+#[derive(Clone, Copy, Default)]
+struct Piece {
+    text: [u8; 16],
+    length: u8,
+}
+
+/// Writes a trace and computes its digest.
+///
+/// An I/O error is kept and returned by [`finish`](Self::finish), so that a sink need not fail.
+pub struct TraceWriter<W> {
+    out: Option<W>,
+    hash: Sha256,
+    buffer: Vec<u8>,
+    events: u64,
+    error: Option<io::Error>,
+    /// The four belt columns, by steps and directions.
+    belt: Box<[Piece; 256]>,
+    /// The other three columns and the line end, by steps and directions.
+    others: Box<[Piece; 64]>,
+}
+
+impl<W: Write> TraceWriter<W> {
+    /// A trace that goes to `out`, or only into the digest.
+    #[must_use]
+    pub fn new(out: Option<W>, header: Header) -> Self {
+        let mut buffer = Vec::with_capacity(CHUNK + LONGEST_ROW);
+        buffer.extend_from_slice(header.text().as_bytes());
+        let belt = std::array::from_fn(|i| piece(i as u8 & 0xF, i as u8 >> 4, 4, b""));
+        let others = std::array::from_fn(|i| piece(i as u8 & 7, i as u8 >> 3, 3, b"\n"));
+        Self {
+            out,
+            hash: Sha256::new(),
+            buffer,
+            events: 0,
+            error: None,
+            belt: Box::new(belt),
+            others: Box::new(others),
+        }
+    }
+
+    /// One instant in which `steps` move, each forward or backward. An instant without steps has no row.
+    pub fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        if steps.is_empty() {
+            return;
+        }
+        self.events += 1;
+        let start = self.buffer.len();
+        self.buffer.resize(start + LONGEST_ROW, 0);
+        let (s, f) = (usize::from(steps.0), usize::from(forward.0));
+        let belt = &self.belt[(s & 0xF) | (f & 0xF) << 4];
+        let others = &self.others[(s >> 4 & 7) | (f >> 4 & 7) << 3];
+        let row = &mut self.buffer[start..];
+        let mut length = decimal(tick, row);
+        for piece in [belt, others] {
+            row[length..length + 16].copy_from_slice(&piece.text);
+            length += usize::from(piece.length);
+        }
+        self.buffer.truncate(start + length);
+        if self.buffer.len() >= CHUNK {
+            self.flush();
+        }
+    }
+
+    /// Ends the trace.
+    ///
+    /// # Errors
+    /// The first error that the output reported.
+    pub fn finish(mut self) -> io::Result<Finished> {
+        self.flush();
+        if let Some(out) = &mut self.out
+            && self.error.is_none()
+        {
+            out.flush()?;
+        }
+        match self.error {
+            Some(error) => Err(error),
+            None => Ok(Finished { sha256: hex(&self.hash.finalize()), events: self.events }),
+        }
+    }
+
+    fn flush(&mut self) {
+        self.hash.update(&self.buffer);
+        if let Some(out) = &mut self.out
+            && self.error.is_none()
+        {
+            self.error = out.write_all(&self.buffer).err();
+        }
+        self.buffer.clear();
+    }
+}
+
+/// The columns of `motors` motors.
+fn piece(steps: u8, forward: u8, motors: u8, end: &[u8]) -> Piece {
+    let mut text = Vec::new();
+    for motor in 0..motors {
+        text.extend_from_slice(match (steps >> motor & 1, forward >> motor & 1) {
+            (0, _) => b",0",
+            (_, 0) => b",-1",
+            _ => b",1",
+        });
+    }
+    text.extend_from_slice(end);
+    let mut piece = Piece { length: text.len() as u8, ..Piece::default() };
+    piece.text[..text.len()].copy_from_slice(&text);
+    piece
+}
+
+/// Writes `value` in decimal to the begin of `out` and says how long it is.
+fn decimal(mut value: u64, out: &mut [u8]) -> usize {
+    let mut digits = [0; 20];
+    let mut at = digits.len();
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (value % 10) as u8;
+        value /= 10;
+        if value == 0 {
+            break;
+        }
+    }
+    let length = digits.len() - at;
+    out[..length].copy_from_slice(&digits[at..]);
+    length
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|b| format!("{b:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header() -> Header {
+        (&Settings::prototype()).into()
+    }
+
+    fn trace(events: &[(u64, u8, u8)]) -> (String, Finished) {
+        let mut bytes = Vec::new();
+        let mut writer = TraceWriter::new(Some(&mut bytes), header());
+        for &(tick, steps, forward) in events {
+            writer.event(tick, MotorSet(steps), MotorSet(forward));
+        }
+        let finished = writer.finish().unwrap();
+        (String::from_utf8(bytes).unwrap(), finished)
+    }
+
+    #[test]
+    fn rows_are_signed_steps_in_the_order_of_the_header() {
+        let (text, finished) = trace(&[(0, 0x0F, 0x0C), (7, 0, 0x7F), (1_234_567_890_123, 0x70, 0x30)]);
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(
+            lines,
+            [
+                "# corehbot-trace v1 tick_hz=10000000 kinematics=corehbot steps_per_mm=80/800/400",
+                "tick,m1,m4,m8,m11,z1,z2,e0",
+                "0,-1,-1,1,1,0,0,0",
+                "1234567890123,0,0,0,0,1,1,-1",
+            ]
+        );
+        assert!(text.ends_with("-1\n"));
+        assert_eq!(finished.events, 2);
+    }
+
+    #[test]
+    fn the_digest_is_that_of_the_file_whether_or_not_there_is_one() {
+        let events: Vec<_> = (0..30_000).map(|i| (i * 37, 0x09, (i % 2 * 8) as u8)).collect();
+        let (text, with_file) = trace(&events);
+        assert_eq!(with_file.sha256, hex(&Sha256::digest(text.as_bytes())));
+        let mut writer = TraceWriter::new(None::<Vec<u8>>, header());
+        for &(tick, steps, forward) in &events {
+            writer.event(tick, MotorSet(steps), MotorSet(forward));
+        }
+        assert_eq!(writer.finish().unwrap(), with_file);
+    }
+
+    #[test]
+    fn a_resolution_is_printed_with_all_its_digits() {
+        assert_eq!(exact(StepsPerMm::from_num(80)), "80");
+        assert_eq!(exact(StepsPerMm::from_num(0.5)), "0.5");
+        assert_eq!(exact(StepsPerMm::from_bits(400 << 16 | 1)), "400.0000152587890625");
+    }
+
+    #[test]
+    fn a_full_disk_is_reported_at_the_end() {
+        struct Full;
+        impl Write for Full {
+            fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+                Err(io::ErrorKind::StorageFull.into())
+            }
+            fn flush(&mut self) -> io::Result<()> {
+                Ok(())
+            }
+        }
+        let mut writer = TraceWriter::new(Some(Full), header());
+        writer.event(1, MotorSet::E, MotorSet::E);
+        assert_eq!(writer.finish().unwrap_err().kind(), io::ErrorKind::StorageFull);
+    }
+}

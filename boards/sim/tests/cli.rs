@@ -1,0 +1,159 @@
+//! The `corehbot` command as a user meets it: files in, files out, and the exit status.
+// Clippy sees no test in the helpers here.
+#![allow(clippy::unwrap_used)]
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+fn corehbot() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_corehbot"))
+}
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
+}
+
+/// A place for one test's files.
+fn scratch(test: &str) -> PathBuf {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join(test);
+    std::fs::create_dir_all(&place).unwrap();
+    place
+}
+
+fn print_text(gcode: &str) -> Output {
+    let mut child = corehbot()
+        .args(["run", "-", "--assume-homed", "0,0,0"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(gcode.as_bytes()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+#[test]
+fn a_print_leaves_a_trace_a_summary_and_a_report() {
+    let place = scratch("outputs");
+    let [trace, vcd, json, report] = ["t.csv", "t.vcd", "s.json", "r.html"].map(|name| place.join(name));
+    let output = corehbot()
+        .arg("run")
+        .arg(example("axes.gcode"))
+        .arg("--trace")
+        .arg(&trace)
+        .arg("--vcd")
+        .arg(&vcd)
+        .arg("--json")
+        .arg(&json)
+        .arg("--report")
+        .arg(&report)
+        .arg("--settings")
+        .arg(example("machines/prototype.toml"))
+        .output()
+        .unwrap();
+    let (out, err) = (text(&output.stdout), text(&output.stderr));
+    assert_eq!(output.status.code(), Some(0), "{out}{err}");
+    assert!(out.contains("trace sha256") && err.is_empty(), "{err}");
+
+    let summary: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(json).unwrap()).unwrap();
+    for key in [
+        "lines",
+        "commands",
+        "moves",
+        "print_time_s",
+        "path_mm",
+        "steps",
+        "peak_speed_mm_s",
+        "peak_event_rate_hz",
+        "underruns",
+        "events",
+        "trace_sha256",
+        "look_ahead_low_water",
+        "warnings",
+    ] {
+        assert!(summary.get(key).is_some(), "{key}");
+    }
+    let csv = std::fs::read_to_string(trace).unwrap();
+    let mut rows = csv.lines();
+    let first = "# corehbot-trace v1 tick_hz=10000000 kinematics=corehbot steps_per_mm=80/800/400";
+    assert_eq!(rows.next(), Some(first));
+    assert_eq!(rows.next(), Some("tick,m1,m4,m8,m11,z1,z2,e0"));
+    assert_eq!(rows.count() as u64, summary["events"].as_u64().unwrap());
+    for motor in ["m1", "m4", "m8", "m11", "z1", "z2", "e0"] {
+        assert!(summary["steps"][motor].as_u64().unwrap() > 0, "{motor} never moved");
+    }
+    assert!(std::fs::read_to_string(vcd).unwrap().contains("$timescale 100 ns $end"));
+    assert!(std::fs::read_to_string(report).unwrap().contains("axes.gcode"));
+}
+
+#[test]
+fn every_example_prints_without_a_remark() {
+    let place = scratch("examples");
+    let mut printed = 0;
+    for entry in std::fs::read_dir(example("")).unwrap() {
+        let file = entry.unwrap().path();
+        if file.extension().is_none_or(|e| e != "gcode") {
+            continue;
+        }
+        let json = place.join("summary.json");
+        let output = corehbot().arg("run").arg(&file).arg("--json").arg(&json).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}: {}", file.display(), text(&output.stdout));
+        let summary: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+        assert_eq!(summary["warnings_total"], 0, "{}: {summary}", file.display());
+        assert_eq!(summary["underruns"], 0, "{}", file.display());
+        let is_small = summary["events"].as_u64().unwrap() < 300_000;
+        assert!(is_small || file.ends_with("first-print.gcode"), "{}", file.display());
+        printed += 1;
+    }
+    assert!(printed >= 13);
+}
+
+#[test]
+fn the_same_file_gives_the_same_trace() {
+    let digest = || {
+        let output = corehbot().arg("run").arg(example("circle.gcode")).output().unwrap();
+        text(&output.stdout).lines().find(|l| l.starts_with("trace sha256")).unwrap().to_owned()
+    };
+    assert_eq!(digest(), digest());
+}
+
+#[test]
+fn a_print_that_halts_is_status_1_and_names_the_line() {
+    let output = print_text("G1 X5 F3000\n\nM112\nG1 X0\n");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stdout).contains("failed: stdin:3: M112: "), "{}", text(&output.stdout));
+}
+
+#[test]
+fn an_unknown_command_is_a_warning_with_its_line() {
+    let output = print_text("G1 X5 F3000\nM9999\n");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(text(&output.stdout).contains("stdin:2: M9999: echo:Unknown command"), "{}", text(&output.stdout));
+}
+
+#[test]
+fn what_cannot_be_printed_is_status_2_and_says_why() {
+    let place = scratch("unusable");
+    let machine = place.join("bad.toml");
+    std::fs::write(&machine, "[axes.x]\nmax_speed = 5000\n").unwrap();
+    let axes = example("axes.gcode");
+    let axes = axes.to_str().unwrap();
+    let cases: [(&[&str], &str); 6] = [
+        (&["run", "no-such.gcode"], "corehbot: cannot open no-such.gcode"),
+        (&["run", axes, "--settings", "no-such.toml"], "corehbot: cannot open no-such.toml"),
+        (&["run", axes, "--settings", machine.to_str().unwrap()], "axes.x.max_speed = 5000 is outside 0.01 to 3000"),
+        (&["run", axes, "--assume-homed", "1,2"], "three numbers"),
+        (&["run", axes, "--trace", "/no/such/place.csv"], "corehbot: cannot create /no/such/place.csv"),
+        (&["run", axes, "--nonsense"], "--nonsense"),
+    ];
+    for (args, message) in cases {
+        let output = corehbot().args(args).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        assert!(text(&output.stderr).contains(message), "{args:?}: {}", text(&output.stderr));
+    }
+}

@@ -1,0 +1,284 @@
+//! Conversations with the whole firmware: what a host says, and what it hears.
+
+use corehbot::motors::MotorSet;
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use corehbot_sim::world::{Host, Outcome, Sink, run};
+use std::collections::VecDeque;
+
+#[derive(Default)]
+struct Steps {
+    count: u64,
+    last: u64,
+}
+
+impl Sink for Steps {
+    fn event(&mut self, tick: u64, _steps: MotorSet, _forward: MotorSet) {
+        self.count += 1;
+        self.last = tick;
+    }
+}
+
+/// Sends each line when the one before is answered; a line that begins with `!` goes out together with the
+/// one before it, and one that begins with `~` when the printer has said that it is busy with that.
+struct Talk {
+    lines: VecDeque<String>,
+    awaiting: u32,
+    heard: Vec<String>,
+    is_busy: bool,
+}
+
+impl Talk {
+    fn new(lines: &[&str]) -> Self {
+        let lines = lines.iter().map(|l| (*l).to_owned()).collect();
+        Self { lines, awaiting: 0, heard: Vec::new(), is_busy: false }
+    }
+}
+
+impl Host for Talk {
+    fn send(&mut self, out: &mut Vec<u8>) {
+        if self.awaiting > 0 {
+            return;
+        }
+        if let Some(line) = self.lines.pop_front() {
+            out.extend(line.as_bytes());
+            out.push(b'\n');
+            self.awaiting += 1;
+            self.is_busy = false;
+        }
+        while self.lines.front().is_some_and(|l| l.starts_with('!')) {
+            let line = self.lines.pop_front().unwrap();
+            out.extend(&line.as_bytes()[1..]);
+            out.push(b'\n');
+            self.awaiting += 1;
+        }
+    }
+
+    fn interject(&mut self, out: &mut Vec<u8>) {
+        if self.is_busy && self.lines.front().is_some_and(|l| l.starts_with('~')) {
+            let line = self.lines.pop_front().unwrap();
+            out.extend(&line.as_bytes()[1..]);
+            out.push(b'\n');
+            self.awaiting += 1;
+        }
+    }
+
+    fn hear(&mut self, line: &str) {
+        self.is_busy |= line.starts_with("echo:busy");
+        if line.starts_with("ok") {
+            self.awaiting = self.awaiting.saturating_sub(1);
+        }
+        self.heard.push(line.to_owned());
+    }
+
+    fn is_done(&self) -> bool {
+        self.lines.is_empty() && self.awaiting == 0
+    }
+}
+
+const HOMED: Option<[f64; 3]> = Some([0.0; 3]);
+
+fn talk_to(settings: &Settings, start: Option<[f64; 3]>, lines: &[&str]) -> (Vec<String>, Outcome, Steps) {
+    let mut host = Talk::new(lines);
+    let mut steps = Steps::default();
+    let start = start.map(|s| s.map(Mm::from_num));
+    let outcome = run(settings, start, &mut host, &mut steps).unwrap();
+    // The banner is not an answer.
+    let heard = host.heard.into_iter().skip(2).collect();
+    (heard, outcome, steps)
+}
+
+/// What a homed machine at the origin answers, and how it ends.
+fn talk(lines: &[&str]) -> (Vec<String>, Outcome, Steps) {
+    talk_to(&Settings::prototype(), HOMED, lines)
+}
+
+#[test]
+fn every_line_has_one_ok_and_blank_lines_have_none() {
+    let (heard, ..) = talk(&["G21", "M105", "G1 X5 F6000", "FOO", "T0", "T3", "M117 hello *", "G4 P1", "M400"]);
+    assert_eq!(heard.iter().filter(|l| l.starts_with("ok")).count(), 9);
+    assert!(heard.contains(&"echo:Unknown command: \"FOO\"".to_owned()), "{heard:?}");
+    assert!(heard.iter().any(|l| l.starts_with("ok T:")), "{heard:?}");
+}
+
+#[test]
+fn the_position_is_told_as_asked_and_as_it_is() {
+    let (heard, ..) = talk(&["G1 X10 Y20.004 Z1 E2 F6000", "M400", "M114", "M114 R", "G92 X0 E0", "M114"]);
+    let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).collect();
+    assert_eq!(told[0], "X:10.00 Y:20.00 Z:1.00 E:2.00 Count A:2400 B:-800 Z:800");
+    assert_eq!(told[1], told[0]);
+    assert_eq!(told[2], "X:0.00 Y:20.00 Z:1.00 E:0.00 Count A:2400 B:-800 Z:800");
+}
+
+#[test]
+fn real_position_lags_behind_while_moving() {
+    let (heard, ..) = talk(&["G1 X100 F600", "M114", "M114 R", "M400", "M114 R"]);
+    let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).collect();
+    assert!(told[0].starts_with("X:100.00 "));
+    assert!(!told[1].starts_with("X:100.00 "), "{told:?}");
+    assert!(told[2].starts_with("X:100.00 "));
+}
+
+#[test]
+fn settings_that_are_reported_read_back() {
+    let changes = [
+        "M92 Z1600.5 E415.37",
+        "M203 X250.3 Y200 Z12.7 E61",
+        "M201 X4321 Y1234.5 Z150 E9000",
+        "M204 P1500.25 R2500 T4000",
+        "M205 X7.5 Y9 E3.3 S1 T2",
+        "M211 S0",
+        "M113 S5",
+        "M503",
+    ];
+    let (heard, ..) = talk(&changes);
+    let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
+    assert_eq!(report.len(), 7, "{heard:?}");
+    assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
+    let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
+    again.push("M503");
+    let (heard, ..) = talk(&again);
+    let second: Vec<_> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).collect();
+    assert_eq!(report, second);
+    // And a machine that was told nothing reports something else.
+    let (heard, ..) = talk(&["M503"]);
+    assert!(heard.contains(&"echo:  M205 J0.013 E5 S0 T0".to_owned()), "{heard:?}");
+}
+
+#[test]
+fn a_target_beyond_the_edge_is_told_once_a_print() {
+    let lines = ["G1 X500 F12000", "G1 X600", "G1 Y-5", "M400", "M114", "G28 X", "G1 X500", "M400"];
+    let (heard, ..) = talk(&lines);
+    assert_eq!(heard.iter().filter(|l| l.contains("beyond the reachable space")).count(), 2, "{heard:?}");
+    assert!(heard.iter().any(|l| l.starts_with("X:390.00 Y:0.00")), "{heard:?}");
+    let (heard, ..) = talk(&["M211", "M211 S0", "G1 X400 F12000", "M400", "M114 R"]);
+    assert!(heard[0].starts_with("Soft endstops: ON  Min:  X0.00 Y0.00 Z0.00   Max:  X390.00 Y417.60 Z335.00"));
+    assert!(heard.iter().any(|l| l.starts_with("X:400.00")), "{heard:?}");
+}
+
+#[test]
+fn homing_finds_the_switches_through_the_belt() {
+    let (heard, outcome, steps) = talk_to(&Settings::prototype(), None, &["G28", "M114", "M119"]);
+    assert!(heard.contains(&"X:0.00 Y:0.00 Z:0.00 E:0.00 Count A:0 B:0 Z:0".to_owned()), "{heard:?}");
+    for line in ["Reporting endstop status", "x_min: TRIGGERED", "y_min: TRIGGERED", "z_min: TRIGGERED"] {
+        assert!(heard.contains(&line.to_owned()), "{line}: {heard:?}");
+    }
+    // It takes seconds, so the host hears that somebody is busy.
+    assert!(heard.iter().filter(|l| *l == "echo:busy: processing").count() >= 3, "{heard:?}");
+    assert!(steps.count > 10_000 && !outcome.halted);
+    let [n1, n4, n8, n11, ..] = outcome.counts;
+    assert_eq!((n1, n4), (-n8, -n11));
+}
+
+#[test]
+fn one_axis_is_homed_alone_and_keeps_the_others() {
+    let (heard, ..) = talk(&["G1 X30 Y40 Z5 F6000", "G28 Y", "M114", "M119"]);
+    assert!(heard.iter().any(|l| l.starts_with("X:30.00 Y:0.00 Z:5.00")), "{heard:?}");
+    assert!(heard.contains(&"x_min: open".to_owned()) && heard.contains(&"y_min: TRIGGERED".to_owned()));
+}
+
+#[test]
+fn a_missing_switch_halts_the_machine() {
+    // The machine stands farther from the switch than its axis is long.
+    let mut settings = Settings::prototype();
+    settings.axes.x.length = Mm::from_num(20);
+    let (heard, outcome, _) = talk_to(&settings, Some([100.0, 0.0, 0.0]), &["G28 X", "G1 X5"]);
+    assert!(outcome.halted);
+    assert!(heard.contains(&"Error:Homing failed: X endstop not found".to_owned()), "{heard:?}");
+    assert!(heard.contains(&"Error:Printer halted. kill() called!".to_owned()), "{heard:?}");
+    assert!(!heard.iter().any(|l| l.starts_with("ok")));
+}
+
+#[test]
+fn an_emergency_stop_stops_in_mid_move() {
+    let (heard, outcome, steps) = talk(&["G1 X300 F3000", "!G1 X0", "!M112"]);
+    assert!(outcome.halted);
+    assert!(heard.contains(&"Error:Printer halted. kill() called!".to_owned()), "{heard:?}");
+    assert!(steps.count < 100, "{} steps after the stop", steps.count);
+}
+
+#[test]
+fn a_quick_stop_keeps_the_position_true() {
+    let lines = ["G1 X200 F1200", "!G1 X0", "!G4 S1", "!M410", "M114 R", "M114", "G1 X10 F6000", "M400", "M114 R"];
+    let (heard, outcome, _) = talk(&lines);
+    assert!(!outcome.halted);
+    assert_eq!(heard.iter().filter(|l| *l == "ok").count(), lines.len(), "{heard:?}");
+    let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).collect();
+    assert_eq!(told[0], told[1], "what is commanded is what is");
+    assert!(told[2].starts_with("X:10.00 "), "{told:?}");
+    assert_eq!(outcome.counts[3], 800, "ten millimetres from the origin, counted in steps");
+}
+
+#[test]
+fn m108_ends_a_dwell() {
+    let (_, long, _) = talk(&["G4 S20", "G1 X1 F600", "M400"]);
+    let (heard, short, _) = talk(&["G4 S20", "~M108", "G1 X1 F600", "M400"]);
+    assert!(long.ticks > 200_000_000);
+    assert!(short.ticks < 40_000_000, "{} ticks", short.ticks);
+    assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 4);
+}
+
+#[test]
+fn a_bad_line_costs_a_resend_and_nothing_else() {
+    let sum = |text: &str| format!("{text}*{}", text.bytes().fold(0, |a, b| a ^ b));
+    let lines = [sum("N0 M110 N0"), sum("N1 G1 X10 F6000"), "N2 G1 X20*1".to_owned(), sum("N2 G1 X20"), sum("N3 M400")];
+    let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+    let (heard, outcome, _) = talk(&lines);
+    let dialogue = ["Error:checksum mismatch, Last Line: 1", "Resend: 2", "ok"];
+    assert!(heard.windows(3).any(|w| w == dialogue), "{heard:?}");
+    assert_eq!(outcome.counts[3], 1600);
+}
+
+#[test]
+fn heaters_are_missed_once() {
+    let (heard, ..) = talk(&["M104 S200", "M140 S60", "M109 S200", "M106 S255"]);
+    assert_eq!(heard, ["echo:no heaters configured", "ok", "ok", "ok", "ok"]);
+}
+
+#[test]
+fn motors_without_power_do_not_know_where_they_are() {
+    let (heard, ..) = talk(&["G1 X500 F12000", "M84", "G1 X600", "M400", "M114"]);
+    // The first target is clamped; after M84 the axis has no known edge.
+    assert!(heard.iter().any(|l| l.starts_with("X:600.00")), "{heard:?}");
+}
+
+#[test]
+fn inches_relative_moves_and_overrides_mean_what_they_say() {
+    let lines = ["G20", "G1 X1 F100", "G21", "G91", "G1 X1 E1 F6000", "G90", "M83", "M221 S200", "G1 E1", "M400", "M114"];
+    let (heard, outcome, _) = talk(&lines);
+    assert!(heard.iter().any(|l| l.starts_with("X:26.40 Y:0.00 Z:0.00 E:2.00")), "{heard:?}");
+    assert_eq!(outcome.counts[6], 400 + 800, "flow of 200 % for the second millimetre of filament");
+    let (heard, ..) = talk(&["M220 S50", "M220", "M220 B", "M220 S120", "M220 R", "M220", "M221"]);
+    assert_eq!(heard.iter().filter(|l| *l == "FR:50%").count(), 2, "{heard:?}");
+    assert!(heard.contains(&"echo:E0 Flow: 100%".to_owned()));
+}
+
+#[test]
+fn bad_arcs_move_nothing() {
+    let (heard, outcome, _) = talk(&["G2 X10 Y0", "G2 X50 R5", "G3 I0 J0", "M400"]);
+    assert_eq!(heard.iter().filter(|l| l.starts_with("echo:arc ignored")).count(), 3, "{heard:?}");
+    assert_eq!(outcome.moves, 0);
+}
+
+#[test]
+fn a_helix_with_turns_ends_where_it_should() {
+    let (heard, outcome, _) = talk(&["G1 X50 Y50 F9000", "G3 I10 J0 Z3 P3 E6 F3000", "M400", "M114 R"]);
+    assert!(heard.iter().any(|l| l.starts_with("X:50.00 Y:50.00 Z:3.00 E:6.00")), "{heard:?}");
+    let path = outcome.path_um as f64 / 1000.0;
+    let exact = 50.0 * 2f64.sqrt() + (3.0 * std::f64::consts::TAU * 10.0).hypot(3.0);
+    assert!((path - exact).abs() < 0.2, "{path} {exact}");
+}
+
+#[test]
+fn too_much_filament_in_one_move_is_left_out() {
+    let (heard, outcome, _) = talk(&["G1 X10 E99999 F6000", "G1 E100001", "M400"]);
+    assert!(heard.contains(&"echo:E left out: more than 1000 mm of filament in one move".to_owned()), "{heard:?}");
+    assert_eq!((outcome.counts[3], outcome.counts[6]), (800, 800));
+}
+
+#[test]
+fn firmware_tells_its_name_and_abilities() {
+    let (heard, ..) = talk(&["M115"]);
+    assert!(heard[0].starts_with("FIRMWARE_NAME:CoreH-bot "), "{heard:?}");
+    assert!(heard.contains(&"Cap:EMERGENCY_PARSER:1".to_owned()) && heard.last().unwrap() == "ok");
+}
