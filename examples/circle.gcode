@@ -20,3 +20,6 @@ G3 X50 Y50 Z2 I5 J0 P2 F2400
 G2 X50 Y50 I0.5 J0 F1200
 G1 Z1 F600
 M400
+; five turns of a small circle, asked for at more than the axes bear
+G1 X50 Y50 F12000
+G2 X50 Y50 I1 J0 P5 F12000

@@ -10,7 +10,7 @@ use corehbot::settings::Settings;
 use corehbot::units::Mm;
 
 /// Where the tool stands at power-up if nobody says: well inside, and not on a round number.
-const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.4")];
+pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.4")];
 
 /// The simulated machine. An endstop is pressed while its axis is at or below 0.
 pub struct Rig {
@@ -28,7 +28,7 @@ impl Rig {
         let pitch = [a.x.steps_per_mm, a.y.steps_per_mm, a.z.steps_per_mm];
         let mut steps = [0; 3];
         for ((steps, mm), pitch) in steps.iter_mut().zip(start.unwrap_or(AT_POWER_UP)).zip(pitch) {
-            *steps = (i128::from(mm.to_bits()) * i128::from(pitch.to_bits()) >> 48) as i32;
+            *steps = ((i128::from(mm.to_bits()) * i128::from(pitch.to_bits())) >> 48) as i32;
         }
         Self { counts: [0; Motor::ALL.len()], start: steps }
     }

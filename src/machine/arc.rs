@@ -12,20 +12,20 @@ use crate::units::{Mm, mul_div};
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum ArcError {
     /// Neither I, J nor R was given.
-    NoCentre,
+    MissingCentre,
     /// The start is the centre.
-    NoRadius,
+    ZeroRadius,
     /// With R the end must differ from the start, and be no farther away than twice the radius.
-    NoCircle,
+    NoSuchCircle,
 }
 
 impl ArcError {
     /// What to tell the host.
     pub const fn text(self) -> &'static str {
         match self {
-            Self::NoCentre => "arc ignored: give I and J, or R",
-            Self::NoRadius => "arc ignored: its radius is 0",
-            Self::NoCircle => "arc ignored: no circle of that R passes through both ends",
+            Self::MissingCentre => "arc ignored: give I and J, or R",
+            Self::ZeroRadius => "arc ignored: its radius is 0",
+            Self::NoSuchCircle => "arc ignored: no circle of that R passes through both ends",
         }
     }
 }
@@ -71,7 +71,7 @@ impl Arc {
         let [cx, cy] = centre;
         let radius = [hypotenuse(sx - cx, sy - cy), hypotenuse(ex - cx, ey - cy)];
         if radius[0] == 0 {
-            return Err(ArcError::NoRadius);
+            return Err(ArcError::ZeroRadius);
         }
         let from = direction(sx - cx, sy - cy);
         let sweep = if start == end { 0 } else { direction(ex - cx, ey - cy) - from };
@@ -116,7 +116,7 @@ impl Shape {
         match shape {
             ArcShape::Centre { i, j } => Ok(Self::Centre([length(i), length(j)])),
             ArcShape::Radius(r) => Ok(Self::Radius(length(r))),
-            ArcShape::Missing => Err(ArcError::NoCentre),
+            ArcShape::Missing => Err(ArcError::MissingCentre),
         }
     }
 }
@@ -141,7 +141,7 @@ fn centre_from_radius(start: [i64; 2], end: [i64; 2], radius: i64, clockwise: bo
     // Slicers round: half a micrometre more than twice the radius still is a half circle.
     let slack = 1 << 21;
     if chord == 0 || chord > 2 * most + slack {
-        return Err(ArcError::NoCircle);
+        return Err(ArcError::NoSuchCircle);
     }
     let half = u128::from(chord / 2);
     let height = (u128::from(most) * u128::from(most)).saturating_sub(half * half).isqrt() as i128;
@@ -222,9 +222,9 @@ mod tests {
     #[test]
     fn what_is_no_arc_is_refused() {
         let new = |end, shape| Arc::new(mm(0.0, 0.0), end, shape, true, 1, Mm::from_num(0.005));
-        assert_eq!(new(mm(5.0, 0.0), Shape::Centre(mm(0.0, 0.0))).err(), Some(ArcError::NoRadius));
-        assert_eq!(new(mm(0.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoCircle));
-        assert_eq!(new(mm(50.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoCircle));
+        assert_eq!(new(mm(5.0, 0.0), Shape::Centre(mm(0.0, 0.0))).err(), Some(ArcError::ZeroRadius));
+        assert_eq!(new(mm(0.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoSuchCircle));
+        assert_eq!(new(mm(50.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoSuchCircle));
     }
 
     #[test]

@@ -56,17 +56,6 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
                 self.told_of_edge = false;
                 Ok(())
             }
-            Command::IdleTimeout { seconds } => {
-                self.idle_timeout_s = seconds;
-                Ok(())
-            }
-            Command::Inches => Ok(self.modal.inches = true),
-            Command::Millimetres => Ok(self.modal.inches = false),
-            Command::Absolute => Ok(self.modal.absolute = true),
-            Command::Relative => Ok(self.modal.absolute = false),
-            Command::AbsoluteExtrusion => Ok(self.modal.absolute_extrusion = true),
-            Command::RelativeExtrusion => Ok(self.modal.absolute_extrusion = false),
-            Command::SetPosition(words) => Ok(self.modal.rename(&words)),
             Command::StepsPerMm(words) => self.set_resolution(&words).await,
             Command::MaxAcceleration(words) => self.set_max_acceleration(&words).await,
             Command::MaxSpeed(words) => self.set_max_speed(&words).await,
@@ -75,19 +64,14 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
                 self.set_corners(deviation, &jerk, min_feed, min_travel).await
             }
             Command::SoftEndstops(None) => self.report_soft_endstops().await,
-            Command::SoftEndstops(Some(on)) => Ok(self.settings.soft_endstops = on),
             Command::FeedPercent(None) => {
                 let percent = self.modal.feed_percent;
                 self.say(format_args!("FR:{percent}%")).await
             }
-            Command::FeedPercent(Some(number)) => Ok(self.modal.feed_percent = Modal::percent(number)),
-            Command::BackUpFeedPercent => Ok(self.modal.kept_feed_percent = self.modal.feed_percent),
-            Command::RestoreFeedPercent => Ok(self.modal.feed_percent = self.modal.kept_feed_percent),
             Command::FlowPercent(None) => {
                 let percent = self.modal.flow_percent;
                 self.say(format_args!("echo:E0 Flow: {percent}%")).await
             }
-            Command::FlowPercent(Some(number)) => Ok(self.modal.flow_percent = Modal::percent(number)),
             Command::Keepalive(seconds) => self.set_keepalive(seconds).await,
             Command::ReportPosition { real } => self.report_position(real).await,
             Command::ReportFirmware => self.report_firmware().await,
@@ -97,13 +81,30 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
             Command::Tool(number) => self.say(format_args!("echo:there is no tool T{number}")).await,
             Command::Heater => self.explain_heaters().await,
             Command::ColdExtrusion => self.say(format_args!("echo:Cold extrudes are enabled")).await,
-            Command::PlaneXy
-            | Command::LineNumber
-            | Command::Message
-            | Command::AutoReport(_)
-            | Command::ReportTemperatures
-            | Command::Silent
-            | Command::Unknown(_) => Ok(()),
+            _ => {
+                self.remember(command);
+                Ok(())
+            }
+        }
+    }
+
+    /// Commands that only change what later lines mean; of the rest, nothing is left to do.
+    fn remember(&mut self, command: &Command<'_>) {
+        match *command {
+            Command::IdleTimeout { seconds } => self.idle_timeout_s = seconds,
+            Command::Inches => self.modal.inches = true,
+            Command::Millimetres => self.modal.inches = false,
+            Command::Absolute => self.modal.absolute = true,
+            Command::Relative => self.modal.absolute = false,
+            Command::AbsoluteExtrusion => self.modal.absolute_extrusion = true,
+            Command::RelativeExtrusion => self.modal.absolute_extrusion = false,
+            Command::SetPosition(words) => self.modal.rename(&words),
+            Command::SoftEndstops(Some(on)) => self.settings.soft_endstops = on,
+            Command::FeedPercent(Some(number)) => self.modal.feed_percent = Modal::percent(number),
+            Command::BackUpFeedPercent => self.modal.kept_feed_percent = self.modal.feed_percent,
+            Command::RestoreFeedPercent => self.modal.feed_percent = self.modal.kept_feed_percent,
+            Command::FlowPercent(Some(number)) => self.modal.flow_percent = Modal::percent(number),
+            _ => {}
         }
     }
 

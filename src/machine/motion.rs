@@ -42,10 +42,10 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
     /// Hands released moves on, and releases more when it is time.
     pub(super) fn feed_motion(&mut self) {
         if self.flow.is_level_telling() {
-            let level = self.planner.len() + self.link.len();
+            let level = self.planner.len() + self.link.level();
             self.link.status().note_level(level as u32);
         }
-        while self.link.has_room() && !(self.flow.is_gathering() && !self.begin_motion()) {
+        while self.link.has_room() && (!self.flow.is_gathering() || self.begin_motion()) {
             if let Some(released) = self.planner.pop() {
                 self.link.send(Work::Move(released));
                 continue;

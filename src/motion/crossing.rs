@@ -105,13 +105,13 @@ impl Path {
         }
         match self.curve {
             Curve::Steady => (scale(ahead, self.shift) * self.scaled_time / self.distance.max(1)) << self.time_shift,
-            Curve::Speeding => self.from_slow_end(ahead),
-            Curve::Slowing => self.time.saturating_sub(self.from_slow_end(length - ahead)),
+            Curve::Speeding => self.time_from_slow_end(ahead),
+            Curve::Slowing => self.time.saturating_sub(self.time_from_slow_end(length - ahead)),
         }
         .min(self.time)
     }
 
-    fn from_slow_end(&self, distance: u64) -> u64 {
+    fn time_from_slow_end(&self, distance: u64) -> u64 {
         let d = scale(distance, self.shift);
         let (b, c) = (self.linear, self.distance - self.linear);
         let half = (b + (b * b + 4 * c * d).isqrt()) / 2;

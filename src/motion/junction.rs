@@ -6,6 +6,9 @@
 //! is the same law with the deviation for which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`, so that
 //! `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not depend on the acceleration.
 //!
+//! A curve that is cut into chords of length L is a row of such corners, each of them harmless and all of them
+//! together a turn of radius `L/2 tan(t/2)`: its speed is limited by `v^2 = a L/2 tan(t/2)` too.
+//!
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
@@ -26,19 +29,20 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2,
     // The angle between the moves is pi minus the change of direction, hence the sign.
     let cosine = (-dot).clamp(-UNIT, UNIT);
     let sine_half = (((UNIT - cosine) as u64 / 2) << 30).isqrt().min(UNIT as u64);
+    let cosine_half = (((UNIT + cosine) as u64 / 2) << 30).isqrt();
     let flatness = UNIT as u64 - sine_half;
+    let bears = turn(before, after).fine_acceleration_limit(a, s);
     let base = match s.corner {
-        CornerRule::JunctionDeviation(d) => {
-            let a = turn(before, after).fine_acceleration_limit(a, s);
-            mul_div(a, d.to_bits().unsigned_abs(), 1 << 24)
-        }
+        CornerRule::JunctionDeviation(d) => mul_div(bears, d.to_bits().unsigned_abs(), 1 << 24),
         CornerRule::SquareCorner(w) => {
             let w = u64::from(w.to_bits());
             mul_div(w * w, SQRT_2_MINUS_1, UNIT as u64)
         }
     };
     let bend = mul_div(base, sine_half, flatness);
-    bend.min(extruder_jump(before, after, s))
+    let shorter = before.length.min(after.length);
+    let curve = mul_div(mul_div(shorter, bears, 1 << 25), sine_half, cosine_half);
+    bend.min(curve).min(extruder_jump(before, after, s))
 }
 
 /// The change of direction.
@@ -60,7 +64,7 @@ fn extruder_jump(before: &Geometry, after: &Geometry, s: &Settings) -> u64 {
         return u64::MAX;
     }
     let v = mul_div(u64::from(s.extruder_jerk.to_bits()), RATIO, jump);
-    v.checked_mul(v).unwrap_or(u64::MAX)
+    v.saturating_mul(v)
 }
 
 #[cfg(test)]
@@ -97,6 +101,19 @@ mod tests {
         // Z bears 200 mm/s2 and has 0.707 of the change.
         let exact = 200.0 * 2f64.sqrt() * 0.013 * 0.5f64.sqrt() / (1.0 - 0.5f64.sqrt());
         assert!((sq / exact - 1.0).abs() < 1e-3, "{sq} {exact}");
+    }
+
+    #[test]
+    fn a_curve_of_chords_turns_no_faster_than_its_circle_allows() {
+        let mut s = Settings::prototype();
+        s.corner = CornerRule::JunctionDeviation(Mm::ONE);
+        // Chords of 0.1 mm that turn by 0.1 rad each: a circle of 1 mm.
+        let chord = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            Geometry::new([Mm::from_num(0.1 * cos).to_bits(), Mm::from_num(0.1 * sin).to_bits(), 0, 0])
+        };
+        let sq = corner_speed_sq(&chord(0.3), &chord(0.4), MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
+        assert!((sq / 3000.0 - 1.0).abs() < 2e-3, "{sq}");
     }
 
     #[test]

@@ -36,7 +36,7 @@ impl<'m, W: Pend> Link<'m, W> {
     }
 
     /// Entries in the queue.
-    pub fn len(&self) -> usize {
+    pub fn level(&self) -> usize {
         self.queue.len()
     }
 

@@ -45,8 +45,10 @@ const fn fraction(part: u64, whole: u64) -> u32 {
     // 33 bits of the whole are enough, and the product fits.
     let shift = 31u32.saturating_sub(whole.leading_zeros());
     let (part, whole) = (part >> shift, whole >> shift);
-    let scaled = if whole == 0 { WHOLE as u64 } else { part * WHOLE as u64 / whole };
-    if scaled > WHOLE as u64 { WHOLE } else { scaled as u32 }
+    match (part * WHOLE as u64).checked_div(whole) {
+        Some(scaled) if scaled < WHOLE as u64 => scaled as u32,
+        _ => WHOLE,
+    }
 }
 
 /// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.

@@ -90,7 +90,7 @@ fn axis(a: &AxisSettings, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::SPEED, a.max_speed, name)?;
     within(ranges::ACCELERATION, a.max_acceleration, name)?;
     within(ranges::LENGTH, a.length, name)?;
-    let rate = u64::from(a.max_speed.to_bits()) * u64::from(a.steps_per_mm.to_bits()) >> 32;
+    let rate = (u64::from(a.max_speed.to_bits()) * u64::from(a.steps_per_mm.to_bits())) >> 32;
     if rate > u64::from(ranges::STEP_RATE) { Err(SettingsError::TooManySteps(name)) } else { Ok(()) }
 }
 

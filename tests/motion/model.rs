@@ -126,9 +126,6 @@ fn corner(p: &Way, q: &Way, s: &Settings) -> f64 {
     if still_p || still_q {
         return if still_p && still_q && p.ratio.signum() == q.ratio.signum() { most } else { 0.0 };
     }
-    let CornerRule::JunctionDeviation(d) = s.corner else {
-        panic!("the model knows junction deviation only");
-    };
     let half = ((1.0 + dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
     // The change of direction, and what the axes bear along it.
     let turn: [f64; 3] = std::array::from_fn(|i| q.unit[i] - p.unit[i]);
@@ -141,10 +138,17 @@ fn corner(p: &Way, q: &Way, s: &Settings) -> f64 {
         .zip([bears[0], bears[1], bears[2], motor, motor])
         .map(|(share, most)| most * size / share.abs())
         .fold(q.a, f64::min);
-    let bend = if half >= 1.0 { f64::INFINITY } else { a * d.to_num::<f64>() * half / (1.0 - half) };
+    let base = match s.corner {
+        CornerRule::JunctionDeviation(d) => a * d.to_num::<f64>(),
+        CornerRule::SquareCorner(w) => w.to_num::<f64>().powi(2) * (2f64.sqrt() - 1.0),
+    };
+    let bend = if half >= 1.0 { f64::INFINITY } else { base * half / (1.0 - half) };
+    // A row of chords is a circle: its radius is half a chord over the tangent of half the turn.
+    let other = ((1.0 - dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
+    let curve = if other > 0.0 { a * p.length.min(q.length) / 2.0 * half / other } else { f64::INFINITY };
     let jump = (p.ratio - q.ratio).abs();
     let jerk = if jump > 0.0 { s.extruder_jerk.to_num::<f64>() / jump } else { f64::INFINITY };
-    most.min(bend.sqrt()).min(jerk)
+    most.min(bend.sqrt()).min(curve.sqrt()).min(jerk)
 }
 
 /// The trapezoids of a path from the origin, planned with all of it in view.

@@ -28,9 +28,6 @@ use std::time::Instant;
 /// The print failed.
 const FAILED: u8 = 1;
 
-/// Where the tool of the simulated machine stands at power-up, in mm, if nobody says.
-const AT_POWER_UP: [f64; 3] = [31.7, 23.3, 12.4];
-
 /// Nothing was printed; clap ends with the same status.
 const UNUSABLE: u8 = 2;
 
@@ -137,7 +134,7 @@ impl Prepared {
         let mut sinks = Sinks {
             trace: TraceWriter::new(self.trace, settings.into()),
             vcd: self.vcd,
-            tally: Tally::new(settings, args.assume_homed.map_or(AT_POWER_UP, |place| place.map(Mm::to_num))),
+            tally: Tally::new(settings, args.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num)),
             checker: Checker::new(&Limits::new(settings, &self.gcode)),
         };
         let start = Instant::now();
