@@ -63,6 +63,27 @@ pub const fn residual(belt: BeltSteps) -> i64 {
     belt.n1 - belt.n4 + belt.n8 - belt.n11
 }
 
+/// Whether steps taken in one instant leave the belt as it was: motors 1 and 8 mirror each other, 4 and 11
+/// too, and the residual does not change.
+#[must_use]
+pub const fn is_unstrained(steps: MotorSet, forward: MotorSet) -> bool {
+    let belt = BeltSteps {
+        n1: signed_step(Motor::M1, steps, forward),
+        n4: signed_step(Motor::M4, steps, forward),
+        n8: signed_step(Motor::M8, steps, forward),
+        n11: signed_step(Motor::M11, steps, forward),
+    };
+    belt.n1 == -belt.n8 && belt.n4 == -belt.n11 && residual(belt) == 0
+}
+
+const fn signed_step(motor: Motor, steps: MotorSet, forward: MotorSet) -> i64 {
+    match (steps.has(motor), forward.has(motor)) {
+        (false, _) => 0,
+        (true, true) => 1,
+        (true, false) => -1,
+    }
+}
+
 /// Motors that always step in the same instant, because one coordinate drives them all.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Group {
@@ -118,6 +139,15 @@ mod tests {
         let mut belt = inverse(ToolSteps { x: 100, y: 50, c: 0 });
         belt.n4 += 4;
         assert_eq!(residual(belt), -4);
+    }
+
+    #[test]
+    fn a_step_of_one_motor_alone_strains_the_belt() {
+        let pair = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M8));
+        assert!(is_unstrained(pair, MotorSet::of(Motor::M8)));
+        assert!(!is_unstrained(pair, pair));
+        assert!(!is_unstrained(MotorSet::of(Motor::M8), pair));
+        assert!(is_unstrained(MotorSet::Z, MotorSet::NONE));
     }
 
     #[test]

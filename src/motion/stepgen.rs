@@ -10,7 +10,7 @@
 use super::crossing::{Curve, Path};
 use super::event::{LONGEST_INTERVAL, StepEvent};
 use super::moves::{Entry, Move, WHOLE, Work};
-use crate::kinematics::GROUPS;
+use crate::kinematics::{GROUPS, is_unstrained};
 use crate::port::{EndstopSet, MotorSet, Pend};
 use crate::status::Status;
 use crate::units::Steps;
@@ -242,6 +242,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             track.free = tick + MIN_STEP_INTERVAL;
             track.plan_next(begin);
         }
+        debug_assert!(is_unstrained(steps, self.forward), "the belt is strained at tick {tick}");
         self.emit(tick, steps);
     }
 

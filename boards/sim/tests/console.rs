@@ -5,6 +5,7 @@ use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Host, Outcome, Sink, run};
+use proptest::prelude::*;
 use std::collections::VecDeque;
 
 #[derive(Default)]
@@ -283,4 +284,37 @@ fn firmware_tells_its_name_and_abilities() {
     let (heard, ..) = talk(&["M115"]);
     assert!(heard[0].starts_with("FIRMWARE_NAME:CoreH-bot "), "{heard:?}");
     assert!(heard.contains(&"Cap:EMERGENCY_PARSER:1".to_owned()) && heard.last().unwrap() == "ok");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+    /// Whatever lines look like, each is answered once, nothing panics, and the pairs stay pairs.
+    #[test]
+    fn any_lines_are_answered_once_each(
+        lines in proptest::collection::vec(
+            prop_oneof![
+                4 => "G[0-3]( ?[XYZE]-?[0-9]{1,3}(\\.[0-9]{0,4})?){1,3}( F[1-9][0-9]{3})?( [IJR]-?[0-9]{1,2}){0,2}",
+                2 => "M2(0[1-5]|11|2[01])( [XYZESTPRJ]-?[0-9]{0,5}(\\.[0-9]{0,3})?){0,4}",
+                1 => "G(9[0-2]|2[01]|17|4 P[0-9]{1,3})",
+                1 => "M(17|18|84|82|83|92 E[0-9]{1,4}|105|114 ?R?|115|119|220 S[0-9]{1,5}|221|400|410|503)",
+                1 => "G1 [XYE]-?[0-9]{5,30}",
+                1 => "[ -~]{1,40}".prop_filter("it must not be blank, a comment, numbered or a stop", |l| {
+                    let l = l.trim();
+                    let stop = l.to_ascii_uppercase().replace(' ', "");
+                    !l.is_empty() && !l.starts_with([';', '!', '~']) && !l.contains('*')
+                        && !stop.starts_with('N') && !stop.contains("M112") && !stop.starts_with("G4")
+                }),
+            ],
+            1..25,
+        ),
+    ) {
+        let mut lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+        lines.push("M400");
+        let (heard, outcome, _) = talk(&lines);
+        prop_assert!(!outcome.halted);
+        prop_assert_eq!(heard.iter().filter(|l| l.starts_with("ok")).count(), lines.len(), "{:?}", heard);
+        let [n1, n4, n8, n11, z1, z2, _] = outcome.counts;
+        prop_assert_eq!((n1, n4, z1), (-n8, -n11, z2));
+    }
 }

@@ -1,4 +1,5 @@
 //! Real sliced files, if the folder with them stands beside the checkout, print to their end.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
