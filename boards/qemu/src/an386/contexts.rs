@@ -1,0 +1,121 @@
+//! The contexts: each owns one handle of the core, and nobody else touches it.
+
+use core::cell::RefCell;
+use core::future::poll_fn;
+use core::pin::pin;
+use core::task::Waker;
+
+use corehbot::app::Parts;
+use corehbot::machine;
+use corehbot::motion;
+use corehbot::port::{DriverBus, MotorSet, Pend};
+use cortex_m::peripheral::{NVIC, Peripherals};
+use critical_section::Mutex;
+use embassy_executor::InterruptExecutor;
+
+use super::fault::give_up;
+use super::handover::Handover;
+use super::serial::{self, UartSerial};
+use super::time::{self, BoardClock, StepTimer};
+use super::trace::{self, TracePort};
+use super::vectors::{self, Irq};
+
+/// The core with the ports of this board.
+pub type BoardParts = Parts<'static, TracePort, StepTimer, UartSerial, NoDrivers, BoardClock, BoardPend>;
+type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;
+type StepGenerator = motion::StepGenerator<'static, BoardPend>;
+type Console = machine::Console<'static, UartSerial, NoDrivers, BoardClock, BoardPend>;
+
+static STEPPER: Handover<&'static mut Stepper> = Handover::new();
+static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
+static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+static CONSOLE_WAKER: Mutex<RefCell<Option<Waker>>> = Mutex::new(RefCell::new(None));
+
+/// Hands the parts to their contexts and lets the interrupts loose.
+pub fn start(parts: &'static mut BoardParts) {
+    let Some(mut peripherals) = Peripherals::take() else { give_up(format_args!("start-up runs once")) };
+    STEPPER.fill(&mut parts.stepper);
+    GENERATOR.fill(&mut parts.generator);
+    vectors::prioritise(&mut peripherals.NVIC, &mut peripherals.SCB);
+    vectors::enable();
+    time::start(peripherals.SYST);
+    serial::start();
+    match run_console(&mut parts.console) {
+        Ok(task) => EXECUTOR.start(Irq::Console).spawn(task),
+        Err(_) => give_up(format_args!("the Console runs once")),
+    }
+}
+
+/// Stops stepping and brings the trace to its end.
+pub fn finish() {
+    NVIC::mask(Irq::StepTimer);
+    trace::finish();
+}
+
+/// Polls the Console whenever [`wake_console`] asks for it.
+#[embassy_executor::task]
+async fn run_console(console: &'static mut Console) {
+    let mut run = pin!(console.run());
+    poll_fn(|context| {
+        critical_section::with(|section| {
+            CONSOLE_WAKER.borrow_ref_mut(section).get_or_insert_with(|| context.waker().clone());
+        });
+        run.as_mut().poll(context).map(|never| match never {})
+    })
+    .await
+}
+
+/// Has the Console look at the world again.
+pub fn wake_console() {
+    critical_section::with(|section| {
+        if let Some(waker) = CONSOLE_WAKER.borrow_ref(section).as_ref() {
+            waker.wake_by_ref();
+        }
+    });
+}
+
+/// Interrupt: a step is due, or software wants the Stepper to look.
+pub extern "C" fn on_step_timer() {
+    StepTimer::acknowledge();
+    STEPPER.with(|stepper| stepper.on_alarm());
+}
+
+/// Interrupt of software: there is a move to turn into steps, or room for steps.
+pub extern "C" fn on_generator() {
+    GENERATOR.with(|generator| generator.run());
+    wake_console();
+}
+
+/// Interrupt of software: a task of the executor was woken.
+pub extern "C" fn on_console() {
+    // SAFETY: this is the executor's interrupt handler, and `InterruptExecutor::start` enables it.
+    unsafe { EXECUTOR.on_interrupt() };
+}
+
+/// Interrupt: a millisecond has passed.
+#[cortex_m_rt::exception]
+fn SysTick() {
+    time::beat();
+    wake_console();
+}
+
+/// Pends the software interrupts.
+#[derive(Clone, Copy)]
+pub struct BoardPend;
+
+impl Pend for BoardPend {
+    fn pend_generator(&self) {
+        NVIC::pend(Irq::Generator);
+    }
+
+    fn pend_stepper(&self) {
+        NVIC::pend(Irq::StepTimer);
+    }
+}
+
+/// The emulated machine has no motor drivers.
+pub struct NoDrivers;
+
+impl DriverBus for NoDrivers {
+    fn enable(&mut self, _on: MotorSet) {}
+}

@@ -1,0 +1,44 @@
+//! The idle loop, which decides how fast virtual time passes.
+//!
+//! QEMU's virtual time counts instructions, 8 ns each, and while nothing happens it runs some 40 times as
+//! fast as the host's clock. A host program, which needs wall time, would look unbearably slow from in
+//! here: the motion would run dry between two lines, and the steps would depend on the host's mood. So
+//! there are two ways to idle:
+//!
+//! - The Console waits for the host: semihosting calls, each of which takes the host a microsecond but
+//!   only two instructions here. A byte, which QEMU needs 45 to 65 us of wall time to bring, then takes 4
+//!   to 8 us of virtual time with all that is done about it, so the line is as fast as one of 2 Mbaud
+//!   (measured with QEMU 7.2 on two cores: 700 lines a second, and 7000 a virtual second).
+//! - Otherwise: nops. WFI and WFE are out of the question, for QEMU then adds the host's delays to
+//!   virtual time, or passes it twice (seen in versions 7.2 and 10.0).
+
+use corehbot::status::Status;
+use semihosting::sys::arm_compat::sys_errno;
+
+use super::serial;
+
+/// Semihosting calls between two looks at the status; few enough that no look is missed for longer than a byte takes.
+const CALLS: u32 = 64;
+
+/// Idles until the host has ended and all motion is done.
+pub fn run(status: &Status) {
+    loop {
+        if !status.is_awaiting_input() {
+            pass_time();
+        } else if !serial::is_ended() {
+            for _ in 0..CALLS {
+                sys_errno();
+            }
+        } else {
+            return;
+        }
+    }
+}
+
+/// Lets 200 instructions pass. QEMU makes one block of them that it runs in no time; with longer blocks it
+/// gets slower again, as it cuts them where a timer is due.
+// SAFETY: changes no register but the program counter.
+#[unsafe(naked)]
+extern "C" fn pass_time() {
+    core::arch::naked_asm!(".rept 200", "nop", ".endr", "bx lr")
+}

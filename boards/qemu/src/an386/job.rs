@@ -1,0 +1,70 @@
+//! The job: what the emulator's command line asks of this run.
+//!
+//! `arg=IMAGE,arg=SETTINGS,arg=TRACE`: paths on the host without blanks. SETTINGS holds the machine and the
+//! position to be assumed at start, `(Settings, Option<[Mm; 3]>)` in postcard; TRACE takes the step events.
+
+use core::ffi::CStr;
+
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use semihosting::experimental::env;
+use semihosting::fs::File;
+use semihosting::io::Read as _;
+
+use super::fault::give_up;
+
+/// Longest command line, and longest path in it.
+const LINE: usize = 512;
+
+/// Room for the settings in postcard; they take a few hundred bytes.
+const BLOB: usize = 4096;
+
+/// What to run.
+pub struct Job {
+    /// The machine.
+    pub settings: Settings,
+    /// Where the tool stands, if that is to be assumed.
+    pub start: Option<[Mm; 3]>,
+    /// Takes the step events.
+    pub trace: File,
+}
+
+/// Reads the job. There is nothing to run without one, so each failure ends the run.
+pub fn read() -> Job {
+    let Ok(line) = env::args::<LINE>() else { give_up(format_args!("no command line of at most {LINE} bytes")) };
+    let mut words = (&line).skip(1).map(|word| word.unwrap_or_default());
+    let (Some(settings), Some(trace)) = (words.next(), words.next()) else {
+        give_up(format_args!("the command line is IMAGE SETTINGS TRACE"));
+    };
+    let mut blob = [0; BLOB];
+    let blob = load(settings, &mut blob);
+    let Ok((machine, start)) = postcard::from_bytes(blob) else {
+        give_up(format_args!("{settings} holds no settings of this version"));
+    };
+    let Ok(trace) = with_path(trace, |path| File::create(path)) else { give_up(format_args!("cannot create {trace}")) };
+    Job { settings: machine, start, trace }
+}
+
+/// Reads a whole file.
+fn load<'b>(path: &str, buffer: &'b mut [u8; BLOB]) -> &'b [u8] {
+    let Ok(mut file) = with_path(path, |path| File::open(path)) else { give_up(format_args!("cannot open {path}")) };
+    let mut length = 0;
+    loop {
+        match file.read(&mut buffer[length..]) {
+            Ok(0) => break &buffer[..length],
+            Ok(count) => length += count,
+            Err(_) => give_up(format_args!("cannot read {path}")),
+        }
+    }
+}
+
+/// Calls `work` with `path` as the C string that semihosting takes.
+fn with_path<R>(path: &str, work: impl FnOnce(&CStr) -> R) -> R {
+    let mut bytes = [0; LINE + 1];
+    // The command line, of which `path` is a part, has at most LINE bytes.
+    bytes[..path.len()].copy_from_slice(path.as_bytes());
+    match CStr::from_bytes_until_nul(&bytes) {
+        Ok(path) => work(path),
+        Err(_) => give_up(format_args!("a path without an end")),
+    }
+}

@@ -1,0 +1,72 @@
+//! The board: who runs at which priority, and the start-up that hands everything out.
+//!
+//! | priority | context | runs |
+//! |---|---|---|
+//! | 0x00 | APB timer 0 | Stepper; nothing masks it |
+//! | 0x40 | UART 0, SysTick | bytes, milliseconds |
+//! | 0x80 | software interrupt | StepGenerator |
+//! | 0xC0 | software interrupt | Console, a task of an embassy executor |
+//! | thread | [`idle`] | virtual time |
+//!
+//! `unsafe` stays in `registers`, `vectors`, `masking`, `handover`, `contexts`, `fault`, `stack` and `idle`.
+
+mod contexts;
+mod fault;
+mod handover;
+mod idle;
+mod job;
+mod masking;
+mod registers;
+mod serial;
+mod stack;
+mod time;
+mod trace;
+mod vectors;
+
+use corehbot::app::{self, Memory, StepPorts};
+use corehbot::machine::Ports;
+use corehbot::status::Status;
+use corehbot_rig::Rig;
+use defmt_semihosting as _;
+use semihosting::process;
+use static_cell::{ConstStaticCell, StaticCell};
+
+defmt::timestamp!("{=u64:us}", time::micros());
+
+static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
+static PARTS: StaticCell<contexts::BoardParts> = StaticCell::new();
+
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    let status = start_up();
+    defmt::info!("ready; stack: {} of {} bytes used", stack::used(), stack::size());
+    stack::forget();
+    idle::run(status);
+    contexts::finish();
+    let (starved, stretched) = status.overload();
+    defmt::info!(
+        "{} moves; times the host was too slow: {}, the generator: {}, the stepper: {}",
+        status.planned().0,
+        status.underruns(),
+        starved,
+        stretched
+    );
+    defmt::info!("stack: {} of {} bytes used", stack::used(), stack::size());
+    process::exit(0)
+}
+
+/// Puts the machine together and lets it go. A function of its own, so that what passes through the stack
+/// on its way does not stay there.
+#[inline(never)]
+fn start_up() -> &'static Status {
+    let job = job::read();
+    let rig = Rig::new(&job.settings, job.start);
+    let step_ports = StepPorts { pins: trace::TracePort::new(rig, job.trace), clock: time::StepTimer };
+    let ports = Ports { serial: serial::UartSerial::new(), drivers: contexts::NoDrivers, clock: time::BoardClock };
+    // In this form the parts are built in their place; they are too large to be carried about.
+    let parts = PARTS
+        .init_with(|| app::assemble(MEMORY.take(), job.settings, job.start, step_ports, ports, contexts::BoardPend));
+    let status = parts.status;
+    contexts::start(parts);
+    status
+}

@@ -1,0 +1,74 @@
+//! The checkout: where things are, and how cargo is called for them.
+
+use anyhow::{Context as _, Result, bail};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What the boards' processors run.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+/// The workspace's root.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+}
+
+/// Where cargo puts what it builds: this program lies in `<target>/release`.
+pub fn target_dir() -> Result<PathBuf> {
+    let program = std::env::current_exe().context("cannot find this program's own path")?;
+    let dir = program.ancestors().nth(2).context("this program lies in no target folder")?;
+    Ok(dir.to_owned())
+}
+
+/// A program built for this computer.
+pub fn host_program(name: &str) -> Result<PathBuf> {
+    Ok(target_dir()?.join("release").join(name).with_extension(std::env::consts::EXE_EXTENSION))
+}
+
+/// A board's image.
+pub fn image(package: &str) -> Result<PathBuf> {
+    Ok(target_dir()?.join(TARGET).join("release").join(package))
+}
+
+/// Packages of the boards that have a processor of their own, which is said in their `.cargo/config.toml`.
+pub fn boards() -> Result<Vec<String>> {
+    let dir = root().join("boards");
+    let mut boards = Vec::new();
+    for entry in std::fs::read_dir(&dir).with_context(|| format!("cannot list {}", dir.display()))? {
+        let entry = entry?;
+        if entry.path().join(".cargo/config.toml").exists() {
+            boards.push(format!("corehbot-{}", entry.file_name().to_string_lossy()));
+        }
+    }
+    boards.sort();
+    Ok(boards)
+}
+
+/// Builds the image of a board and says where it is.
+pub fn build_image(package: &str) -> Result<PathBuf> {
+    run(cargo(["build", "--release", "--target", TARGET, "--package", package]))?;
+    image(package)
+}
+
+/// Cargo in the root, as the user called it.
+pub fn cargo<I: IntoIterator<Item = S>, S: AsRef<OsStr>>(args: I) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(args).current_dir(root());
+    command
+}
+
+/// Runs a command that has to succeed.
+pub fn run(mut command: Command) -> Result<()> {
+    let status = command.status().with_context(|| format!("cannot run {}", words(&command)))?;
+    if !status.success() {
+        bail!("{} failed: {status}", words(&command));
+    }
+    Ok(())
+}
+
+/// The command as one would type it.
+pub fn words(command: &Command) -> String {
+    let program = Path::new(command.get_program()).file_name().unwrap_or_default();
+    let words: Vec<_> = [program].into_iter().chain(command.get_args()).map(OsStr::to_string_lossy).collect();
+    words.join(" ")
+}

@@ -1,0 +1,38 @@
+//! Tasks: what developers and CI run, as `cargo xtask`.
+
+mod checkout;
+mod qemu;
+mod test;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Tasks of the CoreH-bot firmware.
+#[derive(Parser)]
+#[command(name = "cargo xtask")]
+struct Cli {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Prints a G-code file on the firmware in QEMU.
+    Qemu(qemu::Args),
+    /// Checks everything: format, lints, documentation, tests, sizes, and QEMU against the simulator.
+    Test(test::Args),
+}
+
+fn main() -> ExitCode {
+    let done = match Cli::parse().task {
+        Task::Qemu(args) => qemu::main(&args),
+        Task::Test(args) => test::main(&args),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("cargo xtask: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

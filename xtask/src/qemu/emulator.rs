@@ -1,0 +1,129 @@
+//! The emulator: a QEMU process with a serial line to us.
+
+use anyhow::{Context as _, Result, bail};
+use std::fs::File;
+use std::io::ErrorKind;
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// The program.
+pub const PROGRAM: &str = "qemu-system-arm";
+
+/// How long the emulator may take to open its serial line, and to end when it is told to.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// A running emulator.
+pub struct Emulator {
+    process: Child,
+    line: TcpStream,
+    errors: PathBuf,
+}
+
+impl Emulator {
+    /// Starts `image` in `folder`, where it finds `settings` and leaves `trace`, `log` and `errors`.
+    pub fn start(image: &Path, folder: &Path) -> Result<Self> {
+        let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("cannot open a port")?;
+        let port = listener.local_addr()?.port();
+        let errors = folder.join("errors");
+        let mut command = Command::new(PROGRAM);
+        command
+            .args(["-M", "mps2-an386", "-display", "none", "-monitor", "none"])
+            // Virtual time counts instructions: 8 ns each, about what an STM32F446 needs on average.
+            .args(["-icount", "shift=3,sleep=off"])
+            .arg("-chardev")
+            .arg(format!("socket,id=host,host=127.0.0.1,port={port},server=off,nodelay=on"))
+            .args(["-serial", "chardev:host", "-kernel"])
+            .arg(image)
+            .args(["-semihosting-config", "enable=on,target=native,arg=corehbot,arg=settings,arg=trace"])
+            .current_dir(folder)
+            .stdin(Stdio::null())
+            .stdout(File::create(folder.join("log"))?)
+            .stderr(File::create(&errors)?);
+        let process = command.spawn().with_context(|| format!("cannot run {PROGRAM}"))?;
+        // From here on the process must not survive an error, hence the guard.
+        let mut guard = Guard(Some(process));
+        let line = accept(&listener, &mut guard, &errors)?;
+        line.set_nodelay(true)?;
+        let Some(process) = guard.0.take() else { bail!("the emulator is gone") };
+        Ok(Self { process, line, errors })
+    }
+
+    /// The serial line.
+    pub const fn line(&mut self) -> &mut TcpStream {
+        &mut self.line
+    }
+
+    /// Waits for the end, which the board brings about if it was asked to; otherwise it is not waited for
+    /// long. An end that is no success is an error that holds the board's last words.
+    pub fn end(mut self, was_asked: bool) -> Result<()> {
+        let patience = if was_asked { PATIENCE } else { Duration::from_secs(1) };
+        let status = wait(&mut self.process, patience)?;
+        let words = std::fs::read_to_string(&self.errors).unwrap_or_default();
+        match status {
+            Some(status) if status.success() => Ok(()),
+            Some(status) => bail!("the board ended with {status}: {}", words.trim()),
+            None if was_asked => bail!("the board does not end: {}", words.trim()),
+            // Whoever did not ask has an error of their own to tell.
+            None => Ok(()),
+        }
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// Kills the process unless it is taken out.
+struct Guard(Option<Child>);
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        if let Some(process) = &mut self.0 {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+    }
+}
+
+fn accept(listener: &TcpListener, guard: &mut Guard, errors: &Path) -> Result<TcpStream> {
+    listener.set_nonblocking(true)?;
+    let begin = Instant::now();
+    loop {
+        match listener.accept() {
+            Ok((line, _)) => {
+                line.set_nonblocking(false)?;
+                return Ok(line);
+            }
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(error) => return Err(error.into()),
+        }
+        let status = match &mut guard.0 {
+            Some(process) => process.try_wait()?,
+            None => None,
+        };
+        if status.is_some() || begin.elapsed() > PATIENCE {
+            let words = std::fs::read_to_string(errors).unwrap_or_default();
+            bail!("{PROGRAM} does not open its serial line: {}", words.trim());
+        }
+        sleep(Duration::from_millis(5));
+    }
+}
+
+fn wait(process: &mut Child, patience: Duration) -> Result<Option<std::process::ExitStatus>> {
+    let begin = Instant::now();
+    loop {
+        if let Some(status) = process.try_wait()? {
+            return Ok(Some(status));
+        }
+        if begin.elapsed() > patience {
+            return Ok(None);
+        }
+        sleep(Duration::from_millis(5));
+    }
+}

@@ -1,0 +1,107 @@
+//! A job: G-code and a machine in, step events out.
+
+use super::emulator::Emulator;
+use super::{dump, line, log};
+use anyhow::{Context as _, Result, bail};
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use corehbot_sim::host::FileHost;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+/// Largest job file; the board reads as much (boards/qemu, job.rs).
+const LARGEST_BLOB: usize = 4096;
+
+/// What to print.
+pub struct Job {
+    /// The text of the file.
+    pub gcode: String,
+    /// The machine.
+    pub settings: Settings,
+    /// Where the tool is at start, as if homed.
+    pub start: Option<[Mm; 3]>,
+}
+
+/// What a print amounts to.
+pub struct Outcome {
+    /// Step events.
+    pub events: u64,
+    /// Motion time of the last one.
+    pub ticks: u64,
+    /// Digest of the trace.
+    pub sha256: String,
+    /// What the board logged.
+    pub log: Vec<String>,
+    /// What the printer found odd.
+    pub warnings: Vec<String>,
+    /// How long it took on this computer.
+    pub wall: Duration,
+}
+
+impl Job {
+    /// Prints on `image`, and writes the step events to `trace` if wanted.
+    pub fn run(&self, image: &Path, trace: Option<&Path>) -> Result<Outcome> {
+        let begin = Instant::now();
+        let folder = Folder::new()?;
+        let mut blob = [0; LARGEST_BLOB];
+        let blob =
+            postcard::to_slice(&(&self.settings, self.start), &mut blob).context("the settings are too large")?;
+        std::fs::write(folder.file("settings"), blob)?;
+        let mut host = FileHost::new(&self.gcode);
+        let mut emulator = Emulator::start(image, folder.path())?;
+        let talk = line::talk(emulator.line(), &mut host);
+        // A board that panics hangs up; its last words say more than that.
+        emulator.end(talk.is_ok())?;
+        talk?;
+        if let Some(failure) = host.failure() {
+            bail!("the print failed at {failure}");
+        }
+        let out = match trace {
+            Some(path) => {
+                let file = File::create(path).with_context(|| format!("cannot create {}", path.display()))?;
+                Some(BufWriter::new(file))
+            }
+            None => None,
+        };
+        let dumped = dump::convert(&folder.file("trace"), out, (&self.settings).into())?;
+        Ok(Outcome {
+            events: dumped.trace.events,
+            ticks: dumped.ticks,
+            sha256: dumped.trace.sha256,
+            log: log::decode(image, &folder.file("log"))?,
+            warnings: host.warnings().iter().map(ToString::to_string).collect(),
+            wall: begin.elapsed(),
+        })
+    }
+}
+
+/// A folder for one run, gone when it is over.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new() -> Result<Self> {
+        static RUNS: AtomicU32 = AtomicU32::new(0);
+        let run = RUNS.fetch_add(1, Ordering::Relaxed);
+        let path = std::env::temp_dir().join(format!("corehbot-qemu-{}-{run}", std::process::id()));
+        std::fs::create_dir(&path).with_context(|| format!("cannot create {}", path.display()))?;
+        Ok(Self(path))
+    }
+
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // What is left over lies among temporary files, where somebody else will see to it.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}

@@ -1,0 +1,69 @@
+//! The line: our end of the board's serial port.
+
+use anyhow::{Context as _, Result, bail};
+use corehbot_sim::world::Host;
+use std::io::{ErrorKind, Read, Write};
+use std::net::TcpStream;
+use std::time::Duration;
+
+/// ASCII end of transmission: the board is to end once all motion is done.
+const END_OF_TRANSMISSION: u8 = 0x04;
+
+/// A board that says nothing for so long has stopped: one that is busy says so every two seconds of its
+/// time, and its time passes slower than ours only while it steps as fast as it can.
+const SILENCE: Duration = Duration::from_secs(120);
+
+/// The greeting is over when nothing has followed for so long.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Has `host` talk to the board until the host is done, then asks the board to end.
+pub fn talk(stream: &mut TcpStream, host: &mut dyn Host) -> Result<()> {
+    let mut line = Line { stream, spoken: Vec::new() };
+    if !line.hear(host, SILENCE)? {
+        bail!("the board does not greet");
+    }
+    while line.hear(host, PAUSE)? {}
+    let mut wire = Vec::new();
+    while !host.is_done() {
+        host.send(&mut wire);
+        line.send(&wire)?;
+        wire.clear();
+        if !line.hear(host, SILENCE)? {
+            bail!("the board has said nothing for {} s", SILENCE.as_secs());
+        }
+    }
+    line.send(&[END_OF_TRANSMISSION])
+}
+
+struct Line<'s> {
+    stream: &'s mut TcpStream,
+    /// What the board has said of a line that is not complete.
+    spoken: Vec<u8>,
+}
+
+impl Line<'_> {
+    fn send(&mut self, bytes: &[u8]) -> Result<()> {
+        self.stream.write_all(bytes).context("the board hung up")
+    }
+
+    /// Hands what the board says to `host`; false if it says nothing for `patience`.
+    fn hear(&mut self, host: &mut dyn Host, patience: Duration) -> Result<bool> {
+        self.stream.set_read_timeout(Some(patience))?;
+        let mut bytes = [0; 256];
+        let count = match self.stream.read(&mut bytes) {
+            Ok(0) => bail!("the board hung up"),
+            Ok(count) => count,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => return Ok(false),
+            Err(error) => return Err(error).context("the board hung up"),
+        };
+        for &byte in &bytes[..count] {
+            if byte == b'\n' {
+                host.hear(&String::from_utf8_lossy(&self.spoken));
+                self.spoken.clear();
+            } else {
+                self.spoken.push(byte);
+            }
+        }
+        Ok(true)
+    }
+}

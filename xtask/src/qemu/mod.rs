@@ -1,0 +1,80 @@
+//! `cargo xtask qemu`: a print on the firmware in QEMU.
+//!
+//! The emulator runs in a folder of its own with the job in it, gets the G-code over its serial line as a
+//! printer would, and leaves the step events in a file.
+
+mod dump;
+mod emulator;
+mod job;
+mod line;
+mod log;
+
+pub use emulator::PROGRAM;
+pub use job::Job;
+
+use crate::checkout;
+use anyhow::{Context as _, Result};
+use corehbot::settings::Settings;
+use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot_sim::machine_file;
+use std::path::{Path, PathBuf};
+
+/// The package of the board.
+pub const BOARD: &str = "corehbot-qemu";
+
+/// What to print and on what.
+#[derive(clap::Args)]
+pub struct Args {
+    /// G-code file.
+    file: PathBuf,
+    /// Writes every step event as CSV.
+    #[arg(long, value_name = "T.csv")]
+    trace: Option<PathBuf>,
+    /// Starts as if homed, with the tool at this place in mm.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
+    assume_homed: Option<[Mm; 3]>,
+    /// The machine; without it, the CoreH-bot prototype.
+    #[arg(long, value_name = "M.toml")]
+    settings: Option<PathBuf>,
+}
+
+/// Prints the file and sums up.
+pub fn main(args: &Args) -> Result<()> {
+    let settings = match &args.settings {
+        Some(path) => read_settings(path)?,
+        None => Settings::prototype(),
+    };
+    let job = Job { gcode: read_gcode(&args.file)?, settings, start: args.assume_homed };
+    let image = checkout::build_image(BOARD)?;
+    let outcome = job.run(&image, args.trace.as_deref())?;
+    for line in &outcome.log {
+        println!("{line}");
+    }
+    for warning in &outcome.warnings {
+        println!("{}:{warning}", args.file.display());
+    }
+    println!("events       {}", outcome.events);
+    println!("motion time  {:.3} s", outcome.ticks as f64 / f64::from(TICKS_PER_SECOND));
+    println!("wall time    {:.1} s", outcome.wall.as_secs_f64());
+    println!("sha256       {}", outcome.sha256);
+    Ok(())
+}
+
+/// The text of a G-code file; what is no UTF-8 can only stand in comments.
+pub fn read_gcode(path: &Path) -> Result<String> {
+    let bytes = std::fs::read(path).with_context(|| format!("cannot open {}", path.display()))?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+fn read_settings(path: &Path) -> Result<Settings> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+    let machine = machine_file::parse(&text).with_context(|| path.display().to_string())?;
+    Ok(machine.settings)
+}
+
+/// Three numbers, turned into positions exactly as the simulator does it.
+fn parse_place(text: &str) -> Result<[Mm; 3], String> {
+    let place: Option<Vec<Mm>> =
+        text.split(',').map(|part| part.trim().parse().ok().and_then(Mm::checked_from_num::<f64>)).collect();
+    place.and_then(|place| place.try_into().ok()).ok_or_else(|| "three numbers are wanted: X,Y,Z".to_owned())
+}

@@ -1,0 +1,86 @@
+//! The steps that are calls of cargo.
+
+use super::Verdict;
+use crate::checkout::{self, TARGET, cargo, run, words};
+use anyhow::{Context as _, Result, bail};
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+/// Formatting.
+pub fn format() -> Result<Verdict> {
+    run(cargo(["fmt", "--all", "--check"]))?;
+    Ok(Verdict::Passed(String::new()))
+}
+
+/// Lints, for this computer and for the boards.
+pub fn lint() -> Result<Verdict> {
+    let host = run(cargo(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]));
+    let mut command = for_boards("clippy")?;
+    command.args(["--", "-D", "warnings"]);
+    host.and(run(command))?;
+    Ok(Verdict::Passed(String::new()))
+}
+
+/// Documentation.
+pub fn document() -> Result<Verdict> {
+    let mut command = cargo(["doc", "--no-deps", "--workspace"]);
+    command.env("RUSTDOCFLAGS", "-D warnings");
+    run(command)?;
+    Ok(Verdict::Passed(String::new()))
+}
+
+/// Core and boards. A board that needed an allocator would not link, for there is none.
+pub fn build_boards() -> Result<Verdict> {
+    run(for_boards("build")?)?;
+    Ok(Verdict::Passed(checkout::boards()?.join(", ")))
+}
+
+/// Tests on this computer; their results are counted while they scroll by.
+pub fn test() -> Result<Verdict> {
+    let mut command = cargo(["test", "--workspace", "--no-fail-fast"]);
+    let mut process = command.stdout(Stdio::piped()).spawn().context("cannot run cargo")?;
+    let (mut passed, mut failed) = (0, 0);
+    if let Some(stdout) = process.stdout.take() {
+        for line in BufReader::new(stdout).lines() {
+            let line = line?;
+            println!("{line}");
+            passed += count(&line, "passed");
+            failed += count(&line, "failed");
+        }
+    }
+    let status = process.wait()?;
+    if !status.success() && failed == 0 {
+        bail!("{}: {status}", words(&command));
+    }
+    Ok(Verdict::Tested { passed, failed, remark: format!("{passed} tests passed, {failed} failed") })
+}
+
+/// The number before `word` in a result line of the test harness.
+fn count(line: &str, word: &str) -> u32 {
+    let Some(result) = line.trim().strip_prefix("test result:") else {
+        return 0;
+    };
+    let part = result.split([';', '.']).map(str::trim).find_map(|part| part.strip_suffix(word));
+    part.and_then(|number| number.trim().parse().ok()).unwrap_or(0)
+}
+
+/// Cargo's `task` for the core and every board.
+fn for_boards(task: &str) -> Result<Command> {
+    let mut command = cargo([task, "--release", "--target", TARGET, "--package", "corehbot"]);
+    for board in checkout::boards()? {
+        command.args(["--package", &board]);
+    }
+    Ok(command)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_harness_says_how_many_passed() {
+        let line = "test result: FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.01s";
+        assert_eq!((count(line, "passed"), count(line, "failed")), (12, 3));
+        assert_eq!(count("running 4 passed tests", "passed"), 0);
+    }
+}

@@ -1,0 +1,110 @@
+//! QEMU against the simulator: the same G-code has to give the same steps, byte for byte.
+
+use super::{Verdict, diff, tools};
+use crate::checkout::{self, cargo, root, run};
+use crate::qemu::{self, BOARD, Job};
+use anyhow::{Context as _, Result, bail};
+use corehbot::settings::Settings;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+
+/// Emulators at the same time.
+const PARALLEL: usize = 2;
+
+/// A folder with sliced files, which may lie beside the checkout.
+const SLICED: &str = "../shared/gcode";
+
+/// The sliced file that prints quickest.
+const QUICKEST: &str = "prusaslicer292_cubehelix_small.gcode";
+
+/// Prints every example, and a sliced file if there is one.
+pub fn check() -> Result<Verdict> {
+    if !tools::has_emulator() {
+        return Ok(Verdict::Skipped(tools::lack_of_emulator()));
+    }
+    let image = checkout::build_image(BOARD)?;
+    // Together with xtask it is built with the dependencies that are there already.
+    run(cargo(["build", "--release", "--package", "corehbot-sim", "--package", "xtask"]))?;
+    let simulator = checkout::host_program("corehbot")?;
+    let mut files = examples()?;
+    let mut remark = format!("{} examples", files.len());
+    let sliced = root().join(SLICED).join(QUICKEST);
+    if sliced.exists() {
+        files.push(sliced);
+        remark += " and a sliced file";
+    } else {
+        println!("skipped the sliced file: there is no {SLICED}/{QUICKEST}");
+        remark += &format!("; no sliced file, as there is no {SLICED}");
+    }
+    let tests = u32::try_from(files.len())?;
+    // The large ones first, lest one of them be alone at the end.
+    files.sort_by_key(|path| std::fs::metadata(path).map_or(0, |metadata| metadata.len()));
+    let queue = Mutex::new(files);
+    let failures = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..PARALLEL {
+            scope.spawn(|| {
+                while let Some(file) = next(&queue) {
+                    if let Err(error) = compare(&image, &simulator, &file) {
+                        println!("{}: FAILED: {error:#}", name(&file));
+                        push(&failures, name(&file));
+                    }
+                }
+            });
+        }
+    });
+    let failures = failures.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let failed = u32::try_from(failures.len())?;
+    if failed > 0 {
+        remark = format!("differ: {}", failures.join(", "));
+    }
+    Ok(Verdict::Tested { passed: tests - failed, failed, remark })
+}
+
+/// The examples.
+fn examples() -> Result<Vec<PathBuf>> {
+    let folder = root().join("examples");
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(&folder).with_context(|| format!("cannot list {}", folder.display()))? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "gcode") {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+/// Prints one file on both and compares the traces.
+fn compare(image: &Path, simulator: &Path, file: &Path) -> Result<()> {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let folder = checkout::target_dir()?.join("qemu");
+    std::fs::create_dir_all(&folder)?;
+    let [expected, found] = ["sim", "qemu"].map(|who| folder.join(format!("{stem}.{who}.csv")));
+    let mut command = Command::new(simulator);
+    command.arg("run").arg(file).arg("--trace").arg(&expected).stdout(Stdio::null());
+    run(command)?;
+    let job = Job { gcode: qemu::read_gcode(file)?, settings: Settings::prototype(), start: None };
+    let outcome = job.run(image, Some(&found))?;
+    if let Some(difference) = diff::first(&expected, &found)? {
+        let log = outcome.log.join("\n");
+        bail!("{difference} (simulator: {}, QEMU: {})\n{log}", expected.display(), found.display());
+    }
+    // Only traces that differ are worth keeping.
+    std::fs::remove_file(expected)?;
+    std::fs::remove_file(found)?;
+    println!("{}: {} events are equal, {:.1} s", name(file), outcome.events, outcome.wall.as_secs_f64());
+    Ok(())
+}
+
+fn name(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn next<T>(queue: &Mutex<Vec<T>>) -> Option<T> {
+    queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner).pop()
+}
+
+fn push<T>(queue: &Mutex<Vec<T>>, value: T) {
+    queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(value);
+}

@@ -1,0 +1,83 @@
+//! The tools: what a fresh machine lacks is fetched.
+
+use super::Verdict;
+use crate::checkout::{TARGET, cargo, run};
+use crate::qemu::PROGRAM;
+use anyhow::{Context as _, Result, bail};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// The package that holds the emulator.
+const PACKAGE: &str = "qemu-system-arm";
+
+/// Fetches what is missing.
+pub fn ensure() -> Result<Verdict> {
+    for component in ["rustfmt", "clippy"] {
+        let subcommand = component.trim_start_matches("rust");
+        if !succeeds(cargo([subcommand, "--version"])) {
+            run(rustup(["component", "add", component])).with_context(|| {
+                format!("{component} is missing; install it with: rustup component add {component}")
+            })?;
+        }
+    }
+    if !has_target()? {
+        run(rustup(["target", "add", TARGET]))
+            .with_context(|| format!("the target is missing; install it with: rustup target add {TARGET}"))?;
+    }
+    if !has_emulator() {
+        install_emulator()?;
+    }
+    Ok(if has_emulator() { Verdict::Passed(String::new()) } else { Verdict::Skipped(lack_of_emulator()) })
+}
+
+/// Whether the emulator can be called.
+pub fn has_emulator() -> bool {
+    let mut command = Command::new(PROGRAM);
+    command.arg("--version");
+    succeeds(command)
+}
+
+/// What to do about an emulator that is missing.
+pub fn lack_of_emulator() -> String {
+    format!("{PROGRAM} is missing; install it with: sudo apt-get install {PACKAGE}")
+}
+
+/// A root installs the emulator; anybody else is left to do so.
+fn install_emulator() -> Result<()> {
+    if !is_root() {
+        return Ok(());
+    }
+    let mut update = Command::new("apt-get");
+    update.arg("update");
+    let mut install = Command::new("apt-get");
+    install.args(["install", "--yes", "--no-install-recommends", PACKAGE]).env("DEBIAN_FRONTEND", "noninteractive");
+    for mut command in [update, install] {
+        command.stdout(Stdio::null());
+        run(command).with_context(lack_of_emulator)?;
+    }
+    if !has_emulator() {
+        bail!("{PACKAGE} was installed, but {PROGRAM} does not run");
+    }
+    Ok(())
+}
+
+fn is_root() -> bool {
+    Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0")
+}
+
+/// Whether the compiler has a standard library for the target, from rustup or elsewhere.
+fn has_target() -> Result<bool> {
+    let output = Command::new("rustc").args(["--print", "sysroot"]).output().context("cannot run rustc")?;
+    let sysroot = String::from_utf8_lossy(&output.stdout);
+    Ok(Path::new(sysroot.trim()).join("lib/rustlib").join(TARGET).is_dir())
+}
+
+fn rustup<const N: usize>(args: [&str; N]) -> Command {
+    let mut command = Command::new("rustup");
+    command.args(args);
+    command
+}
+
+fn succeeds(mut command: Command) -> bool {
+    command.stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+}
