@@ -1,0 +1,194 @@
+//! The stepper on its pins: what it does to the lines, in which order, and when.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use corehbot::motion::{Link, MoveQueue, StepEvent, StepQueue, Stepper};
+use corehbot::port::{EndstopSet, Motor, MotorSet, Pend, StepClock, StepPort};
+use corehbot::status::Status;
+use corehbot::units::Tick;
+use std::cell::{Cell, RefCell};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Line {
+    Dir(u8),
+    Rise(u8, u64, u32),
+    Fall(u8),
+}
+
+/// Pins and a clock that can be read from outside.
+#[derive(Default)]
+struct Bench {
+    now: Cell<u32>,
+    alarm: Cell<Option<u32>>,
+    pressed: Cell<u8>,
+    lines: RefCell<Vec<Line>>,
+}
+
+struct Pins<'b>(&'b Bench);
+
+impl StepPort for Pins<'_> {
+    fn dir(&mut self, forward: MotorSet) {
+        self.0.lines.borrow_mut().push(Line::Dir(forward.0));
+    }
+
+    fn rise(&mut self, steps: MotorSet, tick: u64) {
+        self.0.lines.borrow_mut().push(Line::Rise(steps.0, tick, self.0.now.get()));
+    }
+
+    fn fall(&mut self, steps: MotorSet) {
+        self.0.lines.borrow_mut().push(Line::Fall(steps.0));
+    }
+
+    fn endstops(&mut self) -> EndstopSet {
+        EndstopSet(self.0.pressed.get())
+    }
+}
+
+struct Timer<'b>(&'b Bench);
+
+impl StepClock for Timer<'_> {
+    fn now(&self) -> Tick {
+        Tick(self.0.now.get())
+    }
+
+    fn alarm(&mut self, at: Tick) {
+        self.0.alarm.set(Some(at.0));
+    }
+
+    fn silence(&mut self) {
+        self.0.alarm.set(None);
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Nobody;
+
+impl Pend for Nobody {
+    fn pend_generator(&self) {}
+    fn pend_stepper(&self) {}
+}
+
+const M1: u8 = MotorSet::of(Motor::M1).0;
+const M8: u8 = MotorSet::of(Motor::M8).0;
+const PAIR: u8 = M1 | M8;
+
+fn event(interval: u32, steps: u8, forward: u8) -> StepEvent {
+    StepEvent { interval, steps: MotorSet(steps), forward: MotorSet(forward), epoch: 0, watch: EndstopSet::NONE }
+}
+
+/// Plays `events` from the clock's `start`, each alarm rung as late as `delay` says for that ring.
+fn play(bench: &Bench, status: &Status, events: &[StepEvent], start: u32, delay: impl Fn(usize) -> u32) -> u64 {
+    let mut queue = StepQueue::new();
+    let (mut events_in, events_out) = queue.split();
+    bench.now.set(start);
+    let mut stepper = Stepper::new(events_out, status, Pins(bench), Timer(bench), Nobody);
+    for event in events {
+        events_in.enqueue(*event).unwrap();
+    }
+    stepper.on_alarm();
+    for ring in 0..10 * events.len() + 10 {
+        let Some(alarm) = bench.alarm.get() else {
+            break;
+        };
+        let wait = (alarm.wrapping_sub(bench.now.get()) as i32).max(0) as u32;
+        bench.now.set(bench.now.get().wrapping_add(wait).wrapping_add(delay(ring)));
+        stepper.on_alarm();
+    }
+    assert_eq!(bench.alarm.get(), None, "the stepper rests when all is played");
+    stepper.tick()
+}
+
+fn rises(bench: &Bench) -> Vec<(u64, u32)> {
+    let lines = bench.lines.borrow();
+    lines.iter().filter_map(|l| if let Line::Rise(_, tick, at) = l { Some((*tick, *at)) } else { None }).collect()
+}
+
+#[test]
+fn the_direction_is_set_before_the_step_and_every_pulse_ends() {
+    let (bench, status) = (Bench::default(), Status::new());
+    let events = [event(1000, PAIR, M1), event(500, PAIR, M1), event(500, PAIR, M8), event(100, 0, M8)];
+    play(&bench, &status, &events, 0, |_| 0);
+    let lines: Vec<Line> = bench.lines.borrow().iter().skip(1).copied().collect();
+    assert_eq!(
+        lines,
+        [
+            Line::Dir(M1),
+            Line::Rise(PAIR, 1000, 1000),
+            Line::Fall(PAIR),
+            Line::Rise(PAIR, 1500, 1500),
+            Line::Fall(PAIR),
+            Line::Dir(M8),
+            Line::Rise(PAIR, 2000, 2000),
+            Line::Fall(PAIR),
+        ]
+    );
+    assert_eq!(status.counts()[..3], [1, 0, -1], "two steps forward, one back, and the pair mirrored");
+}
+
+#[test]
+fn steps_are_on_time_across_the_wrap_of_the_clock() {
+    let (bench, status) = (Bench::default(), Status::new());
+    let events: Vec<StepEvent> = (0..20).map(|_| event(1 << 29, PAIR, M1)).chain([event(1, 0, M1)]).collect();
+    let tick = play(&bench, &status, &events, u32::MAX - 5, |_| 0);
+    for (i, (tick, at)) in rises(&bench).into_iter().enumerate() {
+        let due = (i as u64 + 1) << 29;
+        assert_eq!(tick, due, "motion time has 64 bits");
+        assert_eq!(at, (u32::MAX - 5).wrapping_add(due as u32), "the clock has 32");
+    }
+    assert_eq!(tick, (20u64 << 29) + 1);
+}
+
+#[test]
+fn a_late_interrupt_stretches_time_and_is_counted() {
+    let (bench, status) = (Bench::default(), Status::new());
+    let events: Vec<StepEvent> = (0..10).map(|_| event(1000, PAIR, M1)).chain([event(1, 0, M1)]).collect();
+    play(&bench, &status, &events, 0, |ring| if ring == 4 { 700 } else { 0 });
+    let rises = rises(&bench);
+    let ticks: Vec<u64> = rises.iter().map(|(tick, _)| *tick).collect();
+    assert_eq!(ticks, (1..=10).map(|i| i * 1000).collect::<Vec<_>>(), "the trace does not change");
+    let gaps: Vec<u32> = rises.windows(2).map(|w| w[1].1 - w[0].1).collect();
+    assert!(gaps.iter().all(|g| *g >= 1000), "no two steps are closer than planned: {gaps:?}");
+    assert_eq!(gaps.iter().filter(|g| **g == 1700).count(), 1);
+    assert_eq!(status.overload(), (0, 1));
+}
+
+#[test]
+fn a_little_lateness_is_made_good() {
+    let (bench, status) = (Bench::default(), Status::new());
+    let events: Vec<StepEvent> = (0..10).map(|_| event(1000, PAIR, M1)).chain([event(1, 0, M1)]).collect();
+    play(&bench, &status, &events, 0, |ring| u32::from(ring % 2 == 0) * 60);
+    assert!(rises(&bench).iter().all(|(tick, at)| u64::from(*at) - tick <= 60));
+    assert_eq!(status.overload(), (0, 0));
+}
+
+#[test]
+fn a_queue_that_runs_dry_in_mid_motion_is_counted() {
+    let (bench, status) = (Bench::default(), Status::new());
+    play(&bench, &status, &[event(1000, PAIR, M1), event(1000, PAIR, M1)], 0, |_| 0);
+    assert_eq!(status.overload(), (1, 0), "the last event is a step, not a rest");
+}
+
+#[test]
+fn a_pressed_endstop_ends_the_motion_that_watches_it() {
+    let (bench, status) = (Bench::default(), Status::new());
+    bench.pressed.set(EndstopSet::X.0);
+    let watched = |watch| StepEvent { watch, ..event(1000, PAIR, M1) };
+    // Y is not pressed, so its watcher steps; X is, so nothing after it does.
+    let events = [watched(EndstopSet::Y), watched(EndstopSet::X), watched(EndstopSet::NONE), event(1000, PAIR, M1)];
+    let tick = play(&bench, &status, &events, 0, |_| 0);
+    assert_eq!(rises(&bench), [(1000, 1000)]);
+    assert_eq!(tick, 1000, "motion time ends with the motion");
+    assert_eq!(status.triggered(), EndstopSet::X);
+}
+
+#[test]
+fn events_of_a_past_epoch_make_no_steps() {
+    let (bench, status) = (Bench::default(), Status::new());
+    let mut queue = MoveQueue::new();
+    let (moves_in, _moves_out) = queue.split();
+    Link::new(moves_in, &status, Nobody).abort();
+    let fresh = StepEvent { epoch: 1, ..event(300, PAIR, M1) };
+    let events = [event(1000, PAIR, M1), event(1000, PAIR, M1), fresh, StepEvent { steps: MotorSet(0), ..fresh }];
+    play(&bench, &status, &events, 0, |_| 0);
+    assert_eq!(rises(&bench), [(300, 300)]);
+    assert_eq!(status.counts()[0], 1);
+}
