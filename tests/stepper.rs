@@ -192,3 +192,31 @@ fn events_of_a_past_epoch_make_no_steps() {
     assert_eq!(rises(&bench), [(300, 300)]);
     assert_eq!(status.counts()[0], 1);
 }
+
+#[test]
+fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
+    let (bench, status) = (Bench::default(), Status::new());
+    bench.pressed.set(EndstopSet::X.0);
+    let mut queue = StepQueue::new();
+    let (mut events_in, events_out) = queue.split();
+    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench), Nobody);
+    events_in.enqueue(StepEvent { watch: EndstopSet::X, ..event(0, PAIR, M1) }).unwrap();
+    bench.now.set(1000);
+    stepper.on_alarm();
+    bench.now.set(2000);
+    stepper.on_alarm();
+    assert_eq!(status.triggered(), EndstopSet::X);
+    let mut queue = MoveQueue::new();
+    let (moves_in, _moves_out) = queue.split();
+    let mut link = Link::new(moves_in, &status, Nobody);
+    for _ in 0..256 {
+        link.abort();
+        stepper.on_alarm();
+    }
+    assert_eq!(status.epoch(), 0);
+    events_in.enqueue(event(0, PAIR, M1)).unwrap();
+    stepper.on_alarm();
+    bench.now.set(3000);
+    stepper.on_alarm();
+    assert_eq!(rises(&bench).len(), 1);
+}

@@ -15,6 +15,8 @@ pub(super) enum ArcError {
     MissingCentre,
     /// The start is the centre.
     ZeroRadius,
+    /// The centre is farther away than any machine reaches, or there are too many turns.
+    TooLarge,
     /// With R the end must differ from the start, and be no farther away than twice the radius.
     NoSuchCircle,
 }
@@ -25,6 +27,7 @@ impl ArcError {
         match self {
             Self::MissingCentre => "arc ignored: give I and J, or R",
             Self::ZeroRadius => "arc ignored: its radius is 0",
+            Self::TooLarge => "arc ignored: too large, or too many turns",
             Self::NoSuchCircle => "arc ignored: no circle of that R passes through both ends",
         }
     }
@@ -33,7 +36,11 @@ impl ArcError {
 /// Chords of one arc at most: finer than any machine sees, and a bound on the work of one line.
 const MOST_CHORDS: u64 = 100_000;
 
-/// A chord spans an eighth of a turn at most, however small the circle.
+/// The centre of an arc lies within 100 m: ten times as far as any target, and no square overflows.
+const FARTHEST_CENTRE: Mm = Mm::const_from_int(100_000);
+
+/// A chord spans an eighth of a turn at most, however small the circle: an octagon leaves its circle by 8 % of the
+/// radius, which is within any tolerance that would allow fewer chords.
 const LEAST_CHORDS_A_TURN: i64 = 8;
 
 /// An arc in the XY plane, seen from its centre.
@@ -62,6 +69,13 @@ impl Arc {
         turns: u16,
         tolerance: Mm,
     ) -> Result<Self, ArcError> {
+        let given = match shape {
+            Shape::Centre(offset) => offset,
+            Shape::Radius(r) => [r, r],
+        };
+        if given.iter().any(|length| length.saturating_abs() > FARTHEST_CENTRE) {
+            return Err(ArcError::TooLarge);
+        }
         let [sx, sy] = start.map(Mm::to_bits);
         let [ex, ey] = end.map(Mm::to_bits);
         let centre = match shape {
@@ -79,7 +93,7 @@ impl Arc {
         let once = if clockwise { -((-sweep - 1).rem_euclid(TURN) + 1) } else { (sweep - 1).rem_euclid(TURN) + 1 };
         let more = TURN * i64::from(turns.max(1) - 1);
         let sweep = if clockwise { once - more } else { once + more };
-        let chords = chords(sweep, radius[0].max(radius[1]), tolerance);
+        let chords = chords(sweep, radius[0].max(radius[1]), tolerance).ok_or(ArcError::TooLarge)?;
         Ok(Self { centre, radius, from, sweep, end, chords })
     }
 
@@ -123,14 +137,15 @@ impl Shape {
 
 /// A chord that spans the angle t leaves the circle by `r (1 - cos(t/2))`, about `r t^2 / 8`: the number of
 /// chords is the sweep over `sqrt(8 tolerance / r)`.
-fn chords(sweep: i64, radius: u64, tolerance: Mm) -> u32 {
+fn chords(sweep: i64, radius: u64, tolerance: Mm) -> Option<u32> {
     // Radians times 2^16: 2 pi is 411775 / 65536.
     let sweep = sweep.unsigned_abs();
     let radians = mul_div(sweep, 411_775, TURN as u64);
-    let ratio = mul_div(radians * radians, radius, 8 * tolerance.to_bits().unsigned_abs());
+    let ratio = mul_div(radians.checked_mul(radians)?, radius, 8 * tolerance.to_bits().unsigned_abs());
     let by_tolerance = (ratio.isqrt() >> 16) + 1;
     let by_angle = sweep * LEAST_CHORDS_A_TURN as u64 / TURN as u64 + 1;
-    by_tolerance.max(by_angle).min(MOST_CHORDS) as u32
+    let chords = by_tolerance.max(by_angle);
+    (chords <= MOST_CHORDS).then_some(chords as u32)
 }
 
 /// The centre on the side that R's sign asks for: a positive R sweeps at most half a turn.
@@ -224,6 +239,10 @@ mod tests {
         let new = |end, shape| Arc::new(mm(0.0, 0.0), end, shape, true, 1, Mm::from_num(0.005));
         assert_eq!(new(mm(5.0, 0.0), Shape::Centre(mm(0.0, 0.0))).err(), Some(ArcError::ZeroRadius));
         assert_eq!(new(mm(0.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoSuchCircle));
+        assert_eq!(new(mm(1.0, 0.0), Shape::Centre(mm(1e9, 0.0))).err(), Some(ArcError::TooLarge));
+        assert_eq!(new(mm(1.0, 0.0), Shape::Radius(Mm::from_num(-1e9))).err(), Some(ArcError::TooLarge));
+        let turns = Arc::new(mm(1.0, 0.0), mm(1.0, 0.0), Shape::Centre(mm(-1.0, 0.0)), false, 60_000, Mm::ONE);
+        assert_eq!(turns.err(), Some(ArcError::TooLarge));
         assert_eq!(new(mm(50.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoSuchCircle));
     }
 

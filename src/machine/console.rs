@@ -58,11 +58,15 @@ pub struct Console<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> {
     pub(super) powered: MotorSet,
     /// Seconds without motion until they lose it; 0 is never.
     pub(super) idle_timeout_s: u32,
-    last_motion: Instant,
+    pub(super) last_motion: Instant,
     /// A received line has not been answered yet, since when.
     owes_ok: Option<Instant>,
     /// M108 came since the present command began.
     pub(super) continued: bool,
+    /// Lines up to this place of the receiver came before a quick stop, which forgets them.
+    forgotten: Option<u32>,
+    /// An axis is being homed.
+    pub(super) is_homing: bool,
     /// The host was told of a target beyond the edge.
     pub(super) told_of_edge: bool,
     /// The host was told that there are no heaters.
@@ -90,6 +94,8 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
             last_motion: now,
             owes_ok: None,
             continued: false,
+            forgotten: None,
+            is_homing: false,
             told_of_edge: false,
             told_of_heaters: false,
         }
@@ -123,13 +129,14 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
         // A command that an emergency ended is answered all the same.
         if self.owes_ok.is_some() {
             self.answer(Replies::ok).await?;
+            self.owes_ok = None;
+            self.continued = false;
         }
         self.serve().await
     }
 
     async fn serve(&mut self) -> Result<Infallible, Interrupt> {
         loop {
-            self.owes_ok = None;
             let now = self.ports.clock.now();
             let mut text = Text::new();
             let Some(incoming) = self.receiver.next_line(now) else {
@@ -150,8 +157,9 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
             };
             self.link.status().set_awaiting_input(false);
             self.owes_ok = Some(now);
-            self.continued = false;
+            self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
             match answer {
+                None if self.forgotten.is_some() => self.answer(Replies::ok).await?,
                 None => self.carry_out(&text).await?,
                 Some(Answer::Ok) => self.answer(Replies::ok).await?,
                 Some(Answer::LineNumber(report)) => {
@@ -161,6 +169,8 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
                 Some(Answer::TooLong) => self.answer(Replies::too_long).await?,
                 Some(Answer::Resend(reason, last)) => self.answer(|r| r.resend(reason, last)).await?,
             }
+            self.owes_ok = None;
+            self.continued = false;
         }
     }
 
@@ -225,7 +235,10 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
             };
             match self.receiver.feed(received) {
                 Some(Emergency::Stop) => return Some(Interrupt::Halt),
-                Some(Emergency::QuickStop) => found = Some(Interrupt::QuickStop),
+                Some(Emergency::QuickStop) => {
+                    self.forgotten = Some(self.receiver.place());
+                    found = Some(Interrupt::QuickStop);
+                }
                 Some(Emergency::Continue) => self.continued = true,
                 None => {}
             }

@@ -91,7 +91,10 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
     /// Commands that only change what later lines mean; of the rest, nothing is left to do.
     fn remember(&mut self, command: &Command<'_>) {
         match *command {
-            Command::IdleTimeout { seconds } => self.idle_timeout_s = seconds,
+            Command::IdleTimeout { seconds } => {
+                self.idle_timeout_s = seconds;
+                self.last_motion = self.ports.clock.now();
+            }
             Command::Inches => self.modal.inches = true,
             Command::Millimetres => self.modal.inches = false,
             Command::Absolute => self.modal.absolute = true,

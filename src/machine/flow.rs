@@ -6,18 +6,19 @@
 
 use crate::units::{Instant, TICKS_PER_MS};
 
-/// Motion begins when this much of it is final: a host that answers within an USB adapter's 16 ms stays
-/// ahead from then on.
+/// Motion begins when this much of it is final: sixteen lines of a host behind an USB adapter whose latency
+/// timer is at its default of 16 ms (FTDI AN232B-04).
 pub(super) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
 
 /// Motion begins, whatever is planned, when no move has been added for this long. Marlin waits as long for
 /// a second block (BLOCK_DELAY_FOR_1ST_MOVE).
 const PAUSE_MS: u32 = 100;
 
-/// With more than this queued, nothing needs to leave the look-ahead.
+/// With more than this queued, nothing needs to leave the look-ahead: six lines of such a host.
 const COMFORT: u64 = 100 * TICKS_PER_MS as u64;
 
-/// With less than this queued, the stream is dry: moves leave though they are not final.
+/// With less than this queued, the stream is dry: moves leave though they are not final. Twenty turns of a
+/// Console that is polled every millisecond, so that the machine brakes before it starves.
 const DRY: u64 = 20 * TICKS_PER_MS as u64;
 
 /// What may leave now.

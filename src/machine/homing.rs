@@ -50,7 +50,12 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
             if !(wanted || all) {
                 continue;
             }
-            match self.home_axis(&axis).await {
+            self.is_homing = true;
+            let result = self.home_axis(&axis).await;
+            if !matches!(result, Err(HomeError::Interrupted(_))) {
+                self.is_homing = false;
+            }
+            match result {
                 Ok(()) => {}
                 Err(HomeError::Interrupted(interrupt)) => return Err(interrupt),
                 Err(HomeError::NoTrigger) => {
@@ -102,7 +107,8 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
             *at = at.saturating_add(way);
         }
         self.plan(Target { position, speed, watch }).await?;
-        self.finish().await
+        // What lies behind the switch is not waited for: it would be stepped into nothing.
+        self.until(|c| c.is_finished() || !c.link.status().triggered().is_empty()).await
     }
 
     /// The axis stands at 0. Belt motors stand on whole steps, so the sum and difference of x and y do too.

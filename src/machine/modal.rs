@@ -5,7 +5,7 @@ use crate::settings::{Range, Settings, ranges};
 use crate::units::{Mm, MmPerSec};
 
 /// Positions are kept within +-10 m, whatever a line says: no machine is larger, and no sum overflows.
-const FARTHEST: Range<Mm> = Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
+pub(super) const FARTHEST: Range<Mm> = Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
 
 /// Overrides in percent (M220, M221): a tenth to ten times, as Marlin accepts them.
 const PERCENT: Range<u16> = Range { least: 10, most: 999 };

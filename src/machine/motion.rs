@@ -3,15 +3,23 @@
 use super::console::{Console, Interrupt};
 use super::flow::{GATHERED, Release};
 use super::limits::{Homed, clamp};
+use super::modal::FARTHEST;
 use crate::kinematics::GROUPS;
 use crate::motion::{Target, Work};
 use crate::port::{Clock, DriverBus, EndstopSet, MotorSet, Pend, Serial};
 use crate::units::{Mm, MmPerSec, Steps};
 
+/// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
+fn fence(position: [Mm; 4]) -> [Mm; 4] {
+    let [x, y, z, e] = position;
+    let [x, y, z] = [x, y, z].map(|at| FARTHEST.clamp(at));
+    [x, y, z, e]
+}
+
 impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
     /// Plans a move within the reachable space and takes it as the commanded position.
     pub(super) async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
-        let (inside, moved) = clamp(position, self.homed, &self.settings);
+        let (inside, moved) = clamp(fence(position), self.homed, &self.settings);
         if moved && !self.told_of_edge {
             self.told_of_edge = true;
             self.say(format_args!("echo:target beyond the reachable space, moved to its edge")).await?;
@@ -23,7 +31,6 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
 
     /// Plans a move as soon as there is room for it.
     pub(super) async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
-        self.power(MotorSet::ALL);
         while !self.planner.has_room() {
             self.flow.fill();
             self.planner.release_some();
@@ -32,15 +39,23 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
                 self.turn().await?;
             }
         }
-        self.planner.push(&target, &self.settings);
+        if self.planner.push(&target, &self.settings) {
+            self.power(MotorSet::ALL);
+        }
         self.flow.add(self.ports.clock.now());
+        self.note_path();
+        Ok(())
+    }
+
+    fn note_path(&self) {
         let (moves, path) = self.planner.planned();
         self.link.status().set_planned(moves, path);
-        Ok(())
     }
 
     /// Hands released moves on, and releases more when it is time.
     pub(super) fn feed_motion(&mut self) {
+        // Asked at every turn, because it counts up what was stepped.
+        self.link.left();
         if self.flow.is_level_telling() {
             let level = self.planner.len() + self.link.level();
             self.link.status().note_level(level as u32);
@@ -92,12 +107,17 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
 
     /// Waits until everything planned has been stepped.
     pub(super) async fn finish(&mut self) -> Result<(), Interrupt> {
+        self.until(|c| c.is_finished()).await?;
+        self.flow.rest();
+        Ok(())
+    }
+
+    /// Lets everything planned leave, and says whether it has been stepped.
+    pub(super) fn is_finished(&mut self) -> bool {
         self.flow.drain();
         self.planner.release_all();
         self.feed_motion();
-        self.until(|c| c.planner.is_empty() && c.link.is_idle()).await?;
-        self.flow.rest();
-        Ok(())
+        self.planner.is_empty() && self.link.is_idle()
     }
 
     /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one.
@@ -116,6 +136,8 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
         self.link.settle();
         self.flow.rest();
         let real = self.real_steps();
+        self.planner.fall_short(real);
+        self.note_path();
         self.adopt_position(real).await?;
         let real = self.planner.mm(real);
         self.modal.extrusion = self.modal.named_position(real)[3];
@@ -125,7 +147,11 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
 
     /// M410: motion ends here and now, the position stays true.
     pub(super) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
-        self.drop_motion().await
+        self.drop_motion().await?;
+        if core::mem::take(&mut self.is_homing) {
+            self.say(format_args!("echo:homing was ended, the axis has no known position")).await?;
+        }
+        Ok(())
     }
 
     /// Tells the planner and the generator where the machine stands. Motion rests.
@@ -169,6 +195,7 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
         if powered != self.powered {
             self.powered = powered;
             self.ports.drivers.enable(powered);
+            self.last_motion = self.ports.clock.now();
         }
     }
 

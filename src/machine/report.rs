@@ -93,6 +93,7 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
 
     /// M503: every setting that G-code can set, as the line that sets it.
     pub(super) async fn report_settings(&mut self) -> Result<(), Interrupt> {
+        self.say(format_args!("echo:  G21")).await?;
         self.report_resolutions().await?;
         self.report_max_speeds().await?;
         self.report_max_accelerations().await?;

@@ -56,12 +56,21 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
             return self.report_resolutions().await;
         }
         let mut wanted = self.settings;
+        let before = wanted;
         for (axis, number) in named(&mut wanted, words) {
             axis.steps_per_mm = ranges::STEPS_PER_MM.clamp(StepsPerMm::saturating_from_num(number.value()));
             axis.max_speed = axis.max_speed.min(fastest(axis.steps_per_mm));
         }
         if wanted.axes.x.steps_per_mm != wanted.axes.y.steps_per_mm {
             return self.say(format_args!("echo:M92 ignored: X and Y move one belt and need the same value")).await;
+        }
+        let belt = fastest(wanted.axes.x.steps_per_mm);
+        wanted.motor_max_speed = wanted.motor_max_speed.min(belt);
+        let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
+        if speeds(&wanted) != speeds(&before) {
+            let most = ranges::STEP_RATE;
+            self.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"))
+                .await?;
         }
         self.finish().await?;
         self.settings = wanted;

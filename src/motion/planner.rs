@@ -115,10 +115,11 @@ impl Planner {
         self.end
     }
 
-    /// Plans a move to `target`; one without length is none. The caller has asked [`has_room`](Self::has_room).
-    pub fn push(&mut self, target: &Target, settings: &Settings) {
+    /// Plans a move to `target`; false if it has no length and is none. The caller has asked
+    /// [`has_room`](Self::has_room).
+    pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
         let Some((end, vector)) = self.lay_out(target.position) else {
-            return;
+            return false;
         };
         let [x, y, z, _] = self.asked;
         let e = target.position[3];
@@ -148,6 +149,13 @@ impl Planner {
         if !vector.is_extruder_only() {
             self.path = self.path.wrapping_add(vector.length);
         }
+        true
+    }
+
+    /// The last move ended early, at `position`: takes back the path that was not made.
+    pub fn fall_short(&mut self, position: [Steps; 4]) {
+        let [x, y, z, _] = self.way_to(position);
+        self.path = self.path.wrapping_sub(Geometry::new([x, y, z, 0]).length);
     }
 
     /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
@@ -240,10 +248,13 @@ impl Planner {
         }
     }
 
-    /// Lets every move leave; the last one ends at rest.
+    /// Lets every move leave; the last one ends at rest. Moves that may leave already keep the speeds with
+    /// which they would have left: while there are any, nothing changes, so call it again when they are gone.
     pub fn release_all(&mut self) {
-        self.window.plan();
-        self.window.force(usize::MAX);
+        if !self.window.has_ready() {
+            self.window.plan();
+            self.window.force(usize::MAX);
+        }
     }
 
     /// Takes the next move that may leave.

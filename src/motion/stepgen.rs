@@ -17,11 +17,12 @@ use crate::units::Steps;
 use heapless::spsc::{Consumer, Producer};
 
 /// Two pulses of a motor are at least this many ticks apart: 1 us, ten times what the driver asks for
-/// (TMC2209 datasheet rev 1.09, section 13.1: STEP high and low 100 ns each). Motion at legal speeds never
-/// comes near it; a motor that reverses within half a step does.
+/// (TMC2209 datasheet rev 1.09, section 13.1: STEP high and low 100 ns each). Motion at legal speeds is at
+/// most half as dense; a motor that reverses within half a step can come near it.
 pub const MIN_STEP_INTERVAL: u64 = 10;
 
-/// Events made in one call of [`StepGenerator::run`].
+/// Events made in one call of [`StepGenerator::run`]: about a third of a millisecond on a Cortex-M4, after which the
+/// interrupts of the same priority get their turn.
 const BATCH: usize = 64;
 
 /// Half a step.

@@ -103,9 +103,9 @@ impl Window {
 
     /// Plans the speeds of all moves and finds how many are final. Two passes over the window.
     pub fn plan(&mut self) {
-        let mut exit = 0;
+        let mut exit = 0u64;
         for planned in self.moves.iter_mut().rev() {
-            planned.entry = planned.cap.min(exit + planned.gain());
+            planned.entry = planned.cap.min(exit.saturating_add(planned.gain()));
             exit = planned.entry;
         }
         let mut reached = self.front;

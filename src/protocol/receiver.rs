@@ -88,6 +88,18 @@ impl Receiver {
         }
     }
 
+    /// The place in the stream up to which bytes have been fed.
+    #[must_use]
+    pub const fn place(&self) -> u32 {
+        self.ring.places().0
+    }
+
+    /// Whether the line handed out last ended at or before a [`place`](Self::place).
+    #[must_use]
+    pub const fn is_within(&self, place: u32) -> bool {
+        place.wrapping_sub(self.ring.places().1) as i32 >= 0
+    }
+
     /// The number of the last line that was in order.
     #[must_use]
     pub const fn last_line(&self) -> i32 {

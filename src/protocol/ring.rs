@@ -21,17 +21,24 @@ pub(super) struct Ring {
     /// Place of the oldest byte.
     first: usize,
     length: usize,
+    /// Entries ever put in, wrapping.
+    taken: u32,
 }
 
 impl Ring {
     /// An empty ring.
     pub(super) const fn new() -> Self {
-        Self { bytes: [0; CAPACITY], first: 0, length: 0 }
+        Self { bytes: [0; CAPACITY], first: 0, length: 0, taken: 0 }
     }
 
     /// Whether another byte can be taken without loss.
     pub(super) const fn has_room(&self) -> bool {
         self.length < CAPACITY - 1
+    }
+
+    /// Entries ever put in, and ever taken out; both wrap.
+    pub(super) const fn places(&self) -> (u32, u32) {
+        (self.taken, self.taken.wrapping_sub(self.length as u32))
     }
 
     /// Takes what arrived.
@@ -64,6 +71,7 @@ impl Ring {
             *place = byte;
         }
         self.length += 1;
+        self.taken = self.taken.wrapping_add(1);
     }
 }
 

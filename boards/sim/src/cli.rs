@@ -188,7 +188,11 @@ fn write_results(args: &Run, summary: &Summary, figures: &Figures, settings: &Se
         let page = report::render(summary, figures, settings)?;
         std::fs::write(path, page).with_context(|| cannot("write", path))?;
     }
-    write!(std::io::stdout(), "{summary}").context("cannot write to standard output")
+    match write!(std::io::stdout(), "{summary}") {
+        // Whoever read it has read enough.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.context("cannot write to standard output"),
+    }
 }
 
 fn progress_bar(commands: u64) -> ProgressBar {

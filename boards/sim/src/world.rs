@@ -76,8 +76,8 @@ const PATIENCE_MS: u32 = 600_000;
 /// Events played between two turns of the Console.
 const EVENTS_A_TURN: usize = 128;
 
-/// Time passes by no more than this between two turns of the Console: 10 ms.
-const LONGEST_LEAP: u32 = 10 * TICKS_PER_MS;
+/// Time passes by no more than this between two turns of the Console, which a board polls every millisecond.
+const TURN: u64 = TICKS_PER_MS as u64;
 
 /// What the ports share.
 #[derive(Default)]
@@ -206,6 +206,7 @@ pub fn run(
             }
         }
         let mut moved = false;
+        let end_of_turn = shared.now.get() + TURN;
         for _ in 0..EVENTS_A_TURN {
             while shared.generator.replace(false) {
                 generator.run();
@@ -216,8 +217,9 @@ pub fn run(
                 };
                 let now = shared.now.get();
                 let wait = (alarm.wrapping_sub(now as u32) as i32).max(0).unsigned_abs();
-                shared.now.set(now + u64::from(wait.min(LONGEST_LEAP)));
-                if wait > LONGEST_LEAP {
+                let due = now + u64::from(wait);
+                shared.now.set(due.min(end_of_turn));
+                if due > end_of_turn {
                     moved = true;
                     break;
                 }
@@ -257,7 +259,8 @@ struct Path {
 
 impl Path {
     fn follow(&mut self, counter: u32) {
-        self.um += u64::from(counter.wrapping_sub(self.seen));
+        // It also falls, when a move ends early.
+        self.um = self.um.wrapping_add_signed(i64::from(counter.wrapping_sub(self.seen) as i32));
         self.seen = counter;
     }
 }

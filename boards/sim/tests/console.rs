@@ -135,7 +135,7 @@ fn settings_that_are_reported_read_back() {
     ];
     let (heard, ..) = talk(&changes);
     let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
-    assert_eq!(report.len(), 7, "{heard:?}");
+    assert_eq!(report.len(), 8, "{heard:?}");
     assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
     again.push("M503");
@@ -218,6 +218,53 @@ fn m108_ends_a_dwell() {
     assert!(long.ticks > 200_000_000);
     assert!(short.ticks < 40_000_000, "{} ticks", short.ticks);
     assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 4);
+}
+
+#[test]
+fn m108_in_the_same_packet_ends_a_dwell_too() {
+    let (heard, outcome, _) = talk(&["G4 S20", "!M108", "G1 X1 F600", "M400"]);
+    assert!(outcome.ticks < 10_000_000, "{} ticks", outcome.ticks);
+    assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 4);
+}
+
+#[test]
+fn a_quick_stop_forgets_lines_that_came_before_it() {
+    let (heard, outcome, _) = talk(&["G1 X50 F6000", "!G1 X100", "!G1 E5", "!M410", "!G1 Y5", "M400"]);
+    assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 6, "{heard:?}");
+    assert_eq!(outcome.moves, 1, "only the line behind the stop is carried out");
+    assert_eq!((outcome.counts[3], outcome.counts[6]), (400, 0));
+}
+
+#[test]
+fn a_machine_that_was_stopped_hundreds_of_times_still_moves() {
+    let stops = ["M410"; 300];
+    let lines: Vec<&str> = ["G28 X"].into_iter().chain(stops).chain(["G1 X10 F6000", "M400", "M114 R"]).collect();
+    let (heard, ..) = talk_to(&Settings::prototype(), Some([5.0, 0.0, 0.0]), &lines);
+    assert!(heard.iter().any(|l| l.starts_with("X:10.00 ")), "{:?}", heard.last());
+}
+
+#[test]
+fn a_quick_stop_while_homing_says_what_is_lost() {
+    let (heard, outcome, _) = talk_to(&Settings::prototype(), Some([300.0, 0.0, 0.0]), &["G28 X", "~M410", "M119"]);
+    assert!(!outcome.halted);
+    assert!(heard.contains(&"echo:homing was ended, the axis has no known position".to_owned()), "{heard:?}");
+}
+
+#[test]
+fn a_pause_longer_than_the_clock_wraps_does_not_starve_what_follows() {
+    let moves: Vec<String> = (1..20).map(|i| format!("!G1 X{} F12000", i * 15)).collect();
+    let lines: Vec<&str> = ["G4 S600"].into_iter().chain(moves.iter().map(String::as_str)).collect();
+    let (_, outcome, _) = talk(&lines);
+    assert_eq!(outcome.underruns, 0);
+}
+
+#[test]
+fn a_feed_rate_alone_moves_nothing_and_homing_counts_only_the_way_made() {
+    let (_, outcome, _) = talk(&["G1 F3000", "M400"]);
+    assert_eq!((outcome.moves, outcome.path_um), (0, 0));
+    let (_, outcome, steps) = talk(&["G28"]);
+    let way = outcome.path_um as f64 / 1000.0;
+    assert!((20.0..30.0).contains(&way), "{way} mm in {} events", steps.count);
 }
 
 #[test]

@@ -104,6 +104,28 @@ fn a_print_sent_byte_by_byte_is_the_same_print() {
     assert_eq!((whole.ticks, whole_hash), (cut.ticks, cut_hash));
 }
 
+/// A look-ahead that is full of moves which all still accelerate lets some of them go unfinished. Which ones
+/// must not depend on how soon the queue behind it has room.
+#[test]
+fn moves_that_leave_unfinished_are_the_same_for_slow_hosts() {
+    for count in [288, 300, 350, 415] {
+        let moves: String = (1..=count).map(|i| format!("G1 X{:.1} F18000\n", f64::from(i) * 0.9)).collect();
+        let gcode = format!("G28\nM201 X100 Y100\nM204 S100\n{moves}M400\n");
+        let (whole, whole_hash, _) = print(&gcode, None);
+        assert_eq!(whole.underruns, 0);
+        let mut clean = 0;
+        for pauses in 1..8usize {
+            let pieces = std::iter::repeat_n(0u8, pauses).chain([60]).collect();
+            let (slow, slow_hash, _) = print(&gcode, Some(pieces));
+            if slow.underruns == 0 {
+                clean += 1;
+                assert_eq!((whole.ticks, whole_hash), (slow.ticks, slow_hash), "{count} moves, {pauses} pauses");
+            }
+        }
+        assert!(clean >= 3, "{count} moves: only {clean} hosts were fast enough");
+    }
+}
+
 /// Running the queue dry is another thing: it shows, and it is counted.
 #[test]
 fn a_host_that_is_too_slow_is_counted() {
