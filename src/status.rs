@@ -38,7 +38,8 @@ pub struct Status {
     path_um: AtomicU32,
     /// How often the host was so slow that the look-ahead had to let go of moves unfinished.
     underruns: AtomicU32,
-    /// Fewest moves in the look-ahead while the stream ran; `u32::MAX` if it never did.
+    /// One more than the fewest moves in the look-ahead while the stream ran; 0 if it never did. (A status of
+    /// zeros costs no flash.)
     low_water: AtomicU32,
     /// Whether an emergency stop holds until reset.
     halted: AtomicBool,
@@ -69,7 +70,7 @@ impl Status {
             moves: AtomicU32::new(0),
             path_um: AtomicU32::new(0),
             underruns: AtomicU32::new(0),
-            low_water: AtomicU32::new(u32::MAX),
+            low_water: AtomicU32::new(0),
             halted: AtomicBool::new(false),
         }
     }
@@ -198,15 +199,12 @@ impl Status {
     /// Fewest moves in the look-ahead while the stream ran.
     #[must_use]
     pub fn low_water(&self) -> Option<u32> {
-        match self.low_water.load(Relaxed) {
-            u32::MAX => None,
-            moves => Some(moves),
-        }
+        self.low_water.load(Relaxed).checked_sub(1)
     }
 
     pub(crate) fn note_level(&self, moves: u32) {
-        if moves < self.low_water.load(Relaxed) {
-            self.low_water.store(moves, Relaxed);
+        if self.low_water().is_none_or(|least| moves < least) {
+            self.low_water.store(moves.saturating_add(1), Relaxed);
         }
     }
 
