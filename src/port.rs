@@ -92,8 +92,8 @@ pub enum StorageError {
 impl core::fmt::Display for StorageError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
-            Self::Absent => "there is none on this machine",
-            Self::Failed => "it does not answer",
+            Self::Absent => "no storage on this machine",
+            Self::Failed => "storage does not answer",
         })
     }
 }
@@ -116,7 +116,7 @@ pub trait Storage {
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
 
     /// Puts `bytes` at address `at` and returns when they are stored for good. The core never writes across
-    /// a page ([`storage::PAGE`](../storage/constant.PAGE.html)).
+    /// a page of [`crate::storage::PAGE`] bytes.
     ///
     /// # Errors
     /// [`StorageError`]; then some of the bytes may have been written.

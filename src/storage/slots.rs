@@ -96,7 +96,7 @@ impl core::fmt::Display for SaveError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Storage(error) => error.fmt(f),
-            Self::NotKept => f.write_str("it does not keep what is written"),
+            Self::NotKept => f.write_str("storage does not keep what is written"),
             Self::TooLong => f.write_str("the settings are too long"),
         }
     }
