@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A room (module) may use only the rooms to its left in
-//! `units <- motors <- status <- port <- {protocol, gcode, settings, kinematics} <- motion <- machine <- app`;
+//! `units <- motors <- status <- port <- {protocol, gcode, settings, kinematics} <- {motion, storage} <- machine <- app`;
 //! `tests/layers.rs` holds every `use` to that.
 #![no_std]
 #![forbid(unsafe_code)]
@@ -24,4 +24,5 @@ pub mod port;
 pub mod protocol;
 pub mod settings;
 pub mod status;
+pub mod storage;
 pub mod units;

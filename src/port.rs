@@ -78,3 +78,65 @@ pub trait DriverBus {
     /// Powers exactly the motors of `on`; the four belt motors change in one transaction.
     fn enable(&mut self, on: MotorSet);
 }
+
+/// Why the storage did not do it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum StorageError {
+    /// There is no storage, or no such address.
+    Absent,
+    /// It does not answer: wiring, or a broken chip.
+    Failed,
+}
+
+impl core::fmt::Display for StorageError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Absent => "no storage on this machine",
+            Self::Failed => "storage does not answer",
+        })
+    }
+}
+
+impl core::error::Error for StorageError {}
+
+/// Byte-addressed memory that keeps its content without power.
+///
+/// Every call ends by itself in bounded time, with [`StorageError::Failed`] if need be. A future that is
+/// dropped half-way is like a power cut: the page that was being written may hold anything.
+#[expect(async_fn_in_trait, reason = "the Console polls them in its own context; nobody needs Send")]
+pub trait Storage {
+    /// Size in bytes; 0 if there is none.
+    fn capacity(&self) -> u32;
+
+    /// Fills `into` with the bytes from address `at` on.
+    ///
+    /// # Errors
+    /// [`StorageError`]; then `into` may hold anything.
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
+
+    /// Puts `bytes` at address `at` and returns when they are stored for good. The core never writes across
+    /// a page of [`crate::storage::PAGE`] bytes.
+    ///
+    /// # Errors
+    /// [`StorageError`]; then some of the bytes may have been written.
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
+}
+
+/// For machines without storage.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoStorage;
+
+impl Storage for NoStorage {
+    fn capacity(&self) -> u32 {
+        0
+    }
+
+    async fn read(&mut self, _at: u32, _into: &mut [u8]) -> Result<(), StorageError> {
+        Err(StorageError::Absent)
+    }
+
+    async fn write(&mut self, _at: u32, _bytes: &[u8]) -> Result<(), StorageError> {
+        Err(StorageError::Absent)
+    }
+}

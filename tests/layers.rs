@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What each room may use. A room uses itself without asking.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("units", &[]),
     ("motors", &[]),
     ("status", &["motors"]),
@@ -16,7 +16,11 @@ const ARROWS: [(&str, &[&str]); 11] = [
     ("settings", &["units"]),
     ("kinematics", &["port", "motors"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),
-    ("machine", &["units", "motors", "status", "port", "protocol", "gcode", "settings", "kinematics", "motion"]),
+    ("storage", &["units", "port", "settings"]),
+    (
+        "machine",
+        &["units", "motors", "status", "port", "protocol", "gcode", "settings", "kinematics", "motion", "storage"],
+    ),
     ("app", &["units", "motors", "status", "port", "settings", "motion", "machine"]),
 ];
 

@@ -8,9 +8,9 @@
 //!
 //! Each lives in one context, and nobody else holds it.
 
-use crate::machine::{Console, Ports};
+use crate::machine::{Console, PortSet, Ports};
 use crate::motion::{Link, MoveQueue, StepGenerator, StepQueue, Stepper};
-use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort};
+use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::Mm;
@@ -45,26 +45,27 @@ pub struct StepPorts<P: StepPort, C: StepClock> {
 }
 
 /// The handles.
-pub struct Parts<'m, P: StepPort, C: StepClock, S: Serial, D: DriverBus, K: Clock, W: Pend> {
+pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, W: Pend> {
     /// For the step interrupt.
     pub stepper: Stepper<'m, P, C, W>,
     /// For the generator's interrupt.
     pub generator: StepGenerator<'m, W>,
     /// For the Console's task.
-    pub console: Console<'m, S, D, K, W>,
+    pub console: Console<'m, Q, W>,
     /// For everybody, to look at.
     pub status: &'m Status,
 }
 
-/// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed.
-pub fn assemble<'m, P: StepPort, C: StepClock, S: Serial, D: DriverBus, K: Clock, W: Pend + Copy>(
+/// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its
+/// storage stand over `settings`.
+pub fn assemble<'m, P: StepPort, C: StepClock, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend + Copy>(
     memory: &'m mut Memory,
     settings: Settings,
     start: Option<[Mm; 3]>,
     step_ports: StepPorts<P, C>,
-    ports: Ports<S, D, K>,
+    ports: Ports<S, D, K, T>,
     pend: W,
-) -> Parts<'m, P, C, S, D, K, W> {
+) -> Parts<'m, P, C, Ports<S, D, K, T>, W> {
     let Memory { moves, events, status } = memory;
     let status: &'m Status = status;
     let (moves_in, moves_out) = moves.split();

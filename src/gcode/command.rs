@@ -164,8 +164,16 @@ pub enum Command<'a> {
     Finish,
     /// M410: stop the motion now and forget what is queued.
     QuickStop,
+    /// M500: keep the settings in storage.
+    SaveSettings,
+    /// M501: take the settings that are in storage.
+    LoadSettings,
+    /// M502: take the settings that the machine was made with.
+    DefaultSettings,
     /// M503: report the settings as G-code.
     ReportSettings,
+    /// M504: look whether the settings in storage are whole.
+    CheckStorage,
     /// T: choose a tool.
     Tool(u8),
     /// A command for heaters or fans, of which this firmware has none yet.

@@ -45,7 +45,11 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
         302 => Command::ColdExtrusion,
         400 => Command::Finish,
         410 => Command::QuickStop,
+        500 => Command::SaveSettings,
+        501 => Command::LoadSettings,
+        502 => Command::DefaultSettings,
         503 => Command::ReportSettings,
+        504 => Command::CheckStorage,
         _ => return None,
     })
 }
@@ -160,6 +164,15 @@ mod tests {
         assert_eq!(parse(b"M211 S"), Command::SoftEndstops(Some(true)));
         assert_eq!(parse(b"M114 R"), Command::ReportPosition { real: true });
         assert_eq!(parse(b"M114 D"), Command::ReportPosition { real: false });
+    }
+
+    #[test]
+    fn keeping_settings() {
+        assert_eq!(parse(b"M500"), Command::SaveSettings);
+        assert_eq!(parse(b"M501 ; as stored"), Command::LoadSettings);
+        assert_eq!(parse(b"M502"), Command::DefaultSettings);
+        assert_eq!(parse(b"M504"), Command::CheckStorage);
+        assert_eq!(parse(b"M500.1"), Command::Unknown(b"M500.1"));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::limits::Homed;
 use super::modal::Modal;
 use crate::gcode;
 use crate::motion::{Link, Planner};
-use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial};
+use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
 use crate::protocol::{Emergency, Incoming, NoRoom, Receiver, Replies};
 use crate::settings::Settings;
 use crate::units::{Instant, Mm};
@@ -23,14 +23,39 @@ type Text = Vec<u8, 320>;
 const IDLE_TIMEOUT_S: u32 = 600;
 
 /// What the Console needs of a board.
-pub struct Ports<S: Serial, D: DriverBus, K: Clock> {
+pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
     /// The line to the host.
     pub serial: S,
     /// The motor drivers.
     pub drivers: D,
     /// The clock.
     pub clock: K,
+    /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
+    pub storage: T,
 }
+
+/// The types of a set of [`Ports`], so that one parameter names them all.
+pub trait PortSet {
+    /// The line to the host.
+    type Serial: Serial;
+    /// The motor drivers.
+    type Drivers: DriverBus;
+    /// The clock.
+    type Clock: Clock;
+    /// Memory for settings.
+    type Storage: Storage;
+}
+
+impl<S: Serial, D: DriverBus, K: Clock, T: Storage> PortSet for Ports<S, D, K, T> {
+    type Serial = S;
+    type Drivers = D;
+    type Clock = K;
+    type Storage = T;
+}
+
+/// The ports that have the types of `P`, which is `P` itself.
+type PortsOf<P> =
+    Ports<<P as PortSet>::Serial, <P as PortSet>::Drivers, <P as PortSet>::Clock, <P as PortSet>::Storage>;
 
 /// Why a command ends before it is done.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -42,14 +67,16 @@ pub(super) enum Interrupt {
 }
 
 /// The Console.
-pub struct Console<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> {
-    pub(super) ports: Ports<S, D, K>,
+pub struct Console<'m, P: PortSet, W: Pend> {
+    pub(super) ports: PortsOf<P>,
     receiver: Receiver,
     pub(super) replies: Replies,
     pub(super) link: Link<'m, W>,
     pub(super) planner: Planner,
     pub(super) flow: Flow,
     pub(super) settings: Settings,
+    /// The settings that the machine was made with.
+    pub(super) defaults: Settings,
     pub(super) modal: Modal,
     pub(super) homed: Homed,
     /// Position of each motor group at count 0, in steps.
@@ -73,9 +100,9 @@ pub struct Console<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> {
     pub(super) told_of_heaters: bool,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
+impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Ports<S, D, K, T>, W> {
     /// A Console of a machine that stands at `start` if that is known, as if homed.
-    pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K>) -> Self {
+    pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T>) -> Self {
         let [x, y, z] = start.unwrap_or_default();
         let now = ports.clock.now();
         Self {
@@ -86,6 +113,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
             planner: Planner::new(&settings, [x, y, z, Mm::ZERO]),
             flow: Flow::new(),
             settings,
+            defaults: settings,
             modal: Modal::new([x, y, z]),
             homed: Homed([start.is_some(); 3]),
             origin: [0; 4],
@@ -100,7 +128,9 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
             told_of_heaters: false,
         }
     }
+}
 
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The settings as they are now.
     pub const fn settings(&self) -> &Settings {
         &self.settings
@@ -122,9 +152,11 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'m, S, D, K, W> {
 
     async fn start_and_serve(&mut self) -> Result<Infallible, Interrupt> {
         if self.link.is_fresh() {
+            let found = self.load_at_start().await?;
             self.adopt_position(self.planner.end()).await?;
             self.answer(Replies::start).await?;
             self.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION"))).await?;
+            self.report_start(found).await?;
         }
         // A command that an emergency ended is answered all the same.
         if self.owes_ok.is_some() {

@@ -1,11 +1,11 @@
 //! Every command, and what it does.
 
 use super::arc::{Arc, Shape};
-use super::console::{Console, Interrupt};
+use super::console::{Console, Interrupt, PortSet};
 use super::modal::{Modal, Wanted};
 use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::motion::Work;
-use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial};
+use crate::port::{Clock, MotorSet, Pend};
 use crate::units::{Mm, TICKS_PER_MS};
 
 /// The motors that move the named axes; all if none is named.
@@ -31,7 +31,7 @@ struct ArcWords {
     turns: u16,
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Carries out a command up to its `ok`.
     pub(super) async fn execute(&mut self, command: &Command<'_>) -> Result<(), Interrupt> {
         match *command {
@@ -77,6 +77,10 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
             Command::ReportFirmware => self.report_firmware().await,
             Command::ReportEndstops => self.report_endstops().await,
             Command::ReportSettings => self.report_settings().await,
+            Command::SaveSettings => self.save_settings().await,
+            Command::LoadSettings => self.load_settings().await,
+            Command::DefaultSettings => self.reset_settings().await,
+            Command::CheckStorage => self.check_storage().await,
             Command::Tool(0) => Ok(()),
             Command::Tool(number) => self.say(format_args!("echo:there is no tool T{number}")).await,
             Command::Heater => self.explain_heaters().await,

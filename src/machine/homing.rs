@@ -1,9 +1,9 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
 
-use super::console::{Console, Interrupt};
+use super::console::{Console, Interrupt, PortSet};
 use crate::gcode::AxisFlags;
 use crate::motion::Target;
-use crate::port::{Clock, DriverBus, EndstopSet, Pend, Serial};
+use crate::port::{EndstopSet, Pend};
 use crate::settings::Homing;
 use crate::units::{Mm, MmPerSec, Steps};
 
@@ -37,7 +37,7 @@ struct Axis {
     length: Mm,
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// G28. Whichever axis fails, the print must not go on: the machine halts.
     pub(super) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
         self.finish().await?;

@@ -10,10 +10,11 @@ mod console;
 mod execute;
 mod flow;
 mod homing;
+mod keeping;
 mod limits;
 mod modal;
 mod motion;
 mod report;
 mod tuning;
 
-pub use console::{Console, Ports};
+pub use console::{Console, PortSet, Ports};

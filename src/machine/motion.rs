@@ -1,12 +1,12 @@
 //! The Console's dealings with motion: planning moves, waiting for them, stopping them.
 
-use super::console::{Console, Interrupt};
+use super::console::{Console, Interrupt, PortSet};
 use super::flow::{GATHERED, Release};
 use super::limits::{Homed, clamp};
 use super::modal::FARTHEST;
 use crate::kinematics::GROUPS;
 use crate::motion::{Target, Work};
-use crate::port::{Clock, DriverBus, EndstopSet, MotorSet, Pend, Serial};
+use crate::port::{Clock, DriverBus, EndstopSet, MotorSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
@@ -16,7 +16,7 @@ fn fence(position: [Mm; 4]) -> [Mm; 4] {
     [x, y, z, e]
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Plans a move within the reachable space and takes it as the commanded position.
     pub(super) async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         let (inside, moved) = clamp(fence(position), self.homed, &self.settings);

@@ -1,19 +1,19 @@
 //! What the machine says of itself.
 
-use super::console::{Console, Interrupt};
+use super::console::{Console, Interrupt, PortSet};
 use super::limits::Homed;
 use crate::gcode::Number;
-use crate::port::{Clock, DriverBus, EndstopSet, Pend, Serial};
+use crate::port::{EndstopSet, Pend};
 use crate::settings::CornerRule;
+use crate::storage;
 use crate::units::Mm;
 use core::fmt;
 use fixed::types::I32F32;
 
 /// What hosts may rely on. A host that finds AUTOREPORT_TEMP at 1 stops asking by itself, so it stays 0
 /// until there is a sensor.
-const CAPABILITIES: [(&str, u8); 8] = [
+const CAPABILITIES: [(&str, u8); 7] = [
     ("SERIAL_XON_XOFF", 0),
-    ("EEPROM", 0),
     ("AUTOREPORT_POS", 0),
     ("AUTOREPORT_TEMP", 0),
     ("EMERGENCY_PARSER", 1),
@@ -40,7 +40,7 @@ pub(super) fn exact(value: impl Into<I32F32>) -> Number {
     Number::saturating(value.into())
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M105. There is no sensor yet; hosts take the form of the line as a sign of life.
     pub(super) async fn report_temperatures(&mut self) -> Result<(), Interrupt> {
         self.say(format_args!("ok T:0.00 /0.00 @:0")).await
@@ -62,6 +62,8 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
             env!("CARGO_PKG_VERSION")
         ))
         .await?;
+        let has_storage = u8::from(storage::is_present(&self.ports.storage));
+        self.say(format_args!("Cap:EEPROM:{has_storage}")).await?;
         for (name, value) in CAPABILITIES {
             self.say(format_args!("Cap:{name}:{value}")).await?;
         }

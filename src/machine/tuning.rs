@@ -1,8 +1,8 @@
 //! Settings that lines change: each value is brought into its legal range, and following moves obey.
 
-use super::console::{Console, Interrupt};
+use super::console::{Console, Interrupt, PortSet};
 use crate::gcode::{AxisWords, Number};
-use crate::port::{Clock, DriverBus, Pend, Serial};
+use crate::port::Pend;
 use crate::settings::{AxisSettings, CornerRule, Settings, ranges};
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 
@@ -20,7 +20,7 @@ fn fastest(steps_per_mm: StepsPerMm) -> MmPerSec {
     MmPerSec::from_bits(bits.min(u64::from(u32::MAX)) as u32)
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
     fn acceleration(&self, number: Number) -> MmPerSec2 {
         ranges::ACCELERATION.clamp(MmPerSec2::saturating_from_num(self.modal.length(number)))
     }
@@ -73,10 +73,7 @@ impl<S: Serial, D: DriverBus, K: Clock, W: Pend> Console<'_, S, D, K, W> {
                 .await?;
         }
         self.finish().await?;
-        self.settings = wanted;
-        self.planner.set_resolution(&wanted);
-        let position = self.planner.steps(self.modal.position);
-        self.adopt_position(position).await
+        self.use_settings(wanted).await
     }
 
     /// M204.

@@ -4,6 +4,7 @@
 //! line, a file or the settings are wrong.
 
 use crate::check::Checker;
+use crate::eeprom::Eeprom;
 use crate::host::FileHost;
 use crate::limits::Limits;
 use crate::machine_file::{self, Machine};
@@ -64,6 +65,9 @@ struct Run {
     /// The machine; without it, the CoreH-bot prototype.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
+    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
+    #[arg(long, value_name = "E.bin")]
+    storage: Option<PathBuf>,
     /// Starts as if homed, with the tool at this place in mm.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
     assume_homed: Option<[Mm; 3]>,
@@ -104,6 +108,7 @@ struct Prepared {
     name: String,
     gcode: String,
     machine: Machine,
+    eeprom: Option<Eeprom>,
     trace: Option<BufWriter<File>>,
     vcd: Option<VcdWriter<BufWriter<File>>>,
 }
@@ -112,6 +117,7 @@ impl Prepared {
     fn new(args: &Run) -> Result<Self> {
         let machine = read_machine(args.settings.as_deref())?;
         let (name, gcode) = read_gcode(&args.file)?;
+        let eeprom = args.storage.as_deref().map(Eeprom::open).transpose()?;
         let trace = args.trace.as_deref().map(create).transpose()?;
         let vcd = match args.vcd.as_deref() {
             Some(path) => Some(VcdWriter::new(create(path)?).with_context(|| cannot("write", path))?),
@@ -121,12 +127,13 @@ impl Prepared {
         for path in [&args.json, &args.report].into_iter().flatten() {
             create(path)?;
         }
-        Ok(Self { name, gcode, machine, trace, vcd })
+        Ok(Self { name, gcode, machine, eeprom, trace, vcd })
     }
 
     /// Prints, and says whether all went well.
-    fn run(self, args: &Run) -> Result<bool> {
+    fn run(mut self, args: &Run) -> Result<bool> {
         let settings = &self.machine.settings;
+        let stored = self.eeprom.as_mut().and_then(Eeprom::settings);
         let mut host = Watched { host: FileHost::new(&self.gcode), bar: ProgressBar::hidden() };
         if std::io::stderr().is_terminal() {
             host.bar = progress_bar(host.host.commands());
@@ -135,10 +142,13 @@ impl Prepared {
             trace: TraceWriter::new(self.trace, settings.into()),
             vcd: self.vcd,
             tally: Tally::new(settings, args.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num)),
-            checker: Checker::new(&Limits::new(settings, &self.gcode)),
+            checker: Checker::new(&Limits::new(settings, stored.as_ref(), &self.gcode)),
         };
         let start = Instant::now();
-        let outcome = world::run(settings, args.assume_homed, &mut host, &mut sinks);
+        let outcome = match &mut self.eeprom {
+            Some(eeprom) => world::run_with(settings, args.assume_homed, eeprom, &mut host, &mut sinks),
+            None => world::run(settings, args.assume_homed, &mut host, &mut sinks),
+        };
         host.bar.finish_and_clear();
         let outcome = outcome.with_context(|| format!("{}: the simulation failed", self.name))?;
         let names = Names { file: &self.name, machine: self.machine.name.as_deref().unwrap_or("CoreH-bot") };

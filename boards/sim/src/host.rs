@@ -217,7 +217,17 @@ impl Host for FileHost {
 }
 
 /// Begins of echoes that answer a question, show life or say what is no trouble.
-const EXPECTED: [&str; 6] = [" ", "busy:", "M113 S", "E0 Flow:", "Cold extrudes", "no heaters"];
+const EXPECTED: [&str; 9] = [
+    " ",
+    "busy:",
+    "M113 S",
+    "E0 Flow:",
+    "Cold extrudes",
+    "no heaters",
+    "Settings Stored",
+    "stored settings",
+    "Hardcoded Default",
+];
 
 /// Whether a reply tells of something that the author of the file should know.
 fn is_odd(reply: &str) -> bool {

@@ -2,7 +2,7 @@
 //!
 //! They come from the settings, widened by whatever limits the print itself sets (M201, M203, M205): the
 //! checker sees only steps and cannot know when a command took effect, so the widest limit counts for the
-//! whole print.
+//! whole print. So do those of the settings in storage, beside those that the machine was made with.
 //!
 //! # Jumps of speed
 //! A corner may change the speed at once. Under junction deviation d a corner of half angle t (between the
@@ -37,7 +37,7 @@ pub struct Limit {
 pub struct Limits {
     /// One limit a coordinate.
     pub of: [Limit; 6],
-    /// Whether speeds and accelerations can be judged: not if the print changes its own steps/mm (M92).
+    /// Whether speeds and accelerations can be judged: not if steps/mm change under way (M92, M501).
     pub is_judged: bool,
 }
 
@@ -48,10 +48,21 @@ struct Corner {
     extruder: f64,
 }
 
+impl Corner {
+    /// Takes in what one set of settings allows.
+    fn widen(&mut self, s: &Settings) {
+        self.extruder = self.extruder.max(s.extruder_jerk.to_num());
+        match s.corner {
+            CornerRule::JunctionDeviation(d) => self.deviation = self.deviation.max(d.to_num()),
+            CornerRule::SquareCorner(w) => self.square = self.square.max(w.to_num()),
+        }
+    }
+}
+
 impl Limits {
-    /// The limits of a machine that runs `gcode`.
+    /// The limits of a machine that was made with settings `s`, has others `stored`, and runs `gcode`.
     #[must_use]
-    pub fn new(s: &Settings, gcode: &str) -> Self {
+    pub fn new(s: &Settings, stored: Option<&Settings>, gcode: &str) -> Self {
         let axis = |name, a: corehbot::settings::AxisSettings| Limit {
             name,
             step: 1.0 / a.steps_per_mm.to_num::<f64>(),
@@ -70,14 +81,22 @@ impl Limits {
             of: [axis("x", a.x), axis("y", a.y), axis("z", a.z), axis("e", a.e), belt("belt 4/11"), belt("belt 1/8")],
             is_judged: true,
         };
-        let mut corner = Corner { deviation: 0.0, square: 0.0, extruder: s.extruder_jerk.to_num() };
-        match s.corner {
-            CornerRule::JunctionDeviation(d) => corner.deviation = d.to_num(),
-            CornerRule::SquareCorner(w) => corner.square = w.to_num(),
+        let mut corner = Corner { deviation: 0.0, square: 0.0, extruder: 0.0 };
+        corner.widen(s);
+        if let Some(stored) = stored {
+            limits.is_judged = stored.axes.map(|a| a.steps_per_mm) == s.axes.map(|a| a.steps_per_mm);
+            corner.widen(stored);
+            let other = Self::new(stored, None, "");
+            for (limit, other) in limits.of.iter_mut().zip(other.of) {
+                limit.speed = limit.speed.max(other.speed);
+                limit.acceleration = limit.acceleration.max(other.acceleration);
+            }
         }
         let mut unit = 1.0;
         for line in gcode.lines() {
-            limits.widen(&strip_comment(line), s, &mut corner, &mut unit);
+            for s in [Some(s), stored].into_iter().flatten() {
+                limits.widen(&strip_comment(line), s, &mut corner, &mut unit);
+            }
         }
         limits.set_jumps(&corner);
         limits
@@ -147,7 +166,7 @@ mod tests {
 
     #[test]
     fn the_settings_are_the_limits() {
-        let limits = Limits::new(&Settings::prototype(), "G1 X5 ; M203 X900\n");
+        let limits = Limits::new(&Settings::prototype(), None, "G1 X5 ; M203 X900\n");
         let x = limits.of[0];
         assert_eq!((x.step, x.speed, x.acceleration, x.hard_stop), (0.0125, 300.0, 5000.0, 0.0));
         assert!((x.jump - (8.0 * 5000.0 * 0.013f64).sqrt()).abs() < 0.01);
@@ -156,12 +175,26 @@ mod tests {
 
     #[test]
     fn a_print_may_widen_its_limits_and_homing_may_stop_hard() {
-        let limits = Limits::new(&Settings::prototype(), "M203 X400 Y10\nG20\nM201Z10 E1000\nG28\n");
+        let limits = Limits::new(&Settings::prototype(), None, "M203 X400 Y10\nG20\nM201Z10 E1000\nG28\n");
         assert_eq!(limits.of[0].speed, 400.0);
         assert_eq!(limits.of[1].speed, 300.0);
         assert_eq!(limits.of[2].acceleration, 254.0);
         assert_eq!(limits.of[2].hard_stop, 8.0);
         assert!(limits.is_judged);
+    }
+
+    #[test]
+    fn stored_settings_widen_the_limits_and_are_not_judged_in_other_steps() {
+        let made = Settings::prototype();
+        let mut stored = made;
+        stored.axes.x.max_speed = corehbot::units::MmPerSec::from_num(350);
+        stored.axes.y.max_speed = corehbot::units::MmPerSec::from_num(50);
+        stored.extruder_jerk = corehbot::units::MmPerSec::from_num(8);
+        let limits = Limits::new(&made, Some(&stored), "");
+        assert_eq!((limits.of[0].speed, limits.of[1].speed, limits.of[3].jump), (350.0, 300.0, 8.0));
+        assert!(limits.is_judged);
+        stored.axes.e.steps_per_mm += corehbot::units::StepsPerMm::ONE;
+        assert!(!Limits::new(&made, Some(&stored), "").is_judged);
     }
 
     /// The bound that the text derives, by trying corners.

@@ -7,7 +7,7 @@
 use corehbot::app::{Memory, StepPorts, assemble};
 use corehbot::machine::Ports;
 use corehbot::motors::{EndstopSet, MotorSet};
-use corehbot::port::{Clock, DriverBus, Pend, Received, Serial, StepClock, StepPort};
+use corehbot::port::{Clock, DriverBus, NoStorage, Pend, Received, Serial, StepClock, StepPort, Storage};
 use corehbot::settings::Settings;
 use corehbot::units::{Instant, Mm, TICKS_PER_MS, Tick};
 use corehbot_rig::Rig;
@@ -178,11 +178,25 @@ pub fn run(
     host: &mut dyn Host,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
+    run_with(settings, start, NoStorage, host, sink)
+}
+
+/// The same with storage: the firmware takes the settings in it, the mechanism stays that of `settings`.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run_with(
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    host: &mut dyn Host,
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
     let shared = Shared::default();
     let mut memory = Box::new(Memory::new());
     let pins = Pins { rig: Rig::new(settings, start), forward: MotorSet::NONE, sink };
     let step_ports = StepPorts { pins, clock: Timer(&shared) };
-    let ports = Ports { serial: Line(&shared), drivers: Drivers, clock: Timer(&shared) };
+    let ports = Ports { serial: Line(&shared), drivers: Drivers, clock: Timer(&shared), storage };
     let mut parts = assemble(&mut memory, *settings, start, step_ports, ports, Pends(&shared));
     let (status, stepper, generator) = (parts.status, &mut parts.stepper, &mut parts.generator);
     let mut console = pin!(parts.console.run());

@@ -123,6 +123,30 @@ fn the_same_file_gives_the_same_trace() {
 }
 
 #[test]
+fn settings_survive_in_an_image_file() {
+    let place = scratch("storage");
+    let image = place.join("eeprom.bin");
+    let _ = std::fs::remove_file(&image);
+    let run = |gcode: &str| {
+        let file = place.join("print.gcode");
+        std::fs::write(&file, gcode).unwrap();
+        let output = corehbot().arg("run").arg(&file).arg("--storage").arg(&image).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}{}", text(&output.stdout), text(&output.stderr));
+        text(&output.stdout)
+    };
+    let hurry = "G28\nG1 X300 F24000\n";
+    let slow = run(hurry);
+    assert_eq!(std::fs::metadata(&image).unwrap().len(), 4096);
+    run("M203 X400\nM500\n");
+    // The stored limit lets the same print go faster, and the checker knows it.
+    let fast = run(hurry);
+    assert_ne!(slow.lines().find(|l| l.contains("sha256")), fast.lines().find(|l| l.contains("sha256")));
+    assert!(!fast.contains("echo:"), "{fast}");
+    let lonely = print_text("M500\n");
+    assert!(text(&lonely.stdout).contains("M500: echo:Settings not stored: no storage"), "{}", text(&lonely.stdout));
+}
+
+#[test]
 fn a_print_that_halts_is_status_1_and_names_the_line() {
     let output = print_text("G1 X5 F3000\n\nM112\nG1 X0\n");
     assert_eq!(output.status.code(), Some(1));
@@ -141,13 +165,17 @@ fn what_cannot_be_printed_is_status_2_and_says_why() {
     let place = scratch("unusable");
     let machine = place.join("bad.toml");
     std::fs::write(&machine, "[axes.x]\nmax_speed = 5000\n").unwrap();
+    let image = place.join("short.bin");
+    std::fs::write(&image, [0; 100]).unwrap();
     let axes = example("axes.gcode");
     let axes = axes.to_str().unwrap();
-    let cases: [(&[&str], &str); 6] = [
+    let cases: [(&[&str], &str); 8] = [
         (&["run", "no-such.gcode"], "corehbot: cannot open no-such.gcode"),
         (&["run", axes, "--settings", "no-such.toml"], "corehbot: cannot open no-such.toml"),
         (&["run", axes, "--settings", machine.to_str().unwrap()], "axes.x.max_speed = 5000 is outside 0.01 to 3000"),
         (&["run", axes, "--assume-homed", "1,2"], "three numbers"),
+        (&["run", axes, "--storage", image.to_str().unwrap()], "is no image of an EEPROM"),
+        (&["run", axes, "--storage", "/no/such/place.bin"], "corehbot: cannot create /no/such/place.bin"),
         (&["run", axes, "--trace", "/no/such/place.csv"], "corehbot: cannot create /no/such/place.csv"),
         (&["run", axes, "--nonsense"], "--nonsense"),
     ];

@@ -8,7 +8,7 @@ use core::task::Waker;
 use corehbot::app::Parts;
 use corehbot::machine;
 use corehbot::motion;
-use corehbot::port::{DriverBus, MotorSet, Pend};
+use corehbot::port::{DriverBus, MotorSet, NoStorage, Pend};
 use cortex_m::peripheral::{NVIC, Peripherals};
 use critical_section::Mutex;
 use embassy_executor::InterruptExecutor;
@@ -20,11 +20,12 @@ use super::time::{self, BoardClock, StepTimer};
 use super::trace::{self, TracePort};
 use super::vectors::{self, Irq};
 
+type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage>;
 /// The core with the ports of this board.
-pub type BoardParts = Parts<'static, TracePort, StepTimer, UartSerial, NoDrivers, BoardClock, BoardPend>;
+pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, BoardPend>;
 type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;
 type StepGenerator = motion::StepGenerator<'static, BoardPend>;
-type Console = machine::Console<'static, UartSerial, NoDrivers, BoardClock, BoardPend>;
+type Console = machine::Console<'static, BoardPorts, BoardPend>;
 
 static STEPPER: Handover<&'static mut Stepper> = Handover::new();
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();

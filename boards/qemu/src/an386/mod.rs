@@ -25,6 +25,7 @@ mod vectors;
 
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::machine::Ports;
+use corehbot::port::NoStorage;
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use defmt_semihosting as _;
@@ -62,7 +63,12 @@ fn start_up() -> &'static Status {
     let job = job::read();
     let rig = Rig::new(&job.settings, job.start);
     let step_ports = StepPorts { pins: trace::TracePort::new(rig, job.trace), clock: time::StepTimer };
-    let ports = Ports { serial: serial::UartSerial::new(), drivers: contexts::NoDrivers, clock: time::BoardClock };
+    let ports = Ports {
+        serial: serial::UartSerial::new(),
+        drivers: contexts::NoDrivers,
+        clock: time::BoardClock,
+        storage: NoStorage,
+    };
     // In this form the parts are built in their place; they are too large to be carried about.
     let parts = PARTS
         .init_with(|| app::assemble(MEMORY.take(), job.settings, job.start, step_ports, ports, contexts::BoardPend));

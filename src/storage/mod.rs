@@ -1,0 +1,11 @@
+//! Storage: the settings as records in non-volatile memory that survive a power cut at any byte.
+//!
+//! Two slots hold a record each. A save writes the slot that does not hold the newest settings, so these
+//! stay whole until the new record is; a checksum over all of a record decides whether it is. Sequence
+//! numbers tell which of two is the newer one, and saving in turns halves the wear.
+
+mod record;
+mod slots;
+
+pub use record::{FORMAT, Receipt, Rejected};
+pub use slots::{NEEDED, PAGE, SaveError, Slot, Stored, Survey, is_present, save, survey};

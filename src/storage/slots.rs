@@ -1,0 +1,198 @@
+//! Slots: where the two records lie, which one counts, and which one a save may overwrite.
+//!
+//! Invariant: a save never touches the slot that holds the newest settings. Transfers stay inside one page,
+//! so a cut spoils no more than the page that is being written, and whoever waits can do other things in
+//! between.
+
+use super::record::{LONGEST, Receipt, Record, Rejected, decode, encode, length};
+use crate::port::{Storage, StorageError};
+use crate::settings::Settings;
+
+/// Transfers never cross a multiple of this: the page of an AT24C32 (datasheet 0336K, page write).
+pub const PAGE: usize = 32;
+
+/// Distance of the slots. Twice the longest record, so that settings can grow without moving them.
+const STRIDE: u32 = 1024;
+
+/// Bytes of storage that the settings need: half of an AT24C32.
+pub const NEEDED: u32 = 2 * STRIDE;
+
+const _: () = assert!(LONGEST <= STRIDE as usize && LONGEST.is_multiple_of(PAGE));
+const _: () = assert!(STRIDE.is_multiple_of(PAGE as u32) && NEEDED <= 4096);
+
+/// One of the two places for a record.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Slot {
+    /// At address 0.
+    A,
+    /// Behind it.
+    B,
+}
+
+impl Slot {
+    const fn address(self) -> u32 {
+        match self {
+            Self::A => 0,
+            Self::B => STRIDE,
+        }
+    }
+
+    const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+}
+
+impl core::fmt::Display for Slot {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::A => "A",
+            Self::B => "B",
+        })
+    }
+}
+
+/// Settings found in a slot: whole, of this format and legal.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Stored {
+    /// The settings.
+    pub settings: Settings,
+    /// Size and checksum of their record.
+    pub receipt: Receipt,
+    slot: Slot,
+    sequence: u32,
+}
+
+impl Stored {
+    /// Whether this was saved after `other`; right for less than 2^31 saves in between.
+    const fn is_newer_than(&self, other: &Self) -> bool {
+        (other.sequence.wrapping_sub(self.sequence) as i32) < 0
+    }
+}
+
+/// What the two slots hold.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Survey {
+    /// The newest settings.
+    pub newest: Option<Stored>,
+    /// Why the content of slot A and of slot B is not used, where it is not valid.
+    pub rejected: [(Slot, Option<Rejected>); 2],
+}
+
+/// Why settings were not saved. What was stored before is still there.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum SaveError {
+    /// The storage does not answer, or there is none.
+    Storage(StorageError),
+    /// The storage took the bytes but does not give them back: replace it.
+    NotKept,
+    /// The settings do not fit into a slot, which a compile-time check excludes.
+    TooLong,
+}
+
+impl core::fmt::Display for SaveError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Storage(error) => error.fmt(f),
+            Self::NotKept => f.write_str("storage does not keep what is written"),
+            Self::TooLong => f.write_str("the settings are too long"),
+        }
+    }
+}
+
+impl core::error::Error for SaveError {}
+
+impl From<StorageError> for SaveError {
+    fn from(error: StorageError) -> Self {
+        Self::Storage(error)
+    }
+}
+
+/// Whether there is storage in which settings can be kept.
+pub fn is_present(storage: &impl Storage) -> bool {
+    storage.capacity() >= NEEDED
+}
+
+/// Looks at both slots.
+///
+/// # Errors
+/// The storage's, and [`StorageError::Absent`] if it is too small.
+pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> {
+    if !is_present(storage) {
+        return Err(StorageError::Absent);
+    }
+    let mut survey = Survey { newest: None, rejected: [(Slot::A, None), (Slot::B, None)] };
+    for (slot, rejected) in &mut survey.rejected {
+        match read_slot(storage, *slot).await? {
+            Ok(found) if survey.newest.as_ref().is_none_or(|newest| found.is_newer_than(newest)) => {
+                survey.newest = Some(found);
+            }
+            Ok(_) => {}
+            Err(why) => *rejected = Some(why),
+        }
+    }
+    Ok(survey)
+}
+
+/// Saves `settings` and reads them back; writes nothing if they are the newest already.
+///
+/// # Errors
+/// If they are not safely stored; then those stored before still are.
+pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Receipt, SaveError> {
+    let (slot, sequence) = match survey(storage).await?.newest {
+        Some(newest) if newest.settings == *settings => return Ok(newest.receipt),
+        Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1)),
+        None => (Slot::A, 1),
+    };
+    let record = encode(settings, sequence).ok_or(SaveError::TooLong)?;
+    // The header goes last: until then the slot is what it was, or damaged.
+    for (at, page) in pages(&record, slot).rev() {
+        storage.write(at, page).await?;
+    }
+    for (at, page) in pages(&record, slot) {
+        let mut kept = [0; PAGE];
+        let kept = kept.get_mut(..page.len()).unwrap_or_default();
+        storage.read(at, kept).await?;
+        if kept != page {
+            return Err(SaveError::NotKept);
+        }
+    }
+    Ok(record.receipt)
+}
+
+/// The pages of a record and their addresses.
+fn pages(record: &Record, slot: Slot) -> impl DoubleEndedIterator<Item = (u32, &[u8])> {
+    let used = record.bytes.get(..record.receipt.bytes).unwrap_or_default();
+    used.chunks(PAGE).enumerate().map(move |(i, page)| (slot.address() + (i * PAGE) as u32, page))
+}
+
+async fn read_slot(storage: &mut impl Storage, slot: Slot) -> Result<Result<Stored, Rejected>, StorageError> {
+    let mut bytes = [0; LONGEST];
+    let (head, tail) = bytes.split_at_mut(PAGE);
+    storage.read(slot.address(), head).await?;
+    let length = match length(head) {
+        Ok(length) => length,
+        Err(why) => return Ok(Err(why)),
+    };
+    let tail = tail.get_mut(..length.saturating_sub(PAGE)).unwrap_or_default();
+    for (i, page) in tail.chunks_mut(PAGE).enumerate() {
+        storage.read(slot.address() + ((i + 1) * PAGE) as u32, page).await?;
+    }
+    Ok(decode(&bytes).map(|(settings, sequence, receipt)| Stored { settings, receipt, slot, sequence }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_newer_record_is_told_across_the_wrap() {
+        let receipt = Receipt { bytes: 0, crc: 0 };
+        let at = |sequence| Stored { settings: Settings::prototype(), receipt, slot: Slot::A, sequence };
+        assert!(at(2).is_newer_than(&at(1)) && !at(1).is_newer_than(&at(2)));
+        assert!(at(0).is_newer_than(&at(u32::MAX)) && !at(u32::MAX).is_newer_than(&at(0)));
+        assert!(!at(5).is_newer_than(&at(5)));
+    }
+}

@@ -1,0 +1,389 @@
+//! Settings in a memory whose power can be cut: what was saved before or what was being saved survives,
+//! whatever the memory does to the byte or page in which it happens.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+use corehbot::port::{NoStorage, Storage, StorageError};
+use corehbot::settings::Settings;
+use corehbot::storage::{self, NEEDED, PAGE, Rejected, SaveError, Slot};
+use corehbot::units::{Mm, MmPerSec};
+use proptest::prelude::*;
+use std::pin::pin;
+use std::task::{Context, Poll, Waker};
+
+const SIZE: usize = 4096;
+
+/// The result of a future that never waits.
+fn now<F: Future>(future: F) -> F::Output {
+    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
+        Poll::Ready(result) => result,
+        Poll::Pending => panic!("it waits"),
+    }
+}
+
+/// An EEPROM without faults that keeps books.
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Eeprom {
+    cells: Vec<u8>,
+    /// Address and size of every write.
+    writes: Vec<(u32, usize)>,
+}
+
+impl Eeprom {
+    fn blank() -> Self {
+        Self::holding(vec![0xFF; SIZE])
+    }
+
+    fn holding(cells: Vec<u8>) -> Self {
+        Self { cells, writes: Vec::new() }
+    }
+
+    fn with(settings: &[Settings]) -> Self {
+        let mut eeprom = Self::blank();
+        for s in settings {
+            now(storage::save(&mut eeprom, s)).unwrap();
+        }
+        eeprom.writes.clear();
+        eeprom
+    }
+
+    fn bytes_written(&self) -> usize {
+        self.writes.iter().map(|(_, size)| size).sum()
+    }
+}
+
+impl Storage for Eeprom {
+    fn capacity(&self) -> u32 {
+        self.cells.len() as u32
+    }
+
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        into.copy_from_slice(&self.cells[at as usize..][..into.len()]);
+        Ok(())
+    }
+
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        let at = at as usize;
+        assert_eq!(at / PAGE, (at + bytes.len() - 1) / PAGE, "a write across a page");
+        self.writes.push((at as u32, bytes.len()));
+        self.cells[at..][..bytes.len()].copy_from_slice(bytes);
+        Ok(())
+    }
+}
+
+/// What a cell holds whose programming was cut.
+type Torn = fn(old: u8, new: u8) -> u8;
+
+const TORN: [Torn; 6] = [|old, _| old, |_, new| new, |_, _| 0xFF, |_, _| 0, |old, new| old ^ new, |old, new| old & new];
+
+/// Cuts the power after so many bytes; the next one is torn. With `whole_page`, the page is programmed at
+/// once, so the cut tears all of its bytes from there on.
+struct Cut<'e> {
+    eeprom: &'e mut Eeprom,
+    left: usize,
+    torn: Torn,
+    whole_page: bool,
+    is_dead: bool,
+}
+
+impl Storage for Cut<'_> {
+    fn capacity(&self) -> u32 {
+        self.eeprom.capacity()
+    }
+
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        if self.is_dead { Err(StorageError::Failed) } else { self.eeprom.read(at, into).await }
+    }
+
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        if self.is_dead {
+            return Err(StorageError::Failed);
+        }
+        if bytes.len() <= self.left {
+            self.left -= bytes.len();
+            return self.eeprom.write(at, bytes).await;
+        }
+        self.is_dead = true;
+        for (i, (cell, new)) in self.eeprom.cells[at as usize..].iter_mut().zip(bytes).enumerate() {
+            if i < self.left {
+                *cell = *new;
+            } else if i == self.left || self.whole_page {
+                *cell = (self.torn)(*cell, *new);
+            }
+        }
+        Err(StorageError::Failed)
+    }
+}
+
+/// Settings that differ in many bytes from one number to the next.
+fn variant(n: u16) -> Settings {
+    let mut s = Settings::prototype();
+    for axis in [&mut s.axes.x, &mut s.axes.y] {
+        axis.max_speed = MmPerSec::from_num(100 + n);
+        axis.length = Mm::from_num(300 + n);
+    }
+    s.keepalive_s = (n % 60) as u8;
+    s.soft_endstops = n.is_multiple_of(2);
+    s.arc_tolerance = Mm::from_num(0.003 + f64::from(n) / 1000.0);
+    s.check().unwrap();
+    s
+}
+
+fn newest(eeprom: &mut Eeprom) -> Option<Settings> {
+    now(storage::survey(eeprom)).unwrap().newest.map(|stored| stored.settings)
+}
+
+/// A save that is cut after `left` bytes; what is readable then must be one of the two.
+fn cut_save(eeprom: &mut Eeprom, settings: &Settings, left: usize, torn: Torn, whole_page: bool) -> Option<Settings> {
+    let old = newest(eeprom);
+    let result = now(storage::save(&mut Cut { eeprom, left, torn, whole_page, is_dead: false }, settings));
+    assert_eq!(result, Err(SaveError::Storage(StorageError::Failed)), "cut after {left}");
+    let now = newest(eeprom);
+    assert!(now == old || now == Some(*settings), "cut after {left}: neither old nor new");
+    now
+}
+
+/// Bytes that saving this here would write.
+fn size_of_save(eeprom: &Eeprom, settings: &Settings) -> usize {
+    let mut eeprom = eeprom.clone();
+    eeprom.writes.clear();
+    now(storage::save(&mut eeprom, settings)).unwrap();
+    eeprom.bytes_written()
+}
+
+#[test]
+fn what_was_saved_last_is_read() {
+    let mut eeprom = Eeprom::blank();
+    assert_eq!(newest(&mut eeprom), None);
+    for n in 0..5 {
+        let receipt = now(storage::save(&mut eeprom, &variant(n))).unwrap();
+        let stored = now(storage::survey(&mut eeprom)).unwrap().newest.unwrap();
+        assert_eq!((stored.settings, stored.receipt), (variant(n), receipt));
+    }
+}
+
+#[test]
+fn a_cut_at_any_byte_leaves_the_old_or_the_new() {
+    for begin in [&[][..], &[variant(0)], &[variant(0), variant(1)], &[variant(0), variant(1), variant(2)]] {
+        let fresh = Eeprom::with(begin);
+        let next = variant(7);
+        let size = size_of_save(&fresh, &next);
+        assert!(size > 100);
+        let mut kept_old = 0;
+        for torn in TORN {
+            for whole_page in [false, true] {
+                for left in 0..size {
+                    let mut eeprom = fresh.clone();
+                    kept_old += usize::from(cut_save(&mut eeprom, &next, left, torn, whole_page) != Some(next));
+                    // And with power back, the same save succeeds.
+                    now(storage::save(&mut eeprom, &next)).unwrap();
+                    assert_eq!(newest(&mut eeprom), Some(next));
+                }
+            }
+        }
+        assert!(kept_old > 9 * size, "nearly every cut comes before the record is whole");
+    }
+}
+
+#[test]
+fn a_cut_save_may_be_followed_by_another() {
+    let fresh = Eeprom::with(&[variant(0), variant(1)]);
+    let size = size_of_save(&fresh, &variant(2));
+    for first in 0..size {
+        let mut once = fresh.clone();
+        let after_first = cut_save(&mut once, &variant(2), first, TORN[4], first % 2 == 0);
+        for second in (first % 7..size_of_save(&once, &variant(3)).min(size)).step_by(7) {
+            let mut twice = once.clone();
+            let after_second = cut_save(&mut twice, &variant(3), second, TORN[second % 6], second % 2 == 0);
+            assert!(after_second == after_first || after_second == Some(variant(3)));
+            now(storage::save(&mut twice, &variant(4))).unwrap();
+            assert_eq!(newest(&mut twice), Some(variant(4)));
+        }
+    }
+}
+
+#[test]
+fn no_flipped_bit_gives_other_settings() {
+    let fresh = Eeprom::with(&[variant(0), variant(1)]);
+    let used = now(storage::survey(&mut fresh.clone())).unwrap().newest.unwrap().receipt.bytes;
+    let mut noticed = 0;
+    for bit in 0..SIZE * 8 {
+        let mut eeprom = fresh.clone();
+        eeprom.cells[bit / 8] ^= 1 << (bit % 8);
+        let survey = now(storage::survey(&mut eeprom)).unwrap();
+        let found = survey.newest.unwrap().settings;
+        noticed += usize::from(survey.rejected.iter().any(|(_, why)| why.is_some()));
+        // The newest are in slot B; if they are damaged, those before them count.
+        let in_b = (NEEDED as usize / 2..NEEDED as usize / 2 + used).contains(&(bit / 8));
+        assert_eq!(found, variant(u16::from(!in_b)), "bit {bit}");
+    }
+    assert_eq!(noticed, 2 * used * 8);
+}
+
+#[test]
+fn slots_take_turns_and_unchanged_settings_cost_nothing() {
+    let mut eeprom = Eeprom::blank();
+    let mut counts = [0; 2];
+    for n in 0..10 {
+        eeprom.writes.clear();
+        let receipt = now(storage::save(&mut eeprom, &variant(n))).unwrap();
+        assert_eq!(eeprom.bytes_written(), receipt.bytes);
+        assert_eq!(eeprom.writes.len(), receipt.bytes.div_ceil(PAGE), "each page is written once");
+        let slot = eeprom.writes[0].0 / (NEEDED / 2);
+        assert!(eeprom.writes.iter().all(|(at, _)| at / (NEEDED / 2) == slot));
+        counts[slot as usize] += 1;
+        eeprom.writes.clear();
+        assert_eq!(now(storage::save(&mut eeprom, &variant(n))), Ok(receipt));
+        assert_eq!(eeprom.writes, []);
+    }
+    assert_eq!(counts, [5, 5]);
+}
+
+#[test]
+fn a_record_of_another_format_is_left_until_its_turn() {
+    let mut eeprom = Eeprom::with(&[variant(0)]);
+    // Format 2 instead of 1, at first without and then with the right checksum.
+    eeprom.cells[4] ^= 3;
+    assert_eq!(now(storage::survey(&mut eeprom)).unwrap().rejected[0], (Slot::A, Some(Rejected::Damaged)));
+    let used = 16 + usize::from(u16::from_le_bytes([eeprom.cells[6], eeprom.cells[7]]));
+    let mut crc = !0u32;
+    for byte in eeprom.cells[..12].iter().chain(&eeprom.cells[16..used]) {
+        crc = (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 });
+    }
+    eeprom.cells[12..16].copy_from_slice(&(!crc).to_le_bytes());
+    let survey = now(storage::survey(&mut eeprom)).unwrap();
+    assert_eq!((survey.newest, survey.rejected[0].1), (None, Some(Rejected::Format(2))));
+    now(storage::save(&mut eeprom, &variant(1))).unwrap();
+    assert_eq!(newest(&mut eeprom), Some(variant(1)));
+}
+
+/// A memory with a cell that cannot be changed.
+struct Stuck(Eeprom, usize);
+
+impl Storage for Stuck {
+    fn capacity(&self) -> u32 {
+        self.0.capacity()
+    }
+
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        self.0.read(at, into).await
+    }
+
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        let was = self.0.cells[self.1];
+        self.0.write(at, bytes).await?;
+        self.0.cells[self.1] = was;
+        Ok(())
+    }
+}
+
+#[test]
+fn a_worn_cell_is_noticed_by_reading_back() {
+    let fresh = Eeprom::with(&[variant(0), variant(1)]);
+    // Cells of slot A in which the records of 0 and 2 differ.
+    let mut new = fresh.clone();
+    now(storage::save(&mut new, &variant(2))).unwrap();
+    let differ: Vec<usize> = (0..SIZE).filter(|at| fresh.cells[*at] != new.cells[*at]).collect();
+    assert!(differ.len() > 10);
+    for at in differ {
+        let mut stuck = Stuck(fresh.clone(), at);
+        assert_eq!(now(storage::save(&mut stuck, &variant(2))), Err(SaveError::NotKept));
+        assert_eq!(newest(&mut stuck.0), Some(variant(1)));
+    }
+}
+
+/// A memory that stops answering after so many reads.
+struct Silent(Eeprom, usize);
+
+impl Storage for Silent {
+    fn capacity(&self) -> u32 {
+        self.0.capacity()
+    }
+
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        self.1 = self.1.checked_sub(1).ok_or(StorageError::Failed)?;
+        self.0.read(at, into).await
+    }
+
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        self.0.write(at, bytes).await
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_not_taken_for_empty() {
+    let fresh = Eeprom::with(&[variant(0), variant(1)]);
+    let mut reads = 0;
+    loop {
+        let mut silent = Silent(fresh.clone(), reads);
+        let result = now(storage::save(&mut silent, &variant(2)));
+        if result.is_ok() {
+            break;
+        }
+        assert_eq!(result, Err(SaveError::Storage(StorageError::Failed)));
+        // Only the read-back comes after the writes.
+        assert!(silent.0.writes.is_empty() || newest(&mut silent.0) == Some(variant(2)));
+        reads += 1;
+    }
+    assert!(reads > 10);
+}
+
+#[test]
+fn no_storage_is_said_and_too_little_is_none() {
+    assert!(!storage::is_present(&NoStorage));
+    let absent = StorageError::Absent;
+    assert_eq!(now(storage::survey(&mut NoStorage)), Err(absent));
+    assert_eq!(now(storage::save(&mut NoStorage, &variant(0))), Err(SaveError::Storage(absent)));
+    let mut small = Eeprom::holding(vec![0xFF; NEEDED as usize - 1]);
+    assert_eq!(now(storage::save(&mut small, &variant(0))), Err(SaveError::Storage(absent)));
+    let mut exact = Eeprom::holding(vec![0xFF; NEEDED as usize]);
+    assert!(storage::is_present(&exact) && now(storage::save(&mut exact, &variant(0))).is_ok());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Random bytes, also behind a header that looks right, are no settings and take a save.
+    #[test]
+    fn any_content_is_survived(
+        seed in proptest::collection::vec(any::<u8>(), 64),
+        magic: [bool; 2],
+        length in 0u16..2000,
+        format in 0u16..3,
+    ) {
+        let mut cells: Vec<u8> = (0..SIZE).map(|i| seed[i % 64] ^ seed[i / 64] ^ (i % 251) as u8).collect();
+        for (slot, magic) in magic.into_iter().enumerate() {
+            if magic {
+                let head = &mut cells[slot * NEEDED as usize / 2..];
+                head[..4].copy_from_slice(b"CHBS");
+                head[4..6].copy_from_slice(&format.to_le_bytes());
+                head[6..8].copy_from_slice(&length.to_le_bytes());
+            }
+        }
+        let mut eeprom = Eeprom::holding(cells);
+        let survey = now(storage::survey(&mut eeprom)).unwrap();
+        prop_assert_eq!(survey.newest, None);
+        for (magic, (_, why)) in magic.into_iter().zip(survey.rejected) {
+            prop_assert_eq!(why, Some(if magic { Rejected::Damaged } else { Rejected::Blank }));
+        }
+        now(storage::save(&mut eeprom, &variant(3))).unwrap();
+        prop_assert_eq!(newest(&mut eeprom), Some(variant(3)));
+    }
+
+    /// Any number of saves, each perhaps cut: never anything but the last that was whole or the one after.
+    #[test]
+    fn any_history_of_cuts_leaves_something_that_was_saved(
+        history in proptest::collection::vec((any::<bool>(), 0usize..200, 0usize..6, any::<bool>()), 1..40),
+    ) {
+        let mut eeprom = Eeprom::blank();
+        for (n, (is_cut, left, torn, whole_page)) in history.into_iter().enumerate() {
+            let settings = variant(n as u16);
+            if is_cut && left < size_of_save(&eeprom, &settings) {
+                cut_save(&mut eeprom, &settings, left, TORN[torn], whole_page);
+            } else {
+                now(storage::save(&mut eeprom, &settings)).unwrap();
+                prop_assert_eq!(newest(&mut eeprom), Some(settings));
+            }
+        }
+    }
+}
