@@ -3,11 +3,13 @@
 //! A table gives the words for all ports at once, in RAM (see [`Words`]). Computing them instead takes an extraction, a shift
 //! and an addition for each of seven motors, and pins known when compiling, which would make every type above generic.
 
+use core::array;
+
 use corehbot::port::{EndstopSet, MotorSet, StepPort};
 use cortex_m::peripheral::DWT;
 
 use crate::ports::{self, Registers};
-use crate::wiring::{Board, PORTS, Pin, Port, Words};
+use crate::wiring::{Board, PORTS, Pin, Words};
 
 /// A step pulse is high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
 /// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest.
@@ -29,7 +31,7 @@ pub struct StepPins {
     dir_ports: [Registers; PORTS],
     reversed: MotorSet,
     slow: MotorSet,
-    endstops: [Pin; 3],
+    endstops: Endstops,
     /// The cycle counter when the step lines rose.
     rose: u32,
 }
@@ -44,9 +46,17 @@ impl StepPins {
             dir_ports: dirs.ports.map(ports::registers),
             reversed: board.reversed,
             slow: board.slow,
-            endstops: board.endstops,
+            endstops: Endstops::new(board.endstops),
             rose: 0,
         }
+    }
+}
+
+/// One store a port.
+#[inline(always)]
+fn store(ports: &[Registers; PORTS], words: [u32; PORTS]) {
+    for (port, word) in ports.iter().zip(words) {
+        ports::store(*port, word);
     }
 }
 
@@ -56,16 +66,12 @@ impl StepPort for StepPins {
     fn dir(&mut self, forward: MotorSet) {
         let high = MotorSet(forward.0 ^ self.reversed.0);
         let (set, reset) = (self.dirs.of(high), self.dirs.of(MotorSet(!high.0)));
-        for (port, (set, reset)) in self.dir_ports.into_iter().zip(set.iter().zip(reset)) {
-            ports::store(port, set | reset << 16);
-        }
+        store(&self.dir_ports, array::from_fn(|port| set[port] | reset[port] << 16));
     }
 
     #[inline]
     fn rise(&mut self, steps: MotorSet, _tick: u64) {
-        for (port, word) in self.step_ports.into_iter().zip(self.steps.of(steps)) {
-            ports::store(port, *word);
-        }
+        store(&self.step_ports, *self.steps.of(steps));
         self.rose = DWT::cycle_count();
     }
 
@@ -77,20 +83,43 @@ impl StepPort for StepPins {
                 break;
             }
         }
-        for (port, word) in self.step_ports.into_iter().zip(self.steps.of(steps)) {
-            ports::store(port, word << 16);
-        }
+        store(&self.step_ports, self.steps.of(steps).map(|word| word << 16));
     }
 
     #[inline]
     fn endstops(&mut self) -> EndstopSet {
-        let [x, y, z] = self.endstops;
-        let read = |port: Port| ports::registers(port).idr().read().0;
-        let first = read(x.port);
-        // One read where one port has them all.
-        let of = |pin: Pin| if pin.port == x.port { first } else { read(pin.port) } >> pin.number() & 1;
-        EndstopSet((of(x) | of(y) << 1 | of(z) << 2) as u8)
+        self.endstops.read()
     }
 }
 
 const _: () = assert!(EndstopSet::X.0 == 1 && EndstopSet::Y.0 == 2 && EndstopSet::Z.0 == 4);
+
+/// The switches of x, y and z.
+struct Endstops {
+    ports: [Registers; 3],
+    numbers: [u8; 3],
+    /// One read gets them all.
+    is_one_port: bool,
+}
+
+impl Endstops {
+    fn new(pins: [Pin; 3]) -> Self {
+        Self {
+            ports: pins.map(|pin| ports::registers(pin.port)),
+            numbers: pins.map(|pin| pin.number() as u8),
+            is_one_port: pins.iter().all(|pin| pin.port == pins[0].port),
+        }
+    }
+
+    #[inline]
+    fn read(&self) -> EndstopSet {
+        let first = self.ports[0].idr().read().0;
+        let inputs = if self.is_one_port {
+            [first; 3]
+        } else {
+            [first, self.ports[1].idr().read().0, self.ports[2].idr().read().0]
+        };
+        let levels = inputs.into_iter().zip(self.numbers).enumerate();
+        EndstopSet(levels.fold(0, |set, (bit, (input, number))| set | ((input >> number & 1) as u8) << bit))
+    }
+}
