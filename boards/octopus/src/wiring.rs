@@ -1,7 +1,7 @@
 //! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1.
 //!
-//! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps by one store.
-//! Slot M7 is left free: its direction pin is the debug port's clock.
+//! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
+//! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
 
 use corehbot::port::MotorSet;
 use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, Slot};
@@ -49,8 +49,9 @@ pub static BOARD: Board = Board {
     // The Raspberry Pi header.
     serial: [Pin::new(Port::D, 5), Pin::new(Port::D, 6)],
     baud: 250_000,
-    // Here PA0 is an enable line with a resistor of 10 kOhm to 3.3 V (R5) and PA2 a heater with one to ground. On the Octopus Pro V1.1
-    // PA0 is the heater, which our idle level would switch on (BTT pins of the Pro V1.1).
+    // Here PA0 is an enable line with a resistor of 10 kOhm to 3.3 V (R5) and PA2 a heater with one to ground.
+    // On the Octopus Pro V1.1 PA0 is the heater, which our idle level would switch on (BTT pins of the Pro
+    // V1.1).
     marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
 };
 

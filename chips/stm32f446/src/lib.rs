@@ -1,6 +1,6 @@
 //! What boards with an STM32F446 share: everything but pins.
 //!
-//! A board is a [`Board`](wiring::Board), a table of pins, and calls [`run`] with it.
+//! A board is a [`Board`](wiring::Board), a table of pins, and calls `run` with it.
 //!
 //! | priority | context | runs |
 //! |---|---|---|

@@ -1,7 +1,7 @@
 //! The receiver: DMA carries bytes from USART2 into a ring, and nobody is disturbed until the line rests.
 //!
-//! DMA1 stream 5, channel 4 (RM0390, table of DMA1 requests) writes; the Console reads. Where a byte was damaged or lost, a
-//! bit of a second ring says so, and the Console gets [`Received::Lost`] in that place.
+//! DMA1 stream 5, channel 4 (RM0390, table of DMA1 requests) writes; the Console reads. Where a byte was
+//! damaged or lost, a bit of a second ring says so, and the Console gets [`Received::Lost`] in that place.
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 

@@ -25,7 +25,8 @@ static PARTS: StaticCell<BoardParts> = StaticCell::new();
 static STEP_WORDS: StaticCell<Words> = StaticCell::new();
 static DIR_WORDS: StaticCell<Words> = StaticCell::new();
 
-/// Cycles of 16 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and some 100 pF has settled, with a margin of ten.
+/// Cycles of 16 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and some 100
+/// pF has settled, with a margin of ten.
 const SETTLE: u32 = 1000;
 
 /// Between two messages of a board that is not the one we are for.
@@ -86,7 +87,8 @@ fn refuse(board: &Board, mut serial: HostSerial) -> ! {
     }
 }
 
-/// Puts the machine together. A function of its own, so that what passes through the stack on its way does not stay there.
+/// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
+/// stay there.
 #[inline(never)]
 fn assemble(pins: StepPins, serial: HostSerial, drivers: EnableLines) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };

@@ -1,7 +1,8 @@
 //! The step port: what the Stepper's events do to the pins.
 //!
-//! A table gives the words for all ports at once, in RAM (see [`Words`]). Computing them instead takes an extraction, a shift
-//! and an addition for each of seven motors, and pins known when compiling, which would make every type above generic.
+//! A table gives the words for all ports at once, in RAM (see [`Words`]). Computing them instead takes an
+//! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
+//! make every type above generic.
 
 use core::array;
 

@@ -12,8 +12,8 @@ use embassy_time::{Duration, Instant};
 
 use crate::contexts::{BEATS, IrqPend};
 
-/// Counts until the reset at 1 kHz. The oscillator has 17 to 47 kHz instead of 32 (STM32F446 datasheet, LSI), so it comes
-/// after 0.34 to 0.94 s.
+/// Counts until the reset at 1 kHz. The oscillator has 17 to 47 kHz instead of 32 (STM32F446 datasheet, LSI),
+/// so it comes after 0.34 to 0.94 s.
 const COUNTS: u16 = 500;
 
 /// How often the others are asked.
@@ -25,7 +25,8 @@ pub struct Watchdog {
     beats: [u32; BEATS.len()],
 }
 
-/// Starts the watchdog, which nothing but a reset stops. What follows has a third of a second until the first [`Watchdog::look`].
+/// Starts the watchdog, which nothing but a reset stops. What follows has a third of a second until the first
+/// [`Watchdog::look`].
 pub fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
@@ -34,7 +35,8 @@ pub fn start() {
     feed();
 }
 
-/// Begins the time until the reset anew. Only for start-up, which has no other contexts yet, and for a board that does nothing.
+/// Begins the time until the reset anew. Only for start-up, which has no other contexts yet, and for a board
+/// that does nothing.
 pub fn feed() {
     IWDG.kr().write(|w| w.set_key(Key::RESET));
 }
