@@ -75,8 +75,7 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
     println!("sha256    {}", firmware.sha256);
     let settings = Settings::prototype();
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let request =
-        Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection: None };
+    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection: None };
     let seen = run(&request)?;
     write_files(cli, &settings, &seen.recorder.events)?;
     print_run(cli, &seen);
@@ -118,7 +117,10 @@ fn print_run(cli: &Cli, seen: &Seen) {
         Some(ns) => println!("greeting  {:.3} ms after reset", ms(ns)),
         None => println!("greeting  none"),
     }
-    println!("line      {} bytes in, {} bytes out, {} resends", seen.line.bytes[0], seen.line.bytes[1], seen.line.resends);
+    println!(
+        "line      {} bytes in, {} bytes out, {} resends",
+        seen.line.bytes[0], seen.line.bytes[1], seen.line.resends
+    );
     for warning in &seen.line.warnings {
         println!("odd       {warning}");
     }

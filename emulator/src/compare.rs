@@ -133,7 +133,8 @@ pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
         let at = event.at as i64;
         timing.spread = timing.spread.max(event.spread);
         let due = |(begin, _, tick): (i64, Option<u32>, u64)| begin + ((planned.tick - tick) * NS_PER_TICK) as i64;
-        let rested = event.rested || last.is_none_or(|(then, tick)| at - then - (planned.tick - tick) as i64 * NS_PER_TICK as i64 > REST_NS);
+        let rested = event.rested
+            || last.is_none_or(|(then, tick)| at - then - (planned.tick - tick) as i64 * NS_PER_TICK as i64 > REST_NS);
         last = Some((at, planned.tick));
         let start = base.filter(|_| !rested);
         let Some(start) = start else {

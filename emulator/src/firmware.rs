@@ -26,6 +26,8 @@ pub struct Firmware {
     /// Its SHA-256 in hexadecimal.
     pub sha256: String,
     bytes: Vec<u8>,
+    /// What lies beside the image.
+    extra: Vec<(u32, Vec<u8>)>,
 }
 
 impl Firmware {
@@ -36,7 +38,7 @@ impl Firmware {
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).with_context(|| format!("cannot open {}", path.display()))?;
         let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
-        let firmware = Self { path: path.to_owned(), sha256, bytes };
+        let firmware = Self { path: path.to_owned(), sha256, bytes, extra: Vec::new() };
         for segment in firmware.file()?.segments() {
             let (start, end) = (segment.address(), segment.address() + segment.size());
             if !(inside(&FLASH, start, end) || inside(&RAM, start, end)) {
@@ -55,6 +57,9 @@ impl Firmware {
         if wiring.application != RESET {
             images.push(Image::new(Path::new("bootloader"), bootloader(wiring.application), Some(RESET.into()))?);
         }
+        for (address, bytes) in &self.extra {
+            images.push(Image::new(Path::new("extra"), bytes.clone(), Some((*address).into()))?);
+        }
         Ok(images)
     }
 
@@ -63,8 +68,10 @@ impl Firmware {
     /// # Errors
     /// If the image has no such symbol.
     pub fn symbol(&self, name: &str) -> Result<u32> {
+        // As Rust mangles it: its length, then itself.
+        let mangled = format!("{}{name}", name.len());
         let file = self.file()?;
-        let found = file.symbols().find(|s| s.name() == Ok(name));
+        let found = file.symbols().find(|s| s.name().is_ok_and(|n| n == name || n.contains(&mangled)));
         let address = found.with_context(|| format!("the image has no symbol {name}"))?.address();
         Ok(address as u32 & !1)
     }
@@ -74,19 +81,40 @@ impl Firmware {
     /// # Errors
     /// If the image has nothing there.
     pub fn patch(&mut self, address: u32, halfwords: &[u16]) -> Result<()> {
-        let at = u64::from(address);
-        let found = self.file()?.segments().find_map(|segment| {
-            let (offset, size) = segment.file_range();
-            (segment.address()..segment.address() + size)
-                .contains(&at)
-                .then(|| (offset + at - segment.address()) as usize)
-        });
-        let Some(offset) = found else { bail!("the image has nothing at {address:#x}") };
+        let offset = self.offset(address)?;
         let place = self.bytes.get_mut(offset..offset + 2 * halfwords.len()).context("beyond the image")?;
         for (cell, halfword) in place.chunks_exact_mut(2).zip(halfwords) {
             cell.copy_from_slice(&halfword.to_le_bytes());
         }
         Ok(())
+    }
+
+    /// Puts `bytes` into flash beside the image.
+    pub fn add(&mut self, address: u32, bytes: Vec<u8>) {
+        self.extra.push((address, bytes));
+    }
+
+    /// The code at `address`.
+    ///
+    /// # Errors
+    /// If the image has nothing there.
+    pub fn halfword(&self, address: u32) -> Result<u16> {
+        let offset = self.offset(address)?;
+        match self.bytes.get(offset..offset + 2) {
+            Some(&[low, high]) => Ok(u16::from_le_bytes([low, high])),
+            _ => bail!("beyond the image"),
+        }
+    }
+
+    /// Where the file holds what goes to `address`.
+    fn offset(&self, address: u32) -> Result<usize> {
+        let at = u64::from(address);
+        let found = self.file()?.segments().find_map(|segment| {
+            let (offset, size) = segment.file_range();
+            let begin = segment.address();
+            (begin..begin + size).contains(&at).then(|| (offset + at - begin) as usize)
+        });
+        found.with_context(|| format!("the image has nothing at {address:#x}"))
     }
 
     fn file(&self) -> Result<ElfFile32<'_>> {

@@ -18,5 +18,6 @@ pub mod run;
 pub mod safety;
 pub mod steps;
 pub mod timer;
+pub mod trap;
 pub mod watch;
 pub mod wiring;

@@ -96,6 +96,9 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
     let (mut session, watch) = (finished.session, finished.driver);
     let stop = finished.stop.context("the emulator ended by itself")?;
+    if !watch.is_injectable {
+        bail!("the trap could not be sprung");
+    }
     let gaps = Gaps::of(&session);
     let resets = session.resets().to_vec();
     let board = session.board_mut();

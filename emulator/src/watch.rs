@@ -4,6 +4,7 @@ use crate::board::Emulated;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::{self, Meaning};
+use crate::trap::TRIGGER;
 use crate::wiring::{PORTS, Wiring};
 use corehbot::motors::EndstopSet;
 use corehbot::settings::Settings;
@@ -11,6 +12,7 @@ use corehbot_rig::Rig;
 use corehbot_sim::world::Host;
 use rigless::emulator::{AccessKind, Driver, Settled, Stop};
 use rigless::session::Session;
+use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
 /// GPIOA; the ports follow each other every 1 KiB (RM0390 rev 6, section 2.2.2).
@@ -28,6 +30,11 @@ const LAST_NS: u64 = 20_000_000;
 pub enum Injection {
     /// After so many step events, the next access to a port fails on the bus.
     BusError {
+        /// Events before it.
+        after: usize,
+    },
+    /// After so many step events, the trap in the image springs (see [`crate::trap`]).
+    Trap {
         /// Events before it.
         after: usize,
     },
@@ -75,6 +82,8 @@ pub struct Watch {
     pub end: End,
     /// When the injected fault happened, in ns.
     pub injected: Option<u64>,
+    /// The trap could be sprung.
+    pub is_injectable: bool,
 }
 
 impl Watch {
@@ -94,10 +103,17 @@ impl Watch {
             safety: Safety::new(wiring),
             end: End::Late,
             injected: None,
+            is_injectable: true,
         }
     }
 
-    fn port_written(&mut self, session: &mut Session<Emulated>, at: VirtualNanos, n: usize) {
+    fn port_written(
+        &mut self,
+        session: &mut Session<Emulated>,
+        host: &mut dyn rigless::emulator::Host,
+        at: VirtualNanos,
+        n: usize,
+    ) {
         let port = session.board_mut().port(n);
         self.safety.store(at.0, n, port, self.greeted);
         let (steps, forward) = self.recorder.store(at.0, n, port, self.safety.powered);
@@ -106,13 +122,23 @@ impl Watch {
         }
         self.rig.step(steps, forward);
         self.press(session, at);
-        if let Some(Injection::BusError { after }) = self.injection
-            && self.recorder.events.len() >= after
-        {
-            self.injection = None;
-            self.injected = Some(at.0);
-            session.fail_next(GPIO, GPIO + PORTS as u64 * PORT_SIZE);
+        self.inject(session, host, at);
+    }
+
+    /// Lets the fault happen if its time has come.
+    fn inject(&mut self, session: &mut Session<Emulated>, host: &mut dyn rigless::emulator::Host, at: VirtualNanos) {
+        let events = self.recorder.events.len();
+        match self.injection {
+            Some(Injection::BusError { after }) if events >= after => {
+                session.fail_next(GPIO, GPIO + PORTS as u64 * PORT_SIZE);
+            }
+            Some(Injection::Trap { after }) if events >= after => {
+                self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
+            }
+            _ => return,
         }
+        self.injection = None;
+        self.injected = Some(at.0);
     }
 
     /// Gives the endstop inputs the levels that the machine's switches have.
@@ -155,7 +181,7 @@ impl Driver<Emulated> for Watch {
     fn on_settled(
         &mut self,
         session: &mut Session<Emulated>,
-        _host: &mut dyn rigless::emulator::Host,
+        host: &mut dyn rigless::emulator::Host,
         settled: Settled,
     ) {
         if self.endstops.is_none() {
@@ -180,7 +206,7 @@ impl Driver<Emulated> for Watch {
         }
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
         if (port as usize) < PORTS {
-            self.port_written(session, access.virtual_time, port as usize);
+            self.port_written(session, host, access.virtual_time, port as usize);
         } else if let Some(meaning) =
             timer::meaning(session.board_mut(), access.virtual_time, access.address, access.value)
         {

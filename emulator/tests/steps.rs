@@ -1,4 +1,5 @@
 //! The pins of the image do what the host simulator does.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;
 
@@ -6,6 +7,7 @@ use common::{MS, firmware, print, root};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
 use corehbot_emulator::watch::End;
+use std::path::Path;
 
 /// Edges are no later than this: the bound for 100,000 events a second.
 const LATE_NS: i64 = 5000;
@@ -23,7 +25,12 @@ fn without_homing_z(gcode: &str) -> String {
 }
 
 fn check(name: &str) {
-    let gcode = std::fs::read_to_string(root().join("examples").join(name)).unwrap();
+    check_file(&root().join("examples").join(name));
+}
+
+fn check_file(path: &Path) {
+    let name = path.file_name().unwrap().display();
+    let gcode = std::fs::read_to_string(path).unwrap();
     let gcode = without_homing_z(&gcode);
     let firmware = firmware();
     let seen = print(&firmware, &gcode, None);
@@ -85,6 +92,18 @@ fn retractions_step_as_on_the_host() {
 #[test]
 fn tiny_moves_step_as_on_the_host() {
     check("tiny.gcode");
+}
+
+#[test]
+fn a_hundred_thousand_events_a_second_are_in_time() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/rush.gcode");
+    let gcode = without_homing_z(&std::fs::read_to_string(&path).unwrap());
+    let host = scheduled(&gcode, &Settings::prototype()).unwrap();
+    // 10 ms of motion time.
+    let most = host.windows(1000).map(|w| w[999].tick - w[0].tick).min();
+    println!("1000 events in {most:?} ticks");
+    assert!(most.is_some_and(|ticks| ticks < 100_000));
+    check_file(&path);
 }
 
 /// FIXME: the wrong behaviour of today, see [`without_homing_z`].
