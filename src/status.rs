@@ -144,6 +144,12 @@ impl Status {
         self.events_done.store(self.events_done.load(Relaxed).wrapping_add(1), Release);
     }
 
+    /// Events made and not yet done, the one in the Stepper's hands among them. (The queue's own count takes a
+    /// division.)
+    pub(crate) fn events_waiting(&self) -> u32 {
+        self.events_made.load(Acquire).wrapping_sub(self.events_done.load(Relaxed))
+    }
+
     /// Whether all `entries` that the Console ever queued have been stepped to their end.
     #[must_use]
     pub fn is_idle(&self, entries: u32) -> bool {

@@ -1,10 +1,11 @@
 //! The stepper on its pins: what it does to the lines, in which order, and when.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motion::{Link, MoveQueue, StepEvent, StepQueue, Stepper};
+use corehbot::motion::{Entry, Link, MoveQueue, Planner, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work};
 use corehbot::port::{EndstopSet, Motor, MotorSet, Pend, StepClock, StepPort};
+use corehbot::settings::Settings;
 use corehbot::status::Status;
-use corehbot::units::Tick;
+use corehbot::units::{Mm, MmPerSec, Tick};
 use std::cell::{Cell, RefCell};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -219,4 +220,29 @@ fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
     bench.now.set(3000);
     stepper.on_alarm();
     assert_eq!(rises(&bench).len(), 1);
+}
+
+/// Reproducer: the generator made all 400,000 events of a long approach, the stepper discarded each, and for a second
+/// nothing of lower priority ran, the Console with its M112 among it.
+#[test]
+fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
+    let (bench, status) = (Bench::default(), Status::new());
+    let settings = Settings::prototype();
+    let mut planner = Planner::new(&settings, [Mm::ZERO; 4]);
+    let position = [Mm::ZERO, Mm::ZERO, Mm::const_from_int(-300), Mm::ZERO];
+    planner.push(&Target { position, speed: MmPerSec::const_from_int(10), watch: EndstopSet::Z }, &settings);
+    planner.release_all();
+    let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+    let (mut moves_in, moves_out) = move_queue.split();
+    let (steps_in, mut steps_out) = step_queue.split();
+    let mut generator = StepGenerator::new(moves_out, steps_in, &status, Nobody);
+    moves_in.enqueue(Entry { epoch: 0, work: Work::Move(planner.pop().unwrap()) }).unwrap();
+    generator.run();
+    assert!(steps_out.dequeue().is_some());
+    bench.pressed.set(EndstopSet::Z.0);
+    play(&bench, &status, &[StepEvent { watch: EndstopSet::Z, ..event(1000, PAIR, PAIR) }], 0, |_| 0);
+    assert_eq!(status.triggered(), EndstopSet::Z);
+    while steps_out.dequeue().is_some() {}
+    generator.run();
+    assert!(steps_out.dequeue().is_none(), "nothing is made that would be discarded");
 }

@@ -103,7 +103,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     /// Makes step events until the StepQueue is full, nothing is left to do, or a bounded amount of work is
     /// done; in the last case it pends itself. Call it whenever either queue may have moved.
     pub fn run(&mut self) {
-        if self.status.epoch() != self.epoch {
+        if self.status.epoch() != self.epoch || self.has_met_endstop() {
             self.begin_epoch();
         }
         for _ in 0..BATCH {
@@ -117,6 +117,13 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         self.pend.pend_generator();
     }
 
+    /// Whether an endstop has ended this epoch's motion. The Stepper would discard whatever is left of it, and
+    /// until it has, nobody below us would run: over a second for a long move of Z.
+    fn has_met_endstop(&self) -> bool {
+        !self.status.triggered().is_empty()
+    }
+
+    /// Drops the task of an epoch that is over.
     fn begin_epoch(&mut self) {
         self.epoch = self.status.epoch();
         if !matches!(self.task, Task::Nothing) {
@@ -185,7 +192,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         let Some(entry) = self.moves.dequeue() else {
             return false;
         };
-        if entry.epoch != self.epoch {
+        if entry.epoch != self.epoch || self.has_met_endstop() {
             self.status.entry_done();
             return true;
         }

@@ -15,7 +15,7 @@ use heapless::spsc::Consumer;
 const BURST: usize = 8;
 
 /// When the queue has drained to this many events the generator is woken: half of it.
-const REFILL: usize = 256;
+const REFILL: u32 = 256;
 
 /// An event that comes later than this moves all that follow: 10 us, half of the closest spacing at the
 /// greatest speed of one motor. Steps are late then, but never too close to each other, and none is lost.
@@ -113,7 +113,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             self.running = None;
             return None;
         };
-        if self.events.len() == REFILL {
+        if self.status.events_waiting() == REFILL {
             self.pend.pend_generator();
         }
         let due = match self.running {

@@ -1,5 +1,6 @@
 //! Tasks: what developers and CI run, as `cargo xtask`.
 
+mod build;
 mod checkout;
 mod qemu;
 mod test;
@@ -17,6 +18,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
+    /// Builds the image of a board that can be flashed, and weighs it.
+    Build(build::Args),
     /// Prints a G-code file on the firmware in QEMU.
     Qemu(qemu::Args),
     /// Checks everything: format, lints, documentation, tests, sizes, and QEMU against the simulator.
@@ -25,6 +28,7 @@ enum Task {
 
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
+        Task::Build(args) => build::main(&args),
         Task::Qemu(args) => qemu::main(&args),
         Task::Test(args) => test::main(&args),
     };

@@ -1,0 +1,59 @@
+//! The wiring of the bench rig: a Nucleo-F446RE with a CNC shield v3, four drivers, no Z and no extruder.
+//!
+//! Arduino names are on the shield. Motors 1 and 8 step on GPIOA, motors 4 and 11 on GPIOB, and one line gives
+//! power to all.
+
+use corehbot::port::MotorSet;
+use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, Slot};
+
+/// The board.
+pub static BOARD: Board = Board {
+    name: "Nucleo-F446RE",
+    crystal: Crystal::Clock8MHz,
+    slots: [
+        // Motor 1 in socket X: D2, D5.
+        slot((Port::A, 10), (Port::B, 4)),
+        // Motor 4 in socket Y: D3, D6.
+        slot((Port::B, 3), (Port::B, 10)),
+        // Motor 8 in socket A: D12, D13.
+        slot((Port::A, 6), (Port::A, 5)),
+        // Motor 11 in socket Z: D4, D7.
+        slot((Port::B, 5), (Port::A, 8)),
+        None,
+        None,
+        None,
+    ],
+    reversed: MotorSet::NONE,
+    slow: MotorSet::NONE,
+    // X, Y and Z limits: D9, D10, D11.
+    endstops: [Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
+    loads: &[],
+    // The ST-LINK's virtual serial port.
+    serial: [Pin::new(Port::A, 2), Pin::new(Port::A, 3)],
+    baud: 250_000,
+    marks: &[],
+};
+
+/// A socket; D8 enables all of them.
+const fn slot(step: (Port, u8), dir: (Port, u8)) -> Option<Slot> {
+    Some(Slot { step: Pin::new(step.0, step.1), dir: Pin::new(dir.0, dir.1), enable: Pin::new(Port::A, 9) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use corehbot::port::Motor;
+
+    #[test]
+    fn the_table_is_sound() {
+        assert_eq!(BOARD.problem(), None);
+    }
+
+    #[test]
+    fn one_line_gives_power_to_all_motors_if_any_wants_it() {
+        for motors in [MotorSet::of(Motor::M4), MotorSet::BELT] {
+            assert_eq!(BOARD.enable_lines(motors, Port::A), 1 << 9);
+        }
+        assert_eq!(BOARD.enable_lines(MotorSet::NONE, Port::A), 0);
+    }
+}

@@ -1,0 +1,97 @@
+//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1.
+//!
+//! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
+//! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
+
+use corehbot::port::MotorSet;
+use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, Slot};
+
+/// The board.
+pub static BOARD: Board = Board {
+    name: "BTT Octopus V1.0 or V1.1",
+    crystal: Crystal::Oscillator12MHz,
+    slots: [
+        // Motor 1 in slot M0.
+        slot((Port::F, 13), (Port::F, 12), (Port::F, 14)),
+        // Motor 4 in slot M1.
+        slot((Port::G, 0), (Port::G, 1), (Port::F, 15)),
+        // Motor 8 in slot M4.
+        slot((Port::F, 9), (Port::F, 10), (Port::G, 2)),
+        // Motor 11 in slot M3.
+        slot((Port::G, 4), (Port::C, 1), (Port::A, 0)),
+        // Left screw in slot M2.
+        slot((Port::F, 11), (Port::G, 3), (Port::G, 5)),
+        // Right screw in slot M5.
+        slot((Port::C, 13), (Port::F, 0), (Port::F, 1)),
+        // Extruder in slot M6.
+        slot((Port::E, 2), (Port::E, 3), (Port::D, 4)),
+    ],
+    reversed: MotorSet::NONE,
+    // The right screw, on PC13.
+    slow: MotorSet(1 << 5),
+    // X-STOP, Y-STOP, Z-STOP.
+    endstops: [Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
+    loads: &[
+        // Bed, HE0 to HE3.
+        Pin::new(Port::A, 1),
+        Pin::new(Port::A, 2),
+        Pin::new(Port::A, 3),
+        Pin::new(Port::B, 10),
+        Pin::new(Port::B, 11),
+        // FAN0 to FAN5.
+        Pin::new(Port::A, 8),
+        Pin::new(Port::E, 5),
+        Pin::new(Port::D, 12),
+        Pin::new(Port::D, 13),
+        Pin::new(Port::D, 14),
+        Pin::new(Port::D, 15),
+    ],
+    // The Raspberry Pi header.
+    serial: [Pin::new(Port::D, 5), Pin::new(Port::D, 6)],
+    baud: 250_000,
+    // Here PA0 is an enable line with a resistor of 10 kOhm to 3.3 V (R5) and PA2 a heater with one to ground.
+    // On the Octopus Pro V1.1 PA0 is the heater, which our idle level would switch on (BTT pins of the Pro
+    // V1.1).
+    marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
+};
+
+const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8)) -> Option<Slot> {
+    Some(Slot { step: Pin::new(step.0, step.1), dir: Pin::new(dir.0, dir.1), enable: Pin::new(enable.0, enable.1) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use corehbot::port::Motor;
+    use corehbot_stm32f446::wiring::Words;
+
+    #[test]
+    fn the_table_is_sound() {
+        assert_eq!(BOARD.problem(), None);
+    }
+
+    #[test]
+    fn each_pair_steps_by_one_store() {
+        let words = Words::new(BOARD.step_pins());
+        for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
+            let set = MotorSet::of(pair[0]).with(MotorSet::of(pair[1]));
+            let used: Vec<_> = words.ports.iter().zip(words.of(set)).filter(|(_, word)| **word != 0).collect();
+            assert_eq!(used.len(), 1);
+            assert_eq!((*used[0].0, used[0].1.count_ones()), (port, 2));
+        }
+    }
+
+    #[test]
+    fn all_four_belt_motors_get_power_by_three_stores() {
+        let stores = Port::ALL.into_iter().filter(|port| BOARD.enable_lines(MotorSet::BELT, *port) != 0);
+        assert_eq!(stores.collect::<Vec<_>>(), [Port::A, Port::F, Port::G]);
+    }
+
+    #[test]
+    fn at_rest_heaters_are_low_and_drivers_off() {
+        let on_a = BOARD.safe_levels(Port::A);
+        assert_eq!(on_a >> 16, 1 << 1 | 1 << 2 | 1 << 3 | 1 << 8, "bed, HE0, HE1, FAN0 low");
+        assert_eq!(on_a & 0xFFFF, 1, "driver M3 off");
+        assert_eq!(BOARD.safe_levels(Port::F) & 0xFFFF, 1 << 14 | 1 << 15 | 1 << 1);
+    }
+}

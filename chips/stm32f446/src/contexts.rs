@@ -1,0 +1,125 @@
+//! The contexts: each owns one handle of the core, and nobody else touches it.
+
+use core::future::poll_fn;
+use core::pin::pin;
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use corehbot::app::Parts;
+use corehbot::port::{NoStorage, Pend};
+use corehbot::{machine, motion};
+use cortex_m::peripheral::NVIC;
+use embassy_executor::{Executor, Spawner};
+use embassy_stm32::interrupt;
+use embassy_stm32::pac::Interrupt;
+use embassy_sync::waitqueue::AtomicWaker;
+use embassy_time::{Duration, Ticker};
+use static_cell::StaticCell;
+
+use crate::enable_lines::EnableLines;
+use crate::handover::Handover;
+use crate::serial::HostSerial;
+use crate::step_pins::StepPins;
+use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::watchdog::Watchdog;
+use crate::{fault, priorities};
+
+/// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
+pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
+
+type BoardPorts = machine::Ports<HostSerial, EnableLines, BoardClock, NoStorage>;
+/// The core with the ports of a board.
+pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, IrqPend>;
+type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
+type StepGenerator = motion::StepGenerator<'static, IrqPend>;
+type Console = machine::Console<'static, BoardPorts, IrqPend>;
+
+static STEPPER: Handover<&'static mut Stepper> = Handover::new();
+static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
+static EXECUTOR: StaticCell<Executor> = StaticCell::new();
+static CONSOLE_WAKER: AtomicWaker = AtomicWaker::new();
+
+/// How often the Stepper and the StepGenerator have run, wrapping: their signs of life.
+pub static BEATS: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
+
+/// Hands the parts to their contexts and lets them loose.
+pub fn start(parts: &'static mut BoardParts, watchdog: Watchdog) -> ! {
+    STEPPER.fill(&mut parts.stepper);
+    GENERATOR.fill(&mut parts.generator);
+    priorities::enable();
+    let console = &mut parts.console;
+    EXECUTOR.init(Executor::new()).run(|spawner| spawn(spawner, console, watchdog))
+}
+
+fn spawn(spawner: Spawner, console: &'static mut Console, watchdog: Watchdog) {
+    match (run_console(console, watchdog), keep_time()) {
+        (Ok(console), Ok(time)) => {
+            spawner.spawn(console);
+            spawner.spawn(time);
+        }
+        _ => fault::give_up("a task runs once"),
+    }
+}
+
+/// Polls the Console whenever [`wake_console`] asks for it, and feeds the watchdog if all contexts live.
+#[embassy_executor::task]
+async fn run_console(console: &'static mut Console, mut watchdog: Watchdog) {
+    let mut run = pin!(console.run());
+    poll_fn(|context| {
+        CONSOLE_WAKER.register(context.waker());
+        let poll = run.as_mut().poll(context).map(|never| match never {});
+        watchdog.look();
+        poll
+    })
+    .await
+}
+
+/// Wakes the Console every millisecond.
+#[embassy_executor::task]
+async fn keep_time() {
+    let mut ticker = Ticker::every(Duration::from_millis(1));
+    loop {
+        ticker.next().await;
+        wake_console();
+    }
+}
+
+/// Has the Console look at the world again. Not for the Stepper, which no critical section holds off.
+pub fn wake_console() {
+    CONSOLE_WAKER.wake();
+}
+
+fn beat(context: usize) {
+    BEATS[context].store(BEATS[context].load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
+}
+
+/// A step is due, or software wants the Stepper to look.
+#[interrupt]
+fn TIM2() {
+    step_timer::acknowledge();
+    STEPPER.with(|stepper| stepper.on_alarm());
+    beat(0);
+}
+
+/// Software has a move to turn into steps, or room for steps.
+#[interrupt]
+fn CAN2_SCE() {
+    GENERATOR.with(|generator| generator.run());
+    beat(1);
+    wake_console();
+}
+
+/// Pends the interrupts of the contexts.
+#[derive(Clone, Copy)]
+pub struct IrqPend;
+
+impl Pend for IrqPend {
+    #[inline]
+    fn pend_generator(&self) {
+        NVIC::pend(GENERATOR_IRQ);
+    }
+
+    #[inline]
+    fn pend_stepper(&self) {
+        NVIC::pend(step_timer::IRQ);
+    }
+}

@@ -1,0 +1,85 @@
+//! Faults: heaters low, drivers off, a note for later, reset. Nothing goes on with outputs live.
+
+use core::panic::PanicInfo;
+
+use cortex_m::peripheral::SCB;
+use cortex_m_rt::exception;
+
+use crate::{last_words, safe_levels};
+
+/// The way that all faults end.
+fn end(reason: core::fmt::Arguments<'_>) -> ! {
+    cortex_m::interrupt::disable();
+    safe_levels::assume();
+    last_words::leave(reason);
+    SCB::sys_reset()
+}
+
+/// The firmware cannot go on.
+pub fn give_up(reason: &str) -> ! {
+    end(format_args!("{reason}"))
+}
+
+#[panic_handler]
+fn on_panic(info: &PanicInfo<'_>) -> ! {
+    // First of all, as the text below takes its time.
+    cortex_m::interrupt::disable();
+    safe_levels::assume();
+    match info.location() {
+        Some(at) => end(format_args!("a panic at {}:{}: {}", at.file(), at.line(), info.message())),
+        None => end(format_args!("a panic")),
+    }
+}
+
+/// The crystal has stopped (RM0390, 6.2.7), or memory is at fault.
+// SAFETY: the handler never returns and shares nothing but atomics with what it interrupts.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    end(format_args!("the crystal has stopped"))
+}
+
+/// An interrupt or exception that nobody enabled.
+// SAFETY: as for NonMaskableInt.
+#[exception]
+unsafe fn DefaultHandler(irq: i16) -> ! {
+    end(format_args!("interrupt {irq}, which nobody enabled"))
+}
+
+/// A HardFault may come from a full stack, on which nothing can be pushed: the handler takes a fresh one
+/// before it runs Rust code.
+// SAFETY: cortex-m-rt wants the handler under this name. Nothing returns from it, so it may forget the
+// stack and the registers; `_stack_start` is the end of the stack in RAM (memory.x).
+#[unsafe(no_mangle)]
+#[unsafe(naked)]
+pub unsafe extern "C" fn HardFault() -> ! {
+    core::arch::naked_asm!(
+        "mrs r0, MSP",
+        "movw r1, #:lower16:_stack_start",
+        "movt r1, #:upper16:_stack_start",
+        "msr MSP, r1",
+        "b {describe}",
+        describe = sym describe,
+    )
+}
+
+extern "C" fn describe(stack: u32) -> ! {
+    cortex_m::interrupt::disable();
+    safe_levels::assume();
+    // SAFETY: SCB is a fixed address; the registers are only read.
+    let scb = unsafe { &*SCB::PTR };
+    let (cause, address) = (scb.cfsr.read(), scb.bfar.read());
+    end(format_args!("a hard fault: CFSR {cause:08x} BFAR {address:08x} PC {:08x} SP {stack:08x}", counter(stack)))
+}
+
+/// The program counter that the core pushed at `stack`, or 0 if that is outside of RAM.
+fn counter(stack: u32) -> u32 {
+    /// Where the program counter lies in what the core pushes (ARM DDI 0403E, B1.5.6).
+    const OFFSET: u32 = 24;
+    /// SRAM1 and SRAM2 (RM0390, 2.2.2).
+    const RAM: core::ops::Range<u32> = 0x2000_0000..0x2002_0000 - OFFSET - 4;
+    if !RAM.contains(&stack) || !stack.is_multiple_of(4) {
+        return 0;
+    }
+    // SAFETY: the address is aligned and lies in RAM; any word is a valid u32.
+    unsafe { core::ptr::read_volatile((stack + OFFSET) as *const u32) }
+}

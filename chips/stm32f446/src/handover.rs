@@ -1,0 +1,48 @@
+//! Handover: start-up puts a value in its place, and one interrupt handler uses it from then on.
+
+use core::cell::UnsafeCell;
+use core::mem::MaybeUninit;
+use core::sync::atomic::{AtomicU8, Ordering};
+
+/// Nothing is there yet.
+const EMPTY: u8 = 0;
+/// The value is there and nobody uses it.
+const FREE: u8 = 1;
+/// Somebody holds a reference to the value, or fills the place.
+const IN_USE: u8 = 2;
+
+/// A place for one value. Empty it is all zeros, so it costs no flash.
+pub struct Handover<T> {
+    value: UnsafeCell<MaybeUninit<T>>,
+    state: AtomicU8,
+}
+
+// SAFETY: a reference to the value exists only between a change of `state` from EMPTY or FREE to IN_USE,
+// which one context at a time can make, and the change back; whoever finds anything else panics. The
+// value moves between contexts, hence `T: Send`.
+unsafe impl<T: Send> Sync for Handover<T> {}
+
+impl<T> Handover<T> {
+    /// An empty place.
+    pub const fn new() -> Self {
+        Self { value: UnsafeCell::new(MaybeUninit::uninit()), state: AtomicU8::new(EMPTY) }
+    }
+
+    /// Fills the place.
+    pub fn fill(&self, value: T) {
+        assert_eq!(self.state.swap(IN_USE, Ordering::Acquire), EMPTY, "a handle is given out twice");
+        // SAFETY: the state was EMPTY and is IN_USE, so nobody else has a reference.
+        unsafe { (*self.value.get()).write(value) };
+        self.state.store(FREE, Ordering::Release);
+    }
+
+    /// Works with the value.
+    pub fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
+        assert_eq!(self.state.swap(IN_USE, Ordering::Acquire), FREE, "a handle is missing or shared");
+        // SAFETY: the state was FREE, so the value is there, and it is IN_USE now, so nobody else has a
+        // reference.
+        let result = work(unsafe { (*self.value.get()).assume_init_mut() });
+        self.state.store(FREE, Ordering::Release);
+        result
+    }
+}

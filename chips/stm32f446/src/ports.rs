@@ -1,0 +1,83 @@
+//! GPIO ports: from the names in a wiring table to registers.
+
+use embassy_stm32::pac;
+use embassy_stm32::pac::gpio::regs::{Bsrr, Ospeedr};
+use embassy_stm32::pac::gpio::vals::{Moder, Pupdr};
+
+use crate::wiring::{Pin, Port};
+
+/// The registers of a port.
+pub type Registers = pac::gpio::Gpio;
+
+/// Edges of 10 ns (STM32F446 datasheet, table of I/O AC characteristics, OSPEEDR 01 at 50 pF).
+const MEDIUM_SPEED: u32 = 0b01;
+
+/// The registers of `port`.
+pub const fn registers(port: Port) -> Registers {
+    match port {
+        Port::A => pac::GPIOA,
+        Port::B => pac::GPIOB,
+        Port::C => pac::GPIOC,
+        Port::D => pac::GPIOD,
+        Port::E => pac::GPIOE,
+        Port::F => pac::GPIOF,
+        Port::G => pac::GPIOG,
+    }
+}
+
+/// Clocks all ports.
+pub fn switch_on() {
+    pac::RCC.ahb1enr().modify(|w| {
+        w.set_gpioaen(true);
+        w.set_gpioben(true);
+        w.set_gpiocen(true);
+        w.set_gpioden(true);
+        w.set_gpioeen(true);
+        w.set_gpiofen(true);
+        w.set_gpiogen(true);
+    });
+    // A port answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
+    let _ = pac::RCC.ahb1enr().read();
+}
+
+/// Sets the pins in the lower half of `word` high and those in the upper half low, in one store.
+#[inline(always)]
+pub fn store(port: Registers, word: u32) {
+    port.bsrr().write_value(Bsrr(word));
+}
+
+/// Makes an output of `pin`, whose level was chosen before.
+pub fn make_output(pin: Pin) {
+    registers(pin.port).moder().modify(|w| w.set_moder(pin.number(), Moder::OUTPUT));
+}
+
+/// Gives an output edges that a short pulse survives.
+pub fn speed_up(pin: Pin) {
+    let shift = 2 * pin.number();
+    registers(pin.port).ospeedr().modify(|w| *w = Ospeedr(w.0 & !(0b11 << shift) | MEDIUM_SPEED << shift));
+}
+
+/// Makes an input of `pin`, pulled to the level `is_high`.
+pub fn make_input(pin: Pin, is_high: bool) {
+    let port = registers(pin.port);
+    port.pupdr().modify(|w| w.set_pupdr(pin.number(), if is_high { Pupdr::PULL_UP } else { Pupdr::PULL_DOWN }));
+    port.moder().modify(|w| w.set_moder(pin.number(), Moder::INPUT));
+}
+
+/// Leaves an input to what is connected.
+pub fn float(pin: Pin) {
+    registers(pin.port).pupdr().modify(|w| w.set_pupdr(pin.number(), Pupdr::FLOATING));
+}
+
+/// Connects `pin` to a peripheral, with a pull-up.
+pub fn make_alternate(pin: Pin, function: u8) {
+    let port = registers(pin.port);
+    port.afr(pin.number() / 8).modify(|w| w.set_afr(pin.number() % 8, function));
+    port.pupdr().modify(|w| w.set_pupdr(pin.number(), Pupdr::PULL_UP));
+    port.moder().modify(|w| w.set_moder(pin.number(), Moder::ALTERNATE));
+}
+
+/// Whether `pin` is high.
+pub fn is_high(pin: Pin) -> bool {
+    registers(pin.port).idr().read().0 & pin.mask() != 0
+}

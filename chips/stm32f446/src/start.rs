@@ -1,0 +1,108 @@
+//! Start-up: safe levels first, then clocks, then the core.
+
+use corehbot::app::{self, Memory, StepPorts};
+use corehbot::machine::Ports;
+use corehbot::port::{NoStorage, Serial as _};
+use corehbot::settings::Settings;
+use cortex_m::Peripherals;
+use defmt_rtt as _;
+use embassy_time::{Duration, Instant, block_for};
+use static_cell::{ConstStaticCell, StaticCell};
+
+use crate::contexts::{self, BoardParts, IrqPend};
+use crate::enable_lines::EnableLines;
+use crate::serial::HostSerial;
+use crate::step_pins::StepPins;
+use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::watchdog::{self, Watchdog};
+use crate::wiring::{Board, Words};
+use crate::{clocks, fault, last_words, ports, priorities, safe_levels};
+
+defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
+
+static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
+static PARTS: StaticCell<BoardParts> = StaticCell::new();
+static STEP_WORDS: StaticCell<Words> = StaticCell::new();
+static DIR_WORDS: StaticCell<Words> = StaticCell::new();
+
+/// Cycles of 16 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and some 100
+/// pF has settled, with a margin of ten.
+const SETTLE: u32 = 1000;
+
+/// Between two messages of a board that is not the one we are for.
+const REPEAT: Duration = Duration::from_secs(2);
+
+/// Runs the firmware on `board`.
+pub fn run(board: &'static Board) -> ! {
+    let Some(mut peripherals) = Peripherals::take() else { fault::give_up("start-up runs once") };
+    ports::switch_on();
+    // Before any output is driven: a level that is safe here may switch a heater on elsewhere.
+    let is_right = is_right_board(board);
+    if is_right {
+        safe_levels::adopt(board);
+    }
+    watchdog::start();
+    priorities::reset(&mut peripherals);
+    peripherals.DCB.enable_trace();
+    peripherals.DWT.enable_cycle_counter();
+    clocks::start(board.crystal, priorities::LINK);
+    for pin in board.endstops {
+        ports::make_input(pin, true);
+    }
+    let mut serial = HostSerial::start(board);
+    if !is_right {
+        refuse(board, serial);
+    }
+    report(&mut serial);
+    step_timer::start();
+    let steps = STEP_WORDS.init_with(|| Words::new(board.step_pins()));
+    let dirs = DIR_WORDS.init_with(|| Words::new(board.dir_pins()));
+    let parts = assemble(StepPins::new(board, steps, dirs), serial, EnableLines::new(board));
+    contexts::start(parts, Watchdog::new())
+}
+
+/// Whether the board has the resistors that we know it by. Leaves the pins inputs.
+fn is_right_board(board: &Board) -> bool {
+    let is_marked = board.marks.iter().all(|mark| {
+        ports::make_input(mark.pin, !mark.is_high);
+        cortex_m::asm::delay(SETTLE);
+        ports::is_high(mark.pin) == mark.is_high
+    });
+    board.marks.iter().for_each(|mark| ports::float(mark.pin));
+    is_marked
+}
+
+/// Tells the host for ever that this is another board. No output is driven, and nothing can change that.
+fn refuse(board: &Board, mut serial: HostSerial) -> ! {
+    priorities::enable();
+    loop {
+        for part in ["Error:this board is not a ", board.name, ", flash the firmware that is meant for it\n"] {
+            serial.send(part.as_bytes());
+        }
+        let begin = Instant::now();
+        while begin.elapsed() < REPEAT {
+            watchdog::feed();
+            block_for(Duration::from_millis(50));
+        }
+    }
+}
+
+/// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
+/// stay there.
+#[inline(never)]
+fn assemble(pins: StepPins, serial: HostSerial, drivers: EnableLines) -> &'static mut BoardParts {
+    let step_ports = StepPorts { pins, clock: StepTimer };
+    let ports = Ports { serial, drivers, clock: BoardClock, storage: NoStorage };
+    // In this form the parts are built in their place; they are too large to be carried about.
+    PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
+}
+
+/// Tells the host why the last reset happened, unless it was for a good reason.
+fn report(serial: &mut HostSerial) {
+    if let Some(reason) = last_words::take() {
+        defmt::error!("the last reset came after {=str}", reason.as_str());
+        for part in ["echo:the last reset came after ", &reason, "\n"] {
+            serial.send(part.as_bytes());
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! The watchdog: a reset for a board in which any context has stopped.
+//!
+//! The Console looks after the others: it asks Stepper and StepGenerator to run, and feeds the watchdog only if both
+//! have done so. A Console that hangs does not feed it at all.
+
+use core::sync::atomic::Ordering;
+
+use corehbot::port::Pend as _;
+use embassy_stm32::pac::IWDG;
+use embassy_stm32::pac::iwdg::vals::{Key, Pr};
+use embassy_time::{Duration, Instant};
+
+use crate::contexts::{BEATS, IrqPend};
+
+/// Counts until the reset at 1 kHz. The oscillator has 17 to 47 kHz instead of 32 (STM32F446 datasheet, LSI),
+/// so it comes after 0.34 to 0.94 s.
+const COUNTS: u16 = 500;
+
+/// How often the others are asked.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// The independent watchdog, running.
+pub struct Watchdog {
+    asked: Instant,
+    beats: [u32; BEATS.len()],
+}
+
+/// Starts the watchdog, which nothing but a reset stops. What follows has a third of a second until the first
+/// [`Watchdog::look`].
+pub fn start() {
+    IWDG.kr().write(|w| w.set_key(Key::START));
+    IWDG.kr().write(|w| w.set_key(Key::ENABLE));
+    IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY32));
+    IWDG.rlr().write(|w| w.set_rl(COUNTS - 1));
+    feed();
+}
+
+/// Begins the time until the reset anew. Only for start-up, which has no other contexts yet, and for a board
+/// that does nothing.
+pub fn feed() {
+    IWDG.kr().write(|w| w.set_key(Key::RESET));
+}
+
+impl Watchdog {
+    /// Looks after the contexts from now on.
+    pub fn new() -> Self {
+        Self { asked: Instant::now(), beats: [0; BEATS.len()] }
+    }
+
+    /// Call it often: feeds the watchdog if all contexts have run since they were asked to, and asks them again.
+    pub fn look(&mut self) {
+        if self.asked.elapsed() < INTERVAL {
+            return;
+        }
+        let beats = [0, 1].map(|context| BEATS[context].load(Ordering::Relaxed));
+        if beats.iter().zip(self.beats).all(|(now, before)| *now != before) {
+            feed();
+            self.beats = beats;
+        }
+        self.asked = Instant::now();
+        IrqPend.pend_stepper();
+        IrqPend.pend_generator();
+    }
+}

@@ -1,0 +1,161 @@
+//! The emulated board: an STM32F427 model in place of the F446, with what the board hangs on its pins.
+//!
+//! The F427 is the same family with more of everything; what differs and is used is listed in `gaps`.
+//! [`Firmware`](crate::firmware::Firmware) sees to it that nothing is placed in memory that the F446 has not.
+
+use crate::eeprom::At24c32;
+use crate::line::HostLine;
+use crate::wiring::{Pin, Wiring};
+use anyhow::{Context, Result, anyhow};
+use rigless::cpu::armv7m::windows;
+use rigless::device::Level;
+use rigless::emulator::CoreSpec;
+use rigless::machine::{Board, Target, armv7m};
+use rigless::mcu::{Mcu, Operate};
+use rigless::snapshot::Store;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::generated::gpioa::Register;
+use rigless::soc::stm32f427::peripherals::{adc, gpio};
+use rigless::time::VirtualNanos;
+use std::num::{NonZeroU32, NonZeroU64};
+
+/// The core's clock: 180 MHz with over-drive.
+const CLOCK_HZ: NonZeroU64 = NonZeroU64::new(180_000_000).unwrap();
+
+/// Instructions a second of virtual time: 180 MHz at 1.39 cycles an instruction, measured over 20,000 step
+/// interrupts with the cycle table of the Cortex-M4 manual. An assumption, no measurement on a board.
+pub const INSTRUCTIONS_PER_SECOND: NonZeroU64 = NonZeroU64::new(129_500_000).unwrap();
+
+/// The core's own timer runs on the core's clock over eight (PM0214 rev 10, section 4.5).
+const SYSTICK_DIVIDER: NonZeroU32 = NonZeroU32::new(8).unwrap();
+
+/// STM32F446: four priority bits (PM0214 rev 10, section 4.3).
+const PRIORITY_BITS: u8 = 4;
+
+/// The board's rail in mV.
+const RAIL: u32 = 3300;
+
+/// The board.
+#[derive(Debug)]
+pub struct Emulated {
+    /// The chip.
+    pub mcu: Stm32f427,
+    wiring: &'static Wiring,
+}
+
+/// What a port's outputs do.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Port {
+    /// Pins that are outputs, push-pull or not.
+    pub outputs: u16,
+    /// Pins that a peripheral of the chip drives.
+    pub alternate: u16,
+    /// The output data register.
+    pub data: u16,
+}
+
+impl Port {
+    /// Pins driven high by the firmware.
+    #[must_use]
+    pub const fn high(self) -> u16 {
+        self.outputs & self.data
+    }
+
+    /// Pins driven low by the firmware.
+    #[must_use]
+    pub const fn low(self) -> u16 {
+        self.outputs & !self.data
+    }
+}
+
+impl Emulated {
+    /// A board out of reset with `host` on its serial line.
+    ///
+    /// # Errors
+    /// If the model contradicts itself.
+    pub fn new(wiring: &'static Wiring, host: HostLine) -> Result<Self> {
+        let mut mcu = Stm32f427::new().context("the model of the chip")?;
+        mcu.rcc.attach_crystals(wiring.crystal, 0);
+        mcu.set_supply(RAIL);
+        for converter in &mut mcu.adc {
+            converter.set_reference(RAIL);
+        }
+        for &(channel, millivolts) in wiring.thermistors {
+            let channel = adc::Channel::new(channel).ok_or_else(|| anyhow!("no ADC channel {channel}"))?;
+            mcu.adc[2].set_input(channel, millivolts);
+        }
+        mcu.usart[wiring.host_port.0].attach(host);
+        mcu.i2c[0].attach(At24c32::default());
+        let mut board = Self { mcu, wiring };
+        for &(pin, high) in wiring.resistors {
+            board.drive(VirtualNanos(0), pin, high);
+        }
+        Ok(board)
+    }
+
+    /// What the firmware does with port `n` now.
+    pub fn port(&mut self, n: usize) -> Port {
+        let (_, registers) = self.mcu.port(n);
+        let mode = registers.get(Register::Moder);
+        let mut port = Port { data: registers.get(Register::Odr) as u16, ..Port::default() };
+        for bit in 0..16 {
+            match mode >> (2 * bit) & 3 {
+                1 => port.outputs |= 1 << bit,
+                2 => port.alternate |= 1 << bit,
+                _ => {}
+            }
+        }
+        port
+    }
+
+    /// The world drives `pin` from now on.
+    pub fn drive(&mut self, at: VirtualNanos, pin: Pin, high: bool) {
+        let level = if high { Level::High } else { Level::Low };
+        if let Some(bit) = gpio::Pin::new(pin.bit) {
+            self.mcu.drive_port(at, pin.port, |gpio, registers, context| {
+                gpio.drive(bit, Some(level), registers, context);
+            });
+        }
+    }
+
+    /// The far end of the host's line.
+    pub fn host(&mut self) -> Option<&mut HostLine> {
+        self.mcu.usart[self.wiring.host_port.0].chip_mut::<HostLine>()
+    }
+}
+
+impl Store for Emulated {}
+
+/// The core as the board runs it.
+fn core(mcu: &Stm32f427) -> CoreSpec {
+    let lines = u32::from(mcu.cpu().interrupt_lines);
+    armv7m::Core {
+        variant: armv7m::Variant::M4,
+        clock_hz: CLOCK_HZ,
+        interrupt_lines: NonZeroU32::new(lines).unwrap_or(NonZeroU32::MIN),
+        priority_bits: PRIORITY_BITS,
+        refclk_divider: SYSTICK_DIVIDER,
+        instructions_per_second: INSTRUCTIONS_PER_SECOND,
+        boot: "flash",
+    }
+    .spec_with_parts(&windows(mcu.bus()), armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight)
+}
+
+impl Board for Emulated {
+    fn name(&self) -> &'static str {
+        self.wiring.name
+    }
+
+    fn targets(&mut self) -> Vec<Target<'_>> {
+        let core = core(&self.mcu);
+        vec![Target::new("stm32f446", &mut self.mcu, core)]
+    }
+
+    fn target_names(&self) -> Vec<&'static str> {
+        vec!["stm32f446"]
+    }
+
+    fn mcu(&mut self, target: usize) -> Option<&mut dyn Mcu> {
+        (target == 0).then_some(&mut self.mcu)
+    }
+}

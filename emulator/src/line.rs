@@ -1,0 +1,91 @@
+//! The serial line to the host: bytes at the pace of the firmware's own baud rate, lines to a scripted host.
+//!
+//! The host waits for the greeting before it sends, and answers at once: how long a computer and its
+//! adapter think is no property of the image. The rate is the firmware's to set; [`crate::run`] holds it
+//! to the stated one.
+
+use corehbot_sim::host::FileHost;
+use corehbot_sim::world::Host;
+use rigless::chip::Timeline;
+use rigless::chip::uart::Peer;
+use rigless::snapshot::Store;
+use rigless::time::VirtualNanos;
+use std::collections::VecDeque;
+
+/// Lines that are kept for a person to read.
+const KEPT: usize = 200;
+
+/// The far end of the line.
+pub struct HostLine {
+    /// The host that prints a file.
+    pub host: FileHost,
+    to_board: VecDeque<u8>,
+    heard: Vec<u8>,
+    /// When the greeting came, in ns.
+    pub started: Option<u64>,
+    /// When the line last carried a byte, in ns.
+    pub active: u64,
+    /// The first lines that the board said.
+    pub said: Vec<String>,
+    /// Bytes that went to the board and came from it.
+    pub bytes: [u64; 2],
+}
+
+impl HostLine {
+    /// A host that will print `gcode`.
+    #[must_use]
+    pub fn new(gcode: &str) -> Self {
+        Self {
+            host: FileHost::new(gcode),
+            to_board: VecDeque::new(),
+            heard: Vec::new(),
+            started: None,
+            active: 0,
+            said: Vec::new(),
+            bytes: [0; 2],
+        }
+    }
+}
+
+impl std::fmt::Debug for HostLine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("HostLine").field("started", &self.started).finish_non_exhaustive()
+    }
+}
+
+impl Store for HostLine {}
+
+impl Peer for HostLine {
+    fn receive(&mut self, word: u16, context: &mut Timeline<'_, '_>) {
+        let now = context.now().0;
+        self.active = now;
+        self.bytes[1] += 1;
+        let byte = word as u8;
+        if byte != b'\n' {
+            self.heard.push(byte);
+            return;
+        }
+        let line = String::from_utf8_lossy(&self.heard).trim_end().to_owned();
+        self.heard.clear();
+        if line == "start" && self.started.is_none() {
+            self.started = Some(now);
+        }
+        self.host.hear(&line);
+        if self.said.len() < KEPT {
+            self.said.push(line);
+        }
+    }
+
+    fn transmit(&mut self, now: VirtualNanos) -> Option<u16> {
+        self.started?;
+        if self.to_board.is_empty() {
+            let mut bytes = Vec::new();
+            self.host.send(&mut bytes);
+            self.to_board.extend(bytes);
+        }
+        let byte = self.to_board.pop_front()?;
+        self.active = now.0;
+        self.bytes[0] += 1;
+        Some(u16::from(byte))
+    }
+}

@@ -1,0 +1,158 @@
+//! One run: an image, a file to print, and everything that was seen.
+
+use crate::board::Emulated;
+use crate::firmware::Firmware;
+use crate::gaps::Gaps;
+use crate::line::HostLine;
+use crate::safety::Safety;
+use crate::steps::Recorder;
+use crate::watch::{End, Injection, Patience, Watch};
+use crate::wiring::Wiring;
+use anyhow::{Context, Result, bail};
+use corehbot::settings::Settings;
+use rigless::emulator::{self, Start};
+use rigless::mcu::Operate;
+use rigless::session::{Reset, Session};
+use rigless::soc::Width;
+use rigless::time::VirtualNanos;
+use std::time::{Duration, Instant};
+
+/// A baud rate further than this from the stated one is another rate: 2 %, half of what a UART tolerates.
+const BAUD_TOLERANCE: f64 = 0.02;
+
+/// What to run.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// The image.
+    pub firmware: &'a Firmware,
+    /// The board that it is for.
+    pub wiring: &'static Wiring,
+    /// The machine, as the image's defaults have it.
+    pub settings: &'a Settings,
+    /// The file to print.
+    pub gcode: &'a str,
+    /// How long it may take.
+    pub patience: Patience,
+    /// A fault to inject.
+    pub injection: Option<Injection>,
+}
+
+/// Everything that was seen.
+#[derive(Debug)]
+pub struct Seen {
+    /// Why it ended.
+    pub end: End,
+    /// Step events.
+    pub recorder: Recorder,
+    /// Enable lines and heaters.
+    pub safety: Safety,
+    /// What the model could not stand in for.
+    pub gaps: Gaps,
+    /// Resets of the chip.
+    pub resets: Vec<Reset>,
+    /// When the injected fault happened, in ns.
+    pub injected: Option<u64>,
+    /// When the firmware greeted its host, in ns.
+    pub started: Option<u64>,
+    /// The conversation.
+    pub line: LineSeen,
+    /// Core clock in Hz at the end.
+    pub core_hz: u64,
+    /// Virtual time in ns.
+    pub virtual_ns: u64,
+    /// Instructions.
+    pub instructions: u64,
+    /// Real time.
+    pub wall: Duration,
+}
+
+/// What was said on the serial line.
+#[derive(Clone, Default, Debug)]
+pub struct LineSeen {
+    /// The first lines that the board said.
+    pub said: Vec<String>,
+    /// Bytes to the board and from it.
+    pub bytes: [u64; 2],
+    /// Why the print failed, if it did.
+    pub failure: Option<String>,
+    /// What the printer found odd.
+    pub warnings: Vec<String>,
+    /// Commands sent again.
+    pub resends: u32,
+    /// The rate that the firmware set, in baud.
+    pub baud: f64,
+}
+
+/// Runs an image.
+///
+/// # Errors
+/// If the image does not fit the board, or the emulator fails.
+pub fn run(request: &Request<'_>) -> Result<Seen> {
+    let begin = Instant::now();
+    let board = Emulated::new(request.wiring, HostLine::new(request.gcode))?;
+    let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
+    let watch = Watch::new(request.wiring, request.settings, request.patience, request.injection);
+    let images = request.firmware.images(request.wiring)?;
+    let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
+    let (mut session, watch) = (finished.session, finished.driver);
+    let stop = finished.stop.context("the emulator ended by itself")?;
+    if !watch.is_injectable {
+        bail!("the trap could not be sprung");
+    }
+    let gaps = Gaps::of(&session);
+    let resets = session.resets().to_vec();
+    let board = session.board_mut();
+    let (core_hz, baud) = clocks(board, request.wiring, stop.at)?;
+    let line = board.host().context("the host has gone")?;
+    let line_seen = LineSeen {
+        said: line.said.clone(),
+        bytes: line.bytes,
+        failure: line.host.failure().map(ToString::to_string),
+        warnings: line.host.warnings().iter().map(ToString::to_string).collect(),
+        resends: line.host.resends(),
+        baud,
+    };
+    Ok(Seen {
+        end: watch.end,
+        started: line.started,
+        recorder: watch.recorder,
+        safety: watch.safety,
+        gaps,
+        resets,
+        injected: watch.injected,
+        line: line_seen,
+        core_hz,
+        virtual_ns: stop.at.0,
+        instructions: stop.instruction_count,
+        wall: begin.elapsed(),
+    })
+}
+
+/// The core's clock, and the baud rate of the host's line as the firmware set it.
+fn clocks(board: &mut Emulated, wiring: &Wiring, at: VirtualNanos) -> Result<(u64, f64)> {
+    const BRR: u64 = 0x08;
+    const CR1: u64 = 0x0C;
+    const OVER8: u64 = 1 << 15;
+    let base = wiring.host_port.1;
+    let brr = board.mcu.peek(at, base + BRR, Width::W32)?;
+    let cr1 = board.mcu.peek(at, base + CR1, Width::W32)?;
+    let (clocks, registers) = board.mcu.clocks();
+    let (core, bus) = (clocks.hclk(registers), clocks.pclk1(registers));
+    // RM0390 rev 6, section 25.4.4.
+    let divider = if cr1 & OVER8 == 0 { brr } else { (brr >> 4 << 3) + (brr & 7) };
+    Ok((core, bus as f64 / divider as f64))
+}
+
+impl Seen {
+    /// Holds the firmware's baud rate to the stated one.
+    ///
+    /// # Errors
+    /// If it is another.
+    pub fn check_baud(&self, stated: u32) -> Result<()> {
+        let stated = f64::from(stated);
+        if (self.line.baud - stated).abs() > stated * BAUD_TOLERANCE {
+            bail!("the image talks at {:.0} baud, not at {stated:.0}", self.line.baud);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,132 @@
+//! What must never happen on the pins, whatever the firmware does.
+
+use crate::board::Port;
+use crate::wiring::{PORTS, Wiring};
+use corehbot::motors::MotorSet;
+
+/// Why a pin was not safe.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Danger {
+    /// A heater was driven high, or handed to a peripheral that may drive it high.
+    HeaterLive(&'static str),
+    /// A motor got power before the firmware had greeted its host.
+    PoweredBeforeStart(MotorSet),
+}
+
+/// Watches enable lines and heaters.
+#[derive(Debug)]
+pub struct Safety {
+    wiring: &'static Wiring,
+    /// Motors that have power.
+    pub powered: MotorSet,
+    /// What happened and when, in ns.
+    pub dangers: Vec<(u64, Danger)>,
+    /// When motors got or lost power, in ns.
+    pub switched: Vec<(u64, MotorSet)>,
+    masks: [u16; PORTS],
+    heaters: [u16; PORTS],
+    hot: [u16; PORTS],
+}
+
+impl Safety {
+    /// A watch over the pins of `wiring`, none of them driven.
+    #[must_use]
+    pub fn new(wiring: &'static Wiring) -> Self {
+        let (mut masks, mut heaters) = ([0; PORTS], [0; PORTS]);
+        for slot in &wiring.slots {
+            masks[slot.enable.port] |= slot.enable.mask();
+        }
+        for (_, pin) in wiring.heaters {
+            heaters[pin.port] |= pin.mask();
+        }
+        Self {
+            wiring,
+            powered: MotorSet::NONE,
+            dangers: Vec::new(),
+            switched: Vec::new(),
+            masks,
+            heaters,
+            hot: [0; PORTS],
+        }
+    }
+
+    /// Port `n` changed at `at`; `greeted` is whether the firmware has said that it is there.
+    pub fn store(&mut self, at: u64, n: usize, port: Port, greeted: bool) {
+        let hot = (port.high() | port.alternate) & self.heaters[n];
+        let new = hot & !self.hot[n];
+        self.hot[n] = hot;
+        if new != 0 {
+            for (name, pin) in self.wiring.heaters {
+                if pin.port == n && new & pin.mask() != 0 {
+                    self.dangers.push((at, Danger::HeaterLive(name)));
+                }
+            }
+        }
+        if self.masks[n] == 0 {
+            return;
+        }
+        let mut powered = self.powered;
+        for slot in &self.wiring.slots {
+            if slot.enable.port == n {
+                let one = MotorSet::of(slot.motor);
+                powered = powered.without(one);
+                // A pull-up on the board keeps a driver off that nobody drives.
+                if port.low() & slot.enable.mask() != 0 {
+                    powered = powered.with(one);
+                }
+            }
+        }
+        if powered != self.powered {
+            let more = powered.without(self.powered);
+            if !(more.is_empty() || greeted) {
+                self.dangers.push((at, Danger::PoweredBeforeStart(more)));
+            }
+            self.powered = powered;
+            self.switched.push((at, powered));
+        }
+    }
+
+    /// The chip was reset at `at`: every pin is an input again.
+    pub fn reset(&mut self, at: u64) {
+        self.hot = [0; PORTS];
+        if !self.powered.is_empty() {
+            self.powered = MotorSet::NONE;
+            self.switched.push((at, MotorSet::NONE));
+        }
+    }
+
+    /// Heaters that are driven high now, or may be.
+    #[must_use]
+    pub fn is_hot(&self) -> bool {
+        self.hot.iter().any(|&pins| pins != 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wiring::OCTOPUS;
+    use corehbot::motors::Motor;
+
+    #[test]
+    fn a_heater_on_a_timer_is_live() {
+        let mut safety = Safety::new(&OCTOPUS);
+        safety.store(5, 0, Port { outputs: 1 << 1, alternate: 0, data: 0 }, true);
+        assert!(safety.dangers.is_empty());
+        safety.store(6, 0, Port { outputs: 0, alternate: 1 << 1, data: 0 }, true);
+        assert_eq!(safety.dangers, [(6, Danger::HeaterLive("bed"))]);
+        assert!(safety.is_hot());
+    }
+
+    #[test]
+    fn an_enable_line_is_active_only_if_it_is_driven_low() {
+        let mut safety = Safety::new(&OCTOPUS);
+        safety.store(1, 5, Port { outputs: 0, alternate: 0, data: 0 }, false);
+        assert!(safety.powered.is_empty());
+        safety.store(2, 5, Port { outputs: 1 << 14, alternate: 0, data: 0 }, false);
+        assert_eq!(safety.powered, MotorSet::of(Motor::M1));
+        assert_eq!(safety.dangers, [(2, Danger::PoweredBeforeStart(MotorSet::of(Motor::M1)))]);
+        safety.reset(9);
+        assert!(safety.powered.is_empty());
+    }
+}

@@ -1,0 +1,228 @@
+//! Step events as the pins show them.
+//!
+//! The firmware raises the step lines of one event with one store a port, and lowers them all before the
+//! next event. So an event is every rise until the first fall. [`WINDOW_NS`] bounds it: a rise later than
+//! that is an event of its own, whatever the firmware meant.
+
+use crate::board::Port;
+use crate::wiring::{PORTS, Wiring};
+use corehbot::motors::{Motor, MotorSet};
+
+/// Rises further apart than this are no one event: 1 us, a twentieth of the closest spacing of one motor.
+pub const WINDOW_NS: u64 = 1000;
+
+/// One step event.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct StepEvent {
+    /// When the first line rose, in ns since reset.
+    pub at: u64,
+    /// Motors whose step line rose.
+    pub steps: MotorSet,
+    /// Direction lines of those motors when they rose.
+    pub forward: MotorSet,
+    /// From the first rise to the last, in ns.
+    pub spread: u32,
+    /// What the step timer's alarm was set to last, in its own ticks, if it was set since the event before.
+    pub alarm: Option<Alarm>,
+    /// The alarm was switched off since the event before: motion rested.
+    pub rested: bool,
+}
+
+/// An alarm of the step timer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Alarm {
+    /// The compare register.
+    pub ticks: u32,
+    /// When the counter gets there, in ns since reset.
+    pub due: i64,
+}
+
+/// Shortest times seen, in ns.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Pulse {
+    /// A step line high.
+    pub high: u64,
+    /// A step line low.
+    pub low: u64,
+    /// From a change of a motor's direction line to its step.
+    pub set_up: u64,
+}
+
+/// Watches step and direction lines.
+#[derive(Debug)]
+pub struct Recorder {
+    wiring: &'static Wiring,
+    masks: [u16; PORTS],
+    levels: [u16; PORTS],
+    high: MotorSet,
+    forward: MotorSet,
+    rose: [u64; Motor::ALL.len()],
+    fell: [Option<u64>; Motor::ALL.len()],
+    turned: [Option<u64>; Motor::ALL.len()],
+    open: bool,
+    /// All events so far.
+    pub events: Vec<StepEvent>,
+    /// Shortest times.
+    pub pulse: Pulse,
+    /// Events in which the motors of a pair rose with two stores.
+    pub split_pairs: u64,
+    /// Steps of motors without power.
+    pub unpowered: u64,
+    pending: (Option<Alarm>, bool),
+}
+
+/// Pairs of motors that share a belt half, and must step in one store.
+const PAIRS: [MotorSet; 2] = [
+    MotorSet(MotorSet::of(Motor::M1).0 | MotorSet::of(Motor::M8).0),
+    MotorSet(MotorSet::of(Motor::M4).0 | MotorSet::of(Motor::M11).0),
+];
+
+impl Recorder {
+    /// A recorder for the pins of `wiring`, all of them low.
+    #[must_use]
+    pub fn new(wiring: &'static Wiring) -> Self {
+        let mut masks = [0; PORTS];
+        for slot in &wiring.slots {
+            masks[slot.step.port] |= slot.step.mask();
+            masks[slot.dir.port] |= slot.dir.mask();
+        }
+        Self {
+            wiring,
+            masks,
+            levels: [0; PORTS],
+            high: MotorSet::NONE,
+            forward: MotorSet::NONE,
+            rose: [0; Motor::ALL.len()],
+            fell: [None; Motor::ALL.len()],
+            turned: [None; Motor::ALL.len()],
+            open: false,
+            events: Vec::new(),
+            pulse: Pulse { high: u64::MAX, low: u64::MAX, set_up: u64::MAX },
+            split_pairs: 0,
+            unpowered: 0,
+            pending: (None, true),
+        }
+    }
+
+    /// The step timer's alarm was set.
+    pub const fn alarm(&mut self, alarm: Alarm) {
+        self.pending.0 = Some(alarm);
+    }
+
+    /// The step timer's alarm was switched off.
+    pub const fn silence(&mut self) {
+        self.pending.1 = true;
+    }
+
+    /// Port `n` was written to at `at`; returns the motors that stepped, and their directions.
+    pub fn store(&mut self, at: u64, n: usize, port: Port, powered: MotorSet) -> (MotorSet, MotorSet) {
+        let levels = port.high() & self.masks[n];
+        let changed = levels ^ self.levels[n];
+        if changed == 0 {
+            return (MotorSet::NONE, MotorSet::NONE);
+        }
+        self.levels[n] = levels;
+        let (mut rises, mut falls) = (MotorSet::NONE, MotorSet::NONE);
+        for (i, slot) in self.wiring.slots.iter().enumerate() {
+            let one = MotorSet::of(slot.motor);
+            if slot.dir.port == n && changed & slot.dir.mask() != 0 {
+                self.forward = MotorSet(self.forward.0 ^ one.0);
+                self.turned[i] = Some(at);
+            }
+            if slot.step.port == n && changed & slot.step.mask() != 0 {
+                if levels & slot.step.mask() != 0 {
+                    rises = rises.with(one);
+                    self.rose[i] = at;
+                } else {
+                    falls = falls.with(one);
+                    self.pulse.high = self.pulse.high.min(at - self.rose[i]);
+                    self.fell[i] = Some(at);
+                }
+            }
+        }
+        self.high = self.high.with(rises).without(falls);
+        if !falls.is_empty() {
+            self.open = false;
+        }
+        if !rises.is_empty() {
+            self.rise(at, rises, powered);
+        }
+        (rises, MotorSet(self.forward.0 & rises.0))
+    }
+
+    fn rise(&mut self, at: u64, rises: MotorSet, powered: MotorSet) {
+        for i in 0..Motor::ALL.len() {
+            if rises.0 & 1 << i != 0 {
+                let since = |then: Option<u64>| then.map_or(u64::MAX, |then| at - then);
+                self.pulse.low = self.pulse.low.min(since(self.fell[i]));
+                self.pulse.set_up = self.pulse.set_up.min(since(self.turned[i].take()));
+            }
+        }
+        self.unpowered += u64::from(rises.without(powered).0.count_ones());
+        let forward = MotorSet(self.forward.0 & rises.0);
+        let split = |before: MotorSet| {
+            PAIRS.iter().filter(|pair| before.0 & pair.0 != 0 && rises.0 & pair.0 != 0).count() as u64
+        };
+        match self.events.last_mut() {
+            Some(event) if self.open && at - event.at <= WINDOW_NS => {
+                self.split_pairs += split(event.steps);
+                event.steps = event.steps.with(rises);
+                event.forward = event.forward.with(forward);
+                event.spread = (at - event.at) as u32;
+            }
+            _ => {
+                let (alarm, rested) = std::mem::take(&mut self.pending);
+                self.events.push(StepEvent { at, steps: rises, forward, spread: 0, alarm, rested });
+                self.open = true;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wiring::OCTOPUS;
+
+    const F: usize = 5;
+    const G: usize = 6;
+
+    fn port(data: u16) -> Port {
+        Port { outputs: 0xFFFF, alternate: 0, data }
+    }
+
+    #[test]
+    fn rises_until_the_first_fall_are_one_event() {
+        let mut recorder = Recorder::new(&OCTOPUS);
+        let on = MotorSet::ALL;
+        recorder.store(10, F, port(1 << 12), on);
+        recorder.store(100, F, port(1 << 13 | 1 << 9 | 1 << 12), on);
+        recorder.store(108, G, port(1 | 1 << 4), on);
+        recorder.store(300, F, port(1 << 12), on);
+        recorder.store(308, G, port(0), on);
+        recorder.store(400, F, port(1 << 9), on);
+        let [first, second] = recorder.events[..] else { panic!("{:?}", recorder.events) };
+        assert_eq!((first.at, first.steps, first.spread), (100, MotorSet::BELT, 8));
+        assert_eq!(first.forward, MotorSet::of(Motor::M1));
+        assert_eq!((second.at, second.steps), (400, MotorSet::of(Motor::M8)));
+        assert_eq!(recorder.pulse, Pulse { high: 200, low: 100, set_up: 90 });
+        assert_eq!((recorder.split_pairs, recorder.unpowered), (0, 0));
+    }
+
+    #[test]
+    fn a_pair_in_two_stores_is_counted_and_so_is_a_motor_without_power() {
+        let mut recorder = Recorder::new(&OCTOPUS);
+        recorder.store(100, F, port(1 << 13), MotorSet::of(Motor::M1));
+        recorder.store(108, F, port(1 << 13 | 1 << 9), MotorSet::of(Motor::M1));
+        assert_eq!(recorder.events.len(), 1);
+        assert_eq!((recorder.split_pairs, recorder.unpowered), (1, 1));
+    }
+
+    #[test]
+    fn a_late_rise_is_an_event_of_its_own() {
+        let mut recorder = Recorder::new(&OCTOPUS);
+        recorder.store(100, F, port(1 << 13), MotorSet::ALL);
+        recorder.store(100 + WINDOW_NS + 1, G, port(1), MotorSet::ALL);
+        assert_eq!(recorder.events.len(), 2);
+    }
+}

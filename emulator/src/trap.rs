@@ -1,0 +1,94 @@
+//! Traps: faults that happen in mid-motion, in code that is otherwise the image's own.
+//!
+//! A sound image cannot be brought to panic or hang. So the first instructions of the step interrupt are led
+//! through a few of ours in flash that the image leaves free; these look at a word in memory that the F446
+//! has not and the model has, and as long as it is 0 they go on where they came from.
+
+use crate::firmware::{Firmware, branch};
+use anyhow::{Result, bail};
+
+/// Where the extra instructions lie: the last 4 KiB of flash.
+const PLACE: u32 = 0x0807_F000;
+
+/// The word that springs the trap: just beyond the RAM of the F446.
+pub const TRIGGER: u32 = 0x2002_0000;
+
+/// A panic that wants no argument but the place in the source, and that every image with an `async fn` has.
+const PANIC: &str = "panic_const_async_fn_resumed";
+
+/// What happens in the step interrupt.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Trap {
+    /// `udf`
+    IllegalInstruction,
+    /// A loop without end.
+    Hang,
+    /// A panic.
+    Panic,
+}
+
+/// What the first instructions of `handler` become, and what goes to [`PLACE`].
+fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], Vec<u16>) {
+    let [a, b] = branch(PLACE + 14, handler + 4);
+    let mut code = vec![
+        0xB401, // push {r0}
+        0x4804, // ldr r0, =TRIGGER
+        0x6800, // ldr r0, [r0]
+        0xB938, // cbnz r0, trap
+        0xBC01, // pop {r0}
+        first[0], first[1], a, b, // b.w handler + 4
+        0xBF00,
+    ];
+    let word = |code: &mut Vec<u16>, word: u32| code.extend([word as u16, (word >> 16) as u16]);
+    word(&mut code, TRIGGER);
+    match trap {
+        Trap::IllegalInstruction => code.push(0xDE00),
+        Trap::Hang => code.push(0xE7FE),
+        Trap::Panic => {
+            // ldr r0, =location; nop; nop; nop
+            code.extend([0x4802, 0xBF00, 0xBF00, 0xBF00]);
+            code.extend(branch(PLACE + 32, panic));
+            word(&mut code, PLACE + 40);
+            // A `core::panic::Location`: file, its length, line and column.
+            for field in [PLACE + 56, 4, 1, 1] {
+                word(&mut code, field);
+            }
+            code.extend([u16::from_le_bytes(*b"tr"), u16::from_le_bytes(*b"ap")]);
+        }
+    }
+    (branch(handler, PLACE), code)
+}
+
+impl Firmware {
+    /// Lays a trap into the step interrupt: what runs is no longer what the file holds.
+    ///
+    /// # Errors
+    /// If the image has no such interrupt, or one that begins unexpectedly.
+    pub fn lay(&mut self, trap: Trap) -> Result<()> {
+        let handler = self.symbol("TIM2")?;
+        let panic = if trap == Trap::Panic { self.symbol(PANIC)? } else { 0 };
+        let first = [self.halfword(handler)?, self.halfword(handler + 2)?];
+        // Only instructions that do the same elsewhere: `push` and `add r7, sp`, or the long `push`.
+        let is_movable = first[0] == 0xE92D || (first[0] >> 8 == 0xB5 && first[1] >> 8 == 0xAF);
+        if !is_movable {
+            bail!("TIM2 begins with {first:04x?}");
+        }
+        let (begin, code) = detour(trap, handler, panic, first);
+        self.patch(handler, &begin)?;
+        self.add(PLACE, code.iter().flat_map(|c| c.to_le_bytes()).collect());
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_literals_lie_where_the_code_looks_for_them() {
+        let (_, code) = detour(Trap::Panic, 0x0801_0000, 0x0801_1000, [0xB5F0, 0xAF03]);
+        let word = |at: usize| u32::from(code[at / 2]) | u32::from(code[at / 2 + 1]) << 16;
+        assert_eq!((word(20), word(36), word(40)), (TRIGGER, PLACE + 40, PLACE + 56));
+        assert_eq!(word(56).to_le_bytes(), *b"trap");
+    }
+}

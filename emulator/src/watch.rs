@@ -1,0 +1,228 @@
+//! The watch: sees every access of the firmware, moves the simulated machine and keeps the record.
+
+use crate::board::Emulated;
+use crate::safety::Safety;
+use crate::steps::Recorder;
+use crate::timer::{self, Meaning};
+use crate::trap::TRIGGER;
+use crate::wiring::{PORTS, Wiring};
+use corehbot::motors::EndstopSet;
+use corehbot::settings::Settings;
+use corehbot_rig::Rig;
+use corehbot_sim::world::Host;
+use rigless::emulator::{AccessKind, Driver, Settled, Stop};
+use rigless::session::Session;
+use rigless::soc::Width;
+use rigless::time::VirtualNanos;
+
+/// GPIOA; the ports follow each other every 1 KiB (RM0390 rev 6, section 2.2.2).
+const GPIO: u64 = 0x4002_0000;
+const PORT_SIZE: u64 = 0x400;
+
+/// How often the run is looked at: every ms.
+const LOOK_NS: u64 = 1_000_000;
+
+/// A run goes on for this long after the host is done: 20 ms.
+const LAST_NS: u64 = 20_000_000;
+
+/// A fault that the world does to the chip.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Injection {
+    /// After so many step events, the next access to a port fails on the bus.
+    BusError {
+        /// Events before it.
+        after: usize,
+    },
+    /// After so many step events, the trap in the image springs (see [`crate::trap`]).
+    Trap {
+        /// Events before it.
+        after: usize,
+    },
+}
+
+/// Why a run ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum End {
+    /// The host was done.
+    Done,
+    /// The chip was reset.
+    Reset,
+    /// Neither a byte nor a step for this long, in ms.
+    Stalled(u64),
+    /// Virtual time ran out.
+    Late,
+}
+
+/// How long a run may take.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience {
+    /// Virtual time in ns.
+    pub whole: u64,
+    /// Virtual time without a byte or a step, in ns.
+    pub silent: u64,
+    /// Virtual time to go on after a reset, in ns.
+    pub after_reset: u64,
+}
+
+/// The watch.
+pub struct Watch {
+    wiring: &'static Wiring,
+    rig: Rig,
+    endstops: Option<EndstopSet>,
+    patience: Patience,
+    injection: Option<Injection>,
+    greeted: bool,
+    done: Option<u64>,
+    resets: usize,
+    /// Step events.
+    pub recorder: Recorder,
+    /// Enable lines and heaters.
+    pub safety: Safety,
+    /// Why the run ended.
+    pub end: End,
+    /// When the injected fault happened, in ns.
+    pub injected: Option<u64>,
+    /// The trap could be sprung.
+    pub is_injectable: bool,
+}
+
+impl Watch {
+    /// A watch over a board with `wiring` and a machine of `settings`.
+    #[must_use]
+    pub fn new(wiring: &'static Wiring, settings: &Settings, patience: Patience, injection: Option<Injection>) -> Self {
+        Self {
+            wiring,
+            rig: Rig::new(settings, None),
+            endstops: None,
+            patience,
+            injection,
+            greeted: false,
+            done: None,
+            resets: 0,
+            recorder: Recorder::new(wiring),
+            safety: Safety::new(wiring),
+            end: End::Late,
+            injected: None,
+            is_injectable: true,
+        }
+    }
+
+    fn port_written(
+        &mut self,
+        session: &mut Session<Emulated>,
+        host: &mut dyn rigless::emulator::Host,
+        at: VirtualNanos,
+        n: usize,
+    ) {
+        let port = session.board_mut().port(n);
+        self.safety.store(at.0, n, port, self.greeted);
+        let (steps, forward) = self.recorder.store(at.0, n, port, self.safety.powered);
+        if steps.is_empty() {
+            return;
+        }
+        self.rig.step(steps, forward);
+        self.press(session, at);
+        self.inject(session, host, at);
+    }
+
+    /// Lets the fault happen if its time has come.
+    fn inject(&mut self, session: &mut Session<Emulated>, host: &mut dyn rigless::emulator::Host, at: VirtualNanos) {
+        let events = self.recorder.events.len();
+        match self.injection {
+            Some(Injection::BusError { after }) if events >= after => {
+                session.fail_next(GPIO, GPIO + PORTS as u64 * PORT_SIZE);
+            }
+            Some(Injection::Trap { after }) if events >= after => {
+                self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
+            }
+            _ => return,
+        }
+        self.injection = None;
+        self.injected = Some(at.0);
+    }
+
+    /// Gives the endstop inputs the levels that the machine's switches have.
+    fn press(&mut self, session: &mut Session<Emulated>, at: VirtualNanos) {
+        let pressed = self.rig.endstops();
+        if self.endstops == Some(pressed) {
+            return;
+        }
+        for (endstop, pin) in self.wiring.endstops {
+            let is_pressed = pressed.has(endstop);
+            if self.endstops.is_none_or(|before| before.has(endstop) != is_pressed) {
+                session.board_mut().drive(at, pin, is_pressed);
+            }
+        }
+        self.endstops = Some(pressed);
+    }
+
+    /// Whether the run is over at `at`.
+    fn look(&mut self, session: &mut Session<Emulated>, at: u64) -> bool {
+        let reset_at = session.resets().first().map(|r| r.at.0);
+        let steps_at = self.recorder.events.last().map_or(0, |e| e.at);
+        let Some(line) = session.board_mut().host() else { return true };
+        self.greeted = line.started.is_some();
+        if line.host.is_done() && self.done.is_none() {
+            self.done = Some(at);
+        }
+        let active = line.active.max(steps_at);
+        self.end = match (reset_at, self.done) {
+            (Some(reset), _) if at >= reset + self.patience.after_reset => End::Reset,
+            (None, Some(done)) if at >= done + LAST_NS => End::Done,
+            (None, None) if at >= active + self.patience.silent => End::Stalled((at - active) / LOOK_NS),
+            _ if at >= self.patience.whole => End::Late,
+            _ => return false,
+        };
+        true
+    }
+}
+
+impl Driver<Emulated> for Watch {
+    fn on_settled(
+        &mut self,
+        session: &mut Session<Emulated>,
+        host: &mut dyn rigless::emulator::Host,
+        settled: Settled,
+    ) {
+        if self.endstops.is_none() {
+            self.press(session, VirtualNanos(0));
+        }
+        let Settled::Access { access, .. } = settled else { return };
+        if session.resets().len() != self.resets {
+            self.resets = session.resets().len();
+            let at = session.resets().last().map_or(0, |r| r.at.0);
+            self.safety.reset(at);
+            for n in 0..PORTS {
+                self.recorder.store(at, n, crate::board::Port::default(), self.safety.powered);
+            }
+            self.endstops = None;
+            for &(pin, high) in self.wiring.resistors {
+                session.board_mut().drive(access.virtual_time, pin, high);
+            }
+            self.press(session, access.virtual_time);
+        }
+        if access.kind != AccessKind::Write {
+            return;
+        }
+        let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
+        if (port as usize) < PORTS {
+            self.port_written(session, host, access.virtual_time, port as usize);
+        } else if let Some(meaning) =
+            timer::meaning(session.board_mut(), access.virtual_time, access.address, access.value)
+        {
+            match meaning {
+                Meaning::Alarm(alarm) => self.recorder.alarm(alarm),
+                Meaning::Silence => self.recorder.silence(),
+            }
+        }
+    }
+
+    fn on_stop(
+        &mut self,
+        session: &mut Session<Emulated>,
+        stop: Stop,
+        _host: &mut dyn rigless::emulator::Host,
+    ) -> Option<VirtualNanos> {
+        if self.look(session, stop.at.0) { None } else { Some(VirtualNanos(stop.at.0 + LOOK_NS)) }
+    }
+}

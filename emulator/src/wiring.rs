@@ -1,0 +1,147 @@
+//! Wiring: which pin of the chip is what on the board, and what hangs on it.
+//!
+//! It is written down from the board's schematic, not taken from the firmware: an image that has mixed up
+//! two pins must not find the same mistake here.
+
+use corehbot::motors::{EndstopSet, Motor};
+
+/// Ports of the chip, GPIOA to GPIOH.
+pub const PORTS: usize = 8;
+
+/// A pin of the chip.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Pin {
+    /// 0 is GPIOA.
+    pub port: usize,
+    /// 0 to 15.
+    pub bit: u8,
+}
+
+impl Pin {
+    /// Pin `bit` of port `letter`, which is upper case.
+    #[must_use]
+    pub const fn new(letter: char, bit: u8) -> Self {
+        assert!(letter.is_ascii_uppercase() && (letter as usize - 'A' as usize) < PORTS && bit < 16);
+        Self { port: letter as usize - 'A' as usize, bit }
+    }
+
+    /// The pin's bit in its port.
+    #[must_use]
+    pub const fn mask(self) -> u16 {
+        1 << self.bit
+    }
+}
+
+impl std::fmt::Display for Pin {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "P{}{}", char::from(b'A' + self.port as u8), self.bit)
+    }
+}
+
+/// A motor's driver slot.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot {
+    /// The motor on it.
+    pub motor: Motor,
+    /// A rising edge is a step.
+    pub step: Pin,
+    /// High turns the motor forward.
+    pub dir: Pin,
+    /// Low gives it power.
+    pub enable: Pin,
+    /// The driver's UART.
+    pub uart: Pin,
+}
+
+/// A board with an STM32F446.
+#[derive(Debug)]
+pub struct Wiring {
+    /// What it is called.
+    pub name: &'static str,
+    /// One slot a motor, in the order of [`Motor::ALL`].
+    pub slots: [Slot; Motor::ALL.len()],
+    /// A pressed endstop is high: a normally closed switch to ground with a pull-up, so a cut wire stops
+    /// the machine.
+    pub endstops: [(EndstopSet, Pin); 3],
+    /// Outputs that heat when they are high.
+    pub heaters: &'static [(&'static str, Pin)],
+    /// Levels that resistors on the board give to pins that nothing drives.
+    pub resistors: &'static [(Pin, bool)],
+    /// Channels of ADC3 with a thermistor, and their voltage at room temperature in mV.
+    pub thermistors: &'static [(u8, u32)],
+    /// Where the firmware begins; what lies before is the bootloader.
+    pub application: u32,
+    /// The serial port of the host: its place among the part's ports, and its base address.
+    pub host_port: (usize, u64),
+    /// The crystal in Hz.
+    pub crystal: u64,
+}
+
+const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Slot {
+    Slot { motor, step, dir, enable, uart }
+}
+
+/// 100 kOhm at 25 C under 4.7 kOhm from 3.3 V.
+const ROOM: u32 = 3152;
+
+/// BTT Octopus V1.0 and V1.1 with motors 1, 8, 4, 11 in slots M0, M4, M1, M3, the ball screws in M2 and M5
+/// and the extruder in M6; the Raspberry Pi header is USART2.
+pub static OCTOPUS: Wiring = Wiring {
+    name: "octopus",
+    slots: [
+        slot(Motor::M1, Pin::new('F', 13), Pin::new('F', 12), Pin::new('F', 14), Pin::new('C', 4)),
+        slot(Motor::M4, Pin::new('G', 0), Pin::new('G', 1), Pin::new('F', 15), Pin::new('D', 11)),
+        slot(Motor::M8, Pin::new('F', 9), Pin::new('F', 10), Pin::new('G', 2), Pin::new('F', 2)),
+        slot(Motor::M11, Pin::new('G', 4), Pin::new('C', 1), Pin::new('A', 0), Pin::new('C', 7)),
+        slot(Motor::Z1, Pin::new('F', 11), Pin::new('G', 3), Pin::new('G', 5), Pin::new('C', 6)),
+        slot(Motor::Z2, Pin::new('C', 13), Pin::new('F', 0), Pin::new('F', 1), Pin::new('E', 4)),
+        slot(Motor::E0, Pin::new('E', 2), Pin::new('E', 3), Pin::new('D', 4), Pin::new('E', 1)),
+    ],
+    endstops: [
+        (EndstopSet::X, Pin::new('G', 6)),
+        (EndstopSet::Y, Pin::new('G', 9)),
+        (EndstopSet::Z, Pin::new('G', 10)),
+    ],
+    heaters: &[
+        ("bed", Pin::new('A', 1)),
+        ("hotend 0", Pin::new('A', 2)),
+        ("hotend 1", Pin::new('A', 3)),
+        ("hotend 2", Pin::new('B', 10)),
+        ("hotend 3", Pin::new('B', 11)),
+    ],
+    // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: what the check for the right
+    // board looks at.
+    resistors: &[
+        (Pin::new('A', 0), true),
+        (Pin::new('A', 1), false),
+        (Pin::new('A', 2), false),
+        (Pin::new('A', 3), false),
+        (Pin::new('B', 10), false),
+        (Pin::new('B', 11), false),
+    ],
+    thermistors: &[(9, ROOM), (14, ROOM), (15, ROOM), (4, ROOM), (5, ROOM)],
+    application: 0x0800_8000,
+    host_port: (1, 0x4000_4400),
+    crystal: 12_000_000,
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_functions_share_a_pin() {
+        let mut pins: Vec<Pin> = OCTOPUS.slots.iter().flat_map(|s| [s.step, s.dir, s.enable, s.uart]).collect();
+        pins.extend(OCTOPUS.endstops.map(|(_, pin)| pin));
+        pins.extend(OCTOPUS.heaters.iter().map(|(_, pin)| *pin));
+        for (i, a) in pins.iter().enumerate() {
+            assert!(!pins[i + 1..].contains(a), "{a} twice");
+        }
+        assert_eq!(pins[0].to_string(), "PF13");
+    }
+
+    #[test]
+    fn slots_stand_in_the_order_of_the_motors() {
+        assert_eq!(OCTOPUS.slots.map(|s| s.motor), Motor::ALL);
+    }
+}

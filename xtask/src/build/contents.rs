@@ -1,0 +1,86 @@
+//! The contents of an image: how large they are, and what must not be among them.
+
+use super::Elf;
+use anyhow::{Result, bail};
+use object::elf::{SHF_ALLOC, SHT_NOBITS};
+use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags};
+
+/// A resource of the processor and how much of it may be used.
+struct Budget {
+    name: &'static str,
+    bytes: u64,
+    of: &'static str,
+}
+
+/// Code, constants and initial values.
+const FLASH: Budget = Budget { name: "flash", bytes: 200 * 1024, of: "480 KiB behind the bootloader" };
+
+/// Variables without the stack.
+const RAM: Budget = Budget { name: "static RAM", bytes: 72 * 1024, of: "128 KiB with the stack" };
+
+/// Why a symbol must not be in an image, if so. The names are those of the Rust allocator and of the runtime
+/// library's floating point (ARM RTABI, section 4.1.2; libgcc's names end in the mode of their operands).
+fn objection(name: &str) -> Option<&'static str> {
+    if ["__rust_alloc", "__rustc_alloc", "__rg_alloc"].iter().any(|part| name.contains(part)) {
+        Some("all memory is static")
+    } else if name.starts_with("__aeabi_d") || name.starts_with("__") && name.ends_with("df3") {
+        Some("the processor has no double precision, and steps are integers")
+    } else if name.starts_with("__aeabi_f") {
+        Some("the processor computes single precision itself")
+    } else {
+        None
+    }
+}
+
+/// Prints how much each part takes, and says which budget is exceeded.
+pub fn weigh(elf: &Elf<'_>) -> Result<Vec<String>> {
+    let (mut flash, mut ram) = (0, 0);
+    for section in elf.sections() {
+        let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
+        if sh_flags & u64::from(SHF_ALLOC) == 0 || section.size() == 0 {
+            continue;
+        }
+        let has_bytes = section.elf_section_header().sh_type.get(elf.endian()) != SHT_NOBITS;
+        let is_written = matches!(section.name()?, ".data" | ".bss" | ".uninit");
+        flash += if has_bytes { section.size() } else { 0 };
+        ram += if is_written { section.size() } else { 0 };
+        println!("{:<16} {:>8} at {:#010x}", section.name()?, section.size(), section.address());
+    }
+    let address = |name| elf.symbols().find(|symbol| symbol.name() == Ok(name)).map(|symbol| symbol.address());
+    let (Some(start), Some(end)) = (address("_stack_start"), address("_stack_end")) else {
+        bail!("the image does not say where its stack is");
+    };
+    println!("{:<16} {:>8} at {end:#010x}", "stack", start - end);
+    let mut complaints = Vec::new();
+    for (budget, bytes) in [(FLASH, flash), (RAM, ram)] {
+        println!("{:<16} {bytes:>8} of {:>7} allowed ({})", budget.name, budget.bytes, budget.of);
+        if bytes > budget.bytes {
+            complaints.push(format!("{} is {} bytes over its budget", budget.name, bytes - budget.bytes));
+        }
+    }
+    Ok(complaints)
+}
+
+/// What is in the image and must not be.
+pub fn forbidden(elf: &Elf<'_>) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for name in elf.symbols().filter_map(|symbol| symbol.name().ok()) {
+        if let Some(reason) = objection(name) {
+            complaints.push(format!("{name} is in the image, but {reason}"));
+        }
+    }
+    complaints
+}
+
+#[cfg(test)]
+mod tests {
+    use super::objection;
+
+    #[test]
+    fn a_name_that_only_looks_like_arithmetic_is_none() {
+        assert!(objection("__aeabi_dmul").is_some());
+        assert!(objection("__adddf3").is_some());
+        assert!(objection("_ZN8contexts13CONSOLE_WAKER17h434a119d3ddf3bf7E").is_none());
+        assert!(objection("__aeabi_uldivmod").is_none());
+    }
+}

@@ -1,0 +1,96 @@
+//! `cargo xtask build`: the image of a board, as ELF and as `firmware.bin`, and whether it keeps its promises.
+
+mod binary;
+mod contents;
+mod instruction;
+mod step_path;
+
+use crate::checkout;
+use anyhow::{Context as _, Result, bail};
+use object::Endianness;
+use object::elf::FileHeader32;
+use object::read::elf::ElfFile;
+use std::path::{Path, PathBuf};
+
+/// An image, read.
+type Elf<'d> = ElfFile<'d, FileHeader32<Endianness>>;
+
+/// Which image to build.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The board.
+    board: Board,
+}
+
+/// A board that can be flashed.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Board {
+    /// BTT Octopus V1.0 or V1.1.
+    Octopus,
+    /// Nucleo-F446RE with a CNC shield.
+    Nucleo,
+}
+
+impl Board {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Octopus => "octopus",
+            Self::Nucleo => "nucleo",
+        }
+    }
+}
+
+/// Builds, weighs and examines an image.
+pub fn main(args: &Args) -> Result<()> {
+    let name = args.board.name();
+    let elf_path = checkout::build_image(&format!("corehbot-{name}"))?;
+    let data = read(&elf_path)?;
+    let elf = Elf::parse(&*data)?;
+    examine(&elf, true)?;
+    let binary = binary::extract(&elf)?;
+    let binary_path = write(&binary, name)?;
+    println!("ELF     {}", elf_path.display());
+    println!("binary  {} ({} bytes)", binary_path.display(), binary.len());
+    Ok(())
+}
+
+/// Weighs and examines the images of all boards, which have been built.
+pub fn examine_all() -> Result<String> {
+    let boards = checkout::boards()?;
+    for package in &boards {
+        println!("\n{package}");
+        let data = read(&checkout::image(package)?)?;
+        // The emulator's board writes its steps into a file from the step interrupt.
+        let is_flashable = package != crate::qemu::BOARD;
+        examine(&Elf::parse(&*data)?, is_flashable).with_context(|| package.clone())?;
+    }
+    Ok(boards.join(", "))
+}
+
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).with_context(|| format!("cannot open {}", path.display()))
+}
+
+/// Fails if an image is too large or holds what it must not; with `and_step_path` also if the step interrupt does.
+fn examine(elf: &Elf<'_>, and_step_path: bool) -> Result<()> {
+    let mut complaints = contents::weigh(elf)?;
+    complaints.extend(contents::forbidden(elf));
+    if and_step_path {
+        let (report, in_step_path) = step_path::examine(elf)?;
+        println!("{report}");
+        complaints.extend(in_step_path);
+    }
+    if complaints.is_empty() { Ok(()) } else { bail!("{}", complaints.join("; ")) }
+}
+
+/// Writes `firmware.bin`, the name that the Octopus's bootloader looks for, into a folder of the board's.
+fn write(binary: &[u8], board: &str) -> Result<PathBuf> {
+    let folder = checkout::target_dir()?.join("firmware").join(board);
+    let write = |folder: &Path| {
+        std::fs::create_dir_all(folder)?;
+        let path = folder.join("firmware.bin");
+        std::fs::write(&path, binary)?;
+        std::io::Result::Ok(path)
+    };
+    write(&folder).with_context(|| format!("cannot write into {}", folder.display()))
+}
