@@ -9,7 +9,7 @@ use corehbot_emulator::run::Seen;
 use corehbot_emulator::trap::Trap;
 use corehbot_emulator::watch::{End, Injection};
 
-const GCODE: &str = "G28 X Y\nG1 X60 Y60 F6000\nM400\n";
+const GCODE: &str = "G28\nG1 X60 Y60 F6000\nM400\n";
 
 /// Watchdog: 500 counts of 1 kHz, and LSI may run at 17 kHz instead of 32 kHz; the model runs at 32 kHz.
 const WATCHDOG_NS: u64 = 520 * MS;

@@ -1,7 +1,7 @@
 ; SPDX-License-Identifier: MIT OR Apache-2.0
 ; More step events than the prototype's limits allow: both pairs of belt motors near 36,000 steps a second,
 ; seldom in the same tick, and an extruder that may run three times as fast as it should.
-G28 X Y
+G28
 M83
 M203 E240
 G1 X10 Y100 F6000

@@ -12,18 +12,6 @@ use std::path::Path;
 /// Edges are no later than this: the bound for 100,000 events a second.
 const LATE_NS: i64 = 5000;
 
-/// FIXME: after the switch of Z was met, the StepGenerator goes on making the steps of the whole approach and
-/// the Stepper discards them; both have priority over the Console, which cannot feed the watchdog for half a
-/// second. Until that is mended, files are printed without homing Z.
-fn without_homing_z(gcode: &str) -> String {
-    let line = |line: &str| match line.trim() {
-        "G28" => "G28 X Y".to_owned(),
-        "G28 Z" => String::new(),
-        other => other.to_owned(),
-    };
-    gcode.lines().map(line).collect::<Vec<_>>().join("\n")
-}
-
 fn check(name: &str) {
     check_file(&root().join("examples").join(name));
 }
@@ -31,7 +19,6 @@ fn check(name: &str) {
 fn check_file(path: &Path) {
     let name = path.file_name().unwrap().display();
     let gcode = std::fs::read_to_string(path).unwrap();
-    let gcode = without_homing_z(&gcode);
     let firmware = firmware();
     let seen = print(&firmware, &gcode, None);
     assert_eq!((seen.end, seen.line.failure.as_ref()), (End::Done, None), "{name}");
@@ -97,7 +84,7 @@ fn tiny_moves_step_as_on_the_host() {
 #[test]
 fn a_hundred_thousand_events_a_second_are_in_time() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/rush.gcode");
-    let gcode = without_homing_z(&std::fs::read_to_string(&path).unwrap());
+    let gcode = std::fs::read_to_string(&path).unwrap();
     let host = scheduled(&gcode, &Settings::prototype()).unwrap();
     // 10 ms of motion time.
     let most = host.windows(1000).map(|w| w[999].tick - w[0].tick).min();
@@ -106,16 +93,25 @@ fn a_hundred_thousand_events_a_second_are_in_time() {
     check_file(&path);
 }
 
-/// FIXME: the wrong behaviour of today, see [`without_homing_z`].
+/// A motion that has met its endstop was once made to its end and thrown away, event by event, by contexts
+/// that keep the Console from running: half a second for Z, and the watchdog bit.
 #[test]
-fn homing_z_starves_the_console_until_the_watchdog_bites() {
+fn homing_z_leaves_the_console_its_time() {
     let seen = print(&firmware(), "G28\n", None);
-    assert_eq!(seen.end, End::Reset, "mended: print the examples as they are");
+    assert_eq!((seen.end, seen.resets.len()), (End::Done, 0));
+}
+
+/// The examples that have no test of their own; the longest takes a minute and is for `cargo xtask equal`.
+#[test]
+fn the_other_examples_step_as_on_the_host() {
+    for name in ["diagonal", "dwell", "inches", "overrides", "relative", "z-hops"] {
+        check(&format!("{name}.gcode"));
+    }
 }
 
 #[test]
 fn two_runs_are_the_same_to_the_nanosecond() {
-    let gcode = "G28 X Y\nG1 X60 Y60 F12000\nG2 X60 Y60 I10 J0\n";
+    let gcode = "G28\nG1 X60 Y60 F12000\nG2 X60 Y60 I10 J0\n";
     let (a, b) = (print(&firmware(), gcode, None), print(&firmware(), gcode, None));
     assert_eq!(a.recorder.events, b.recorder.events);
     assert_eq!((a.virtual_ns, a.instructions), (b.virtual_ns, b.instructions));
