@@ -2,6 +2,7 @@
 
 mod build;
 mod checkout;
+mod emulate;
 mod qemu;
 mod test;
 
@@ -20,6 +21,10 @@ struct Cli {
 enum Task {
     /// Builds the image of a board that can be flashed, and weighs it.
     Build(build::Args),
+    /// Prints a G-code file on the image of a controller board, in an emulator of its processor.
+    Emulate(emulate::Args),
+    /// Prints a G-code file in the simulator, in QEMU and on the Octopus's image, and compares the steps.
+    Equal(emulate::EqualArgs),
     /// Prints a G-code file on the firmware in QEMU.
     Qemu(qemu::Args),
     /// Checks everything: format, lints, documentation, tests, sizes, and QEMU against the simulator.
@@ -29,6 +34,8 @@ enum Task {
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Build(args) => build::main(&args),
+        Task::Emulate(args) => emulate::main(&args),
+        Task::Equal(args) => emulate::equal(&args),
         Task::Qemu(args) => qemu::main(&args),
         Task::Test(args) => test::main(&args),
     };

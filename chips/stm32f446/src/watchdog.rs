@@ -16,6 +16,10 @@ use crate::contexts::{BEATS, IrqPend};
 /// so it comes after 0.34 to 0.94 s.
 const COUNTS: u16 = 500;
 
+/// Looks at the status while prescaler and reload value cross over, which takes five cycles of the slow oscillator
+/// (RM0390 rev 6, section 19.3), 0.3 ms at 17 kHz: ten times that at four cycles a look and 180 MHz.
+const CROSSING: u32 = 135_000;
+
 /// How often the others are asked.
 const INTERVAL: Duration = Duration::from_millis(50);
 
@@ -32,6 +36,14 @@ pub fn start() {
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY32));
     IWDG.rlr().write(|w| w.set_rl(COUNTS - 1));
+    // A feed before the new values have reached the slow oscillator's side reloads the reset value, and the
+    // first period is 4 s.
+    for _ in 0..CROSSING {
+        let status = IWDG.sr().read();
+        if !status.pvu() && !status.rvu() {
+            break;
+        }
+    }
     feed();
 }
 

@@ -2,6 +2,7 @@
 
 use super::Verdict;
 use crate::checkout::{self, TARGET, cargo, run, words};
+use crate::emulate;
 use anyhow::{Context as _, Result, bail};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
@@ -35,9 +36,22 @@ pub fn build_boards() -> Result<Verdict> {
     Ok(Verdict::Passed(checkout::boards()?.join(", ")))
 }
 
-/// Tests on this computer; their results are counted while they scroll by.
+/// Tests on this computer.
 pub fn test() -> Result<Verdict> {
-    let mut command = cargo(["test", "--workspace", "--no-fail-fast"]);
+    count_tests(cargo(["test", "--workspace", "--no-fail-fast"]))
+}
+
+/// The tests of the emulator, which run the image of the Octopus; the emulator is linted, too.
+pub fn emulate() -> Result<Verdict> {
+    run(emulate::cargo(["fmt"], &["--check"]))?;
+    run(emulate::cargo(["clippy"], &["--release", "--all-targets", "--ignore-rust-version", "--", "-D", "warnings"]))?;
+    let mut command = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-fail-fast"]);
+    command.env("COREHBOT_ELF", checkout::build_image(emulate::IMAGE)?);
+    count_tests(command)
+}
+
+/// Runs tests; their results are counted while they scroll by.
+fn count_tests(mut command: Command) -> Result<Verdict> {
     let mut process = command.stdout(Stdio::piped()).spawn().context("cannot run cargo")?;
     let (mut passed, mut failed) = (0, 0);
     if let Some(stdout) = process.stdout.take() {

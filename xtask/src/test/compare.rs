@@ -62,6 +62,16 @@ pub fn check() -> Result<Verdict> {
     Ok(Verdict::Tested { passed: tests - failed, failed, remark })
 }
 
+/// Prints one file in QEMU and in the simulator.
+pub fn check_file(file: &Path) -> Result<()> {
+    if !tools::has_emulator() {
+        bail!("{}", tools::lack_of_emulator());
+    }
+    let image = checkout::build_image(BOARD)?;
+    run(cargo(["build", "--release", "--package", "corehbot-sim", "--package", "xtask"]))?;
+    compare(&image, &checkout::host_program("corehbot")?, file)
+}
+
 /// The examples.
 fn examples() -> Result<Vec<PathBuf>> {
     let folder = root().join("examples");

@@ -9,6 +9,8 @@ mod diff;
 mod size;
 mod tools;
 
+pub use compare::check_file;
+
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 
@@ -38,15 +40,16 @@ enum Verdict {
 }
 
 /// In this order, as later steps need the tools of the first, and quick steps should fail first.
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 9] = [
     Step { name: "tools", heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "lint", heading: "clippy finds nothing, host and boards", run: cargo::lint },
     Step { name: "doc", heading: "documentation builds without warnings", run: cargo::document },
     Step { name: "host", heading: "tests on this computer", run: cargo::test },
     Step { name: "boards", heading: "core and boards build for the target", run: cargo::build_boards },
-    Step { name: "size", heading: "the image keeps its budget", run: size::check },
+    Step { name: "size", heading: "the images keep their budgets", run: size::check },
     Step { name: "qemu", heading: "QEMU steps as the simulator does", run: compare::check },
+    Step { name: "emulate", heading: "the image for the Octopus steps as the simulator does", run: cargo::emulate },
 ];
 
 /// Runs the steps; one that fails does not keep the others from running.

@@ -1,0 +1,72 @@
+//! `cargo xtask emulate` and `equal`: the image that a user flashes, on an emulated processor.
+//!
+//! The emulator is a workspace of its own, so that no firmware build waits for it; this room calls it.
+
+use crate::checkout::{self, root, run};
+use crate::test::check_file;
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The package whose image the emulator has a board for.
+pub const IMAGE: &str = "corehbot-octopus";
+
+/// What to print.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The board.
+    board: Board,
+    /// G-code file; it has to home, for the image does not believe in a position.
+    file: PathBuf,
+    /// Writes the step events as they are on the pins, in real time since reset.
+    #[arg(long, value_name = "T.csv")]
+    trace: Option<PathBuf>,
+    /// Writes the same as VCD.
+    #[arg(long, value_name = "V.vcd")]
+    vcd: Option<PathBuf>,
+}
+
+/// A board that the emulator knows.
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Board {
+    /// BTT Octopus V1.0 or V1.1.
+    Octopus,
+}
+
+/// What to compare.
+#[derive(clap::Args)]
+pub struct EqualArgs {
+    /// G-code file; it has to home.
+    file: PathBuf,
+}
+
+/// Builds the image and prints a file on it; the emulator compares its steps with the simulator's.
+pub fn main(args: &Args) -> Result<()> {
+    let Board::Octopus = args.board;
+    let outputs = [("--trace", &args.trace), ("--vcd", &args.vcd)];
+    let outputs = outputs.into_iter().filter_map(|(option, path)| path.as_ref().map(|path| (option, path)));
+    print(&args.file, outputs)
+}
+
+/// Prints a file three times: the simulator against QEMU, byte for byte, and against the image.
+pub fn equal(args: &EqualArgs) -> Result<()> {
+    check_file(&args.file)?;
+    print(&args.file, std::iter::empty())
+}
+
+fn print<'a>(file: &Path, outputs: impl Iterator<Item = (&'static str, &'a PathBuf)>) -> Result<()> {
+    let mut command = cargo(["run"], &["--release", "--ignore-rust-version", "--"]);
+    command.current_dir(std::env::current_dir()?).arg(checkout::build_image(IMAGE)?).arg(file);
+    for (option, path) in outputs {
+        command.arg(option).arg(path);
+    }
+    run(command)
+}
+
+/// Cargo for the emulator. Its `--ignore-rust-version` is for the crate rigless, which declares a newer compiler
+/// than it needs.
+pub fn cargo<const N: usize>(task: [&str; N], options: &[&str]) -> Command {
+    let mut command = checkout::cargo(task);
+    command.arg("--manifest-path").arg(root().join("emulator/Cargo.toml")).args(options);
+    command
+}
