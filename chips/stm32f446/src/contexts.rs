@@ -7,6 +7,7 @@ use core::sync::atomic::{AtomicU32, Ordering};
 use corehbot::app::Parts;
 use corehbot::port::{NoStorage, Pend};
 use corehbot::{machine, motion};
+use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::NVIC;
 use embassy_executor::{Executor, Spawner};
 use embassy_stm32::interrupt;
@@ -16,7 +17,6 @@ use embassy_time::{Duration, Ticker};
 use static_cell::StaticCell;
 
 use crate::enable_lines::EnableLines;
-use crate::handover::Handover;
 use crate::serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};

@@ -9,7 +9,7 @@
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog |
 //!
-//! `unsafe` stays in `fault`, `handover`, `last_words`, `masking` and `priorities`.
+//! `unsafe` stays in `fault`, `last_words` and `priorities`.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod wiring;
@@ -23,11 +23,7 @@ mod enable_lines;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
-mod handover;
-#[cfg(target_os = "none")]
 mod last_words;
-#[cfg(target_os = "none")]
-mod masking;
 #[cfg(target_os = "none")]
 mod ports;
 #[cfg(target_os = "none")]

@@ -10,7 +10,7 @@ use crate::{contexts, receiver, serial, step_timer};
 /// What the serial line and embassy's time share: below the Stepper, above everything else.
 pub const LINK: Priority = Priority::P4;
 
-/// How urgent each is. Only 0 escapes the critical sections of [`masking`](crate::masking).
+/// How urgent each is. Only 0 escapes the critical sections of `corehbot-cortex-m4`.
 const PRIORITIES: [(Interrupt, Priority); 5] = [
     (step_timer::IRQ, Priority::P0),
     (Interrupt::TIM3, LINK),

@@ -1,6 +1,7 @@
 //! USART2: the host. Bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts.
 
 use corehbot::port::{Received, Serial};
+use corehbot_cortex_m4::Handover;
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::{Interrupt, RCC, USART2};
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -8,7 +9,6 @@ use static_cell::ConstStaticCell;
 
 use crate::clocks::APB1_HZ;
 use crate::contexts::wake_console;
-use crate::handover::Handover;
 use crate::ports;
 use crate::receiver::{self, Receiver};
 use crate::wiring::Board;

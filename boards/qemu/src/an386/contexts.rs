@@ -9,12 +9,12 @@ use corehbot::app::Parts;
 use corehbot::machine;
 use corehbot::motion;
 use corehbot::port::{DriverBus, MotorSet, NoStorage, Pend};
+use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::{NVIC, Peripherals};
 use critical_section::Mutex;
 use embassy_executor::InterruptExecutor;
 
 use super::fault::give_up;
-use super::handover::Handover;
 use super::serial::{self, UartSerial};
 use super::time::{self, BoardClock, StepTimer};
 use super::trace::{self, TracePort};

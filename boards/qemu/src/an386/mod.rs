@@ -8,14 +8,12 @@
 //! | 0xC0 | software interrupt | Console, a task of an embassy executor |
 //! | thread | [`idle`] | virtual time |
 //!
-//! `unsafe` stays in `registers`, `vectors`, `masking`, `handover`, `contexts`, `fault`, `stack` and `idle`.
+//! `unsafe` stays in `registers`, `vectors`, `contexts`, `fault`, `stack` and `idle`.
 
 mod contexts;
 mod fault;
-mod handover;
 mod idle;
 mod job;
-mod masking;
 mod registers;
 mod serial;
 mod stack;

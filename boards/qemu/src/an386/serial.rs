@@ -7,12 +7,12 @@
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use corehbot::port::{Received, Serial};
+use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::NVIC;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
 use super::contexts::wake_console;
-use super::handover::Handover;
 use super::registers::uart;
 use super::vectors::Irq;
 

@@ -4,12 +4,11 @@
 //! stays what it is on a printer, no event can get lost, and no other context is involved.
 
 use corehbot::port::{EndstopSet, MotorSet, StepPort};
+use corehbot_cortex_m4::Handover;
 use corehbot_rig::Rig;
 use heapless::Vec;
 use semihosting::fs::File;
 use semihosting::io::Write as _;
-
-use super::handover::Handover;
 
 /// The tick's lower 48 bits, the motors that step, and the directions; little-endian.
 type Record = [u8; 8];

@@ -27,7 +27,7 @@ pub enum Irq {
 }
 
 /// How urgent each is: less is more, and the STM32's four bits are enough. Only 0 escapes the critical
-/// sections of [`masking`](super::masking).
+/// sections of `corehbot-cortex-m4`.
 const PRIORITIES: [(Irq, u8); 6] = [
     (Irq::StepTimer, 0x00),
     (Irq::Received, LINK_PRIORITY),

@@ -22,6 +22,12 @@ pub struct Handover<T> {
 // value moves between contexts, hence `T: Send`.
 unsafe impl<T: Send> Sync for Handover<T> {}
 
+impl<T> Default for Handover<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl<T> Handover<T> {
     /// An empty place.
     pub const fn new() -> Self {
