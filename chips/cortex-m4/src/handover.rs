@@ -35,6 +35,9 @@ impl<T> Handover<T> {
     }
 
     /// Fills the place.
+    ///
+    /// # Panics
+    /// If it was filled before.
     pub fn fill(&self, value: T) {
         assert_eq!(self.state.swap(IN_USE, Ordering::Acquire), EMPTY, "a handle is given out twice");
         // SAFETY: the state was EMPTY and is IN_USE, so nobody else has a reference.
@@ -43,6 +46,9 @@ impl<T> Handover<T> {
     }
 
     /// Works with the value.
+    ///
+    /// # Panics
+    /// If there is none yet, or if the caller has interrupted somebody who works with it.
     pub fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
         assert_eq!(self.state.swap(IN_USE, Ordering::Acquire), FREE, "a handle is missing or shared");
         // SAFETY: the state was FREE, so the value is there, and it is IN_USE now, so nobody else has a
