@@ -29,6 +29,9 @@ use std::time::Instant;
 /// The print failed.
 const FAILED: u8 = 1;
 
+/// Said of a file with M92, whose steps have two sizes.
+const UNITS_CHANGED: &str = "M92 changes the steps: speeds and paths are shown in the old unit and not judged";
+
 /// Nothing was printed; clap ends with the same status.
 const UNUSABLE: u8 = 2;
 
@@ -138,11 +141,12 @@ impl Prepared {
         if std::io::stderr().is_terminal() {
             host.bar = progress_bar(host.host.commands());
         }
+        let limits = Limits::new(settings, stored.as_ref(), &self.gcode);
         let mut sinks = Sinks {
             trace: TraceWriter::new(self.trace, settings.into()),
             vcd: self.vcd,
             tally: Tally::new(settings, args.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num)),
-            checker: Checker::new(&Limits::new(settings, stored.as_ref(), &self.gcode)),
+            checker: Checker::new(&limits),
         };
         let start = Instant::now();
         let outcome = match &mut self.eeprom {
@@ -153,6 +157,10 @@ impl Prepared {
         let outcome = outcome.with_context(|| format!("{}: the simulation failed", self.name))?;
         let names = Names { file: &self.name, machine: self.machine.name.as_deref().unwrap_or("CoreH-bot") };
         let (mut summary, figures) = sinks.finish(names, &host.host, &outcome)?;
+        if !limits.is_judged {
+            summary.warnings.push(format!("{}: {UNITS_CHANGED}", self.name));
+            summary.warnings_total += 1;
+        }
         summary.wall_time_s = start.elapsed().as_secs_f64();
         write_results(args, &summary, &figures, settings)?;
         Ok(summary.ok)
