@@ -14,7 +14,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("protocol", &["units", "port"]),
     ("gcode", &["units"]),
     ("settings", &["units"]),
-    ("kinematics", &["port", "motors"]),
+    ("kinematics", &["units", "port", "motors"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),
     ("storage", &["units", "port", "settings"]),
     (

@@ -17,6 +17,7 @@
 //! and 4, B is 8 and 1.
 
 use crate::port::{Motor, MotorSet};
+use crate::units::Steps;
 
 /// Belt travel of motors 1, 4, 8 and 11, in steps or any other unit of length.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -95,6 +96,25 @@ pub struct Group {
     pub against: MotorSet,
     /// The motor whose count is the coordinate.
     pub lead: Motor,
+}
+
+impl Group {
+    /// The group's coordinate at a position in steps of x, y, z and e.
+    #[must_use]
+    pub fn coordinate(&self, position: [Steps; 4]) -> Steps {
+        let mut sum = Steps::ZERO;
+        for (times, steps) in self.row.iter().zip(position) {
+            sum = sum.wrapping_add(steps.wrapping_mul_int(i64::from(*times)));
+        }
+        sum
+    }
+}
+
+/// The count of steps of a group at a coordinate: the nearest whole step, halves upwards.
+#[must_use]
+pub const fn count_at(coordinate: Steps) -> i32 {
+    const HALF: i64 = 1 << 31;
+    (coordinate.to_bits().wrapping_add(HALF) >> 32) as i32
 }
 
 /// All motors of the machine: u = x + y, v = x - y, z and e.

@@ -2,4 +2,4 @@
 
 mod corehbot;
 
-pub use corehbot::{BeltSteps, GROUPS, Group, ToolSteps, forward, inverse, is_unstrained, residual};
+pub use corehbot::{BeltSteps, GROUPS, Group, ToolSteps, count_at, forward, inverse, is_unstrained, residual};

@@ -107,8 +107,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             *at = at.saturating_add(way);
         }
         self.plan(Target { position, speed, watch }).await?;
-        // What lies behind the switch is not waited for: it would be stepped into nothing.
-        self.until(|c| c.is_finished() || !c.link.status().triggered().is_empty()).await
+        self.finish().await
     }
 
     /// The axis stands at 0. Belt motors stand on whole steps, so the sum and difference of x and y do too.

@@ -4,7 +4,7 @@ use super::console::{Console, Interrupt, PortSet};
 use super::flow::{GATHERED, Release};
 use super::limits::{Homed, clamp};
 use super::modal::FARTHEST;
-use crate::kinematics::GROUPS;
+use crate::kinematics::{GROUPS, count_at};
 use crate::motion::{Target, Work};
 use crate::port::{Clock, DriverBus, EndstopSet, MotorSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
@@ -107,17 +107,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Waits until everything planned has been stepped.
     pub(super) async fn finish(&mut self) -> Result<(), Interrupt> {
-        self.until(|c| c.is_finished()).await?;
+        self.until(|c| {
+            c.flow.drain();
+            c.planner.release_all();
+            c.feed_motion();
+            c.planner.is_empty() && c.link.is_idle()
+        })
+        .await?;
         self.flow.rest();
         Ok(())
-    }
-
-    /// Lets everything planned leave, and says whether it has been stepped.
-    pub(super) fn is_finished(&mut self) -> bool {
-        self.flow.drain();
-        self.planner.release_all();
-        self.feed_motion();
-        self.planner.is_empty() && self.link.is_idle()
     }
 
     /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one.
@@ -159,13 +157,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.planner.stand_at(position);
         let counts = self.link.status().counts();
         for (origin, group) in self.origin.iter_mut().zip(&GROUPS) {
-            let mut sum = Steps::ZERO;
-            for (times, steps) in group.row.iter().zip(position) {
-                sum = sum.wrapping_add(steps.wrapping_mul_int(i64::from(*times)));
-            }
             let count = counts.get(group.lead as usize).copied().unwrap_or_default();
-            *origin = (sum.wrapping_round().to_bits() >> 32) as i32;
-            *origin = origin.wrapping_sub(count);
+            *origin = count_at(group.coordinate(position)).wrapping_sub(count);
         }
         self.until(|c| c.link.has_room()).await?;
         self.link.send(Work::Position(position));

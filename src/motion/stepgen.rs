@@ -10,7 +10,7 @@
 use super::crossing::{Curve, Path};
 use super::event::{LONGEST_INTERVAL, StepEvent};
 use super::moves::{Entry, Move, WHOLE, Work};
-use crate::kinematics::{GROUPS, is_unstrained};
+use crate::kinematics::{GROUPS, count_at, is_unstrained};
 use crate::port::{EndstopSet, MotorSet, Pend};
 use crate::status::Status;
 use crate::units::Steps;
@@ -209,7 +209,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             Work::Position(position) => {
                 self.position = position;
                 for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-                    track.count = rounded(coordinate(&group.row, position));
+                    track.count = count_at(group.coordinate(position));
                     track.next = None;
                 }
                 self.status.entry_done();
@@ -222,8 +222,8 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         let begin = self.end;
         self.end += phase.time;
         for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-            let first = coordinate(&group.row, from);
-            let last = coordinate(&group.row, m.end);
+            let first = group.coordinate(from);
+            let last = group.coordinate(m.end);
             // A phase begins where the one before it ended, to the last bit.
             let start = if index == 0 { first } else { track.path.end() };
             let stop = if phase.end == WHOLE { last } else { part(first, last, phase.end) };
@@ -293,7 +293,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
 impl Track {
     /// Finds the group's next step in its present path, which began at `begin`.
     fn plan_next(&mut self, begin: u64) {
-        let goal = rounded(self.path.end());
+        let goal = count_at(self.path.end());
         if goal == self.count {
             self.next = None;
             return;
@@ -327,23 +327,9 @@ fn phases(m: &Move) -> heapless::Vec<Phase, 3> {
     phases
 }
 
-/// The group's coordinate at a position.
-fn coordinate(row: &[i8; 4], position: [Steps; 4]) -> Steps {
-    let mut sum = Steps::ZERO;
-    for (times, steps) in row.iter().zip(position) {
-        sum = sum.wrapping_add(steps.wrapping_mul_int(i64::from(*times)));
-    }
-    sum
-}
-
 /// The point a fraction of the way from `first` to `last`.
 fn part(first: Steps, last: Steps, fraction: u32) -> Steps {
     // Rounded towards zero, so that groups that mirror each other still do.
     let way = i128::from(last.wrapping_sub(first).to_bits()) * i128::from(fraction) / i128::from(WHOLE);
     first.wrapping_add(Steps::from_bits(way as i64))
-}
-
-/// The nearest whole step, halves upwards.
-fn rounded(position: Steps) -> i32 {
-    (position.to_bits().wrapping_add(HALF) >> 32) as i32
 }

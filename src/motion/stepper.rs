@@ -157,14 +157,4 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     pub const fn tick(&self) -> u64 {
         self.tick
     }
-
-    /// The port, for a board that has to look at it.
-    pub const fn port(&mut self) -> &mut P {
-        &mut self.port
-    }
-
-    /// The clock, for a board that has to look at it.
-    pub const fn clock(&mut self) -> &mut C {
-        &mut self.clock
-    }
 }

@@ -268,6 +268,18 @@ fn a_feed_rate_alone_moves_nothing_and_homing_counts_only_the_way_made() {
     assert!((20.0..30.0).contains(&way), "{way} mm in {} events", steps.count);
 }
 
+/// Reproducer: the Console rounded half a step away from zero, the generator upwards, so a machine that began at
+/// v = -1/2 was one step off from then on.
+#[test]
+fn a_machine_that_begins_on_half_a_step_is_not_a_step_off() {
+    let mut settings = Settings::prototype();
+    settings.axes.x.steps_per_mm = 64u16.into();
+    settings.axes.y.steps_per_mm = 64u16.into();
+    let start = Some([0.0, 0.5 / 64.0, 0.0]);
+    let (heard, ..) = talk_to(&settings, start, &["G1 X10 Y10 F6000", "M400", "M114 R"]);
+    assert!(heard.contains(&"X:10.00 Y:10.00 Z:0.00 E:0.00 Count A:1280 B:0 Z:0".to_owned()), "{heard:?}");
+}
+
 #[test]
 fn a_bad_line_costs_a_resend_and_nothing_else() {
     let sum = |text: &str| format!("{text}*{}", text.bytes().fold(0, |a, b| a ^ b));
