@@ -73,10 +73,42 @@ pub trait Serial {
     fn send(&mut self, bytes: &[u8]) -> usize;
 }
 
-/// The motor drivers.
+/// The motor drivers: their enable lines, and the one-wire UART of each.
+///
+/// One exchange goes on at a time, beside everything else: nothing here blocks, and nobody awaits it.
+/// Without methods of its own for that, a machine has drivers that nobody can talk to.
 pub trait DriverBus {
     /// Powers exactly the motors of `on`; the four belt motors change in one transaction.
     fn enable(&mut self, on: MotorSet);
+
+    /// Motors whose driver can be talked to; the others run as their jumpers say.
+    fn lines(&self) -> MotorSet {
+        MotorSet::NONE
+    }
+
+    /// Sends the request on the line of a motor that is in [`lines`](Self::lines), and then listens for
+    /// `reply` bytes. An exchange that goes on is given up.
+    fn begin(&mut self, _motor: Motor, _request: &Frame, _reply: usize) {}
+
+    /// What became of the exchange, told once; `None` while it goes on. Every exchange ends by itself in
+    /// bounded time.
+    fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
+        Some(Err(BusError::Silent))
+    }
+}
+
+/// The bytes of one direction of an exchange; the longest datagram has eight (TMC2209 datasheet rev 1.09,
+/// section 4.1).
+pub type Frame = heapless::Vec<u8, 8>;
+
+/// Why an exchange with a driver failed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum BusError {
+    /// It says nothing, or stopped in the middle: no motor supply, no driver, no wire.
+    Silent,
+    /// What it says are no bytes: a stop bit that is low.
+    Garbled,
 }
 
 /// Why the storage did not do it.
