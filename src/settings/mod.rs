@@ -61,7 +61,7 @@ impl Settings {
         Self {
             axes: Axes {
                 x: AxisSettings::belt(Mm::const_from_int(390)),
-                y: AxisSettings::belt(Mm::lit("417.6")),
+                y: AxisSettings::belt(const { Mm::lit("417.6") }),
                 z: AxisSettings {
                     steps_per_mm: StepsPerMm::const_from_int(800),
                     max_speed: MmPerSec::const_from_int(20),
@@ -80,13 +80,13 @@ impl Settings {
             print_acceleration: MmPerSec2::const_from_int(3000),
             retract_acceleration: MmPerSec2::const_from_int(3000),
             travel_acceleration: MmPerSec2::const_from_int(5000),
-            corner: CornerRule::JunctionDeviation(Mm::lit("0.013")),
+            corner: CornerRule::JunctionDeviation(const { Mm::lit("0.013") }),
             extruder_jerk: MmPerSec::const_from_int(5),
             min_feed: MmPerSec::ZERO,
             min_travel: MmPerSec::ZERO,
             homing: Cartesian { x: Homing::belt(), y: Homing::belt(), z: Homing::screw() },
             soft_endstops: true,
-            arc_tolerance: Mm::lit("0.005"),
+            arc_tolerance: const { Mm::lit("0.005") },
             keepalive_s: 2,
         }
     }
