@@ -4,7 +4,7 @@
 //! power to all.
 
 use corehbot::port::MotorSet;
-use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, Slot};
+use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
 
 /// The board.
 pub static BOARD: Board = Board {
@@ -29,8 +29,9 @@ pub static BOARD: Board = Board {
     endstops: [Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
     loads: &[],
     // The ST-LINK's virtual serial port.
-    serial: [Pin::new(Port::A, 2), Pin::new(Port::A, 3)],
-    baud: 250_000,
+    serial: &[SerialPort { usart: Usart::Two, tx: Pin::new(Port::A, 2), rx: Pin::new(Port::A, 3), baud: 250_000 }],
+    // The processor's USB pins lead to a pin header (UM1724, morpho connector CN10), not to a connector.
+    has_usb: false,
     marks: &[],
 };
 

@@ -4,7 +4,7 @@
 //! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
 
 use corehbot::port::MotorSet;
-use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, Slot};
+use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, SerialPort, Slot, Usart};
 
 /// The board.
 pub static BOARD: Board = Board {
@@ -46,9 +46,13 @@ pub static BOARD: Board = Board {
         Pin::new(Port::D, 14),
         Pin::new(Port::D, 15),
     ],
-    // The Raspberry Pi header.
-    serial: [Pin::new(Port::D, 5), Pin::new(Port::D, 6)],
-    baud: 250_000,
+    serial: &[
+        // The Raspberry Pi header.
+        SerialPort { usart: Usart::Two, tx: Pin::new(Port::D, 5), rx: Pin::new(Port::D, 6), baud: 250_000 },
+        // The TFT header.
+        SerialPort { usart: Usart::One, tx: Pin::new(Port::A, 9), rx: Pin::new(Port::A, 10), baud: 250_000 },
+    ],
+    has_usb: true,
     // Here PA0 is an enable line with a resistor of 10 kOhm to 3.3 V (R5) and PA2 a heater with one to ground.
     // On the Octopus Pro V1.1 PA0 is the heater, which our idle level would switch on (BTT pins of the Pro
     // V1.1).

@@ -1,4 +1,4 @@
-//! Clocks: 180 MHz from the crystal.
+//! Clocks: 180 MHz from the crystal, and 48 MHz for USB.
 
 use embassy_stm32::pac::{FLASH, RCC};
 use embassy_stm32::rcc::{
@@ -12,15 +12,20 @@ use crate::wiring::Crystal;
 /// Clock of the timers on APB1: twice the bus's 45 MHz (RM0390, 6.2, figure of the clock tree).
 pub const TIMER_HZ: u32 = 90_000_000;
 
-/// Clock of APB1, on which USART2 is.
-pub const APB1_HZ: u32 = 45_000_000;
+/// Looks at a status register, at four cycles of 180 MHz each or more, until the second PLL must run: 0.3 ms
+/// (STM32F446 datasheet, PLLSAI characteristics), with a margin of ten.
+const LOCKING: u32 = 135_000;
+
+/// Takes the 48 MHz of USB from PLLSAI instead of the main PLL (RM0390, 6.3.27, CK48MSEL).
+const CK48MSEL: u32 = 1 << 27;
 
 /// Starts the clocks, embassy's time, and what keeps flash from being slow.
 pub fn start(crystal: Crystal, dma_priority: Priority) {
-    let (freq, mode, prediv) = match crystal {
-        Crystal::Oscillator12MHz => (Hertz::mhz(12), HseMode::Oscillator, PllPreDiv::DIV6),
-        Crystal::Clock8MHz => (Hertz::mhz(8), HseMode::Bypass, PllPreDiv::DIV4),
+    let (freq, mode) = match crystal {
+        Crystal::Oscillator12MHz => (Hertz::mhz(12), HseMode::Oscillator),
+        Crystal::Clock8MHz => (Hertz::mhz(8), HseMode::Bypass),
     };
+    let prediv = to_2_mhz(crystal);
     let mut config = Config::default();
     config.dma_interrupt_priority = dma_priority;
     config.rcc.hse = Some(Hse { freq, mode });
@@ -42,4 +47,27 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     });
     // If the crystal stops, the processor falls back to 16 MHz and raises NMI (RM0390, 6.2.7).
     RCC.cr().modify(|w| w.set_csson(true));
+}
+
+/// What makes 2 MHz of the crystal's clock, for either PLL.
+const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
+    match crystal {
+        Crystal::Oscillator12MHz => PllPreDiv::DIV6,
+        Crystal::Clock8MHz => PllPreDiv::DIV4,
+    }
+}
+
+/// Starts the 48 MHz of USB: 2 MHz * 96 / 4 in PLLSAI. Says whether they run.
+///
+/// embassy-stm32 0.6.0 cannot: it leaves the predivider PLLSAIM, which the F446 has in a register of its own, at the
+/// forbidden 0 (RM0390, 6.3.24), and writes CK48MSEL into DCKCFGR, where other chips have it.
+pub fn start_usb(crystal: Crystal) -> bool {
+    RCC.pllsaicfgr().modify(|w| {
+        w.set_pllm(to_2_mhz(crystal));
+        w.set_plln(PllMul::MUL96);
+        w.set_pllp(PllPDiv::DIV4);
+    });
+    RCC.dckcfgr2().modify(|w| w.0 |= CK48MSEL);
+    RCC.cr().modify(|w| w.set_pllsaion(true));
+    (0..LOCKING).any(|_| RCC.cr().read().pllsairdy())
 }

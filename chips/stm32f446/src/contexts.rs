@@ -17,9 +17,10 @@ use embassy_time::{Duration, Ticker};
 use static_cell::StaticCell;
 
 use crate::enable_lines::EnableLines;
-use crate::serial::HostSerial;
+use crate::host_serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::usb::{self, UsbPort};
 use crate::watchdog::Watchdog;
 use crate::{fault, priorities};
 
@@ -42,21 +43,26 @@ static CONSOLE_WAKER: AtomicWaker = AtomicWaker::new();
 pub static BEATS: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 
 /// Hands the parts to their contexts and lets them loose.
-pub fn start(parts: &'static mut BoardParts, watchdog: Watchdog) -> ! {
+pub fn start(parts: &'static mut BoardParts, usb: Option<UsbPort>, watchdog: Watchdog) -> ! {
     STEPPER.fill(&mut parts.stepper);
     GENERATOR.fill(&mut parts.generator);
     priorities::enable();
     let console = &mut parts.console;
-    EXECUTOR.init(Executor::new()).run(|spawner| spawn(spawner, console, watchdog))
+    EXECUTOR.init(Executor::new()).run(|spawner| spawn(spawner, console, usb, watchdog))
 }
 
-fn spawn(spawner: Spawner, console: &'static mut Console, watchdog: Watchdog) {
+fn spawn(spawner: Spawner, console: &'static mut Console, usb: Option<UsbPort>, watchdog: Watchdog) {
     match (run_console(console, watchdog), keep_time()) {
         (Ok(console), Ok(time)) => {
             spawner.spawn(console);
             spawner.spawn(time);
         }
         _ => fault::give_up("a task runs once"),
+    }
+    match usb.map(usb::serve) {
+        Some(Ok(serve)) => spawner.spawn(serve),
+        Some(Err(_)) => fault::give_up("a task runs once"),
+        None => {}
     }
 }
 

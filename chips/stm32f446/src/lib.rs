@@ -5,13 +5,16 @@
 //! | priority | context | runs |
 //! |---|---|---|
 //! | 0x00 | TIM2 | Stepper; nothing masks it |
-//! | 0x40 | USART2, DMA1 stream 5, TIM3 | bytes, embassy's time |
+//! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM3 | bytes, USB packets, embassy's time |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
-//! | thread | embassy executor | Console, watchdog |
+//! | thread | embassy executor | Console, watchdog; USB |
 //!
-//! `unsafe` stays in `fault`, `last_words` and `priorities`.
+//! `unsafe` stays in `fault`, `last_words`, `otg` and `priorities`.
 #![cfg_attr(target_os = "none", no_std)]
 
+mod serial_port;
+pub mod usb_pump;
+pub mod usb_traffic;
 pub mod wiring;
 
 #[cfg(target_os = "none")]
@@ -23,7 +26,11 @@ mod enable_lines;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
+mod host_serial;
+#[cfg(target_os = "none")]
 mod last_words;
+#[cfg(target_os = "none")]
+mod otg;
 #[cfg(target_os = "none")]
 mod ports;
 #[cfg(target_os = "none")]
@@ -33,13 +40,15 @@ mod receiver;
 #[cfg(target_os = "none")]
 mod safe_levels;
 #[cfg(target_os = "none")]
-mod serial;
-#[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
 mod step_pins;
 #[cfg(target_os = "none")]
 mod step_timer;
+#[cfg(target_os = "none")]
+mod usart;
+#[cfg(target_os = "none")]
+mod usb;
 #[cfg(target_os = "none")]
 mod watchdog;
 

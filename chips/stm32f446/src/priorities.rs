@@ -5,17 +5,20 @@ use cortex_m::register::basepri;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
-use crate::{contexts, receiver, serial, step_timer};
+use crate::{contexts, otg, step_timer};
 
-/// What the serial line and embassy's time share: below the Stepper, above everything else.
+/// What the lines to hosts and embassy's time share: below the Stepper, above everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// How urgent each is. Only 0 escapes the critical sections of `corehbot-cortex-m4`.
-const PRIORITIES: [(Interrupt, Priority); 5] = [
+const PRIORITIES: [(Interrupt, Priority); 8] = [
     (step_timer::IRQ, Priority::P0),
     (Interrupt::TIM3, LINK),
-    (serial::IRQ, LINK),
-    (receiver::IRQ, LINK),
+    (Interrupt::USART1, LINK),
+    (Interrupt::USART2, LINK),
+    (Interrupt::DMA2_STREAM5, LINK),
+    (Interrupt::DMA1_STREAM5, LINK),
+    (otg::IRQ, LINK),
     (contexts::GENERATOR_IRQ, Priority::P8),
 ];
 

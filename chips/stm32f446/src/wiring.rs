@@ -4,6 +4,8 @@
 
 use corehbot::port::{Motor, MotorSet};
 
+pub use crate::serial_port::{SerialPort, Usart};
+
 /// A GPIO port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
@@ -96,13 +98,19 @@ pub struct Board {
     pub endstops: [Pin; 3],
     /// Heaters and fans: low is off, and they stay low.
     pub loads: &'static [Pin],
-    /// Transmitter and receiver of USART2.
-    pub serial: [Pin; 2],
-    /// Bits a second on USART2.
-    pub baud: u32,
+    /// Serial ports on which hosts may be, each USART once.
+    pub serial: &'static [SerialPort],
+    /// There is a USB connector on PA11 and PA12.
+    pub has_usb: bool,
     /// What tells this board from others that an image of ours might be flashed to.
     pub marks: &'static [Mark],
 }
+
+/// Lines on which hosts may be at the same time.
+pub const LINES: usize = 3;
+
+/// The pins of the USB port (STM32F446 datasheet, table of alternate functions: OTG_FS).
+pub const USB: [Pin; 2] = [Pin::new(Port::A, 11), Pin::new(Port::A, 12)];
 
 /// The clock at the crystal's pins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -212,7 +220,9 @@ impl Board {
         }
         let slots = || self.slots.iter().flatten();
         let single = slots().flat_map(|slot| [slot.step, slot.dir]);
-        let single = single.chain(self.loads.iter().copied()).chain(self.endstops).chain(self.serial);
+        let single = single.chain(self.loads.iter().copied()).chain(self.endstops);
+        let single = single.chain(self.serial.iter().flat_map(|port| [port.tx, port.rx]));
+        let single = single.chain(USB.into_iter().filter(|_| self.has_usb));
         let is_twice = |pin: Pin| single.clone().filter(|other| *other == pin).count() > 1;
         if single.clone().any(is_twice) || slots().any(|slot| single.clone().any(|pin| pin == slot.enable)) {
             return Some("a pin has two jobs");
@@ -221,7 +231,11 @@ impl Board {
         if single.clone().chain(slots().map(|slot| slot.enable)).any(|pin| debug.contains(&pin)) {
             return Some("a pin of the debug port has a job");
         }
-        None
+        let is_usart_twice = |port: &SerialPort| self.serial.iter().filter(|p| p.usart == port.usart).count() > 1;
+        if self.serial.iter().any(is_usart_twice) || self.serial.len() + usize::from(self.has_usb) > LINES {
+            return Some("there are more lines to hosts than can be served");
+        }
+        self.serial.iter().find_map(SerialPort::problem)
     }
 }
 

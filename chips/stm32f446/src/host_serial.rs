@@ -1,0 +1,30 @@
+//! The lines on which a host may be: the Console serves all of them, and they are one type to it.
+
+use corehbot::port::{Received, Serial};
+
+use crate::usart::UsartLine;
+use crate::usb::UsbLine;
+
+/// A line to a host.
+pub enum HostSerial {
+    /// A USART on a header.
+    Usart(UsartLine),
+    /// The USB port.
+    Usb(UsbLine),
+}
+
+impl Serial for HostSerial {
+    fn recv(&mut self) -> Option<Received> {
+        match self {
+            Self::Usart(line) => line.recv(),
+            Self::Usb(line) => line.recv(),
+        }
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> usize {
+        match self {
+            Self::Usart(line) => line.send(bytes),
+            Self::Usb(line) => line.send(bytes),
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Serial ports: which USART on which pins, and how its bus clock is divided into bits.
+//!
+//! Nothing here needs the processor, so a board's table and the division are tested on the host.
+
+use crate::wiring::{Pin, Port};
+
+/// A serial port that a host may be on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SerialPort {
+    /// What drives it.
+    pub usart: Usart,
+    /// Transmitter.
+    pub tx: Pin,
+    /// Receiver.
+    pub rx: Pin,
+    /// Bits a second.
+    pub baud: u32,
+}
+
+/// The USARTs that are wired for hosts.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Usart {
+    /// USART1.
+    One,
+    /// USART2.
+    Two,
+}
+
+/// Bits a second may be off by one part in so many. Receivers put up with 3.3 % between both ends (RM0390, 25.4.5,
+/// tolerance with ONEBIT = 0), so a third of that is ours.
+const TOLERANCE: u32 = 100;
+
+/// The smallest divisor with 16 samples a bit (RM0390, 25.4.4).
+const LEAST: u32 = 16;
+
+impl Usart {
+    /// Clock of its bus: APB2 with a half, APB1 with a quarter of 180 MHz (`clocks`).
+    #[must_use]
+    pub const fn bus_hz(self) -> u32 {
+        match self {
+            Self::One => 90_000_000,
+            Self::Two => 45_000_000,
+        }
+    }
+
+    /// Whether its transmitter and receiver can be on these pins, as alternate function 7 (STM32F446 datasheet, table
+    /// of alternate functions).
+    #[must_use]
+    const fn reaches(self, tx: Pin, rx: Pin) -> bool {
+        match (self, tx.port, tx.number(), rx.port, rx.number()) {
+            (Self::One, Port::A, 9, Port::A, 10) | (Self::One, Port::B, 6, Port::B, 7) => true,
+            (Self::Two, Port::A, 2, Port::A, 3) | (Self::Two, Port::D, 5, Port::D, 6) => true,
+            _ => false,
+        }
+    }
+}
+
+impl SerialPort {
+    /// What to divide the bus clock by: 16 samples a bit and four bits of fraction make it the plain quotient (RM0390,
+    /// 25.4.4).
+    #[must_use]
+    pub const fn divisor(&self) -> u32 {
+        (self.usart.bus_hz() + self.baud / 2) / self.baud
+    }
+
+    /// What is wrong with it, if anything.
+    #[must_use]
+    pub fn problem(&self) -> Option<&'static str> {
+        if !self.usart.reaches(self.tx, self.rx) {
+            return Some("a serial port is on pins that its USART does not reach");
+        }
+        let divisor = self.divisor();
+        if !(LEAST..=u32::from(u16::MAX)).contains(&divisor) {
+            return Some("a serial port is too fast or too slow for its USART");
+        }
+        let off = (self.usart.bus_hz() / divisor).abs_diff(self.baud);
+        (off > self.baud / TOLERANCE).then_some("a serial port cannot have its rate")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn port(usart: Usart, baud: u32) -> SerialPort {
+        let (tx, rx) = match usart {
+            Usart::One => (Pin::new(Port::A, 9), Pin::new(Port::A, 10)),
+            Usart::Two => (Pin::new(Port::D, 5), Pin::new(Port::D, 6)),
+        };
+        SerialPort { usart, tx, rx, baud }
+    }
+
+    #[test]
+    fn usual_rates_are_met_to_half_a_percent() {
+        for usart in [Usart::One, Usart::Two] {
+            for baud in [115_200, 230_400, 250_000, 500_000, 1_000_000] {
+                let port = port(usart, baud);
+                let real = f64::from(usart.bus_hz()) / f64::from(port.divisor());
+                assert!((real / f64::from(baud) - 1.0).abs() < 0.005, "{usart:?} {baud}: {real}");
+                assert_eq!(port.problem(), None);
+            }
+        }
+        assert_eq!(port(Usart::One, 1_000_000).divisor(), 90);
+        assert_eq!(port(Usart::Two, 250_000).divisor(), 180);
+    }
+
+    #[test]
+    fn a_rate_or_a_pin_out_of_reach_is_a_problem() {
+        assert!(port(Usart::Two, 3_000_000).problem().is_some(), "less than 16 samples a bit");
+        assert!(port(Usart::One, 1000).problem().is_some(), "more than 16 bits");
+        assert!(port(Usart::Two, 2_550_000).problem().is_some(), "17 or 18: 3 % off");
+        let crossed = SerialPort { usart: Usart::One, ..port(Usart::Two, 250_000) };
+        assert!(crossed.problem().is_some());
+    }
+}

@@ -1,0 +1,91 @@
+//! USB: a serial port (CDC ACM) for the host.
+
+use corehbot::port::{Clock as _, Received, Serial};
+use corehbot::units::Instant;
+use embassy_stm32::uid;
+use embassy_usb::class::cdc_acm::{CdcAcmClass, State};
+use embassy_usb::{Builder, Config, UsbDevice};
+use static_cell::{ConstStaticCell, StaticCell};
+
+use crate::contexts::wake_console;
+use crate::otg::{self, UsbDriver};
+use crate::step_timer::BoardClock;
+use crate::usb_pump::PACKET;
+use crate::usb_traffic::{Surroundings, Traffic};
+use crate::wiring::Board;
+
+/// The identity that pid.codes keeps for tests (pid.codes/1209/0001): nobody else's, but not ours alone. A host that
+/// finds a device by it should look at manufacturer and product too.
+const IDENTITY: (u16, u16) = (0x1209, 0x0001);
+
+/// Descriptors and packets.
+struct Memory {
+    /// 70 bytes are used: a configuration with two interfaces and three endpoints.
+    configuration: [u8; 128],
+    /// 12 bytes are used.
+    capabilities: [u8; 32],
+    control: [u8; PACKET],
+    /// A packet of endpoint 0 and one of the port.
+    packets: [u8; 2 * PACKET],
+}
+
+static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory {
+    configuration: [0; 128],
+    capabilities: [0; 32],
+    control: [0; PACKET],
+    packets: [0; 2 * PACKET],
+});
+static STATE: StaticCell<State<'static>> = StaticCell::new();
+static TRAFFIC: Traffic = Traffic::new();
+
+/// The Console's end of the port.
+pub struct UsbLine(());
+
+/// The bus's end of the port.
+pub struct UsbPort {
+    device: UsbDevice<'static, UsbDriver>,
+    class: CdcAcmClass<'static, UsbDriver>,
+}
+
+/// Starts the port of `board`; the host sees it when [`serve`] runs. `None` if the USB core does not start.
+pub fn start(board: &'static Board) -> Option<(UsbLine, UsbPort)> {
+    let memory = MEMORY.take();
+    let driver = otg::start(&mut memory.packets)?;
+    let mut config = Config::new(IDENTITY.0, IDENTITY.1);
+    config.manufacturer = Some("corehbot");
+    config.product = Some(board.name);
+    config.serial_number = Some(uid::uid_hex());
+    let (configuration, capabilities) = (&mut memory.configuration, &mut memory.capabilities);
+    let mut builder = Builder::new(driver, config, configuration, capabilities, &mut [], &mut memory.control);
+    let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
+    Some((UsbLine(()), UsbPort { device: builder.build(), class }))
+}
+
+/// The contexts beside which the port is served.
+struct Contexts;
+
+impl Surroundings for Contexts {
+    fn wake_console(&self) {
+        wake_console();
+    }
+
+    fn now(&self) -> Instant {
+        BoardClock.now()
+    }
+}
+
+/// Serves the port for ever.
+#[embassy_executor::task]
+pub async fn serve(port: UsbPort) {
+    TRAFFIC.run(port.device, port.class, Contexts).await;
+}
+
+impl Serial for UsbLine {
+    fn recv(&mut self) -> Option<Received> {
+        TRAFFIC.recv().map(Received::Byte)
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> usize {
+        TRAFFIC.send(bytes, BoardClock.now())
+    }
+}

@@ -1,0 +1,147 @@
+//! USB traffic: carries packets between the [`Pump`] and a CDC ACM port, whatever hardware is below.
+
+use core::cell::RefCell;
+use core::future::poll_fn;
+use core::task::Poll;
+
+use corehbot::units::Instant;
+use embassy_futures::join::join4;
+use embassy_futures::poll_once;
+use embassy_futures::select::{Either, select};
+use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use embassy_sync::waitqueue::AtomicWaker;
+use embassy_usb::UsbDevice;
+use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender};
+use embassy_usb::driver::Driver;
+
+use crate::usb_pump::{PACKET, Pump};
+
+/// A port as both of its ends see it.
+pub struct Traffic {
+    pump: CriticalSectionMutex<RefCell<Pump>>,
+    /// The host may get a packet, or the port was opened or closed.
+    to_host: AtomicWaker,
+    /// There is room for a packet from the host.
+    from_host: AtomicWaker,
+}
+
+/// What the port needs of the board.
+pub trait Surroundings {
+    /// Has the Console look.
+    fn wake_console(&self);
+
+    /// The Console's clock.
+    fn now(&self) -> Instant;
+}
+
+impl Traffic {
+    /// A closed port; all zeros, so it costs no flash.
+    pub const fn new() -> Self {
+        Self {
+            pump: CriticalSectionMutex::new(RefCell::new(Pump::new())),
+            to_host: AtomicWaker::new(),
+            from_host: AtomicWaker::new(),
+        }
+    }
+
+    /// The next byte from the host.
+    pub fn recv(&self) -> Option<u8> {
+        let (byte, has_more_room) = self.with(|pump| {
+            let had_room = pump.has_room();
+            let byte = pump.recv();
+            (byte, !had_room && pump.has_room())
+        });
+        if has_more_room {
+            self.from_host.wake();
+        }
+        byte
+    }
+
+    /// Takes as many of `bytes` as fit and says how many.
+    pub fn send(&self, bytes: &[u8], now: Instant) -> usize {
+        let taken = self.with(|pump| pump.send(bytes, now));
+        if taken > 0 {
+            self.to_host.wake();
+        }
+        taken
+    }
+
+    /// Serves the port for ever.
+    pub async fn run<'d, D: Driver<'d>>(
+        &self,
+        mut device: UsbDevice<'d, D>,
+        class: CdcAcmClass<'d, D>,
+        board: impl Surroundings,
+    ) {
+        let (sender, receiver, control) = class.split_with_control();
+        join4(device.run(), self.tell(sender, &board), self.hear(receiver, &board), self.watch(control)).await;
+    }
+
+    fn with<R>(&self, work: impl FnOnce(&mut Pump) -> R) -> R {
+        self.pump.lock(|pump| work(&mut pump.borrow_mut()))
+    }
+
+    fn set_open(&self, is_open: bool) {
+        if self.with(|pump| pump.set_open(is_open)) {
+            self.to_host.wake();
+            self.from_host.wake();
+        }
+    }
+
+    /// Ready as soon as `find` finds something.
+    async fn wait<R>(&self, waker: &AtomicWaker, mut find: impl FnMut(&mut Pump) -> Option<R>) -> R {
+        poll_fn(|context| {
+            waker.register(context.waker());
+            self.with(&mut find).map_or(Poll::Pending, Poll::Ready)
+        })
+        .await
+    }
+
+    /// From the Console to the host.
+    async fn tell<'d, D: Driver<'d>>(&self, mut sender: Sender<'d, D>, board: &impl Surroundings) -> ! {
+        let mut packet = [0; PACKET];
+        loop {
+            let take = |pump: &mut Pump| pump.packet(&mut packet, board.now()).map(|length| (length, pump.session()));
+            let (length, session) = self.wait(&self.to_host, take).await;
+            let packet = &packet[..length];
+            let is_stale = self.wait(&self.to_host, |pump| (pump.session() != session).then_some(()));
+            match select(sender.write_packet(packet), is_stale).await {
+                Either::First(Ok(())) => {
+                    self.with(|pump| pump.on_sent(packet));
+                    // Room for whoever has more to say.
+                    board.wake_console();
+                }
+                Either::First(Err(_)) => sender.wait_connection().await,
+                Either::Second(()) => {}
+            }
+        }
+    }
+
+    /// From the host to the Console.
+    async fn hear<'d, D: Driver<'d>>(&self, mut receiver: Receiver<'d, D>, board: &impl Surroundings) -> ! {
+        let mut packet = [0; PACKET];
+        loop {
+            self.wait(&self.from_host, |pump| pump.has_room().then_some(())).await;
+            if self.with(Pump::take_stray) {
+                let _ = poll_once(receiver.read_packet(&mut packet));
+            }
+            match receiver.read_packet(&mut packet).await {
+                Ok(length) => {
+                    // Whoever sends has opened the port before, even if `watch` has not run since.
+                    self.set_open(receiver.dtr());
+                    self.with(|pump| pump.on_packet(&packet[..length]));
+                    board.wake_console();
+                }
+                Err(_) => receiver.wait_connection().await,
+            }
+        }
+    }
+
+    /// Opens and closes the port as the host says.
+    async fn watch(&self, control: ControlChanged<'_>) -> ! {
+        loop {
+            control.control_changed().await;
+            self.set_open(control.dtr());
+        }
+    }
+}
