@@ -62,9 +62,14 @@ pub enum Received {
     Byte(u8),
     /// Something was lost or damaged here: overrun, framing or noise error.
     Lost,
+    /// Somebody has opened the line; what came before was somebody else's. Only for lines that know, such as USB.
+    Opened,
 }
 
-/// A serial line; never blocks.
+/// The serial lines of a machine: at most USB and two UARTs.
+pub type Lines<S> = heapless::Vec<S, 3>;
+
+/// A serial line; never blocks. A line that nobody listens to takes everything that is sent.
 pub trait Serial {
     /// The next thing received, if any.
     fn recv(&mut self) -> Option<Received>;

@@ -1,22 +1,19 @@
 //! The console: lines in, replies out, one command after the other.
 
 use super::flow::Flow;
+use super::hosts::{Asked, Hosts, Text};
 use super::limits::Homed;
 use super::modal::Modal;
 use crate::gcode;
 use crate::motion::{Link, Planner};
-use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
-use crate::protocol::{Emergency, Incoming, NoRoom, Receiver, Replies};
+use crate::port::{Clock, DriverBus, Lines, MotorSet, Pend, Serial, Storage};
+use crate::protocol::{NoRoom, Replies};
 use crate::settings::Settings;
 use crate::units::{Instant, Mm};
 use core::convert::Infallible;
 use core::fmt;
 use core::future::poll_fn;
 use core::task::Poll;
-use heapless::Vec;
-
-/// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
-type Text = Vec<u8, 320>;
 
 /// Motors lose power when nothing has moved for this long, unless M84 S says otherwise; Klipper's
 /// idle_timeout is as long.
@@ -24,8 +21,8 @@ const IDLE_TIMEOUT_S: u32 = 600;
 
 /// What the Console needs of a board.
 pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
-    /// The line to the host.
-    pub serial: S,
+    /// The lines to the hosts.
+    pub serial: Lines<S>,
     /// The motor drivers.
     pub drivers: D,
     /// The clock.
@@ -36,7 +33,7 @@ pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
 
 /// The types of a set of [`Ports`], so that one parameter names them all.
 pub trait PortSet {
-    /// The line to the host.
+    /// A line to a host.
     type Serial: Serial;
     /// The motor drivers.
     type Drivers: DriverBus;
@@ -53,9 +50,12 @@ impl<S: Serial, D: DriverBus, K: Clock, T: Storage> PortSet for Ports<S, D, K, T
     type Storage = T;
 }
 
-/// The ports that have the types of `P`, which is `P` itself.
-type PortsOf<P> =
-    Ports<<P as PortSet>::Serial, <P as PortSet>::Drivers, <P as PortSet>::Clock, <P as PortSet>::Storage>;
+/// The ports of `P` without the lines to the hosts.
+pub(super) struct Devices<P: PortSet> {
+    pub drivers: P::Drivers,
+    pub clock: P::Clock,
+    pub storage: P::Storage,
+}
 
 /// Why a command ends before it is done.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -68,9 +68,8 @@ pub(super) enum Interrupt {
 
 /// The Console.
 pub struct Console<'m, P: PortSet, W: Pend> {
-    pub(super) ports: PortsOf<P>,
-    receiver: Receiver,
-    pub(super) replies: Replies,
+    pub(super) ports: Devices<P>,
+    hosts: Hosts<P::Serial>,
     pub(super) link: Link<'m, W>,
     pub(super) planner: Planner,
     pub(super) flow: Flow,
@@ -86,12 +85,8 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     /// Seconds without motion until they lose it; 0 is never.
     pub(super) idle_timeout_s: u32,
     pub(super) last_motion: Instant,
-    /// A received line has not been answered yet, since when.
-    owes_ok: Option<Instant>,
     /// M108 came since the present command began.
     pub(super) continued: bool,
-    /// Lines up to this place of the receiver came before a quick stop, which forgets them.
-    forgotten: Option<u32>,
     /// An axis is being homed.
     pub(super) is_homing: bool,
     /// The host was told of a target beyond the edge.
@@ -104,11 +99,11 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
     /// A Console of a machine that stands at `start` if that is known, as if homed.
     pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T>) -> Self {
         let [x, y, z] = start.unwrap_or_default();
-        let now = ports.clock.now();
+        let Ports { serial, drivers, clock, storage } = ports;
+        let now = clock.now();
         Self {
-            ports,
-            receiver: Receiver::new(),
-            replies: Replies::new(),
+            ports: Devices { drivers, clock, storage },
+            hosts: Hosts::new(serial, now),
             link,
             planner: Planner::new(&settings, [x, y, z, Mm::ZERO]),
             flow: Flow::new(),
@@ -120,9 +115,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             powered: MotorSet::NONE,
             idle_timeout_s: IDLE_TIMEOUT_S,
             last_motion: now,
-            owes_ok: None,
             continued: false,
-            forgotten: None,
             is_homing: false,
             told_of_edge: false,
             told_of_heaters: false,
@@ -154,54 +147,43 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.link.is_fresh() {
             let found = self.load_at_start().await?;
             self.adopt_position(self.planner.end()).await?;
-            self.answer(Replies::start).await?;
-            self.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION"))).await?;
-            self.report_start(found).await?;
+            for host in 0..self.hosts.len() {
+                self.hosts.turn_to(host);
+                self.answer(Replies::start).await?;
+                self.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION"))).await?;
+                self.report_start(found).await?;
+            }
         }
         // A command that an emergency ended is answered all the same.
-        if self.owes_ok.is_some() {
+        if self.hosts.owes_ok() {
             self.answer(Replies::ok).await?;
-            self.owes_ok = None;
+            self.hosts.settle();
             self.continued = false;
         }
         self.serve().await
     }
 
     async fn serve(&mut self) -> Result<Infallible, Interrupt> {
+        let mut text = Text::new();
         loop {
             let now = self.ports.clock.now();
-            let mut text = Text::new();
-            let Some(incoming) = self.receiver.next_line(now) else {
+            let Some(asked) = self.hosts.next_line(now, &mut text) else {
                 self.link.status().set_awaiting_input(true);
                 self.turn().await?;
                 continue;
             };
-            let answer = match incoming {
-                Incoming::Command(line) => {
-                    let kept = line.get(..text.capacity()).unwrap_or(line);
-                    let _ = text.extend_from_slice(kept);
-                    None
-                }
-                Incoming::Acknowledge => Some(Answer::Ok),
-                Incoming::LineNumber { report } => Some(Answer::LineNumber(report)),
-                Incoming::TooLong => Some(Answer::TooLong),
-                Incoming::Resend { reason, last } => Some(Answer::Resend(reason, last)),
-            };
             self.link.status().set_awaiting_input(false);
-            self.owes_ok = Some(now);
-            self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
-            match answer {
-                None if self.forgotten.is_some() => self.answer(Replies::ok).await?,
-                None => self.carry_out(&text).await?,
-                Some(Answer::Ok) => self.answer(Replies::ok).await?,
-                Some(Answer::LineNumber(report)) => {
+            match asked {
+                Asked::Command => self.carry_out(&text).await?,
+                Asked::Nothing => self.answer(Replies::ok).await?,
+                Asked::LineNumber(report) => {
                     self.told_of_edge = false;
                     self.answer(|r| r.line_number(report)).await?;
                 }
-                Some(Answer::TooLong) => self.answer(Replies::too_long).await?,
-                Some(Answer::Resend(reason, last)) => self.answer(|r| r.resend(reason, last)).await?,
+                Asked::TooLong => self.answer(Replies::too_long).await?,
+                Asked::Resend(reason, last) => self.answer(|r| r.resend(reason, last)).await?,
             }
-            self.owes_ok = None;
+            self.hosts.settle();
             self.continued = false;
         }
     }
@@ -218,12 +200,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
-    /// Writes an answer as soon as there is room for it.
+    /// Writes an answer to the host being served, as soon as there is room for it.
     pub(super) async fn answer(&mut self, write: impl Fn(&mut Replies) -> Result<(), NoRoom>) -> Result<(), Interrupt> {
-        while write(&mut self.replies).is_err() {
+        while self.hosts.replies().is_some_and(|replies| write(replies).is_err()) {
             self.turn().await?;
         }
-        self.send();
+        self.hosts.send();
         Ok(())
     }
 
@@ -249,10 +231,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Everything that must go on whatever the Console waits for. Bounded by what has arrived.
     fn crank(&mut self) -> Result<(), Interrupt> {
         let emergency = self.receive();
+        self.hosts.greet(|replies| {
+            let _ = replies.start();
+        });
         self.feed_motion();
-        self.keep_alive();
+        let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
+        self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms);
         self.watch_idleness();
-        self.send();
+        self.hosts.send();
         match emergency {
             Some(interrupt) => Err(interrupt),
             None => Ok(()),
@@ -260,49 +246,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     fn receive(&mut self) -> Option<Interrupt> {
-        let mut found = None;
-        while self.receiver.has_room() {
-            let Some(received) = self.ports.serial.recv() else {
-                break;
-            };
-            match self.receiver.feed(received) {
-                Some(Emergency::Stop) => return Some(Interrupt::Halt),
-                Some(Emergency::QuickStop) => {
-                    self.forgotten = Some(self.receiver.place());
-                    found = Some(Interrupt::QuickStop);
-                }
-                Some(Emergency::Continue) => self.continued = true,
-                None => {}
-            }
+        let urgent = self.hosts.receive();
+        self.continued |= urgent.go_on;
+        if urgent.stop {
+            return Some(Interrupt::Halt);
         }
-        found
-    }
-
-    fn send(&mut self) {
-        loop {
-            let pending = self.replies.pending();
-            if pending.is_empty() {
-                return;
-            }
-            let sent = self.ports.serial.send(pending);
-            if sent == 0 {
-                return;
-            }
-            self.replies.sent(sent);
-        }
-    }
-
-    /// A host that waits for an `ok` is told from time to time that there is somebody.
-    fn keep_alive(&mut self) {
-        let every = u32::from(self.settings.keepalive_s) * 1000;
-        let now = self.ports.clock.now();
-        if let Some(since) = self.owes_ok
-            && every > 0
-            && now >= since.after_ms(every)
-            && self.replies.busy().is_ok()
-        {
-            self.owes_ok = Some(now);
-        }
+        urgent.quick_stop.then_some(Interrupt::QuickStop)
     }
 
     fn watch_idleness(&mut self) {
@@ -323,24 +272,22 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.ports.drivers.enable(MotorSet::NONE);
         self.link.abort();
         self.link.status().set_awaiting_input(true);
-        let _ = self.replies.killed();
+        let tell = |replies: &mut Replies| {
+            let _ = replies.killed();
+        };
+        self.hosts.tell_all(tell);
+        let mut text = Text::new();
         loop {
             yield_once().await;
-            self.receive();
+            self.hosts.receive();
+            self.hosts.greet(tell);
             let now = self.ports.clock.now();
-            while self.receiver.next_line(now).is_some() {
-                let _ = self.replies.killed();
+            while self.hosts.next_line(now, &mut text).is_some() {
+                self.hosts.replies().map(tell);
             }
-            self.send();
+            self.hosts.send();
         }
     }
-}
-
-enum Answer {
-    Ok,
-    LineNumber(Option<i32>),
-    TooLong,
-    Resend(crate::protocol::ResendReason, i32),
 }
 
 /// Gives the rest of the world a turn.

@@ -10,6 +10,7 @@ mod console;
 mod execute;
 mod flow;
 mod homing;
+mod hosts;
 mod keeping;
 mod limits;
 mod modal;

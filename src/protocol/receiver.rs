@@ -80,12 +80,17 @@ impl Receiver {
     pub fn feed(&mut self, received: Received) -> Option<Emergency> {
         self.ring.push(received);
         match received {
-            Received::Byte(byte) => self.scanner.read(byte),
-            Received::Lost => {
-                self.scanner.spoil();
-                None
-            }
+            Received::Byte(byte) => return self.scanner.read(byte),
+            Received::Lost => self.scanner.spoil(),
+            Received::Opened => *self = Self::new(),
         }
+        None
+    }
+
+    /// Whether everything that arrived has been looked at.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.ring.is_empty()
     }
 
     /// The place in the stream up to which bytes have been fed.
@@ -136,7 +141,7 @@ impl Receiver {
                     }
                 }
                 Received::Byte(byte) => self.frame.push(byte),
-                Received::Lost => self.frame.damage(),
+                Received::Lost | Received::Opened => self.frame.damage(),
             }
         }
         self.give_up_damaged(now)
@@ -275,6 +280,14 @@ mod tests {
         assert!(!receiver.has_room());
         let found = b"\nM112\n".iter().filter_map(|&byte| receiver.feed(Received::Byte(byte)));
         assert_eq!(found.collect::<Vec<_>>(), [Emergency::Stop]);
+    }
+
+    #[test]
+    fn a_line_that_is_opened_begins_anew() {
+        let mut line = Line::new();
+        assert_eq!(line.send("N1 M115*39\nN2 G1 X1"), ["M115"]);
+        line.receiver.feed(Received::Opened);
+        assert_eq!(line.send("M105\nN1 M115*39\n"), ["M105", "M115"]);
     }
 
     #[test]

@@ -36,6 +36,11 @@ impl Ring {
         self.length < CAPACITY - 1
     }
 
+    /// Whether nothing is held.
+    pub(super) const fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
     /// Entries ever put in, and ever taken out; both wrap.
     pub(super) const fn places(&self) -> (u32, u32) {
         (self.taken, self.taken.wrapping_sub(self.length as u32))
@@ -46,7 +51,7 @@ impl Ring {
         match received {
             Received::Byte(0) => {}
             Received::Byte(byte) if self.has_room() => self.append(byte),
-            Received::Byte(_) | Received::Lost => self.mark(),
+            Received::Byte(_) | Received::Lost | Received::Opened => self.mark(),
         }
     }
 

@@ -150,7 +150,7 @@ impl Prepared {
         };
         let start = Instant::now();
         let outcome = match &mut self.eeprom {
-            Some(eeprom) => world::run_with(settings, args.assume_homed, eeprom, &mut host, &mut sinks),
+            Some(eeprom) => world::run_with(settings, args.assume_homed, eeprom, &mut [&mut host], &mut sinks),
             None => world::run(settings, args.assume_homed, &mut host, &mut sinks),
         };
         host.bar.finish_and_clear();

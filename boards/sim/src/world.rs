@@ -28,6 +28,10 @@ pub trait Host {
     fn send(&mut self, out: &mut Vec<u8>);
     /// Bytes to put on the wire although the printer is busy, appended to `out`; called all the time.
     fn interject(&mut self, _out: &mut Vec<u8>) {}
+    /// Whether it opens its line now, so that what came before was somebody else's; called all the time.
+    fn opens(&mut self) -> bool {
+        false
+    }
     /// A whole line from the printer, without its line end.
     fn hear(&mut self, line: &str);
     /// Whether everything was sent and answered.
@@ -87,8 +91,15 @@ struct Shared {
     alarm: Cell<Option<u32>>,
     generator: Cell<bool>,
     stepper: Cell<bool>,
-    to_printer: RefCell<VecDeque<u8>>,
+}
+
+/// What is on the way between the printer and one host.
+#[derive(Default)]
+struct Wire {
+    to_printer: RefCell<VecDeque<Received>>,
     to_host: RefCell<Vec<u8>>,
+    /// A line that the printer has begun.
+    spoken: RefCell<String>,
 }
 
 #[derive(Clone, Copy)]
@@ -126,11 +137,11 @@ impl Clock for Timer<'_> {
     }
 }
 
-struct Line<'w>(&'w Shared);
+struct Line<'w>(&'w Wire);
 
 impl Serial for Line<'_> {
     fn recv(&mut self) -> Option<Received> {
-        self.0.to_printer.borrow_mut().pop_front().map(Received::Byte)
+        self.0.to_printer.borrow_mut().pop_front()
     }
 
     fn send(&mut self, bytes: &[u8]) -> usize {
@@ -178,43 +189,47 @@ pub fn run(
     host: &mut dyn Host,
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
-    run_with(settings, start, NoStorage, host, sink)
+    run_with(settings, start, NoStorage, &mut [host], sink)
 }
 
-/// The same with storage: the firmware takes the settings in it, the mechanism stays that of `settings`.
+/// The same with storage, and with several hosts, each on its own serial line. The firmware takes the settings in the
+/// storage, the mechanism stays that of `settings`.
 ///
 /// # Errors
-/// If printer and host wait for each other.
+/// If printer and hosts wait for each other.
 pub fn run_with(
     settings: &Settings,
     start: Option<[Mm; 3]>,
     storage: impl Storage,
-    host: &mut dyn Host,
+    hosts: &mut [&mut dyn Host],
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
     let shared = Shared::default();
+    let wires: Vec<Wire> = hosts.iter().map(|_| Wire::default()).collect();
     let mut memory = Box::new(Memory::new());
     let pins = Pins { rig: Rig::new(settings, start), forward: MotorSet::NONE, sink };
     let step_ports = StepPorts { pins, clock: Timer(&shared) };
-    let ports = Ports { serial: Line(&shared), drivers: Drivers, clock: Timer(&shared), storage };
+    let ports = Ports { serial: wires.iter().map(Line).collect(), drivers: Drivers, clock: Timer(&shared), storage };
     let mut parts = assemble(&mut memory, *settings, start, step_ports, ports, Pends(&shared));
     let (status, stepper, generator) = (parts.status, &mut parts.stepper, &mut parts.generator);
     let mut console = pin!(parts.console.run());
     let mut context = Context::from_waker(Waker::noop());
-    let mut spoken = String::new();
-    let mut wire = Vec::new();
     let mut idle_ms = 0;
     let mut path = Path::default();
-    while !(host.is_done() || status.is_halted()) {
+    while !(hosts.iter().all(|host| host.is_done()) || status.is_halted()) {
         let _ = console.as_mut().poll(&mut context);
         path.follow(status.planned().1);
-        hear(&shared, &mut spoken, host);
-        host.interject(&mut wire);
-        shared.to_printer.borrow_mut().extend(wire.drain(..));
-        if status.is_awaiting_input() && shared.to_printer.borrow().is_empty() {
-            host.send(&mut wire);
-            if !wire.is_empty() {
-                shared.to_printer.borrow_mut().extend(wire.drain(..));
+        for (host, wire) in hosts.iter_mut().zip(&wires) {
+            wire.deliver(*host);
+            if host.opens() {
+                wire.to_printer.borrow_mut().push_back(Received::Opened);
+            }
+            wire.take(|bytes| host.interject(bytes));
+        }
+        let is_silent = wires.iter().all(|wire| wire.to_printer.borrow().is_empty());
+        if status.is_awaiting_input() && is_silent {
+            let sent = |(host, wire): (&mut &mut dyn Host, &Wire)| wire.take(|bytes| host.send(bytes));
+            if hosts.iter_mut().zip(&wires).map(sent).sum::<usize>() > 0 {
                 idle_ms = 0;
                 continue;
             }
@@ -252,7 +267,9 @@ pub fn run_with(
         }
     }
     let _ = console.as_mut().poll(&mut context);
-    hear(&shared, &mut spoken, host);
+    for (host, wire) in hosts.iter_mut().zip(&wires) {
+        wire.deliver(*host);
+    }
     Ok(Outcome {
         ticks: stepper.tick(),
         moves: status.planned().0,
@@ -279,14 +296,25 @@ impl Path {
     }
 }
 
-/// Hands complete lines to the host.
-fn hear(shared: &Shared, spoken: &mut String, host: &mut dyn Host) {
-    for byte in shared.to_host.borrow_mut().drain(..) {
-        if byte == b'\n' {
-            host.hear(spoken);
-            spoken.clear();
-        } else {
-            spoken.push(char::from(byte));
+impl Wire {
+    /// Hands complete lines to the host.
+    fn deliver(&self, host: &mut dyn Host) {
+        let mut spoken = self.spoken.borrow_mut();
+        for byte in self.to_host.borrow_mut().drain(..) {
+            if byte == b'\n' {
+                host.hear(&spoken);
+                spoken.clear();
+            } else {
+                spoken.push(char::from(byte));
+            }
         }
+    }
+
+    /// Takes the bytes that `speak` gives, and says how many.
+    fn take(&self, speak: impl FnOnce(&mut Vec<u8>)) -> usize {
+        let mut bytes = Vec::new();
+        speak(&mut bytes);
+        self.to_printer.borrow_mut().extend(bytes.iter().copied().map(Received::Byte));
+        bytes.len()
     }
 }

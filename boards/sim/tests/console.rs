@@ -343,7 +343,7 @@ fn too_much_filament_in_one_move_is_left_out() {
 fn keep(eeprom: &mut Eeprom, settings: &Settings, lines: &[&str]) -> (Vec<String>, Outcome, Steps) {
     let mut host = Talk::new(lines);
     let mut steps = Steps::default();
-    let outcome = run_with(settings, HOMED.map(|s| s.map(Mm::from_num)), eeprom, &mut host, &mut steps).unwrap();
+    let outcome = run_with(settings, HOMED.map(|s| s.map(Mm::from_num)), eeprom, &mut [&mut host], &mut steps).unwrap();
     assert_eq!(host.heard[0], "start");
     (host.heard.into_iter().skip(2).collect(), outcome, steps)
 }
@@ -524,7 +524,7 @@ fn an_emergency_stop_is_heard_while_settings_are_saved() {
     // The M500 of other settings lasts a turn for every page read, written and read again.
     let mut save = |says, turns| {
         let mut host = Interrupter { talk: Talk::new(&["M113 S8", "M500"]), turns, says };
-        let outcome = run_with(&made, None, &mut eeprom, &mut host, &mut Steps::default()).unwrap();
+        let outcome = run_with(&made, None, &mut eeprom, &mut [&mut host], &mut Steps::default()).unwrap();
         (outcome.halted, eeprom.writes(), eeprom.settings(), host.talk.heard)
     };
     let (halted, writes, kept, heard) = save("M112\n", 10);

@@ -2,7 +2,7 @@
 
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::machine::Ports;
-use corehbot::port::{NoStorage, Serial as _};
+use corehbot::port::{Lines, NoStorage, Serial as _};
 use corehbot::settings::Settings;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
@@ -111,7 +111,7 @@ fn refuse(board: &Board, mut lines: Lines) -> ! {
 fn assemble(pins: StepPins, mut lines: Lines, drivers: EnableLines) -> &'static mut BoardParts {
     let serial = lines.swap_remove(0);
     let step_ports = StepPorts { pins, clock: StepTimer };
-    let ports = Ports { serial, drivers, clock: BoardClock, storage: NoStorage };
+    let ports = Ports { serial: Lines::from_array([serial]), drivers, clock: BoardClock, storage: NoStorage };
     // In this form the parts are built in their place; they are too large to be carried about.
     PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
 }

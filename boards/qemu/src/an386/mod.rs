@@ -23,7 +23,7 @@ mod vectors;
 
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::machine::Ports;
-use corehbot::port::NoStorage;
+use corehbot::port::{Lines, NoStorage};
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use defmt_semihosting as _;
@@ -62,7 +62,7 @@ fn start_up() -> &'static Status {
     let rig = Rig::new(&job.settings, job.start);
     let step_ports = StepPorts { pins: trace::TracePort::new(rig, job.trace), clock: time::StepTimer };
     let ports = Ports {
-        serial: serial::UartSerial::new(),
+        serial: Lines::from_array([serial::UartSerial::new()]),
         drivers: contexts::NoDrivers,
         clock: time::BoardClock,
         storage: NoStorage,

@@ -1,0 +1,226 @@
+//! The hosts: one to a serial line, each with lines of its own and answers of its own.
+//!
+//! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
+//! host that sent it.
+
+use crate::port::{Lines, Received, Serial};
+use crate::protocol::{Emergency, Incoming, Receiver, Replies, ResendReason};
+use crate::units::Instant;
+use heapless::Vec;
+
+/// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
+pub(super) type Text = Vec<u8, 320>;
+
+/// A serial line and what is under way on it.
+struct Host<S> {
+    line: S,
+    receiver: Receiver,
+    replies: Replies,
+    /// When it was last told that there is somebody, or had nothing to wait for.
+    assured: Instant,
+    /// A quick stop was in what it has sent last.
+    has_stopped: bool,
+    /// It has opened its line and was not greeted yet.
+    is_new: bool,
+    /// Lines up to this place of the receiver came before a quick stop, which forgets them.
+    forgotten: Option<u32>,
+}
+
+/// All hosts, one of which is being served.
+pub(super) struct Hosts<S> {
+    hosts: Lines<Host<S>>,
+    serving: usize,
+    /// The host being served waits for the answer to a line.
+    owes_ok: bool,
+    /// The host being served has gone, and another has opened its line: nobody waits for the answer.
+    is_gone: bool,
+}
+
+/// What a line asks for; a command's text is elsewhere.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Asked {
+    /// To carry out a command.
+    Command,
+    /// To be told `ok`.
+    Nothing,
+    /// M110, and what it wants to know.
+    LineNumber(Option<i32>),
+    /// Too much.
+    TooLong,
+    /// To be asked for again.
+    Resend(ResendReason, i32),
+}
+
+/// What arrived and cannot wait.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Urgent {
+    /// M112
+    pub stop: bool,
+    /// M410
+    pub quick_stop: bool,
+    /// M108
+    pub go_on: bool,
+}
+
+impl<S: Serial> Host<S> {
+    /// Takes in what has arrived. A quick stop forgets the lines before it and not those behind.
+    fn receive(&mut self, urgent: &mut Urgent) {
+        self.has_stopped = false;
+        while self.receiver.has_room() {
+            let Some(received) = self.line.recv() else {
+                break;
+            };
+            if received == Received::Opened {
+                self.replies = Replies::new();
+                self.forgotten = None;
+                self.is_new = true;
+            }
+            match self.receiver.feed(received) {
+                Some(Emergency::Stop) => urgent.stop = true,
+                Some(Emergency::QuickStop) => {
+                    self.forgotten = Some(self.receiver.place());
+                    self.has_stopped = true;
+                    urgent.quick_stop = true;
+                }
+                Some(Emergency::Continue) => urgent.go_on = true,
+                None => {}
+            }
+        }
+    }
+
+    fn next_line(&mut self, now: Instant, text: &mut Text) -> Option<Asked> {
+        let asked = match self.receiver.next_line(now)? {
+            Incoming::Command(line) => {
+                text.clear();
+                let _ = text.extend_from_slice(line.get(..text.capacity()).unwrap_or(line));
+                Asked::Command
+            }
+            Incoming::Acknowledge => Asked::Nothing,
+            Incoming::LineNumber { report } => Asked::LineNumber(report),
+            Incoming::TooLong => Asked::TooLong,
+            Incoming::Resend { reason, last } => Asked::Resend(reason, last),
+        };
+        self.assured = now;
+        self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
+        let is_forgotten = asked == Asked::Command && self.forgotten.is_some();
+        Some(if is_forgotten { Asked::Nothing } else { asked })
+    }
+
+    fn send(&mut self) {
+        loop {
+            let pending = self.replies.pending();
+            if pending.is_empty() {
+                return;
+            }
+            let sent = self.line.send(pending);
+            if sent == 0 {
+                return;
+            }
+            self.replies.sent(sent);
+        }
+    }
+}
+
+impl<S: Serial> Hosts<S> {
+    pub(super) fn new(lines: Lines<S>, now: Instant) -> Self {
+        let host = |line| Host {
+            line,
+            receiver: Receiver::new(),
+            replies: Replies::new(),
+            assured: now,
+            has_stopped: false,
+            is_new: false,
+            forgotten: None,
+        };
+        Self { hosts: lines.into_iter().map(host).collect(), serving: 0, owes_ok: false, is_gone: false }
+    }
+
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.hosts.len()
+    }
+
+    /// Has `host` hear what is said from now on.
+    pub(super) fn turn_to(&mut self, host: usize) {
+        self.serving = host;
+        self.is_gone = false;
+    }
+
+    /// Whether the host being served waits for the answer to a line.
+    pub(super) const fn owes_ok(&self) -> bool {
+        self.owes_ok
+    }
+
+    /// The line is answered.
+    pub(super) const fn settle(&mut self) {
+        self.owes_ok = false;
+    }
+
+    /// The next line of a host, beginning with the one after the host served last. A command is put into `text`.
+    pub(super) fn next_line(&mut self, now: Instant, text: &mut Text) -> Option<Asked> {
+        let count = self.hosts.len();
+        for place in (1..=count).map(|step| (self.serving + step) % count) {
+            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, text)) else {
+                continue;
+            };
+            self.turn_to(place);
+            self.owes_ok = true;
+            return Some(asked);
+        }
+        None
+    }
+
+    /// What the host being served is told. `None` if it has gone.
+    pub(super) fn replies(&mut self) -> Option<&mut Replies> {
+        if self.is_gone {
+            return None;
+        }
+        self.hosts.get_mut(self.serving).map(|host| &mut host.replies)
+    }
+
+    /// Takes in what has arrived from all. Lines that a quick stop has overtaken, be it another host's, will be
+    /// answered, but not carried out.
+    pub(super) fn receive(&mut self) -> Urgent {
+        let mut all = Urgent::default();
+        for (place, host) in self.hosts.iter_mut().enumerate() {
+            host.receive(&mut all);
+            self.is_gone |= host.is_new && self.owes_ok && place == self.serving;
+        }
+        if all.quick_stop {
+            for host in self.hosts.iter_mut().filter(|host| !host.has_stopped) {
+                host.forgotten = Some(host.receiver.place());
+            }
+        }
+        all
+    }
+
+    /// Sends what fits.
+    pub(super) fn send(&mut self) {
+        self.hosts.iter_mut().for_each(Host::send);
+    }
+
+    /// Tells hosts that have waited for `every` ms for the answer to a line that there is somebody. 0 is never.
+    pub(super) fn keep_alive(&mut self, now: Instant, every: u32) {
+        for (place, host) in self.hosts.iter_mut().enumerate() {
+            let is_served = self.owes_ok && !self.is_gone && place == self.serving;
+            let is_waiting = is_served || !host.receiver.is_empty();
+            if !is_waiting || (every > 0 && now >= host.assured.after_ms(every) && host.replies.busy().is_ok()) {
+                host.assured = now;
+            }
+        }
+    }
+
+    /// Says `what` to those that have opened their lines since the last time.
+    pub(super) fn greet(&mut self, what: impl Fn(&mut Replies)) {
+        for host in &mut self.hosts {
+            if core::mem::take(&mut host.is_new) {
+                what(&mut host.replies);
+            }
+        }
+    }
+
+    /// Says the same to all; one that has no room for it misses it.
+    pub(super) fn tell_all(&mut self, what: impl Fn(&mut Replies)) {
+        self.hosts.iter_mut().for_each(|host| what(&mut host.replies));
+    }
+}
