@@ -27,9 +27,21 @@ static RECORD: Record =
     Record { magic: AtomicU32::new(0), check: AtomicU32::new(0), text: [const { AtomicU8::new(0) }; LONGEST] };
 
 /// A text that is cut where it gets too long.
-pub struct Words(String<LONGEST>);
+pub struct Farewell(String<LONGEST>);
 
-impl fmt::Write for Words {
+impl Farewell {
+    /// What was said.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// What a host is told.
+    pub fn parts(&self) -> [&str; 3] {
+        ["echo:the last reset came after ", &self.0, "\n"]
+    }
+}
+
+impl fmt::Write for Farewell {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for character in text.chars() {
             // A line break would end the message early.
@@ -51,7 +63,7 @@ fn check(text: &[u8]) -> u32 {
 
 /// Leaves a text for the time after the reset.
 pub fn leave(reason: fmt::Arguments<'_>) {
-    let mut words = Words(String::new());
+    let mut words = Farewell(String::new());
     // What does not fit is lost, the beginning says most.
     let _ = words.write_fmt(reason);
     let text = words.0.as_bytes();
@@ -63,14 +75,14 @@ pub fn leave(reason: fmt::Arguments<'_>) {
 }
 
 /// Why the last reset happened, if it was not for a good reason; asked once.
-pub fn take() -> Option<String<LONGEST>> {
+pub fn take() -> Option<Farewell> {
     let is_ours = RECORD.magic.load(Ordering::Acquire) == MAGIC;
     RECORD.magic.store(0, Ordering::Relaxed);
     let has_bitten = RCC.csr().read().wdgrstf();
     RCC.csr().modify(|w| w.set_rmvf(true));
     let sum = RECORD.check.load(Ordering::Relaxed);
     let length = (sum >> 24) as usize;
-    let mut words = Words(String::new());
+    let mut words = Farewell(String::new());
     if is_ours && length <= LONGEST {
         let mut bytes = [0; LONGEST];
         bytes.iter_mut().zip(&RECORD.text).for_each(|(byte, place)| *byte = place.load(Ordering::Relaxed));
@@ -79,12 +91,12 @@ pub fn take() -> Option<String<LONGEST>> {
             && let Ok(text) = core::str::from_utf8(text)
         {
             let _ = words.write_str(text);
-            return Some(words.0);
+            return Some(words);
         }
     }
     if has_bitten {
         let _ = words.write_str("the watchdog: a part of the firmware had stopped");
-        return Some(words.0);
+        return Some(words);
     }
     None
 }

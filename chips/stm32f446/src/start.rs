@@ -7,24 +7,21 @@ use corehbot::settings::Settings;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_time::{Duration, Instant, block_for};
-use heapless::Vec;
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::contexts::{self, BoardParts, IrqPend};
 use crate::enable_lines::EnableLines;
 use crate::host_serial::HostSerial;
+use crate::last_words::{self, Farewell};
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
 use crate::usart::UsartLine;
-use crate::usb::{self, UsbPort};
+use crate::usb::{self, UsbLine, UsbPort};
 use crate::watchdog::{self, Watchdog};
-use crate::wiring::{Board, LINES, Words};
-use crate::{clocks, fault, last_words, ports, priorities, safe_levels};
+use crate::wiring::{Board, Words};
+use crate::{clocks, fault, ports, priorities, safe_levels};
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
-
-/// The lines on which a host may be.
-type Lines = Vec<HostSerial, LINES>;
 
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
 static PARTS: StaticCell<BoardParts> = StaticCell::new();
@@ -55,11 +52,17 @@ pub fn run(board: &'static Board) -> ! {
     for pin in board.endstops {
         ports::make_input(pin, true);
     }
-    let (mut lines, usb) = open_lines(board, is_right);
+    let mut lines = open_headers(board);
     if !is_right {
         refuse(board, lines);
     }
-    report(&mut lines);
+    let reason = last_words::take();
+    report(&mut lines, reason.as_ref());
+    let usb = open_usb(board, reason).map(|(line, port)| {
+        // A board's table has no more lines than there is room for.
+        let _ = lines.push(HostSerial::Usb(line));
+        port
+    });
     step_timer::start();
     let steps = STEP_WORDS.init_with(|| Words::new(board.step_pins()));
     let dirs = DIR_WORDS.init_with(|| Words::new(board.dir_pins()));
@@ -78,20 +81,21 @@ fn is_right_board(board: &Board) -> bool {
     is_marked
 }
 
-/// Starts all lines on which a host may be. A board on which nothing will serve USB does not show itself there.
-fn open_lines(board: &'static Board, with_usb: bool) -> (Lines, Option<UsbPort>) {
-    let mut lines: Lines = board.serial.iter().map(|port| HostSerial::Usart(UsartLine::start(port))).collect();
-    if !(board.has_usb && with_usb && clocks::start_usb(board.crystal)) {
-        return (lines, None);
+/// Starts the lines on headers.
+fn open_headers(board: &Board) -> Lines<HostSerial> {
+    board.serial.iter().map(|port| HostSerial::Usart(UsartLine::start(port))).collect()
+}
+
+/// Starts USB, if the board has it.
+fn open_usb(board: &'static Board, reason: Option<Farewell>) -> Option<(UsbLine, UsbPort)> {
+    if !board.has_usb || !clocks::start_usb(board.crystal) {
+        return None;
     }
-    let Some((line, port)) = usb::start(board) else { return (lines, None) };
-    // A board's table has no more lines than there is room for.
-    let _ = lines.push(HostSerial::Usb(line));
-    (lines, Some(port))
+    usb::start(board, reason)
 }
 
 /// Tells the host for ever that this is another board. No output is driven, and nothing can change that.
-fn refuse(board: &Board, mut lines: Lines) -> ! {
+fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
     priorities::enable();
     loop {
         for part in ["Error:this board is not a ", board.name, ", flash the firmware that is meant for it\n"] {
@@ -108,19 +112,18 @@ fn refuse(board: &Board, mut lines: Lines) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(pins: StepPins, mut lines: Lines, drivers: EnableLines) -> &'static mut BoardParts {
-    let serial = lines.swap_remove(0);
+fn assemble(pins: StepPins, serial: Lines<HostSerial>, drivers: EnableLines) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
-    let ports = Ports { serial: Lines::from_array([serial]), drivers, clock: BoardClock, storage: NoStorage };
+    let ports = Ports { serial, drivers, clock: BoardClock, storage: NoStorage };
     // In this form the parts are built in their place; they are too large to be carried about.
     PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
 }
 
-/// Tells all hosts why the last reset happened, unless it was for a good reason.
-fn report(lines: &mut Lines) {
-    if let Some(reason) = last_words::take() {
+/// Tells the hosts why the last reset happened, unless it was for a good reason.
+fn report(lines: &mut [HostSerial], reason: Option<&Farewell>) {
+    if let Some(reason) = reason {
         defmt::error!("the last reset came after {=str}", reason.as_str());
-        for part in ["echo:the last reset came after ", &reason, "\n"] {
+        for part in reason.parts() {
             lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
         }
     }

@@ -8,6 +8,7 @@ use embassy_usb::{Builder, Config, UsbDevice};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::contexts::wake_console;
+use crate::last_words::Farewell;
 use crate::otg::{self, UsbDriver};
 use crate::step_timer::BoardClock;
 use crate::usb_pump::PACKET;
@@ -39,7 +40,10 @@ static STATE: StaticCell<State<'static>> = StaticCell::new();
 static TRAFFIC: Traffic = Traffic::new();
 
 /// The Console's end of the port.
-pub struct UsbLine(());
+pub struct UsbLine {
+    /// Why the last reset happened, until somebody has opened the port: it was closed when the others were told.
+    farewell: Option<Farewell>,
+}
 
 /// The bus's end of the port.
 pub struct UsbPort {
@@ -48,7 +52,10 @@ pub struct UsbPort {
 }
 
 /// Starts the port of `board`; the host sees it when [`serve`] runs. `None` if the USB core does not start.
-pub fn start(board: &'static Board) -> Option<(UsbLine, UsbPort)> {
+///
+/// # Panics
+/// If it was started before.
+pub fn start(board: &'static Board, farewell: Option<Farewell>) -> Option<(UsbLine, UsbPort)> {
     let memory = MEMORY.take();
     let driver = otg::start(&mut memory.packets)?;
     let mut config = Config::new(IDENTITY.0, IDENTITY.1);
@@ -58,7 +65,7 @@ pub fn start(board: &'static Board) -> Option<(UsbLine, UsbPort)> {
     let (configuration, capabilities) = (&mut memory.configuration, &mut memory.capabilities);
     let mut builder = Builder::new(driver, config, configuration, capabilities, &mut [], &mut memory.control);
     let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
-    Some((UsbLine(()), UsbPort { device: builder.build(), class }))
+    Some((UsbLine { farewell }, UsbPort { device: builder.build(), class }))
 }
 
 /// The contexts beside which the port is served.
@@ -82,7 +89,13 @@ pub async fn serve(port: UsbPort) {
 
 impl Serial for UsbLine {
     fn recv(&mut self) -> Option<Received> {
-        TRAFFIC.recv().map(Received::Byte)
+        let received = TRAFFIC.recv();
+        if received == Some(Received::Opened)
+            && let Some(words) = self.farewell.take()
+        {
+            words.parts().into_iter().for_each(|part| _ = self.send(part.as_bytes()));
+        }
+        received
     }
 
     fn send(&mut self, bytes: &[u8]) -> usize {

@@ -4,13 +4,14 @@
 //! |---|---|
 //! | to the host | leaves with the next packet, however short; a full one that ends a reply is followed by an empty one |
 //! | the port is closed | what the Console says is thrown away; what the host had sent is still carried out |
-//! | the host opens the port | nothing is left of before, in either direction |
+//! | the host opens the port | nothing is left of before, in either direction; the Console is told first of all |
 //! | the host has the port open and fetches nothing for 500 ms | what the Console says is thrown away until it does |
 //! | from the host | a packet is asked for only if it fits, so the host waits and nothing is lost |
 //!
 //! Where something was thrown away, the host never sees half a line before a whole one: what goes on begins with a
 //! line, after a line break if the host has half of another.
 
+use corehbot::port::Received;
 use corehbot::units::Instant;
 use heapless::Deque;
 
@@ -33,6 +34,8 @@ pub struct Pump {
     outgoing: Deque<u8, OUTGOING>,
     /// A program on the host has the port open (DTR).
     is_open: bool,
+    /// The Console does not know yet that the port was opened.
+    is_new: bool,
     /// How often the port was opened or closed, wrapping.
     session: u8,
     /// Since when the oldest packet waits for the host to fetch it.
@@ -65,6 +68,7 @@ impl Pump {
             incoming: Deque::new(),
             outgoing: Deque::new(),
             is_open: false,
+            is_new: false,
             session: 0,
             waits_since: None,
             is_deaf: false,
@@ -76,9 +80,14 @@ impl Pump {
         }
     }
 
-    /// The next byte from the host.
-    pub fn recv(&mut self) -> Option<u8> {
-        self.incoming.pop_front()
+    /// What the Console gets next from the host.
+    pub fn recv(&mut self) -> Option<Received> {
+        if core::mem::take(&mut self.is_new) {
+            // The Console forgets what it was about to say to whoever had the port before.
+            self.is_within = false;
+            return Some(Received::Opened);
+        }
+        self.incoming.pop_front().map(Received::Byte)
     }
 
     /// Takes as many of `bytes` as fit and says how many; what is thrown away counts as taken.
@@ -93,7 +102,7 @@ impl Pump {
     /// Takes a byte, if there is room.
     fn say(&mut self, byte: u8) -> bool {
         let resumes = self.is_cut && !self.is_within;
-        if !self.is_open || self.is_deaf || (self.is_cut && !resumes) {
+        if !self.is_open || self.is_new || self.is_deaf || (self.is_cut && !resumes) {
             self.is_cut = true;
         } else {
             if resumes && self.has_half && self.outgoing.push_back(b'\n').is_err() {
@@ -126,6 +135,7 @@ impl Pump {
             self.is_cut = true;
         }
         self.is_deaf = false;
+        self.is_new = is_open;
         if is_open {
             self.has_stray = !self.has_room();
             self.incoming.clear();

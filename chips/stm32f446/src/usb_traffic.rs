@@ -4,6 +4,7 @@ use core::cell::RefCell;
 use core::future::poll_fn;
 use core::task::Poll;
 
+use corehbot::port::Received;
 use corehbot::units::Instant;
 use embassy_futures::join::join4;
 use embassy_futures::poll_once;
@@ -44,17 +45,17 @@ impl Traffic {
         }
     }
 
-    /// The next byte from the host.
-    pub fn recv(&self) -> Option<u8> {
-        let (byte, has_more_room) = self.with(|pump| {
+    /// What the Console gets next from the host.
+    pub fn recv(&self) -> Option<Received> {
+        let (received, has_more_room) = self.with(|pump| {
             let had_room = pump.has_room();
-            let byte = pump.recv();
-            (byte, !had_room && pump.has_room())
+            let received = pump.recv();
+            (received, !had_room && pump.has_room())
         });
         if has_more_room {
             self.from_host.wake();
         }
-        byte
+        received
     }
 
     /// Takes as many of `bytes` as fit and says how many.
@@ -74,17 +75,18 @@ impl Traffic {
         board: impl Surroundings,
     ) {
         let (sender, receiver, control) = class.split_with_control();
-        join4(device.run(), self.tell(sender, &board), self.hear(receiver, &board), self.watch(control)).await;
+        join4(device.run(), self.tell(sender, &board), self.hear(receiver, &board), self.watch(control, &board)).await;
     }
 
     fn with<R>(&self, work: impl FnOnce(&mut Pump) -> R) -> R {
         self.pump.lock(|pump| work(&mut pump.borrow_mut()))
     }
 
-    fn set_open(&self, is_open: bool) {
+    fn set_open(&self, is_open: bool, board: &impl Surroundings) {
         if self.with(|pump| pump.set_open(is_open)) {
             self.to_host.wake();
             self.from_host.wake();
+            board.wake_console();
         }
     }
 
@@ -128,7 +130,7 @@ impl Traffic {
             match receiver.read_packet(&mut packet).await {
                 Ok(length) => {
                     // Whoever sends has opened the port before, even if `watch` has not run since.
-                    self.set_open(receiver.dtr());
+                    self.set_open(receiver.dtr(), board);
                     self.with(|pump| pump.on_packet(&packet[..length]));
                     board.wake_console();
                 }
@@ -138,10 +140,10 @@ impl Traffic {
     }
 
     /// Opens and closes the port as the host says.
-    async fn watch(&self, control: ControlChanged<'_>) -> ! {
+    async fn watch(&self, control: ControlChanged<'_>, board: &impl Surroundings) -> ! {
         loop {
             control.control_changed().await;
-            self.set_open(control.dtr());
+            self.set_open(control.dtr(), board);
         }
     }
 }
