@@ -3,9 +3,10 @@
 //! The F427 is the same family with more of everything; what differs and is used is listed in `gaps`.
 //! [`Firmware`](crate::firmware::Firmware) sees to it that nothing is placed in memory that the F446 has not.
 
+use crate::chip::Chip;
 use crate::eeprom::At24c32;
 use crate::line::HostLine;
-use crate::wiring::{Pin, Wiring};
+use crate::wiring::{HostPort, Pin, Wiring};
 use anyhow::{Context, Result, anyhow};
 use rigless::cpu::armv7m::windows;
 use rigless::device::Level;
@@ -13,7 +14,6 @@ use rigless::emulator::CoreSpec;
 use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
-use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::generated::gpioa::Register;
 use rigless::soc::stm32f427::peripherals::{adc, gpio};
 use rigless::time::VirtualNanos;
@@ -39,7 +39,7 @@ const RAIL: u32 = 3300;
 #[derive(Debug)]
 pub struct Emulated {
     /// The chip.
-    pub mcu: Stm32f427,
+    pub mcu: Chip,
     wiring: &'static Wiring,
 }
 
@@ -69,12 +69,12 @@ impl Port {
 }
 
 impl Emulated {
-    /// A board out of reset with `host` on its serial line.
+    /// A board out of reset with hosts on its serial ports, as many as there are.
     ///
     /// # Errors
     /// If the model contradicts itself.
-    pub fn new(wiring: &'static Wiring, host: HostLine) -> Result<Self> {
-        let mut mcu = Stm32f427::new().context("the model of the chip")?;
+    pub fn new(wiring: &'static Wiring, hosts: Vec<HostLine>) -> Result<Self> {
+        let mut mcu = Chip::new().context("the model of the chip")?;
         mcu.rcc.attach_crystals(wiring.crystal, 0);
         mcu.set_supply(RAIL);
         for converter in &mut mcu.adc {
@@ -84,7 +84,11 @@ impl Emulated {
             let channel = adc::Channel::new(channel).ok_or_else(|| anyhow!("no ADC channel {channel}"))?;
             mcu.adc[2].set_input(channel, millivolts);
         }
-        mcu.usart[wiring.host_port.0].attach(host);
+        for (port, host) in wiring.host_ports.iter().zip(hosts) {
+            let usart = &mut mcu.usart[port.place];
+            host.damage(usart.errors_mut());
+            usart.attach(host);
+        }
         mcu.i2c[0].attach(At24c32::default());
         let mut board = Self { mcu, wiring };
         for &(pin, high) in wiring.resistors {
@@ -118,16 +122,24 @@ impl Emulated {
         }
     }
 
-    /// The far end of the host's line.
-    pub fn host(&mut self) -> Option<&mut HostLine> {
-        self.mcu.usart[self.wiring.host_port.0].chip_mut::<HostLine>()
+    /// Clock of the bus that `port` is on.
+    pub fn bus_hz(&mut self, port: &HostPort) -> u64 {
+        let (clocks, registers) = self.mcu.clocks();
+        if port.is_on_apb2 { clocks.pclk2(registers) } else { clocks.pclk1(registers) }
+    }
+
+    /// The far ends of the serial ports that have one.
+    pub fn hosts(&mut self) -> impl Iterator<Item = &mut HostLine> {
+        // In the order of the wiring, which is not that of the chip.
+        let mut hosts: Vec<_> = self.mcu.usart.iter_mut().map(|usart| usart.chip_mut::<HostLine>()).collect();
+        self.wiring.host_ports.iter().filter_map(move |port| hosts[port.place].take())
     }
 }
 
 impl Store for Emulated {}
 
 /// The core as the board runs it.
-fn core(mcu: &Stm32f427) -> CoreSpec {
+fn core(mcu: &Chip) -> CoreSpec {
     let lines = u32::from(mcu.cpu().interrupt_lines);
     armv7m::Core {
         variant: armv7m::Variant::M4,

@@ -4,6 +4,7 @@
 
 use crate::compare::{self, Timing};
 use crate::firmware::Firmware;
+use crate::line::Manner;
 use crate::run::{Request, Seen, run};
 use crate::steps::StepEvent;
 use crate::timer::NS_PER_TICK;
@@ -75,7 +76,17 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
     println!("sha256    {}", firmware.sha256);
     let settings = Settings::prototype();
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection: None };
+    let manner = Manner::default();
+    let request = Request {
+        firmware,
+        wiring: &OCTOPUS,
+        settings: &settings,
+        gcode,
+        second: None,
+        manner,
+        patience,
+        injection: None,
+    };
     let seen = run(&request)?;
     write_files(cli, &settings, &seen.recorder.events)?;
     print_run(cli, &seen);

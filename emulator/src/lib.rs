@@ -1,13 +1,14 @@
 //! Emulator: runs the exact image that a user flashes, and records what its pins do.
 //!
 //! A model of the chip (the `rigless` crate) executes the release ELF file instruction by instruction in
-//! virtual time. Around it stand the board ([`wiring`], [`board`]), a host on the serial line ([`mod@line`]) and
+//! virtual time. Around it stand the board ([`wiring`], [`board`]), hosts on the serial lines ([`mod@line`]) and
 //! the simulated machine of the host simulator, whose endstops the firmware feels. The record ([`steps`],
 //! [`safety`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
 //!
 //! What this cannot show stands in README.md.
 
 pub mod board;
+pub mod chip;
 pub mod cli;
 pub mod compare;
 pub mod eeprom;

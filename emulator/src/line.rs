@@ -1,4 +1,4 @@
-//! The serial line to the host: bytes at the pace of the firmware's own baud rate, lines to a scripted host.
+//! A serial line to a host: bytes at the pace of the firmware's own baud rate, lines to a scripted host.
 //!
 //! The host waits for the greeting before it sends, and answers at once: how long a computer and its
 //! adapter think is no property of the image. The rate is the firmware's to set; [`crate::run`] holds it
@@ -7,7 +7,7 @@
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host;
 use rigless::chip::Timeline;
-use rigless::chip::uart::Peer;
+use rigless::chip::uart::{Errors, Peer, Rate};
 use rigless::snapshot::Store;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
@@ -15,8 +15,25 @@ use std::collections::VecDeque;
 /// Lines that are kept for a person to read.
 const KEPT: usize = 200;
 
+/// How hosts talk.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Manner {
+    /// Their rate, if it is not that of the image: then the watch writes another divisor over the image's, as if it
+    /// stood in the board's table.
+    pub baud: Option<u32>,
+    /// How many of a million bytes arrive at the board with a framing error.
+    pub damaged: u32,
+    /// They send all lines at once, as they are, and only count the answers.
+    pub is_impatient: bool,
+}
+
 /// The far end of the line.
 pub struct HostLine {
+    manner: Manner,
+    /// What an impatient host has to say, how many lines that is, and how many were answered.
+    text: String,
+    asked: usize,
+    answered: usize,
     /// The host that prints a file.
     pub host: FileHost,
     to_board: VecDeque<u8>,
@@ -34,8 +51,12 @@ pub struct HostLine {
 impl HostLine {
     /// A host that will print `gcode`.
     #[must_use]
-    pub fn new(gcode: &str) -> Self {
+    pub fn new(gcode: &str, manner: Manner) -> Self {
         Self {
+            manner,
+            text: gcode.to_owned(),
+            asked: gcode.lines().count(),
+            answered: 0,
             host: FileHost::new(gcode),
             to_board: VecDeque::new(),
             heard: Vec::new(),
@@ -44,6 +65,19 @@ impl HostLine {
             said: Vec::new(),
             bytes: [0; 2],
         }
+    }
+}
+
+impl HostLine {
+    /// Whether everything was sent and answered.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        if self.manner.is_impatient { self.answered >= self.asked } else { self.host.is_done() }
+    }
+
+    /// Has the line damage what it carries to the board; the same bytes in every run.
+    pub fn damage(&self, errors: &mut Errors) {
+        errors.framing = Rate { name: "framing", per_million: self.manner.damaged };
     }
 }
 
@@ -70,7 +104,11 @@ impl Peer for HostLine {
         if line == "start" && self.started.is_none() {
             self.started = Some(now);
         }
-        self.host.hear(&line);
+        if !self.manner.is_impatient {
+            self.host.hear(&line);
+        } else if line.starts_with("ok") {
+            self.answered += 1;
+        }
         if self.said.len() < KEPT {
             self.said.push(line);
         }
@@ -80,7 +118,11 @@ impl Peer for HostLine {
         self.started?;
         if self.to_board.is_empty() {
             let mut bytes = Vec::new();
-            self.host.send(&mut bytes);
+            if self.manner.is_impatient {
+                bytes.append(&mut std::mem::take(&mut self.text).into_bytes());
+            } else {
+                self.host.send(&mut bytes);
+            }
             self.to_board.extend(bytes);
         }
         let byte = self.to_board.pop_front()?;

@@ -3,11 +3,11 @@
 use crate::board::Emulated;
 use crate::firmware::Firmware;
 use crate::gaps::Gaps;
-use crate::line::HostLine;
+use crate::line::{HostLine, Manner};
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::watch::{End, Injection, Patience, Watch};
-use crate::wiring::Wiring;
+use crate::wiring::{BRR, HostPort, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
 use rigless::emulator::{self, Start};
@@ -31,6 +31,10 @@ pub struct Request<'a> {
     pub settings: &'a Settings,
     /// The file to print.
     pub gcode: &'a str,
+    /// What the host on the second serial port prints at the same time, if there is one.
+    pub second: Option<&'a str>,
+    /// How they talk.
+    pub manner: Manner,
     /// How long it may take.
     pub patience: Patience,
     /// A fault to inject.
@@ -56,6 +60,8 @@ pub struct Seen {
     pub started: Option<u64>,
     /// The conversation.
     pub line: LineSeen,
+    /// That on the second serial port.
+    pub second: Option<LineSeen>,
     /// Core clock in Hz at the end.
     pub core_hz: u64,
     /// Virtual time in ns.
@@ -89,9 +95,11 @@ pub struct LineSeen {
 /// If the image does not fit the board, or the emulator fails.
 pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
-    let board = Emulated::new(request.wiring, HostLine::new(request.gcode))?;
+    let texts = [Some(request.gcode), request.second].into_iter().flatten();
+    let hosts = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
+    let board = Emulated::new(request.wiring, hosts)?;
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
-    let watch = Watch::new(request.wiring, request.settings, request.patience, request.injection);
+    let watch = Watch::new(request.wiring, request.settings, request.patience, request.injection, request.manner.baud);
     let images = request.firmware.images(request.wiring)?;
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
     let (mut session, watch) = (finished.session, finished.driver);
@@ -102,25 +110,24 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let gaps = Gaps::of(&session);
     let resets = session.resets().to_vec();
     let board = session.board_mut();
-    let (core_hz, baud) = clocks(board, request.wiring, stop.at)?;
-    let line = board.host().context("the host has gone")?;
-    let line_seen = LineSeen {
-        said: line.said.clone(),
-        bytes: line.bytes,
-        failure: line.host.failure().map(ToString::to_string),
-        warnings: line.host.warnings().iter().map(ToString::to_string).collect(),
-        resends: line.host.resends(),
-        baud,
-    };
+    let bauds = request.wiring.host_ports.iter().map(|port| baud(board, port, stop.at)).collect::<Result<Vec<_>>>()?;
+    let (clocks, registers) = board.mcu.clocks();
+    let core_hz = clocks.hclk(registers);
+    let mut lines = board.hosts().zip(bauds).map(|(line, baud)| LineSeen::of(line, baud));
+    let line = lines.next().context("the host has gone")?;
+    let second = lines.next();
+    drop(lines);
+    let started = board.hosts().next().and_then(|host| host.started);
     Ok(Seen {
         end: watch.end,
-        started: line.started,
+        started,
         recorder: watch.recorder,
         safety: watch.safety,
         gaps,
         resets,
         injected: watch.injected,
-        line: line_seen,
+        line,
+        second,
         core_hz,
         virtual_ns: stop.at.0,
         instructions: stop.instruction_count,
@@ -128,19 +135,28 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     })
 }
 
-/// The core's clock, and the baud rate of the host's line as the firmware set it.
-fn clocks(board: &mut Emulated, wiring: &Wiring, at: VirtualNanos) -> Result<(u64, f64)> {
-    const BRR: u64 = 0x08;
+/// The baud rate of a serial port as the firmware set it.
+fn baud(board: &mut Emulated, port: &HostPort, at: VirtualNanos) -> Result<f64> {
     const CR1: u64 = 0x0C;
     const OVER8: u64 = 1 << 15;
-    let base = wiring.host_port.1;
-    let brr = board.mcu.peek(at, base + BRR, Width::W32)?;
-    let cr1 = board.mcu.peek(at, base + CR1, Width::W32)?;
-    let (clocks, registers) = board.mcu.clocks();
-    let (core, bus) = (clocks.hclk(registers), clocks.pclk1(registers));
+    let brr = board.mcu.peek(at, port.base + BRR, Width::W32)?;
+    let cr1 = board.mcu.peek(at, port.base + CR1, Width::W32)?;
     // RM0390 rev 6, section 25.4.4.
     let divider = if cr1 & OVER8 == 0 { brr } else { (brr >> 4 << 3) + (brr & 7) };
-    Ok((core, bus as f64 / divider as f64))
+    Ok(board.bus_hz(port) as f64 / divider as f64)
+}
+
+impl LineSeen {
+    fn of(line: &HostLine, baud: f64) -> Self {
+        Self {
+            said: line.said.clone(),
+            bytes: line.bytes,
+            failure: line.host.failure().map(ToString::to_string),
+            warnings: line.host.warnings().iter().map(ToString::to_string).collect(),
+            resends: line.host.resends(),
+            baud,
+        }
+    }
 }
 
 impl Seen {

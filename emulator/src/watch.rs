@@ -5,12 +5,12 @@ use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::{self, Meaning};
 use crate::trap::TRIGGER;
-use crate::wiring::{PORTS, Wiring};
+use crate::wiring::{BRR, PORTS, Wiring};
 use corehbot::motors::EndstopSet;
 use corehbot::settings::Settings;
 use corehbot_rig::Rig;
-use corehbot_sim::world::Host;
 use rigless::emulator::{AccessKind, Driver, Settled, Stop};
+use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
@@ -71,6 +71,7 @@ pub struct Watch {
     endstops: Option<EndstopSet>,
     patience: Patience,
     injection: Option<Injection>,
+    baud: Option<u32>,
     greeted: bool,
     done: Option<u64>,
     resets: usize,
@@ -89,13 +90,20 @@ pub struct Watch {
 impl Watch {
     /// A watch over a board with `wiring` and a machine of `settings`.
     #[must_use]
-    pub fn new(wiring: &'static Wiring, settings: &Settings, patience: Patience, injection: Option<Injection>) -> Self {
+    pub fn new(
+        wiring: &'static Wiring,
+        settings: &Settings,
+        patience: Patience,
+        injection: Option<Injection>,
+        baud: Option<u32>,
+    ) -> Self {
         Self {
             wiring,
             rig: Rig::new(settings, None),
             endstops: None,
             patience,
             injection,
+            baud,
             greeted: false,
             done: None,
             resets: 0,
@@ -141,6 +149,16 @@ impl Watch {
         self.injected = Some(at.0);
     }
 
+    /// Has the serial ports run at the rate that the hosts want, whatever the image has just written.
+    fn set_rate(&self, board: &mut Emulated, at: VirtualNanos, address: u64) {
+        let Some(baud) = self.baud else { return };
+        if let Some(port) = self.wiring.host_ports.iter().find(|port| port.base + BRR == address) {
+            let divisor = board.bus_hz(port) / u64::from(baud);
+            // What the image has written there was legal, and so is this.
+            let _ = board.mcu.write(at, address, Width::W32, divisor);
+        }
+    }
+
     /// Gives the endstop inputs the levels that the machine's switches have.
     fn press(&mut self, session: &mut Session<Emulated>, at: VirtualNanos) {
         let pressed = self.rig.endstops();
@@ -160,12 +178,16 @@ impl Watch {
     fn look(&mut self, session: &mut Session<Emulated>, at: u64) -> bool {
         let reset_at = session.resets().first().map(|r| r.at.0);
         let steps_at = self.recorder.events.last().map_or(0, |e| e.at);
-        let Some(line) = session.board_mut().host() else { return true };
-        self.greeted = line.started.is_some();
-        if line.host.is_done() && self.done.is_none() {
+        let mut active = steps_at;
+        let mut is_done = true;
+        for line in session.board_mut().hosts() {
+            self.greeted |= line.started.is_some();
+            is_done &= line.is_done();
+            active = active.max(line.active);
+        }
+        if is_done && self.done.is_none() {
             self.done = Some(at);
         }
-        let active = line.active.max(steps_at);
         self.end = match (reset_at, self.done) {
             (Some(reset), _) if at >= reset + self.patience.after_reset => End::Reset,
             (None, Some(done)) if at >= done + LAST_NS => End::Done,
@@ -204,6 +226,7 @@ impl Driver<Emulated> for Watch {
         if access.kind != AccessKind::Write {
             return;
         }
+        self.set_rate(session.board_mut(), access.virtual_time, access.address);
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
         if (port as usize) < PORTS {
             self.port_written(session, host, access.virtual_time, port as usize);

@@ -53,6 +53,20 @@ pub struct Slot {
     pub uart: Pin,
 }
 
+/// A serial port's divisor register (RM0390 rev 6, section 25.6.8).
+pub const BRR: u64 = 0x08;
+
+/// A serial port for a host.
+#[derive(Clone, Copy, Debug)]
+pub struct HostPort {
+    /// Its place among the part's ports.
+    pub place: usize,
+    /// Its base address (RM0390 rev 6, section 2.2.2).
+    pub base: u64,
+    /// It is on APB2, else on APB1.
+    pub is_on_apb2: bool,
+}
+
 /// A board with an STM32F446.
 #[derive(Debug)]
 pub struct Wiring {
@@ -71,8 +85,8 @@ pub struct Wiring {
     pub thermistors: &'static [(u8, u32)],
     /// Where the firmware begins; what lies before is the bootloader.
     pub application: u32,
-    /// The serial port of the host: its place among the part's ports, and its base address.
-    pub host_port: (usize, u64),
+    /// Serial ports for hosts.
+    pub host_ports: &'static [HostPort],
     /// The crystal in Hz.
     pub crystal: u64,
 }
@@ -85,7 +99,7 @@ const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Slot
 const ROOM: u32 = 3152;
 
 /// BTT Octopus V1.0 and V1.1 with motors 1, 8, 4, 11 in slots M0, M4, M1, M3, the ball screws in M2 and M5
-/// and the extruder in M6; the Raspberry Pi header is USART2.
+/// and the extruder in M6; the Raspberry Pi header is USART2 and the TFT header USART1.
 pub static OCTOPUS: Wiring = Wiring {
     name: "octopus",
     slots: [
@@ -121,7 +135,10 @@ pub static OCTOPUS: Wiring = Wiring {
     ],
     thermistors: &[(9, ROOM), (14, ROOM), (15, ROOM), (4, ROOM), (5, ROOM)],
     application: 0x0800_8000,
-    host_port: (1, 0x4000_4400),
+    host_ports: &[
+        HostPort { place: 1, base: 0x4000_4400, is_on_apb2: false },
+        HostPort { place: 0, base: 0x4001_1000, is_on_apb2: true },
+    ],
     crystal: 12_000_000,
 };
 

@@ -2,6 +2,7 @@
 
 use corehbot::settings::Settings;
 use corehbot_emulator::firmware::Firmware;
+use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
 use corehbot_emulator::wiring::OCTOPUS;
@@ -24,8 +25,20 @@ pub fn root() -> PathBuf {
 
 /// Prints `gcode` with the image, and with a fault if there is one.
 pub fn print(firmware: &Firmware, gcode: &str, injection: Option<Injection>) -> Seen {
+    serve(firmware, gcode, None, Manner::default(), injection)
+}
+
+/// Prints `gcode`, and `second` from the other serial port at the same time.
+pub fn serve(
+    firmware: &Firmware,
+    gcode: &str,
+    second: Option<&str>,
+    manner: Manner,
+    injection: Option<Injection>,
+) -> Seen {
     let settings = Settings::prototype();
     let patience = Patience { whole: 120_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
-    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection };
+    let request =
+        Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, second, manner, patience, injection };
     run(&request).unwrap_or_else(|e| panic!("{e:#}"))
 }

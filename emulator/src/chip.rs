@@ -1,0 +1,131 @@
+//! The chip: the STM32F427 model, and a USB port with nothing plugged in.
+//!
+//! The crate's own model of OTG_FS answers for the reset register; all others only keep what is written. A firmware
+//! that clears the interrupt flags by writing ones would find all of them set, and believe in a host for ever.
+
+use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
+use rigless::mcu::Mcu;
+use rigless::soc::stm32f427::Stm32f427;
+use rigless::soc::stm32f427::generated::otg_fs_device;
+use rigless::soc::stm32f427::generated::otg_fs_global::Register;
+use rigless::soc::stm32f427::peripherals::otg::Otg;
+use rigless::soc::{Bus, Error};
+use rigless::time::VirtualNanos;
+use std::ops::{Deref, DerefMut};
+
+/// GINTSTS of a core in device mode on which nothing has happened (RM0390 rev 6, section 31.15.6).
+const NOTHING_HAPPENED: u64 = 0x0400_0020;
+
+/// The chip.
+#[derive(Debug)]
+pub struct Chip {
+    part: Stm32f427,
+    core: Core,
+    device: Block,
+    /// Where the bus has the two.
+    slots: [Option<usize>; 2],
+}
+
+/// The global registers of OTG_FS.
+#[derive(Debug, Default)]
+struct Core(Otg);
+
+impl Device for Core {
+    type Register = Register;
+
+    fn write(&mut self, register: Register, value: u64, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {
+        match register {
+            Register::FsGintsts => registers.set(Register::FsGintsts, NOTHING_HAPPENED),
+            // No session has ever ended.
+            Register::FsGotgint => registers.set(Register::FsGotgint, 0),
+            _ => Device::write(&mut self.0, register, value, registers, context),
+        }
+    }
+}
+
+/// The device registers of OTG_FS, which keep what is written: without a host nothing comes of it.
+#[derive(Debug, Default)]
+struct Block;
+
+impl Device for Block {
+    type Register = otg_fs_device::Register;
+}
+
+impl Chip {
+    /// A chip out of reset.
+    ///
+    /// # Errors
+    /// If the model contradicts itself.
+    pub fn new() -> Result<Self, Error> {
+        let part = Stm32f427::new()?;
+        let slots = ["OTG_FS_GLOBAL", "OTG_FS_DEVICE"]
+            .map(|name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name));
+        Ok(Self { part, core: Core::default(), device: Block, slots })
+    }
+}
+
+impl Deref for Chip {
+    type Target = Stm32f427;
+
+    fn deref(&self) -> &Stm32f427 {
+        &self.part
+    }
+}
+
+impl DerefMut for Chip {
+    fn deref_mut(&mut self) -> &mut Stm32f427 {
+        &mut self.part
+    }
+}
+
+/// The rest of [`Mcu`] is for memory with check bits, which this part has not.
+impl Mcu for Chip {
+    fn bus(&self) -> &Bus {
+        self.part.bus()
+    }
+
+    fn bus_mut(&mut self) -> &mut Bus {
+        self.part.bus_mut()
+    }
+
+    fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
+        let model: &mut dyn ErasedDevice = match self.slots.iter().position(|mine| *mine == Some(slot)) {
+            Some(0) => &mut self.core,
+            Some(_) => &mut self.device,
+            None => return self.part.split(slot),
+        };
+        (self.part.bus_mut(), Some(model))
+    }
+
+    fn reset(&mut self, at: VirtualNanos, cause: ResetCause) {
+        self.part.reset(at, cause);
+    }
+
+    fn poll(&mut self, now: VirtualNanos) {
+        self.part.poll(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rigless::mcu::Operate;
+    use rigless::soc::Width;
+
+    const AHB2ENR: u64 = 0x4002_3834;
+    const GRSTCTL: u64 = 0x5000_0010;
+    const GINTSTS: u64 = 0x5000_0014;
+
+    #[test]
+    fn without_a_cable_the_usb_core_is_idle_and_nothing_ever_happens() {
+        let mut chip = Chip::new().unwrap();
+        let at = VirtualNanos(1);
+        chip.check().unwrap();
+        chip.write(at, AHB2ENR, Width::W32, 1 << 7).unwrap();
+        chip.write(at, GINTSTS, Width::W32, u64::from(u32::MAX)).unwrap();
+        assert_eq!(chip.read(at, GINTSTS, Width::W32), Ok(NOTHING_HAPPENED));
+        // The flush of all FIFOs is over at once, and the core's own bus is idle.
+        chip.write(at, GRSTCTL, Width::W32, 0x430).unwrap();
+        assert_eq!(chip.read(at, GRSTCTL, Width::W32), Ok(0x8000_0400));
+    }
+}
