@@ -47,11 +47,13 @@ impl Usart {
     /// of alternate functions).
     #[must_use]
     const fn reaches(self, tx: Pin, rx: Pin) -> bool {
-        match (self, tx.port, tx.number(), rx.port, rx.number()) {
-            (Self::One, Port::A, 9, Port::A, 10) | (Self::One, Port::B, 6, Port::B, 7) => true,
-            (Self::Two, Port::A, 2, Port::A, 3) | (Self::Two, Port::D, 5, Port::D, 6) => true,
-            _ => false,
-        }
+        matches!(
+            (self, tx.port, tx.number(), rx.port, rx.number()),
+            (Self::One, Port::A, 9, Port::A, 10)
+                | (Self::One, Port::B, 6, Port::B, 7)
+                | (Self::Two, Port::A, 2, Port::A, 3)
+                | (Self::Two, Port::D, 5, Port::D, 6)
+        )
     }
 }
 

@@ -35,6 +35,12 @@ pub trait Surroundings {
     fn now(&self) -> Instant;
 }
 
+impl Default for Traffic {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Traffic {
     /// A closed port; all zeros, so it costs no flash.
     pub const fn new() -> Self {
@@ -147,3 +153,11 @@ impl Traffic {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "fake_usb.rs"]
+mod fake_usb;
+
+#[cfg(test)]
+#[path = "usb_traffic_tests.rs"]
+mod tests;

@@ -1,0 +1,211 @@
+//! The port from plugging in to closing it, with embassy's USB stack and a fake bus.
+
+use super::fake_usb::Fake;
+use super::*;
+use embassy_usb::class::cdc_acm::State;
+use embassy_usb::driver::Event;
+use embassy_usb::{Builder, Config};
+use std::cell::Cell;
+use std::pin::{Pin, pin};
+use std::task::{Context, Waker};
+
+/// Requests of the USB specification (2.0, table 9-4) and of its class for modems (PSTN 1.2, table 13).
+const SET_ADDRESS: [u8; 8] = [0x00, 5, 7, 0, 0, 0, 0, 0];
+const GET_DEVICE: [u8; 8] = [0x80, 6, 0, 1, 0, 0, 18, 0];
+const GET_CONFIGURATION: [u8; 8] = [0x80, 6, 0, 2, 0, 0, 0xFF, 0];
+const SET_CONFIGURATION: [u8; 8] = [0x00, 9, 1, 0, 0, 0, 0, 0];
+const SET_LINE_CODING: [u8; 8] = [0x21, 0x20, 0, 0, 0, 0, 7, 0];
+
+const fn set_line_state(dtr: bool) -> [u8; 8] {
+    [0x21, 0x22, dtr as u8, 0, 0, 0, 0, 0]
+}
+
+struct Bench<'a>(&'a Cell<u64>);
+
+impl Surroundings for Bench<'_> {
+    fn wake_console(&self) {}
+
+    fn now(&self) -> Instant {
+        Instant(self.0.get())
+    }
+}
+
+/// A host on one side of the port, and the Console on the other.
+struct Rig<'a> {
+    wire: Fake,
+    traffic: &'a Traffic,
+    clock: &'a Cell<u64>,
+    port: Pin<&'a mut dyn Future<Output = ()>>,
+}
+
+/// Runs `story` with a port that is plugged in and configured, and closed.
+fn with_port(story: impl FnOnce(Rig<'_>)) {
+    let (wire, traffic, clock) = (Fake::default(), Traffic::new(), Cell::new(0));
+    let (mut configuration, mut capabilities, mut control) = ([0; 128], [0; 32], [0; PACKET]);
+    let mut state = State::new();
+    let mut config = Config::new(0x1209, 0x0001);
+    config.manufacturer = Some("corehbot");
+    let mut builder = Builder::new(wire.clone(), config, &mut configuration, &mut capabilities, &mut [], &mut control);
+    let class = CdcAcmClass::new(&mut builder, &mut state, PACKET as u16);
+    let port = pin!(traffic.run(builder.build(), class, Bench(&clock)));
+    let mut rig = Rig { wire, traffic: &traffic, clock: &clock, port };
+    rig.wire.0.borrow_mut().events.extend([Event::PowerDetected, Event::Reset]);
+    rig.request(SET_ADDRESS);
+    rig.request(SET_CONFIGURATION);
+    story(rig);
+}
+
+impl Rig<'_> {
+    /// Lets the port do all that it has to do.
+    fn run(&mut self) {
+        for _ in 0..20 {
+            assert!(self.port.as_mut().poll(&mut Context::from_waker(Waker::noop())).is_pending());
+        }
+    }
+
+    fn request(&mut self, request: [u8; 8]) {
+        self.wire.0.borrow_mut().requests.push_back((request, Vec::new()));
+        self.run();
+        assert_eq!(self.wire.0.borrow().verdicts[1], 0, "{request:?}");
+    }
+
+    fn open(&mut self) {
+        self.request(set_line_state(true));
+        assert_eq!(self.traffic.recv(), Some(Received::Opened));
+    }
+
+    fn say(&mut self, text: &str) -> usize {
+        let taken = self.traffic.send(text.as_bytes(), Instant(self.clock.get()));
+        self.run();
+        taken
+    }
+
+    fn send(&mut self, packet: &[u8]) {
+        self.wire.0.borrow_mut().to_device.push_back(packet.to_vec());
+        self.run();
+    }
+
+    /// The host fetches a packet, if there is one.
+    fn fetch(&mut self) -> Option<String> {
+        let packet = self.wire.0.borrow_mut().to_host.take();
+        self.run();
+        packet.map(|bytes| String::from_utf8(bytes).unwrap())
+    }
+
+    /// The host fetches all packets.
+    fn fetch_all(&mut self) -> String {
+        std::iter::from_fn(|| self.fetch()).collect()
+    }
+
+    fn hear(&mut self) -> String {
+        let next = || self.traffic.recv().map(|received| if let Received::Byte(byte) = received { byte } else { 0 });
+        String::from_utf8(std::iter::from_fn(next).collect()).unwrap()
+    }
+}
+
+#[test]
+fn the_host_finds_a_serial_port() {
+    with_port(|mut rig| {
+        rig.request(GET_DEVICE);
+        let device = std::mem::take(&mut rig.wire.0.borrow_mut().answers);
+        assert_eq!((device.len(), &device[8..12]), (18, &[0x09, 0x12, 0x01, 0x00][..]));
+        rig.request(GET_CONFIGURATION);
+        let configuration = std::mem::take(&mut rig.wire.0.borrow_mut().answers);
+        assert_eq!(configuration.len(), usize::from(configuration[2]), "all of it fits into our memory");
+        assert_eq!(configuration.len(), 70);
+        rig.wire.0.borrow_mut().requests.push_back((SET_LINE_CODING, vec![0x90, 0xD0, 3, 0, 0, 0, 8]));
+        rig.run();
+        assert_eq!(rig.wire.0.borrow().verdicts, [3, 0]);
+    });
+}
+
+#[test]
+fn a_command_and_its_answer_pass() {
+    with_port(|mut rig| {
+        rig.open();
+        rig.send(b"M105\n");
+        assert_eq!(rig.hear(), "M105\n");
+        rig.say("ok T:0.00\n");
+        assert_eq!(rig.fetch().as_deref(), Some("ok T:0.00\n"));
+        assert_eq!(rig.fetch(), None);
+    });
+}
+
+#[test]
+fn a_full_packet_at_the_end_is_followed_by_an_empty_one() {
+    with_port(|mut rig| {
+        rig.open();
+        rig.say(&"x".repeat(PACKET));
+        assert_eq!(rig.fetch().map(|packet| packet.len()), Some(PACKET));
+        assert_eq!(rig.fetch().as_deref(), Some(""));
+        assert_eq!(rig.fetch(), None);
+    });
+}
+
+#[test]
+fn a_host_that_is_faster_than_the_console_waits_and_nothing_is_lost() {
+    with_port(|mut rig| {
+        rig.open();
+        let text: Vec<u8> = (0..3000_u32).map(|n| b'a' + (n % 23) as u8).collect();
+        text.chunks(PACKET).for_each(|packet| rig.send(packet));
+        assert!(rig.wire.0.borrow().to_device.len() > 30, "most of it is still with the host");
+        let mut heard = String::new();
+        while heard.len() < text.len() {
+            heard += &rig.hear();
+            rig.run();
+        }
+        assert_eq!(heard.as_bytes(), text);
+    });
+}
+
+#[test]
+fn what_nobody_has_fetched_is_not_for_the_next_who_opens_the_port() {
+    with_port(|mut rig| {
+        rig.open();
+        rig.send(b"G28\n");
+        // One packet is under way, one waits in the driver, the rest in the pump.
+        rig.say(&"echo:old ".repeat(20));
+        rig.request(set_line_state(false));
+        assert_eq!(rig.say("echo:nobody hears this\n"), 23);
+        rig.request(set_line_state(true));
+        assert_eq!((rig.traffic.recv(), rig.hear().as_str()), (Some(Received::Opened), ""));
+        rig.say("start\n");
+        assert_eq!(rig.fetch().map(|packet| packet.len()), Some(PACKET), "the hardware has it");
+        assert_eq!(rig.fetch_all(), "\nstart\n");
+    });
+}
+
+#[test]
+fn a_host_that_stops_fetching_does_not_stop_the_console() {
+    with_port(|mut rig| {
+        rig.open();
+        let line = format!("echo:{}\n", "x".repeat(194));
+        while rig.say(&line) > 0 {}
+        rig.clock.set(Instant(rig.clock.get()).after_ms(500).0);
+        for _ in 0..100 {
+            assert_eq!(rig.say(&line), 200);
+        }
+        assert_eq!(rig.fetch_all(), line[..2 * PACKET], "what hardware and driver hold");
+        rig.say("ok\n");
+        assert_eq!(rig.fetch_all(), "\nok\n");
+    });
+}
+
+#[test]
+fn a_bus_reset_closes_the_port_until_it_is_opened_again() {
+    with_port(|mut rig| {
+        rig.open();
+        rig.say("echo:a packet that is never fetched\n");
+        rig.say("echo:nor this\n");
+        rig.wire.0.borrow_mut().events.push_back(Event::Reset);
+        rig.run();
+        assert_eq!(rig.say("echo:nobody hears this\n"), 23);
+        rig.request(SET_ADDRESS);
+        rig.request(SET_CONFIGURATION);
+        rig.open();
+        rig.say("start\n");
+        assert_eq!(rig.fetch().as_deref(), Some("start\n"));
+        rig.send(b"M115\n");
+        assert_eq!(rig.hear(), "M115\n");
+    });
+}
