@@ -1,6 +1,7 @@
 //! Clocks: 180 MHz from the crystal, and 48 MHz for USB.
 
-use embassy_stm32::pac::{FLASH, RCC};
+use cortex_m::peripheral::NVIC;
+use embassy_stm32::pac::{FLASH, Interrupt, RCC, TIM3};
 use embassy_stm32::rcc::{
     AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk,
 };
@@ -36,8 +37,15 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     config.rcc.ahb_pre = AHBPrescaler::DIV1;
     config.rcc.apb1_pre = APBPrescaler::DIV4;
     config.rcc.apb2_pre = APBPrescaler::DIV2;
-    // The peripherals are used by their registers here.
-    let _ = embassy_stm32::init(config);
+    // embassy's time counts half laps of TIM3 by its flags. Before the counter starts, the compare register of the half
+    // lap is as 0 as the counter, which sets that flag in the emulated chip if not in the real one, and embassy-stm32
+    // 0.6.0 does not take it back. With a half lap too many, a read just when a half lap ends goes back by 65 ms.
+    critical_section::with(|_| {
+        // The peripherals are used by their registers here.
+        let _ = embassy_stm32::init(config);
+        TIM3.sr().write(|_| ());
+        NVIC::unpend(Interrupt::TIM3);
+    });
     // embassy-stm32 0.6.0 writes the wait states into ACR and with that switches prefetch and both caches off, which
     // every start of a branch would pay with five cycles and more.
     FLASH.acr().modify(|w| {
