@@ -55,8 +55,8 @@ pub fn run(board: &'static Board) -> ! {
     }
     report(&mut serial);
     step_timer::start();
-    let steps = STEP_WORDS.init_with(|| Words::new(board.step_pins()));
-    let dirs = DIR_WORDS.init_with(|| Words::new(board.dir_pins()));
+    let steps = STEP_WORDS.init_with(|| Words::pulses(board.step_pins()));
+    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins()));
     let parts = assemble(StepPins::new(board, steps, dirs), serial, EnableLines::new(board));
     contexts::start(parts, Watchdog::new())
 }
