@@ -3,7 +3,7 @@
 //! Single atomics, each with one writer (`epoch` apart, which the Console writes). A count that both sides
 //! keep tells idleness without a race: nothing is under way when as much was finished as was begun.
 
-use crate::motors::{EndstopSet, Motor};
+use crate::motors::{EndstopSet, Motor, MotorSet};
 use core::sync::atomic::{
     AtomicBool, AtomicI32, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
 };
@@ -81,10 +81,16 @@ impl Status {
         core::array::from_fn(|i| self.counts.get(i).map_or(0, |c| c.load(Relaxed)))
     }
 
-    /// One step of `motor`, the only writer being the Stepper.
-    pub(crate) fn count_step(&self, motor: usize, step: i32) {
-        if let Some(c) = self.counts.get(motor) {
-            c.store(c.load(Relaxed).wrapping_add(step), Relaxed);
+    /// One step of each motor of `steps`; the Stepper is the only writer.
+    pub(crate) fn count_steps(&self, steps: MotorSet, forward: MotorSet) {
+        let mut left = steps.0;
+        while left != 0 {
+            let motor = left.trailing_zeros() as usize;
+            left &= left - 1;
+            if let Some(count) = self.counts.get(motor) {
+                let step = if forward.0 & 1 << motor == 0 { -1 } else { 1 };
+                count.store(count.load(Relaxed).wrapping_add(step), Relaxed);
+            }
         }
     }
 

@@ -65,36 +65,43 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
 
     /// Call it when the alarm rings and when it is pended. Bounded: plays or discards at most a few events.
     pub fn on_alarm(&mut self) {
-        if self.ended.is_some_and(|epoch| epoch != self.status.epoch()) {
+        match self.play_due() {
+            Some(at) => self.clock.alarm(at),
+            None => self.clock.silence(),
+        }
+        self.status.set_endstops(self.port.endstops());
+    }
+
+    /// Plays what is due, and says when to come again.
+    fn play_due(&mut self) -> Option<Tick> {
+        // Nobody who could begin another epoch runs until we are done.
+        let epoch = self.status.epoch();
+        if self.ended.is_some_and(|ended| ended != epoch) {
             self.ended = None;
         }
         for _ in 0..BURST {
-            let Some((event, due)) = self.next.or_else(|| self.fetch()) else {
-                self.status.set_endstops(self.port.endstops());
-                self.clock.silence();
-                return;
-            };
-            if event.epoch != self.status.epoch() || self.ended == Some(event.epoch) {
+            if self.next.is_none() {
+                self.fetch();
+            }
+            let (event, due) = self.next?;
+            if event.epoch != epoch || self.ended.is_some() {
                 self.discard();
                 continue;
             }
             let now = self.clock.now();
             if now.is_before(due) {
-                self.next = Some((event, due));
-                self.status.set_endstops(self.port.endstops());
-                self.clock.alarm(due);
-                return;
+                return Some(due);
             }
             if !event.watch.is_empty() {
                 let pressed = self.port.endstops().and(event.watch);
                 if !pressed.is_empty() {
                     self.status.set_triggered(pressed);
-                    self.ended = Some(event.epoch);
+                    self.ended = Some(epoch);
                     self.discard();
                     continue;
                 }
             }
-            self.play(&event);
+            self.play(event);
             let late = now.since(due);
             self.running = Some(if late > GRACE {
                 self.status.count_stretched();
@@ -103,15 +110,15 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
                 due
             });
         }
-        // More may be due at once; ring again as soon as other interrupts have had their turn.
-        self.clock.alarm(self.clock.now());
+        // More may be due at once: as soon as other interrupts have had their turn.
+        Some(self.clock.now())
     }
 
     /// Takes the next event from the queue and dates it.
-    fn fetch(&mut self) -> Option<(StepEvent, Tick)> {
+    fn fetch(&mut self) {
         let Some(event) = self.events.dequeue() else {
             self.running = None;
-            return None;
+            return;
         };
         if self.status.events_waiting() == REFILL {
             self.pend.pend_generator();
@@ -121,7 +128,6 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             None => self.clock.now().after(event.interval.max(LEAD)),
         };
         self.next = Some((event, due));
-        self.next
     }
 
     fn discard(&mut self) {
@@ -130,7 +136,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.status.event_done(self.tick as u32);
     }
 
-    fn play(&mut self, event: &StepEvent) {
+    fn play(&mut self, event: StepEvent) {
         self.next = None;
         self.tick += u64::from(event.interval);
         if !event.steps.is_empty() {
@@ -140,11 +146,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             }
             self.port.rise(event.steps, self.tick);
             // The pulse is as long as the counting takes, and the port sees to it that this is enough.
-            for motor in 0..7 {
-                if event.steps.0 & 1 << motor != 0 {
-                    self.status.count_step(motor, if event.forward.0 & 1 << motor != 0 { 1 } else { -1 });
-                }
-            }
+            self.status.count_steps(event.steps, event.forward);
             self.port.fall(event.steps);
             if !self.events.ready() {
                 self.status.count_starved();

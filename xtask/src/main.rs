@@ -3,6 +3,7 @@
 mod build;
 mod checkout;
 mod emulate;
+mod flash;
 mod qemu;
 mod test;
 
@@ -25,6 +26,8 @@ enum Task {
     Emulate(emulate::Args),
     /// Prints a G-code file in the simulator, in QEMU and on the Octopus's image, and compares the steps.
     Equal(emulate::EqualArgs),
+    /// Builds the image of a board and puts it there: by a debug probe, USB or SD card.
+    Flash(flash::Args),
     /// Prints a G-code file on the firmware in QEMU.
     Qemu(qemu::Args),
     /// Checks everything: format, lints, documentation, tests, sizes, and QEMU against the simulator.
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
         Task::Build(args) => build::main(&args),
         Task::Emulate(args) => emulate::main(&args),
         Task::Equal(args) => emulate::equal(&args),
+        Task::Flash(args) => flash::main(&args),
         Task::Qemu(args) => qemu::main(&args),
         Task::Test(args) => test::main(&args),
     };

@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn each_pair_steps_by_one_store() {
-        let words = Words::new(BOARD.step_pins());
+        let words = Words::pulses(BOARD.step_pins());
         for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
             let set = MotorSet::of(pair[0]).with(MotorSet::of(pair[1]));
             let used: Vec<_> = words.ports.iter().zip(words.of(set)).filter(|(_, word)| **word != 0).collect();

@@ -64,8 +64,8 @@ pub fn run(board: &'static Board) -> ! {
         port
     });
     step_timer::start();
-    let steps = STEP_WORDS.init_with(|| Words::new(board.step_pins()));
-    let dirs = DIR_WORDS.init_with(|| Words::new(board.dir_pins()));
+    let steps = STEP_WORDS.init_with(|| Words::pulses(board.step_pins()));
+    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins()));
     let parts = assemble(StepPins::new(board, steps, dirs), lines, EnableLines::new(board));
     contexts::start(parts, usb, Watchdog::new())
 }

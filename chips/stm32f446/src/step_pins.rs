@@ -4,8 +4,6 @@
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
-use core::array;
-
 use corehbot::port::{EndstopSet, MotorSet, StepPort};
 use cortex_m::peripheral::DWT;
 
@@ -19,10 +17,6 @@ const PULSE: u32 = 24;
 /// The same for a step pin on PC13, PC14 or PC15, which is good for 2 MHz (STM32F446 datasheet, pin definitions,
 /// note on the power switch): 300 ns.
 const SLOW_PULSE: u32 = 54;
-
-/// Looks at the cycle counter that together take longer than a pulse, even if the counter stood still: a read
-/// of it is two cycles or more, a comparison and a branch three.
-const LOOKS: u32 = SLOW_PULSE / 5 + 1;
 
 /// Step and direction pins of all motors, and the endstop inputs.
 pub struct StepPins {
@@ -66,8 +60,7 @@ impl StepPort for StepPins {
     #[inline]
     fn dir(&mut self, forward: MotorSet) {
         let high = MotorSet(forward.0 ^ self.reversed.0);
-        let (set, reset) = (self.dirs.of(high), self.dirs.of(MotorSet(!high.0)));
-        store(&self.dir_ports, array::from_fn(|port| set[port] | reset[port] << 16));
+        store(&self.dir_ports, *self.dirs.of(high));
     }
 
     #[inline]
@@ -79,10 +72,10 @@ impl StepPort for StepPins {
     #[inline]
     fn fall(&mut self, steps: MotorSet) {
         let pulse = if steps.0 & self.slow.0 == 0 { PULSE } else { SLOW_PULSE };
-        for _ in 0..LOOKS {
-            if DWT::cycle_count().wrapping_sub(self.rose) >= pulse {
-                break;
-            }
+        // If the counter stands still, this is the whole pulse.
+        let rest = pulse.saturating_sub(DWT::cycle_count().wrapping_sub(self.rose));
+        if rest > 0 {
+            cortex_m::asm::delay(rest);
         }
         store(&self.step_ports, self.steps.of(steps).map(|word| word << 16));
     }
@@ -112,7 +105,8 @@ impl Endstops {
         }
     }
 
-    #[inline]
+    /// A function of its own, to keep the step path below a KiB.
+    #[inline(never)]
     fn read(&self) -> EndstopSet {
         let first = self.ports[0].idr().read().0;
         let inputs = if self.is_one_port {

@@ -127,42 +127,53 @@ pub const PORTS: usize = 4;
 /// Sets of motors.
 pub const SETS: usize = 1 << Motor::ALL.len();
 
-/// For every set of motors, the bits to be written to each port: one load of neighbouring words and one store a
+/// For every set of motors, the word to be written to each port's BSRR: one load of neighbouring words and one store a
 /// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
 pub struct Words {
     /// The ports; those not needed repeat the first, and their words are 0.
     pub ports: [Port; PORTS],
-    /// Bits to set by set of motors and port.
-    bits: [[u32; PORTS]; SETS],
+    /// Words by set of motors and port.
+    words: [[u32; PORTS]; SETS],
 }
 
 impl Words {
-    /// The words of the motors' pins. Pins beyond [`PORTS`] ports have none, which [`Board::problem`] finds.
+    /// Words that set the pins of the motors in the set and leave the others. Pins beyond [`PORTS`] ports have
+    /// none, which [`Board::problem`] finds.
     #[must_use]
-    pub fn new(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
+    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
+        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { 0 })
+    }
+
+    /// Words that set the pins of the motors in the set and reset those of the others.
+    #[must_use]
+    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
+        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
+    }
+
+    fn new(pins: [Option<Pin>; Motor::ALL.len()], word: impl Fn(Pin, bool) -> u32) -> Self {
         let mut ports = ports_of(&pins);
         let used = ports.1;
         for port in used..PORTS {
             ports.0[port] = ports.0[0];
         }
-        let mut bits = [[0; PORTS]; SETS];
-        for (set, words) in bits.iter_mut().enumerate() {
+        let mut words = [[0; PORTS]; SETS];
+        for (set, words) in words.iter_mut().enumerate() {
             for (motor, pin) in pins.iter().enumerate() {
-                if let Some(pin) = pin.filter(|_| set & 1 << motor != 0)
+                if let Some(pin) = *pin
                     && let Some(column) = ports.0[..used].iter().position(|port| *port == pin.port)
                 {
-                    words[column] |= pin.mask();
+                    words[column] |= word(pin, set & 1 << motor != 0);
                 }
             }
         }
-        Self { ports: ports.0, bits }
+        Self { ports: ports.0, words }
     }
 
-    /// Bits to set in each port for `motors`.
+    /// The word of each port for `motors`.
     #[inline]
     #[must_use]
     pub const fn of(&self, motors: MotorSet) -> &[u32; PORTS] {
-        &self.bits[motors.0 as usize % SETS]
+        &self.words[motors.0 as usize % SETS]
     }
 }
 
@@ -253,14 +264,19 @@ mod tests {
         let pins =
             [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
         let pins = pins.map(|(port, number)| Pin::new(port, number));
-        let words = Words::new(pins.map(Some));
+        let (pulses, levels) = (Words::pulses(pins.map(Some)), Words::levels(pins.map(Some)));
         for set in 0..SETS {
             let motors = MotorSet(set as u8);
             for port in Port::ALL {
-                let written: u32 =
-                    words.ports.iter().zip(words.of(motors)).filter(|(p, _)| **p == port).map(|(_, word)| word).sum();
-                let wanted = Motor::ALL.into_iter().zip(pins).filter(|(motor, _)| motors.has(*motor));
-                assert_eq!(written, bits(wanted.map(|(_, pin)| pin), port), "{motors:?} {port:?}");
+                let written = |words: &Words| -> u32 {
+                    words.ports.iter().zip(words.of(motors)).filter(|(p, _)| **p == port).map(|(_, word)| word).sum()
+                };
+                let of = |is_in: bool| {
+                    let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor) == is_in);
+                    bits(chosen.map(|(_, pin)| pin), port)
+                };
+                assert_eq!(written(&pulses), of(true), "{motors:?} {port:?}");
+                assert_eq!(written(&levels), of(true) | of(false) << 16, "{motors:?} {port:?}");
             }
         }
     }
@@ -269,7 +285,7 @@ mod tests {
     fn ports_without_a_motor_get_no_bits() {
         let mut pins = [None; 7];
         pins[0] = Some(Pin::new(Port::B, 3));
-        let words = Words::new(pins);
+        let words = Words::pulses(pins);
         assert_eq!(words.ports, [Port::B; PORTS]);
         assert_eq!(words.of(MotorSet::ALL), &[1 << 3, 0, 0, 0]);
     }

@@ -11,8 +11,8 @@ const ERASED: u8 = 0xFF;
 /// Gaps larger than any alignment are a mistake in the memory map.
 const LARGEST_GAP: u32 = 64;
 
-/// The loaded segments in the order of their addresses.
-pub fn extract(elf: &Elf<'_>) -> Result<Vec<u8>> {
+/// The loaded segments in the order of their addresses, and where they begin.
+pub fn extract(elf: &Elf<'_>) -> Result<(u32, Vec<u8>)> {
     let endian = elf.endian();
     let mut parts = Vec::new();
     for header in elf.elf_program_headers() {
@@ -23,7 +23,7 @@ pub fn extract(elf: &Elf<'_>) -> Result<Vec<u8>> {
         }
     }
     parts.sort_by_key(|part| part.0);
-    join(&parts)
+    Ok((parts.first().map_or(0, |part| part.0), join(&parts)?))
 }
 
 fn join(parts: &[(u32, &[u8])]) -> Result<Vec<u8>> {

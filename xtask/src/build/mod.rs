@@ -23,8 +23,8 @@ pub struct Args {
 }
 
 /// A board that can be flashed.
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Board {
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Board {
     /// BTT Octopus V1.0 or V1.1.
     Octopus,
     /// Nucleo-F446RE with a CNC shield.
@@ -38,20 +38,61 @@ impl Board {
             Self::Nucleo => "nucleo",
         }
     }
+
+    /// What people call it.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Octopus => "BTT Octopus",
+            Self::Nucleo => "Nucleo-F446RE",
+        }
+    }
+
+    /// The processor as probe-rs names it.
+    pub const fn chip(self) -> &'static str {
+        match self {
+            Self::Octopus => "STM32F446ZETx",
+            Self::Nucleo => "STM32F446RETx",
+        }
+    }
+
+    /// Whether USB leads to the processor, and not to a debug probe.
+    pub const fn has_usb(self) -> bool {
+        matches!(self, Self::Octopus)
+    }
+
+    /// Whether its bootloader reads a card.
+    pub const fn has_card_slot(self) -> bool {
+        matches!(self, Self::Octopus)
+    }
+}
+
+/// An image that was built.
+pub struct Image {
+    /// With symbols, for probes.
+    pub elf: PathBuf,
+    /// `firmware.bin`.
+    pub binary: PathBuf,
+    /// Where the binary begins in flash.
+    pub start: u32,
 }
 
 /// Builds, weighs and examines an image.
 pub fn main(args: &Args) -> Result<()> {
-    let name = args.board.name();
+    image(args.board).map(|_| ())
+}
+
+/// Builds, weighs and examines an image, and says where it is.
+pub fn image(board: Board) -> Result<Image> {
+    let name = board.name();
     let elf_path = checkout::build_image(&format!("corehbot-{name}"))?;
     let data = read(&elf_path)?;
     let elf = Elf::parse(&*data)?;
     examine(&elf, true)?;
-    let binary = binary::extract(&elf)?;
+    let (start, binary) = binary::extract(&elf)?;
     let binary_path = write(&binary, name)?;
     println!("ELF     {}", elf_path.display());
-    println!("binary  {} ({} bytes)", binary_path.display(), binary.len());
-    Ok(())
+    println!("binary  {} ({} bytes, at {start:#010x})", binary_path.display(), binary.len());
+    Ok(Image { elf: elf_path, binary: binary_path, start })
 }
 
 /// Weighs and examines the images of all boards, which have been built.

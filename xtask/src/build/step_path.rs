@@ -11,6 +11,9 @@ use std::collections::BTreeMap;
 /// The handler of the step timer.
 const HANDLER: &str = "TIM2";
 
+/// Bytes that it may have: it should stay in the flash's cache, 64 lines of 16 bytes (RM0390, 3.4.2).
+const LARGEST: u64 = 1024;
+
 /// A function and where its code is.
 struct Function<'d> {
     name: &'d str,
@@ -71,9 +74,15 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
             at += instruction.length as u64;
         }
     }
+    if bytes > LARGEST {
+        complaints.push(format!("the step path has {bytes} bytes, {LARGEST} are allowed"));
+    }
     let verdict =
         if complaints.is_empty() { "no division, float or call through a pointer" } else { "not as it must be" };
-    Ok((format!("{:<16} {bytes:>8} in {} function(s): {verdict}", "step path", seen.len()), complaints))
+    Ok((
+        format!("{:<16} {bytes:>8} of {LARGEST:>8} allowed, in {} function(s): {verdict}", "step path", seen.len()),
+        complaints,
+    ))
 }
 
 /// Constants amid the code, which mapping symbols tell from it (`$d` begins them, `$t` ends them).

@@ -1,0 +1,172 @@
+//! `cargo xtask flash`: builds the image of a board and puts it there.
+
+use crate::build::{self, Board, Image};
+use crate::checkout::run;
+use anyhow::{Context as _, Result, bail, ensure};
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// ST's bootloader in the processor's ROM, as USB sees it (AN2606).
+const DFU_DEVICE: &str = "0483:df11";
+
+/// Which board, and how the image gets there.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The board.
+    board: Board,
+    #[command(flatten)]
+    way: Way,
+}
+
+#[derive(clap::Args)]
+#[group(required = true, multiple = false)]
+struct Way {
+    /// By a debug probe on the SWD pins, with probe-rs. Afterwards the log can be read through the same probe.
+    #[arg(long)]
+    probe: bool,
+    /// By USB, with dfu-util; the board has to be in its DFU bootloader (BOOT0 high at reset).
+    #[arg(long)]
+    dfu: bool,
+    /// By an SD card whose folder this is; the board's bootloader takes the image at the next reset.
+    #[arg(long, value_name = "DIR")]
+    sd: Option<PathBuf>,
+}
+
+/// What flashes, and where it comes from.
+struct Tool {
+    program: &'static str,
+    install: &'static str,
+}
+
+const PROBE_RS: Tool = Tool { program: "probe-rs", install: "cargo install probe-rs-tools --locked" };
+const DFU_UTIL: Tool = Tool { program: "dfu-util", install: "sudo apt-get install dfu-util" };
+
+/// Builds and flashes.
+pub fn main(args: &Args) -> Result<()> {
+    let (board, way) = (args.board, &args.way);
+    // What cannot work is said before minutes of building.
+    if way.probe {
+        PROBE_RS.find()?;
+    } else if way.dfu {
+        ensure!(board.has_usb(), "the {} has no USB socket of its own: use --probe", board.title());
+        DFU_UTIL.find()?;
+    } else if let Some(card) = &way.sd {
+        ensure!(board.has_card_slot(), "the {} has no card slot: use --probe", board.title());
+        ensure!(card.is_dir(), "{} is no folder: where is the card mounted?", card.display());
+    }
+    let image = build::image(board)?;
+    if way.probe {
+        by_probe(board, &image)
+    } else if way.dfu {
+        run(dfu_command(&image))
+            .context("no image was flashed; is the board in its bootloader (BOOT0 jumper set, then reset)?")
+    } else if let Some(card) = &way.sd {
+        onto_card(&image.binary, card)
+    } else {
+        bail!("say how: --probe, --dfu or --sd DIR")
+    }
+}
+
+fn by_probe(board: Board, image: &Image) -> Result<()> {
+    for command in probe_commands(board, image) {
+        run(command).context("no image was flashed; is the probe connected, and has the board power?")?;
+    }
+    println!("the log: probe-rs attach --chip {} {}", board.chip(), image.elf.display());
+    Ok(())
+}
+
+/// Flashes and lets the board start.
+fn probe_commands(board: Board, image: &Image) -> [Command; 2] {
+    let command = |task: &str| {
+        let mut command = Command::new(PROBE_RS.program);
+        command.args([task, "--chip", board.chip()]);
+        command
+    };
+    let mut download = command("download");
+    download.arg(&image.elf);
+    [download, command("reset")]
+}
+
+/// `leave` starts the image afterwards.
+fn dfu_command(image: &Image) -> Command {
+    let mut command = Command::new(DFU_UTIL.program);
+    let place = format!("{:#010x}:leave", image.start);
+    command.args(["--device", DFU_DEVICE, "--alt", "0", "--dfuse-address", &place, "--download"]);
+    command.arg(&image.binary);
+    command
+}
+
+/// Copies the binary under the name that the bootloader looks for, and waits until it is on the card.
+fn onto_card(binary: &Path, card: &Path) -> Result<()> {
+    let name = binary.file_name().context("the image has no name")?;
+    let target = card.join(name);
+    let copy = || -> io::Result<()> {
+        std::fs::copy(binary, &target)?;
+        File::open(&target)?.sync_all()
+    };
+    copy().with_context(|| format!("cannot write {}", target.display()))?;
+    println!("copied  {}; eject the card, put it into the board and switch it on", target.display());
+    Ok(())
+}
+
+impl Tool {
+    /// Fails with what to do if the tool is not there.
+    fn find(&self) -> Result<()> {
+        let mut command = Command::new(self.program);
+        command.arg("--version").stdout(Stdio::null()).stderr(Stdio::null());
+        match command.status() {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                bail!("{} is missing; install it with: {}", self.program, self.install)
+            }
+            Err(error) => Err(error).with_context(|| format!("cannot run {}", self.program)),
+            Ok(_) => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::checkout::words;
+
+    fn image() -> Image {
+        Image { elf: "octopus.elf".into(), binary: "firmware.bin".into(), start: 0x0800_8000 }
+    }
+
+    #[test]
+    fn dfu_writes_behind_the_bootloader_of_the_board() {
+        let text = words(&dfu_command(&image()));
+        let wanted = "dfu-util --device 0483:df11 --alt 0 --dfuse-address 0x08008000:leave --download firmware.bin";
+        assert_eq!(text, wanted);
+    }
+
+    #[test]
+    fn a_probe_is_told_the_chip() {
+        let texts = probe_commands(Board::Octopus, &image()).map(|command| words(&command));
+        let wanted = ["probe-rs download --chip STM32F446ZETx octopus.elf", "probe-rs reset --chip STM32F446ZETx"];
+        assert_eq!(texts, wanted);
+    }
+
+    #[test]
+    fn a_missing_tool_is_named_with_the_way_to_get_it() {
+        let tool = Tool { program: "no-such-flasher", install: "somehow" };
+        let error = tool.find().unwrap_err().to_string();
+        assert_eq!(error, "no-such-flasher is missing; install it with: somehow");
+    }
+
+    #[test]
+    fn a_card_gets_the_file_that_its_bootloader_looks_for() {
+        let dir = std::env::temp_dir().join(format!("corehbot-card-{}", std::process::id()));
+        let (made, card) = (dir.join("made"), dir.join("card"));
+        std::fs::create_dir_all(&made).unwrap();
+        std::fs::create_dir_all(&card).unwrap();
+        let binary = made.join("firmware.bin");
+        std::fs::write(&binary, [1, 2, 3]).unwrap();
+        onto_card(&binary, &card).unwrap();
+        assert_eq!(std::fs::read(card.join("firmware.bin")).unwrap(), [1, 2, 3]);
+        assert!(onto_card(&binary, &dir.join("nowhere")).is_err());
+        std::fs::remove_dir_all(dir).unwrap();
+    }
+}
