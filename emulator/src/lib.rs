@@ -14,6 +14,7 @@ pub mod compare;
 pub mod eeprom;
 pub mod firmware;
 pub mod gaps;
+pub mod laps;
 pub mod line;
 pub mod run;
 pub mod safety;

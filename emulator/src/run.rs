@@ -3,6 +3,7 @@
 use crate::board::Emulated;
 use crate::firmware::Firmware;
 use crate::gaps::Gaps;
+use crate::laps::Laps;
 use crate::line::{HostLine, Manner};
 use crate::safety::Safety;
 use crate::steps::Recorder;
@@ -50,6 +51,8 @@ pub struct Seen {
     pub recorder: Recorder,
     /// Enable lines and heaters.
     pub safety: Safety,
+    /// The firmware's clock.
+    pub laps: Laps,
     /// What the model could not stand in for.
     pub gaps: Gaps,
     /// Resets of the chip.
@@ -123,6 +126,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         started,
         recorder: watch.recorder,
         safety: watch.safety,
+        laps: watch.laps,
         gaps,
         resets,
         injected: watch.injected,

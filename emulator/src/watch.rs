@@ -1,6 +1,7 @@
 //! The watch: sees every access of the firmware, moves the simulated machine and keeps the record.
 
 use crate::board::Emulated;
+use crate::laps::Laps;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::{self, Meaning};
@@ -79,6 +80,8 @@ pub struct Watch {
     pub recorder: Recorder,
     /// Enable lines and heaters.
     pub safety: Safety,
+    /// The firmware's clock.
+    pub laps: Laps,
     /// Why the run ended.
     pub end: End,
     /// When the injected fault happened, in ns.
@@ -109,6 +112,7 @@ impl Watch {
             resets: 0,
             recorder: Recorder::new(wiring),
             safety: Safety::new(wiring),
+            laps: Laps::default(),
             end: End::Late,
             injected: None,
             is_injectable: true,
@@ -227,6 +231,7 @@ impl Driver<Emulated> for Watch {
             return;
         }
         self.set_rate(session.board_mut(), access.virtual_time, access.address);
+        self.laps.written(session.board_mut(), access.virtual_time, access.address, access.value);
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
         if (port as usize) < PORTS {
             self.port_written(session, host, access.virtual_time, port as usize);

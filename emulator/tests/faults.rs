@@ -37,6 +37,7 @@ fn before_the_greeting_nothing_has_power_and_nothing_heats() {
     assert!(seen.safety.switched.is_empty(), "{:?}", seen.safety.switched);
     assert!(seen.recorder.events.is_empty());
     assert!(seen.gaps.found.is_empty(), "{:?}", seen.gaps.found);
+    assert_eq!(seen.laps.out_of_step, 0, "the firmware's time");
 }
 
 #[test]

@@ -49,6 +49,7 @@ fn check_file(path: &Path) {
     assert!(pulse.high >= 100 && pulse.low >= 100 && pulse.set_up >= 20, "{name}: {pulse:?}");
     assert!(seen.safety.dangers.is_empty(), "{name}: {:?}", seen.safety.dangers);
     assert!(seen.gaps.found.is_empty(), "{name}: {:?}", seen.gaps.found);
+    assert_eq!(seen.laps.out_of_step, 0, "{name}: the firmware's time");
 }
 
 #[test]

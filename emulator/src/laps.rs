@@ -1,0 +1,46 @@
+//! Laps: whether the firmware counts the half laps of its clock's timer as the timer makes them.
+//!
+//! embassy's time is TIM3, 16 bits, and a count of its half laps, whose last bit has to be the counter's highest: by
+//! that a read just when a half lap ends is told from one before. Who is out of step goes back in time now and then.
+
+use crate::board::Emulated;
+use rigless::mcu::Operate;
+use rigless::soc::Width;
+use rigless::time::VirtualNanos;
+
+/// TIM3 (RM0390 rev 6, section 2.2.2).
+const TIM3: u64 = 0x4000_0400;
+const SR: u64 = 0x10;
+const CNT: u64 = 0x24;
+
+/// Update and compare 1: the end of a lap, and its half.
+const HALVES: u64 = 0b11;
+
+/// Counts half laps as the firmware does.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Laps {
+    count: u32,
+    /// Half laps after which the count was out of step.
+    pub out_of_step: u32,
+}
+
+impl Laps {
+    /// The firmware wrote `value` to `address`.
+    pub fn written(&mut self, board: &mut Emulated, at: VirtualNanos, address: u64, value: u64) {
+        if address != TIM3 + SR {
+            return;
+        }
+        // Flags are taken back by writing 0. Taking back all of them at once is no half lap, but a beginning.
+        if value & u64::from(u16::MAX) == 0 {
+            *self = Self::default();
+            return;
+        }
+        let halves = (!value & HALVES).count_ones();
+        if halves == 0 {
+            return;
+        }
+        self.count = self.count.wrapping_add(halves);
+        let Ok(counter) = board.mcu.peek(at, TIM3 + CNT, Width::W32) else { return };
+        self.out_of_step += u32::from(u64::from(self.count & 1) != counter >> 15 & 1);
+    }
+}
