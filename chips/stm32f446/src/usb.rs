@@ -89,7 +89,7 @@ pub async fn serve(port: UsbPort) {
 
 impl Serial for UsbLine {
     fn recv(&mut self) -> Option<Received> {
-        let received = TRAFFIC.recv();
+        let received = TRAFFIC.recv(|| BoardClock.now());
         if received == Some(Received::Opened)
             && let Some(words) = self.farewell.take()
         {

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | to the host | leaves with the next packet, however short; a full one that ends a reply is followed by an empty one |
 //! | the port is closed | what the Console says is thrown away; what the host had sent is still carried out |
-//! | the host opens the port | nothing is left of before, in either direction; the Console is told first of all |
+//! | the host opens the port | nothing is left of before, in either direction; 100 ms later the Console is told, first of all |
 //! | the host has the port open and fetches nothing for 500 ms | what the Console says is thrown away until it does |
 //! | from the host | a packet is asked for only if it fits, so the host waits and nothing is lost |
 //!
@@ -28,14 +28,18 @@ const OUTGOING: usize = 1024;
 /// print the moves that it has planned.
 const PATIENCE_MS: u32 = 500;
 
+/// After opening the port the host is left alone for this long: Linux sends back what arrives until the program that
+/// has opened the port switches that off (termios, ECHO), which is the next that most do.
+const SETTLE_MS: u32 = 100;
+
 /// What waits.
 pub struct Pump {
     incoming: Deque<u8, INCOMING>,
     outgoing: Deque<u8, OUTGOING>,
     /// A program on the host has the port open (DTR).
     is_open: bool,
-    /// The Console does not know yet that the port was opened.
-    is_new: bool,
+    /// When the port was opened, until the Console knows of it.
+    opened: Option<Instant>,
     /// How often the port was opened or closed, wrapping.
     session: u8,
     /// Since when the oldest packet waits for the host to fetch it.
@@ -68,7 +72,7 @@ impl Pump {
             incoming: Deque::new(),
             outgoing: Deque::new(),
             is_open: false,
-            is_new: false,
+            opened: None,
             session: 0,
             waits_since: None,
             is_deaf: false,
@@ -81,8 +85,12 @@ impl Pump {
     }
 
     /// What the Console gets next from the host.
-    pub fn recv(&mut self) -> Option<Received> {
-        if core::mem::take(&mut self.is_new) {
+    pub fn recv(&mut self, now: impl FnOnce() -> Instant) -> Option<Received> {
+        if let Some(opened) = self.opened {
+            if now() < opened.after_ms(SETTLE_MS) {
+                return None;
+            }
+            self.opened = None;
             // The Console forgets what it was about to say to whoever had the port before.
             self.is_within = false;
             return Some(Received::Opened);
@@ -102,7 +110,7 @@ impl Pump {
     /// Takes a byte, if there is room.
     fn say(&mut self, byte: u8) -> bool {
         let resumes = self.is_cut && !self.is_within;
-        if !self.is_open || self.is_new || self.is_deaf || (self.is_cut && !resumes) {
+        if !self.is_open || self.opened.is_some() || self.is_deaf || (self.is_cut && !resumes) {
             self.is_cut = true;
         } else {
             if resumes && self.has_half && self.outgoing.push_back(b'\n').is_err() {
@@ -123,7 +131,7 @@ impl Pump {
     }
 
     /// The host has opened or closed the port, or neither. Says whether anything changed.
-    pub fn set_open(&mut self, is_open: bool) -> bool {
+    pub fn set_open(&mut self, is_open: bool, now: Instant) -> bool {
         if self.is_open == is_open {
             return false;
         }
@@ -135,7 +143,7 @@ impl Pump {
             self.is_cut = true;
         }
         self.is_deaf = false;
-        self.is_new = is_open;
+        self.opened = is_open.then_some(now);
         if is_open {
             self.has_stray = !self.has_room();
             self.incoming.clear();

@@ -17,9 +17,12 @@ impl Port {
 
     /// Opens the port, closing it before if it is open.
     fn reopen(&mut self) {
-        self.pump.set_open(false);
-        assert!(self.pump.set_open(true) && !self.pump.set_open(true));
-        assert_eq!(self.pump.recv(), Some(Received::Opened));
+        self.pump.set_open(false, self.now);
+        assert!(self.pump.set_open(true, self.now) && !self.pump.set_open(true, self.now));
+        self.now = self.now.after_ms(SETTLE_MS - 1);
+        assert_eq!(self.recv(), None);
+        self.now = self.now.after_ms(1);
+        assert_eq!(self.recv(), Some(Received::Opened));
     }
 
     fn say(&mut self, text: &str) -> usize {
@@ -41,8 +44,12 @@ impl Port {
         String::from_utf8(self.fetch().concat()).unwrap()
     }
 
+    fn recv(&mut self) -> Option<Received> {
+        self.pump.recv(|| self.now)
+    }
+
     fn hear(&mut self) -> String {
-        let next = || self.pump.recv().map(|received| if let Received::Byte(byte) = received { byte } else { 0 });
+        let next = || self.recv().map(|received| if let Received::Byte(byte) = received { byte } else { 0 });
         String::from_utf8(std::iter::from_fn(next).collect()).unwrap()
     }
 }
@@ -97,9 +104,10 @@ fn nobody_waits_for_a_closed_port() {
 fn the_first_thing_to_be_heard_is_what_the_console_says_when_it_knows_of_the_opening() {
     let mut port = Port { pump: Pump::new(), now: Instant(0) };
     port.say("X:1.00 Y:2");
-    port.pump.set_open(true);
+    port.pump.set_open(true, port.now);
     port.say(".00\nok\nX:3");
-    assert_eq!(port.pump.recv(), Some(Received::Opened));
+    port.now = port.now.after_ms(SETTLE_MS);
+    assert_eq!(port.recv(), Some(Received::Opened));
     port.say("start\n");
     assert_eq!(port.text(), "start\n");
 }
@@ -118,7 +126,7 @@ fn opening_the_port_again_drops_what_waits_in_both_directions() {
 fn commands_are_carried_out_after_the_port_was_closed() {
     let mut port = Port::open();
     port.pump.on_packet(b"M112\n");
-    port.pump.set_open(false);
+    port.pump.set_open(false, port.now);
     assert_eq!(port.hear(), "M112\n");
 }
 
@@ -198,7 +206,7 @@ fn a_packet_is_asked_for_only_if_it_fits() {
         packets += 1;
     }
     assert_eq!(packets, INCOMING / PACKET);
-    assert_eq!(port.pump.recv(), Some(Received::Byte(b'x')));
+    assert_eq!(port.recv(), Some(Received::Byte(b'x')));
     assert!(!port.pump.has_room());
     assert_eq!(port.hear().len(), INCOMING - 1);
     assert!(port.pump.has_room());
@@ -214,4 +222,15 @@ fn a_packet_that_did_not_fit_before_the_port_was_opened_again_is_a_stray() {
     }
     port.reopen();
     assert!(port.pump.take_stray() && !port.pump.take_stray());
+}
+
+#[test]
+fn what_the_host_sends_at_once_waits_until_the_console_knows_of_the_opening() {
+    let mut port = Port { pump: Pump::new(), now: Instant(0) };
+    port.pump.set_open(true, port.now);
+    port.pump.on_packet(b"M105\n");
+    assert_eq!(port.recv(), None);
+    port.now = port.now.after_ms(SETTLE_MS);
+    assert_eq!(port.recv(), Some(Received::Opened));
+    assert_eq!(port.hear(), "M105\n");
 }

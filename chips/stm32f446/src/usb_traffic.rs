@@ -52,10 +52,10 @@ impl Traffic {
     }
 
     /// What the Console gets next from the host.
-    pub fn recv(&self) -> Option<Received> {
+    pub fn recv(&self, now: impl FnOnce() -> Instant) -> Option<Received> {
         let (received, has_more_room) = self.with(|pump| {
             let had_room = pump.has_room();
-            let received = pump.recv();
+            let received = pump.recv(now);
             (received, !had_room && pump.has_room())
         });
         if has_more_room {
@@ -89,7 +89,8 @@ impl Traffic {
     }
 
     fn set_open(&self, is_open: bool, board: &impl Surroundings) {
-        if self.with(|pump| pump.set_open(is_open)) {
+        let now = board.now();
+        if self.with(|pump| pump.set_open(is_open, now)) {
             self.to_host.wake();
             self.from_host.wake();
             board.wake_console();
