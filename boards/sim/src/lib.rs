@@ -17,6 +17,7 @@ pub mod sampler;
 pub mod series;
 pub mod summary;
 pub mod tally;
+pub mod tmc2209;
 pub mod trace;
 pub mod vcd;
 pub mod world;
