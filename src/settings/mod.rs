@@ -3,9 +3,11 @@
 
 mod axis;
 mod check;
+mod drivers;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use check::{Range, SettingsError, ranges};
+pub use drivers::{DriverGroups, DriverSettings};
 
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
@@ -50,6 +52,8 @@ pub struct Settings {
     pub arc_tolerance: Mm,
     /// Seconds between two busy messages, 0 for none (M113).
     pub keepalive_s: u8,
+    /// What the motor drivers are told, where they can be talked to.
+    pub drivers: DriverGroups,
 }
 
 impl Settings {
@@ -88,6 +92,7 @@ impl Settings {
             soft_endstops: true,
             arc_tolerance: Mm::lit("0.005"),
             keepalive_s: 2,
+            drivers: DriverGroups::prototype(),
         }
     }
 }
