@@ -3,6 +3,7 @@
 use super::flow::Flow;
 use super::limits::Homed;
 use super::modal::Modal;
+use crate::driver::Drivers;
 use crate::gcode;
 use crate::motion::{Link, Planner};
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
@@ -64,6 +65,8 @@ pub(super) enum Interrupt {
     Halt,
     /// M410.
     QuickStop,
+    /// Motors may not have power; the host was told why. Nothing was planned.
+    NoPower,
 }
 
 /// The Console.
@@ -81,8 +84,8 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) homed: Homed,
     /// Position of each motor group at count 0, in steps.
     pub(super) origin: [i32; 4],
-    /// Motors that have power.
-    pub(super) powered: MotorSet,
+    /// What the motor drivers hold, and which of them have power.
+    pub(super) drivers: Drivers,
     /// Seconds without motion until they lose it; 0 is never.
     pub(super) idle_timeout_s: u32,
     pub(super) last_motion: Instant,
@@ -105,6 +108,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
     pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T>) -> Self {
         let [x, y, z] = start.unwrap_or_default();
         let now = ports.clock.now();
+        let drivers = Drivers::new(ports.drivers.lines(), &settings);
         Self {
             ports,
             receiver: Receiver::new(),
@@ -117,7 +121,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             modal: Modal::new([x, y, z]),
             homed: Homed([start.is_some(); 3]),
             origin: [0; 4],
-            powered: MotorSet::NONE,
+            drivers,
             idle_timeout_s: IDLE_TIMEOUT_S,
             last_motion: now,
             owes_ok: None,
@@ -211,10 +215,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             gcode::Command::Unknown(what) => self.answer(|r| r.unknown(what)).await,
             // The temperatures stand in the line of the ok itself.
             gcode::Command::ReportTemperatures => self.report_temperatures().await,
-            command => {
-                self.execute(&command).await?;
-                self.answer(Replies::ok).await
-            }
+            command => match self.execute(&command).await {
+                Ok(()) | Err(Interrupt::NoPower) => self.answer(Replies::ok).await,
+                Err(interrupt) => Err(interrupt),
+            },
         }
     }
 
@@ -249,11 +253,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Everything that must go on whatever the Console waits for. Bounded by what has arrived.
     fn crank(&mut self) -> Result<(), Interrupt> {
         let emergency = self.receive();
+        let fault = self.tend_drivers();
         self.feed_motion();
         self.keep_alive();
         self.watch_idleness();
         self.send();
-        match emergency {
+        match fault.or(emergency) {
             Some(interrupt) => Err(interrupt),
             None => Ok(()),
         }
@@ -310,7 +315,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if !self.link.is_idle() || !self.planner.is_empty() {
             self.last_motion = now;
         } else if self.idle_timeout_s > 0
-            && !self.powered.is_empty()
+            && !self.drivers.powered().is_empty()
             && now >= self.last_motion.after_ms(self.idle_timeout_s.saturating_mul(1000))
         {
             self.unpower(MotorSet::ALL);
@@ -320,19 +325,29 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The Console after M112: it answers, but nothing else, until a reset.
     async fn stay_halted(&mut self) -> Infallible {
         self.link.status().set_halted();
-        self.ports.drivers.enable(MotorSet::NONE);
+        self.drivers.cut(&mut self.ports.drivers);
         self.link.abort();
         self.link.status().set_awaiting_input(true);
-        let _ = self.replies.killed();
+        let mut is_told = false;
         loop {
+            is_told = is_told || self.say_killed();
+            self.send();
             yield_once().await;
             self.receive();
             let now = self.ports.clock.now();
             while self.receiver.next_line(now).is_some() {
-                let _ = self.replies.killed();
+                self.say_killed();
             }
-            self.send();
         }
+    }
+
+    /// Says that only a reset helps, and why if that was not the host's own wish; false if there is no room.
+    fn say_killed(&mut self) -> bool {
+        match self.drivers.fault() {
+            Some(fault) => self.replies.killed_by(fault),
+            None => self.replies.killed(),
+        }
+        .is_ok()
     }
 }
 

@@ -7,6 +7,7 @@
 
 pub mod check;
 pub mod cli;
+pub mod drivers;
 pub mod eeprom;
 pub mod host;
 pub mod limits;

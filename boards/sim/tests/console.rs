@@ -132,11 +132,15 @@ fn settings_that_are_reported_read_back() {
         "M205 X7.5 Y9 E3.3 S1 T2",
         "M211 S0",
         "M113 S5",
+        "M569 S1 X",
+        "M906 Y905 E650",
+        "M913 X120.5 Z20",
+        "M914 X70 Z60",
         "M503",
     ];
     let (heard, ..) = talk(&changes);
     let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
-    assert_eq!(report.len(), 8, "{heard:?}");
+    assert_eq!(report.len(), 14, "{heard:?}");
     assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
     again.push("M503");
