@@ -14,7 +14,7 @@ use crate::units::Instant;
 const POLL_MS: u32 = 100;
 
 /// A proof is this many ms old at most when power comes: seven quick ones take 150 ms.
-const FRESH_MS: u32 = 500;
+const FRESH_MS: u32 = 250;
 
 const MOTORS: usize = Motor::ALL.len();
 
@@ -34,8 +34,8 @@ struct Driver {
     wanted: Config,
     /// What it has proved to hold.
     held: Option<Config>,
-    /// When it last did.
-    proved: Instant,
+    /// When it last did, if that still counts: a proof is good for getting power once.
+    proved: Option<Instant>,
     /// Exchanges with it that failed.
     errors: u16,
     is_warned: bool,
@@ -64,7 +64,7 @@ impl Drivers {
         let drivers = Motor::ALL.map(|motor| Driver {
             wanted: Config::new(motor, settings),
             held: None,
-            proved: Instant::default(),
+            proved: None,
             errors: 0,
             is_warned: false,
         });
@@ -121,7 +121,8 @@ impl Drivers {
         let changing = self.run.filter(Run::writes).map(|run| run.motor);
         let mut both = Motor::ALL.into_iter().zip(&self.drivers);
         both.find(|(motor, d)| {
-            let is_proved = d.held == Some(d.wanted) && now <= d.proved.after_ms(FRESH_MS) && changing != Some(*motor);
+            let is_fresh = d.proved.is_some_and(|proved| now <= proved.after_ms(FRESH_MS));
+            let is_proved = d.held == Some(d.wanted) && is_fresh && changing != Some(*motor);
             fresh.has(*motor) && self.lines.has(*motor) && !is_proved
         })
         .map(|(motor, _)| motor)
@@ -140,6 +141,9 @@ impl Drivers {
         }
         if self.powered.is_empty() {
             self.next_poll = now.after_ms(POLL_MS);
+        }
+        for (motor, driver) in Motor::ALL.into_iter().zip(&mut self.drivers) {
+            driver.proved = driver.proved.filter(|_| !on.has(motor));
         }
         self.powered = on;
         bus.enable(on);
@@ -268,7 +272,7 @@ impl Drivers {
         let has_power = self.powered.has(motor);
         let driver = self.get_mut(motor)?;
         match (run.job, result) {
-            (Job::Verify | Job::Adjust, Ok(_)) => (driver.held, driver.proved) = (Some(run.config), now),
+            (Job::Verify | Job::Adjust, Ok(_)) => (driver.held, driver.proved) = (Some(run.config), Some(now)),
             (Job::Verify, Err(_)) => driver.held = None,
             (Job::Poll, Ok(reading)) => {
                 let is_new = reading.is_hot() && !driver.is_warned;

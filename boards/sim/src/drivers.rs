@@ -2,7 +2,7 @@
 //!
 //! A test holds them too, and makes them fail while the firmware talks to them.
 
-use crate::tmc2209::Tmc2209;
+use crate::tmc2209::{Tmc2209, gconf};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::port::{BusError, Frame};
 use corehbot::units::TICKS_PER_SECOND;
@@ -25,6 +25,9 @@ const PATIENCE: u64 = 20;
 pub struct Drivers {
     chips: RefCell<[Tmc2209; 7]>,
     enabled: Cell<MotorSet>,
+    switched: Cell<u64>,
+    seen: Cell<u64>,
+    betrayed: Cell<MotorSet>,
     lines: MotorSet,
 }
 
@@ -45,7 +48,14 @@ impl Drivers {
     #[must_use]
     pub fn with_lines(lines: MotorSet) -> Self {
         let chips = RefCell::new(std::array::from_fn(|_| Tmc2209::new(0)));
-        Self { chips, enabled: Cell::new(MotorSet::NONE), lines }
+        Self {
+            chips,
+            enabled: Cell::default(),
+            switched: Cell::default(),
+            seen: Cell::default(),
+            betrayed: Cell::default(),
+            lines,
+        }
     }
 
     /// The chip of a motor, to look at and to break.
@@ -57,6 +67,24 @@ impl Drivers {
     #[must_use]
     pub fn enabled(&self) -> MotorSet {
         self.enabled.get()
+    }
+
+    /// When they were last switched, in ticks.
+    #[must_use]
+    pub fn switched(&self) -> u64 {
+        self.switched.get()
+    }
+
+    /// When the firmware last looked at the wires, in ticks.
+    #[must_use]
+    pub fn seen(&self) -> u64 {
+        self.seen.get()
+    }
+
+    /// Motors that were ever switched on although their driver ran by its pins, and had said so.
+    #[must_use]
+    pub fn betrayed(&self) -> MotorSet {
+        self.betrayed.get()
     }
 
     /// Motors that are switched on although their driver would make other than so many microsteps, or has no
@@ -90,7 +118,15 @@ pub struct Bus<'d> {
 
 impl corehbot::port::DriverBus for Bus<'_> {
     fn enable(&mut self, on: MotorSet) {
-        self.drivers.enabled.set(on);
+        let drivers = self.drivers;
+        let fresh = on.without(drivers.enabled.replace(on));
+        drivers.switched.set(self.now.get());
+        for motor in Motor::ALL.into_iter().filter(|motor| fresh.has(*motor) && drivers.lines.has(*motor)) {
+            let chip = drivers.chip(motor);
+            if chip.register(gconf::ADDRESS) & gconf::MSTEP_REG_SELECT == 0 && chip.has_spoken() {
+                drivers.betrayed.set(drivers.betrayed().with(MotorSet::of(motor)));
+            }
+        }
     }
 
     fn lines(&self) -> MotorSet {
@@ -115,6 +151,7 @@ impl corehbot::port::DriverBus for Bus<'_> {
 
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         let now = self.now.get();
+        self.drivers.seen.set(now);
         self.pending.take_if(|(due, _)| *due <= now).map(|(_, outcome)| outcome)
     }
 }

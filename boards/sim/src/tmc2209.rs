@@ -128,6 +128,7 @@ pub struct Tmc2209 {
     heard: Vec<u8>,
     saying: VecDeque<u8>,
     replies: u32,
+    has_spoken: bool,
     corrupt: Vec<(u32, Corruption)>,
     stubborn: Vec<(u8, u32)>,
 }
@@ -146,6 +147,7 @@ impl Tmc2209 {
             heard: Vec::new(),
             saying: VecDeque::new(),
             replies: 0,
+            has_spoken: false,
             corrupt: Vec::new(),
             stubborn: Vec::new(),
         }
@@ -231,6 +233,7 @@ impl Tmc2209 {
         reply.push(crc(&reply));
         let number = self.replies;
         self.replies += 1;
+        self.has_spoken = true;
         for (_, corruption) in self.corrupt.iter().filter(|(at, _)| *at == number) {
             match *corruption {
                 Corruption::Flip { byte, mask } => {
@@ -289,6 +292,7 @@ impl Tmc2209 {
     /// The motor supply comes back; the chip is as new.
     pub fn power_on(&mut self) {
         self.is_powered = true;
+        self.has_spoken = false;
         self.registers = TABLE.map(|(.., reset)| reset);
     }
 
@@ -336,6 +340,12 @@ impl Tmc2209 {
     /// It answers truly again.
     pub fn answer_truly(&mut self) {
         self.stubborn.clear();
+    }
+
+    /// Whether it has answered since its registers were last lost, so that somebody could know of it.
+    #[must_use]
+    pub const fn has_spoken(&self) -> bool {
+        self.has_spoken
     }
 
     /// Replies that it has begun.
