@@ -1,6 +1,6 @@
 //! Configuration: what a driver's registers must hold, given the settings.
 
-use super::registers::{Register, chopconf, gconf};
+use super::registers::{Register, chopconf, gconf, gstat};
 use crate::motors::{Motor, MotorSet};
 use crate::settings::{DriverSettings, Settings};
 use crate::units::{StepsPerMm, mul_div};
@@ -44,10 +44,9 @@ pub struct Config {
 }
 
 /// Registers to be written. Those that could spoil a step come with what another firmware may have left:
-/// coolStep, the pulse generator, a longer pause before replies.
-pub(super) const WRITTEN: [Register; 11] = [
+/// coolStep and the pulse generator.
+pub(super) const WRITTEN: [Register; 10] = [
     Register::Gconf,
-    Register::Slaveconf,
     Register::IholdIrun,
     Register::Tpowerdown,
     Register::Tpwmthrs,
@@ -107,6 +106,8 @@ impl Config {
             Register::Sgthrs => self.sgthrs,
             Register::Chopconf => self.chopconf,
             Register::Pwmconf => PWMCONF,
+            // A 1 clears a flag.
+            Register::Gstat => gstat::ALL,
             _ => 0,
         }
     }

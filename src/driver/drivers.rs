@@ -1,7 +1,7 @@
 //! All drivers: who holds what, who has power, and the one job that goes on.
 
 use super::config::Config;
-use super::error::{DriverError, Fault};
+use super::error::{DriverError, Fault, News};
 use super::reading::Reading;
 use super::run::{Job, Next, Run};
 use crate::motors::{Motor, MotorSet};
@@ -17,15 +17,6 @@ const POLL_MS: u32 = 100;
 const FRESH_MS: u32 = 250;
 
 const MOTORS: usize = Motor::ALL.len();
-
-/// What the Console must know at once.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum News {
-    /// A driver failed; all motors have lost their power.
-    Stopped(Fault),
-    /// A driver is hot, and still at work. Told once.
-    Hot(Motor),
-}
 
 /// What is known of one driver.
 #[derive(Clone, Copy, Debug)]

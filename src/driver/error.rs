@@ -113,6 +113,15 @@ impl fmt::Display for Fault {
 
 impl core::error::Error for Fault {}
 
+/// What the Console must know at once.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum News {
+    /// A driver failed; all motors have lost their power.
+    Stopped(Fault),
+    /// A driver is hot, and still at work. Told once.
+    Hot(Motor),
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;

@@ -17,8 +17,8 @@ mod registers;
 mod run;
 
 pub use config::Config;
-pub use drivers::{Drivers, News};
-pub use error::{DriverError, Fault, Name};
+pub use drivers::Drivers;
+pub use error::{DriverError, Fault, Name, News};
 pub use reading::Reading;
 pub use registers::Register;
 pub use run::Job;

@@ -1,14 +1,14 @@
 //! A run: the exchanges of one job with one driver, one after the other.
 //!
 //! Three answers to three kinds of trouble. An exchange that fails is tried again. A value that should not be is
-//! read once more, for one damaged reply in 256 passes its checksum. And a configuration that did not arrive as it
+//! read until two readings agree, for one damaged reply in 256 passes its checksum. And a configuration that did not arrive as it
 //! should is written again from the beginning.
 
 use super::config::{Config, WRITTEN};
 use super::datagram;
 use super::error::DriverError;
 use super::reading::Reading;
-use super::registers::{Register, chopconf, gconf, gstat, ioin};
+use super::registers::{Register, chopconf, gconf, ioin};
 use crate::motors::Motor;
 use crate::port::{BusError, Frame};
 
@@ -36,8 +36,8 @@ pub enum Job {
 enum Step {
     /// It must be a TMC2209.
     Version,
-    /// Forget that it was reset; a reset from here on is seen.
-    ClearFlags,
+    /// Write a register without counting it.
+    Tell(Register),
     /// No flag may be up.
     Flags,
     /// How many writes it has taken so far.
@@ -68,10 +68,19 @@ const READ: &[Step] = &[
     Step::Note(Register::Ifcnt),
 ];
 
-/// Steps before the writes of [`CONFIGURE`].
-const BEFORE: [Step; 3] = [Step::Version, Step::ClearFlags, Step::Count];
+/// Another firmware may have asked for late replies, so the first word is to answer soon. The flags are cleared
+/// before everything else: a reset from there on is seen.
+const CONFIGURE: &[Step] = &script::<4, CONFIGURE_STEPS>([
+    Step::Tell(Register::Slaveconf),
+    Step::Version,
+    Step::Tell(Register::Gstat),
+    Step::Count,
+]);
 
-/// Steps after the writes.
+/// A driver that has power must not have its flags cleared: they may tell of a reset that nobody has seen yet.
+const ADJUST: &[Step] = &script::<3, ADJUST_STEPS>([Step::Status, Step::Flags, Step::Count]);
+
+/// What follows the writes.
 const AFTER: [Step; 5] = [
     Step::Counted,
     Step::Same(Register::Gconf),
@@ -80,22 +89,20 @@ const AFTER: [Step; 5] = [
     Step::Flags,
 ];
 
-const CONFIGURE: &[Step] = &script(BEFORE);
+const CONFIGURE_STEPS: usize = 4 + WRITTEN.len() + AFTER.len();
+const ADJUST_STEPS: usize = 3 + WRITTEN.len() + AFTER.len();
 
-/// A driver that has power must not have its flags cleared: they may tell of a reset that nobody has seen yet.
-const ADJUST: &[Step] = &script([Step::Status, Step::Flags, Step::Count]);
-
-/// The writes between what comes before and what comes after.
-const fn script(before: [Step; 3]) -> [Step; 3 + WRITTEN.len() + 5] {
-    let mut steps = [Step::Counted; 3 + WRITTEN.len() + 5];
+/// What comes before, the writes, what comes after.
+const fn script<const BEFORE: usize, const ALL: usize>(before: [Step; BEFORE]) -> [Step; ALL] {
+    let mut steps = [Step::Counted; ALL];
     let mut i = 0;
-    while i < steps.len() {
-        steps[i] = if i < 3 {
+    while i < ALL {
+        steps[i] = if i < BEFORE {
             before[i]
-        } else if i < 3 + WRITTEN.len() {
-            Step::Write(WRITTEN[i - 3])
+        } else if i < BEFORE + WRITTEN.len() {
+            Step::Write(WRITTEN[i - BEFORE])
         } else {
-            AFTER[i - 3 - WRITTEN.len()]
+            AFTER[i - BEFORE - WRITTEN.len()]
         };
         i += 1;
     }
@@ -111,6 +118,14 @@ pub(super) enum Next {
     Done(Result<Reading, DriverError>),
 }
 
+/// Whether a value was found to be wrong.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Doubt {
+    None,
+    Wrong,
+    WrongThenRight,
+}
+
 /// A job with one driver, on its way.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
@@ -122,8 +137,8 @@ pub(super) struct Run {
     at: usize,
     tries: u8,
     rounds: u8,
-    /// The present value was read once and is not as it should be.
-    is_doubtful: bool,
+    /// What the present value said so far: once wrong, or once wrong and then right.
+    doubt: Doubt,
     count: u8,
     reading: Reading,
 }
@@ -139,7 +154,7 @@ impl Run {
             Job::Read => READ,
         };
         let reading = Reading::default();
-        Self { motor, job, config, steps, at: 0, tries: 0, rounds: 0, is_doubtful: false, count: 0, reading }
+        Self { motor, job, config, steps, at: 0, tries: 0, rounds: 0, doubt: Doubt::None, count: 0, reading }
     }
 
     /// Whether it may write, so that what the driver holds is not known until it is done.
@@ -156,8 +171,7 @@ impl Run {
         let read = |register| (datagram::read(register), datagram::REPLY);
         Some(match self.step()? {
             Step::Version => read(Register::Ioin),
-            Step::ClearFlags => (datagram::write(Register::Gstat, gstat::ALL), 0),
-            Step::Write(register) => (datagram::write(register, self.config.value(register)), 0),
+            Step::Tell(register) | Step::Write(register) => (datagram::write(register, self.config.value(register)), 0),
             Step::Flags => read(Register::Gstat),
             Step::Count | Step::Counted => read(Register::Ifcnt),
             Step::Status => read(Register::DrvStatus),
@@ -169,7 +183,7 @@ impl Run {
     pub fn take(&mut self, outcome: Result<Frame, BusError>) -> (Next, bool) {
         let Some(step) = self.step() else { return (Next::Done(Ok(self.reading)), false) };
         let register = match step {
-            Step::ClearFlags | Step::Write(_) => {
+            Step::Tell(_) | Step::Write(_) => {
                 return match outcome {
                     Ok(_) => (self.go_on(), false),
                     // Whether it arrived is not known, so the count would be worth nothing.
@@ -216,16 +230,16 @@ impl Run {
                 self.count = value as u8;
                 None
             }
-            Step::ClearFlags | Step::Write(_) | Step::Note(_) => None,
+            Step::Tell(_) | Step::Write(_) | Step::Note(_) => None,
         };
-        match wrong {
-            None => self.go_on(),
-            Some(_) if !self.is_doubtful => {
-                self.is_doubtful = true;
-                Next::Exchange
-            }
-            Some(error) => self.fail(error),
-        }
+        self.doubt = match (wrong, self.doubt) {
+            (None, Doubt::None | Doubt::WrongThenRight) => return self.go_on(),
+            (None, Doubt::Wrong) => Doubt::WrongThenRight,
+            (Some(_), Doubt::None) => Doubt::Wrong,
+            (Some(error), _) => return self.fail(error),
+        };
+        self.tries = 0;
+        Next::Exchange
     }
 
     fn difference(&self, register: Register, value: u32) -> Option<DriverError> {
@@ -245,7 +259,7 @@ impl Run {
     }
 
     fn go_on(&mut self) -> Next {
-        (self.at, self.tries, self.is_doubtful) = (self.at + 1, 0, false);
+        (self.at, self.tries, self.doubt) = (self.at + 1, 0, Doubt::None);
         if self.at < self.steps.len() { Next::Exchange } else { Next::Done(Ok(self.reading)) }
     }
 
@@ -264,7 +278,7 @@ impl Run {
         if self.job == Job::Verify {
             self.steps = CONFIGURE;
         }
-        (self.rounds, self.at, self.tries, self.is_doubtful) = (self.rounds + 1, 0, 0, false);
+        (self.rounds, self.at, self.tries, self.doubt) = (self.rounds + 1, 0, 0, Doubt::None);
         Next::Exchange
     }
 }

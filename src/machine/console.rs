@@ -253,12 +253,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Everything that must go on whatever the Console waits for. Bounded by what has arrived.
     fn crank(&mut self) -> Result<(), Interrupt> {
         let emergency = self.receive();
-        let fault = self.tend_drivers();
+        self.tend_drivers()?;
         self.feed_motion();
         self.keep_alive();
         self.watch_idleness();
         self.send();
-        match fault.or(emergency) {
+        match emergency {
             Some(interrupt) => Err(interrupt),
             None => Ok(()),
         }

@@ -67,7 +67,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Goes on with the drivers. A fault ends the motion here and now.
-    pub(super) fn tend_drivers(&mut self) -> Option<Interrupt> {
+    pub(super) fn tend_drivers(&mut self) -> Result<(), Interrupt> {
         let now = self.ports.clock.now();
         match self.drivers.step(&mut self.ports.drivers, now) {
             Some(News::Stopped(_)) => self.link.abort(),
@@ -79,6 +79,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             None => {}
         }
-        self.drivers.fault().map(|_| Interrupt::Halt)
+        // Asked at every turn: who is in the middle of a transfer may overhear it once.
+        if self.drivers.fault().is_some() { Err(Interrupt::Halt) } else { Ok(()) }
     }
 }

@@ -494,7 +494,7 @@ fn damage() -> impl Strategy<Value = Corruption> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 150, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
     /// Whatever replies are damaged, and whenever drivers are reset: no motor gets power when its driver has said
     /// that it lost its configuration; and two seconds later all motors have power and the right microsteps, or none
