@@ -5,7 +5,8 @@ use crate::motors::{Motor, MotorSet};
 use crate::settings::{DriverSettings, Settings};
 use crate::units::{StepsPerMm, mul_div};
 
-/// Frequency of the driver's own clock (datasheet rev 1.09, section 13.2: 12 MHz at 50 degrees, +-4 %).
+/// Frequency of the driver's own clock (datasheet rev 1.09, electrical characteristics: 12 MHz, give or take some
+/// percent, which a threshold of speed can bear).
 const CLOCK_HZ: u64 = 12_000_000;
 
 /// Steps of the driver's own scale in a full step: TSTEP and its thresholds count those (section 5.2).

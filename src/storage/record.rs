@@ -242,6 +242,15 @@ mod tests {
         let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
         (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
         s.corner = CornerRule::JunctionDeviation(Mm::MIN);
+        let drivers = DriverSettings {
+            current_ma: u16::MAX,
+            hold_percent: u8::MAX,
+            microsteps: u16::MAX,
+            stealth: true,
+            hybrid_threshold: MmPerSec::MAX,
+            stall_threshold: u8::MAX,
+        };
+        (s.drivers.belt, s.drivers.z, s.drivers.e) = (drivers, drivers, drivers);
         assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
     }
 

@@ -308,7 +308,7 @@ impl Tmc2209 {
         self.is_powered
     }
 
-    /// Microsteps that a full step really has: by MRES, or by the pins (section 5.5.1 and section 3.4).
+    /// Microsteps that a full step really has: by MRES (section 5.5.1), or by the pins MS2 and MS1 (pin table).
     #[must_use]
     pub fn microsteps(&self) -> u32 {
         if self.register(gconf::ADDRESS) & gconf::MSTEP_REG_SELECT == 0 {
