@@ -5,129 +5,177 @@
 
 use super::console::{Console, Interrupt, PortSet};
 use super::report::{Hundredths, exact};
-use crate::driver::{Job, Name};
+use crate::driver::{Config, DriverError, Job, Name, Reading};
 use crate::gcode::{AxisFlags, AxisWords, Number};
 use crate::port::{Motor, MotorSet, Pend};
 use crate::settings::{DriverGroups, DriverSettings, ranges};
 use crate::units::{Mm, MmPerSec};
+use core::fmt;
 
 /// Full steps of a turn of almost every stepper motor (1.8 degrees).
 const FULL_STEPS: u64 = 200;
 
-/// The groups of motors by the letters that name them.
-fn named(groups: &DriverGroups) -> [(char, &DriverSettings); 4] {
-    [('X', &groups.belt), ('Y', &groups.belt), ('Z', &groups.z), ('E', &groups.e)]
+/// A setting that a command reports or changes for each axis.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum DriverValue {
+    /// M906.
+    Current,
+    /// M913.
+    HybridThreshold,
+    /// M914.
+    StallThreshold,
+    /// M569.
+    Mode,
+}
+
+impl DriverValue {
+    const fn code(self) -> &'static str {
+        match self {
+            Self::Current => "M906",
+            Self::HybridThreshold => "M913",
+            Self::StallThreshold => "M914",
+            Self::Mode => "M569",
+        }
+    }
+
+    /// The number that its command takes.
+    fn number(self, group: &DriverSettings) -> Number {
+        match self {
+            Self::Current => exact(i32::from(group.current_ma)),
+            Self::HybridThreshold => exact(group.hybrid_threshold),
+            Self::StallThreshold => exact(i32::from(group.stall_threshold)),
+            Self::Mode => exact(i32::from(group.stealth)),
+        }
+    }
+}
+
+/// The value of one axis in Marlin's words.
+struct Told<'g>(char, DriverValue, &'g DriverSettings);
+
+impl fmt::Display for Told<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(axis, value, group) = *self;
+        let what = match value {
+            DriverValue::Current => "driver current",
+            DriverValue::HybridThreshold => "stealthChop max speed",
+            DriverValue::StallThreshold => "homing sensitivity",
+            DriverValue::Mode if group.stealth => return write!(f, "{axis} driver mode: stealthChop"),
+            DriverValue::Mode => return write!(f, "{axis} driver mode: spreadCycle"),
+        };
+        write!(f, "{axis} {what}: {}", value.number(group))
+    }
+}
+
+/// The values of all axes as the line that sets them.
+struct Line<'g>(DriverValue, &'g DriverGroups);
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value, DriverGroups { belt, z, e }) = *self;
+        let [x, z, e] = [belt, z, e].map(|group| value.number(group));
+        write!(f, "{} X{x} Y{x} Z{z} E{e}", value.code())
+    }
+}
+
+/// What M122 says of a driver that answers.
+struct State<'r> {
+    reading: &'r Reading,
+    held: Option<Config>,
+    power: &'static str,
+    turn: Hundredths,
+}
+
+impl fmt::Display for State<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (power, turn) = (self.power, &self.turn);
+        let Some(held) = self.held else { return write!(f, "not configured yet, motor {power}") };
+        let (current, mode) = (held.run_current_ma(), self.reading.mode());
+        write!(f, "configured, motor {power}, {current} mA, {mode}, ")?;
+        match self.reading.microsteps() {
+            Some(microsteps) => write!(f, "{microsteps} microsteps, {turn} mm a turn"),
+            None => f.write_str("microsteps by its pins"),
+        }
+    }
+}
+
+/// How a driver is, and how well it is understood.
+struct Health<'r>(&'r Reading, Option<DriverError>, u16);
+
+impl fmt::Display for Health<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(reading, problem, failures) = self;
+        let open = if reading.seems_open() { ", coil open?" } else { "" };
+        let (temperature, stall, writes) = (reading.temperature(), reading.stall(), reading.writes());
+        write!(f, "{temperature}{open}, stall result {stall}, {writes} writes, {failures} failed exchanges")?;
+        match problem {
+            Some(problem) => write!(f, ", {problem}"),
+            None => Ok(()),
+        }
+    }
 }
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Whether there are drivers to talk to; says so if there are none.
-    async fn has_lines(&mut self) -> Result<bool, Interrupt> {
-        let has_lines = !self.drivers.lines().is_empty();
-        if !has_lines {
-            self.say(format_args!("echo:drivers are set by their jumpers")).await?;
+    /// M906, M913, M914; and M569 without S. What `words` name is changed, without words all is reported.
+    pub(super) async fn set_drivers(&mut self, value: DriverValue, words: &AxisWords) -> Result<(), Interrupt> {
+        if self.drivers.lines().is_empty() {
+            return self.say(format_args!("echo:drivers are set by their jumpers")).await;
         }
-        Ok(has_lines)
-    }
-
-    /// Every group that a line names, with its value; `None` if X and Y do not agree, which is said.
-    async fn groups(&mut self, code: &str, words: &AxisWords) -> Result<Option<[Option<Number>; 3]>, Interrupt> {
+        if *words == AxisWords::default() {
+            let DriverGroups { belt, z, e } = self.settings.drivers;
+            for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
+                self.say(format_args!("{}", Told(axis, value, &group))).await?;
+            }
+            return Ok(());
+        }
+        let code = value.code();
         if words.x.is_some() && words.y.is_some() && words.x != words.y {
-            self.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value")).await?;
-            return Ok(None);
+            return self.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value")).await;
         }
-        Ok(Some([words.x.or(words.y), words.z, words.e]))
-    }
-
-    /// Takes over what `change` makes of every group that was named.
-    fn change_drivers(&mut self, values: [Option<Number>; 3], change: impl Fn(&mut DriverSettings, Number)) {
-        let groups = &mut self.settings.drivers;
-        for (group, value) in [&mut groups.belt, &mut groups.z, &mut groups.e].into_iter().zip(values) {
-            if let Some(value) = value {
-                change(group, value);
+        let mut wanted = self.settings.drivers;
+        let DriverGroups { belt, z, e } = &mut wanted;
+        let mut is_legal = true;
+        for (group, number) in [(belt, words.x.or(words.y)), (z, words.z), (e, words.e)] {
+            if let Some(number) = number {
+                is_legal &= self.change(group, value, number);
             }
         }
-        self.drivers.want(&self.settings);
-    }
-
-    /// M906.
-    pub(super) async fn set_currents(&mut self, words: &AxisWords) -> Result<(), Interrupt> {
-        if !self.has_lines().await? {
-            return Ok(());
-        }
-        if *words == AxisWords::default() {
-            let groups = self.settings.drivers;
-            for (axis, group) in named(&groups) {
-                self.say(format_args!("{axis} driver current: {}", group.current_ma)).await?;
-            }
-            return Ok(());
-        }
-        let Some(values) = self.groups("M906", words).await? else { return Ok(()) };
-        let current = |number: Number| u16::try_from(number.to_u32()).unwrap_or(u16::MAX);
-        let legal = ranges::CURRENT_MA;
-        if !values.into_iter().flatten().all(|number| legal.holds(current(number))) {
+        if !is_legal {
             // A current that nobody asked for could burn a motor.
-            return self.say(format_args!("echo:M906 ignored: {} to {} mA", legal.least, legal.most)).await;
+            let (least, most) = (ranges::CURRENT_MA.least, ranges::CURRENT_MA.most);
+            return self.say(format_args!("echo:{code} ignored: {least} to {most} mA")).await;
         }
-        self.change_drivers(values, |group, number| group.current_ma = current(number));
+        self.settings.drivers = wanted;
+        self.drivers.want(&self.settings);
         Ok(())
     }
 
-    /// M913.
-    pub(super) async fn set_hybrid_thresholds(&mut self, words: &AxisWords) -> Result<(), Interrupt> {
-        if !self.has_lines().await? {
-            return Ok(());
-        }
-        if *words == AxisWords::default() {
-            let groups = self.settings.drivers;
-            for (axis, group) in named(&groups) {
-                self.say(format_args!("{axis} stealthChop max speed: {}", exact(group.hybrid_threshold))).await?;
+    /// Changes one value; false if it is illegal.
+    fn change(&self, group: &mut DriverSettings, value: DriverValue, number: Number) -> bool {
+        match value {
+            DriverValue::Current => {
+                group.current_ma = u16::try_from(number.to_u32()).unwrap_or(u16::MAX);
+                return ranges::CURRENT_MA.holds(group.current_ma);
             }
-            return Ok(());
-        }
-        let Some(values) = self.groups("M913", words).await? else { return Ok(()) };
-        let modal = self.modal;
-        self.change_drivers(values, |group, number| {
-            group.hybrid_threshold = MmPerSec::saturating_from_num(modal.length(number)).min(ranges::SPEED.most);
-        });
-        Ok(())
-    }
-
-    /// M914.
-    pub(super) async fn set_stall_thresholds(&mut self, words: &AxisWords) -> Result<(), Interrupt> {
-        if !self.has_lines().await? {
-            return Ok(());
-        }
-        if *words == AxisWords::default() {
-            let groups = self.settings.drivers;
-            for (axis, group) in named(&groups) {
-                self.say(format_args!("{axis} homing sensitivity: {}", group.stall_threshold)).await?;
+            DriverValue::HybridThreshold => {
+                let wanted = MmPerSec::saturating_from_num(self.modal.length(number));
+                group.hybrid_threshold = wanted.min(ranges::SPEED.most);
             }
-            return Ok(());
+            DriverValue::StallThreshold => group.stall_threshold = u8::try_from(number.to_u32()).unwrap_or(u8::MAX),
+            DriverValue::Mode => group.stealth = number != Number::ZERO,
         }
-        let Some(values) = self.groups("M914", words).await? else { return Ok(()) };
-        self.change_drivers(values, |group, number| {
-            group.stall_threshold = u8::try_from(number.to_u32()).unwrap_or(u8::MAX);
-        });
-        Ok(())
+        true
     }
 
     /// M569. The motion rests first: a motor that changes its mode at speed may lose steps.
     pub(super) async fn set_stealth(&mut self, on: Option<bool>, axes: AxisFlags) -> Result<(), Interrupt> {
-        if !self.has_lines().await? {
-            return Ok(());
+        let mut words = AxisWords::default();
+        if let Some(on) = on.filter(|_| !self.drivers.lines().is_empty()) {
+            self.finish().await?;
+            let all = axes == AxisFlags::default();
+            let word = |is_named: bool| (is_named || all).then_some(Number::from(i32::from(on)));
+            words = AxisWords { x: word(axes.x), y: word(axes.y), z: word(axes.z), e: word(axes.e) };
         }
-        let Some(on) = on else {
-            let groups = self.settings.drivers;
-            for (axis, group) in named(&groups) {
-                let mode = if group.stealth { "stealthChop" } else { "spreadCycle" };
-                self.say(format_args!("{axis} driver mode: {mode}")).await?;
-            }
-            return Ok(());
-        };
-        self.finish().await?;
-        let all = axes == AxisFlags::default();
-        let named = |is_named: bool| (is_named || all).then_some(Number::ZERO);
-        self.change_drivers([named(axes.x || axes.y), named(axes.z), named(axes.e)], |group, _| group.stealth = on);
+        self.set_drivers(DriverValue::Mode, &words).await?;
         self.until(|c| c.drivers.is_settled()).await
     }
 
@@ -136,17 +184,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.drivers.lines().is_empty() {
             return Ok(());
         }
-        let DriverGroups { belt, z, e } = self.settings.drivers;
-        for (group, axes) in [(belt, "X Y"), (z, "Z"), (e, "E")] {
+        let groups = self.settings.drivers;
+        for (group, axes) in [(groups.belt, "X Y"), (groups.z, "Z"), (groups.e, "E")] {
             self.say(format_args!("echo:  M569 S{} {axes}", u8::from(group.stealth))).await?;
         }
-        let (b, z, e) = (belt, z, e);
-        let current = b.current_ma;
-        self.say(format_args!("echo:  M906 X{current} Y{current} Z{} E{}", z.current_ma, e.current_ma)).await?;
-        let [x, vz, ve] = [b, z, e].map(|group| exact(group.hybrid_threshold));
-        self.say(format_args!("echo:  M913 X{x} Y{x} Z{vz} E{ve}")).await?;
-        let stall = b.stall_threshold;
-        self.say(format_args!("echo:  M914 X{stall} Y{stall} Z{} E{}", z.stall_threshold, e.stall_threshold)).await
+        for value in [DriverValue::Current, DriverValue::HybridThreshold, DriverValue::StallThreshold] {
+            self.say(format_args!("echo:  {}", Line(value, &groups))).await?;
+        }
+        Ok(())
     }
 
     /// M122.
@@ -166,29 +211,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             };
             let (held, failures) = self.drivers.known(motor);
             let power = if self.drivers.powered().has(motor) { "on" } else { "off" };
-            match held {
-                Some(held) => {
-                    let (turn, current) = (self.turn_of(motor, held.microsteps()), held.run_current_ma());
-                    self.say(format_args!(
-                        "Driver {name}: configured, motor {power}, {current} mA, {}, {} microsteps, {turn} mm a turn",
-                        reading.mode(),
-                        reading.microsteps().unwrap_or_default(),
-                    ))
-                    .await?;
-                }
-                None => self.say(format_args!("Driver {name}: not configured yet, motor {power}")).await?,
-            }
-            let open = if reading.seems_open() { ", coil open?" } else { "" };
-            self.say(format_args!(
-                "  {}{open}, stall result {}, {} writes, {failures} failed exchanges",
-                reading.temperature(),
-                reading.stall(),
-                reading.writes()
-            ))
-            .await?;
-            if let (Some(problem), Some(_)) = (reading.problem(), held) {
-                self.say(format_args!("  {problem}")).await?;
-            }
+            let turn = self.turn_of(motor, reading.microsteps().unwrap_or_default());
+            let state = State { reading: &reading, held, power, turn };
+            self.say(format_args!("Driver {name}: {state}")).await?;
+            // A driver that nobody has spoken to yet says rightly that it was reset.
+            let problem = held.and(reading.problem());
+            self.say(format_args!("  {}", Health(&reading, problem, failures))).await?;
         }
         Ok(())
     }

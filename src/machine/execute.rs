@@ -2,6 +2,7 @@
 
 use super::arc::{Arc, Shape};
 use super::console::{Console, Interrupt, PortSet};
+use super::drivers::DriverValue;
 use super::modal::{Modal, Wanted};
 use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::motion::Work;
@@ -78,9 +79,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::LoadSettings => self.load_settings().await,
             Command::DefaultSettings => self.reset_settings().await,
             Command::CheckStorage => self.check_storage().await,
-            Command::DriverCurrent(words) => self.set_currents(&words).await,
-            Command::HybridThreshold(words) => self.set_hybrid_thresholds(&words).await,
-            Command::StallThreshold(words) => self.set_stall_thresholds(&words).await,
+            Command::DriverCurrent(words) => self.set_drivers(DriverValue::Current, &words).await,
+            Command::HybridThreshold(words) => self.set_drivers(DriverValue::HybridThreshold, &words).await,
+            Command::StallThreshold(words) => self.set_drivers(DriverValue::StallThreshold, &words).await,
             Command::Stealth { on, axes } => self.set_stealth(on, axes).await,
             Command::ReportDrivers => self.report_drivers().await,
             Command::Tool(0) => Ok(()),
