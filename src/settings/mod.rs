@@ -61,7 +61,7 @@ impl Settings {
     /// 200-step motors at 16 microsteps (80 steps/mm), two M12x4 ball screws (800 steps/mm), and a geared
     /// extruder. The reachable space is W - e = 470 - 80 mm by the y range of equation 20.
     ///
-    /// Decimals stand in `const` blocks: read at run time they would take 14 KiB of flash.
+    /// Decimals stand in `const` blocks: read at run time they would take 14 kB of flash.
     #[must_use]
     pub const fn prototype() -> Self {
         Self {
