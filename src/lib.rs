@@ -9,12 +9,13 @@
 //! ```
 //!
 //! A room (module) may use only the rooms to its left in
-//! `units <- motors <- status <- port <- {protocol, gcode, settings, kinematics} <- {motion, storage} <- machine <- app`;
+//! `units <- motors <- status <- port <- {protocol, gcode, settings, kinematics} <- {motion, driver, storage} <- machine <- app`;
 //! `tests/layers.rs` holds every `use` to that.
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod app;
+pub mod driver;
 pub mod gcode;
 pub mod kinematics;
 pub mod machine;

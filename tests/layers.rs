@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What each room may use. A room uses itself without asking.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("units", &[]),
     ("motors", &[]),
     ("status", &["motors"]),
@@ -16,10 +16,23 @@ const ARROWS: [(&str, &[&str]); 12] = [
     ("settings", &["units"]),
     ("kinematics", &["units", "port", "motors"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),
+    ("driver", &["units", "motors", "port", "settings"]),
     ("storage", &["units", "port", "settings"]),
     (
         "machine",
-        &["units", "motors", "status", "port", "protocol", "gcode", "settings", "kinematics", "motion", "storage"],
+        &[
+            "units",
+            "motors",
+            "status",
+            "port",
+            "protocol",
+            "gcode",
+            "settings",
+            "kinematics",
+            "motion",
+            "driver",
+            "storage",
+        ],
     ),
     ("app", &["units", "motors", "status", "port", "settings", "motion", "machine"]),
 ];

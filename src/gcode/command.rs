@@ -124,6 +124,8 @@ pub enum Command<'a> {
     Message,
     /// M119: report the endstops.
     ReportEndstops,
+    /// M122: report what the motor drivers say.
+    ReportDrivers,
     /// M155: report temperatures every so many seconds.
     AutoReport(Option<Number>),
     /// M201: acceleration limits, units/s2.
@@ -174,6 +176,19 @@ pub enum Command<'a> {
     ReportSettings,
     /// M504: look whether the settings in storage are whole.
     CheckStorage,
+    /// M569: stealthChop or spreadCycle for the named axes, all if none is named; or report.
+    Stealth {
+        /// S: whether it is stealthChop.
+        on: Option<bool>,
+        /// The axes.
+        axes: AxisFlags,
+    },
+    /// M906: run current in mA, or report.
+    DriverCurrent(AxisWords),
+    /// M913: speed above which stealthChop gives way to spreadCycle, units/s, or report.
+    HybridThreshold(AxisWords),
+    /// M914: StallGuard threshold, or report.
+    StallThreshold(AxisWords),
     /// T: choose a tool.
     Tool(u8),
     /// A command for heaters or fans, of which this firmware has none yet.

@@ -1,7 +1,7 @@
 //! M-codes: switches, limits, reports.
 
 use super::code::Code;
-use super::command::{AxisWords, Command};
+use super::command::{AxisFlags, AxisWords, Command};
 use super::lexer::{Word, Words};
 use super::number::Number;
 use super::parse::{axis_flags, axis_words, take_axis};
@@ -33,13 +33,14 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
         115 => Command::ReportFirmware,
         117 => Command::Message,
         119 => Command::ReportEndstops,
+        122 => Command::ReportDrivers,
         155 => Command::AutoReport(number(text, b'S')),
         200 if !is_volumetric(text) => Command::Silent,
         201 => Command::MaxAcceleration(axis_words(text)),
         203 => Command::MaxSpeed(axis_words(text)),
         204 => acceleration(text),
         205 => corners(text),
-        211 => Command::SoftEndstops(last(text, b'S').map(|word| word.number != Some(Number::ZERO))),
+        211 => Command::SoftEndstops(switch(text)),
         220 => feed_percent(text),
         221 => Command::FlowPercent(number(text, b'S')),
         302 => Command::ColdExtrusion,
@@ -50,6 +51,11 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
         502 => Command::DefaultSettings,
         503 => Command::ReportSettings,
         504 => Command::CheckStorage,
+        // With P it is RepRapFirmware's, and turns a motor round.
+        569 if last(text, b'P').is_none() => stealth(text),
+        906 => Command::DriverCurrent(axis_words(text)),
+        913 => Command::HybridThreshold(axis_words(text)),
+        914 => Command::StallThreshold(axis_words(text)),
         _ => return None,
     })
 }
@@ -62,6 +68,17 @@ fn last(text: &[u8], letter: u8) -> Option<Word> {
 /// The number of the last word of that letter.
 fn number(text: &[u8], letter: u8) -> Option<Number> {
     last(text, letter)?.number
+}
+
+/// S0 is off, any other S is on.
+fn switch(text: &[u8]) -> Option<bool> {
+    last(text, b'S').map(|word| word.number != Some(Number::ZERO))
+}
+
+/// M569; a report is of all axes.
+fn stealth(text: &[u8]) -> Command<'static> {
+    let on = switch(text);
+    Command::Stealth { on, axes: if on.is_some() { axis_flags(text) } else { AxisFlags::default() } }
 }
 
 /// M18 and M84: with S a time, otherwise axes.
@@ -127,7 +144,6 @@ fn feed_percent(text: &[u8]) -> Command<'static> {
 mod tests {
     extern crate std;
 
-    use super::super::command::AxisFlags;
     use super::super::parse::parse;
     use super::*;
 
@@ -164,6 +180,17 @@ mod tests {
         assert_eq!(parse(b"M211 S"), Command::SoftEndstops(Some(true)));
         assert_eq!(parse(b"M114 R"), Command::ReportPosition { real: true });
         assert_eq!(parse(b"M114 D"), Command::ReportPosition { real: false });
+    }
+
+    #[test]
+    fn drivers() {
+        let axes = AxisFlags { x: true, y: true, z: false, e: false };
+        assert_eq!(parse(b"M569 S1 X Y"), Command::Stealth { on: Some(true), axes });
+        assert_eq!(parse(b"M569"), Command::Stealth { on: None, axes: AxisFlags::default() });
+        assert_eq!(parse(b"M569 P0 S0"), Command::Unknown(b"M569 P0 S0"));
+        let words = AxisWords { x: Some(Number::from(900)), ..AxisWords::default() };
+        assert_eq!(parse(b"M906 X900"), Command::DriverCurrent(words));
+        assert_eq!(parse(b"M122"), Command::ReportDrivers);
     }
 
     #[test]

@@ -21,7 +21,7 @@ const CHECKS: u16 = 862;
 
 /// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
 /// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
-const SILENT: [u16; 32] = [
+const SILENT: [u16; 31] = [
     2,   // end of program: the line itself is the end
     20,  // list files: Repetier-Host sends it when it connects
     21,  // look for a card: OctoPrint and Repetier-Host send it when they connect
@@ -48,7 +48,6 @@ const SILENT: [u16; 32] = [
     530, // print mode (Repetier)
     532, // progress (Repetier)
     555, // print area (Prusa)
-    569, // silent mode of the drivers
     572, // pressure advance (RepRapFirmware); not yet, and slicers send it with every feature
     593, // input shaping; not yet
     870, // Prusa

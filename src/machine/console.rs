@@ -4,6 +4,7 @@ use super::flow::Flow;
 use super::hosts::{Asked, Hosts, Text};
 use super::limits::Homed;
 use super::modal::Modal;
+use crate::driver::{Drivers, Fault};
 use crate::gcode;
 use crate::motion::{Link, Planner};
 use crate::port::{Clock, DriverBus, Lines, MotorSet, Pend, Serial, Storage};
@@ -64,12 +65,14 @@ pub(super) enum Interrupt {
     Halt,
     /// M410.
     QuickStop,
+    /// Motors may not have power; the host was told why. Nothing was planned.
+    NoPower,
 }
 
 /// The Console.
 pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) ports: Devices<P>,
-    hosts: Hosts<P::Serial>,
+    pub(super) hosts: Hosts<P::Serial>,
     pub(super) link: Link<'m, W>,
     pub(super) planner: Planner,
     pub(super) flow: Flow,
@@ -80,8 +83,8 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) homed: Homed,
     /// Position of each motor group at count 0, in steps.
     pub(super) origin: [i32; 4],
-    /// Motors that have power.
-    pub(super) powered: MotorSet,
+    /// What the motor drivers hold, and which of them have power.
+    pub(super) drivers: Drivers,
     /// Seconds without motion until they lose it; 0 is never.
     pub(super) idle_timeout_s: u32,
     pub(super) last_motion: Instant,
@@ -99,10 +102,11 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
     /// A Console of a machine that stands at `start` if that is known, as if homed.
     pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T>) -> Self {
         let [x, y, z] = start.unwrap_or_default();
-        let Ports { serial, drivers, clock, storage } = ports;
+        let Ports { serial, drivers: bus, clock, storage } = ports;
         let now = clock.now();
+        let drivers = Drivers::new(bus.lines(), &settings);
         Self {
-            ports: Devices { drivers, clock, storage },
+            ports: Devices { drivers: bus, clock, storage },
             hosts: Hosts::new(serial, now),
             link,
             planner: Planner::new(&settings, [x, y, z, Mm::ZERO]),
@@ -112,7 +116,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             modal: Modal::new([x, y, z]),
             homed: Homed([start.is_some(); 3]),
             origin: [0; 4],
-            powered: MotorSet::NONE,
+            drivers,
             idle_timeout_s: IDLE_TIMEOUT_S,
             last_motion: now,
             continued: false,
@@ -193,10 +197,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             gcode::Command::Unknown(what) => self.answer(|r| r.unknown(what)).await,
             // The temperatures stand in the line of the ok itself.
             gcode::Command::ReportTemperatures => self.report_temperatures().await,
-            command => {
-                self.execute(&command).await?;
-                self.answer(Replies::ok).await
-            }
+            command => match self.execute(&command).await {
+                Ok(()) | Err(Interrupt::NoPower) => self.answer(Replies::ok).await,
+                Err(interrupt) => Err(interrupt),
+            },
         }
     }
 
@@ -231,9 +235,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Everything that must go on whatever the Console waits for. Bounded by what has arrived.
     fn crank(&mut self) -> Result<(), Interrupt> {
         let emergency = self.receive();
-        self.hosts.greet(|replies| {
-            let _ = replies.start();
-        });
+        self.hosts.greet(Replies::start);
+        self.tend_drivers()?;
         self.feed_motion();
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
         self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms);
@@ -259,7 +262,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if !self.link.is_idle() || !self.planner.is_empty() {
             self.last_motion = now;
         } else if self.idle_timeout_s > 0
-            && !self.powered.is_empty()
+            && !self.drivers.powered().is_empty()
             && now >= self.last_motion.after_ms(self.idle_timeout_s.saturating_mul(1000))
         {
             self.unpower(MotorSet::ALL);
@@ -269,24 +272,30 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The Console after M112: it answers, but nothing else, until a reset.
     async fn stay_halted(&mut self) -> Infallible {
         self.link.status().set_halted();
-        self.ports.drivers.enable(MotorSet::NONE);
+        self.drivers.cut(&mut self.ports.drivers);
         self.link.abort();
         self.link.status().set_awaiting_input(true);
-        let tell = |replies: &mut Replies| {
-            let _ = replies.killed();
-        };
-        self.hosts.tell_all(tell);
+        self.hosts.count_as_new();
+        let fault = self.drivers.fault();
         let mut text = Text::new();
         loop {
+            self.hosts.greet(|replies| say_killed(replies, fault));
+            self.hosts.send();
             yield_once().await;
             self.hosts.receive();
-            self.hosts.greet(tell);
             let now = self.ports.clock.now();
             while self.hosts.next_line(now, &mut text).is_some() {
-                self.hosts.replies().map(tell);
+                let _ = self.hosts.replies().map(|replies| say_killed(replies, fault));
             }
-            self.hosts.send();
         }
+    }
+}
+
+/// Says that only a reset helps, and why if that was not the host's own wish.
+fn say_killed(replies: &mut Replies, fault: Option<Fault>) -> Result<(), NoRoom> {
+    match fault {
+        Some(fault) => replies.killed_by(fault),
+        None => replies.killed(),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::arc::{Arc, Shape};
 use super::console::{Console, Interrupt, PortSet};
+use super::drivers::DriverValue;
 use super::modal::{Modal, Wanted};
 use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::motion::Work;
@@ -46,10 +47,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             // The receive path has acted on these already.
             Command::Continue | Command::QuickStop => Ok(()),
             Command::EmergencyStop => Err(Interrupt::Halt),
-            Command::EnableMotors(flags) => {
-                self.power(motors(flags));
-                Ok(())
-            }
+            Command::EnableMotors(flags) => self.power(motors(flags)).await,
             Command::DisableMotors(flags) => {
                 self.finish().await?;
                 self.unpower(motors(flags));
@@ -81,6 +79,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::LoadSettings => self.load_settings().await,
             Command::DefaultSettings => self.reset_settings().await,
             Command::CheckStorage => self.check_storage().await,
+            Command::DriverCurrent(words) => self.set_drivers(DriverValue::Current, &words).await,
+            Command::HybridThreshold(words) => self.set_drivers(DriverValue::HybridThreshold, &words).await,
+            Command::StallThreshold(words) => self.set_drivers(DriverValue::StallThreshold, &words).await,
+            Command::Stealth { on, axes } => self.set_stealth(on, axes).await,
+            Command::ReportDrivers => self.report_drivers().await,
             Command::Tool(0) => Ok(()),
             Command::Tool(number) => self.say(format_args!("echo:there is no tool T{number}")).await,
             Command::Heater => self.explain_heaters().await,

@@ -3,7 +3,7 @@
 use super::console::{Console, Interrupt, PortSet};
 use crate::gcode::AxisFlags;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, MotorSet, Pend};
 use crate::settings::Homing;
 use crate::units::{Mm, MmPerSec, Steps};
 
@@ -41,6 +41,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// G28. Whichever axis fails, the print must not go on: the machine halts.
     pub(super) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
         self.finish().await?;
+        // Without power no axis forgets where it is.
+        self.power(MotorSet::ALL).await?;
         let all = !(flags.x || flags.y || flags.z);
         let (axes, homing) = (self.settings.axes, self.settings.homing);
         let x = Axis { index: 0, name: 'X', endstop: EndstopSet::X, homing: homing.x, length: axes.x.length };

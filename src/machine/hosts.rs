@@ -4,8 +4,9 @@
 //! host that sent it.
 
 use crate::port::{Lines, Received, Serial};
-use crate::protocol::{Emergency, Incoming, Receiver, Replies, ResendReason};
+use crate::protocol::{Emergency, Incoming, NoRoom, Receiver, Replies, ResendReason};
 use crate::units::Instant;
+use core::fmt;
 use heapless::Vec;
 
 /// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
@@ -20,7 +21,9 @@ struct Host<S> {
     assured: Instant,
     /// A quick stop was in what it has sent last.
     has_stopped: bool,
-    /// It has opened its line and was not greeted yet.
+    /// It opened its line in what it has sent last.
+    has_opened: bool,
+    /// It is to be greeted.
     is_new: bool,
     /// Lines up to this place of the receiver came before a quick stop, which forgets them.
     forgotten: Option<u32>,
@@ -66,6 +69,7 @@ impl<S: Serial> Host<S> {
     /// Takes in what has arrived. A quick stop forgets the lines before it and not those behind.
     fn receive(&mut self, urgent: &mut Urgent) {
         self.has_stopped = false;
+        self.has_opened = false;
         while self.receiver.has_room() {
             let Some(received) = self.line.recv() else {
                 break;
@@ -73,6 +77,7 @@ impl<S: Serial> Host<S> {
             if received == Received::Opened {
                 self.replies = Replies::new();
                 self.forgotten = None;
+                self.has_opened = true;
                 self.is_new = true;
             }
             match self.receiver.feed(received) {
@@ -129,6 +134,7 @@ impl<S: Serial> Hosts<S> {
             replies: Replies::new(),
             assured: now,
             has_stopped: false,
+            has_opened: false,
             is_new: false,
             forgotten: None,
         };
@@ -184,7 +190,7 @@ impl<S: Serial> Hosts<S> {
         let mut all = Urgent::default();
         for (place, host) in self.hosts.iter_mut().enumerate() {
             host.receive(&mut all);
-            self.is_gone |= host.is_new && self.owes_ok && place == self.serving;
+            self.is_gone |= host.has_opened && self.owes_ok && place == self.serving;
         }
         if all.quick_stop {
             for host in self.hosts.iter_mut().filter(|host| !host.has_stopped) {
@@ -210,17 +216,22 @@ impl<S: Serial> Hosts<S> {
         }
     }
 
-    /// Says `what` to those that have opened their lines since the last time.
-    pub(super) fn greet(&mut self, what: impl Fn(&mut Replies)) {
+    /// Says the same line to all; one that has no room for it misses it.
+    pub(super) fn tell_all(&mut self, line: fmt::Arguments<'_>) {
         for host in &mut self.hosts {
-            if core::mem::take(&mut host.is_new) {
-                what(&mut host.replies);
-            }
+            let _ = host.replies.line(line);
         }
     }
 
-    /// Says the same to all; one that has no room for it misses it.
-    pub(super) fn tell_all(&mut self, what: impl Fn(&mut Replies)) {
-        self.hosts.iter_mut().for_each(|host| what(&mut host.replies));
+    /// Says `what` to those that have opened their lines since the last time, as soon as it fits.
+    pub(super) fn greet(&mut self, what: impl Fn(&mut Replies) -> Result<(), NoRoom>) {
+        for host in &mut self.hosts {
+            host.is_new = host.is_new && what(&mut host.replies).is_err();
+        }
+    }
+
+    /// Has all of them greeted.
+    pub(super) fn count_as_new(&mut self) {
+        self.hosts.iter_mut().for_each(|host| host.is_new = true);
     }
 }

@@ -157,6 +157,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
         let is_same = resolutions(&wanted) == resolutions(&self.settings);
         self.settings = wanted;
+        self.drivers.want(&wanted);
         if is_same {
             return Ok(());
         }

@@ -7,6 +7,7 @@
 mod angle;
 mod arc;
 mod console;
+mod drivers;
 mod execute;
 mod flow;
 mod homing;
@@ -15,6 +16,7 @@ mod keeping;
 mod limits;
 mod modal;
 mod motion;
+mod power;
 mod report;
 mod tuning;
 

@@ -2,11 +2,11 @@
 
 use super::console::{Console, Interrupt, PortSet};
 use super::flow::{GATHERED, Release};
-use super::limits::{Homed, clamp};
+use super::limits::clamp;
 use super::modal::FARTHEST;
 use crate::kinematics::{GROUPS, count_at};
 use crate::motion::{Target, Work};
-use crate::port::{Clock, DriverBus, EndstopSet, MotorSet, Pend};
+use crate::port::{Clock, EndstopSet, MotorSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
@@ -31,6 +31,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Plans a move as soon as there is room for it.
     pub(super) async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
+        if !self.has_power(MotorSet::ALL) && self.planner.is_move(target.position) {
+            self.power(MotorSet::ALL).await?;
+        }
         while !self.planner.has_room() {
             self.flow.fill();
             self.planner.release_some();
@@ -39,9 +42,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 self.turn().await?;
             }
         }
-        if self.planner.push(&target, &self.settings) {
-            self.power(MotorSet::ALL);
-        }
+        self.planner.push(&target, &self.settings);
         self.flow.add(self.ports.clock.now());
         self.note_path();
         Ok(())
@@ -127,7 +128,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             // A second quick stop changes nothing; a halt does.
             match self.turn().await {
                 Err(Interrupt::Halt) => halted = Err(Interrupt::Halt),
-                Err(Interrupt::QuickStop) | Ok(()) => {}
+                Err(Interrupt::QuickStop | Interrupt::NoPower) | Ok(()) => {}
             }
             halted?;
         }
@@ -180,25 +181,5 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let [u, v, z, e] = self.real_counts().map(|n| i64::from(n) << 32);
         // u = x + y and v = x - y; half a step is what an odd sum leaves.
         [Steps::from_bits((u + v) / 2), Steps::from_bits((u - v) / 2), Steps::from_bits(z), Steps::from_bits(e)]
-    }
-
-    /// Gives power to motors.
-    pub(super) fn power(&mut self, motors: MotorSet) {
-        let powered = self.powered.with(motors);
-        if powered != self.powered {
-            self.powered = powered;
-            self.ports.drivers.enable(powered);
-            self.last_motion = self.ports.clock.now();
-        }
-    }
-
-    /// Takes power from motors; what they held is no longer where it was.
-    pub(super) fn unpower(&mut self, motors: MotorSet) {
-        self.powered = self.powered.without(motors);
-        self.ports.drivers.enable(self.powered);
-        let Homed([x, y, z]) = self.homed;
-        let lost = |set: MotorSet| !motors.without(MotorSet::ALL.without(set)).is_empty();
-        let (belt, screws) = (lost(MotorSet::BELT), lost(MotorSet::Z));
-        self.homed = Homed([x && !belt, y && !belt, z && !screws]);
     }
 }

@@ -23,7 +23,7 @@ const CAPABILITIES: [(&str, u8); 7] = [
 ];
 
 /// A value with two decimals, as hosts expect positions.
-struct Hundredths(Mm);
+pub(super) struct Hundredths(pub Mm);
 
 impl fmt::Display for Hundredths {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -101,6 +101,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.report_max_accelerations().await?;
         self.report_accelerations().await?;
         self.report_corners().await?;
+        self.report_driver_settings().await?;
         let (soft, keepalive) = (u8::from(self.settings.soft_endstops), self.settings.keepalive_s);
         self.say(format_args!("echo:  M211 S{soft}")).await?;
         self.say(format_args!("echo:  M113 S{keepalive}")).await

@@ -152,6 +152,12 @@ impl Planner {
         true
     }
 
+    /// Whether a target at `position` would be a move.
+    #[must_use]
+    pub fn is_move(&self, position: [Mm; 4]) -> bool {
+        self.lay_out(position).is_some()
+    }
+
     /// The last move ended early, at `position`: takes back the path that was not made.
     pub fn fall_short(&mut self, position: [Steps; 4]) {
         let [x, y, z, _] = self.way_to(position);

@@ -167,6 +167,14 @@ impl Replies {
         self.line(format_args!("Error:Printer halted. kill() called!"))
     }
 
+    /// The same after a fault, which is named.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn killed_by(&mut self, fault: impl fmt::Display) -> Result<(), NoRoom> {
+        self.line(format_args!("Error:Printer halted. kill() called! ({fault})"))
+    }
+
     /// Runs `write`, and undoes it if it fails.
     fn whole(&mut self, write: impl FnOnce(&mut Self) -> fmt::Result) -> Result<(), NoRoom> {
         let length = self.bytes.len();

@@ -1,7 +1,7 @@
 //! The ranges in which every setting must lie; outside of them the planner's arithmetic or the machine
 //! would not do what the number says.
 
-use super::{AxisSettings, CornerRule, Homing, Settings};
+use super::{AxisSettings, CornerRule, DriverSettings, Homing, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 
 /// Least and greatest legal value.
@@ -54,6 +54,13 @@ pub mod ranges {
     /// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
     /// at which two pulses of a motor would touch.
     pub const STEP_RATE: u32 = 500_000;
+    /// Run current in mA: below 100 a NEMA 17 hardly turns itself, and 1768 is all that sense resistors of
+    /// 110 mOhm give (TMC2209 datasheet rev 1.09, section 9).
+    pub const CURRENT_MA: Range<u16> = Range { least: 100, most: 1700 };
+    /// Hold current in percent of the run current.
+    pub const HOLD_PERCENT: Range<u8> = Range { least: 0, most: 100 };
+    /// Microsteps: MRES has every power of two in it (section 5.5.1).
+    pub const MICROSTEPS: Range<u16> = Range { least: 1, most: 256 };
 }
 
 /// What is wrong with a set of settings; the text names the setting.
@@ -65,6 +72,8 @@ pub enum SettingsError {
     TooManySteps(&'static str),
     /// X and Y share their belt, so they need the same steps a millimetre.
     BeltResolutionsDiffer,
+    /// Microsteps of these drivers are no power of two.
+    NoSuchMicrosteps(&'static str),
 }
 
 impl core::fmt::Display for SettingsError {
@@ -75,6 +84,7 @@ impl core::fmt::Display for SettingsError {
                 write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE)
             }
             Self::BeltResolutionsDiffer => f.write_str("x and y share their belt: steps_per_mm must be equal"),
+            Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
     }
 }
@@ -102,6 +112,14 @@ fn homing(h: &Homing, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::SPEED, h.fast, name)?;
     within(ranges::SPEED, h.slow, name)?;
     within(ranges::BACK_OFF, h.back_off, name)
+}
+
+fn driver(d: &DriverSettings, name: &'static str) -> Result<(), SettingsError> {
+    within(ranges::CURRENT_MA, d.current_ma, name)?;
+    within(ranges::HOLD_PERCENT, d.hold_percent, name)?;
+    within(ranges::MICROSTEPS, d.microsteps, name)?;
+    within(Range { least: MmPerSec::ZERO, most: ranges::SPEED.most }, d.hybrid_threshold, name)?;
+    if d.microsteps.is_power_of_two() { Ok(()) } else { Err(SettingsError::NoSuchMicrosteps(name)) }
 }
 
 impl Settings {
@@ -139,7 +157,9 @@ impl Settings {
         if self.keepalive_s > 60 {
             return Err(SettingsError::OutOfRange("keepalive_s"));
         }
-        Ok(())
+        driver(&self.drivers.belt, "drivers.belt")?;
+        driver(&self.drivers.z, "drivers.z")?;
+        driver(&self.drivers.e, "drivers.e")
     }
 }
 
@@ -150,6 +170,15 @@ mod tests {
     #[test]
     fn the_prototype_is_legal() {
         assert_eq!(Settings::prototype().check(), Ok(()));
+    }
+
+    #[test]
+    fn drivers_have_limits_too() {
+        let mut s = Settings::prototype();
+        s.drivers.z.microsteps = 24;
+        assert_eq!(s.check(), Err(SettingsError::NoSuchMicrosteps("drivers.z")));
+        s.drivers.belt.current_ma = 1701;
+        assert_eq!(s.check(), Err(SettingsError::OutOfRange("drivers.belt")));
     }
 
     #[test]

@@ -3,9 +3,11 @@
 
 mod axis;
 mod check;
+mod drivers;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use check::{Range, SettingsError, ranges};
+pub use drivers::{DriverGroups, DriverSettings};
 
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
@@ -50,12 +52,16 @@ pub struct Settings {
     pub arc_tolerance: Mm,
     /// Seconds between two busy messages, 0 for none (M113).
     pub keepalive_s: u8,
+    /// What the motor drivers are told, where they can be talked to.
+    pub drivers: DriverGroups,
 }
 
 impl Settings {
     /// The prototype of the CoreH-bot paper with an 80 mm head: belts of 20 teeth and 2 mm pitch on
     /// 200-step motors at 16 microsteps (80 steps/mm), two M12x4 ball screws (800 steps/mm), and a geared
     /// extruder. The reachable space is W - e = 470 - 80 mm by the y range of equation 20.
+    ///
+    /// Decimals stand in `const` blocks: read at run time they would take 14 kB of flash.
     #[must_use]
     pub const fn prototype() -> Self {
         Self {
@@ -88,6 +94,7 @@ impl Settings {
             soft_endstops: true,
             arc_tolerance: const { Mm::lit("0.005") },
             keepalive_s: 2,
+            drivers: DriverGroups::prototype(),
         }
     }
 }

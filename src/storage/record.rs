@@ -16,7 +16,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 1;
+pub const FORMAT: u16 = 2;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -161,7 +161,7 @@ mod tests {
     extern crate std;
 
     use super::*;
-    use crate::settings::{AxisSettings, CornerRule, Homing};
+    use crate::settings::{AxisSettings, CornerRule, DriverSettings, Homing};
     use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
     use proptest::prelude::*;
     use std::vec::Vec;
@@ -215,8 +215,18 @@ mod tests {
         s.extruder_jerk = MmPerSec::from_num(6);
         (s.min_feed, s.min_travel) = (MmPerSec::ONE, MmPerSec::ZERO);
         (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
+        for (i, drivers) in [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e].into_iter().enumerate() {
+            *drivers = DriverSettings {
+                current_ma: 900 + i as u16,
+                hold_percent: 60,
+                microsteps: 32,
+                stealth: true,
+                hybrid_threshold: MmPerSec::from_num(120),
+                stall_threshold: 70,
+            };
+        }
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (1, Receipt { bytes: 150, crc: 4_007_823_390 }));
+        assert_eq!((FORMAT, receipt), (2, Receipt { bytes: 180, crc: 2_661_025_547 }));
     }
 
     #[test]
@@ -232,6 +242,15 @@ mod tests {
         let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
         (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
         s.corner = CornerRule::JunctionDeviation(Mm::MIN);
+        let drivers = DriverSettings {
+            current_ma: u16::MAX,
+            hold_percent: u8::MAX,
+            microsteps: u16::MAX,
+            stealth: true,
+            hybrid_threshold: MmPerSec::MAX,
+            stall_threshold: u8::MAX,
+        };
+        (s.drivers.belt, s.drivers.z, s.drivers.e) = (drivers, drivers, drivers);
         assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
     }
 

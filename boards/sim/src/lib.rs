@@ -7,6 +7,7 @@
 
 pub mod check;
 pub mod cli;
+pub mod drivers;
 pub mod eeprom;
 pub mod host;
 pub mod limits;
@@ -17,6 +18,7 @@ pub mod sampler;
 pub mod series;
 pub mod summary;
 pub mod tally;
+pub mod tmc2209;
 pub mod trace;
 pub mod vcd;
 pub mod world;

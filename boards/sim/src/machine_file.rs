@@ -3,7 +3,7 @@
 //! Every key is optional and stands over the prototype's value; an unknown key or a value outside its legal
 //! range is an error that names both. `examples/machines/prototype.toml` shows every key.
 
-use corehbot::settings::{AxisSettings, CornerRule, Homing, Range, Settings, SettingsError, ranges};
+use corehbot::settings::{AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, SettingsError, ranges};
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::Deserialize;
 use std::fmt::{self, Display};
@@ -68,6 +68,7 @@ struct MachineToml {
     corner: CornerToml,
     axes: AxesToml,
     homing: HomingsToml,
+    drivers: DriversToml,
 }
 
 #[derive(Deserialize, Default)]
@@ -109,6 +110,25 @@ struct HomingToml {
     fast: Option<f64>,
     slow: Option<f64>,
     back_off: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct DriversToml {
+    belt: DriverToml,
+    z: DriverToml,
+    e: DriverToml,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct DriverToml {
+    current_ma: Option<f64>,
+    hold_percent: Option<f64>,
+    microsteps: Option<f64>,
+    stealth: Option<bool>,
+    hybrid_threshold: Option<f64>,
+    stall_threshold: Option<f64>,
 }
 
 /// A kind of quantity: its legal range, and how it comes from a number that is not NaN.
@@ -162,6 +182,9 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     homing(&mut s.homing.x, "homing.x", &file.homing.x)?;
     homing(&mut s.homing.y, "homing.y", &file.homing.y)?;
     homing(&mut s.homing.z, "homing.z", &file.homing.z)?;
+    driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
+    driver(&mut s.drivers.z, "drivers.z", &file.drivers.z)?;
+    driver(&mut s.drivers.e, "drivers.e", &file.drivers.e)?;
     s.check().map_err(MachineFileError::Settings)?;
     Ok(Machine { name: file.name, settings: s })
 }
@@ -186,6 +209,31 @@ fn homing(h: &mut Homing, table: &str, file: &HomingToml) -> Result<(), MachineF
     put(&mut h.fast, &format!("{table}.fast"), file.fast, &SPEED)?;
     put(&mut h.slow, &format!("{table}.slow"), file.slow, &SPEED)?;
     put(&mut h.back_off, &format!("{table}.back_off"), file.back_off, &BACK_OFF)
+}
+
+fn driver(d: &mut DriverSettings, table: &str, file: &DriverToml) -> Result<(), MachineFileError> {
+    put_whole(&mut d.current_ma, &format!("{table}.current_ma"), file.current_ma, ranges::CURRENT_MA)?;
+    put_whole(&mut d.hold_percent, &format!("{table}.hold_percent"), file.hold_percent, ranges::HOLD_PERCENT)?;
+    put_whole(&mut d.microsteps, &format!("{table}.microsteps"), file.microsteps, ranges::MICROSTEPS)?;
+    d.stealth = file.stealth.unwrap_or(d.stealth);
+    put(&mut d.hybrid_threshold, &format!("{table}.hybrid_threshold"), file.hybrid_threshold, &LEAST_SPEED)?;
+    let any = Range { least: u8::MIN, most: u8::MAX };
+    put_whole(&mut d.stall_threshold, &format!("{table}.stall_threshold"), file.stall_threshold, any)
+}
+
+/// Puts a whole number of the file, if there is one, in the place of the default.
+fn put_whole<T: PartialOrd + Copy + Display + Into<f64> + TryFrom<u16>>(
+    slot: &mut T,
+    key: &str,
+    value: Option<f64>,
+    range: Range<T>,
+) -> Result<(), MachineFileError> {
+    let Some(value) = value else { return Ok(()) };
+    // A saturated or cut number is no longer the one in the file.
+    let whole = T::try_from(value as u16).ok().filter(|whole| (*whole).into() == value && range.holds(*whole));
+    let legal = || format!("the whole numbers {} to {}", range.least, range.most);
+    *slot = whole.ok_or_else(|| MachineFileError::Range { key: key.to_owned(), value, legal: legal() })?;
+    Ok(())
 }
 
 /// Puts a value of the file, if there is one, in the place of the default.
@@ -226,7 +274,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 38);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 56);
     }
 
     #[test]
@@ -245,6 +293,11 @@ mod tests {
         assert_eq!(error("keepalive_s = 61"), "keepalive_s = 61 is outside 0 to 60");
         assert!(error("print_acceleration = nan").contains("is outside 1 to 100000"));
         assert!(error("extruder_jerk = -1").contains("extruder_jerk = -1"));
+        let legal = "drivers.e.stall_threshold = 256 is outside the whole numbers 0 to 255";
+        assert_eq!(error("[drivers.e]\nstall_threshold = 256"), legal);
+        assert!(error("[drivers.z]\nhold_percent = -1").contains("0 to 100"));
+        assert!(error("[drivers.belt]\nmicrosteps = 16.5").contains("whole"));
+        assert!(error("[drivers.belt]\nmicrosteps = 24").contains("1, 2, 4"));
         assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));
         assert!(error("[axes.y]\nsteps_per_mm = 100").contains("share their belt"));
         assert!(error("[corner]\nsquare_corner = 1\njunction_deviation = 0.1").contains("either"));

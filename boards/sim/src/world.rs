@@ -4,10 +4,11 @@
 //! nothing moves, so a print takes as long as the computing does. The host at the other end of the line
 //! answers at once: time stands still while the printer waits for a line.
 
+use crate::drivers::Drivers;
 use corehbot::app::{Memory, StepPorts, assemble};
 use corehbot::machine::Ports;
 use corehbot::motors::{EndstopSet, MotorSet};
-use corehbot::port::{Clock, DriverBus, NoStorage, Pend, Received, Serial, StepClock, StepPort, Storage};
+use corehbot::port::{Clock, NoStorage, Pend, Received, Serial, StepClock, StepPort, Storage};
 use corehbot::settings::Settings;
 use corehbot::units::{Instant, Mm, TICKS_PER_MS, Tick};
 use corehbot_rig::Rig;
@@ -150,12 +151,6 @@ impl Serial for Line<'_> {
     }
 }
 
-struct Drivers;
-
-impl DriverBus for Drivers {
-    fn enable(&mut self, _on: MotorSet) {}
-}
-
 struct Pins<'w> {
     rig: Rig,
     forward: MotorSet,
@@ -204,12 +199,32 @@ pub fn run_with(
     hosts: &mut [&mut dyn Host],
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
+    run_on(settings, start, storage, &Drivers::new(), hosts, sink)
+}
+
+/// The same on drivers that somebody else holds too.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run_on(
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    drivers: &Drivers,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
     let shared = Shared::default();
     let wires: Vec<Wire> = hosts.iter().map(|_| Wire::default()).collect();
     let mut memory = Box::new(Memory::new());
     let pins = Pins { rig: Rig::new(settings, start), forward: MotorSet::NONE, sink };
     let step_ports = StepPorts { pins, clock: Timer(&shared) };
-    let ports = Ports { serial: wires.iter().map(Line).collect(), drivers: Drivers, clock: Timer(&shared), storage };
+    let ports = Ports {
+        serial: wires.iter().map(Line).collect(),
+        drivers: drivers.bus(&shared.now),
+        clock: Timer(&shared),
+        storage,
+    };
     let mut parts = assemble(&mut memory, *settings, start, step_ports, ports, Pends(&shared));
     let (status, stepper, generator) = (parts.status, &mut parts.stepper, &mut parts.generator);
     let mut console = pin!(parts.console.run());

@@ -132,11 +132,15 @@ fn settings_that_are_reported_read_back() {
         "M205 X7.5 Y9 E3.3 S1 T2",
         "M211 S0",
         "M113 S5",
+        "M569 S1 X",
+        "M906 Y905 E650",
+        "M913 X120.5 Z20",
+        "M914 X70 Z60",
         "M503",
     ];
     let (heard, ..) = talk(&changes);
     let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
-    assert_eq!(report.len(), 8, "{heard:?}");
+    assert_eq!(report.len(), 14, "{heard:?}");
     assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
     again.push("M503");
@@ -577,7 +581,8 @@ proptest! {
                 4 => "G[0-3]( ?[XYZE]-?[0-9]{1,3}(\\.[0-9]{0,4})?){1,3}( F[1-9][0-9]{3})?( [IJR]-?[0-9]{1,2}){0,2}",
                 2 => "M2(0[1-5]|11|2[01])( [XYZESTPRJ]-?[0-9]{0,5}(\\.[0-9]{0,3})?){0,4}",
                 1 => "G(9[0-2]|2[01]|17|4 P[0-9]{1,3})",
-                1 => "M(17|18|84|82|83|92 E[0-9]{1,4}|105|114 ?R?|115|119|220 S[0-9]{1,5}|221|400|410|50[0-4])",
+                1 => "M(17|18|84|82|83|92 E[0-9]{1,4}|105|114 ?R?|115|119|220 S[0-9]{1,5}|221|400|410|50[0-4]|122)",
+                1 => "M(569|906|91[34])( [SXYZE]-?[0-9]{0,4}(\\.[0-9]{0,3})?){0,4}",
                 1 => "G1 [XYE]-?[0-9]{5,30}",
                 1 => "[ -~]{1,40}".prop_filter("it must not be blank, a comment, numbered or a stop", |l| {
                     let l = l.trim();

@@ -1,0 +1,157 @@
+//! The motor drivers of the simulated machine: seven TMC2209s, each on a wire of its own.
+//!
+//! A test holds them too, and makes them fail while the firmware talks to them.
+
+use crate::tmc2209::{Tmc2209, gconf};
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::port::{BusError, Frame};
+use corehbot::units::TICKS_PER_SECOND;
+use std::cell::{Cell, RefCell, RefMut};
+
+/// Speed of the wire: that of Marlin's software UART, the slowest in use.
+const BAUD: u64 = 19_200;
+
+/// Bits of a byte with start and stop.
+const BYTE: u64 = 10;
+
+/// Bit times between request and reply (TMC2209 datasheet rev 1.09, section 5.1: SENDDELAY 0).
+const DELAY: u64 = 8;
+
+/// Bit times after which a reply that is not there will not come.
+const PATIENCE: u64 = 20;
+
+/// The chips, and the lines that switch them on.
+#[derive(Debug)]
+pub struct Drivers {
+    chips: RefCell<[Tmc2209; 7]>,
+    enabled: Cell<MotorSet>,
+    switched: Cell<u64>,
+    seen: Cell<u64>,
+    betrayed: Cell<MotorSet>,
+    lines: MotorSet,
+}
+
+impl Default for Drivers {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Drivers {
+    /// Seven chips, just switched on.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::with_lines(MotorSet::ALL)
+    }
+
+    /// Seven chips of which only those of `lines` can be talked to.
+    #[must_use]
+    pub fn with_lines(lines: MotorSet) -> Self {
+        let chips = RefCell::new(std::array::from_fn(|_| Tmc2209::new(0)));
+        Self {
+            chips,
+            enabled: Cell::default(),
+            switched: Cell::default(),
+            seen: Cell::default(),
+            betrayed: Cell::default(),
+            lines,
+        }
+    }
+
+    /// The chip of a motor, to look at and to break.
+    pub fn chip(&self, motor: Motor) -> RefMut<'_, Tmc2209> {
+        RefMut::map(self.chips.borrow_mut(), |chips| &mut chips[motor as usize])
+    }
+
+    /// Motors that the firmware has switched on.
+    #[must_use]
+    pub fn enabled(&self) -> MotorSet {
+        self.enabled.get()
+    }
+
+    /// When they were last switched, in ticks.
+    #[must_use]
+    pub fn switched(&self) -> u64 {
+        self.switched.get()
+    }
+
+    /// When the firmware last looked at the wires, in ticks.
+    #[must_use]
+    pub fn seen(&self) -> u64 {
+        self.seen.get()
+    }
+
+    /// Motors that were ever switched on although their driver ran by its pins, and had said so.
+    #[must_use]
+    pub fn betrayed(&self) -> MotorSet {
+        self.betrayed.get()
+    }
+
+    /// Motors that are switched on although their driver would make other than so many microsteps, or has no
+    /// supply.
+    #[must_use]
+    pub fn astray(&self, microsteps: u32) -> MotorSet {
+        let is_astray = |motor: &Motor| {
+            let chip = self.chip(*motor);
+            self.lines.has(*motor)
+                && self.enabled().has(*motor)
+                && (!chip.is_powered() || chip.microsteps() != microsteps)
+        };
+        Motor::ALL.into_iter().filter(is_astray).fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
+    }
+
+    /// The firmware's end of the wires, with the time in ticks.
+    #[must_use]
+    pub const fn bus<'d>(&'d self, now: &'d Cell<u64>) -> Bus<'d> {
+        Bus { drivers: self, now, pending: None }
+    }
+}
+
+/// The firmware's end of the wires.
+#[derive(Debug)]
+pub struct Bus<'d> {
+    drivers: &'d Drivers,
+    now: &'d Cell<u64>,
+    /// How the exchange ends, and when.
+    pending: Option<(u64, Result<Frame, BusError>)>,
+}
+
+impl corehbot::port::DriverBus for Bus<'_> {
+    fn enable(&mut self, on: MotorSet) {
+        let drivers = self.drivers;
+        let fresh = on.without(drivers.enabled.replace(on));
+        drivers.switched.set(self.now.get());
+        for motor in Motor::ALL.into_iter().filter(|motor| fresh.has(*motor) && drivers.lines.has(*motor)) {
+            let chip = drivers.chip(motor);
+            if chip.register(gconf::ADDRESS) & gconf::MSTEP_REG_SELECT == 0 && chip.has_spoken() {
+                drivers.betrayed.set(drivers.betrayed().with(MotorSet::of(motor)));
+            }
+        }
+    }
+
+    fn lines(&self) -> MotorSet {
+        self.drivers.lines
+    }
+
+    fn begin(&mut self, motor: Motor, request: &Frame, reply: usize) {
+        let said = self.drivers.chip(motor).exchange(request);
+        let mut bits = request.len() as u64 * BYTE;
+        let outcome = if reply == 0 {
+            Ok(Frame::new())
+        } else {
+            bits += DELAY + reply as u64 * BYTE;
+            let whole = Frame::from_slice(&said).ok().filter(|frame| frame.len() == reply);
+            whole.ok_or(BusError::Silent)
+        };
+        if outcome.is_err() {
+            bits += PATIENCE;
+        }
+        self.pending = Some((self.now.get() + bits * u64::from(TICKS_PER_SECOND) / BAUD, outcome));
+    }
+
+    fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
+        let now = self.now.get();
+        self.drivers.seen.set(now);
+        self.pending.take_if(|(due, _)| *due <= now).map(|(_, outcome)| outcome)
+    }
+}

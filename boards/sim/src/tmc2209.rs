@@ -1,0 +1,374 @@
+//! A TMC2209 as its datasheet (rev 1.09) describes it, seen from its one-wire UART.
+//!
+//! Written from the datasheet alone, with a register table and a CRC of its own, so that a mistake of the
+//! firmware cannot hide in both. Bytes go in by [`Tmc2209::hear`] and come out by [`Tmc2209::say`]; what is on
+//! the wire between them, and when, is the business of whoever wires it up. Faults are set from outside.
+
+use std::collections::VecDeque;
+
+/// First byte of every datagram (section 4.1.1).
+const SYNC: u8 = 0x05;
+
+/// The address that a reply carries: that of the master (section 4.1.2).
+const MASTER: u8 = 0xFF;
+
+/// The version of a TMC2209 in IOIN (section 5.1).
+const VERSION: u32 = 0x21;
+
+/// What a register is to the UART (section 5, column R/W).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Access {
+    Read,
+    Write,
+    ReadWrite,
+    /// Reads; a 1 that is written clears the bit.
+    ReadClear,
+}
+
+/// Every register of the UART: address, access, bits, value after power-up (section 5).
+const TABLE: [(u8, Access, u32, u32); 24] = [
+    (gconf::ADDRESS, Access::ReadWrite, 10, 0x101),
+    (GSTAT, Access::ReadClear, 3, 1),
+    (IFCNT, Access::Read, 8, 0),
+    (0x03, Access::Write, 12, 0),
+    (0x04, Access::Write, 16, 0),
+    (0x05, Access::Read, 24, 0),
+    (IOIN, Access::Read, 32, 0),
+    (0x07, Access::ReadWrite, 10, 0),
+    (IHOLD_IRUN, Access::Write, 20, 0x0001_1F10),
+    (0x11, Access::Write, 8, 20),
+    (0x12, Access::Read, 20, 0xF_FFFF),
+    (TPWMTHRS, Access::Write, 20, 0),
+    (TCOOLTHRS, Access::Write, 20, 0),
+    (VACTUAL, Access::Write, 24, 0),
+    (SGTHRS, Access::Write, 8, 0),
+    (SG_RESULT, Access::Read, 10, 0),
+    (0x42, Access::Write, 16, 0),
+    (0x6A, Access::Read, 10, 0),
+    (0x6B, Access::Read, 25, 0),
+    (chopconf::ADDRESS, Access::ReadWrite, 32, 0x1000_0053),
+    (DRV_STATUS, Access::Read, 32, 0x8000_0000),
+    (PWMCONF, Access::ReadWrite, 32, 0xC10D_0024),
+    (0x71, Access::Read, 25, 0),
+    (0x72, Access::Read, 24, 0),
+];
+
+/// GCONF.
+pub mod gconf {
+    /// Address.
+    pub const ADDRESS: u8 = 0x00;
+    /// spreadCycle instead of stealthChop.
+    pub const EN_SPREADCYCLE: u32 = 1 << 2;
+    /// MRES instead of the pins MS1 and MS2.
+    pub const MSTEP_REG_SELECT: u32 = 1 << 7;
+}
+
+/// CHOPCONF.
+pub mod chopconf {
+    /// Address.
+    pub const ADDRESS: u8 = 0x6C;
+    /// High sensitivity of the sense resistors.
+    pub const VSENSE: u32 = 1 << 17;
+    /// Where the microstep resolution begins.
+    pub const MRES: u32 = 24;
+}
+
+/// GSTAT.
+pub const GSTAT: u8 = 0x01;
+/// IFCNT.
+pub const IFCNT: u8 = 0x02;
+/// IOIN.
+pub const IOIN: u8 = 0x06;
+/// IHOLD_IRUN.
+pub const IHOLD_IRUN: u8 = 0x10;
+/// TPWMTHRS.
+pub const TPWMTHRS: u8 = 0x13;
+/// TCOOLTHRS.
+pub const TCOOLTHRS: u8 = 0x14;
+/// VACTUAL.
+pub const VACTUAL: u8 = 0x22;
+/// SGTHRS.
+pub const SGTHRS: u8 = 0x40;
+/// SG_RESULT.
+pub const SG_RESULT: u8 = 0x41;
+/// DRV_STATUS.
+pub const DRV_STATUS: u8 = 0x6F;
+/// PWMCONF.
+pub const PWMCONF: u8 = 0x70;
+
+/// What a reply suffers on its way.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Corruption {
+    /// The bits of this mask flip in the byte of that place.
+    Flip {
+        /// Place of the byte, 0 to 7.
+        byte: usize,
+        /// Its bits.
+        mask: u8,
+    },
+    /// The reply ends after so many bytes.
+    Cut(usize),
+    /// Value and CRC are those of zeros: a whole reply that is not true.
+    Zero,
+}
+
+/// The chip.
+#[derive(Clone, Debug)]
+pub struct Tmc2209 {
+    /// The pins MS1 and MS2, which are the address too.
+    address: u8,
+    registers: [u32; TABLE.len()],
+    is_powered: bool,
+    /// It hears and does everything, but its answers do not arrive.
+    pub is_silent: bool,
+    /// Accepts writes, counts them, and keeps the old values.
+    pub is_deaf: bool,
+    /// Writes do not even count.
+    pub is_write_protected: bool,
+    heard: Vec<u8>,
+    saying: VecDeque<u8>,
+    replies: u32,
+    has_spoken: bool,
+    corrupt: Vec<(u32, Corruption)>,
+    stubborn: Vec<(u8, u32)>,
+}
+
+impl Tmc2209 {
+    /// A chip with motor supply whose pins MS2 and MS1 make `address` (0 to 3), just switched on.
+    #[must_use]
+    pub fn new(address: u8) -> Self {
+        Self {
+            address: address & 3,
+            registers: TABLE.map(|(.., reset)| reset),
+            is_powered: true,
+            is_silent: false,
+            is_deaf: false,
+            is_write_protected: false,
+            heard: Vec::new(),
+            saying: VecDeque::new(),
+            replies: 0,
+            has_spoken: false,
+            corrupt: Vec::new(),
+            stubborn: Vec::new(),
+        }
+    }
+
+    /// A byte from the wire. A datagram that is not for this chip, or is damaged, changes nothing.
+    pub fn hear(&mut self, byte: u8) {
+        if !self.is_powered {
+            self.heard.clear();
+            return;
+        }
+        self.heard.push(byte);
+        if self.heard.first() != Some(&SYNC) {
+            self.heard.clear();
+            return;
+        }
+        let length = match self.heard.get(2) {
+            None => return,
+            Some(register) if register & 0x80 == 0 => 4,
+            Some(_) => 8,
+        };
+        if self.heard.len() == length {
+            let datagram = std::mem::take(&mut self.heard);
+            self.obey(&datagram);
+        }
+    }
+
+    /// The wire was at rest for 63 bit times or more: whatever was heard is forgotten (section 4.1.1).
+    pub fn rest(&mut self) {
+        self.heard.clear();
+    }
+
+    /// The next byte that it puts on the wire.
+    pub fn say(&mut self) -> Option<u8> {
+        self.saying.pop_front()
+    }
+
+    /// A whole request, and what comes back for it, as bytes.
+    pub fn exchange(&mut self, request: &[u8]) -> Vec<u8> {
+        self.rest();
+        self.saying.clear();
+        request.iter().for_each(|byte| self.hear(*byte));
+        std::iter::from_fn(|| self.say()).collect()
+    }
+
+    fn obey(&mut self, datagram: &[u8]) {
+        let Some((sum, body)) = datagram.split_last() else { return };
+        if crc(body) != *sum || body.get(1) != Some(&self.address) {
+            return;
+        }
+        match *body {
+            [_, _, register] => self.answer(register),
+            [_, _, register, a, b, c, d] => self.write(register & 0x7F, u32::from_be_bytes([a, b, c, d])),
+            _ => {}
+        }
+    }
+
+    fn write(&mut self, address: u8, value: u32) {
+        if self.is_write_protected {
+            return;
+        }
+        // Section 5.1: IFCNT counts every successful write access, and wraps.
+        self.set(IFCNT, (self.register(IFCNT) + 1) & 0xFF);
+        let Some((_, access, bits, _)) = TABLE.iter().find(|(at, ..)| *at == address) else { return };
+        if self.is_deaf {
+            return;
+        }
+        let value = (u64::from(value) & ((1 << bits) - 1)) as u32;
+        match access {
+            Access::Read => {}
+            Access::Write | Access::ReadWrite => self.set(address, value),
+            Access::ReadClear => self.set(address, self.register(address) & !value),
+        }
+    }
+
+    fn answer(&mut self, address: u8) {
+        if self.is_silent {
+            return;
+        }
+        let value = self.readable(address);
+        let [a, b, c, d] = value.to_be_bytes();
+        let mut reply = vec![SYNC, MASTER, address, a, b, c, d];
+        reply.push(crc(&reply));
+        let number = self.replies;
+        self.replies += 1;
+        self.has_spoken |= !self.corrupt.iter().any(|(at, _)| *at == number);
+        for (_, corruption) in self.corrupt.iter().filter(|(at, _)| *at == number) {
+            match *corruption {
+                Corruption::Flip { byte, mask } => {
+                    if let Some(byte) = reply.get_mut(byte) {
+                        *byte ^= mask;
+                    }
+                }
+                Corruption::Cut(length) => reply.truncate(length),
+                Corruption::Zero => {
+                    reply = vec![SYNC, MASTER, address, 0, 0, 0, 0];
+                    reply.push(crc(&reply));
+                }
+            }
+        }
+        self.saying.extend(reply);
+    }
+
+    /// What a read gives; registers that can only be written, and those that are not there, give 0.
+    fn readable(&self, address: u8) -> u32 {
+        if let Some((_, value)) = self.stubborn.iter().find(|(at, _)| *at == address) {
+            return *value;
+        }
+        match TABLE.iter().find(|(at, ..)| *at == address) {
+            None | Some((_, Access::Write, ..)) => 0,
+            Some(_) if address == IOIN => {
+                let (ms1, ms2) = (u32::from(self.address & 1), u32::from(self.address >> 1));
+                VERSION << 24 | ms2 << 3 | ms1 << 2
+            }
+            Some(_) => self.register(address),
+        }
+    }
+
+    /// What is really in a register, readable or not.
+    #[must_use]
+    pub fn register(&self, address: u8) -> u32 {
+        let places = TABLE.iter().zip(&self.registers);
+        places.filter(|((at, ..), _)| *at == address).map(|(_, value)| *value).next().unwrap_or(0)
+    }
+
+    /// Puts something into a register as the chip itself would: a status, or the trace of a fault.
+    pub fn set(&mut self, address: u8, value: u32) {
+        for ((at, ..), register) in TABLE.iter().zip(&mut self.registers) {
+            if *at == address {
+                *register = value;
+            }
+        }
+    }
+
+    /// The motor supply goes away: every register is lost, and it says nothing.
+    pub fn power_off(&mut self) {
+        self.is_powered = false;
+        self.heard.clear();
+        self.saying.clear();
+    }
+
+    /// The motor supply comes back; the chip is as new.
+    pub fn power_on(&mut self) {
+        self.is_powered = true;
+        self.has_spoken = false;
+        self.registers = TABLE.map(|(.., reset)| reset);
+    }
+
+    /// The supply dipped: every register is lost, and it answers again.
+    pub fn reset(&mut self) {
+        self.power_off();
+        self.power_on();
+    }
+
+    /// Whether it has motor supply.
+    #[must_use]
+    pub const fn is_powered(&self) -> bool {
+        self.is_powered
+    }
+
+    /// Microsteps that a full step really has: by MRES (section 5.5.1), or by the pins MS2 and MS1 (pin table).
+    #[must_use]
+    pub fn microsteps(&self) -> u32 {
+        if self.register(gconf::ADDRESS) & gconf::MSTEP_REG_SELECT == 0 {
+            return [8, 32, 64, 16][usize::from(self.address)];
+        }
+        let mres = (self.register(chopconf::ADDRESS) >> chopconf::MRES) & 0xF;
+        256 >> mres.min(8)
+    }
+
+    /// Root mean square of the current at full run current, in mA, with sense resistors of 110 mOhm and the
+    /// internal reference (section 9).
+    #[must_use]
+    pub fn run_current_ma(&self) -> f64 {
+        let full_scale = if self.register(chopconf::ADDRESS) & chopconf::VSENSE == 0 { 0.325 } else { 0.180 };
+        let scale = (self.register(IHOLD_IRUN) >> 8) & 0x1F;
+        f64::from(scale + 1) / 32.0 * full_scale / (0.110 + 0.020) / 2f64.sqrt() * 1000.0
+    }
+
+    /// The reply of that number, counted from [`replies`](Self::replies) on, is damaged.
+    pub fn corrupt_reply(&mut self, number: u32, corruption: Corruption) {
+        self.corrupt.push((self.replies + number, corruption));
+    }
+
+    /// From now on this register reads as `value`, whatever is in it.
+    pub fn answer_wrongly(&mut self, address: u8, value: u32) {
+        self.stubborn.push((address, value));
+    }
+
+    /// It answers truly again.
+    pub fn answer_truly(&mut self) {
+        self.stubborn.clear();
+    }
+
+    /// Whether it has truly answered since its registers were last lost, so that somebody could know of it.
+    #[must_use]
+    pub const fn has_spoken(&self) -> bool {
+        self.has_spoken
+    }
+
+    /// Replies that it has begun.
+    #[must_use]
+    pub const fn replies(&self) -> u32 {
+        self.replies
+    }
+}
+
+/// CRC-8 with polynomial x^8 + x^2 + x + 1, each byte from its least significant bit on (section 4.2).
+#[must_use]
+pub fn crc(bytes: &[u8]) -> u8 {
+    let mut crc = 0u8;
+    for byte in bytes {
+        let mut byte = *byte;
+        for _ in 0..8 {
+            let differs = (crc >> 7) ^ (byte & 1) != 0;
+            crc <<= 1;
+            if differs {
+                crc ^= 0x07;
+            }
+            byte >>= 1;
+        }
+    }
+    crc
+}

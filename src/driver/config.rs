@@ -1,0 +1,229 @@
+//! Configuration: what a driver's registers must hold, given the settings.
+
+use super::registers::{Register, chopconf, gconf, gstat};
+use crate::motors::{Motor, MotorSet};
+use crate::settings::{DriverSettings, Settings};
+use crate::units::{StepsPerMm, mul_div};
+
+/// Frequency of the driver's own clock (datasheet rev 1.09, electrical characteristics: 12 MHz, give or take some
+/// percent, which a threshold of speed can bear).
+const CLOCK_HZ: u64 = 12_000_000;
+
+/// Steps of the driver's own scale in a full step: TSTEP and its thresholds count those (section 5.2).
+const FINEST: u64 = 256;
+
+/// Greatest value of a threshold that TSTEP is compared with: 20 bits (section 5.2).
+const SLOWEST: u32 = 0xF_FFFF;
+
+/// Sense resistor of every common TMC2209 module, and what the chip adds to it (section 9: R_SENSE + 20 mOhm).
+const SENSE_MILLIOHM: u64 = 110 + 20;
+
+/// Full-scale voltage in mV with high and with low sensitivity (section 9: V_FS).
+const FULL_SCALE_MV: [u64; 2] = [180, 325];
+
+/// Off time, blank time, hysteresis start; hysteresis end is 0. The defaults of Klipper's tmc2209.
+const CHOPPER: u32 = 3 | 5 << chopconf::HSTRT | 2 << chopconf::TBL;
+
+/// PWM_LIM 12, PWM_REG 8, autograd, autoscale, PWM_FREQ 1, PWM_GRAD 14, PWM_OFS 36: the defaults of Klipper's
+/// tmc2209. They differ from those of the chip, so that reading them back says something.
+const PWMCONF: u32 = 0xC80D_0E24;
+
+/// Steps of 2^18 clocks, 22 ms, in which the current falls at rest (section 5.2; Klipper's default).
+const IHOLDDELAY: u32 = 8;
+
+/// Time at rest until it falls: 20 * 2^18 clocks, 0.44 s (section 5.2: power-up value).
+const TPOWERDOWN: u32 = 20;
+
+/// What a driver's registers hold.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Config {
+    gconf: u32,
+    currents: u32,
+    tpwmthrs: u32,
+    sgthrs: u32,
+    chopconf: u32,
+}
+
+/// Registers to be written. Those that could spoil a step come with what another firmware may have left:
+/// coolStep and the pulse generator.
+pub(super) const WRITTEN: [Register; 10] = [
+    Register::Gconf,
+    Register::IholdIrun,
+    Register::Tpowerdown,
+    Register::Tpwmthrs,
+    Register::Tcoolthrs,
+    Register::Vactual,
+    Register::Sgthrs,
+    Register::Coolconf,
+    Register::Chopconf,
+    Register::Pwmconf,
+];
+
+impl Config {
+    /// What the driver of `motor` must hold.
+    #[must_use]
+    pub fn new(motor: Motor, settings: &Settings) -> Self {
+        let (drivers, axes) = (&settings.drivers, &settings.axes);
+        let set = MotorSet::of(motor);
+        if set.without(MotorSet::BELT).is_empty() {
+            Self::of(&drivers.belt, axes.x.steps_per_mm)
+        } else if set.without(MotorSet::Z).is_empty() {
+            Self::of(&drivers.z, axes.z.steps_per_mm)
+        } else {
+            Self::of(&drivers.e, axes.e.steps_per_mm)
+        }
+    }
+
+    fn of(d: &DriverSettings, steps_per_mm: StepsPerMm) -> Self {
+        let (vsense, run) = current_scale(d.current_ma);
+        let hold = ((run + 1) * u32::from(d.hold_percent) / 100).saturating_sub(1);
+        let mode = if d.stealth { 0 } else { gconf::EN_SPREADCYCLE };
+        let mres = 8 - d.microsteps.ilog2().min(8);
+        Self {
+            gconf: gconf::PDN_DISABLE | gconf::MSTEP_REG_SELECT | gconf::MULTISTEP_FILT | mode,
+            currents: IHOLDDELAY << 16 | run << 8 | hold,
+            tpwmthrs: hybrid_threshold(d, steps_per_mm),
+            sgthrs: u32::from(d.stall_threshold),
+            chopconf: CHOPPER | vsense | mres << chopconf::MRES | chopconf::INTPOL,
+        }
+    }
+
+    /// What `register` must hold; registers that are not written hold what they like.
+    #[must_use]
+    pub const fn value(&self, register: Register) -> u32 {
+        match register {
+            Register::Gconf => self.gconf,
+            Register::IholdIrun => self.currents,
+            Register::Tpowerdown => TPOWERDOWN,
+            Register::Tpwmthrs => self.tpwmthrs,
+            // DIAG tells of stalls down to the slowest speed, or never.
+            Register::Tcoolthrs => {
+                if self.sgthrs == 0 {
+                    0
+                } else {
+                    SLOWEST
+                }
+            }
+            Register::Sgthrs => self.sgthrs,
+            Register::Chopconf => self.chopconf,
+            Register::Pwmconf => PWMCONF,
+            // A 1 clears a flag.
+            Register::Gstat => gstat::ALL,
+            _ => 0,
+        }
+    }
+
+    /// Microsteps of a full step.
+    #[must_use]
+    pub const fn microsteps(&self) -> u32 {
+        microsteps(self.chopconf)
+    }
+
+    /// The run current that comes of it, in mA.
+    #[must_use]
+    pub fn run_current_ma(&self) -> u32 {
+        rms_ma((self.currents >> 8) & 0x1F, self.chopconf & chopconf::VSENSE != 0)
+    }
+}
+
+/// Microsteps that a value of CHOPCONF makes, if GCONF lets it.
+pub(super) const fn microsteps(chopconf: u32) -> u32 {
+    256 >> ((chopconf >> chopconf::MRES) & 0xF)
+}
+
+/// VSENSE and the current scale (0 to 31) that come nearest to a root mean square.
+///
+/// Section 9: I_RMS = (CS + 1) / 32 * V_FS / (R_SENSE + 20 mOhm) / sqrt 2. High sensitivity is taken as far as it
+/// reaches, for a scale above 16 makes finer microsteps.
+fn current_scale(ma: u16) -> (u32, u32) {
+    let wanted = u64::from(ma);
+    for (full_scale, vsense) in FULL_SCALE_MV.into_iter().zip([chopconf::VSENSE, 0]) {
+        // CS + 1 = 32 * I * R * sqrt 2 / V; mA times mOhm is uV. 1.41421 is sqrt 2.
+        let divisor = full_scale * 1000 * 100_000;
+        let scale = (wanted * 32 * SENSE_MILLIOHM * 141_421 + divisor / 2) / divisor;
+        if scale <= 32 || vsense == 0 {
+            return (vsense, scale.clamp(1, 32) as u32 - 1);
+        }
+    }
+    (0, 0)
+}
+
+/// The root mean square of a current scale, in mA.
+fn rms_ma(scale: u32, is_sensitive: bool) -> u32 {
+    let [sensitive, coarse] = FULL_SCALE_MV;
+    let full_scale = if is_sensitive { sensitive } else { coarse };
+    mul_div(u64::from(scale + 1) * full_scale * 1000, 100_000, 32 * SENSE_MILLIOHM * 141_421) as u32
+}
+
+/// TPWMTHRS: clocks between two finest steps at the threshold; 0 leaves stealthChop on at any speed.
+fn hybrid_threshold(d: &DriverSettings, steps_per_mm: StepsPerMm) -> u32 {
+    // Both factors carry 16 bits behind the point.
+    let steps_a_second = u64::from(d.hybrid_threshold.to_bits()) * u64::from(steps_per_mm.to_bits());
+    let finest_a_second = mul_div(steps_a_second, FINEST, u64::from(d.microsteps)) >> 32;
+    if steps_a_second == 0 {
+        return 0;
+    }
+    mul_div(CLOCK_HZ, 1, finest_a_second).clamp(1, u64::from(SLOWEST)) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::ranges;
+    use crate::units::MmPerSec;
+
+    fn config(change: impl FnOnce(&mut DriverSettings)) -> Config {
+        let mut s = Settings::prototype();
+        change(&mut s.drivers.belt);
+        Config::new(Motor::M8, &s)
+    }
+
+    #[test]
+    fn every_current_is_met_as_well_as_the_chip_can() {
+        for ma in ranges::CURRENT_MA.least..=ranges::CURRENT_MA.most {
+            let config = config(|d| d.current_ma = ma);
+            // Half a step of the scale: 1768 or 979 mA over 64.
+            let half = if ma < 980 { 15.4 } else { 27.7 };
+            let scale = (config.value(Register::IholdIrun) >> 8) & 0x1F;
+            let volts = if config.chopconf & chopconf::VSENSE == 0 { 0.325 } else { 0.180 };
+            let exact = f64::from(scale + 1) / 32.0 * volts / 0.130 / 2f64.sqrt() * 1000.0;
+            assert!((exact - f64::from(ma)).abs() < half, "{ma} mA became {exact}");
+            assert!((exact - f64::from(config.run_current_ma())).abs() < 1.0);
+        }
+    }
+
+    #[test]
+    fn the_fields_are_where_the_datasheet_has_them() {
+        let c = config(|_| ());
+        assert_eq!(c.value(Register::Gconf), 0b1_1100_0100);
+        // INTPOL, MRES 4, VSENSE, TBL 2, HEND 0, HSTRT 5, TOFF 3.
+        assert_eq!(c.value(Register::Chopconf), 0x1403_0053);
+        // 800 mA: 32 * 0.8 * 0.13 * 1.414 / 0.18 = 26.1, less one; half of it at rest.
+        assert_eq!(c.value(Register::IholdIrun), 8 << 16 | 25 << 8 | 12);
+        assert_eq!(config(|d| d.stealth = true).value(Register::Gconf), 0b1_1100_0000);
+        for (microsteps, mres) in [(1, 8), (2, 7), (16, 4), (128, 1), (256, 0)] {
+            let chopconf = config(|d| d.microsteps = microsteps).chopconf;
+            assert_eq!((chopconf >> 24) & 0xF, mres);
+            assert_eq!(super::microsteps(chopconf), u32::from(microsteps));
+        }
+        assert_eq!(config(|d| d.hold_percent = 0).value(Register::IholdIrun) & 0x1F, 0);
+        assert_eq!(config(|d| d.stall_threshold = 9).value(Register::Tcoolthrs), SLOWEST);
+    }
+
+    #[test]
+    fn the_threshold_is_a_time_between_two_of_256_steps() {
+        // 100 mm/s are 8,000 steps, 128,000 of the finest: 93.75 clocks.
+        let at = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).value(Register::Tpwmthrs);
+        assert_eq!((at(0), at(100), at(3000)), (0, 93, 3));
+        let slow = config(|d| d.hybrid_threshold = MmPerSec::lit("0.005"));
+        assert_eq!(slow.value(Register::Tpwmthrs), SLOWEST);
+    }
+
+    #[test]
+    fn each_motor_has_the_settings_of_its_group() {
+        let s = Settings::prototype();
+        assert_eq!(Config::new(Motor::M1, &s), Config::new(Motor::M11, &s));
+        assert_ne!(Config::new(Motor::Z1, &s), Config::new(Motor::M1, &s));
+        assert_eq!(Config::new(Motor::Z1, &s), Config::new(Motor::Z2, &s));
+    }
+}

@@ -1,0 +1,92 @@
+//! Datagrams: what goes over the one-wire UART of a TMC2209, and what comes back.
+//!
+//! Sync, address, register and, in a write or a reply, the value with its highest byte first; a checksum ends
+//! each (datasheet rev 1.09, sections 4.1 and 4.2).
+
+use super::registers::Register;
+use crate::port::Frame;
+
+/// Begins every datagram (section 4.1.1).
+const SYNC: u8 = 0x05;
+
+/// Address of every driver, because each has a wire of its own: MS1 and MS2 low (section 4.1.1).
+const DRIVER: u8 = 0;
+
+/// Address in every reply: the master's (section 4.1.2).
+const MASTER: u8 = 0xFF;
+
+/// The register's bit that makes a write of it (section 4.1.1).
+const WRITE: u8 = 0x80;
+
+/// Bytes of a reply (section 4.1.2).
+pub(super) const REPLY: usize = 8;
+
+/// Asks for the value of a register.
+pub(super) fn read(register: Register) -> Frame {
+    finish(&[SYNC, DRIVER, register.address()])
+}
+
+/// Puts a value into a register.
+pub(super) fn write(register: Register, value: u32) -> Frame {
+    let [a, b, c, d] = value.to_be_bytes();
+    finish(&[SYNC, DRIVER, register.address() | WRITE, a, b, c, d])
+}
+
+/// The value that a reply gives for `register`; `None` if it is none, or is damaged.
+pub(super) fn value(reply: &[u8], register: Register) -> Option<u32> {
+    let [body @ .., sum] = reply else { return None };
+    match *body {
+        [SYNC, MASTER, address, a, b, c, d] if address == register.address() && checksum(body) == *sum => {
+            Some(u32::from_be_bytes([a, b, c, d]))
+        }
+        _ => None,
+    }
+}
+
+fn finish(body: &[u8]) -> Frame {
+    let mut frame = Frame::new();
+    // Eight bytes fit, and no body is longer than seven.
+    let _ = frame.extend_from_slice(body);
+    let _ = frame.push(checksum(body));
+    frame
+}
+
+/// CRC-8 with the polynomial x^8 + x^2 + x + 1, fed with the lowest bit of each byte first.
+fn checksum(bytes: &[u8]) -> u8 {
+    let mut sum = 0u8;
+    for byte in bytes {
+        for bit in 0..8 {
+            let carry = sum >> 7 != (byte >> bit) & 1;
+            sum = (sum << 1) ^ if carry { 0x07 } else { 0 };
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn requests_are_those_seen_on_real_wires() {
+        assert_eq!(read(Register::Gconf), [0x05, 0x00, 0x00, 0x48]);
+        assert_eq!(read(Register::Ifcnt), [0x05, 0x00, 0x02, 0x8F]);
+        assert_eq!(write(Register::Gstat, 7)[..7], [0x05, 0x00, 0x81, 0, 0, 0, 7]);
+    }
+
+    #[test]
+    fn a_reply_counts_only_if_it_is_whole_and_meant() {
+        let reply = finish(&[SYNC, MASTER, 0x6C, 0x10, 0x00, 0x00, 0x53]);
+        assert_eq!(value(&reply, Register::Chopconf), Some(0x1000_0053));
+        assert_eq!(value(&reply, Register::Gconf), None);
+        assert_eq!(value(&reply[..7], Register::Chopconf), None);
+        assert_eq!(value(&[], Register::Chopconf), None);
+        for place in 0..REPLY {
+            for bit in 0..8 {
+                let mut damaged = reply.clone();
+                damaged[place] ^= 1 << bit;
+                assert_eq!(value(&damaged, Register::Chopconf), None);
+            }
+        }
+    }
+}

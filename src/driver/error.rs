@@ -1,0 +1,155 @@
+//! What can be wrong with a driver, and what the user can do about it.
+
+use super::registers::{Register, drv_status, gstat};
+use crate::motors::Motor;
+use core::fmt;
+
+/// What is wrong with a driver.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum DriverError {
+    /// It does not answer.
+    Silent,
+    /// It answers, but what arrives is damaged each time.
+    Garbled,
+    /// It did not take every write.
+    NotTaken,
+    /// It took the writes, but a register holds something else.
+    Differs(Register),
+    /// It makes another number of microsteps than the settings say.
+    Microsteps,
+    /// It was reset, and runs by its pins.
+    LostConfiguration,
+    /// It is no TMC2209.
+    WrongChip(u8),
+    /// A coil is shorted to ground or to the supply.
+    ShortCircuit,
+    /// It has switched itself off because it is too hot.
+    OverTemperature,
+    /// It has switched itself off, and no longer says why.
+    ShutDown,
+    /// Its charge pump fails, so the motor has no current.
+    LowSupply,
+}
+
+impl DriverError {
+    /// What GSTAT says is wrong.
+    pub(super) const fn from_flags(flags: u32) -> Option<Self> {
+        if flags & gstat::RESET != 0 {
+            Some(Self::LostConfiguration)
+        } else if flags & gstat::DRV_ERR != 0 {
+            Some(Self::ShutDown)
+        } else if flags & gstat::UV_CP != 0 {
+            Some(Self::LowSupply)
+        } else {
+            None
+        }
+    }
+
+    /// What DRV_STATUS says is wrong.
+    pub(super) const fn from_status(status: u32) -> Option<Self> {
+        if status & drv_status::SHORTS != 0 {
+            Some(Self::ShortCircuit)
+        } else if status & drv_status::OT != 0 {
+            Some(Self::OverTemperature)
+        } else {
+            None
+        }
+    }
+}
+
+impl fmt::Display for DriverError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Silent => f.write_str("does not answer: is the motor supply on, its jumper set to UART?"),
+            Self::Garbled => f.write_str("answers, but unreadably: look at its UART wire"),
+            Self::NotTaken => f.write_str("does not take its configuration: look at its UART wire"),
+            Self::Differs(register) => write!(f, "holds another {} than it was told", register.name()),
+            Self::Microsteps => f.write_str("makes other microsteps than it was told"),
+            Self::LostConfiguration => f.write_str("was reset and lost its configuration: look at the motor supply"),
+            Self::WrongChip(version) => write!(f, "is no TMC2209: its version is {version:#04x}"),
+            Self::ShortCircuit => f.write_str("reports a short circuit: look at the motor and its cable"),
+            Self::OverTemperature => f.write_str("was too hot and switched itself off: cool it, or lower M906"),
+            Self::ShutDown => f.write_str("had switched itself off: heat or a short circuit"),
+            Self::LowSupply => f.write_str("has too low a supply: look at the motor supply"),
+        }
+    }
+}
+
+impl core::error::Error for DriverError {}
+
+/// The name of a motor as a user knows it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Name(pub Motor);
+
+impl fmt::Display for Name {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.0 {
+            Motor::M1 => "1",
+            Motor::M4 => "4",
+            Motor::M8 => "8",
+            Motor::M11 => "11",
+            Motor::Z1 => "Z1",
+            Motor::Z2 => "Z2",
+            Motor::E0 => "E",
+        })
+    }
+}
+
+/// Which driver has what.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Fault {
+    /// The driver's motor.
+    pub motor: Motor,
+    /// What is wrong with it.
+    pub error: DriverError,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "driver of motor {} {}", Name(self.motor), self.error)
+    }
+}
+
+impl core::error::Error for Fault {}
+
+/// What the Console must know at once.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum News {
+    /// A driver failed; all motors have lost their power.
+    Stopped(Fault),
+    /// A driver is hot, and still at work. Told once.
+    Hot(Motor),
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn a_fault_names_the_motor_and_what_to_do() {
+        let fault = Fault { motor: Motor::M8, error: DriverError::Silent };
+        assert_eq!(
+            fault.to_string(),
+            "driver of motor 8 does not answer: is the motor supply on, its jumper set to UART?"
+        );
+    }
+
+    #[test]
+    fn the_cause_that_explains_the_others_is_told() {
+        assert_eq!(DriverError::from_flags(7), Some(DriverError::LostConfiguration));
+        assert_eq!(DriverError::from_flags(6), Some(DriverError::ShutDown));
+        assert_eq!(DriverError::from_flags(4), Some(DriverError::LowSupply));
+        assert_eq!(DriverError::from_flags(0), None);
+        for bit in 0..32 {
+            let expected = match bit {
+                1 => Some(DriverError::OverTemperature),
+                2..=5 => Some(DriverError::ShortCircuit),
+                _ => None,
+            };
+            assert_eq!(DriverError::from_status(1 << bit), expected, "bit {bit}");
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! The drivers: TMC2209s are configured, proved to be so, and watched while they have power.
+//!
+//! The promise: **a motor whose driver can be talked to has power only after that driver has proved to hold the
+//! configuration that the firmware counts on, and loses it as soon as the driver is found without.** A driver that
+//! was reset runs by its pins, makes other steps than the firmware counts, and would pull against the other three
+//! on the belt.
+//!
+//! [`Drivers`] is stepped by the Console's crank and never waits: at most one exchange goes on, in the background.
+//! Everything that switches power goes through it.
+
+mod config;
+mod datagram;
+mod drivers;
+mod error;
+mod reading;
+mod registers;
+mod run;
+
+pub use config::Config;
+pub use drivers::Drivers;
+pub use error::{DriverError, Fault, Name, News};
+pub use reading::Reading;
+pub use registers::Register;
+pub use run::Job;

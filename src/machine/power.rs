@@ -1,0 +1,85 @@
+//! Power for the motors: only with proof from their drivers, and not a step longer.
+
+use super::console::{Console, Interrupt, PortSet};
+use super::limits::Homed;
+use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
+use crate::port::{Clock, Motor, MotorSet, Pend};
+
+/// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so
+/// bad that the first proofs are too old when the last ones come is not one to print with.
+const MOST_PROOFS: usize = 6 * Motor::ALL.len();
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// Whether these motors have power, and their steps are of the size that is counted on.
+    pub(super) fn has_power(&self, motors: MotorSet) -> bool {
+        motors.without(self.drivers.powered()).is_empty() && self.drivers.is_drivable()
+    }
+
+    /// Gives power to motors: to all of them, or, if one driver is not as it should be, to none.
+    ///
+    /// Talking to drivers takes up to a second and happens before anything is planned, so it changes no step.
+    pub(super) async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
+        let on = self.drivers.powered().with(motors);
+        let mut proofs = 0;
+        while on != self.drivers.powered() {
+            let now = self.ports.clock.now();
+            let Err(motor) = self.drivers.power(on, &mut self.ports.drivers, now) else {
+                self.last_motion = now;
+                break;
+            };
+            proofs += 1;
+            let proof = self.ask_driver(Job::Verify, motor).await?;
+            let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
+            if let Err(error) = proof {
+                let fault = Fault { motor, error };
+                self.say(format_args!("Error:{fault}; no motor was given power")).await?;
+                return Err(Interrupt::NoPower);
+            }
+        }
+        // Other microsteps may be on their way to motors that have power.
+        self.until(|c| c.drivers.is_drivable()).await
+    }
+
+    /// Takes power from motors; what they held is no longer where it was.
+    pub(super) fn unpower(&mut self, motors: MotorSet) {
+        let on = self.drivers.powered().without(motors);
+        // Nobody gets power that had none, so nobody has anything to prove.
+        let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
+        let Homed([x, y, z]) = self.homed;
+        let lost = |set: MotorSet| !motors.without(MotorSet::ALL.without(set)).is_empty();
+        let (belt, screws) = (lost(MotorSet::BELT), lost(MotorSet::Z));
+        self.homed = Homed([x && !belt, y && !belt, z && !screws]);
+    }
+
+    /// Has a job done with one driver.
+    pub(super) async fn ask_driver(
+        &mut self,
+        job: Job,
+        motor: Motor,
+    ) -> Result<Result<Reading, DriverError>, Interrupt> {
+        self.drivers.ask(job, motor);
+        loop {
+            if let Some(result) = self.drivers.answer() {
+                return Ok(result);
+            }
+            self.turn().await?;
+        }
+    }
+
+    /// Goes on with the drivers. A fault ends the motion here and now.
+    pub(super) fn tend_drivers(&mut self) -> Result<(), Interrupt> {
+        let now = self.ports.clock.now();
+        match self.drivers.step(&mut self.ports.drivers, now) {
+            Some(News::Stopped(_)) => self.link.abort(),
+            Some(News::Hot(motor)) => {
+                let name = Name(motor);
+                self.hosts.tell_all(format_args!(
+                    "echo:driver of motor {name} is hot and will switch itself off if it gets hotter"
+                ));
+            }
+            None => {}
+        }
+        // Asked at every turn: who is in the middle of a transfer may overhear it once.
+        if self.drivers.fault().is_some() { Err(Interrupt::Halt) } else { Ok(()) }
+    }
+}

@@ -1,0 +1,51 @@
+//! Drivers: what each group of motors asks of its TMC2209s.
+
+use crate::units::MmPerSec;
+use serde::{Deserialize, Serialize};
+
+/// What the drivers of one group of motors are told.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct DriverSettings {
+    /// Root mean square of the current of a running motor, in mA (M906).
+    pub current_ma: u16,
+    /// Current of a motor at rest, in percent of that.
+    pub hold_percent: u8,
+    /// Microsteps of a full step. An axis' steps a millimetre are those of its motor's full steps times this.
+    pub microsteps: u16,
+    /// stealthChop instead of spreadCycle (M569).
+    pub stealth: bool,
+    /// Speed above which stealthChop gives way to spreadCycle, 0 for never (M913).
+    pub hybrid_threshold: MmPerSec,
+    /// StallGuard threshold SGTHRS: the higher, the sooner a load counts as a stall; 0 for never (M914).
+    pub stall_threshold: u8,
+}
+
+/// Settings of the drivers by group of motors. The four belt motors have one set: they pull one belt.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct DriverGroups {
+    /// Motors 1, 4, 8 and 11.
+    pub belt: DriverSettings,
+    /// Both ball screws.
+    pub z: DriverSettings,
+    /// The extruder.
+    pub e: DriverSettings,
+}
+
+impl DriverGroups {
+    /// 800 mA, and half of it at rest, are Marlin's defaults (Configuration_adv.h: X_CURRENT,
+    /// HOLD_MULTIPLIER), which suit any NEMA 17 motor of 1.2 A or more. The ball screws hold with all of it:
+    /// they are not self-locking. spreadCycle, because Klipper's TMC_Drivers.md advises it where position
+    /// counts, and because stealthChop wants to learn at standstill first. 16 microsteps are 80 steps/mm on a
+    /// pulley of 40 mm, 800 on a lead of 4 mm.
+    pub(super) const fn prototype() -> Self {
+        let belt = DriverSettings {
+            current_ma: 800,
+            hold_percent: 50,
+            microsteps: 16,
+            stealth: false,
+            hybrid_threshold: MmPerSec::ZERO,
+            stall_threshold: 0,
+        };
+        Self { belt, z: DriverSettings { hold_percent: 100, ..belt }, e: belt }
+    }
+}

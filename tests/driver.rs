@@ -1,0 +1,248 @@
+//! The drivers' room against a bus that answers as a test wants.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use corehbot::driver::{Config, DriverError, Drivers, Fault, Job, News, Register};
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::port::{BusError, DriverBus, Frame};
+use corehbot::settings::Settings;
+use corehbot::units::Instant;
+
+/// Drivers that take what they are told, unless told otherwise; all share their registers.
+struct Bus {
+    registers: [u32; 128],
+    powered: MotorSet,
+    /// Requests, as motor and bytes.
+    requests: Vec<(Motor, Vec<u8>)>,
+    /// What comes of the requests of these numbers, instead of what should.
+    mishaps: Vec<(usize, Result<Frame, BusError>)>,
+    /// A register whose writes never arrive.
+    lost: Option<usize>,
+    outcome: Option<Result<Frame, BusError>>,
+}
+
+const GSTAT: usize = Register::Gstat as usize;
+const IFCNT: usize = Register::Ifcnt as usize;
+const CHOPCONF: usize = Register::Chopconf as usize;
+
+impl Bus {
+    fn new() -> Self {
+        let mut registers = [0; 128];
+        registers[Register::Ioin as usize] = 0x2100_0000;
+        registers[GSTAT] = 1;
+        let (powered, requests, mishaps) = (MotorSet::NONE, Vec::new(), Vec::new());
+        Self { registers, powered, requests, mishaps, lost: None, outcome: None }
+    }
+
+    /// Bit by bit, as section 4.2 of the datasheet has it.
+    fn checksum(bytes: &[u8]) -> u8 {
+        bytes
+            .iter()
+            .flat_map(|byte| (0..8).map(move |bit| byte >> bit & 1))
+            .fold(0, |crc: u8, bit| if crc >> 7 ^ bit == 1 { crc << 1 ^ 7 } else { crc << 1 })
+    }
+
+    fn obey(&mut self, request: &[u8]) -> Result<Frame, BusError> {
+        let (sum, body) = request.split_last().unwrap();
+        assert_eq!((Self::checksum(body), body[0], body[1]), (*sum, 5, 0));
+        let register = usize::from(body[2] & 0x7F);
+        if body[2] & 0x80 == 0 {
+            let mut reply = vec![5, 0xFF, body[2]];
+            reply.extend(self.registers[register].to_be_bytes());
+            reply.push(Self::checksum(&reply));
+            return Ok(Frame::from_slice(&reply).unwrap());
+        }
+        if self.lost == Some(register) {
+            return Ok(Frame::new());
+        }
+        let value = u32::from_be_bytes(body[3..7].try_into().unwrap());
+        self.registers[IFCNT] = (self.registers[IFCNT] + 1) % 256;
+        if register == GSTAT {
+            self.registers[GSTAT] &= !value;
+        } else {
+            self.registers[register] = value;
+        }
+        Ok(Frame::new())
+    }
+}
+
+impl DriverBus for Bus {
+    fn enable(&mut self, on: MotorSet) {
+        self.powered = on;
+    }
+
+    fn lines(&self) -> MotorSet {
+        MotorSet::ALL
+    }
+
+    fn begin(&mut self, motor: Motor, request: &Frame, reply: usize) {
+        assert_eq!(reply, if request.len() == 8 { 0 } else { 8 });
+        let number = self.requests.len();
+        self.requests.push((motor, request.to_vec()));
+        let mishap = self.mishaps.iter().find(|(at, _)| *at == number).map(|(_, outcome)| outcome.clone());
+        self.outcome = Some(mishap.unwrap_or_else(|| self.obey(request)));
+    }
+
+    fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
+        self.outcome.take()
+    }
+}
+
+struct Bench {
+    bus: Bus,
+    drivers: Drivers,
+    ms: u32,
+    news: Vec<News>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let bus = Bus::new();
+        let drivers = Drivers::new(bus.lines(), &Settings::prototype());
+        Self { bus, drivers, ms: 0, news: Vec::new() }
+    }
+
+    fn now(&self) -> Instant {
+        Instant::default().after_ms(self.ms)
+    }
+
+    fn run(&mut self, ms: u32) {
+        for _ in 0..ms {
+            self.ms += 1;
+            let now = self.now();
+            self.news.extend(self.drivers.step(&mut self.bus, now));
+        }
+    }
+
+    fn verify(&mut self, motor: Motor) -> Result<(), DriverError> {
+        self.drivers.ask(Job::Verify, motor);
+        self.run(200);
+        self.drivers.answer().unwrap().map(|_| ())
+    }
+
+    fn power(&mut self, on: MotorSet) -> Result<(), Motor> {
+        let now = self.now();
+        self.drivers.power(on, &mut self.bus, now)
+    }
+}
+
+const Z1: MotorSet = MotorSet::of(Motor::Z1);
+
+#[test]
+fn the_flags_are_cleared_before_anything_is_counted_and_read_after_everything() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    let registers: Vec<u8> = bench.bus.requests.iter().map(|(_, bytes)| bytes[2]).collect();
+    let writes = [0x80, 0x90, 0x91, 0x93, 0x94, 0xA2, 0xC0, 0xC2, 0xEC, 0xF0];
+    let (begin, end) = ([0x83, 0x06, 0x81, 0x02], [0x02, 0x00, 0x6C, 0x70, 0x01]);
+    assert_eq!(registers, [&begin[..], &writes, &end].concat());
+    let config = Config::new(Motor::Z1, &Settings::prototype());
+    assert_eq!(bench.drivers.known(Motor::Z1), (Some(config), 0));
+    assert_eq!(bench.bus.registers[CHOPCONF], config.value(Register::Chopconf));
+}
+
+#[test]
+fn power_needs_a_proof_of_every_driver_and_the_proof_must_be_new() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.power(Z1), Err(Motor::Z1));
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.power(MotorSet::Z), Err(Motor::Z2));
+    assert_eq!(bench.bus.powered, MotorSet::NONE);
+    bench.run(300);
+    assert_eq!(bench.power(Z1), Err(Motor::Z1), "too old");
+    let before = bench.bus.requests.len();
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.bus.requests.len() - before, 3, "a quick proof");
+    assert_eq!(bench.power(Z1), Ok(()));
+    assert_eq!(bench.bus.powered, Z1);
+    // A proof is good for one time.
+    assert_eq!(bench.power(MotorSet::NONE), Ok(()));
+    assert_eq!(bench.power(Z1), Err(Motor::Z1));
+}
+
+#[test]
+fn a_count_that_wraps_is_right_and_one_that_does_not_fit_is_not() {
+    let mut bench = Bench::new();
+    bench.bus.registers[IFCNT] = 250;
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    let mut bench = Bench::new();
+    bench.bus.lost = Some(Register::IholdIrun as usize);
+    assert_eq!(bench.verify(Motor::Z1), Err(DriverError::NotTaken));
+    let counts = bench.bus.requests.iter().filter(|(_, bytes)| bytes[2] == IFCNT as u8).count();
+    assert_eq!(counts, 4 * 3, "four rounds, and the wrong count was read twice in each");
+}
+
+#[test]
+fn silence_is_believed_after_four_tries() {
+    for (silent, expected) in [(3, Ok(())), (4, Err(DriverError::Silent))] {
+        let mut bench = Bench::new();
+        bench.bus.mishaps = (1..=silent).map(|n| (n, Err(BusError::Silent))).collect();
+        assert_eq!(bench.verify(Motor::M1), expected);
+        assert_eq!(bench.drivers.known(Motor::M1).1, silent as u16);
+    }
+}
+
+#[test]
+fn drivers_with_power_are_polled_in_turn_ten_times_a_second() {
+    let mut bench = Bench::new();
+    for motor in [Motor::Z1, Motor::Z2] {
+        assert_eq!(bench.verify(motor), Ok(()));
+        let on = bench.drivers.powered().with(MotorSet::of(motor));
+        assert_eq!(bench.power(on), Ok(()));
+    }
+    bench.bus.requests.clear();
+    bench.run(1000);
+    let polled: Vec<Motor> =
+        bench.bus.requests.iter().filter(|(_, bytes)| bytes[2] == 1).map(|(motor, _)| *motor).collect();
+    assert!((10..=11).contains(&polled.len()), "{polled:?}");
+    assert!(polled.windows(2).all(|pair| pair[0] != pair[1]), "{polled:?}");
+    assert_eq!(bench.bus.requests.len(), 3 * polled.len());
+    assert_eq!(bench.news, []);
+}
+
+#[test]
+fn a_fault_takes_the_power_from_all_and_stays() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.power(Z1), Ok(()));
+    bench.bus.registers[GSTAT] = 1;
+    bench.run(110);
+    let fault = Fault { motor: Motor::Z1, error: DriverError::LostConfiguration };
+    assert_eq!((bench.bus.powered, bench.drivers.powered()), (MotorSet::NONE, MotorSet::NONE));
+    assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[News::Stopped(fault)][..], Some(fault)));
+    assert_eq!(bench.power(MotorSet::NONE), Ok(()));
+    let before = bench.bus.requests.len();
+    bench.run(500);
+    assert_eq!(bench.bus.requests.len(), before, "nobody talks any more");
+}
+
+#[test]
+fn other_settings_reach_a_motor_with_power_and_other_microsteps_forbid_driving_until_then() {
+    let mut bench = Bench::new();
+    let mut settings = Settings::prototype();
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.power(Z1), Ok(()));
+    settings.drivers.z.current_ma = 500;
+    bench.drivers.want(&settings);
+    assert!(!bench.drivers.is_settled() && bench.drivers.is_drivable());
+    bench.run(50);
+    assert!(bench.drivers.is_settled());
+    settings.drivers.z.microsteps = 32;
+    bench.drivers.want(&settings);
+    assert!(!bench.drivers.is_drivable());
+    bench.run(50);
+    assert!(bench.drivers.is_drivable() && bench.drivers.is_settled());
+    assert_eq!(bench.drivers.known(Motor::Z1).0.unwrap().microsteps(), 32);
+}
+
+#[test]
+fn an_answer_goes_to_the_last_who_asked() {
+    let mut bench = Bench::new();
+    bench.drivers.ask(Job::Verify, Motor::M1);
+    bench.run(5);
+    bench.drivers.ask(Job::Read, Motor::M4);
+    bench.run(100);
+    let reading = bench.drivers.answer().unwrap().unwrap();
+    assert_eq!(reading.microsteps(), Some(16));
+    assert!(bench.drivers.known(Motor::M1).0.is_some(), "the first job was done all the same");
+    assert_eq!(bench.drivers.answer(), None);
+}
