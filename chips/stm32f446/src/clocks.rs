@@ -12,6 +12,9 @@ use crate::wiring::Crystal;
 /// Clock of the timers on APB1: twice the bus's 45 MHz (RM0390, 6.2, figure of the clock tree).
 pub const TIMER_HZ: u32 = 90_000_000;
 
+/// Clock of the timers on APB2: twice the bus's 90 MHz.
+pub const APB2_TIMER_HZ: u32 = 180_000_000;
+
 /// Clock of APB1, on which USART2 is.
 pub const APB1_HZ: u32 = 45_000_000;
 

@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | 0x00 | TIM2 | Stepper; nothing masks it |
 //! | 0x40 | USART2, DMA1 stream 5, TIM3 | bytes, embassy's time |
+//! | 0x40 | TIM8, while an exchange with a motor driver goes on | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog |
 //!
@@ -14,12 +15,17 @@
 
 pub mod wiring;
 
+#[cfg(any(test, target_os = "none"))]
+mod exchange;
+
 #[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
 mod contexts;
 #[cfg(target_os = "none")]
-mod enable_lines;
+mod driver_uart;
+#[cfg(target_os = "none")]
+mod drivers;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]

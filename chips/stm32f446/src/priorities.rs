@@ -5,17 +5,18 @@ use cortex_m::register::basepri;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
-use crate::{contexts, receiver, serial, step_timer};
+use crate::{contexts, driver_uart, receiver, serial, step_timer};
 
-/// What the serial line and embassy's time share: below the Stepper, above everything else.
+/// What the serial line, the drivers' UART and embassy's time share: below the Stepper, above everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// How urgent each is. Only 0 escapes the critical sections of `corehbot-cortex-m4`.
-const PRIORITIES: [(Interrupt, Priority); 5] = [
+const PRIORITIES: [(Interrupt, Priority); 6] = [
     (step_timer::IRQ, Priority::P0),
     (Interrupt::TIM3, LINK),
     (serial::IRQ, LINK),
     (receiver::IRQ, LINK),
+    (driver_uart::IRQ, LINK),
     (contexts::GENERATOR_IRQ, Priority::P8),
 ];
 

@@ -10,7 +10,7 @@ use embassy_time::{Duration, Instant, block_for};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::contexts::{self, BoardParts, IrqPend};
-use crate::enable_lines::EnableLines;
+use crate::drivers::Drivers;
 use crate::serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
@@ -57,7 +57,7 @@ pub fn run(board: &'static Board) -> ! {
     step_timer::start();
     let steps = STEP_WORDS.init_with(|| Words::new(board.step_pins()));
     let dirs = DIR_WORDS.init_with(|| Words::new(board.dir_pins()));
-    let parts = assemble(StepPins::new(board, steps, dirs), serial, EnableLines::new(board));
+    let parts = assemble(StepPins::new(board, steps, dirs), serial, Drivers::start(board));
     contexts::start(parts, Watchdog::new())
 }
 
@@ -90,7 +90,7 @@ fn refuse(board: &Board, mut serial: HostSerial) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(pins: StepPins, serial: HostSerial, drivers: EnableLines) -> &'static mut BoardParts {
+fn assemble(pins: StepPins, serial: HostSerial, drivers: Drivers) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
     let ports = Ports { serial, drivers, clock: BoardClock, storage: NoStorage };
     // In this form the parts are built in their place; they are too large to be carried about.
