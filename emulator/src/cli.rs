@@ -3,6 +3,7 @@
 //! 0: the image printed the file with the host's steps. 1: it did not. 2: nothing was run.
 
 use crate::compare::{self, Timing};
+use crate::driver_line::DriverLines;
 use crate::firmware::Firmware;
 use crate::run::{Request, Seen, run};
 use crate::steps::StepEvent;
@@ -75,11 +76,13 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
     println!("sha256    {}", firmware.sha256);
     let settings = Settings::prototype();
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection: None };
+    let drivers = DriverLines::new(&OCTOPUS);
+    let (wiring, settings) = (&OCTOPUS, &settings);
+    let request = Request { firmware, wiring, settings, gcode, patience, injection: None, drivers: &drivers };
     let seen = run(&request)?;
-    write_files(cli, &settings, &seen.recorder.events)?;
+    write_files(cli, settings, &seen.recorder.events)?;
     print_run(cli, &seen);
-    let host = compare::scheduled(gcode, &settings)?;
+    let host = compare::scheduled(gcode, settings)?;
     let pins = &seen.recorder.events;
     let mut ok = seen.end == End::Done && seen.line.failure.is_none() && seen.resets.is_empty();
     ok &= seen.safety.dangers.is_empty() && seen.gaps.found.is_empty();

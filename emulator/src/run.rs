@@ -1,6 +1,7 @@
 //! One run: an image, a file to print, and everything that was seen.
 
 use crate::board::Emulated;
+use crate::driver_line::DriverLines;
 use crate::firmware::Firmware;
 use crate::gaps::Gaps;
 use crate::line::HostLine;
@@ -35,6 +36,8 @@ pub struct Request<'a> {
     pub patience: Patience,
     /// A fault to inject.
     pub injection: Option<Injection>,
+    /// The motor drivers.
+    pub drivers: &'a DriverLines,
 }
 
 /// Everything that was seen.
@@ -46,6 +49,8 @@ pub struct Seen {
     pub recorder: Recorder,
     /// Enable lines and heaters.
     pub safety: Safety,
+    /// The motor drivers.
+    pub drivers: DriverLines,
     /// What the model could not stand in for.
     pub gaps: Gaps,
     /// Resets of the chip.
@@ -91,7 +96,8 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
     let board = Emulated::new(request.wiring, HostLine::new(request.gcode))?;
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
-    let watch = Watch::new(request.wiring, request.settings, request.patience, request.injection);
+    let watch =
+        Watch::new(request.wiring, request.settings, request.patience, request.injection, request.drivers.clone());
     let images = request.firmware.images(request.wiring)?;
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
     let (mut session, watch) = (finished.session, finished.driver);
@@ -117,6 +123,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         started: line.started,
         recorder: watch.recorder,
         safety: watch.safety,
+        drivers: watch.drivers,
         gaps,
         resets,
         injected: watch.injected,

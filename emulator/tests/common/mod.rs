@@ -1,6 +1,7 @@
 //! The image under test, and how it is run.
 
 use corehbot::settings::Settings;
+use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
@@ -24,8 +25,18 @@ pub fn root() -> PathBuf {
 
 /// Prints `gcode` with the image, and with a fault if there is one.
 pub fn print(firmware: &Firmware, gcode: &str, injection: Option<Injection>) -> Seen {
+    print_with(firmware, gcode, injection, &drivers())
+}
+
+/// Drivers as new in all slots.
+pub fn drivers() -> DriverLines {
+    DriverLines::new(&OCTOPUS)
+}
+
+/// The same with drivers of one's own.
+pub fn print_with(firmware: &Firmware, gcode: &str, injection: Option<Injection>, drivers: &DriverLines) -> Seen {
     let settings = Settings::prototype();
     let patience = Patience { whole: 120_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
-    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection };
+    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection, drivers };
     run(&request).unwrap_or_else(|e| panic!("{e:#}"))
 }
