@@ -24,6 +24,8 @@ pub struct DriverLine {
     pub chip: Tmc2209,
     /// Every so many replies a bit of one is turned over on the wire; 0 is never.
     pub noise: u32,
+    /// The wire is shorted to the supply or to ground.
+    pub short: Option<bool>,
     /// The firmware drove the wire while the driver did.
     pub collisions: u32,
     /// The wire was left to nobody, and no resistor pulled it up.
@@ -48,6 +50,7 @@ impl DriverLine {
             // No jumper: both address pins are low.
             chip: Tmc2209::new(0),
             noise: 0,
+            short: None,
             collisions: 0,
             floating: 0,
             datagrams: [0; 2],
@@ -85,11 +88,18 @@ impl DriverLine {
 
     /// When something happens of itself.
     fn next(&self) -> Option<u64> {
+        if self.short.is_some() {
+            return (!self.is_saying).then_some(0);
+        }
         self.saying.front().map(|(at, _)| *at).or_else(|| self.hearing.next())
     }
 
     /// Comes to `at`: what was heard, and whether the wire is to be driven otherwise.
     fn advance(&mut self, at: u64) -> Option<Option<bool>> {
+        if self.short.is_some() {
+            self.is_saying = true;
+            return Some(self.short);
+        }
         self.listen(at);
         let mut level = None;
         while let Some((_, new)) = self.saying.pop_front_if(|(due, _)| *due <= at) {
@@ -162,8 +172,9 @@ impl DriverLines {
         Self { lines, masks, seen: [(0, 0); PORTS], next: None }
     }
 
-    /// The driver of `motor`.
-    pub const fn of(&mut self, motor: Motor) -> &mut DriverLine {
+    /// The driver of `motor`, to change something about it.
+    pub fn of(&mut self, motor: Motor) -> &mut DriverLine {
+        self.next = Some(0);
         &mut self.lines[motor as usize]
     }
 

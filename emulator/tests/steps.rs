@@ -49,6 +49,10 @@ fn check_file(path: &Path) {
     assert!(pulse.high >= 100 && pulse.low >= 100 && pulse.set_up >= 20, "{name}: {pulse:?}");
     assert!(seen.safety.dangers.is_empty(), "{name}: {:?}", seen.safety.dangers);
     assert!(seen.gaps.found.is_empty(), "{name}: {:?}", seen.gaps.found);
+    for line in seen.drivers.iter() {
+        assert_eq!(line.chip.microsteps(), 16, "{name}");
+        assert_eq!((line.collisions, line.floating), (0, 0), "{name}: firmware and driver on one wire");
+    }
 }
 
 #[test]
