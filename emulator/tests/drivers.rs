@@ -143,7 +143,7 @@ fn drivers_are_watched_while_motors_step_fast() {
         println!("{:?} datagrams and replies, edges {} ns off", line.datagrams, line.jitter);
         assert!(line.datagrams[0] > 50, "{:?}", line.datagrams);
     }
-    // While homing discards what is left of a move, ticks are late by more than a bit, and exchanges are repeated.
+    // Where an endstop ends a motion, the step interrupt holds ticks off for many bits, and an exchange is repeated.
     let failed = |line: &String| line.split_once(" failed exchanges")?.0.rsplit(' ').next()?.parse::<u32>().ok();
     let failed: Vec<u32> = seen.line.said.iter().filter_map(failed).collect();
     println!("failed exchanges: {failed:?}");
