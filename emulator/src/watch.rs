@@ -41,6 +41,11 @@ pub enum Injection {
         /// Whose driver.
         motor: Motor,
     },
+    /// After so many step events, the motor supply goes away.
+    SupplyLost {
+        /// Events before it.
+        after: usize,
+    },
     /// After so many step events, the trap in the image springs (see [`crate::trap`]).
     Trap {
         /// Events before it.
@@ -151,6 +156,9 @@ impl Watch {
                 session.fail_next(GPIO, GPIO + PORTS as u64 * PORT_SIZE);
             }
             Some(Injection::DriverReset { after, motor }) if events >= after => self.drivers.of(motor).chip.reset(),
+            Some(Injection::SupplyLost { after }) if events >= after => {
+                Motor::ALL.into_iter().for_each(|motor| self.drivers.of(motor).chip.power_off());
+            }
             Some(Injection::Trap { after }) if events >= after => {
                 self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
             }

@@ -104,33 +104,38 @@ fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
     assert_refused(&print_on(&drivers), "motor");
 }
 
-/// A driver that was reset makes the microsteps of its pins, eight instead of sixteen.
-fn lose_configuration(motor: Motor, after: usize) -> u64 {
-    let seen = print_with(&firmware(), GCODE, Some(Injection::DriverReset { after, motor }), &drivers());
-    let at = seen.injected.expect("a driver that was reset");
-    assert!(seen.drivers.others_than(16).has(motor));
+/// From a fault of drivers in mid-motion to the last step, in ns; the host is told `what`.
+fn stops_after(injection: Injection, what: &str) -> u64 {
+    let seen = print_with(&firmware(), GCODE, Some(injection), &drivers());
+    let at = seen.injected.expect("a fault");
     let last = seen.recorder.events.last().map_or(0, |event| event.at);
     let off = seen.safety.switched.iter().find(|(when, on)| *when >= at && on.is_empty());
     let off = off.expect("motors without power").0;
     println!(
-        "driver of {}: last step {:.1} ms and no power {:.1} ms after it was reset, {:?}",
-        motor.name(),
+        "{injection:?}: last step {:.1} ms and no power {:.1} ms after it, {:?}",
         (last as f64 - at as f64) / 1e6,
         (off - at) as f64 / 1e6,
         seen.line.said.iter().find(|line| line.starts_with("Error"))
     );
     assert!(last <= off, "steps after the power was cut");
     assert_eq!(seen.recorder.unpowered, 0);
-    assert!(seen.safety.powered.is_empty() && is_told(&seen, "configuration"), "{:?}", seen.line.said);
+    assert!(seen.safety.powered.is_empty() && is_told(&seen, what), "{:?}", seen.line.said);
     assert!(seen.resets.is_empty() && seen.line.failure.is_some(), "the host knows");
     last.saturating_sub(at)
 }
 
+/// A driver that was reset makes the microsteps of its pins, eight instead of sixteen.
 #[test]
 fn a_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
     for (motor, after) in [(Motor::M1, 45_000), (Motor::M11, 45_000), (Motor::Z2, 46_000)] {
-        assert!(lose_configuration(motor, after) < 1000 * MS);
+        let fault = Injection::DriverReset { after, motor };
+        assert!(stops_after(fault, &format!("motor {} was reset", Name(motor))) < 1000 * MS);
     }
+}
+
+#[test]
+fn a_motor_supply_that_goes_away_stops_all_motors() {
+    assert!(stops_after(Injection::SupplyLost { after: 45_000 }, "does not answer") < 1000 * MS);
 }
 
 /// Exchanges go on beside the densest steps that there are, and neither disturbs the other.
