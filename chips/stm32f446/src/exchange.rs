@@ -10,9 +10,9 @@
 //! | direction | spent | so J may be |
 //! |---|---|---|
 //! | sending | The driver measures four bits of the sync nibble, so its bit is wrong by J / 4, and its last sample by 9.5 times that; this byte's start bit and the edge next to the sample may each be late by J, but only one of them counts: 3.4 J | 7.7 us |
-//! | listening | The driver speaks with the bit that it measured, 2.4 J; a start bit is seen within a tick, half of which counts, 5.2 us; the sample is late by J: 5.2 us + 3.4 J | 6.1 us |
+//! | listening | The driver speaks with the bit that it measured, so a stop bit may end 2.5 J early; a start bit is seen within a tick, half of which counts, 5.2 us; the sample is late by J: 5.2 us + 3.5 J | 5.9 us |
 //!
-//! 2 % between the clocks, beyond what J makes of them, leave 3.2 us. In the emulator, which knows no flash wait
+//! 2 % between the clocks, beyond what J makes of them, leave 2.9 us. In the emulator, which knows no flash wait
 //! states, J is 2 us at rest, 3 us in a print and 5 us at 100,000 step events a second. What is garbled nevertheless is
 //! noticed by a stop bit or by the datagram's checksum.
 
