@@ -112,12 +112,23 @@ impl Emulated {
         port
     }
 
+    /// Whether the chip pulls `pin` up.
+    pub fn is_pulled_up(&mut self, pin: Pin) -> bool {
+        let (_, registers) = self.mcu.port(pin.port);
+        registers.get(Register::Pupdr) >> (2 * pin.bit) & 3 == 1
+    }
+
     /// The world drives `pin` from now on.
     pub fn drive(&mut self, at: VirtualNanos, pin: Pin, high: bool) {
-        let level = if high { Level::High } else { Level::Low };
+        self.put(at, pin, Some(high));
+    }
+
+    /// The world drives `pin`, or lets go of it.
+    pub fn put(&mut self, at: VirtualNanos, pin: Pin, high: Option<bool>) {
+        let level = high.map(|high| if high { Level::High } else { Level::Low });
         if let Some(bit) = gpio::Pin::new(pin.bit) {
             self.mcu.drive_port(at, pin.port, |gpio, registers, context| {
-                gpio.drive(bit, Some(level), registers, context);
+                gpio.drive(bit, level, registers, context);
             });
         }
     }

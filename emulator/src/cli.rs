@@ -3,6 +3,7 @@
 //! 0: the image printed the file with the host's steps. 1: it did not. 2: nothing was run.
 
 use crate::compare::{self, Timing};
+use crate::driver_line::DriverLines;
 use crate::firmware::Firmware;
 use crate::line::Manner;
 use crate::run::{Request, Seen, run};
@@ -76,16 +77,17 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
     println!("sha256    {}", firmware.sha256);
     let settings = Settings::prototype();
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let manner = Manner::default();
+    let drivers = DriverLines::new(&OCTOPUS);
     let request = Request {
         firmware,
         wiring: &OCTOPUS,
         settings: &settings,
         gcode,
         second: None,
-        manner,
+        manner: Manner::default(),
         patience,
         injection: None,
+        drivers: &drivers,
     };
     let seen = run(&request)?;
     write_files(cli, &settings, &seen.recorder.events)?;

@@ -1,6 +1,7 @@
 //! One run: an image, a file to print, and everything that was seen.
 
 use crate::board::Emulated;
+use crate::driver_line::DriverLines;
 use crate::firmware::Firmware;
 use crate::gaps::Gaps;
 use crate::laps::Laps;
@@ -40,6 +41,8 @@ pub struct Request<'a> {
     pub patience: Patience,
     /// A fault to inject.
     pub injection: Option<Injection>,
+    /// The motor drivers.
+    pub drivers: &'a DriverLines,
 }
 
 /// Everything that was seen.
@@ -53,6 +56,8 @@ pub struct Seen {
     pub safety: Safety,
     /// The firmware's clock.
     pub laps: Laps,
+    /// The motor drivers.
+    pub drivers: DriverLines,
     /// What the model could not stand in for.
     pub gaps: Gaps,
     /// Resets of the chip.
@@ -102,7 +107,14 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let hosts = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
     let board = Emulated::new(request.wiring, hosts)?;
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
-    let watch = Watch::new(request.wiring, request.settings, request.patience, request.injection, request.manner.baud);
+    let watch = Watch::new(
+        request.wiring,
+        request.settings,
+        request.patience,
+        request.injection,
+        request.manner.baud,
+        request.drivers.clone(),
+    );
     let images = request.firmware.images(request.wiring)?;
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
     let (mut session, watch) = (finished.session, finished.driver);
@@ -127,6 +139,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         recorder: watch.recorder,
         safety: watch.safety,
         laps: watch.laps,
+        drivers: watch.drivers,
         gaps,
         resets,
         injected: watch.injected,

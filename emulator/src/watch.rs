@@ -1,13 +1,14 @@
 //! The watch: sees every access of the firmware, moves the simulated machine and keeps the record.
 
-use crate::board::Emulated;
+use crate::board::{Emulated, Port};
+use crate::driver_line::DriverLines;
 use crate::laps::Laps;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::{self, Meaning};
 use crate::trap::TRIGGER;
 use crate::wiring::{BRR, PORTS, Wiring};
-use corehbot::motors::EndstopSet;
+use corehbot::motors::{EndstopSet, Motor};
 use corehbot::settings::Settings;
 use corehbot_rig::Rig;
 use rigless::emulator::{AccessKind, Driver, Settled, Stop};
@@ -31,6 +32,18 @@ const LAST_NS: u64 = 20_000_000;
 pub enum Injection {
     /// After so many step events, the next access to a port fails on the bus.
     BusError {
+        /// Events before it.
+        after: usize,
+    },
+    /// After so many step events, a driver loses its registers.
+    DriverReset {
+        /// Events before it.
+        after: usize,
+        /// Whose driver.
+        motor: Motor,
+    },
+    /// After so many step events, the motor supply goes away.
+    SupplyLost {
         /// Events before it.
         after: usize,
     },
@@ -82,6 +95,8 @@ pub struct Watch {
     pub safety: Safety,
     /// The firmware's clock.
     pub laps: Laps,
+    /// The motor drivers.
+    pub drivers: DriverLines,
     /// Why the run ended.
     pub end: End,
     /// When the injected fault happened, in ns.
@@ -99,9 +114,11 @@ impl Watch {
         patience: Patience,
         injection: Option<Injection>,
         baud: Option<u32>,
+        drivers: DriverLines,
     ) -> Self {
         Self {
             wiring,
+            drivers,
             rig: Rig::new(settings, None),
             endstops: None,
             patience,
@@ -128,6 +145,7 @@ impl Watch {
     ) {
         let port = session.board_mut().port(n);
         self.safety.store(at.0, n, port, self.greeted);
+        self.drivers.store(at.0, n, port, |pin| session.board_mut().is_pulled_up(pin));
         let (steps, forward) = self.recorder.store(at.0, n, port, self.safety.powered);
         if steps.is_empty() {
             return;
@@ -143,6 +161,10 @@ impl Watch {
         match self.injection {
             Some(Injection::BusError { after }) if events >= after => {
                 session.fail_next(GPIO, GPIO + PORTS as u64 * PORT_SIZE);
+            }
+            Some(Injection::DriverReset { after, motor }) if events >= after => self.drivers.of(motor).chip.reset(),
+            Some(Injection::SupplyLost { after }) if events >= after => {
+                Motor::ALL.into_iter().for_each(|motor| self.drivers.of(motor).chip.power_off());
             }
             Some(Injection::Trap { after }) if events >= after => {
                 self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
@@ -213,13 +235,20 @@ impl Driver<Emulated> for Watch {
         if self.endstops.is_none() {
             self.press(session, VirtualNanos(0));
         }
-        let Settled::Access { access, .. } = settled else { return };
+        let Settled::Access { access, .. } = settled else {
+            if let Settled::Stop(stop) = settled {
+                self.drivers.advance(session.board_mut(), stop.at);
+                session.pause_at(self.drivers.next.map(VirtualNanos));
+            }
+            return;
+        };
         if session.resets().len() != self.resets {
             self.resets = session.resets().len();
             let at = session.resets().last().map_or(0, |r| r.at.0);
             self.safety.reset(at);
             for n in 0..PORTS {
-                self.recorder.store(at, n, crate::board::Port::default(), self.safety.powered);
+                self.drivers.store(at, n, Port::default(), |_| true);
+                self.recorder.store(at, n, Port::default(), self.safety.powered);
             }
             self.endstops = None;
             for &(pin, high) in self.wiring.resistors {
@@ -235,6 +264,7 @@ impl Driver<Emulated> for Watch {
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
         if (port as usize) < PORTS {
             self.port_written(session, host, access.virtual_time, port as usize);
+            session.pause_at(self.drivers.next.map(VirtualNanos));
         } else if let Some(meaning) =
             timer::meaning(session.board_mut(), access.virtual_time, access.address, access.value)
         {

@@ -50,6 +50,10 @@ fn check_file(path: &Path) {
     assert!(seen.safety.dangers.is_empty(), "{name}: {:?}", seen.safety.dangers);
     assert!(seen.gaps.found.is_empty(), "{name}: {:?}", seen.gaps.found);
     assert_eq!(seen.laps.out_of_step, 0, "{name}: the firmware's time");
+    for line in seen.drivers.iter() {
+        assert_eq!(line.chip.microsteps(), 16, "{name}");
+        assert_eq!((line.collisions, line.floating), (0, 0), "{name}: firmware and driver on one wire");
+    }
 }
 
 #[test]

@@ -35,9 +35,10 @@ pub static BOARD: Board = Board {
     marks: &[],
 };
 
-/// A socket; D8 enables all of them.
+/// A socket; D8 enables all of them, and the shield has no line to a driver's UART.
 const fn slot(step: (Port, u8), dir: (Port, u8)) -> Option<Slot> {
-    Some(Slot { step: Pin::new(step.0, step.1), dir: Pin::new(dir.0, dir.1), enable: Pin::new(Port::A, 9) })
+    let (step, dir) = (Pin::new(step.0, step.1), Pin::new(dir.0, dir.1));
+    Some(Slot { step, dir, enable: Pin::new(Port::A, 9), uart: None })
 }
 
 #[cfg(test)]
@@ -48,6 +49,7 @@ mod tests {
     #[test]
     fn the_table_is_sound() {
         assert_eq!(BOARD.problem(), None);
+        assert_eq!(BOARD.uarts(), MotorSet::NONE);
     }
 
     #[test]

@@ -12,19 +12,19 @@ pub static BOARD: Board = Board {
     crystal: Crystal::Oscillator12MHz,
     slots: [
         // Motor 1 in slot M0.
-        slot((Port::F, 13), (Port::F, 12), (Port::F, 14)),
+        slot((Port::F, 13), (Port::F, 12), (Port::F, 14), (Port::C, 4)),
         // Motor 4 in slot M1.
-        slot((Port::G, 0), (Port::G, 1), (Port::F, 15)),
+        slot((Port::G, 0), (Port::G, 1), (Port::F, 15), (Port::D, 11)),
         // Motor 8 in slot M4.
-        slot((Port::F, 9), (Port::F, 10), (Port::G, 2)),
+        slot((Port::F, 9), (Port::F, 10), (Port::G, 2), (Port::F, 2)),
         // Motor 11 in slot M3.
-        slot((Port::G, 4), (Port::C, 1), (Port::A, 0)),
+        slot((Port::G, 4), (Port::C, 1), (Port::A, 0), (Port::C, 7)),
         // Left screw in slot M2.
-        slot((Port::F, 11), (Port::G, 3), (Port::G, 5)),
+        slot((Port::F, 11), (Port::G, 3), (Port::G, 5), (Port::C, 6)),
         // Right screw in slot M5.
-        slot((Port::C, 13), (Port::F, 0), (Port::F, 1)),
+        slot((Port::C, 13), (Port::F, 0), (Port::F, 1), (Port::E, 4)),
         // Extruder in slot M6.
-        slot((Port::E, 2), (Port::E, 3), (Port::D, 4)),
+        slot((Port::E, 2), (Port::E, 3), (Port::D, 4), (Port::E, 1)),
     ],
     reversed: MotorSet::NONE,
     // The right screw, on PC13.
@@ -59,8 +59,13 @@ pub static BOARD: Board = Board {
     marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
 };
 
-const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8)) -> Option<Slot> {
-    Some(Slot { step: Pin::new(step.0, step.1), dir: Pin::new(dir.0, dir.1), enable: Pin::new(enable.0, enable.1) })
+const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Option<Slot> {
+    Some(Slot {
+        step: Pin::new(step.0, step.1),
+        dir: Pin::new(dir.0, dir.1),
+        enable: Pin::new(enable.0, enable.1),
+        uart: Some(Pin::new(uart.0, uart.1)),
+    })
 }
 
 #[cfg(test)]
@@ -72,6 +77,11 @@ mod tests {
     #[test]
     fn the_table_is_sound() {
         assert_eq!(BOARD.problem(), None);
+    }
+
+    #[test]
+    fn every_driver_can_be_talked_to() {
+        assert_eq!(BOARD.uarts(), MotorSet::ALL);
     }
 
     #[test]

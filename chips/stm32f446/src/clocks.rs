@@ -13,6 +13,9 @@ use crate::wiring::Crystal;
 /// Clock of the timers on APB1: twice the bus's 45 MHz (RM0390, 6.2, figure of the clock tree).
 pub const TIMER_HZ: u32 = 90_000_000;
 
+/// Clock of the timers on APB2: twice the bus's 90 MHz.
+pub const APB2_TIMER_HZ: u32 = 180_000_000;
+
 /// Looks at a status register, at four cycles of 180 MHz each or more, until the second PLL must run: 0.3 ms
 /// (STM32F446 datasheet, PLLSAI characteristics), with a margin of ten.
 const LOCKING: u32 = 135_000;

@@ -16,7 +16,7 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embassy_time::{Duration, Ticker};
 use static_cell::StaticCell;
 
-use crate::enable_lines::EnableLines;
+use crate::drivers::Drivers;
 use crate::host_serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
@@ -27,7 +27,7 @@ use crate::{fault, priorities};
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
-type BoardPorts = machine::Ports<HostSerial, EnableLines, BoardClock, NoStorage>;
+type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, NoStorage>;
 /// The core with the ports of a board.
 pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;

@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | 0x00 | TIM2 | Stepper; nothing masks it |
 //! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM3 | bytes, USB packets, embassy's time |
+//! | 0x40 | TIM8, while an exchange with a motor driver goes on | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog; USB |
 //!
@@ -17,12 +18,17 @@ pub mod usb_pump;
 pub mod usb_traffic;
 pub mod wiring;
 
+#[cfg(any(test, target_os = "none"))]
+mod exchange;
+
 #[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
 mod contexts;
 #[cfg(target_os = "none")]
-mod enable_lines;
+mod driver_uart;
+#[cfg(target_os = "none")]
+mod drivers;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]

@@ -64,6 +64,13 @@ pub fn make_input(pin: Pin, is_high: bool) {
     port.moder().modify(|w| w.set_moder(pin.number(), Moder::INPUT));
 }
 
+/// Lets go of a pin, which becomes an input with the pull that was chosen before. Anything that interrupts this may
+/// store to outputs, but not change modes.
+#[inline]
+pub fn let_go(pin: Pin) {
+    registers(pin.port).moder().modify(|w| w.set_moder(pin.number(), Moder::INPUT));
+}
+
 /// Leaves an input to what is connected.
 pub fn float(pin: Pin) {
     registers(pin.port).pupdr().modify(|w| w.set_pupdr(pin.number(), Pupdr::FLOATING));

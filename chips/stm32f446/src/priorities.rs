@@ -5,13 +5,13 @@ use cortex_m::register::basepri;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
-use crate::{contexts, otg, step_timer};
+use crate::{contexts, driver_uart, otg, step_timer};
 
-/// What the lines to hosts and embassy's time share: below the Stepper, above everything else.
+/// What the lines to hosts, the drivers' UART and embassy's time share: below the Stepper, above everything else.
 pub const LINK: Priority = Priority::P4;
 
 /// How urgent each is. Only 0 escapes the critical sections of `corehbot-cortex-m4`.
-const PRIORITIES: [(Interrupt, Priority); 8] = [
+const PRIORITIES: [(Interrupt, Priority); 9] = [
     (step_timer::IRQ, Priority::P0),
     (Interrupt::TIM3, LINK),
     (Interrupt::USART1, LINK),
@@ -19,6 +19,7 @@ const PRIORITIES: [(Interrupt, Priority); 8] = [
     (Interrupt::DMA2_STREAM5, LINK),
     (Interrupt::DMA1_STREAM5, LINK),
     (otg::IRQ, LINK),
+    (driver_uart::IRQ, LINK),
     (contexts::GENERATOR_IRQ, Priority::P8),
 ];
 

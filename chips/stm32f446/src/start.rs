@@ -10,7 +10,7 @@ use embassy_time::{Duration, Instant, block_for};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::contexts::{self, BoardParts, IrqPend};
-use crate::enable_lines::EnableLines;
+use crate::drivers::Drivers;
 use crate::host_serial::HostSerial;
 use crate::last_words::{self, Farewell};
 use crate::step_pins::StepPins;
@@ -66,7 +66,7 @@ pub fn run(board: &'static Board) -> ! {
     step_timer::start();
     let steps = STEP_WORDS.init_with(|| Words::pulses(board.step_pins()));
     let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins()));
-    let parts = assemble(StepPins::new(board, steps, dirs), lines, EnableLines::new(board));
+    let parts = assemble(StepPins::new(board, steps, dirs), lines, Drivers::start(board));
     contexts::start(parts, usb, Watchdog::new())
 }
 
@@ -112,7 +112,7 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(pins: StepPins, serial: Lines<HostSerial>, drivers: EnableLines) -> &'static mut BoardParts {
+fn assemble(pins: StepPins, serial: Lines<HostSerial>, drivers: Drivers) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
     let ports = Ports { serial, drivers, clock: BoardClock, storage: NoStorage };
     // In this form the parts are built in their place; they are too large to be carried about.

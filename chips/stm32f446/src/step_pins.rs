@@ -47,12 +47,14 @@ impl StepPins {
     }
 }
 
-/// One store a port.
+/// One store a port, with nothing between them, however the compiler feels about loops.
 #[inline(always)]
-fn store(ports: &[Registers; PORTS], words: [u32; PORTS]) {
-    for (port, word) in ports.iter().zip(words) {
-        ports::store(*port, word);
-    }
+fn store(ports: &[Registers; PORTS], words: &[u32; PORTS], shift: u32) {
+    let ([a, b, c, d], [x, y, z, w]) = (*ports, words.map(|word| word << shift));
+    ports::store(a, x);
+    ports::store(b, y);
+    ports::store(c, z);
+    ports::store(d, w);
 }
 
 impl StepPort for StepPins {
@@ -60,12 +62,12 @@ impl StepPort for StepPins {
     #[inline]
     fn dir(&mut self, forward: MotorSet) {
         let high = MotorSet(forward.0 ^ self.reversed.0);
-        store(&self.dir_ports, *self.dirs.of(high));
+        store(&self.dir_ports, self.dirs.of(high), 0);
     }
 
     #[inline]
     fn rise(&mut self, steps: MotorSet, _tick: u64) {
-        store(&self.step_ports, *self.steps.of(steps));
+        store(&self.step_ports, self.steps.of(steps), 0);
         self.rose = DWT::cycle_count();
     }
 
@@ -77,7 +79,7 @@ impl StepPort for StepPins {
         if rest > 0 {
             cortex_m::asm::delay(rest);
         }
-        store(&self.step_ports, self.steps.of(steps).map(|word| word << 16));
+        store(&self.step_ports, self.steps.of(steps), 16);
     }
 
     #[inline]

@@ -70,6 +70,8 @@ pub struct Slot {
     pub dir: Pin,
     /// Low is on.
     pub enable: Pin,
+    /// The driver's UART, if it is connected; a driver without runs as its jumpers say.
+    pub uart: Option<Pin>,
 }
 
 /// A level that tells boards apart: what `pin` reads against its internal resistor.
@@ -219,6 +221,19 @@ impl Board {
         bits(slots.filter_map(|(_, slot)| slot).map(|slot| slot.enable), port)
     }
 
+    /// The UART of `motor`'s driver.
+    #[must_use]
+    pub fn uart(&self, motor: Motor) -> Option<Pin> {
+        self.slots[motor as usize].and_then(|slot| slot.uart)
+    }
+
+    /// Motors whose driver has a UART.
+    #[must_use]
+    pub fn uarts(&self) -> MotorSet {
+        let motors = Motor::ALL.into_iter().filter(|motor| self.uart(*motor).is_some());
+        motors.fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
+    }
+
     /// What is wrong with the table, if anything: to be asked by a test.
     #[must_use]
     pub fn problem(&self) -> Option<&'static str> {
@@ -230,7 +245,7 @@ impl Board {
             return Some("step or direction pins are on too many ports");
         }
         let slots = || self.slots.iter().flatten();
-        let single = slots().flat_map(|slot| [slot.step, slot.dir]);
+        let single = slots().flat_map(|slot| [slot.step, slot.dir]).chain(slots().filter_map(|slot| slot.uart));
         let single = single.chain(self.loads.iter().copied()).chain(self.endstops);
         let single = single.chain(self.serial.iter().flat_map(|port| [port.tx, port.rx]));
         let single = single.chain(USB.into_iter().filter(|_| self.has_usb));
@@ -279,6 +294,36 @@ mod tests {
                 assert_eq!(written(&levels), of(true) | of(false) << 16, "{motors:?} {port:?}");
             }
         }
+    }
+
+    fn board(uart: Option<Pin>) -> Board {
+        let pin = |number| Pin::new(Port::B, number);
+        let slot = Slot { step: pin(0), dir: pin(1), enable: pin(2), uart };
+        let mut slots = [None; Motor::ALL.len()];
+        slots[Motor::M8 as usize] = Some(slot);
+        Board {
+            name: "",
+            crystal: Crystal::Clock8MHz,
+            slots,
+            reversed: MotorSet::NONE,
+            slow: MotorSet::NONE,
+            endstops: [pin(3), pin(4), pin(5)],
+            loads: &[],
+            serial: [pin(6), pin(7)],
+            baud: 250_000,
+            marks: &[],
+        }
+    }
+
+    #[test]
+    fn a_uart_pin_has_no_other_job() {
+        assert_eq!((board(None).problem(), board(None).uarts()), (None, MotorSet::NONE));
+        let free = board(Some(Pin::new(Port::B, 8)));
+        assert_eq!((free.problem(), free.uarts()), (None, MotorSet::of(Motor::M8)));
+        for taken in [1, 2, 7] {
+            assert_eq!(board(Some(Pin::new(Port::B, taken))).problem(), Some("a pin has two jobs"));
+        }
+        assert!(board(Some(Pin::new(Port::A, 14))).problem().is_some());
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! The image under test, and how it is run.
+#![allow(dead_code, reason = "each file of tests uses some of it")]
 
 use corehbot::settings::Settings;
+use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
@@ -36,9 +38,30 @@ pub fn serve(
     manner: Manner,
     injection: Option<Injection>,
 ) -> Seen {
+    print_on(firmware, (gcode, second), manner, injection, &drivers())
+}
+
+/// Drivers as new in all slots.
+pub fn drivers() -> DriverLines {
+    DriverLines::new(&OCTOPUS)
+}
+
+/// Prints `gcode` with drivers of one's own.
+pub fn print_with(firmware: &Firmware, gcode: &str, injection: Option<Injection>, drivers: &DriverLines) -> Seen {
+    print_on(firmware, (gcode, None), Manner::default(), injection, drivers)
+}
+
+fn print_on(
+    firmware: &Firmware,
+    (gcode, second): (&str, Option<&str>),
+    manner: Manner,
+    injection: Option<Injection>,
+    drivers: &DriverLines,
+) -> Seen {
     let settings = Settings::prototype();
     let patience = Patience { whole: 120_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
-    let request =
-        Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, second, manner, patience, injection };
+    let wiring = &OCTOPUS;
+    let settings = &settings;
+    let request = Request { firmware, wiring, settings, gcode, second, manner, patience, injection, drivers };
     run(&request).unwrap_or_else(|e| panic!("{e:#}"))
 }

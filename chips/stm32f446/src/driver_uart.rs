@@ -1,0 +1,142 @@
+//! The UART of the motor drivers: one wire a driver, one exchange at a time, bit by bit in the interrupt of TIM8.
+//!
+//! [`exchange`](crate::exchange) says what the wire does next; this does it. The wire is pulled up by the processor
+//! and let go, but for the time from one bit before a request to its end, when it is driven both ways: the driver
+//! answers after eight bit times and lets go by itself.
+//!
+//! The interrupt comes at the priority of the serial line, so the steps delay it, and it delays no step. The timer
+//! goes on by itself, so ticks are late and never lost, unless they are held off for a whole tick of 10 us. That
+//! happens when an endstop has ended a motion and the step interrupt discards what was queued, 0.3 ms at most in the
+//! emulator; an exchange that goes on then fails, as if by noise.
+//!
+//! A tick takes some 50 instructions, so listening takes about 5 % of the processor and sending 1 %.
+
+use corehbot::port::{BusError, Frame};
+use corehbot_cortex_m4::Handover;
+use cortex_m::peripheral::NVIC;
+use embassy_stm32::interrupt;
+use embassy_stm32::pac::timer::vals::Urs;
+use embassy_stm32::pac::{Interrupt, RCC, TIM8};
+
+use crate::clocks::APB2_TIMER_HZ;
+use crate::contexts::wake_console;
+use crate::exchange::{Action, BAUD, Exchange, OVERSAMPLING};
+use crate::ports::{self, Registers};
+use crate::wiring::{Board, Pin};
+
+/// The interrupt of the ticks.
+pub const IRQ: Interrupt = Interrupt::TIM8_UP_TIM13;
+
+/// Timer clocks in a bit, and in a tick while listening: both divide without a rest.
+const BIT: u32 = APB2_TIMER_HZ / BAUD;
+const SAMPLE: u32 = BIT / OVERSAMPLING as u32;
+const _: () = assert!(SAMPLE * OVERSAMPLING as u32 * BAUD == APB2_TIMER_HZ && BIT <= 1 << 16);
+
+static ENGINE: Handover<Engine> = Handover::new();
+
+/// The exchange and the wire that it is on.
+struct Engine {
+    exchange: Exchange,
+    wire: Option<Wire>,
+}
+
+/// A wire and its port.
+#[derive(Clone, Copy)]
+struct Wire {
+    pin: Pin,
+    port: Registers,
+}
+
+/// The Console's end.
+pub struct DriverUart(());
+
+impl DriverUart {
+    /// Has the wires of `board` pulled up, and the timer ready. Interrupts are not enabled yet.
+    pub fn start(board: &Board) -> Self {
+        RCC.apb2enr().modify(|w| w.set_tim8en(true));
+        let _ = RCC.apb2enr().read();
+        TIM8.psc().write_value(0);
+        // Only the counter's own end is an update that counts, not a restart by software.
+        TIM8.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
+        TIM8.dier().write(|w| w.set_uie(true));
+        for pin in board.slots.iter().flatten().filter_map(|slot| slot.uart) {
+            ports::make_input(pin, true);
+        }
+        ENGINE.fill(Engine { exchange: Exchange::new(), wire: None });
+        Self(())
+    }
+
+    /// Begins an exchange on `wire`, and gives up the one that goes on.
+    pub fn begin(&mut self, wire: Option<Pin>, request: &Frame, reply: usize) {
+        critical_section::with(|_| {
+            ENGINE.with(|engine| {
+                engine.let_go();
+                NVIC::unpend(IRQ);
+                engine.wire = wire.map(|pin| Wire { pin, port: ports::registers(pin.port) });
+                engine.exchange.begin(request, reply);
+                match wire {
+                    Some(_) => tick_every(BIT),
+                    None => engine.exchange.fail(),
+                }
+            });
+        });
+    }
+
+    /// How the exchange ended, told once.
+    pub fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
+        critical_section::with(|_| ENGINE.with(|engine| engine.exchange.outcome()))
+    }
+}
+
+impl Engine {
+    #[inline]
+    fn tick(&mut self) {
+        let Some(Wire { pin, port }) = self.wire else { return stop() };
+        let high = pin.mask();
+        match self.exchange.tick(port.idr().read().0 & high != 0) {
+            Action::Stay => {}
+            Action::Drive { is_high } => ports::store(port, if is_high { high } else { high << 16 }),
+            Action::Take => {
+                ports::store(port, high);
+                ports::make_output(pin);
+            }
+            Action::Listen => {
+                ports::let_go(pin);
+                tick_every(SAMPLE);
+            }
+            Action::End => {
+                self.let_go();
+                wake_console();
+            }
+        }
+    }
+
+    /// Ends ticks, and whatever is driven.
+    fn let_go(&mut self) {
+        stop();
+        if let Some(wire) = self.wire.take() {
+            ports::let_go(wire.pin);
+        }
+    }
+}
+
+/// Restarts the timer with an update every `clocks`.
+fn tick_every(clocks: u32) {
+    TIM8.arr().write(|w| w.set_arr((clocks - 1) as u16));
+    TIM8.egr().write(|w| w.set_ug(true));
+    TIM8.sr().write(|_| ());
+    TIM8.cr1().modify(|w| w.set_cen(true));
+}
+
+fn stop() {
+    TIM8.cr1().modify(|w| w.set_cen(false));
+    TIM8.sr().write(|_| ());
+}
+
+/// A bit is due, or a look at one.
+#[interrupt]
+fn TIM8_UP_TIM13() {
+    // Flags are cleared by writing 0, and only the update is in use.
+    TIM8.sr().write(|_| ());
+    ENGINE.with(Engine::tick);
+}

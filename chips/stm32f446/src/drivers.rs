@@ -1,0 +1,49 @@
+//! The motor drivers: their enable lines, and the UART of each.
+
+use corehbot::port::{BusError, DriverBus, Frame, Motor, MotorSet};
+
+use crate::driver_uart::DriverUart;
+use crate::ports;
+use crate::wiring::{Board, Port};
+
+/// Switches drivers on and off, and talks to those that have a UART.
+pub struct Drivers {
+    board: &'static Board,
+    uart: DriverUart,
+}
+
+impl Drivers {
+    /// The drivers of `board`, whose enable lines are outputs already.
+    pub fn start(board: &'static Board) -> Self {
+        Self { board, uart: DriverUart::start(board) }
+    }
+}
+
+impl DriverBus for Drivers {
+    /// First finds all words and then stores them, with nothing but a step in between: the belt motors
+    /// get their power within a microsecond or two.
+    fn enable(&mut self, on: MotorSet) {
+        let words = Port::ALL.map(|port| {
+            let low = self.board.enable_lines(on, port);
+            let high = self.board.enable_lines(MotorSet::ALL, port) & !low;
+            high | low << 16
+        });
+        critical_section::with(|_| {
+            for (port, word) in Port::ALL.into_iter().zip(words) {
+                ports::store(ports::registers(port), word);
+            }
+        });
+    }
+
+    fn lines(&self) -> MotorSet {
+        self.board.uarts()
+    }
+
+    fn begin(&mut self, motor: Motor, request: &Frame, reply: usize) {
+        self.uart.begin(self.board.uart(motor), request, reply);
+    }
+
+    fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
+        self.uart.outcome()
+    }
+}

@@ -1,0 +1,235 @@
+//! An exchange on one wire: a request's bits out, a reply's bits in, tick by tick.
+//!
+//! Plain code without time of its own: a timer ticks, this says what the line does next. A bit is one tick while
+//! sending, and [`OVERSAMPLING`] ticks while listening. Every exchange ends by itself after a number of ticks
+//! that is known when it begins, whatever the line does.
+//!
+//! A bit at [`BAUD`] lasts 52 us. A tick that comes late by J moves an edge or a sample, and never the ticks after
+//! it, for the timer does not wait. What half a bit, 26 us, is spent on:
+//!
+//! | direction | spent | so J may be |
+//! |---|---|---|
+//! | sending | The driver measures four bits of the sync nibble, so its bit is wrong by J / 4, and its last sample by 9.5 times that; this byte's start bit and the edge next to the sample may each be late by J, but only one of them counts: 3.4 J | 7.7 us |
+//! | listening | The driver speaks with the bit that it measured, so a stop bit may end 2.5 J early; a start bit is seen within a tick, half of which counts, 5.2 us; the sample is late by J: 5.2 us + 3.5 J | 5.9 us |
+//!
+//! 2 % between the clocks, beyond what J makes of them, leave 2.9 us. In the emulator, which knows no flash wait
+//! states, J is 2 us at rest, 3 us in a print and 5 us at 100,000 step events a second. What is garbled nevertheless is
+//! noticed by a stop bit or by the datagram's checksum.
+
+use corehbot::port::{BusError, Frame};
+
+/// Bits a second. TMC2209 datasheet rev 1.09, section 4.1.1: 9,000 at the least. Twice as many would halve how late a
+/// tick may be, half as many would take 13 ms instead of 7 to read a register.
+pub const BAUD: u32 = 19_200;
+
+/// Ticks in a bit while listening. Odd, so that the middle of a bit is a whole number of ticks after the middle of
+/// the tick in which its edge was. Three would spend 3.5 us more of half a bit.
+pub const OVERSAMPLING: u8 = 5;
+
+/// From the first low sample to the middle of the start bit, in ticks.
+const TO_MIDDLE: u8 = OVERSAMPLING / 2;
+
+/// Bit times of an idle line before a request. TMC2209 datasheet rev 1.09, sections 4.1.1 and 4.1.2: a driver lets
+/// go four bit times after its reply, and 12 make it forget what it took for an error.
+const REST: u8 = 12;
+
+/// The same after an exchange that failed or was given up: the driver may say the eight bytes of a reply yet, or wait
+/// for more of a request, which it gives up after 63 bit times (section 4.1.1).
+const LONG_REST: u8 = 80 + REST;
+
+/// Bit times that a reply may take longer than its bits. It begins after eight (TMC2209 datasheet rev 1.09, section
+/// 4.1.2, SENDDELAY as it is after reset).
+const LATE: u16 = 24;
+
+/// Bits of a byte with its start and stop bit.
+const BYTE: u16 = 10;
+
+/// What is left of a byte when all bits were sent.
+const SENT: u16 = 1;
+
+/// The stop bit of a byte to be sent, and the mark that ends up as [`SENT`].
+const STOP: u16 = 0b11 << 9;
+
+/// No start bit was seen.
+const WAITING: u16 = 0;
+
+/// A byte's first sample is due. Samples are shifted in from above, and after ten of them this bit is [`TAKEN`].
+const STARTED: u16 = 1 << 15;
+
+/// Says that all ten samples were taken: start bit in bit 6, stop bit in bit 15.
+const TAKEN: u16 = 1 << 5;
+
+/// The start bit was high in its middle: it was a pulse.
+const FALSE_START: u16 = 1 << 15 | STARTED >> 1;
+
+/// What the line does next.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Action {
+    /// What it does.
+    Stay,
+    /// It is driven high, after nobody drove it.
+    Take,
+    /// The level of a bit.
+    Drive {
+        /// Whether it is high.
+        is_high: bool,
+    },
+    /// Nobody drives it, and ticks come [`OVERSAMPLING`] times as fast.
+    Listen,
+    /// Nobody drives it, and no more ticks are needed: there is an outcome.
+    End,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Phase {
+    Idle,
+    Resting,
+    Sending,
+    Listening,
+}
+
+/// The exchange that goes on, or its outcome.
+#[derive(Debug)]
+pub struct Exchange {
+    phase: Phase,
+    /// Bit times of rest, or ticks until the next sample.
+    count: u8,
+    /// The byte under way, as bits to be sent or samples taken.
+    bits: u16,
+    request: Frame,
+    sent: usize,
+    wanted: usize,
+    reply: Frame,
+    /// Ticks until the reply must be complete.
+    patience: u16,
+    outcome: Option<Result<Frame, BusError>>,
+    is_clean: bool,
+}
+
+impl Exchange {
+    /// Nothing goes on.
+    pub const fn new() -> Self {
+        Self {
+            phase: Phase::Idle,
+            count: 0,
+            bits: SENT,
+            request: Frame::new(),
+            sent: 0,
+            wanted: 0,
+            reply: Frame::new(),
+            patience: 0,
+            outcome: None,
+            // A reset may have cut a request short.
+            is_clean: false,
+        }
+    }
+
+    /// Begins an exchange, and forgets the one before. The line is let go, and ticks come once a bit.
+    pub fn begin(&mut self, request: &Frame, reply: usize) {
+        let was_clean = self.is_clean && self.phase == Phase::Idle;
+        self.count = if was_clean { REST } else { LONG_REST };
+        self.bits = SENT;
+        self.request.clone_from(request);
+        self.sent = 0;
+        self.wanted = reply.min(self.reply.capacity());
+        self.reply.clear();
+        self.patience = (LATE + self.wanted as u16 * BYTE) * u16::from(OVERSAMPLING);
+        self.outcome = None;
+        self.phase = Phase::Resting;
+    }
+
+    /// Ends what goes on, if anything, without anybody's answer.
+    pub fn fail(&mut self) {
+        let _ = self.end(Err(BusError::Silent));
+    }
+
+    /// How it ended, told once.
+    pub fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
+        self.outcome.take()
+    }
+
+    /// A tick, at which the line is high or not.
+    #[inline]
+    pub fn tick(&mut self, is_high: bool) -> Action {
+        match self.phase {
+            Phase::Idle => Action::End,
+            Phase::Resting => self.rest(),
+            Phase::Sending => self.send(),
+            Phase::Listening => self.listen(is_high),
+        }
+    }
+
+    fn rest(&mut self) -> Action {
+        self.count -= 1;
+        if self.count > 0 {
+            return Action::Stay;
+        }
+        self.phase = Phase::Sending;
+        Action::Take
+    }
+
+    fn send(&mut self) -> Action {
+        if self.bits == SENT {
+            let Some(byte) = self.request.get(self.sent) else { return self.end_of_request() };
+            self.bits = STOP | u16::from(*byte) << 1;
+            self.sent += 1;
+        }
+        let is_high = self.bits & 1 != 0;
+        self.bits >>= 1;
+        Action::Drive { is_high }
+    }
+
+    fn end_of_request(&mut self) -> Action {
+        if self.wanted == 0 {
+            return self.end(Ok(()));
+        }
+        self.phase = Phase::Listening;
+        self.bits = WAITING;
+        Action::Listen
+    }
+
+    fn listen(&mut self, is_high: bool) -> Action {
+        self.patience -= 1;
+        if self.patience == 0 {
+            return self.end(Err(BusError::Silent));
+        }
+        if self.bits == WAITING {
+            if !is_high {
+                self.bits = STARTED;
+                self.count = TO_MIDDLE;
+            }
+            return Action::Stay;
+        }
+        self.count -= 1;
+        if self.count > 0 {
+            return Action::Stay;
+        }
+        self.count = OVERSAMPLING;
+        self.bits = self.bits >> 1 | u16::from(is_high) << 15;
+        if self.bits == FALSE_START {
+            self.bits = WAITING;
+        } else if self.bits & TAKEN != 0 {
+            return self.take_byte();
+        }
+        Action::Stay
+    }
+
+    fn take_byte(&mut self) -> Action {
+        let (byte, is_whole) = ((self.bits >> 7) as u8, self.bits >> 15 != 0);
+        self.bits = WAITING;
+        if !is_whole || self.reply.push(byte).is_err() {
+            return self.end(Err(BusError::Garbled));
+        }
+        if self.reply.len() < self.wanted { Action::Stay } else { self.end(Ok(())) }
+    }
+
+    fn end(&mut self, result: Result<(), BusError>) -> Action {
+        self.phase = Phase::Idle;
+        self.is_clean = result.is_ok();
+        self.outcome = Some(result.map(|()| self.reply.clone()));
+        Action::End
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,157 @@
+//! Motors have power only while their drivers prove that they are as they should be.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{MS, drivers, firmware, print, print_with, root};
+use corehbot::driver::Name;
+use corehbot::motors::Motor;
+use corehbot::settings::Settings;
+use corehbot_emulator::compare::{difference, scheduled, timing};
+use corehbot_emulator::driver_line::DriverLines;
+use corehbot_emulator::run::Seen;
+use corehbot_emulator::watch::{End, Injection};
+use corehbot_sim::tmc2209::chopconf;
+
+const GCODE: &str = "G28\nG1 X200 Y100 F6000\nG1 X20 Y150\nM400\n";
+
+fn print_on(drivers: &DriverLines) -> Seen {
+    print_with(&firmware(), GCODE, None, drivers)
+}
+
+/// Whether the board said so in an error of its own.
+fn is_told(seen: &Seen, what: &str) -> bool {
+    seen.line.said.iter().any(|line| line.starts_with("Error:") && line.contains(what))
+}
+
+/// No motor has ever had power or made a step, and the host knows why.
+fn assert_refused(seen: &Seen, what: &str) {
+    println!("{:?}", seen.line.said);
+    assert!(seen.recorder.events.is_empty(), "{} steps", seen.recorder.events.len());
+    assert!(seen.safety.switched.is_empty() && seen.safety.dangers.is_empty(), "{:?}", seen.safety.switched);
+    assert!(is_told(seen, what), "{:?}", seen.line.said);
+    assert!(seen.resets.is_empty());
+}
+
+/// The file was printed with the host's steps.
+fn assert_printed(seen: &Seen, gcode: &str) {
+    assert_eq!((seen.end, seen.line.failure.as_ref()), (End::Done, None), "{:?}", seen.line.said);
+    let host = scheduled(gcode, &Settings::prototype()).unwrap();
+    let events = &seen.recorder.events;
+    assert!(difference(events, &host).is_none(), "{:?}", difference(events, &host));
+    let timing = timing(events, &host);
+    println!("late {} to {} ns", timing.quantile(0.0), timing.max());
+    assert!(timing.quantile(0.0) >= 0 && timing.max() <= 5000);
+    assert_eq!((seen.recorder.split_pairs, seen.recorder.unpowered), (0, 0));
+}
+
+#[test]
+fn a_driver_that_is_silent_from_the_start_keeps_all_motors_without_power() {
+    for motor in [Motor::M8, Motor::E0] {
+        let mut drivers = drivers();
+        drivers.of(motor).chip.is_silent = true;
+        assert_refused(&print_on(&drivers), &format!("motor {} does not answer", Name(motor)));
+    }
+}
+
+/// Every exchange ends, whatever the pin reads.
+#[test]
+fn a_wire_that_is_shorted_keeps_all_motors_without_power() {
+    for level in [false, true] {
+        let mut drivers = drivers();
+        drivers.of(Motor::M1).short = Some(level);
+        assert_refused(&print_on(&drivers), "motor 1 ");
+    }
+}
+
+#[test]
+fn drivers_without_motor_supply_keep_all_motors_without_power() {
+    let mut drivers = drivers();
+    Motor::ALL.into_iter().for_each(|motor| drivers.of(motor).chip.power_off());
+    assert_refused(&print_on(&drivers), "does not answer");
+}
+
+#[test]
+fn replies_that_are_damaged_now_and_then_are_asked_for_again() {
+    let mut drivers = drivers();
+    for (noise, motor) in (3..).zip(Motor::ALL) {
+        drivers.of(motor).noise = noise;
+    }
+    let seen = print_on(&drivers);
+    assert_printed(&seen, GCODE);
+    assert!(seen.drivers.others_than(16).is_empty());
+}
+
+#[test]
+fn replies_that_are_always_damaged_keep_all_motors_without_power() {
+    let mut drivers = drivers();
+    drivers.of(Motor::M4).noise = 1;
+    assert_refused(&print_on(&drivers), "motor 4");
+}
+
+#[test]
+fn a_driver_that_says_other_microsteps_keeps_all_motors_without_power() {
+    let mut drivers = drivers();
+    let other = 0x1000_0053 | 5 << chopconf::MRES;
+    drivers.of(Motor::M11).chip.answer_wrongly(chopconf::ADDRESS, other);
+    assert_refused(&print_on(&drivers), "motor 11");
+}
+
+#[test]
+fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
+    let mut drivers = drivers();
+    drivers.of(Motor::Z1).chip.is_deaf = true;
+    assert_refused(&print_on(&drivers), "motor");
+}
+
+/// From a fault of drivers in mid-motion to the last step, in ns; the host is told `what`.
+fn stops_after(injection: Injection, what: &str) -> u64 {
+    let seen = print_with(&firmware(), GCODE, Some(injection), &drivers());
+    let at = seen.injected.expect("a fault");
+    let last = seen.recorder.events.last().map_or(0, |event| event.at);
+    let off = seen.safety.switched.iter().find(|(when, on)| *when >= at && on.is_empty());
+    let off = off.expect("motors without power").0;
+    println!(
+        "{injection:?}: last step {:.1} ms and no power {:.1} ms after it, {:?}",
+        (last as f64 - at as f64) / 1e6,
+        (off - at) as f64 / 1e6,
+        seen.line.said.iter().find(|line| line.starts_with("Error"))
+    );
+    assert!(last <= off, "steps after the power was cut");
+    assert_eq!(seen.recorder.unpowered, 0);
+    assert!(seen.safety.powered.is_empty() && is_told(&seen, what), "{:?}", seen.line.said);
+    assert!(seen.resets.is_empty() && seen.line.failure.is_some(), "the host knows");
+    last.saturating_sub(at)
+}
+
+/// A driver that was reset makes the microsteps of its pins, eight instead of sixteen.
+#[test]
+fn a_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
+    for (motor, after) in [(Motor::M1, 45_000), (Motor::M11, 45_000), (Motor::Z2, 46_000)] {
+        let fault = Injection::DriverReset { after, motor };
+        assert!(stops_after(fault, &format!("motor {} was reset", Name(motor))) < 1000 * MS);
+    }
+}
+
+#[test]
+fn a_motor_supply_that_goes_away_stops_all_motors() {
+    assert!(stops_after(Injection::SupplyLost { after: 45_000 }, "does not answer") < 1000 * MS);
+}
+
+/// Exchanges go on beside the densest steps that there are, and neither disturbs the other.
+#[test]
+fn drivers_are_watched_while_motors_step_fast() {
+    let gcode = std::fs::read_to_string(root().join("emulator/tests/rush.gcode")).unwrap() + "M122\n";
+    let seen = print(&firmware(), &gcode, None);
+    assert_printed(&seen, &gcode);
+    for line in seen.drivers.iter() {
+        println!("{:?} datagrams and replies, edges {} ns off", line.datagrams, line.jitter);
+        assert!(line.datagrams[0] > 50, "{:?}", line.datagrams);
+    }
+    // Where an endstop ends a motion, the step interrupt holds ticks off for many bits, and an exchange is repeated.
+    let failed = |line: &String| line.split_once(" failed exchanges")?.0.rsplit(' ').next()?.parse::<u32>().ok();
+    let failed: Vec<u32> = seen.line.said.iter().filter_map(failed).collect();
+    println!("failed exchanges: {failed:?}");
+    assert_eq!(failed.len(), Motor::ALL.len(), "{:?}", seen.line.said);
+    assert!(failed.iter().sum::<u32>() <= 6, "{failed:?}");
+}
