@@ -309,8 +309,8 @@ mod tests {
             slow: MotorSet::NONE,
             endstops: [pin(3), pin(4), pin(5)],
             loads: &[],
-            serial: [pin(6), pin(7)],
-            baud: 250_000,
+            serial: &[],
+            has_usb: false,
             marks: &[],
         }
     }
@@ -320,7 +320,7 @@ mod tests {
         assert_eq!((board(None).problem(), board(None).uarts()), (None, MotorSet::NONE));
         let free = board(Some(Pin::new(Port::B, 8)));
         assert_eq!((free.problem(), free.uarts()), (None, MotorSet::of(Motor::M8)));
-        for taken in [1, 2, 7] {
+        for taken in [1, 2, 5] {
             assert_eq!(board(Some(Pin::new(Port::B, taken))).problem(), Some("a pin has two jobs"));
         }
         assert!(board(Some(Pin::new(Port::A, 14))).problem().is_some());
