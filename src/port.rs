@@ -147,12 +147,21 @@ pub trait Storage {
     /// [`StorageError`]; then `into` may hold anything.
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
 
-    /// Puts `bytes` at address `at` and returns when they are stored for good. The core never writes across
-    /// a page of [`crate::storage::PAGE`] bytes.
+    /// Hands over `bytes` for address `at`; they are stored for good as soon as the storage
+    /// [is settled](Self::is_settled). The core never writes across a page of [`crate::storage::PAGE`] bytes.
     ///
     /// # Errors
     /// [`StorageError`]; then some of the bytes may have been written.
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
+
+    /// Whether everything written is stored for good. Ask until it is before the next transfer: a transfer
+    /// that comes too early waits by itself, and nobody else gets a turn.
+    ///
+    /// # Errors
+    /// [`StorageError::Failed`] if it takes too long.
+    fn is_settled(&mut self) -> Result<bool, StorageError> {
+        Ok(true)
+    }
 }
 
 /// For machines without storage.

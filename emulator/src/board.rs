@@ -69,11 +69,11 @@ impl Port {
 }
 
 impl Emulated {
-    /// A board out of reset with `host` on its serial line.
+    /// A board out of reset with `host` on its serial line and `eeprom` on I2C1.
     ///
     /// # Errors
     /// If the model contradicts itself.
-    pub fn new(wiring: &'static Wiring, host: HostLine) -> Result<Self> {
+    pub fn new(wiring: &'static Wiring, host: HostLine, eeprom: At24c32) -> Result<Self> {
         let mut mcu = Stm32f427::new().context("the model of the chip")?;
         mcu.rcc.attach_crystals(wiring.crystal, 0);
         mcu.set_supply(RAIL);
@@ -85,7 +85,7 @@ impl Emulated {
             mcu.adc[2].set_input(channel, millivolts);
         }
         mcu.usart[wiring.host_port.0].attach(host);
-        mcu.i2c[0].attach(At24c32::default());
+        mcu.i2c[0].attach(eeprom);
         let mut board = Self { mcu, wiring };
         for &(pin, high) in wiring.resistors {
             board.drive(VirtualNanos(0), pin, high);
@@ -116,6 +116,11 @@ impl Emulated {
                 gpio.drive(bit, Some(level), registers, context);
             });
         }
+    }
+
+    /// The EEPROM.
+    pub fn eeprom(&mut self) -> Option<&mut At24c32> {
+        self.mcu.i2c[0].chip_mut::<At24c32>(0)
     }
 
     /// The far end of the host's line.

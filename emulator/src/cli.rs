@@ -3,6 +3,7 @@
 //! 0: the image printed the file with the host's steps. 1: it did not. 2: nothing was run.
 
 use crate::compare::{self, Timing};
+use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
 use crate::run::{Request, Seen, run};
 use crate::steps::StepEvent;
@@ -75,7 +76,17 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
     println!("sha256    {}", firmware.sha256);
     let settings = Settings::prototype();
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection: None };
+    let eeprom = At24c32::default();
+    let request = Request {
+        firmware,
+        wiring: &OCTOPUS,
+        settings: &settings,
+        gcode,
+        patience,
+        injection: None,
+        eeprom: &eeprom,
+        stuck: None,
+    };
     let seen = run(&request)?;
     write_files(cli, &settings, &seen.recorder.events)?;
     print_run(cli, &seen);

@@ -1,13 +1,14 @@
 //! One run: an image, a file to print, and everything that was seen.
 
 use crate::board::Emulated;
+use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
 use crate::gaps::Gaps;
 use crate::line::HostLine;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::watch::{End, Injection, Patience, Watch};
-use crate::wiring::Wiring;
+use crate::wiring::{Pin, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
 use rigless::emulator::{self, Start};
@@ -35,6 +36,10 @@ pub struct Request<'a> {
     pub patience: Patience,
     /// A fault to inject.
     pub injection: Option<Injection>,
+    /// The EEPROM.
+    pub eeprom: &'a At24c32,
+    /// A pin that something holds high or low all the time.
+    pub stuck: Option<(Pin, bool)>,
 }
 
 /// Everything that was seen.
@@ -56,6 +61,8 @@ pub struct Seen {
     pub started: Option<u64>,
     /// The conversation.
     pub line: LineSeen,
+    /// The EEPROM as it was left.
+    pub eeprom: At24c32,
     /// Core clock in Hz at the end.
     pub core_hz: u64,
     /// Virtual time in ns.
@@ -89,7 +96,11 @@ pub struct LineSeen {
 /// If the image does not fit the board, or the emulator fails.
 pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
-    let board = Emulated::new(request.wiring, HostLine::new(request.gcode))?;
+    let host = HostLine::new(request.gcode);
+    let mut board = Emulated::new(request.wiring, host, request.eeprom.clone())?;
+    if let Some((pin, high)) = request.stuck {
+        board.drive(VirtualNanos(0), pin, high);
+    }
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
     let watch = Watch::new(request.wiring, request.settings, request.patience, request.injection);
     let images = request.firmware.images(request.wiring)?;
@@ -103,6 +114,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let resets = session.resets().to_vec();
     let board = session.board_mut();
     let (core_hz, baud) = clocks(board, request.wiring, stop.at)?;
+    let eeprom = board.eeprom().context("the EEPROM has gone")?.clone();
     let line = board.host().context("the host has gone")?;
     let line_seen = LineSeen {
         said: line.said.clone(),
@@ -121,6 +133,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         resets,
         injected: watch.injected,
         line: line_seen,
+        eeprom,
         core_hz,
         virtual_ns: stop.at.0,
         instructions: stop.instruction_count,

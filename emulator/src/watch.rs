@@ -49,6 +49,8 @@ pub enum End {
     Reset,
     /// Neither a byte nor a step for this long, in ms.
     Stalled(u64),
+    /// The power of the board went.
+    PowerCut,
     /// Virtual time ran out.
     Late,
 }
@@ -160,6 +162,10 @@ impl Watch {
     fn look(&mut self, session: &mut Session<Emulated>, at: u64) -> bool {
         let reset_at = session.resets().first().map(|r| r.at.0);
         let steps_at = self.recorder.events.last().map_or(0, |e| e.at);
+        if session.board_mut().eeprom().is_some_and(|eeprom| eeprom.is_cut()) {
+            self.end = End::PowerCut;
+            return true;
+        }
         let Some(line) = session.board_mut().host() else { return true };
         self.greeted = line.started.is_some();
         if line.host.is_done() && self.done.is_none() {

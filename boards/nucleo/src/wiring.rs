@@ -31,6 +31,7 @@ pub static BOARD: Board = Board {
     // The ST-LINK's virtual serial port.
     serial: [Pin::new(Port::A, 2), Pin::new(Port::A, 3)],
     baud: 250_000,
+    eeprom: None,
     marks: &[],
 };
 

@@ -49,6 +49,7 @@ pub static BOARD: Board = Board {
     // The Raspberry Pi header.
     serial: [Pin::new(Port::D, 5), Pin::new(Port::D, 6)],
     baud: 250_000,
+    eeprom: Some([Pin::new(Port::B, 8), Pin::new(Port::B, 9)]),
     // Here PA0 is an enable line with a resistor of 10 kOhm to 3.3 V (R5) and PA2 a heater with one to ground.
     // On the Octopus Pro V1.1 PA0 is the heater, which our idle level would switch on (BTT pins of the Pro
     // V1.1).

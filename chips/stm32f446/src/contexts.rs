@@ -5,7 +5,7 @@ use core::pin::pin;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use corehbot::app::Parts;
-use corehbot::port::{NoStorage, Pend};
+use corehbot::port::Pend;
 use corehbot::{machine, motion};
 use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::NVIC;
@@ -17,6 +17,7 @@ use embassy_time::{Duration, Ticker};
 use static_cell::StaticCell;
 
 use crate::enable_lines::EnableLines;
+use crate::memory::BoardStorage;
 use crate::serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
@@ -26,7 +27,7 @@ use crate::{fault, priorities};
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
-type BoardPorts = machine::Ports<HostSerial, EnableLines, BoardClock, NoStorage>;
+type BoardPorts = machine::Ports<HostSerial, EnableLines, BoardClock, BoardStorage>;
 /// The core with the ports of a board.
 pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;

@@ -1,6 +1,6 @@
 //! What boards with an STM32F446 share: everything but pins.
 //!
-//! A board is a [`Board`](wiring::Board), a table of pins, and calls `run` with it.
+//! A board is a [`Board`](wiring::Board), a table of pins, and calls `run` with it and with the memory that it has for settings.
 //!
 //! | priority | context | runs |
 //! |---|---|---|
@@ -15,15 +15,21 @@
 pub mod wiring;
 
 #[cfg(target_os = "none")]
+mod bus;
+#[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
 mod contexts;
+#[cfg(target_os = "none")]
+mod eeprom;
 #[cfg(target_os = "none")]
 mod enable_lines;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
 mod last_words;
+#[cfg(target_os = "none")]
+mod memory;
 #[cfg(target_os = "none")]
 mod ports;
 #[cfg(target_os = "none")]
@@ -43,5 +49,7 @@ mod step_timer;
 #[cfg(target_os = "none")]
 mod watchdog;
 
+#[cfg(target_os = "none")]
+pub use eeprom::eeprom;
 #[cfg(target_os = "none")]
 pub use start::run;

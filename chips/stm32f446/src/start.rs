@@ -2,7 +2,7 @@
 
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::machine::Ports;
-use corehbot::port::{NoStorage, Serial as _};
+use corehbot::port::Serial as _;
 use corehbot::settings::Settings;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
@@ -11,6 +11,7 @@ use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::contexts::{self, BoardParts, IrqPend};
 use crate::enable_lines::EnableLines;
+use crate::memory::{BoardStorage, Find};
 use crate::serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
@@ -32,8 +33,8 @@ const SETTLE: u32 = 1000;
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
 
-/// Runs the firmware on `board`.
-pub fn run(board: &'static Board) -> ! {
+/// Runs the firmware on `board`, with the memory for settings that `find` finds there.
+pub fn run(board: &'static Board, find: Find) -> ! {
     let Some(mut peripherals) = Peripherals::take() else { fault::give_up("start-up runs once") };
     ports::switch_on();
     // Before any output is driven: a level that is safe here may switch a heater on elsewhere.
@@ -57,7 +58,7 @@ pub fn run(board: &'static Board) -> ! {
     step_timer::start();
     let steps = STEP_WORDS.init_with(|| Words::new(board.step_pins()));
     let dirs = DIR_WORDS.init_with(|| Words::new(board.dir_pins()));
-    let parts = assemble(StepPins::new(board, steps, dirs), serial, EnableLines::new(board));
+    let parts = assemble(StepPins::new(board, steps, dirs), serial, EnableLines::new(board), BoardStorage(find(board)));
     contexts::start(parts, Watchdog::new())
 }
 
@@ -90,9 +91,14 @@ fn refuse(board: &Board, mut serial: HostSerial) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(pins: StepPins, serial: HostSerial, drivers: EnableLines) -> &'static mut BoardParts {
+fn assemble(
+    pins: StepPins,
+    serial: HostSerial,
+    drivers: EnableLines,
+    storage: BoardStorage,
+) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
-    let ports = Ports { serial, drivers, clock: BoardClock, storage: NoStorage };
+    let ports = Ports { serial, drivers, clock: BoardClock, storage };
     // In this form the parts are built in their place; they are too large to be carried about.
     PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
 }

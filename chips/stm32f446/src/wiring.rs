@@ -100,6 +100,8 @@ pub struct Board {
     pub serial: [Pin; 2],
     /// Bits a second on USART2.
     pub baud: u32,
+    /// Clock and data of I2C1, on which the EEPROM is.
+    pub eeprom: Option<[Pin; 2]>,
     /// What tells this board from others that an image of ours might be flashed to.
     pub marks: &'static [Mark],
 }
@@ -213,6 +215,7 @@ impl Board {
         let slots = || self.slots.iter().flatten();
         let single = slots().flat_map(|slot| [slot.step, slot.dir]);
         let single = single.chain(self.loads.iter().copied()).chain(self.endstops).chain(self.serial);
+        let single = single.chain(self.eeprom.into_iter().flatten());
         let is_twice = |pin: Pin| single.clone().filter(|other| *other == pin).count() > 1;
         if single.clone().any(is_twice) || slots().any(|slot| single.clone().any(|pin| pin == slot.enable)) {
             return Some("a pin has two jobs");

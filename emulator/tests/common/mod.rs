@@ -1,10 +1,11 @@
 //! The image under test, and how it is run.
 
 use corehbot::settings::Settings;
+use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
-use corehbot_emulator::wiring::OCTOPUS;
+use corehbot_emulator::wiring::{OCTOPUS, Pin};
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.
@@ -24,8 +25,21 @@ pub fn root() -> PathBuf {
 
 /// Prints `gcode` with the image, and with a fault if there is one.
 pub fn print(firmware: &Firmware, gcode: &str, injection: Option<Injection>) -> Seen {
+    let eeprom = At24c32::default();
+    print_with(firmware, gcode, injection, &eeprom, None)
+}
+
+/// Prints `gcode` with a board whose EEPROM is `eeprom`, and of which a pin may be held.
+pub fn print_with(
+    firmware: &Firmware,
+    gcode: &str,
+    injection: Option<Injection>,
+    eeprom: &At24c32,
+    stuck: Option<(Pin, bool)>,
+) -> Seen {
     let settings = Settings::prototype();
     let patience = Patience { whole: 120_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
-    let request = Request { firmware, wiring: &OCTOPUS, settings: &settings, gcode, patience, injection };
+    let wiring = &OCTOPUS;
+    let request = Request { firmware, wiring, settings: &settings, gcode, patience, injection, eeprom, stuck };
     run(&request).unwrap_or_else(|e| panic!("{e:#}"))
 }
