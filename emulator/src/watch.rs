@@ -19,6 +19,12 @@ use rigless::time::VirtualNanos;
 const GPIO: u64 = 0x4002_0000;
 const PORT_SIZE: u64 = 0x400;
 
+/// What lies below RAM is reserved up to the option bytes (RM0390 rev 6, section 3.3) and answers with a bus error,
+/// where the model answers 0. So many accesses are made to fail: those of an overflowing stack and of the
+/// exception that it raises.
+const BELOW_RAM: (u64, u64) = (0x1FFF_C010, 0x2000_0000);
+const FAILING: usize = 64;
+
 /// How often the run is looked at: every ms.
 const LOOK_NS: u64 = 1_000_000;
 
@@ -135,6 +141,9 @@ impl Watch {
                 session.fail_next(GPIO, GPIO + PORTS as u64 * PORT_SIZE);
             }
             Some(Injection::Trap { after }) if events >= after => {
+                for _ in 0..FAILING {
+                    session.fail_next(BELOW_RAM.0, BELOW_RAM.1);
+                }
                 self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
             }
             _ => return,
