@@ -80,17 +80,26 @@ impl Emulated {
         for converter in &mut mcu.adc {
             converter.set_reference(RAIL);
         }
-        for &(channel, millivolts) in wiring.thermistors {
-            let channel = adc::Channel::new(channel).ok_or_else(|| anyhow!("no ADC channel {channel}"))?;
-            mcu.adc[2].set_input(channel, millivolts);
-        }
         mcu.usart[wiring.host_port.0].attach(host);
         mcu.i2c[0].attach(eeprom);
         let mut board = Self { mcu, wiring };
+        board.heat(wiring.thermistors)?;
         for &(pin, high) in wiring.resistors {
             board.drive(VirtualNanos(0), pin, high);
         }
         Ok(board)
+    }
+
+    /// Gives channels of ADC3 voltages in mV.
+    ///
+    /// # Errors
+    /// If there is no such channel.
+    pub fn heat(&mut self, channels: &[(u8, u32)]) -> Result<()> {
+        for &(channel, millivolts) in channels {
+            let channel = adc::Channel::new(channel).ok_or_else(|| anyhow!("no ADC channel {channel}"))?;
+            self.mcu.adc[2].set_input(channel, millivolts);
+        }
+        Ok(())
     }
 
     /// What the firmware does with port `n` now.

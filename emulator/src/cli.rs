@@ -85,6 +85,7 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
         patience,
         injection: None,
         eeprom: &eeprom,
+        thermistors: &[],
         stuck: None,
     };
     let seen = run(&request)?;

@@ -38,6 +38,8 @@ pub struct Request<'a> {
     pub injection: Option<Injection>,
     /// The EEPROM.
     pub eeprom: &'a At24c32,
+    /// Channels of ADC3 that have another voltage than at room temperature, in mV.
+    pub thermistors: &'a [(u8, u32)],
     /// A pin that something holds high or low all the time.
     pub stuck: Option<(Pin, bool)>,
 }
@@ -98,6 +100,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
     let host = HostLine::new(request.gcode);
     let mut board = Emulated::new(request.wiring, host, request.eeprom.clone())?;
+    board.heat(request.thermistors)?;
     if let Some((pin, high)) = request.stuck {
         board.drive(VirtualNanos(0), pin, high);
     }
@@ -108,7 +111,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let (mut session, watch) = (finished.session, finished.driver);
     let stop = finished.stop.context("the emulator ended by itself")?;
     if !watch.is_injectable {
-        bail!("the trap could not be sprung");
+        bail!("the fault could not be injected");
     }
     let gaps = Gaps::of(&session);
     let resets = session.resets().to_vec();

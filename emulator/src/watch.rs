@@ -11,6 +11,7 @@ use corehbot::settings::Settings;
 use corehbot_rig::Rig;
 use corehbot_sim::world::Host;
 use rigless::emulator::{AccessKind, Driver, Settled, Stop};
+use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
@@ -38,6 +39,15 @@ pub enum Injection {
     BusError {
         /// Events before it.
         after: usize,
+    },
+    /// Somebody writes to a register.
+    Poke {
+        /// Virtual time before it, in ns.
+        after: u64,
+        /// Where.
+        address: u64,
+        /// What.
+        value: u64,
     },
     /// After so many step events, the trap in the image springs (see [`crate::trap`]).
     Trap {
@@ -174,6 +184,14 @@ impl Watch {
         if session.board_mut().eeprom().is_some_and(|eeprom| eeprom.is_cut()) {
             self.end = End::PowerCut;
             return true;
+        }
+        if let Some(Injection::Poke { after, address, value }) = self.injection
+            && at >= after
+        {
+            let written = session.board_mut().mcu.write(VirtualNanos(at), address, Width::W32, value);
+            self.is_injectable = written.is_ok();
+            self.injection = None;
+            self.injected = Some(at);
         }
         let Some(line) = session.board_mut().host() else { return true };
         self.greeted = line.started.is_some();

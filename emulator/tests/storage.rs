@@ -19,7 +19,7 @@ const START_NS: u64 = 200 * MS;
 const MAGIC: usize = 4;
 
 fn talk(eeprom: &At24c32, gcode: &str) -> Seen {
-    let seen = print_with(&firmware(), gcode, None, eeprom, None);
+    let seen = print_with(&firmware(), gcode, None, eeprom, &[], None);
     assert!(seen.resets.is_empty() && seen.gaps.found.is_empty(), "{:?} {:?}", seen.resets, seen.gaps.found);
     seen
 }
@@ -123,7 +123,7 @@ fn complains(seen: &Seen) {
 #[test]
 fn a_bus_that_is_held_low_costs_no_more() {
     for line in LINES {
-        let seen = print_with(&firmware(), "M500\nM501\nM113\n", None, &At24c32::default(), Some((line, false)));
+        let seen = print_with(&firmware(), "M500\nM501\nM113\n", None, &At24c32::default(), &[], Some((line, false)));
         assert!(seen.resets.is_empty(), "{line}: {:?}", seen.resets);
         complains(&seen);
     }

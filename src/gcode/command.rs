@@ -124,6 +124,8 @@ pub enum Command<'a> {
     Message,
     /// M119: report the endstops.
     ReportEndstops,
+    /// M122: what the parts of the machine say of themselves.
+    Diagnose,
     /// M155: report temperatures every so many seconds.
     AutoReport(Option<Number>),
     /// M201: acceleration limits, units/s2.

@@ -33,6 +33,7 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
         115 => Command::ReportFirmware,
         117 => Command::Message,
         119 => Command::ReportEndstops,
+        122 => Command::Diagnose,
         155 => Command::AutoReport(number(text, b'S')),
         200 if !is_volumetric(text) => Command::Silent,
         201 => Command::MaxAcceleration(axis_words(text)),

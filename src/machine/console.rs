@@ -5,7 +5,7 @@ use super::limits::Homed;
 use super::modal::Modal;
 use crate::gcode;
 use crate::motion::{Link, Planner};
-use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
+use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
 use crate::protocol::{Emergency, Incoming, NoRoom, Receiver, Replies};
 use crate::settings::Settings;
 use crate::units::{Instant, Mm};
@@ -23,7 +23,7 @@ type Text = Vec<u8, 320>;
 const IDLE_TIMEOUT_S: u32 = 600;
 
 /// What the Console needs of a board.
-pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
+pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> {
     /// The line to the host.
     pub serial: S,
     /// The motor drivers.
@@ -32,6 +32,8 @@ pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
     pub clock: K,
     /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
     pub storage: T,
+    /// The temperature sensors; [`NoSensors`](crate::port::NoSensors) if there are none.
+    pub sensors: H,
 }
 
 /// The types of a set of [`Ports`], so that one parameter names them all.
@@ -44,18 +46,26 @@ pub trait PortSet {
     type Clock: Clock;
     /// Memory for settings.
     type Storage: Storage;
+    /// The temperature sensors.
+    type Sensors: ThermalPort;
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, T: Storage> PortSet for Ports<S, D, K, T> {
+impl<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> PortSet for Ports<S, D, K, T, H> {
     type Serial = S;
     type Drivers = D;
     type Clock = K;
     type Storage = T;
+    type Sensors = H;
 }
 
 /// The ports that have the types of `P`, which is `P` itself.
-type PortsOf<P> =
-    Ports<<P as PortSet>::Serial, <P as PortSet>::Drivers, <P as PortSet>::Clock, <P as PortSet>::Storage>;
+type PortsOf<P> = Ports<
+    <P as PortSet>::Serial,
+    <P as PortSet>::Drivers,
+    <P as PortSet>::Clock,
+    <P as PortSet>::Storage,
+    <P as PortSet>::Sensors,
+>;
 
 /// Why a command ends before it is done.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -100,9 +110,9 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) told_of_heaters: bool,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Ports<S, D, K, T>, W> {
+impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend> Console<'m, Ports<S, D, K, T, H>, W> {
     /// A Console of a machine that stands at `start` if that is known, as if homed.
-    pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T>) -> Self {
+    pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T, H>) -> Self {
         let [x, y, z] = start.unwrap_or_default();
         let now = ports.clock.now();
         Self {

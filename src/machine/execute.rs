@@ -76,6 +76,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::ReportPosition { real } => self.report_position(real).await,
             Command::ReportFirmware => self.report_firmware().await,
             Command::ReportEndstops => self.report_endstops().await,
+            Command::Diagnose => self.report_sensors().await,
             Command::ReportSettings => self.report_settings().await,
             Command::SaveSettings => self.save_settings().await,
             Command::LoadSettings => self.load_settings().await,

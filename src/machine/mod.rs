@@ -15,6 +15,7 @@ mod limits;
 mod modal;
 mod motion;
 mod report;
+mod sensors;
 mod tuning;
 
 pub use console::{Console, PortSet, Ports};

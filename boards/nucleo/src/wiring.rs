@@ -27,6 +27,8 @@ pub static BOARD: Board = Board {
     slow: MotorSet::NONE,
     // X, Y and Z limits: D9, D10, D11.
     endstops: [Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
+    probe: None,
+    thermistors: &[],
     loads: &[],
     // The ST-LINK's virtual serial port.
     serial: [Pin::new(Port::A, 2), Pin::new(Port::A, 3)],

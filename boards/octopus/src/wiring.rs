@@ -3,8 +3,8 @@
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
 
-use corehbot::port::MotorSet;
-use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, Slot};
+use corehbot::port::{MotorSet, Sensor};
+use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, Probe, Slot, Thermistor};
 
 /// The board.
 pub static BOARD: Board = Board {
@@ -31,6 +31,16 @@ pub static BOARD: Board = Board {
     slow: MotorSet(1 << 5),
     // X-STOP, Y-STOP, Z-STOP.
     endstops: [Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
+    // The PROBE header, and that of the BLTouch, whose signal is high for a moment when the pin is pushed in.
+    probe: Some(Probe { pin: Pin::new(Port::B, 7), is_high: true, pull_up: false }),
+    // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
+    thermistors: &[
+        thermistor(Sensor::Bed, 3, 9),
+        thermistor(Sensor::Hotend0, 4, 14),
+        thermistor(Sensor::Hotend1, 5, 15),
+        thermistor(Sensor::Hotend2, 6, 4),
+        thermistor(Sensor::Hotend3, 7, 5),
+    ],
     loads: &[
         // Bed, HE0 to HE3.
         Pin::new(Port::A, 1),
@@ -58,6 +68,11 @@ pub static BOARD: Board = Board {
 
 const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8)) -> Option<Slot> {
     Some(Slot { step: Pin::new(step.0, step.1), dir: Pin::new(dir.0, dir.1), enable: Pin::new(enable.0, enable.1) })
+}
+
+/// A thermistor on port F.
+const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> Thermistor {
+    Thermistor { sensor, pin: Pin::new(Port::F, pin), channel }
 }
 
 #[cfg(test)]

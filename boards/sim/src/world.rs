@@ -7,7 +7,9 @@
 use corehbot::app::{Memory, StepPorts, assemble};
 use corehbot::machine::Ports;
 use corehbot::motors::{EndstopSet, MotorSet};
-use corehbot::port::{Clock, DriverBus, NoStorage, Pend, Received, Serial, StepClock, StepPort, Storage};
+use corehbot::port::{
+    Clock, DriverBus, NoStorage, Pend, Received, Sensor, Serial, StepClock, StepPort, Storage, ThermalPort,
+};
 use corehbot::settings::Settings;
 use corehbot::units::{Instant, Mm, TICKS_PER_MS, Tick};
 use corehbot_rig::Rig;
@@ -145,6 +147,18 @@ impl DriverBus for Drivers {
     fn enable(&mut self, _on: MotorSet) {}
 }
 
+/// Thermistors in a room of 25 C.
+struct Room;
+
+/// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
+const ROOM: u16 = 62594;
+
+impl ThermalPort for Room {
+    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM)
+    }
+}
+
 struct Pins<'w> {
     rig: Rig,
     forward: MotorSet,
@@ -196,7 +210,7 @@ pub fn run_with(
     let mut memory = Box::new(Memory::new());
     let pins = Pins { rig: Rig::new(settings, start), forward: MotorSet::NONE, sink };
     let step_ports = StepPorts { pins, clock: Timer(&shared) };
-    let ports = Ports { serial: Line(&shared), drivers: Drivers, clock: Timer(&shared), storage };
+    let ports = Ports { serial: Line(&shared), drivers: Drivers, clock: Timer(&shared), storage, sensors: Room };
     let mut parts = assemble(&mut memory, *settings, start, step_ports, ports, Pends(&shared));
     let (status, stepper, generator) = (parts.status, &mut parts.stepper, &mut parts.generator);
     let mut console = pin!(parts.console.run());

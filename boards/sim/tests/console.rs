@@ -340,6 +340,14 @@ fn too_much_filament_in_one_move_is_left_out() {
     assert_eq!((outcome.counts[3], outcome.counts[6]), (800, 800));
 }
 
+#[test]
+fn sensors_say_what_they_read_or_that_there_is_nothing() {
+    let (heard, ..) = talk(&["M122"]);
+    for line in ["echo:sensor bed 62594/65536", "echo:sensor hotend0 62594/65536", "echo:sensor hotend1 -"] {
+        assert!(heard.contains(&line.to_owned()), "{heard:?}");
+    }
+}
+
 /// What a machine with storage says to such lines, greeting apart, but with what it found there at the start.
 fn keep(eeprom: &mut Eeprom, settings: &Settings, lines: &[&str]) -> (Vec<String>, Outcome, Steps) {
     let mut host = Talk::new(lines);

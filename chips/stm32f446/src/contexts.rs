@@ -21,13 +21,15 @@ use crate::memory::BoardStorage;
 use crate::serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::thermistors::Thermistors;
 use crate::watchdog::Watchdog;
 use crate::{fault, priorities};
 
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
-type BoardPorts = machine::Ports<HostSerial, EnableLines, BoardClock, BoardStorage>;
+/// The ports of a board, but for those of the steps.
+pub type BoardPorts = machine::Ports<HostSerial, EnableLines, BoardClock, BoardStorage, Thermistors>;
 /// The core with the ports of a board.
 pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;

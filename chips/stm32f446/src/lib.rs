@@ -47,6 +47,8 @@ mod step_pins;
 #[cfg(target_os = "none")]
 mod step_timer;
 #[cfg(target_os = "none")]
+mod thermistors;
+#[cfg(target_os = "none")]
 mod watchdog;
 
 #[cfg(target_os = "none")]

@@ -64,6 +64,12 @@ pub fn make_input(pin: Pin, is_high: bool) {
     port.moder().modify(|w| w.set_moder(pin.number(), Moder::INPUT));
 }
 
+/// Hands `pin` to a converter.
+pub fn make_analog(pin: Pin) {
+    float(pin);
+    registers(pin.port).moder().modify(|w| w.set_moder(pin.number(), Moder::ANALOG));
+}
+
 /// Leaves an input to what is connected.
 pub fn float(pin: Pin) {
     registers(pin.port).pupdr().modify(|w| w.set_pupdr(pin.number(), Pupdr::FLOATING));

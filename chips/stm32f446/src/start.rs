@@ -9,12 +9,13 @@ use defmt_rtt as _;
 use embassy_time::{Duration, Instant, block_for};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::contexts::{self, BoardParts, IrqPend};
+use crate::contexts::{self, BoardParts, BoardPorts, IrqPend};
 use crate::enable_lines::EnableLines;
 use crate::memory::{BoardStorage, Find};
 use crate::serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::thermistors::Thermistors;
 use crate::watchdog::{self, Watchdog};
 use crate::wiring::{Board, Words};
 use crate::{clocks, fault, last_words, ports, priorities, safe_levels};
@@ -50,6 +51,9 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     for pin in board.endstops {
         ports::make_input(pin, true);
     }
+    if let Some(probe) = board.probe {
+        ports::make_input(probe.pin, probe.pull_up);
+    }
     let mut serial = HostSerial::start(board);
     if !is_right {
         refuse(board, serial);
@@ -58,7 +62,14 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     step_timer::start();
     let steps = STEP_WORDS.init_with(|| Words::new(board.step_pins()));
     let dirs = DIR_WORDS.init_with(|| Words::new(board.dir_pins()));
-    let parts = assemble(StepPins::new(board, steps, dirs), serial, EnableLines::new(board), BoardStorage(find(board)));
+    let ports = Ports {
+        serial,
+        drivers: EnableLines::new(board),
+        clock: BoardClock,
+        storage: BoardStorage(find(board)),
+        sensors: Thermistors::start(board.thermistors),
+    };
+    let parts = assemble(StepPins::new(board, steps, dirs), ports);
     contexts::start(parts, Watchdog::new())
 }
 
@@ -91,14 +102,8 @@ fn refuse(board: &Board, mut serial: HostSerial) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(
-    pins: StepPins,
-    serial: HostSerial,
-    drivers: EnableLines,
-    storage: BoardStorage,
-) -> &'static mut BoardParts {
+fn assemble(pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
-    let ports = Ports { serial, drivers, clock: BoardClock, storage };
     // In this form the parts are built in their place; they are too large to be carried about.
     PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
 }

@@ -10,7 +10,7 @@ use corehbot::port::{EndstopSet, MotorSet, StepPort};
 use cortex_m::peripheral::DWT;
 
 use crate::ports::{self, Registers};
-use crate::wiring::{Board, PORTS, Pin, Words};
+use crate::wiring::{Board, PORTS, Words};
 
 /// A step pulse is high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
 /// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest.
@@ -47,7 +47,7 @@ impl StepPins {
             dir_ports: dirs.ports.map(ports::registers),
             reversed: board.reversed,
             slow: board.slow,
-            endstops: Endstops::new(board.endstops),
+            endstops: Endstops::new(board),
             rose: 0,
         }
     }
@@ -91,24 +91,43 @@ impl StepPort for StepPins {
     fn endstops(&mut self) -> EndstopSet {
         self.endstops.read()
     }
+
+    fn inputs(&self) -> EndstopSet {
+        self.endstops.all()
+    }
 }
 
 const _: () = assert!(EndstopSet::X.0 == 1 && EndstopSet::Y.0 == 2 && EndstopSet::Z.0 == 4);
 
-/// The switches of x, y and z.
+/// The switches of x, y and z, and the probe.
 struct Endstops {
     ports: [Registers; 3],
     numbers: [u8; 3],
-    /// One read gets them all.
+    /// One read gets the switches.
     is_one_port: bool,
+    probe: Option<ProbeInput>,
+}
+
+/// The probe's input.
+struct ProbeInput {
+    port: Registers,
+    mask: u32,
+    /// What the port reads in `mask` when it has triggered.
+    triggered: u32,
 }
 
 impl Endstops {
-    fn new(pins: [Pin; 3]) -> Self {
+    fn new(board: &Board) -> Self {
+        let pins = board.endstops;
         Self {
             ports: pins.map(|pin| ports::registers(pin.port)),
             numbers: pins.map(|pin| pin.number() as u8),
             is_one_port: pins.iter().all(|pin| pin.port == pins[0].port),
+            probe: board.probe.map(|probe| ProbeInput {
+                port: ports::registers(probe.pin.port),
+                mask: probe.pin.mask(),
+                triggered: if probe.is_high { probe.pin.mask() } else { 0 },
+            }),
         }
     }
 
@@ -121,6 +140,18 @@ impl Endstops {
             [first, self.ports[1].idr().read().0, self.ports[2].idr().read().0]
         };
         let levels = inputs.into_iter().zip(self.numbers).enumerate();
-        EndstopSet(levels.fold(0, |set, (bit, (input, number))| set | ((input >> number & 1) as u8) << bit))
+        let set = levels.fold(0, |set, (bit, (input, number))| set | ((input >> number & 1) as u8) << bit);
+        let probe = match &self.probe {
+            Some(probe) if probe.port.idr().read().0 & probe.mask == probe.triggered => EndstopSet::PROBE,
+            _ => EndstopSet::NONE,
+        };
+        EndstopSet(set).with(probe)
+    }
+
+    const fn all(&self) -> EndstopSet {
+        match self.probe {
+            Some(_) => EndstopSet::SWITCHES.with(EndstopSet::PROBE),
+            None => EndstopSet::SWITCHES,
+        }
     }
 }

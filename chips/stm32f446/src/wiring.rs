@@ -2,7 +2,7 @@
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
 
-use corehbot::port::{Motor, MotorSet};
+use corehbot::port::{Motor, MotorSet, Sensor};
 
 /// A GPIO port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -79,6 +79,31 @@ pub struct Mark {
     pub is_high: bool,
 }
 
+/// A Z probe.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Probe {
+    /// An input.
+    pub pin: Pin,
+    /// Its level when the probe has triggered.
+    pub is_high: bool,
+    /// Which way the internal resistor pulls a wire that is open.
+    pub pull_up: bool,
+}
+
+/// A thermistor to ground, under a resistor to the converter's reference.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Thermistor {
+    /// What it measures.
+    pub sensor: Sensor,
+    /// Its pin.
+    pub pin: Pin,
+    /// The pin's channel of ADC3.
+    pub channel: u8,
+}
+
+/// Thermistors that a board may have: a sequence of six or less is in one register (RM0390, 13.13.11).
+pub const MOST_THERMISTORS: usize = 5;
+
 /// A board.
 #[derive(Clone, Copy, Debug)]
 pub struct Board {
@@ -94,6 +119,10 @@ pub struct Board {
     pub slow: MotorSet,
     /// Switches of x, y and z: closed to ground at rest, with a pull-up, so that a broken wire reads as pressed.
     pub endstops: [Pin; 3],
+    /// The Z probe.
+    pub probe: Option<Probe>,
+    /// The thermistors.
+    pub thermistors: &'static [Thermistor],
     /// Heaters and fans: low is off, and they stay low.
     pub loads: &'static [Pin],
     /// Transmitter and receiver of USART2.
@@ -215,7 +244,8 @@ impl Board {
         let slots = || self.slots.iter().flatten();
         let single = slots().flat_map(|slot| [slot.step, slot.dir]);
         let single = single.chain(self.loads.iter().copied()).chain(self.endstops).chain(self.serial);
-        let single = single.chain(self.eeprom.into_iter().flatten());
+        let single = single.chain(self.eeprom.into_iter().flatten()).chain(self.probe.map(|probe| probe.pin));
+        let single = single.chain(self.thermistors.iter().map(|thermistor| thermistor.pin));
         let is_twice = |pin: Pin| single.clone().filter(|other| *other == pin).count() > 1;
         if single.clone().any(is_twice) || slots().any(|slot| single.clone().any(|pin| pin == slot.enable)) {
             return Some("a pin has two jobs");
@@ -223,6 +253,9 @@ impl Board {
         let debug = [Pin::new(Port::A, 13), Pin::new(Port::A, 14)];
         if single.clone().chain(slots().map(|slot| slot.enable)).any(|pin| debug.contains(&pin)) {
             return Some("a pin of the debug port has a job");
+        }
+        if self.thermistors.len() > MOST_THERMISTORS {
+            return Some("there are too many thermistors");
         }
         None
     }

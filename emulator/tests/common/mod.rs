@@ -1,4 +1,5 @@
 //! The image under test, and how it is run.
+#![allow(dead_code, reason = "each test is a program of its own and needs but some of this")]
 
 use corehbot::settings::Settings;
 use corehbot_emulator::eeprom::At24c32;
@@ -26,20 +27,31 @@ pub fn root() -> PathBuf {
 /// Prints `gcode` with the image, and with a fault if there is one.
 pub fn print(firmware: &Firmware, gcode: &str, injection: Option<Injection>) -> Seen {
     let eeprom = At24c32::default();
-    print_with(firmware, gcode, injection, &eeprom, None)
+    print_with(firmware, gcode, injection, &eeprom, &[], None)
 }
 
-/// Prints `gcode` with a board whose EEPROM is `eeprom`, and of which a pin may be held.
+/// Prints `gcode` with a board whose EEPROM is `eeprom`, with voltages on channels of ADC3, and of which a pin may be
+/// held.
 pub fn print_with(
     firmware: &Firmware,
     gcode: &str,
     injection: Option<Injection>,
     eeprom: &At24c32,
+    thermistors: &[(u8, u32)],
     stuck: Option<(Pin, bool)>,
 ) -> Seen {
     let settings = Settings::prototype();
     let patience = Patience { whole: 120_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
-    let wiring = &OCTOPUS;
-    let request = Request { firmware, wiring, settings: &settings, gcode, patience, injection, eeprom, stuck };
+    let request = Request {
+        firmware,
+        wiring: &OCTOPUS,
+        settings: &settings,
+        gcode,
+        patience,
+        injection,
+        eeprom,
+        thermistors,
+        stuck,
+    };
     run(&request).unwrap_or_else(|e| panic!("{e:#}"))
 }
