@@ -9,9 +9,11 @@
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog |
 //!
-//! `unsafe` stays in `fault`, `last_words` and `priorities`.
+//! `unsafe` stays in `fault`, `flash`, `last_words` and `priorities`.
 #![cfg_attr(target_os = "none", no_std)]
 
+pub mod flash_pages;
+pub mod memory;
 pub mod wiring;
 
 #[cfg(target_os = "none")]
@@ -27,9 +29,9 @@ mod enable_lines;
 #[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
-mod last_words;
+mod flash;
 #[cfg(target_os = "none")]
-mod memory;
+mod last_words;
 #[cfg(target_os = "none")]
 mod ports;
 #[cfg(target_os = "none")]
@@ -53,5 +55,7 @@ mod watchdog;
 
 #[cfg(target_os = "none")]
 pub use eeprom::eeprom;
+#[cfg(target_os = "none")]
+pub use flash::flash;
 #[cfg(target_os = "none")]
 pub use start::run;

@@ -11,9 +11,25 @@ pub type Find = fn(&'static Board) -> &'static mut dyn Memory;
 
 /// The port [`Storage`] without futures: no call takes longer than a millisecond or two, unless it says so.
 pub trait Memory {
+    /// As [`Storage::capacity`].
     fn capacity(&self) -> u32;
+
+    /// As [`Storage::read`].
+    ///
+    /// # Errors
+    /// The same.
     fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
+
+    /// As [`Storage::write`].
+    ///
+    /// # Errors
+    /// The same.
     fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
+
+    /// As [`Storage::is_settled`].
+    ///
+    /// # Errors
+    /// The same.
     fn is_settled(&mut self) -> Result<bool, StorageError>;
 }
 

@@ -38,6 +38,15 @@ impl Board {
             Self::Nucleo => "nucleo",
         }
     }
+
+    /// Bytes that the image may leave free in one place.
+    const fn largest_gap(self) -> u32 {
+        match self {
+            Self::Octopus => binary::LARGEST_GAP,
+            // Sectors 0 to 2 hold the vectors and the settings; the code begins behind them.
+            Self::Nucleo => 0xC000,
+        }
+    }
 }
 
 /// Builds, weighs and examines an image.
@@ -47,7 +56,7 @@ pub fn main(args: &Args) -> Result<()> {
     let data = read(&elf_path)?;
     let elf = Elf::parse(&*data)?;
     examine(&elf, true)?;
-    let binary = binary::extract(&elf)?;
+    let binary = binary::extract(&elf, args.board.largest_gap())?;
     let binary_path = write(&binary, name)?;
     println!("ELF     {}", elf_path.display());
     println!("binary  {} ({} bytes)", binary_path.display(), binary.len());
