@@ -76,6 +76,19 @@ impl At24c32 {
         self.cut.is_some() && !self.answers
     }
 
+    /// Takes a byte of the address, or one of a page, within which the address goes round.
+    fn take(&mut self, byte: u8) {
+        match self.heard {
+            0 => self.at = usize::from(byte) << 8,
+            1 => self.at = (self.at | usize::from(byte)) % SIZE,
+            _ => {
+                self.page.push((self.at, byte));
+                self.at = self.at / PAGE * PAGE + (self.at + 1) % PAGE;
+            }
+        }
+        self.heard = self.heard.saturating_add(1);
+    }
+
     /// Writes the page that waits, as far as there is power.
     fn program(&mut self) {
         let page = std::mem::take(&mut self.page);
@@ -119,15 +132,7 @@ impl Peer for At24c32 {
     }
 
     fn write(&mut self, byte: u8, _context: &mut Timeline<'_, '_>) -> bool {
-        match self.heard {
-            0 => self.at = usize::from(byte) << 8,
-            1 => self.at = (self.at | usize::from(byte)) % SIZE,
-            _ => {
-                self.page.push((self.at, byte));
-                self.at = self.at / PAGE * PAGE + (self.at + 1) % PAGE;
-            }
-        }
-        self.heard = self.heard.saturating_add(1);
+        self.take(byte);
         true
     }
 
@@ -150,9 +155,21 @@ mod tests {
     use super::*;
 
     fn waiting(at: usize, bytes: &[u8]) -> At24c32 {
+        let page = bytes.iter().enumerate().map(|(i, byte)| (at + i, *byte)).collect();
+        At24c32 { page, ..At24c32::default() }
+    }
+
+    #[test]
+    fn a_write_goes_round_within_its_page() {
         let mut chip = At24c32::default();
-        chip.page = bytes.iter().enumerate().map(|(i, byte)| (at + i, *byte)).collect();
-        chip
+        // Address 0x1234, whose upper four bits mean nothing, is byte 20 of its page.
+        for byte in [0x12, 0x34].into_iter().chain(0..40) {
+            chip.take(byte);
+        }
+        chip.program();
+        let page: Vec<u8> = (12..32).chain(32..40).chain(8..12).collect();
+        assert_eq!(chip.cells[0x220..0x240], page);
+        assert_eq!((chip.cells[0x21F], chip.cells[0x240]), (0xFF, 0xFF));
     }
 
     #[test]

@@ -125,7 +125,7 @@ impl Bus {
     }
 
     /// Clocks a chip to the end of its byte, then says stop, and begins anew. The edges also wake an input filter
-    /// that is stuck, as other chips of the family know it (ES0093, analog filter locking the BUSY flag).
+    /// that is stuck, which the errata sheets of the STM32F1 know and that of the F446 does not, as far as we could see.
     fn free(&mut self) -> Outcome<()> {
         self.is_sound = false;
         for pin in [self.scl, self.sda] {
