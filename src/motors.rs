@@ -103,11 +103,21 @@ impl EndstopSet {
     pub const Y: Self = Self(2);
     /// The switch at the low end of Z.
     pub const Z: Self = Self(4);
+    /// The Z probe on the tool.
+    pub const PROBE: Self = Self(8);
+    /// The switches that every machine has.
+    pub const SWITCHES: Self = Self(7);
 
     /// Whether every endstop of `other` is in the set.
     #[must_use]
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
+    }
+
+    /// The endstops of either set.
+    #[must_use]
+    pub const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
     }
 
     /// The endstops of both sets.

@@ -23,8 +23,13 @@ pub trait StepPort {
     /// section 13.1: minimum STEP high time).
     fn fall(&mut self, steps: MotorSet);
 
-    /// All endstop inputs in one read.
+    /// All endstop inputs, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
+
+    /// The endstops that there are.
+    fn inputs(&self) -> EndstopSet {
+        EndstopSet::SWITCHES
+    }
 }
 
 /// The step timer: a free-running counter of [`Tick`]s and one alarm.
@@ -152,12 +157,21 @@ pub trait Storage {
     /// [`StorageError`]; then `into` may hold anything.
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
 
-    /// Puts `bytes` at address `at` and returns when they are stored for good. The core never writes across
-    /// a page of [`crate::storage::PAGE`] bytes.
+    /// Hands over `bytes` for address `at`; they are stored for good as soon as the storage
+    /// [is settled](Self::is_settled). The core never writes across a page of [`crate::storage::PAGE`] bytes.
     ///
     /// # Errors
     /// [`StorageError`]; then some of the bytes may have been written.
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
+
+    /// Whether everything written is stored for good. Ask until it is before the next transfer: a transfer
+    /// that comes too early waits by itself, and nobody else gets a turn.
+    ///
+    /// # Errors
+    /// [`StorageError::Failed`] if it takes too long.
+    fn is_settled(&mut self) -> Result<bool, StorageError> {
+        Ok(true)
+    }
 }
 
 /// For machines without storage.
@@ -175,5 +189,49 @@ impl Storage for NoStorage {
 
     async fn write(&mut self, _at: u32, _bytes: &[u8]) -> Result<(), StorageError> {
         Err(StorageError::Absent)
+    }
+}
+
+/// A temperature sensor.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Sensor {
+    /// The bed's.
+    Bed,
+    /// The first hotend's.
+    Hotend0,
+    /// The second hotend's, or a spare.
+    Hotend1,
+    /// The third hotend's, or a spare.
+    Hotend2,
+    /// The fourth hotend's, or a spare.
+    Hotend3,
+}
+
+impl Sensor {
+    /// Every sensor, with the name that reports print.
+    pub const ALL: [(Self, &'static str); 5] = [
+        (Self::Bed, "bed"),
+        (Self::Hotend0, "hotend0"),
+        (Self::Hotend1, "hotend1"),
+        (Self::Hotend2, "hotend2"),
+        (Self::Hotend3, "hotend3"),
+    ];
+}
+
+/// The temperature sensors.
+pub trait ThermalPort {
+    /// What the converter reads there: its part of the reference voltage, in units of 1/65,536. `None` if there
+    /// is no such sensor, or if the converter has stopped: a value is never older than some milliseconds.
+    fn sample(&mut self, sensor: Sensor) -> Option<u16>;
+}
+
+/// For machines without temperature sensors.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoSensors;
+
+impl ThermalPort for NoSensors {
+    fn sample(&mut self, _sensor: Sensor) -> Option<u16> {
+        None
     }
 }

@@ -18,6 +18,8 @@ pub struct Status {
     triggered: AtomicU8,
     /// All endstop inputs as the Stepper last saw them.
     endstops: AtomicU8,
+    /// The endstops that there are; written when the Stepper is made.
+    inputs: AtomicU8,
     /// Motion time executed, low 32 bits of ticks; written by the Stepper.
     tick: AtomicU32,
     /// Entries of the MoveQueue finished; written by the StepGenerator.
@@ -60,6 +62,7 @@ impl Status {
             epoch: AtomicU8::new(0),
             triggered: AtomicU8::new(0),
             endstops: AtomicU8::new(0),
+            inputs: AtomicU8::new(0),
             tick: AtomicU32::new(0),
             entries_done: AtomicU32::new(0),
             events_made: AtomicU32::new(0),
@@ -129,6 +132,16 @@ impl Status {
 
     pub(crate) fn set_endstops(&self, set: EndstopSet) {
         self.endstops.store(set.0, Relaxed);
+    }
+
+    /// The endstops that there are.
+    #[must_use]
+    pub fn inputs(&self) -> EndstopSet {
+        EndstopSet(self.inputs.load(Relaxed))
+    }
+
+    pub(crate) fn set_inputs(&self, set: EndstopSet) {
+        self.inputs.store(set.0, Relaxed);
     }
 
     /// Motion time executed, low 32 bits, in ticks.

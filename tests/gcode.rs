@@ -78,6 +78,7 @@ fn line() -> impl Strategy<Value = String> {
         "M115",
         "M117",
         "M119",
+        "M122",
         "M155",
         "M200",
         "M201",

@@ -69,32 +69,41 @@ impl Port {
 }
 
 impl Emulated {
-    /// A board out of reset with hosts on its serial ports, as many as there are.
+    /// A board out of reset with hosts on its serial ports, as many as there are, and `eeprom` on I2C1.
     ///
     /// # Errors
     /// If the model contradicts itself.
-    pub fn new(wiring: &'static Wiring, hosts: Vec<HostLine>) -> Result<Self> {
+    pub fn new(wiring: &'static Wiring, hosts: Vec<HostLine>, eeprom: At24c32) -> Result<Self> {
         let mut mcu = Chip::new().context("the model of the chip")?;
         mcu.rcc.attach_crystals(wiring.crystal, 0);
         mcu.set_supply(RAIL);
         for converter in &mut mcu.adc {
             converter.set_reference(RAIL);
         }
-        for &(channel, millivolts) in wiring.thermistors {
-            let channel = adc::Channel::new(channel).ok_or_else(|| anyhow!("no ADC channel {channel}"))?;
-            mcu.adc[2].set_input(channel, millivolts);
-        }
         for (port, host) in wiring.host_ports.iter().zip(hosts) {
             let usart = &mut mcu.usart[port.place];
             host.damage(usart.errors_mut());
             usart.attach(host);
         }
-        mcu.i2c[0].attach(At24c32::default());
+        mcu.i2c[0].attach(eeprom);
         let mut board = Self { mcu, wiring };
+        board.heat(wiring.thermistors)?;
         for &(pin, high) in wiring.resistors {
             board.drive(VirtualNanos(0), pin, high);
         }
         Ok(board)
+    }
+
+    /// Gives channels of ADC3 voltages in mV.
+    ///
+    /// # Errors
+    /// If there is no such channel.
+    pub fn heat(&mut self, channels: &[(u8, u32)]) -> Result<()> {
+        for &(channel, millivolts) in channels {
+            let channel = adc::Channel::new(channel).ok_or_else(|| anyhow!("no ADC channel {channel}"))?;
+            self.mcu.adc[2].set_input(channel, millivolts);
+        }
+        Ok(())
     }
 
     /// What the firmware does with port `n` now.
@@ -131,6 +140,11 @@ impl Emulated {
                 gpio.drive(bit, level, registers, context);
             });
         }
+    }
+
+    /// The EEPROM.
+    pub fn eeprom(&mut self) -> Option<&mut At24c32> {
+        self.mcu.i2c[0].chip_mut::<At24c32>(0)
     }
 
     /// Clock of the bus that `port` is on.

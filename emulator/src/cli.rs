@@ -4,6 +4,7 @@
 
 use crate::compare::{self, Timing};
 use crate::driver_line::DriverLines;
+use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
 use crate::line::Manner;
 use crate::run::{Request, Seen, run};
@@ -77,7 +78,7 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
     println!("sha256    {}", firmware.sha256);
     let settings = Settings::prototype();
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let drivers = DriverLines::new(&OCTOPUS);
+    let (drivers, eeprom) = (DriverLines::new(&OCTOPUS), At24c32::default());
     let request = Request {
         firmware,
         wiring: &OCTOPUS,
@@ -88,6 +89,9 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
         patience,
         injection: None,
         drivers: &drivers,
+        eeprom: &eeprom,
+        thermistors: &[],
+        stuck: None,
     };
     let seen = run(&request)?;
     write_files(cli, &settings, &seen.recorder.events)?;

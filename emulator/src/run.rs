@@ -2,6 +2,7 @@
 
 use crate::board::Emulated;
 use crate::driver_line::DriverLines;
+use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
 use crate::gaps::Gaps;
 use crate::laps::Laps;
@@ -9,7 +10,7 @@ use crate::line::{HostLine, Manner};
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::watch::{End, Injection, Patience, Watch};
-use crate::wiring::{BRR, HostPort, Wiring};
+use crate::wiring::{BRR, HostPort, Pin, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
 use rigless::emulator::{self, Start};
@@ -43,6 +44,12 @@ pub struct Request<'a> {
     pub injection: Option<Injection>,
     /// The motor drivers.
     pub drivers: &'a DriverLines,
+    /// The EEPROM.
+    pub eeprom: &'a At24c32,
+    /// Channels of ADC3 that have another voltage than at room temperature, in mV.
+    pub thermistors: &'a [(u8, u32)],
+    /// A pin that something holds high or low all the time.
+    pub stuck: Option<(Pin, bool)>,
 }
 
 /// Everything that was seen.
@@ -70,6 +77,8 @@ pub struct Seen {
     pub line: LineSeen,
     /// That on the second serial port.
     pub second: Option<LineSeen>,
+    /// The EEPROM as it was left.
+    pub eeprom: At24c32,
     /// Core clock in Hz at the end.
     pub core_hz: u64,
     /// Virtual time in ns.
@@ -105,7 +114,11 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
     let texts = [Some(request.gcode), request.second].into_iter().flatten();
     let hosts = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
-    let board = Emulated::new(request.wiring, hosts)?;
+    let mut board = Emulated::new(request.wiring, hosts, request.eeprom.clone())?;
+    board.heat(request.thermistors)?;
+    if let Some((pin, high)) = request.stuck {
+        board.drive(VirtualNanos(0), pin, high);
+    }
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
     let watch = Watch::new(
         request.wiring,
@@ -120,7 +133,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let (mut session, watch) = (finished.session, finished.driver);
     let stop = finished.stop.context("the emulator ended by itself")?;
     if !watch.is_injectable {
-        bail!("the trap could not be sprung");
+        bail!("the fault could not be injected");
     }
     let gaps = Gaps::of(&session);
     let resets = session.resets().to_vec();
@@ -128,6 +141,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let bauds = request.wiring.host_ports.iter().map(|port| baud(board, port, stop.at)).collect::<Result<Vec<_>>>()?;
     let (clocks, registers) = board.mcu.clocks();
     let core_hz = clocks.hclk(registers);
+    let eeprom = board.eeprom().context("the EEPROM has gone")?.clone();
     let mut lines = board.hosts().zip(bauds).map(|(line, baud)| LineSeen::of(line, baud));
     let line = lines.next().context("the host has gone")?;
     let second = lines.next();
@@ -145,6 +159,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         injected: watch.injected,
         line,
         second,
+        eeprom,
         core_hz,
         virtual_ns: stop.at.0,
         instructions: stop.instruction_count,

@@ -16,6 +16,9 @@ pub const TRIGGER: u32 = 0x2002_0000;
 /// A panic that wants no argument but the place in the source, and that every image with an `async fn` has.
 const PANIC: &str = "panic_const_async_fn_resumed";
 
+/// Interrupt control and state register: bit 31 pends the NMI (ARM DDI 0403E, B3.2.4).
+const ICSR: u32 = 0xE000_ED04;
+
 /// What happens in the step interrupt.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Trap {
@@ -25,6 +28,11 @@ pub enum Trap {
     Hang,
     /// A panic.
     Panic,
+    /// Pushes without end.
+    StackOverflow,
+    /// The exception by which the chip tells that its crystal has stopped (RM0390 rev 6, section 6.2.7). The model
+    /// falls back to its own oscillator, but raises no exception, so the code pends it.
+    ClockFailure,
 }
 
 /// What the first instructions of `handler` become, and what goes to [`PLACE`].
@@ -44,6 +52,13 @@ fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], V
     match trap {
         Trap::IllegalInstruction => code.push(0xDE00),
         Trap::Hang => code.push(0xE7FE),
+        // push {r0-r7}; b .-2
+        Trap::StackOverflow => code.extend([0xB4FF, 0xE7FD]),
+        Trap::ClockFailure => {
+            // ldr r0, =ICSR; movs r1, #1; lsls r1, #31; str r1, [r0]; b .; nop
+            code.extend([0x4802, 0x2101, 0x07C9, 0x6001, 0xE7FE, 0xBF00]);
+            word(&mut code, ICSR);
+        }
         Trap::Panic => {
             // ldr r0, =location; nop; nop; nop
             code.extend([0x4802, 0xBF00, 0xBF00, 0xBF00]);
@@ -90,5 +105,7 @@ mod tests {
         let word = |at: usize| u32::from(code[at / 2]) | u32::from(code[at / 2 + 1]) << 16;
         assert_eq!((word(20), word(36), word(40)), (TRIGGER, PLACE + 40, PLACE + 56));
         assert_eq!(word(56).to_le_bytes(), *b"trap");
+        let (_, code) = detour(Trap::ClockFailure, 0x0801_0000, 0, [0xB5F0, 0xAF03]);
+        assert_eq!(u32::from(code[18]) | u32::from(code[19]) << 16, ICSR);
     }
 }

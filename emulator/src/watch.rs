@@ -21,6 +21,12 @@ use rigless::time::VirtualNanos;
 const GPIO: u64 = 0x4002_0000;
 const PORT_SIZE: u64 = 0x400;
 
+/// What lies below RAM is reserved up to the option bytes (RM0390 rev 6, section 3.3) and answers with a bus error,
+/// where the model answers 0. So many accesses are made to fail: those of an overflowing stack and of the
+/// exception that it raises.
+const BELOW_RAM: (u64, u64) = (0x1FFF_C010, 0x2000_0000);
+const FAILING: usize = 64;
+
 /// How often the run is looked at: every ms.
 const LOOK_NS: u64 = 1_000_000;
 
@@ -47,6 +53,15 @@ pub enum Injection {
         /// Events before it.
         after: usize,
     },
+    /// Somebody writes to a register.
+    Poke {
+        /// Virtual time before it, in ns.
+        after: u64,
+        /// Where.
+        address: u64,
+        /// What.
+        value: u64,
+    },
     /// After so many step events, the trap in the image springs (see [`crate::trap`]).
     Trap {
         /// Events before it.
@@ -63,6 +78,8 @@ pub enum End {
     Reset,
     /// Neither a byte nor a step for this long, in ms.
     Stalled(u64),
+    /// The power of the board went.
+    PowerCut,
     /// Virtual time ran out.
     Late,
 }
@@ -167,6 +184,9 @@ impl Watch {
                 Motor::ALL.into_iter().for_each(|motor| self.drivers.of(motor).chip.power_off());
             }
             Some(Injection::Trap { after }) if events >= after => {
+                for _ in 0..FAILING {
+                    session.fail_next(BELOW_RAM.0, BELOW_RAM.1);
+                }
                 self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
             }
             _ => return,
@@ -204,6 +224,18 @@ impl Watch {
     fn look(&mut self, session: &mut Session<Emulated>, at: u64) -> bool {
         let reset_at = session.resets().first().map(|r| r.at.0);
         let steps_at = self.recorder.events.last().map_or(0, |e| e.at);
+        if session.board_mut().eeprom().is_some_and(|eeprom| eeprom.is_cut()) {
+            self.end = End::PowerCut;
+            return true;
+        }
+        if let Some(Injection::Poke { after, address, value }) = self.injection
+            && at >= after
+        {
+            let written = session.board_mut().mcu.write(VirtualNanos(at), address, Width::W32, value);
+            self.is_injectable = written.is_ok();
+            self.injection = None;
+            self.injected = Some(at);
+        }
         let mut active = steps_at;
         let mut is_done = true;
         for line in session.board_mut().hosts() {

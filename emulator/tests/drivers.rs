@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{MS, drivers, firmware, print, print_with, root};
+use common::{Bench, MS, drivers, firmware, print, root};
 use corehbot::driver::Name;
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
@@ -16,7 +16,7 @@ use corehbot_sim::tmc2209::chopconf;
 const GCODE: &str = "G28\nG1 X200 Y100 F6000\nG1 X20 Y150\nM400\n";
 
 fn print_on(drivers: &DriverLines) -> Seen {
-    print_with(&firmware(), GCODE, None, drivers)
+    common::print_on(&firmware(), GCODE, &Bench { drivers: drivers.clone(), ..Bench::default() })
 }
 
 /// Whether the board said so in an error of its own.
@@ -106,7 +106,7 @@ fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
 
 /// From a fault of drivers in mid-motion to the last step, in ns; the host is told `what`.
 fn stops_after(injection: Injection, what: &str) -> u64 {
-    let seen = print_with(&firmware(), GCODE, Some(injection), &drivers());
+    let seen = print(&firmware(), GCODE, Some(injection));
     let at = seen.injected.expect("a fault");
     let last = seen.recorder.events.last().map_or(0, |event| event.at);
     let off = seen.safety.switched.iter().find(|(when, on)| *when >= at && on.is_empty());

@@ -80,6 +80,27 @@ fn a_step_interrupt_that_hangs_is_ended_by_the_watchdog() {
     assert!(fall_into(Trap::Hang).0 < WATCHDOG_NS);
 }
 
+/// The stack lies at the bottom of RAM, so it cannot grow into anything; the handler takes a fresh one, because
+/// nothing can be pushed on the full one.
+#[test]
+fn a_stack_that_overflows_ends_at_the_edge_of_the_memory() {
+    let (off, seen) = fall_into(Trap::StackOverflow);
+    assert!(off < 2 * MS);
+    let told = seen.line.said.iter().find(|line| line.contains("a hard fault")).expect("the cause");
+    println!("{told}");
+    let stack = told.rsplit("SP ").next().map(|digits| u32::from_str_radix(digits, 16));
+    assert!(matches!(stack, Some(Ok(address)) if (0x1FFF_FF00..0x2000_0000).contains(&address)), "{told}");
+    // The push failed (PRECISERR, and BFAR says where), and so did the exception's (STKERR; ARM DDI 0403E, B3.2.15).
+    assert!(told.contains("CFSR 00009200"), "{told}");
+}
+
+#[test]
+fn a_crystal_that_stops_switches_the_motors_off_and_is_told() {
+    let (off, seen) = fall_into(Trap::ClockFailure);
+    assert!(off < 2 * MS);
+    assert!(seen.line.said.iter().any(|line| line.contains("the crystal has stopped")), "{:?}", seen.line.said);
+}
+
 /// The reload value needs five cycles of the slow oscillator to arrive (RM0390 rev 6, section 19.3); start-up waits
 /// for it, or the first period would be that of the reset value, 4.1 s.
 #[test]

@@ -10,7 +10,7 @@
 
 use crate::machine::{Console, PortSet, Ports};
 use crate::motion::{Link, MoveQueue, StepGenerator, StepQueue, Stepper};
-use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage};
+use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::Mm;
@@ -58,14 +58,24 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, W: Pend> {
 
 /// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its
 /// storage stand over `settings`.
-pub fn assemble<'m, P: StepPort, C: StepClock, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend + Copy>(
+pub fn assemble<
+    'm,
+    P: StepPort,
+    C: StepClock,
+    S: Serial,
+    D: DriverBus,
+    K: Clock,
+    T: Storage,
+    H: ThermalPort,
+    W: Pend + Copy,
+>(
     memory: &'m mut Memory,
     settings: Settings,
     start: Option<[Mm; 3]>,
     step_ports: StepPorts<P, C>,
-    ports: Ports<S, D, K, T>,
+    ports: Ports<S, D, K, T, H>,
     pend: W,
-) -> Parts<'m, P, C, Ports<S, D, K, T>, W> {
+) -> Parts<'m, P, C, Ports<S, D, K, T, H>, W> {
     let Memory { moves, events, status } = memory;
     let status: &'m Status = status;
     let (moves_in, moves_out) = moves.split();

@@ -124,8 +124,8 @@ pub enum Command<'a> {
     Message,
     /// M119: report the endstops.
     ReportEndstops,
-    /// M122: report what the motor drivers say.
-    ReportDrivers,
+    /// M122: what the parts of the machine say of themselves.
+    Diagnose,
     /// M155: report temperatures every so many seconds.
     AutoReport(Option<Number>),
     /// M201: acceleration limits, units/s2.

@@ -33,7 +33,7 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
         115 => Command::ReportFirmware,
         117 => Command::Message,
         119 => Command::ReportEndstops,
-        122 => Command::ReportDrivers,
+        122 => Command::Diagnose,
         155 => Command::AutoReport(number(text, b'S')),
         200 if !is_volumetric(text) => Command::Silent,
         201 => Command::MaxAcceleration(axis_words(text)),
@@ -190,7 +190,7 @@ mod tests {
         assert_eq!(parse(b"M569 P0 S0"), Command::Unknown(b"M569 P0 S0"));
         let words = AxisWords { x: Some(Number::from(900)), ..AxisWords::default() };
         assert_eq!(parse(b"M906 X900"), Command::DriverCurrent(words));
-        assert_eq!(parse(b"M122"), Command::ReportDrivers);
+        assert_eq!(parse(b"M122"), Command::Diagnose);
     }
 
     #[test]

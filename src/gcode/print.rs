@@ -47,7 +47,7 @@ impl Display for Command<'_> {
             Self::ReportFirmware => f.write_str("M115"),
             Self::Message => f.write_str("M117"),
             Self::ReportEndstops => f.write_str("M119"),
-            Self::ReportDrivers => f.write_str("M122"),
+            Self::Diagnose => f.write_str("M122"),
             Self::AutoReport(seconds) => switch(f, "M155", seconds),
             Self::MaxAcceleration(words) => axis_line(f, "M201", words),
             Self::MaxSpeed(words) => axis_line(f, "M203", words),

@@ -7,7 +7,7 @@ use super::modal::Modal;
 use crate::driver::{Drivers, Fault};
 use crate::gcode;
 use crate::motion::{Link, Planner};
-use crate::port::{Clock, DriverBus, Lines, MotorSet, Pend, Serial, Storage};
+use crate::port::{Clock, DriverBus, Lines, MotorSet, Pend, Serial, Storage, ThermalPort};
 use crate::protocol::{NoRoom, Replies};
 use crate::settings::Settings;
 use crate::units::{Instant, Mm};
@@ -21,7 +21,7 @@ use core::task::Poll;
 const IDLE_TIMEOUT_S: u32 = 600;
 
 /// What the Console needs of a board.
-pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
+pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> {
     /// The lines to the hosts.
     pub serial: Lines<S>,
     /// The motor drivers.
@@ -30,6 +30,8 @@ pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
     pub clock: K,
     /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
     pub storage: T,
+    /// The temperature sensors; [`NoSensors`](crate::port::NoSensors) if there are none.
+    pub sensors: H,
 }
 
 /// The types of a set of [`Ports`], so that one parameter names them all.
@@ -42,13 +44,16 @@ pub trait PortSet {
     type Clock: Clock;
     /// Memory for settings.
     type Storage: Storage;
+    /// The temperature sensors.
+    type Sensors: ThermalPort;
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, T: Storage> PortSet for Ports<S, D, K, T> {
+impl<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> PortSet for Ports<S, D, K, T, H> {
     type Serial = S;
     type Drivers = D;
     type Clock = K;
     type Storage = T;
+    type Sensors = H;
 }
 
 /// The ports of `P` without the lines to the hosts.
@@ -56,6 +61,7 @@ pub(super) struct Devices<P: PortSet> {
     pub drivers: P::Drivers,
     pub clock: P::Clock,
     pub storage: P::Storage,
+    pub sensors: P::Sensors,
 }
 
 /// Why a command ends before it is done.
@@ -98,15 +104,15 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) told_of_heaters: bool,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Ports<S, D, K, T>, W> {
+impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend> Console<'m, Ports<S, D, K, T, H>, W> {
     /// A Console of a machine that stands at `start` if that is known, as if homed.
-    pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T>) -> Self {
+    pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T, H>) -> Self {
         let [x, y, z] = start.unwrap_or_default();
-        let Ports { serial, drivers: bus, clock, storage } = ports;
+        let Ports { serial, drivers: bus, clock, storage, sensors } = ports;
         let now = clock.now();
         let drivers = Drivers::new(bus.lines(), &settings);
         Self {
-            ports: Devices { drivers: bus, clock, storage },
+            ports: Devices { drivers: bus, clock, storage, sensors },
             hosts: Hosts::new(serial, now),
             link,
             planner: Planner::new(&settings, [x, y, z, Mm::ZERO]),

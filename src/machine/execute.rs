@@ -74,6 +74,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::ReportPosition { real } => self.report_position(real).await,
             Command::ReportFirmware => self.report_firmware().await,
             Command::ReportEndstops => self.report_endstops().await,
+            Command::Diagnose => {
+                self.report_drivers().await?;
+                self.report_sensors().await
+            }
             Command::ReportSettings => self.report_settings().await,
             Command::SaveSettings => self.save_settings().await,
             Command::LoadSettings => self.load_settings().await,
@@ -83,7 +87,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::HybridThreshold(words) => self.set_drivers(DriverValue::HybridThreshold, &words).await,
             Command::StallThreshold(words) => self.set_drivers(DriverValue::StallThreshold, &words).await,
             Command::Stealth { on, axes } => self.set_stealth(on, axes).await,
-            Command::ReportDrivers => self.report_drivers().await,
             Command::Tool(0) => Ok(()),
             Command::Tool(number) => self.say(format_args!("echo:there is no tool T{number}")).await,
             Command::Heater => self.explain_heaters().await,

@@ -18,6 +18,7 @@ mod modal;
 mod motion;
 mod power;
 mod report;
+mod sensors;
 mod tuning;
 
 pub use console::{Console, PortSet, Ports};

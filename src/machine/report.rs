@@ -80,7 +80,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.say(format_args!("Reporting endstop status")).await?;
         self.say(format_args!("x_min: {x}")).await?;
         self.say(format_args!("y_min: {y}")).await?;
-        self.say(format_args!("z_min: {z}")).await
+        self.say(format_args!("z_min: {z}")).await?;
+        if self.link.status().inputs().has(EndstopSet::PROBE) {
+            self.say(format_args!("z_probe: {}", state(EndstopSet::PROBE))).await?;
+        }
+        Ok(())
     }
 
     /// M211 without S.

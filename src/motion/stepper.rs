@@ -48,6 +48,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     /// The stepper at the end of the StepQueue.
     pub fn new(events: Consumer<'m, StepEvent>, status: &'m Status, mut port: P, clock: C, pend: W) -> Self {
         port.dir(MotorSet::NONE);
+        status.set_inputs(port.inputs());
         status.set_endstops(port.endstops());
         Self {
             events,

@@ -8,7 +8,7 @@ mod wiring;
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    corehbot_stm32f446::run(&wiring::BOARD)
+    corehbot_stm32f446::run(&wiring::BOARD, corehbot_stm32f446::flash)
 }
 
 #[cfg(not(target_os = "none"))]

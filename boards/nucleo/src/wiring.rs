@@ -27,11 +27,14 @@ pub static BOARD: Board = Board {
     slow: MotorSet::NONE,
     // X, Y and Z limits: D9, D10, D11.
     endstops: [Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
+    probe: None,
+    thermistors: &[],
     loads: &[],
     // The ST-LINK's virtual serial port.
     serial: &[SerialPort { usart: Usart::Two, tx: Pin::new(Port::A, 2), rx: Pin::new(Port::A, 3), baud: 250_000 }],
     // The processor's USB pins lead to a pin header (UM1724, morpho connector CN10), not to a connector.
     has_usb: false,
+    eeprom: None,
     marks: &[],
 };
 

@@ -3,8 +3,8 @@
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
 
-use corehbot::port::MotorSet;
-use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, SerialPort, Slot, Usart};
+use corehbot::port::{MotorSet, Sensor};
+use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, Probe, SerialPort, Slot, Thermistor, Usart};
 
 /// The board.
 pub static BOARD: Board = Board {
@@ -31,6 +31,16 @@ pub static BOARD: Board = Board {
     slow: MotorSet(1 << 5),
     // X-STOP, Y-STOP, Z-STOP.
     endstops: [Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
+    // The PROBE header, and that of the BLTouch, whose signal is high for a moment when the pin is pushed in.
+    probe: Some(Probe { pin: Pin::new(Port::B, 7), is_high: true, pull_up: false }),
+    // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
+    thermistors: &[
+        thermistor(Sensor::Bed, 3, 9),
+        thermistor(Sensor::Hotend0, 4, 14),
+        thermistor(Sensor::Hotend1, 5, 15),
+        thermistor(Sensor::Hotend2, 6, 4),
+        thermistor(Sensor::Hotend3, 7, 5),
+    ],
     loads: &[
         // Bed, HE0 to HE3.
         Pin::new(Port::A, 1),
@@ -53,6 +63,7 @@ pub static BOARD: Board = Board {
         SerialPort { usart: Usart::One, tx: Pin::new(Port::A, 9), rx: Pin::new(Port::A, 10), baud: 250_000 },
     ],
     has_usb: true,
+    eeprom: Some([Pin::new(Port::B, 8), Pin::new(Port::B, 9)]),
     // Here PA0 is an enable line with a resistor of 10 kOhm to 3.3 V (R5) and PA2 a heater with one to ground.
     // On the Octopus Pro V1.1 PA0 is the heater, which our idle level would switch on (BTT pins of the Pro
     // V1.1).
@@ -68,11 +79,16 @@ const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port
     })
 }
 
+/// A thermistor on port F.
+const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> Thermistor {
+    Thermistor { sensor, pin: Pin::new(Port::F, pin), channel }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use corehbot::port::Motor;
-    use corehbot_stm32f446::wiring::Words;
+    use corehbot_stm32f446::words::Words;
 
     #[test]
     fn the_table_is_sound() {

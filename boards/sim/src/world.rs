@@ -8,7 +8,7 @@ use crate::drivers::Drivers;
 use corehbot::app::{Memory, StepPorts, assemble};
 use corehbot::machine::Ports;
 use corehbot::motors::{EndstopSet, MotorSet};
-use corehbot::port::{Clock, NoStorage, Pend, Received, Serial, StepClock, StepPort, Storage};
+use corehbot::port::{Clock, NoStorage, Pend, Received, Sensor, Serial, StepClock, StepPort, Storage, ThermalPort};
 use corehbot::settings::Settings;
 use corehbot::units::{Instant, Mm, TICKS_PER_MS, Tick};
 use corehbot_rig::Rig;
@@ -151,6 +151,18 @@ impl Serial for Line<'_> {
     }
 }
 
+/// Thermistors in a room of 25 C.
+struct Room;
+
+/// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
+const ROOM: u16 = 62594;
+
+impl ThermalPort for Room {
+    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM)
+    }
+}
+
 struct Pins<'w> {
     rig: Rig,
     forward: MotorSet,
@@ -224,6 +236,7 @@ pub fn run_on(
         drivers: drivers.bus(&shared.now),
         clock: Timer(&shared),
         storage,
+        sensors: Room,
     };
     let mut parts = assemble(&mut memory, *settings, start, step_ports, ports, Pends(&shared));
     let (status, stepper, generator) = (parts.status, &mut parts.stepper, &mut parts.generator);

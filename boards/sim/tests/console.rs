@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::motors::MotorSet;
+use corehbot::port::{Storage, StorageError};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::eeprom::Eeprom;
@@ -343,6 +344,14 @@ fn too_much_filament_in_one_move_is_left_out() {
     assert_eq!((outcome.counts[3], outcome.counts[6]), (800, 800));
 }
 
+#[test]
+fn sensors_say_what_they_read_or_that_there_is_nothing() {
+    let (heard, ..) = talk(&["M122"]);
+    for line in ["echo:sensor bed 62594/65536", "echo:sensor hotend0 62594/65536", "echo:sensor hotend1 -"] {
+        assert!(heard.contains(&line.to_owned()), "{heard:?}");
+    }
+}
+
 /// What a machine with storage says to such lines, greeting apart, but with what it found there at the start.
 fn keep(eeprom: &mut Eeprom, settings: &Settings, lines: &[&str]) -> (Vec<String>, Outcome, Steps) {
     let mut host = Talk::new(lines);
@@ -540,6 +549,56 @@ fn an_emergency_stop_is_heard_while_settings_are_saved() {
     assert!(!halted && kept == Some(stored), "{heard:?}");
     assert!(heard.iter().any(|l| l.starts_with("echo:Settings Stored")), "{heard:?}");
     assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 3, "{heard:?}");
+}
+
+/// A memory that is busy for some turns after every write, and perhaps for ever.
+struct Busy<'e> {
+    eeprom: &'e mut Eeprom,
+    asked: u32,
+    turns: Option<u32>,
+}
+
+impl Storage for Busy<'_> {
+    fn capacity(&self) -> u32 {
+        self.eeprom.capacity()
+    }
+
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        assert!(self.asked >= self.turns.unwrap_or(0), "read while busy");
+        self.eeprom.read(at, into).await
+    }
+
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        assert!(self.asked >= self.turns.unwrap_or(0), "written while busy");
+        self.asked = 0;
+        self.eeprom.write(at, bytes).await
+    }
+
+    fn is_settled(&mut self) -> Result<bool, StorageError> {
+        self.asked += 1;
+        match self.turns {
+            None if self.asked > 20 => Err(StorageError::Failed),
+            turns => Ok(turns.is_some_and(|turns| self.asked >= turns)),
+        }
+    }
+}
+
+#[test]
+fn memory_that_takes_its_time_is_waited_for_and_m112_is_heard_meanwhile() {
+    let made = Settings::prototype();
+    let save = |turns: Option<u32>, says, after| {
+        let mut eeprom = Eeprom::blank();
+        let mut host = Interrupter { talk: Talk::new(&["M500"]), turns: after, says };
+        let busy = Busy { eeprom: &mut eeprom, asked: turns.unwrap_or(0), turns };
+        let outcome = run_with(&made, None, busy, &mut [&mut host], &mut Steps::default()).unwrap();
+        (outcome.halted, eeprom.settings().is_some(), host.talk.heard)
+    };
+    let (_, is_stored, heard) = save(Some(5), "", 0);
+    assert!(is_stored && heard.iter().any(|l| l.starts_with("echo:Settings Stored")), "{heard:?}");
+    let (halted, is_stored, heard) = save(Some(50), "M112\n", 10);
+    assert!(halted && !is_stored, "{heard:?}");
+    let (_, is_stored, heard) = save(None, "", 0);
+    assert!(!is_stored && heard.contains(&"echo:Settings not stored: storage does not answer".to_owned()), "{heard:?}");
 }
 
 #[test]

@@ -10,6 +10,9 @@ use embassy_stm32::{Config, interrupt::Priority};
 
 use crate::wiring::Crystal;
 
+/// Clock of APB1: a quarter of 180 MHz.
+pub const APB1_HZ: u32 = 45_000_000;
+
 /// Clock of the timers on APB1: twice the bus's 45 MHz (RM0390, 6.2, figure of the clock tree).
 pub const TIMER_HZ: u32 = 90_000_000;
 

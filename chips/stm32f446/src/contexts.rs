@@ -5,7 +5,7 @@ use core::pin::pin;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use corehbot::app::Parts;
-use corehbot::port::{NoStorage, Pend};
+use corehbot::port::Pend;
 use corehbot::{machine, motion};
 use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::NVIC;
@@ -18,8 +18,10 @@ use static_cell::StaticCell;
 
 use crate::drivers::Drivers;
 use crate::host_serial::HostSerial;
+use crate::memory::BoardStorage;
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::thermistors::Thermistors;
 use crate::usb::{self, UsbPort};
 use crate::watchdog::Watchdog;
 use crate::{fault, priorities};
@@ -27,7 +29,8 @@ use crate::{fault, priorities};
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
-type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, NoStorage>;
+/// The ports of a board, but for those of the steps.
+pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage, Thermistors>;
 /// The core with the ports of a board.
 pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;

@@ -1,6 +1,6 @@
 //! What boards with an STM32F446 share: everything but pins.
 //!
-//! A board is a [`Board`](wiring::Board), a table of pins, and calls `run` with it.
+//! A board is a [`Board`](wiring::Board), a table of pins, and calls `run` with it and with the memory that it has for settings.
 //!
 //! | priority | context | runs |
 //! |---|---|---|
@@ -10,17 +10,22 @@
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog; USB |
 //!
-//! `unsafe` stays in `fault`, `last_words`, `otg` and `priorities`.
+//! `unsafe` stays in `fault`, `flash`, `last_words`, `otg` and `priorities`.
 #![cfg_attr(target_os = "none", no_std)]
 
+pub mod flash_pages;
+pub mod memory;
 mod serial_port;
 pub mod usb_pump;
 pub mod usb_traffic;
 pub mod wiring;
+pub mod words;
 
 #[cfg(any(test, target_os = "none"))]
 mod exchange;
 
+#[cfg(target_os = "none")]
+mod bus;
 #[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
@@ -30,7 +35,11 @@ mod driver_uart;
 #[cfg(target_os = "none")]
 mod drivers;
 #[cfg(target_os = "none")]
+mod eeprom;
+#[cfg(target_os = "none")]
 mod fault;
+#[cfg(target_os = "none")]
+mod flash;
 #[cfg(target_os = "none")]
 mod host_serial;
 #[cfg(target_os = "none")]
@@ -52,11 +61,17 @@ mod step_pins;
 #[cfg(target_os = "none")]
 mod step_timer;
 #[cfg(target_os = "none")]
+mod thermistors;
+#[cfg(target_os = "none")]
 mod usart;
 #[cfg(target_os = "none")]
 mod usb;
 #[cfg(target_os = "none")]
 mod watchdog;
 
+#[cfg(target_os = "none")]
+pub use eeprom::eeprom;
+#[cfg(target_os = "none")]
+pub use flash::flash;
 #[cfg(target_os = "none")]
 pub use start::run;

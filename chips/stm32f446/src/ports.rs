@@ -71,6 +71,12 @@ pub fn let_go(pin: Pin) {
     registers(pin.port).moder().modify(|w| w.set_moder(pin.number(), Moder::INPUT));
 }
 
+/// Hands `pin` to a converter.
+pub fn make_analog(pin: Pin) {
+    float(pin);
+    registers(pin.port).moder().modify(|w| w.set_moder(pin.number(), Moder::ANALOG));
+}
+
 /// Leaves an input to what is connected.
 pub fn float(pin: Pin) {
     registers(pin.port).pupdr().modify(|w| w.set_pupdr(pin.number(), Pupdr::FLOATING));

@@ -2,23 +2,26 @@
 
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, NoStorage, Serial as _};
+use corehbot::port::{Lines, Serial as _};
 use corehbot::settings::Settings;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_time::{Duration, Instant, block_for};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::contexts::{self, BoardParts, IrqPend};
+use crate::contexts::{self, BoardParts, BoardPorts, IrqPend};
 use crate::drivers::Drivers;
 use crate::host_serial::HostSerial;
 use crate::last_words::{self, Farewell};
+use crate::memory::{BoardStorage, Find};
 use crate::step_pins::StepPins;
 use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::thermistors::Thermistors;
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::watchdog::{self, Watchdog};
-use crate::wiring::{Board, Words};
+use crate::wiring::Board;
+use crate::words::Words;
 use crate::{clocks, fault, ports, priorities, safe_levels};
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
@@ -35,8 +38,8 @@ const SETTLE: u32 = 1000;
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
 
-/// Runs the firmware on `board`.
-pub fn run(board: &'static Board) -> ! {
+/// Runs the firmware on `board`, with the memory for settings that `find` finds there.
+pub fn run(board: &'static Board, find: Find) -> ! {
     let Some(mut peripherals) = Peripherals::take() else { fault::give_up("start-up runs once") };
     ports::switch_on();
     // Before any output is driven: a level that is safe here may switch a heater on elsewhere.
@@ -52,6 +55,9 @@ pub fn run(board: &'static Board) -> ! {
     for pin in board.endstops {
         ports::make_input(pin, true);
     }
+    if let Some(probe) = board.probe {
+        ports::make_input(probe.pin, probe.pull_up);
+    }
     let mut lines = open_headers(board);
     if !is_right {
         refuse(board, lines);
@@ -66,7 +72,14 @@ pub fn run(board: &'static Board) -> ! {
     step_timer::start();
     let steps = STEP_WORDS.init_with(|| Words::pulses(board.step_pins()));
     let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins()));
-    let parts = assemble(StepPins::new(board, steps, dirs), lines, Drivers::start(board));
+    let ports = Ports {
+        serial: lines,
+        drivers: Drivers::start(board),
+        clock: BoardClock,
+        storage: BoardStorage(find(board)),
+        sensors: Thermistors::start(board.thermistors),
+    };
+    let parts = assemble(StepPins::new(board, steps, dirs), ports);
     contexts::start(parts, usb, Watchdog::new())
 }
 
@@ -112,9 +125,8 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(pins: StepPins, serial: Lines<HostSerial>, drivers: Drivers) -> &'static mut BoardParts {
+fn assemble(pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
-    let ports = Ports { serial, drivers, clock: BoardClock, storage: NoStorage };
     // In this form the parts are built in their place; they are too large to be carried about.
     PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
 }

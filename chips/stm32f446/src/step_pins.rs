@@ -8,7 +8,8 @@ use corehbot::port::{EndstopSet, MotorSet, StepPort};
 use cortex_m::peripheral::DWT;
 
 use crate::ports::{self, Registers};
-use crate::wiring::{Board, PORTS, Pin, Words};
+use crate::wiring::{Board, Pin};
+use crate::words::{PORTS, Words};
 
 /// A step pulse is high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
 /// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest.
@@ -41,7 +42,7 @@ impl StepPins {
             dir_ports: dirs.ports.map(ports::registers),
             reversed: board.reversed,
             slow: board.slow,
-            endstops: Endstops::new(board.endstops),
+            endstops: Endstops::new(board),
             rose: 0,
         }
     }
@@ -50,11 +51,11 @@ impl StepPins {
 /// One store a port, with nothing between them, however the compiler feels about loops.
 #[inline(always)]
 fn store(ports: &[Registers; PORTS], words: &[u32; PORTS], shift: u32) {
-    let ([a, b, c, d], [x, y, z, w]) = (*ports, words.map(|word| word << shift));
-    ports::store(a, x);
-    ports::store(b, y);
-    ports::store(c, z);
-    ports::store(d, w);
+    let ([a, b, c, d], [x, y, z, w]) = (*ports, *words);
+    ports::store(a, x << shift);
+    ports::store(b, y << shift);
+    ports::store(c, z << shift);
+    ports::store(d, w << shift);
 }
 
 impl StepPort for StepPins {
@@ -86,37 +87,68 @@ impl StepPort for StepPins {
     fn endstops(&mut self) -> EndstopSet {
         self.endstops.read()
     }
+
+    fn inputs(&self) -> EndstopSet {
+        self.endstops.all()
+    }
 }
 
 const _: () = assert!(EndstopSet::X.0 == 1 && EndstopSet::Y.0 == 2 && EndstopSet::Z.0 == 4);
 
-/// The switches of x, y and z.
+/// The switches of x, y and z, and the probe.
 struct Endstops {
     ports: [Registers; 3],
-    numbers: [u8; 3],
-    /// One read gets them all.
+    masks: [u32; 3],
+    /// One read gets the switches.
     is_one_port: bool,
+    probe: Option<ProbeInput>,
+}
+
+/// The probe's input.
+struct ProbeInput {
+    port: Registers,
+    mask: u32,
+    /// What the port reads in `mask` when it has triggered.
+    triggered: u32,
 }
 
 impl Endstops {
-    fn new(pins: [Pin; 3]) -> Self {
+    fn new(board: &Board) -> Self {
+        let pins = board.endstops;
         Self {
             ports: pins.map(|pin| ports::registers(pin.port)),
-            numbers: pins.map(|pin| pin.number() as u8),
+            masks: pins.map(Pin::mask),
             is_one_port: pins.iter().all(|pin| pin.port == pins[0].port),
+            probe: board.probe.map(|probe| ProbeInput {
+                port: ports::registers(probe.pin.port),
+                mask: probe.pin.mask(),
+                triggered: if probe.is_high { probe.pin.mask() } else { 0 },
+            }),
         }
     }
 
     /// A function of its own, to keep the step path below a KiB.
     #[inline(never)]
     fn read(&self) -> EndstopSet {
-        let first = self.ports[0].idr().read().0;
-        let inputs = if self.is_one_port {
-            [first; 3]
-        } else {
-            [first, self.ports[1].idr().read().0, self.ports[2].idr().read().0]
-        };
-        let levels = inputs.into_iter().zip(self.numbers).enumerate();
-        EndstopSet(levels.fold(0, |set, (bit, (input, number))| set | ((input >> number & 1) as u8) << bit))
+        let [x, y, z] = self.ports;
+        let first = x.idr().read().0;
+        let (second, third) = if self.is_one_port { (first, first) } else { (y.idr().read().0, z.idr().read().0) };
+        let [x, y, z] = self.masks;
+        let mut set = u8::from(first & x != 0);
+        set |= u8::from(second & y != 0) << 1;
+        set |= u8::from(third & z != 0) << 2;
+        if let Some(probe) = &self.probe
+            && probe.port.idr().read().0 & probe.mask == probe.triggered
+        {
+            set |= EndstopSet::PROBE.0;
+        }
+        EndstopSet(set)
+    }
+
+    const fn all(&self) -> EndstopSet {
+        match self.probe {
+            Some(_) => EndstopSet::SWITCHES.with(EndstopSet::PROBE),
+            None => EndstopSet::SWITCHES,
+        }
     }
 }

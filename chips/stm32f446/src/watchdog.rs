@@ -16,6 +16,9 @@ use crate::contexts::{BEATS, IrqPend};
 /// so it comes after 0.34 to 0.94 s.
 const COUNTS: u16 = 500;
 
+/// The reload value has 12 bits (RM0390 rev 6, section 19.4.3).
+const MOST_COUNTS: u16 = 4096;
+
 /// Looks at the status while prescaler and reload value cross over, which takes five cycles of the slow oscillator
 /// (RM0390 rev 6, section 19.3), 0.3 ms at 17 kHz: ten times that at four cycles a look and 180 MHz.
 const CROSSING: u32 = 135_000;
@@ -35,7 +38,24 @@ pub fn start() {
     IWDG.kr().write(|w| w.set_key(Key::START));
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY32));
-    IWDG.rlr().write(|w| w.set_rl(COUNTS - 1));
+    set_period(COUNTS);
+}
+
+/// Gives what follows the longest time that there is, 2.8 to 7.7 s: an operation for which the processor stands still.
+pub fn stretch() {
+    IWDG.kr().write(|w| w.set_key(Key::START));
+    set_period(MOST_COUNTS);
+}
+
+/// Takes that back.
+pub fn restore() {
+    IWDG.kr().write(|w| w.set_key(Key::START));
+    set_period(COUNTS);
+}
+
+/// Begins a time of so many counts. The key has been turned.
+fn set_period(counts: u16) {
+    IWDG.rlr().write(|w| w.set_rl(counts - 1));
     // A feed before the new values have reached the slow oscillator's side reloads the reset value, and the
     // first period is 4 s.
     for _ in 0..CROSSING {

@@ -2,9 +2,10 @@
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
 
-use corehbot::port::{Motor, MotorSet};
+use corehbot::port::{Motor, MotorSet, Sensor};
 
 pub use crate::serial_port::{SerialPort, Usart};
+use crate::words::Words;
 
 /// A GPIO port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -83,6 +84,31 @@ pub struct Mark {
     pub is_high: bool,
 }
 
+/// A Z probe.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Probe {
+    /// An input.
+    pub pin: Pin,
+    /// Its level when the probe has triggered.
+    pub is_high: bool,
+    /// Which way the internal resistor pulls a wire that is open.
+    pub pull_up: bool,
+}
+
+/// A thermistor to ground, under a resistor to the converter's reference.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Thermistor {
+    /// What it measures.
+    pub sensor: Sensor,
+    /// Its pin.
+    pub pin: Pin,
+    /// The pin's channel of ADC3.
+    pub channel: u8,
+}
+
+/// Thermistors that a board may have: a sequence of six or less is in one register (RM0390, 13.13.11).
+pub const MOST_THERMISTORS: usize = 5;
+
 /// A board.
 #[derive(Clone, Copy, Debug)]
 pub struct Board {
@@ -98,12 +124,18 @@ pub struct Board {
     pub slow: MotorSet,
     /// Switches of x, y and z: closed to ground at rest, with a pull-up, so that a broken wire reads as pressed.
     pub endstops: [Pin; 3],
+    /// The Z probe.
+    pub probe: Option<Probe>,
+    /// The thermistors.
+    pub thermistors: &'static [Thermistor],
     /// Heaters and fans: low is off, and they stay low.
     pub loads: &'static [Pin],
     /// Serial ports on which hosts may be, each USART once.
     pub serial: &'static [SerialPort],
     /// There is a USB connector on PA11 and PA12.
     pub has_usb: bool,
+    /// Clock and data of I2C1, on which the EEPROM is.
+    pub eeprom: Option<[Pin; 2]>,
     /// What tells this board from others that an image of ours might be flashed to.
     pub marks: &'static [Mark],
 }
@@ -121,75 +153,6 @@ pub enum Crystal {
     Oscillator12MHz,
     /// A clock of 8 MHz from the ST-LINK.
     Clock8MHz,
-}
-
-/// Ports that the step pins, or the direction pins, of all motors may be spread over.
-pub const PORTS: usize = 4;
-
-/// Sets of motors.
-pub const SETS: usize = 1 << Motor::ALL.len();
-
-/// For every set of motors, the word to be written to each port's BSRR: one load of neighbouring words and one store a
-/// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
-pub struct Words {
-    /// The ports; those not needed repeat the first, and their words are 0.
-    pub ports: [Port; PORTS],
-    /// Words by set of motors and port.
-    words: [[u32; PORTS]; SETS],
-}
-
-impl Words {
-    /// Words that set the pins of the motors in the set and leave the others. Pins beyond [`PORTS`] ports have
-    /// none, which [`Board::problem`] finds.
-    #[must_use]
-    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
-        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { 0 })
-    }
-
-    /// Words that set the pins of the motors in the set and reset those of the others.
-    #[must_use]
-    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
-        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
-    }
-
-    fn new(pins: [Option<Pin>; Motor::ALL.len()], word: impl Fn(Pin, bool) -> u32) -> Self {
-        let mut ports = ports_of(&pins);
-        let used = ports.1;
-        for port in used..PORTS {
-            ports.0[port] = ports.0[0];
-        }
-        let mut words = [[0; PORTS]; SETS];
-        for (set, words) in words.iter_mut().enumerate() {
-            for (motor, pin) in pins.iter().enumerate() {
-                if let Some(pin) = *pin
-                    && let Some(column) = ports.0[..used].iter().position(|port| *port == pin.port)
-                {
-                    words[column] |= word(pin, set & 1 << motor != 0);
-                }
-            }
-        }
-        Self { ports: ports.0, words }
-    }
-
-    /// The word of each port for `motors`.
-    #[inline]
-    #[must_use]
-    pub const fn of(&self, motors: MotorSet) -> &[u32; PORTS] {
-        &self.words[motors.0 as usize % SETS]
-    }
-}
-
-/// The ports of `pins` in the order of the motors, and how many there are.
-fn ports_of(pins: &[Option<Pin>]) -> ([Port; PORTS], usize) {
-    let mut ports = [Port::A; PORTS];
-    let mut used = 0;
-    for pin in pins.iter().flatten() {
-        if !ports[..used].contains(&pin.port) && used < PORTS {
-            ports[used] = pin.port;
-            used += 1;
-        }
-    }
-    (ports, used)
 }
 
 impl Board {
@@ -237,11 +200,7 @@ impl Board {
     /// What is wrong with the table, if anything: to be asked by a test.
     #[must_use]
     pub fn problem(&self) -> Option<&'static str> {
-        let is_spread = |pins: [Option<Pin>; Motor::ALL.len()]| {
-            let (ports, used) = ports_of(&pins);
-            pins.iter().flatten().any(|pin| !ports[..used].contains(&pin.port))
-        };
-        if is_spread(self.step_pins()) || is_spread(self.dir_pins()) {
+        if !Words::can_hold(&self.step_pins()) || !Words::can_hold(&self.dir_pins()) {
             return Some("step or direction pins are on too many ports");
         }
         let slots = || self.slots.iter().flatten();
@@ -249,6 +208,8 @@ impl Board {
         let single = single.chain(self.loads.iter().copied()).chain(self.endstops);
         let single = single.chain(self.serial.iter().flat_map(|port| [port.tx, port.rx]));
         let single = single.chain(USB.into_iter().filter(|_| self.has_usb));
+        let single = single.chain(self.eeprom.into_iter().flatten()).chain(self.probe.map(|probe| probe.pin));
+        let single = single.chain(self.thermistors.iter().map(|thermistor| thermistor.pin));
         let is_twice = |pin: Pin| single.clone().filter(|other| *other == pin).count() > 1;
         if single.clone().any(is_twice) || slots().any(|slot| single.clone().any(|pin| pin == slot.enable)) {
             return Some("a pin has two jobs");
@@ -261,40 +222,21 @@ impl Board {
         if self.serial.iter().any(is_usart_twice) || self.serial.len() + usize::from(self.has_usb) > LINES {
             return Some("there are more lines to hosts than can be served");
         }
+        if self.thermistors.len() > MOST_THERMISTORS {
+            return Some("there are too many thermistors");
+        }
         self.serial.iter().find_map(SerialPort::problem)
     }
 }
 
 /// The bits of those `pins` that are in `port`.
-fn bits(pins: impl Iterator<Item = Pin>, port: Port) -> u32 {
+pub(crate) fn bits(pins: impl Iterator<Item = Pin>, port: Port) -> u32 {
     pins.filter(|pin| pin.port == port).fold(0, |bits, pin| bits | pin.mask())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn words_hold_the_bits_of_exactly_the_motors_asked_for() {
-        let pins =
-            [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
-        let pins = pins.map(|(port, number)| Pin::new(port, number));
-        let (pulses, levels) = (Words::pulses(pins.map(Some)), Words::levels(pins.map(Some)));
-        for set in 0..SETS {
-            let motors = MotorSet(set as u8);
-            for port in Port::ALL {
-                let written = |words: &Words| -> u32 {
-                    words.ports.iter().zip(words.of(motors)).filter(|(p, _)| **p == port).map(|(_, word)| word).sum()
-                };
-                let of = |is_in: bool| {
-                    let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor) == is_in);
-                    bits(chosen.map(|(_, pin)| pin), port)
-                };
-                assert_eq!(written(&pulses), of(true), "{motors:?} {port:?}");
-                assert_eq!(written(&levels), of(true) | of(false) << 16, "{motors:?} {port:?}");
-            }
-        }
-    }
 
     fn board(uart: Option<Pin>) -> Board {
         let pin = |number| Pin::new(Port::B, number);
@@ -308,9 +250,12 @@ mod tests {
             reversed: MotorSet::NONE,
             slow: MotorSet::NONE,
             endstops: [pin(3), pin(4), pin(5)],
+            probe: None,
+            thermistors: &[],
             loads: &[],
             serial: &[],
             has_usb: false,
+            eeprom: None,
             marks: &[],
         }
     }
@@ -324,14 +269,5 @@ mod tests {
             assert_eq!(board(Some(Pin::new(Port::B, taken))).problem(), Some("a pin has two jobs"));
         }
         assert!(board(Some(Pin::new(Port::A, 14))).problem().is_some());
-    }
-
-    #[test]
-    fn ports_without_a_motor_get_no_bits() {
-        let mut pins = [None; 7];
-        pins[0] = Some(Pin::new(Port::B, 3));
-        let words = Words::pulses(pins);
-        assert_eq!(words.ports, [Port::B; PORTS]);
-        assert_eq!(words.of(MotorSet::ALL), &[1 << 3, 0, 0, 0]);
     }
 }

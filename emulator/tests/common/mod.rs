@@ -1,13 +1,14 @@
 //! The image under test, and how it is run.
-#![allow(dead_code, reason = "each file of tests uses some of it")]
+#![allow(dead_code, reason = "each test is a program of its own and needs but some of this")]
 
 use corehbot::settings::Settings;
 use corehbot_emulator::driver_line::DriverLines;
+use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
-use corehbot_emulator::wiring::OCTOPUS;
+use corehbot_emulator::wiring::{OCTOPUS, Pin};
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.
@@ -38,7 +39,7 @@ pub fn serve(
     manner: Manner,
     injection: Option<Injection>,
 ) -> Seen {
-    print_on(firmware, (gcode, second), manner, injection, &drivers())
+    print_on(firmware, gcode, &Bench { second, manner, injection, ..Bench::default() })
 }
 
 /// Drivers as new in all slots.
@@ -46,22 +47,55 @@ pub fn drivers() -> DriverLines {
     DriverLines::new(&OCTOPUS)
 }
 
-/// Prints `gcode` with drivers of one's own.
-pub fn print_with(firmware: &Firmware, gcode: &str, injection: Option<Injection>, drivers: &DriverLines) -> Seen {
-    print_on(firmware, (gcode, None), Manner::default(), injection, drivers)
+/// What is round a board, if it is not what is round every board.
+pub struct Bench<'a> {
+    /// What a host on the other serial port prints at the same time.
+    pub second: Option<&'a str>,
+    /// How hosts talk.
+    pub manner: Manner,
+    /// A fault.
+    pub injection: Option<Injection>,
+    /// The motor drivers.
+    pub drivers: DriverLines,
+    /// The EEPROM.
+    pub eeprom: At24c32,
+    /// Voltages in mV on channels of ADC3.
+    pub thermistors: &'a [(u8, u32)],
+    /// A pin that is held.
+    pub stuck: Option<(Pin, bool)>,
 }
 
-fn print_on(
-    firmware: &Firmware,
-    (gcode, second): (&str, Option<&str>),
-    manner: Manner,
-    injection: Option<Injection>,
-    drivers: &DriverLines,
-) -> Seen {
+impl Default for Bench<'_> {
+    fn default() -> Self {
+        Self {
+            second: None,
+            manner: Manner::default(),
+            injection: None,
+            drivers: drivers(),
+            eeprom: At24c32::default(),
+            thermistors: &[],
+            stuck: None,
+        }
+    }
+}
+
+/// Prints `gcode` on `bench`.
+pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
     let settings = Settings::prototype();
     let patience = Patience { whole: 120_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
-    let wiring = &OCTOPUS;
-    let settings = &settings;
-    let request = Request { firmware, wiring, settings, gcode, second, manner, patience, injection, drivers };
+    let request = Request {
+        firmware,
+        wiring: &OCTOPUS,
+        settings: &settings,
+        gcode,
+        second: bench.second,
+        manner: bench.manner,
+        patience,
+        injection: bench.injection,
+        drivers: &bench.drivers,
+        eeprom: &bench.eeprom,
+        thermistors: bench.thermistors,
+        stuck: bench.stuck,
+    };
     run(&request).unwrap_or_else(|e| panic!("{e:#}"))
 }

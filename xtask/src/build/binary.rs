@@ -9,10 +9,10 @@ use object::read::elf::ProgramHeader as _;
 const ERASED: u8 = 0xFF;
 
 /// Gaps larger than any alignment are a mistake in the memory map.
-const LARGEST_GAP: u32 = 64;
+pub const LARGEST_GAP: u32 = 64;
 
-/// The loaded segments in the order of their addresses, and where they begin.
-pub fn extract(elf: &Elf<'_>) -> Result<(u32, Vec<u8>)> {
+/// The loaded segments in the order of their addresses, with gaps of so many bytes at the most, and where they begin.
+pub fn extract(elf: &Elf<'_>, largest_gap: u32) -> Result<(u32, Vec<u8>)> {
     let endian = elf.endian();
     let mut parts = Vec::new();
     for header in elf.elf_program_headers() {
@@ -23,16 +23,16 @@ pub fn extract(elf: &Elf<'_>) -> Result<(u32, Vec<u8>)> {
         }
     }
     parts.sort_by_key(|part| part.0);
-    Ok((parts.first().map_or(0, |part| part.0), join(&parts)?))
+    Ok((parts.first().map_or(0, |part| part.0), join(&parts, largest_gap)?))
 }
 
-fn join(parts: &[(u32, &[u8])]) -> Result<Vec<u8>> {
+fn join(parts: &[(u32, &[u8])], largest_gap: u32) -> Result<Vec<u8>> {
     let mut binary = Vec::new();
     let Some(start) = parts.first().map(|part| part.0) else { return Ok(binary) };
     for (address, bytes) in parts {
         let offset = (address - start) as usize;
         ensure!(offset >= binary.len(), "two segments of the image overlap at {address:#010x}");
-        ensure!(offset - binary.len() <= LARGEST_GAP as usize, "the image has a hole before {address:#010x}");
+        ensure!(offset - binary.len() <= largest_gap as usize, "the image has a hole before {address:#010x}");
         binary.resize(offset, ERASED);
         binary.extend_from_slice(bytes);
     }
@@ -45,6 +45,7 @@ mod tests {
 
     #[test]
     fn segments_stand_at_their_addresses() {
+        let join = |parts: &[(u32, &[u8])]| join(parts, LARGEST_GAP);
         assert_eq!(join(&[(0x0800_8000, &[1, 2]), (0x0800_8004, &[3])]).unwrap(), [1, 2, 0xFF, 0xFF, 3]);
         assert!(join(&[(0, &[1, 2]), (1, &[3])]).is_err());
         assert!(join(&[(0, &[1]), (0x2000_0000, &[3])]).is_err());

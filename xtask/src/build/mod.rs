@@ -64,6 +64,15 @@ impl Board {
     pub const fn has_card_slot(self) -> bool {
         matches!(self, Self::Octopus)
     }
+
+    /// Bytes that the image may leave free in one place.
+    const fn largest_gap(self) -> u32 {
+        match self {
+            Self::Octopus => binary::LARGEST_GAP,
+            // Sectors 0 to 2 hold the vectors and the settings; the code begins behind them.
+            Self::Nucleo => 0xC000,
+        }
+    }
 }
 
 /// An image that was built.
@@ -88,7 +97,7 @@ pub fn image(board: Board) -> Result<Image> {
     let data = read(&elf_path)?;
     let elf = Elf::parse(&*data)?;
     examine(&elf, true)?;
-    let (start, binary) = binary::extract(&elf)?;
+    let (start, binary) = binary::extract(&elf, board.largest_gap())?;
     let binary_path = write(&binary, name)?;
     println!("ELF     {}", elf_path.display());
     println!("binary  {} ({} bytes, at {start:#010x})", binary_path.display(), binary.len());

@@ -8,7 +8,7 @@ use core::task::Waker;
 use corehbot::app::Parts;
 use corehbot::machine;
 use corehbot::motion;
-use corehbot::port::{DriverBus, MotorSet, NoStorage, Pend};
+use corehbot::port::{DriverBus, MotorSet, NoSensors, NoStorage, Pend};
 use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::{NVIC, Peripherals};
 use critical_section::Mutex;
@@ -20,7 +20,7 @@ use super::time::{self, BoardClock, StepTimer};
 use super::trace::{self, TracePort};
 use super::vectors::{self, Irq};
 
-type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage>;
+type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage, NoSensors>;
 /// The core with the ports of this board.
 pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, BoardPend>;
 type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;

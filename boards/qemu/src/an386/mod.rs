@@ -23,7 +23,7 @@ mod vectors;
 
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, NoStorage};
+use corehbot::port::{Lines, NoSensors, NoStorage};
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use defmt_semihosting as _;
@@ -66,6 +66,7 @@ fn start_up() -> &'static Status {
         drivers: contexts::NoDrivers,
         clock: time::BoardClock,
         storage: NoStorage,
+        sensors: NoSensors,
     };
     // In this form the parts are built in their place; they are too large to be carried about.
     let parts = PARTS

@@ -1,0 +1,126 @@
+//! The thermistors: ADC3 converts them all in turn, for ever, and DMA keeps the last sixteen of each.
+//!
+//! Sampling takes 480 of the converter's cycles and a conversion 12 more, 22 us at 22.5 MHz, far more than the 10 kOhm of
+//! thermistor and filter need (STM32F446 datasheet, ADC accuracy and R_AIN). Five channels come round every 109 us, so
+//! sixteen of each are 1.7 ms old at the most. The sum of sixteen readings of 12 bits is one of 16 bits: at 250 C a
+//! degree is 3.7 steps of 12 bits, and noise of a step or so, which averaging needs to gain anything, falls to a quarter:
+//! 0.07 degrees. Slower noise is for whoever makes degrees of it.
+//!
+//! No interrupt: whoever asks sums up what lies there, and looks whether the DMA goes on counting. An overrun or a
+//! stopped clock ends that for good, and then there are no values any more.
+//!
+//! DMA2 of the STM32F405 spoils data when it serves AHB and APB2 peripherals at a time (ES0182). Whether the F446 shares
+//! this could not be read up; so long as DMA2 serves nothing on AHB1, such as GPIO ports, it does not matter.
+
+use core::sync::atomic::{AtomicU16, Ordering};
+
+use corehbot::port::{Sensor, ThermalPort};
+use embassy_stm32::pac::adc::vals::{Dds, SampleTime};
+use embassy_stm32::pac::adccommon::vals::Adcpre;
+use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
+use embassy_stm32::pac::{ADC3, ADC123_COMMON, DMA2, RCC};
+
+use crate::ports;
+use crate::wiring::{MOST_THERMISTORS, Thermistor};
+
+/// ADC3 is connected to DMA2 stream 0 by channel 2 (RM0390, table of DMA2 requests).
+const STREAM: usize = 0;
+const CHANNEL: u8 = 2;
+
+/// Readings of each sensor that are kept; their sum fills 16 bits.
+const KEPT: usize = 16;
+
+/// Cycles of 180 MHz until the converter has woken: 3 us (STM32F446 datasheet, t_STAB), with a margin of two.
+const WAKING: u32 = 1080;
+
+/// Looks at the DMA's counter within which a conversion ends: it takes 3936 cycles of 180 MHz, a look at least four.
+const LOOKS: u32 = 2000;
+
+static KEPT_READINGS: [AtomicU16; MOST_THERMISTORS * KEPT] = [const { AtomicU16::new(0) }; MOST_THERMISTORS * KEPT];
+
+/// The thermistors of a board.
+pub struct Thermistors {
+    wired: &'static [Thermistor],
+}
+
+impl Thermistors {
+    /// Lets the converter run; the pins are its own from now on.
+    pub fn start(wired: &'static [Thermistor]) -> Self {
+        let wired = wired.get(..MOST_THERMISTORS).unwrap_or(wired);
+        if wired.is_empty() {
+            return Self { wired };
+        }
+        wired.iter().for_each(|thermistor| ports::make_analog(thermistor.pin));
+        RCC.apb2enr().modify(|w| {
+            w.set_adc3en(true);
+            // The common registers may hang on the clock of the first converter: Linux's device tree and the emulator
+            // have it so, the manual does not say.
+            w.set_adc1en(true);
+        });
+        RCC.ahb1enr().modify(|w| w.set_dma2en(true));
+        let _ = RCC.ahb1enr().read();
+        // 90 MHz over 4, where 36 MHz are allowed (STM32F446 datasheet, f_ADC).
+        ADC123_COMMON.ccr().modify(|w| w.set_adcpre(Adcpre::DIV4));
+        start_dma(wired.len());
+        for (place, thermistor) in wired.iter().enumerate() {
+            let channel = thermistor.channel;
+            match usize::from(channel) {
+                high @ 10.. => ADC3.smpr1().modify(|w| w.set_smp(high - 10, SampleTime::CYCLES480)),
+                low => ADC3.smpr2().modify(|w| w.set_smp(low, SampleTime::CYCLES480)),
+            }
+            ADC3.sqr3().modify(|w| w.set_sq(place, channel));
+        }
+        ADC3.sqr1().modify(|w| w.set_l(wired.len() as u8 - 1));
+        ADC3.cr1().modify(|w| w.set_scan(true));
+        ADC3.cr2().modify(|w| {
+            w.set_cont(true);
+            w.set_dma(true);
+            w.set_dds(Dds::CONTINUOUS);
+            w.set_adon(true);
+        });
+        cortex_m::asm::delay(WAKING);
+        ADC3.cr2().modify(|w| w.set_swstart(true));
+        Self { wired }
+    }
+
+    /// Whether all readings have come in at least once, and go on coming.
+    fn is_alive() -> bool {
+        let before = waiting();
+        DMA2.isr(STREAM / 4).read().tcif(STREAM % 4) && (0..LOOKS).any(|_| waiting() != before)
+    }
+}
+
+/// Has the readings of so many channels written round and round.
+fn start_dma(channels: usize) {
+    let stream = DMA2.st(STREAM);
+    stream.par().write_value(ADC3.dr().as_ptr() as u32);
+    stream.m0ar().write_value(KEPT_READINGS.as_ptr() as u32);
+    stream.ndtr().write(|w| w.set_ndt((channels * KEPT) as u16));
+    stream.cr().write(|w| {
+        w.set_chsel(CHANNEL);
+        w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
+        w.set_psize(Size::BITS16);
+        w.set_msize(Size::BITS16);
+        w.set_minc(true);
+        w.set_circ(true);
+        w.set_pl(Pl::MEDIUM);
+    });
+    stream.cr().modify(|w| w.set_en(true));
+}
+
+/// Readings until the DMA begins anew.
+fn waiting() -> u16 {
+    DMA2.st(STREAM).ndtr().read().ndt()
+}
+
+impl ThermalPort for Thermistors {
+    /// Takes 22 us at the most, and 0.2 ms if the converter has stopped.
+    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        let place = self.wired.iter().position(|thermistor| thermistor.sensor == sensor)?;
+        if !Self::is_alive() {
+            return None;
+        }
+        let readings = KEPT_READINGS.iter().skip(place).step_by(self.wired.len()).take(KEPT);
+        Some(readings.map(|reading| reading.load(Ordering::Relaxed)).fold(0, u16::saturating_add))
+    }
+}

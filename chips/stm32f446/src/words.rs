@@ -1,0 +1,118 @@
+//! Words for the step and direction pins: what a set of motors is in the registers of the ports.
+
+use corehbot::port::{Motor, MotorSet};
+
+use crate::wiring::{Pin, Port};
+
+/// Ports that the step pins, or the direction pins, of all motors may be spread over.
+pub const PORTS: usize = 4;
+
+/// Sets of motors.
+pub const SETS: usize = 1 << Motor::ALL.len();
+
+/// For every set of motors, the word to be written to each port's BSRR: one load of neighbouring words and one store a
+/// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
+pub struct Words {
+    /// The ports; those not needed repeat the first, and their words are 0.
+    pub ports: [Port; PORTS],
+    /// Words by set of motors and port.
+    words: [[u32; PORTS]; SETS],
+}
+
+impl Words {
+    /// Whether all of `pins` are on ports that there is room for.
+    #[must_use]
+    pub fn can_hold(pins: &[Option<Pin>; Motor::ALL.len()]) -> bool {
+        let (ports, used) = ports_of(pins);
+        pins.iter().flatten().all(|pin| ports[..used].contains(&pin.port))
+    }
+
+    /// Words that set the pins of the motors in the set and leave the others. Pins beyond [`PORTS`] ports have
+    /// none, which [`can_hold`](Self::can_hold) tells.
+    #[must_use]
+    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
+        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { 0 })
+    }
+
+    /// Words that set the pins of the motors in the set and reset those of the others.
+    #[must_use]
+    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
+        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
+    }
+
+    fn new(pins: [Option<Pin>; Motor::ALL.len()], word: impl Fn(Pin, bool) -> u32) -> Self {
+        let mut ports = ports_of(&pins);
+        let used = ports.1;
+        for port in used..PORTS {
+            ports.0[port] = ports.0[0];
+        }
+        let mut words = [[0; PORTS]; SETS];
+        for (set, words) in words.iter_mut().enumerate() {
+            for (motor, pin) in pins.iter().enumerate() {
+                if let Some(pin) = *pin
+                    && let Some(column) = ports.0[..used].iter().position(|port| *port == pin.port)
+                {
+                    words[column] |= word(pin, set & 1 << motor != 0);
+                }
+            }
+        }
+        Self { ports: ports.0, words }
+    }
+
+    /// The word of each port for `motors`.
+    #[inline]
+    #[must_use]
+    pub const fn of(&self, motors: MotorSet) -> &[u32; PORTS] {
+        &self.words[motors.0 as usize % SETS]
+    }
+}
+
+/// The ports of `pins` in the order of the motors, and how many there are.
+fn ports_of(pins: &[Option<Pin>]) -> ([Port; PORTS], usize) {
+    let mut ports = [Port::A; PORTS];
+    let mut used = 0;
+    for pin in pins.iter().flatten() {
+        if !ports[..used].contains(&pin.port) && used < PORTS {
+            ports[used] = pin.port;
+            used += 1;
+        }
+    }
+    (ports, used)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wiring::bits;
+
+    #[test]
+    fn words_hold_the_bits_of_exactly_the_motors_asked_for() {
+        let pins =
+            [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
+        let pins = pins.map(|(port, number)| Pin::new(port, number));
+        let (pulses, levels) = (Words::pulses(pins.map(Some)), Words::levels(pins.map(Some)));
+        for set in 0..SETS {
+            let motors = MotorSet(set as u8);
+            for port in Port::ALL {
+                let written = |words: &Words| -> u32 {
+                    words.ports.iter().zip(words.of(motors)).filter(|(p, _)| **p == port).map(|(_, word)| word).sum()
+                };
+                let of = |is_in: bool| {
+                    let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor) == is_in);
+                    bits(chosen.map(|(_, pin)| pin), port)
+                };
+                assert_eq!(written(&pulses), of(true), "{motors:?} {port:?}");
+                assert_eq!(written(&levels), of(true) | of(false) << 16, "{motors:?} {port:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn ports_without_a_motor_get_no_bits() {
+        let mut pins = [None; 7];
+        pins[0] = Some(Pin::new(Port::B, 3));
+        let words = Words::pulses(pins);
+        assert_eq!(words.ports, [Port::B; PORTS]);
+        assert_eq!(words.of(MotorSet::ALL), &[1 << 3, 0, 0, 0]);
+    }
+}

@@ -1,0 +1,67 @@
+//! What the image reads on its inputs is what is there.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{Bench, MS, firmware, print_on};
+use corehbot_emulator::run::Seen;
+use corehbot_emulator::watch::{End, Injection};
+use corehbot_emulator::wiring::Pin;
+
+/// The reference in mV.
+const REFERENCE: u32 = 3300;
+
+/// A reading of 12 bits in units of the answer. The model's full scale is 4095 of them, where the chip's is 4096.
+const STEP: i64 = 16;
+
+fn talk(gcode: &str, injection: Option<Injection>, thermistors: &[(u8, u32)], stuck: Option<(Pin, bool)>) -> Seen {
+    let seen = print_on(&firmware(), gcode, &Bench { injection, thermistors, stuck, ..Bench::default() });
+    assert_eq!((seen.end, seen.resets.len()), (End::Done, 0));
+    assert!(seen.gaps.found.is_empty(), "{:?}", seen.gaps.found);
+    seen
+}
+
+/// Everything that M122 said of a sensor, in 1/65,536 of the reference.
+fn shares(seen: &Seen, sensor: &str) -> Vec<Option<i64>> {
+    let begin = format!("echo:sensor {sensor} ");
+    let said = seen.line.said.iter().filter_map(|line| line.strip_prefix(&begin));
+    said.map(|value| value.strip_suffix("/65536").map(|value| value.parse().unwrap())).collect()
+}
+
+#[test]
+fn every_thermistor_is_read_on_its_own_pin() {
+    // TB, TH0 to TH3: IN9, IN14, IN15, IN4, IN5.
+    let inputs =
+        [("bed", 9, 3152), ("hotend0", 14, 1650), ("hotend1", 15, 220), ("hotend2", 4, 0), ("hotend3", 5, 3300)];
+    let seen = talk("M122\nM122\n", None, &inputs.map(|(_, channel, millivolts)| (channel, millivolts)), None);
+    for (sensor, _, millivolts) in inputs {
+        let wanted = i64::from(millivolts) * 65_536 / i64::from(REFERENCE);
+        let read = shares(&seen, sensor);
+        println!("{sensor}: {millivolts} mV is {wanted}, read {read:?}");
+        assert_eq!(read.len(), 2);
+        assert!(
+            read.iter().all(|share| (wanted - 2 * STEP..=wanted).contains(&share.unwrap())),
+            "{sensor}: {wanted}, {read:?}"
+        );
+    }
+    // Open and shorted ones are beyond all that a thermistor does: 4085 of 4095 at -25 C, 85 at 350 C.
+    assert!(shares(&seen, "hotend3")[0] > Some(4085 * STEP) && shares(&seen, "hotend2")[0] < Some(20 * STEP));
+}
+
+#[test]
+fn a_converter_that_has_stopped_has_no_values() {
+    /// ADC3_CR2 (RM0390 rev 6, section 2.2.2 and 13.13.3).
+    const CR2: u64 = 0x4001_2208;
+    let stop = Injection::Poke { after: 100 * MS, address: CR2, value: 0 };
+    let seen = talk("M122\nG4 P300\nM122\n", Some(stop), &[], None);
+    let read = shares(&seen, "bed");
+    assert!(matches!(read[..], [Some(_), None]), "{read:?}");
+}
+
+#[test]
+fn the_probe_is_told_of() {
+    for (stuck, words) in [(None, "z_probe: open"), (Some((Pin::new('B', 7), true)), "z_probe: TRIGGERED")] {
+        let seen = talk("M119\n", None, &[], stuck);
+        assert!(seen.line.said.iter().any(|line| line == words), "{words}: {:?}", seen.line.said);
+    }
+}

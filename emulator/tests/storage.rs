@@ -1,0 +1,131 @@
+//! Settings in the EEPROM, by the driver of the image: what it says, and what a power cut leaves.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{Bench, MS, firmware, print_on};
+use corehbot_emulator::eeprom::{At24c32, Cut};
+use corehbot_emulator::run::Seen;
+use corehbot_emulator::watch::End;
+use corehbot_emulator::wiring::Pin;
+
+/// Clock and data of the EEPROM's bus.
+const LINES: [Pin; 2] = [Pin::new('B', 8), Pin::new('B', 9)];
+
+/// A page of 32 bytes and two of address are on the bus for 0.9 ms, and the survey at the start reads two slots.
+const START_NS: u64 = 200 * MS;
+
+/// Bytes that say what a record is.
+const MAGIC: usize = 4;
+
+fn talk(eeprom: &At24c32, gcode: &str) -> Seen {
+    let seen = print_on(&firmware(), gcode, &Bench { eeprom: eeprom.clone(), ..Bench::default() });
+    assert!(seen.resets.is_empty() && seen.gaps.found.is_empty(), "{:?} {:?}", seen.resets, seen.gaps.found);
+    seen
+}
+
+fn said<'s>(seen: &'s Seen, words: &str) -> Option<&'s String> {
+    seen.line.said.iter().find(|line| line.contains(words))
+}
+
+/// The keepalive of M113, which M503 tells.
+fn keepalive(seen: &Seen) -> u32 {
+    let line = said(seen, "M113 S").unwrap_or_else(|| panic!("{:?}", seen.line.said));
+    line.rsplit('S').next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn settings_are_kept_and_found_after_power_up() {
+    let first = talk(&At24c32::default(), "M503\nM113 S7\nM203 X250.5\nM500\nM504\nM115\n");
+    assert_eq!(first.end, End::Done);
+    println!("start {} us after reset, blank", first.started.unwrap() / 1000);
+    assert!(first.started.unwrap() < START_NS);
+    assert!(said(&first, "echo:Settings Stored").is_some(), "{:?}", first.line.said);
+    assert!(said(&first, "echo:stored settings valid").is_some() && said(&first, "Cap:EEPROM:1").is_some());
+    let pages = first.eeprom.writes.clone();
+    println!("pages {pages:?}, asked {} times while it wrote", first.eeprom.refusals);
+    assert!(pages.iter().all(|(at, size)| at / 32 == (at + size - 1) / 32), "{pages:?}");
+    assert!(first.eeprom.refusals > 0, "it was asked whether it is ready");
+    // Once a turn of the Console, and not without a pause.
+    assert!(first.eeprom.refusals as usize <= 12 * pages.len());
+
+    let second = talk(&At24c32::holding(first.eeprom.cells), "M503\nM500\n");
+    println!("start {} us after reset, with settings", second.started.unwrap() / 1000);
+    assert!(second.started.unwrap() < START_NS);
+    assert!(said(&second, "echo:stored settings retrieved").is_some(), "{:?}", second.line.said);
+    assert_eq!(keepalive(&second), 7);
+    assert!(said(&second, "M203 X250.5").is_some());
+    assert_eq!(second.eeprom.writes, [], "what is stored already is not written again");
+}
+
+/// Cuts the power after so many bytes of a save and switches it on again.
+fn cut_after(is_wanted: impl Fn(usize) -> bool) {
+    let old = talk(&At24c32::default(), "M113 S7\nM500\nM113 S8\nM500\n").eeprom.cells;
+    let whole = talk(&At24c32::holding(old.clone()), "M113 S9\nM500\n");
+    let size: usize = whole.eeprom.writes.iter().map(|(_, size)| size).sum();
+    assert!(size > 100, "{:?}", whole.eeprom.writes);
+    assert_eq!(size - 32, BEFORE_HEADER);
+    let (mut came_up_new, mut wall) = (0, std::time::Duration::ZERO);
+    for after in (0..size).filter(|after| is_wanted(*after)) {
+        let mut eeprom = At24c32::holding(old.clone());
+        eeprom.cut = Some(Cut { after, whole_page: after % 4 < 2 });
+        let cut = talk(&eeprom, "M113 S9\nM500\n");
+        assert_eq!(cut.end, End::PowerCut, "after {after}: {:?}", cut.line.said);
+        assert!(said(&cut, "Stored").is_none(), "after {after}");
+        let seen = talk(&At24c32::holding(cut.eeprom.cells), "M503\n");
+        assert_eq!(seen.end, End::Done, "after {after}");
+        assert!(seen.started.unwrap() < START_NS);
+        assert!(said(&seen, "echo:stored settings retrieved").is_some(), "after {after}: {:?}", seen.line.said);
+        let kept = keepalive(&seen);
+        assert!(kept == 8 || kept == 9, "after {after}: {kept}");
+        came_up_new += usize::from(kept == 9);
+        // A torn slot is told; one that was not touched, or whose magic is torn, is taken for empty.
+        let is_told = said(&seen, "echo:storage slot A not used").is_some();
+        let may_be_silent = after == 0 || (BEFORE_HEADER..BEFORE_HEADER + MAGIC).contains(&after);
+        assert!(kept == 9 || is_told || may_be_silent, "after {after}: {:?}", seen.line.said);
+        wall += cut.wall + seen.wall;
+    }
+    println!("{size} bytes, {came_up_new} times the new settings, {wall:?}");
+}
+
+/// Bytes before the page with the header, which is written last; the other pages are written in between.
+const BEFORE_HEADER: usize = 121;
+
+#[test]
+fn a_power_cut_in_the_page_with_the_header_leaves_the_old_or_the_new() {
+    cut_after(|after| after >= BEFORE_HEADER && after % 3 == 1);
+}
+
+/// Every byte is cut on the host (`tests/storage.rs` of the core); here two runs cost a second.
+#[test]
+fn a_power_cut_in_another_page_leaves_the_old_or_the_new() {
+    cut_after(|after| after < BEFORE_HEADER && after % 10 == 0);
+}
+
+#[test]
+fn without_an_eeprom_the_machine_starts_and_says_that_nothing_is_stored() {
+    let mut absent = At24c32::default();
+    absent.answers = false;
+    let seen = talk(&absent, "M500\nM501\nM113\n");
+    complains(&seen);
+}
+
+fn complains(seen: &Seen) {
+    assert_eq!(seen.end, End::Done, "{:?}", seen.line.said);
+    println!("start {} us after reset", seen.started.unwrap() / 1000);
+    assert!(seen.started.unwrap() < START_NS);
+    for line in ["echo:storage does not answer", "echo:Settings not stored: storage", "echo:Settings unchanged: "] {
+        assert!(said(seen, line).is_some(), "{line}: {:?}", seen.line.said);
+    }
+    assert!(said(seen, "Hardcoded Default").is_some() && said(seen, "M113 S2").is_some(), "{:?}", seen.line.said);
+}
+
+#[test]
+fn a_bus_that_is_held_low_costs_no_more() {
+    for line in LINES {
+        let seen =
+            print_on(&firmware(), "M500\nM501\nM113\n", &Bench { stuck: Some((line, false)), ..Bench::default() });
+        assert!(seen.resets.is_empty(), "{line}: {:?}", seen.resets);
+        complains(&seen);
+    }
+}
