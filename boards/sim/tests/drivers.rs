@@ -263,7 +263,7 @@ fn a_driver_that_loses_its_registers_in_mid_move_stops_the_machine() {
         assert!(told.has("Error:Printer halted. kill() called! (driver of motor"), "{:?}", told.heard);
         assert!(told.has("was reset and lost its configuration"), "{:?}", told.heard);
         assert_eq!(drivers.enabled(), MotorSet::NONE);
-        assert!(told.steps.aftermath_ms() <= 760, "{motor:?}: {} ms", told.steps.aftermath_ms());
+        assert!(told.steps.aftermath_ms() <= 200, "{motor:?}: {} ms", told.steps.aftermath_ms());
     }
 }
 
@@ -272,7 +272,7 @@ fn a_dip_of_the_whole_supply_is_seen_by_the_next_poll() {
     let drivers = Drivers::new();
     let strike = |d: &Drivers| each(d, tmc2209::Tmc2209::reset);
     let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(strike))));
-    assert!(told.outcome.halted && told.steps.aftermath_ms() <= 135, "{} ms", told.steps.aftermath_ms());
+    assert!(told.outcome.halted && told.steps.aftermath_ms() <= 50, "{} ms", told.steps.aftermath_ms());
 }
 
 #[test]
@@ -293,7 +293,7 @@ fn every_failure_in_mid_move_is_named() {
         let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(strike))));
         assert!(told.outcome.halted && told.has("kill() called! (driver of motor 11") && told.has(words), "{words}");
         assert_eq!(drivers.enabled(), MotorSet::NONE);
-        assert!(told.steps.aftermath_ms() <= 900, "{words}: {} ms", told.steps.aftermath_ms());
+        assert!(told.steps.aftermath_ms() <= 250, "{words}: {} ms", told.steps.aftermath_ms());
     }
 }
 
