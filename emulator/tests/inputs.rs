@@ -52,8 +52,9 @@ fn every_thermistor_is_read_on_its_own_pin() {
 fn a_converter_that_has_stopped_has_no_values() {
     /// ADC3_CR2 (RM0390 rev 6, section 2.2.2 and 13.13.3).
     const CR2: u64 = 0x4001_2208;
-    let stop = Injection::Poke { after: 100 * MS, address: CR2, value: 0 };
-    let seen = talk("M122\nG4 P300\nM122\n", Some(stop), &[], None);
+    // M122 asks the drivers first, which takes less than a second.
+    let stop = Injection::Poke { after: 2000 * MS, address: CR2, value: 0 };
+    let seen = talk("M122\nG4 P3000\nM122\n", Some(stop), &[], None);
     let read = shares(&seen, "bed");
     assert!(matches!(read[..], [Some(_), None]), "{read:?}");
 }
