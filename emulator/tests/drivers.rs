@@ -129,13 +129,13 @@ fn stops_after(injection: Injection, what: &str) -> u64 {
 fn a_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
     for (motor, after) in [(Motor::M1, 45_000), (Motor::M11, 45_000), (Motor::Z2, 46_000)] {
         let fault = Injection::DriverReset { after, motor };
-        assert!(stops_after(fault, &format!("motor {} was reset", Name(motor))) < 1000 * MS);
+        assert!(stops_after(fault, &format!("motor {} was reset", Name(motor))) < 250 * MS);
     }
 }
 
 #[test]
 fn a_motor_supply_that_goes_away_stops_all_motors() {
-    assert!(stops_after(Injection::SupplyLost { after: 45_000 }, "does not answer") < 1000 * MS);
+    assert!(stops_after(Injection::SupplyLost { after: 45_000 }, "does not answer") < 100 * MS);
 }
 
 /// Exchanges go on beside the densest steps that there are, and neither disturbs the other.

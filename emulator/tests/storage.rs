@@ -15,6 +15,9 @@ const LINES: [Pin; 2] = [Pin::new('B', 8), Pin::new('B', 9)];
 /// A page of 32 bytes and two of address are on the bus for 0.9 ms, and the survey at the start reads two slots.
 const START_NS: u64 = 200 * MS;
 
+/// Bytes of a page (AT24C32 datasheet).
+const PAGE: usize = 32;
+
 /// Bytes that say what a record is.
 const MAGIC: usize = 4;
 
@@ -58,15 +61,17 @@ fn settings_are_kept_and_found_after_power_up() {
     assert_eq!(second.eeprom.writes, [], "what is stored already is not written again");
 }
 
-/// Cuts the power after so many bytes of a save and switches it on again.
-fn cut_after(is_wanted: impl Fn(usize) -> bool) {
+/// Cuts the power after so many bytes of a save and switches it on again. The last page, which holds the header, is
+/// written last, behind so many bytes.
+fn cut_after(is_wanted: impl Fn(usize, usize) -> bool) {
     let old = talk(&At24c32::default(), "M113 S7\nM500\nM113 S8\nM500\n").eeprom.cells;
     let whole = talk(&At24c32::holding(old.clone()), "M113 S9\nM500\n");
     let size: usize = whole.eeprom.writes.iter().map(|(_, size)| size).sum();
     assert!(size > 100, "{:?}", whole.eeprom.writes);
-    assert_eq!(size - 32, BEFORE_HEADER);
+    let before_header = size - PAGE;
+    assert_eq!(whole.eeprom.writes.last().unwrap().1, PAGE);
     let (mut came_up_new, mut wall) = (0, std::time::Duration::ZERO);
-    for after in (0..size).filter(|after| is_wanted(*after)) {
+    for after in (0..size).filter(|after| is_wanted(*after, before_header)) {
         let mut eeprom = At24c32::holding(old.clone());
         eeprom.cut = Some(Cut { after, whole_page: after % 4 < 2 });
         let cut = talk(&eeprom, "M113 S9\nM500\n");
@@ -81,25 +86,22 @@ fn cut_after(is_wanted: impl Fn(usize) -> bool) {
         came_up_new += usize::from(kept == 9);
         // A torn slot is told; one that was not touched, or whose magic is torn, is taken for empty.
         let is_told = said(&seen, "echo:storage slot A not used").is_some();
-        let may_be_silent = after == 0 || (BEFORE_HEADER..BEFORE_HEADER + MAGIC).contains(&after);
+        let may_be_silent = after == 0 || (before_header..before_header + MAGIC).contains(&after);
         assert!(kept == 9 || is_told || may_be_silent, "after {after}: {:?}", seen.line.said);
         wall += cut.wall + seen.wall;
     }
     println!("{size} bytes, {came_up_new} times the new settings, {wall:?}");
 }
 
-/// Bytes before the page with the header, which is written last; the other pages are written in between.
-const BEFORE_HEADER: usize = 121;
-
 #[test]
 fn a_power_cut_in_the_page_with_the_header_leaves_the_old_or_the_new() {
-    cut_after(|after| after >= BEFORE_HEADER && after % 3 == 1);
+    cut_after(|after, before_header| after >= before_header && after % 3 == 1);
 }
 
 /// Every byte is cut on the host (`tests/storage.rs` of the core); here two runs cost a second.
 #[test]
 fn a_power_cut_in_another_page_leaves_the_old_or_the_new() {
-    cut_after(|after| after < BEFORE_HEADER && after % 10 == 0);
+    cut_after(|after, before_header| after < before_header && after % 10 == 0);
 }
 
 #[test]
