@@ -265,7 +265,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     fn watch_idleness(&mut self) {
         let now = self.ports.clock.now();
-        if !self.link.is_idle() || !self.planner.is_empty() {
+        if self.has_motion() {
             self.last_motion = now;
         } else if self.idle_timeout_s > 0
             && !self.drivers.powered().is_empty()

@@ -20,7 +20,7 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
     /// An interrupt ends the transfers, but for an M410 that finds no motion to stop.
     async fn go_round(&mut self) -> Result<(), StorageError> {
         match self.console.turn().await {
-            Err(interrupt) if interrupt == Interrupt::Halt || !self.console.link.is_idle() => {
+            Err(interrupt) if interrupt == Interrupt::Halt || self.console.has_motion() => {
                 self.interrupt = Some(interrupt);
                 Err(StorageError::Failed)
             }

@@ -106,13 +106,18 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         true
     }
 
+    /// Whether anything planned has not been stepped yet.
+    pub(super) fn has_motion(&self) -> bool {
+        !self.planner.is_empty() || !self.link.is_idle()
+    }
+
     /// Waits until everything planned has been stepped.
     pub(super) async fn finish(&mut self) -> Result<(), Interrupt> {
         self.until(|c| {
             c.flow.drain();
             c.planner.release_all();
             c.feed_motion();
-            c.planner.is_empty() && c.link.is_idle()
+            !c.has_motion()
         })
         .await?;
         self.flow.rest();

@@ -551,6 +551,57 @@ fn an_emergency_stop_is_heard_while_settings_are_saved() {
     assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 3, "{heard:?}");
 }
 
+/// Plans a move, looks at the storage, and so many turns later sends a quick stop.
+struct Stopper {
+    turns: u32,
+    oks: u32,
+    stage: u32,
+}
+
+impl Host for Stopper {
+    fn send(&mut self, _out: &mut Vec<u8>) {}
+
+    fn interject(&mut self, out: &mut Vec<u8>) {
+        let (awaited, text) = match self.stage {
+            0 => (0, "M17\n"),
+            1 => (1, "G1 X50 F3000\nM504\n"),
+            2 if self.turns > 0 => {
+                self.turns -= 1;
+                return;
+            }
+            2 => (0, "M410\n"),
+            3 => (4, "G4 P500\n"),
+            _ => return,
+        };
+        if self.oks >= awaited {
+            out.extend(text.bytes());
+            self.stage += 1;
+        }
+    }
+
+    fn hear(&mut self, line: &str) {
+        self.oks += u32::from(line.starts_with("ok"));
+    }
+
+    fn is_done(&self) -> bool {
+        self.oks == 5
+    }
+}
+
+/// A move that is planned and has not begun yet is motion, too.
+#[test]
+fn a_quick_stop_while_storage_is_looked_at_forgets_the_move_before_it() {
+    let made = Settings::prototype();
+    let mut eeprom = Eeprom::blank();
+    keep(&mut eeprom, &made, &["M500", "M113 S7", "M500"]);
+    for turns in 0..20 {
+        let mut host = Stopper { turns, oks: 0, stage: 0 };
+        let mut steps = Steps::default();
+        run_with(&made, Some([Mm::ZERO; 3]), &mut eeprom, &mut [&mut host], &mut steps).unwrap();
+        assert_eq!(steps.count, 0, "after {turns} turns");
+    }
+}
+
 /// A memory that is busy for some turns after every write, and perhaps for ever.
 struct Busy<'e> {
     eeprom: &'e mut Eeprom,
