@@ -19,13 +19,18 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     ///
     /// Talking to drivers takes up to a second and happens before anything is planned, so it changes no step.
     pub(super) async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
-        let on = self.drivers.powered().with(motors);
         let mut proofs = 0;
-        while on != self.drivers.powered() {
+        while !self.has_power(motors) {
             let now = self.ports.clock.now();
+            let on = self.drivers.powered().with(motors);
             let Err(motor) = self.drivers.power(on, &mut self.ports.drivers, now) else {
+                // The idle timeout must not take it away before the move that it is for.
                 self.last_motion = now;
-                break;
+                if !self.has_power(motors) {
+                    // Other microsteps are on their way to motors that have power.
+                    self.turn().await?;
+                }
+                continue;
             };
             proofs += 1;
             let proof = self.ask_driver(Job::Verify, motor).await?;
@@ -36,8 +41,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 return Err(Interrupt::NoPower);
             }
         }
-        // Other microsteps may be on their way to motors that have power.
-        self.until(|c| c.drivers.is_drivable()).await
+        Ok(())
     }
 
     /// Takes power from motors; what they held is no longer where it was.

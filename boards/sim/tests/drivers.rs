@@ -297,6 +297,45 @@ fn every_failure_in_mid_move_is_named() {
     }
 }
 
+fn script<'d>(drivers: &'d Drivers, lines: &[&str]) -> Script<'d> {
+    let acts = lines.iter().map(|line| say(line)).collect();
+    Script { drivers, acts, is_awaiting: false, heard: Vec::new(), interjection: None, interjected: 0 }
+}
+
+/// Counts the steps of motors without power.
+struct Powered<'d> {
+    drivers: &'d Drivers,
+    without: u64,
+}
+
+impl Sink for Powered<'_> {
+    fn event(&mut self, _tick: u64, steps: MotorSet, _forward: MotorSet) {
+        self.without += u64::from(!steps.without(self.drivers.enabled()).is_empty());
+    }
+}
+
+/// Power that goes while other microsteps are on their way to the drivers has to come back before a step.
+#[test]
+fn a_move_that_waits_for_new_microsteps_does_not_run_without_power() {
+    let mut eeprom = Eeprom::blank();
+    let mut other = Settings::prototype();
+    (other.drivers.belt.microsteps, other.drivers.z.microsteps, other.drivers.e.microsteps) = (32, 32, 32);
+    let drivers = Drivers::new();
+    let mut host = script(&drivers, &["M500"]);
+    run_on(&other, None, &mut eeprom, &drivers, &mut [&mut host], &mut Steps::default()).unwrap();
+    // M122 takes a third of a second without any motion.
+    for reports in 0..4 {
+        let drivers = Drivers::new();
+        let lines =
+            [&["M502", "M84 S1", "G1 X1 F6000", "M400"][..], &["M122"].repeat(reports), &["M501", "G1 X2", "M400"]];
+        let mut host = script(&drivers, &lines.concat());
+        let mut steps = Powered { drivers: &drivers, without: 0 };
+        let start = Some([Mm::ZERO; 3]);
+        run_on(&Settings::prototype(), start, &mut eeprom, &drivers, &mut [&mut host], &mut steps).unwrap();
+        assert_eq!(steps.without, 0, "{reports} reports: {:?}", host.heard);
+    }
+}
+
 #[test]
 fn a_hot_driver_is_told_once_and_works_on() {
     let drivers = Drivers::new();
