@@ -63,6 +63,16 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     RCC.cr().modify(|w| w.set_csson(true));
 }
 
+/// Has embassy's time stand still during `work`, in which no interrupt is served for longer than a half lap of TIM3,
+/// 33 ms. Of the half laps that end meanwhile embassy would count two at the most, and after an odd number of others a
+/// read just when a half lap ends goes back by 65 ms, from then on for ever.
+pub fn without_time<R>(work: impl FnOnce() -> R) -> R {
+    TIM3.cr1().modify(|w| w.set_cen(false));
+    let result = work();
+    TIM3.cr1().modify(|w| w.set_cen(true));
+    result
+}
+
 /// What makes 2 MHz of the crystal's clock, for either PLL.
 const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
     match crystal {

@@ -2,8 +2,9 @@
 //!
 //! Registers and not embassy-stm32's driver, which erases without regard to the watchdog: while a sector is erased the
 //! processor cannot fetch instructions and stands still, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits),
-//! and the watchdog bites after 0.34 s. So it gets a longer period for that time. Motors rest when settings are saved,
-//! and drivers hold on their own. Commands are heard again afterwards; their bytes are kept by DMA.
+//! and the watchdog bites after 0.34 s. So it gets a longer period for that time, in which the Console's clock stands
+//! still. Motors rest when settings are saved, and drivers hold on their own. Commands are heard again afterwards; their
+//! bytes are kept by DMA.
 
 use corehbot::port::StorageError;
 use embassy_stm32::pac::FLASH;
@@ -12,6 +13,7 @@ use embassy_stm32::pac::flash::vals::Psize;
 use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use static_cell::StaticCell;
 
+use crate::clocks;
 use crate::flash_pages::{FlashPages, SECTOR, SECTORS};
 use crate::memory::Memory;
 use crate::watchdog;
@@ -98,7 +100,7 @@ impl NorFlash for Flash {
         check(from, size as usize)?;
         for sector in from / SECTOR..to / SECTOR {
             watchdog::stretch();
-            let result = operate(|| {
+            let erase = || {
                 FLASH.cr().write(|w| {
                     w.set_psize(Psize::PSIZE32);
                     w.set_ser(true);
@@ -106,7 +108,8 @@ impl NorFlash for Flash {
                 });
                 FLASH.cr().modify(|w| w.set_strt(true));
                 finish()
-            });
+            };
+            let result = clocks::without_time(|| operate(erase));
             watchdog::restore();
             result?;
         }
