@@ -43,18 +43,18 @@ pub fn start() {
 
 /// Gives what follows the longest time that there is, 2.8 to 7.7 s: an operation for which the processor stands still.
 pub fn stretch() {
-    IWDG.kr().write(|w| w.set_key(Key::START));
     set_period(MOST_COUNTS);
 }
 
 /// Takes that back.
 pub fn restore() {
-    IWDG.kr().write(|w| w.set_key(Key::START));
     set_period(COUNTS);
 }
 
-/// Begins a time of so many counts. The key has been turned.
+/// Begins a time of so many counts.
 fn set_period(counts: u16) {
+    // Every feed locks the reload value again (RM0390 rev 6, section 19.3.2).
+    IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     IWDG.rlr().write(|w| w.set_rl(counts - 1));
     // A feed before the new values have reached the slow oscillator's side reloads the reset value, and the
     // first period is 4 s.
