@@ -45,6 +45,8 @@ pub struct Drivers {
     result: Option<Result<Reading, DriverError>>,
     next_poll: Instant,
     polled: Motor,
+    /// The last job was a poll, so that others that wait come first.
+    has_polled: bool,
     fault: Option<Fault>,
 }
 
@@ -69,6 +71,7 @@ impl Drivers {
             result: None,
             next_poll: Instant::default(),
             polled: Motor::E0,
+            has_polled: false,
             fault: None,
         }
     }
@@ -218,10 +221,14 @@ impl Drivers {
         }
     }
 
-    /// The job that is to be done now: first health, then changes, then what somebody asked for.
+    /// The job that is to be done now: health, changes, what somebody asked for. On a bad wire a poll takes so long
+    /// that the next is due, and the others get every second turn nevertheless.
     fn begin(&mut self, now: Instant) -> Option<Run> {
         let watched = self.lines.without(MotorSet::ALL.without(self.powered));
-        if !watched.is_empty() && now >= self.next_poll {
+        let is_awaited = self.stale().is_some() || self.asked.is_some();
+        let others_first = core::mem::take(&mut self.has_polled) && is_awaited;
+        if !watched.is_empty() && now >= self.next_poll && !others_first {
+            self.has_polled = true;
             self.next_poll = now.after_ms(POLL_MS);
             let mut order = Motor::ALL.into_iter().cycle().skip(self.polled as usize + 1).take(MOTORS);
             if let Some(motor) = order.find(|motor| watched.has(*motor)) {

@@ -336,6 +336,21 @@ fn a_move_that_waits_for_new_microsteps_does_not_run_without_power() {
     }
 }
 
+/// On such a wire each look takes longer than the time between two.
+#[test]
+fn a_driver_that_is_asked_twice_each_time_leaves_others_their_turn() {
+    let drivers = Drivers::new();
+    let harm = |chip: &mut tmc2209::Tmc2209| {
+        let begin = chip.replies();
+        (0..4000).for_each(|n| chip.corrupt_reply(begin + 4 * n, Corruption::Cut(0)));
+    };
+    let acts = vec![say("M17"), act(|d| each(d, harm)), say("M906 X700"), say("M569 S1"), say("M122")];
+    let told = play(&drivers, acts, None);
+    assert!(told.errors().is_empty() && !told.outcome.halted, "{:?}", told.heard);
+    let busy = told.heard.iter().filter(|line| line.contains("busy")).count();
+    assert!(busy <= 3, "{busy} times 2 s");
+}
+
 #[test]
 fn a_hot_driver_is_told_once_and_works_on() {
     let drivers = Drivers::new();
