@@ -147,7 +147,7 @@ fn power_needs_a_proof_of_every_driver_and_the_proof_must_be_new() {
     assert_eq!(bench.verify(Motor::Z1), Ok(()));
     assert_eq!(bench.power(MotorSet::Z), Err(Motor::Z2));
     assert_eq!(bench.bus.powered, MotorSet::NONE);
-    bench.run(300);
+    bench.run(510);
     assert_eq!(bench.power(Z1), Err(Motor::Z1), "too old");
     let before = bench.bus.requests.len();
     assert_eq!(bench.verify(Motor::Z1), Ok(()));
@@ -182,7 +182,7 @@ fn silence_is_believed_after_four_tries() {
 }
 
 #[test]
-fn drivers_with_power_are_polled_in_turn_ten_times_a_second() {
+fn drivers_with_power_are_polled_in_turn_forty_times_a_second() {
     let mut bench = Bench::new();
     for motor in [Motor::Z1, Motor::Z2] {
         assert_eq!(bench.verify(motor), Ok(()));
@@ -193,7 +193,7 @@ fn drivers_with_power_are_polled_in_turn_ten_times_a_second() {
     bench.run(1000);
     let polled: Vec<Motor> =
         bench.bus.requests.iter().filter(|(_, bytes)| bytes[2] == 1).map(|(motor, _)| *motor).collect();
-    assert!((10..=11).contains(&polled.len()), "{polled:?}");
+    assert!((36..=41).contains(&polled.len()), "{}", polled.len());
     assert!(polled.windows(2).all(|pair| pair[0] != pair[1]), "{polled:?}");
     assert_eq!(bench.bus.requests.len(), 3 * polled.len());
     assert_eq!(bench.news, []);

@@ -31,11 +31,14 @@ fn check_file(path: &Path) {
     }
     let timing = timing(pins, &host);
     println!(
-        "{name}: {} events, late {} to {} ns (median {}), {} alarms exact, {} without, image {}",
+        "{name}: {} events, late {} to {} ns (50 %: {}, 90 %: {}, 99 %: {}, 99.9 %: {}), {} alarms exact, {} without, image {}",
         pins.len(),
         timing.quantile(0.0),
         timing.max(),
         timing.quantile(0.5),
+        timing.quantile(0.9),
+        timing.quantile(0.99),
+        timing.quantile(0.999),
         timing.exact_alarms,
         timing.no_alarm,
         firmware.sha256
@@ -86,6 +89,18 @@ fn tiny_moves_step_as_on_the_host() {
     check("tiny.gcode");
 }
 
+/// The prints that people make; the sliced one is not part of the project.
+#[test]
+fn prints_step_as_on_the_host() {
+    check("first-print.gcode");
+    let sliced = root().join("../shared/gcode/prusaslicer292_cubehelix_small.gcode");
+    if sliced.is_file() {
+        check_file(&sliced);
+    } else {
+        println!("{} is not there: no sliced file was printed", sliced.display());
+    }
+}
+
 #[test]
 fn a_hundred_thousand_events_a_second_are_in_time() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/rush.gcode");
@@ -106,7 +121,7 @@ fn homing_z_leaves_the_console_its_time() {
     assert_eq!((seen.end, seen.resets.len()), (End::Done, 0));
 }
 
-/// The examples that have no test of their own; the longest takes a minute and is for `cargo xtask equal`.
+/// The examples that have no test of their own.
 #[test]
 fn the_other_examples_step_as_on_the_host() {
     for name in ["diagonal", "dwell", "inches", "overrides", "relative", "z-hops"] {

@@ -13,8 +13,8 @@ use crate::units::Instant;
 /// wire at 19,200 baud, so the wire has little rest.
 const POLL_MS: u32 = 25;
 
-/// A proof is this many ms old at most when power comes: seven quick ones take 150 ms.
-const FRESH_MS: u32 = 250;
+/// A proof is this many ms old at most when power comes: seven quick ones take 150 ms, and 330 with a poll after each.
+const FRESH_MS: u32 = 500;
 
 const MOTORS: usize = Motor::ALL.len();
 

@@ -143,11 +143,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub async fn run(&mut self) -> Infallible {
         self.ports.drivers.enable(MotorSet::NONE);
         loop {
-            let interrupt = match self.start_and_serve().await {
+            let mut stopped = match self.start_and_serve().await {
                 Ok(never) => match never {},
-                Err(interrupt) => interrupt,
+                Err(interrupt) => Err(interrupt),
             };
-            if interrupt == Interrupt::Halt || self.quick_stop().await.is_err() {
+            while stopped == Err(Interrupt::QuickStop) {
+                stopped = self.quick_stop().await;
+            }
+            if stopped.is_err() {
                 self.stay_halted().await;
             }
         }

@@ -4,7 +4,7 @@ use crate::build::{self, Board, Image};
 use crate::checkout::run;
 use anyhow::{Context as _, Result, bail, ensure};
 use std::fs::File;
-use std::io;
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -34,6 +34,9 @@ struct Way {
     sd: Option<PathBuf>,
 }
 
+/// What dfu-util 0.11 says when everything has arrived.
+const DOWNLOADED: &str = "File downloaded successfully";
+
 /// What flashes, and where it comes from.
 struct Tool {
     program: &'static str,
@@ -60,8 +63,7 @@ pub fn main(args: &Args) -> Result<()> {
     if way.probe {
         by_probe(board, &image)
     } else if way.dfu {
-        run(dfu_command(&image))
-            .context("no image was flashed; is the board in its bootloader (BOOT0 jumper set, then reset)?")
+        by_dfu(dfu_command(&image))
     } else if let Some(card) = &way.sd {
         onto_card(&image.binary, card)
     } else {
@@ -96,6 +98,31 @@ fn dfu_command(image: &Image) -> Command {
     command.args(["--device", DFU_DEVICE, "--alt", "0", "--dfuse-address", &place, "--download"]);
     command.arg(&image.binary);
     command
+}
+
+/// Runs dfu-util and goes by what it says: after a download it may end with an error because the board, which starts
+/// the image at once, does not answer any more.
+fn by_dfu(mut command: Command) -> Result<()> {
+    let mut child = command.stdout(Stdio::piped()).spawn().context("cannot run dfu-util")?;
+    let mut output = child.stdout.take().context("dfu-util has no output")?;
+    let (mut said, mut part) = (Vec::new(), [0; 4096]);
+    loop {
+        let length = output.read(&mut part)?;
+        if length == 0 {
+            break;
+        }
+        io::stdout().write_all(&part[..length])?;
+        io::stdout().flush()?;
+        said.extend_from_slice(&part[..length]);
+    }
+    let status = child.wait()?;
+    let is_there = String::from_utf8_lossy(&said).contains(DOWNLOADED);
+    ensure!(
+        status.success() || is_there,
+        "no image was flashed ({status}); is the board in its bootloader (BOOT0 jumper set, then reset)?"
+    );
+    println!("flashed; take the BOOT0 jumper off and reset");
+    Ok(())
 }
 
 /// Copies the binary under the name that the bootloader looks for, and waits until it is on the card.
@@ -140,6 +167,19 @@ mod tests {
         let text = words(&dfu_command(&image()));
         let wanted = "dfu-util --device 0483:df11 --alt 0 --dfuse-address 0x08008000:leave --download firmware.bin";
         assert_eq!(text, wanted);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_board_that_starts_at_once_was_flashed_whatever_the_tool_thinks_of_it() {
+        let tool = |script: &str| {
+            let mut command = Command::new("sh");
+            command.args(["-c", script]);
+            command
+        };
+        assert!(by_dfu(tool("echo Download done.; echo File downloaded successfully; exit 74")).is_ok());
+        assert!(by_dfu(tool("echo No DFU capable USB device available; exit 74")).is_err());
+        assert!(by_dfu(tool("exit 0")).is_ok());
     }
 
     #[test]

@@ -86,6 +86,11 @@ const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
 /// embassy-stm32 0.6.0 cannot: it leaves the predivider PLLSAIM, which the F446 has in a register of its own, at the
 /// forbidden 0 (RM0390, 6.3.24), and writes CK48MSEL into DCKCFGR, where other chips have it.
 pub fn start_usb(crystal: Crystal) -> bool {
+    // A bootloader may have left it running, and then its settings are read only.
+    RCC.cr().modify(|w| w.set_pllsaion(false));
+    if !(0..LOCKING).any(|_| !RCC.cr().read().pllsairdy()) {
+        return false;
+    }
     RCC.pllsaicfgr().modify(|w| {
         w.set_pllm(to_2_mhz(crystal));
         w.set_plln(PllMul::MUL96);

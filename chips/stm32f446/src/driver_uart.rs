@@ -5,11 +5,11 @@
 //! answers after eight bit times and lets go by itself.
 //!
 //! The interrupt comes at the priority of the serial line, so the steps delay it, and it delays no step. The timer
-//! goes on by itself, so ticks are late and never lost, unless they are held off for a whole tick of 10 us. That
-//! happens when an endstop has ended a motion and the step interrupt discards what was queued, 0.3 ms at most in the
-//! emulator; an exchange that goes on then fails, as if by noise.
+//! goes on by itself, so ticks are late and never lost, unless they are held off for a whole tick of 10 us; an exchange
+//! that goes on then fails, as if by noise, and is repeated.
 //!
-//! A tick takes some 50 instructions, so listening takes about 5 % of the processor and sending 1 %.
+//! A tick takes some 50 instructions, so listening takes about 5 % of the processor and sending 1 %. While motors have
+//! power the wire has little rest.
 
 use corehbot::port::{BusError, Frame};
 use corehbot_cortex_m4::Handover;

@@ -30,6 +30,7 @@ const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 /// else the processor stands still until the operation is done.
 const LOOKS: u32 = 20_000_000;
 
+// SAFETY: the linker script of cortex-m-rt defines the symbol; only its address is taken.
 unsafe extern "C" {
     /// Where the code begins (cortex-m-rt).
     safe static _stext: u8;

@@ -8,7 +8,7 @@ use embassy_stm32::{interrupt, pac::Interrupt};
 use embassy_usb_synopsys_otg::otg_v1::{Otg, vals::Dspd};
 use embassy_usb_synopsys_otg::{Config, Driver, OtgInstance, PhyType, State, on_interrupt};
 
-use crate::ports;
+use crate::ports::{self, Speed};
 use crate::wiring::USB;
 
 /// The interrupt of the port.
@@ -47,6 +47,7 @@ fn registers() -> Otg {
 /// endpoint. `None` if the core does not become one.
 pub fn start(buffer: &'static mut [u8]) -> Option<UsbDriver> {
     for pin in USB {
+        ports::speed_up(pin, Speed::VeryHigh);
         ports::make_alternate(pin, FUNCTION);
         ports::float(pin);
     }

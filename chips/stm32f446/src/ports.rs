@@ -9,8 +9,15 @@ use crate::wiring::{Pin, Port};
 /// The registers of a port.
 pub type Registers = pac::gpio::Gpio;
 
-/// Edges of 10 ns (STM32F446 datasheet, table of I/O AC characteristics, OSPEEDR 01 at 50 pF).
-const MEDIUM_SPEED: u32 = 0b01;
+/// How steep edges are (STM32F446 datasheet, table of I/O AC characteristics).
+#[derive(Clone, Copy)]
+#[repr(u32)]
+pub enum Speed {
+    /// 10 ns at 50 pF.
+    Medium = 0b01,
+    /// 4 ns at 30 pF.
+    VeryHigh = 0b11,
+}
 
 /// The registers of `port`.
 pub const fn registers(port: Port) -> Registers {
@@ -52,9 +59,9 @@ pub fn make_output(pin: Pin) {
 }
 
 /// Gives an output edges that a short pulse survives.
-pub fn speed_up(pin: Pin) {
+pub fn speed_up(pin: Pin, speed: Speed) {
     let shift = 2 * pin.number();
-    registers(pin.port).ospeedr().modify(|w| *w = Ospeedr(w.0 & !(0b11 << shift) | MEDIUM_SPEED << shift));
+    registers(pin.port).ospeedr().modify(|w| *w = Ospeedr(w.0 & !(0b11 << shift) | (speed as u32) << shift));
 }
 
 /// Makes an input of `pin`, pulled to the level `is_high`.

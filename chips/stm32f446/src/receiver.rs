@@ -128,6 +128,7 @@ impl Receiver {
         if waiting > SIZE {
             // The DMA has overtaken us: what lies in the ring is of many lines.
             self.read = self.read.wrapping_add(waiting);
+            self.ring.damaged.iter().for_each(|bits| bits.store(0, Ordering::Release));
             return Some(Received::Lost);
         }
         let position = (self.read % SIZE) as usize;

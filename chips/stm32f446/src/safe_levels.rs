@@ -2,7 +2,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use crate::ports;
+use crate::ports::{self, Speed};
 use crate::wiring::{Board, Pin, Port};
 
 /// The words for BSRR. Until a board is known they are 0, and its pins are inputs, which its resistors make safe.
@@ -24,7 +24,7 @@ pub fn adopt(board: &Board) {
     for pin in slots().flat_map(|slot| [slot.step, slot.dir]) {
         // The pins behind the power switch (PC13 to PC15) drive only slow edges (STM32F446 datasheet, pin definitions).
         if !is_weak(pin) {
-            ports::speed_up(pin);
+            ports::speed_up(pin, Speed::Medium);
         }
         ports::make_output(pin);
     }

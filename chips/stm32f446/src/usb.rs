@@ -3,6 +3,7 @@
 use corehbot::port::{Clock as _, Received, Serial};
 use corehbot::units::Instant;
 use embassy_stm32::uid;
+use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, State};
 use embassy_usb::{Builder, Config, UsbDevice};
 use static_cell::{ConstStaticCell, StaticCell};
@@ -37,7 +38,7 @@ static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory {
     packets: [0; 2 * PACKET],
 });
 static STATE: StaticCell<State<'static>> = StaticCell::new();
-static TRAFFIC: Traffic = Traffic::new();
+static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
 
 /// The Console's end of the port.
 pub struct UsbLine {

@@ -9,7 +9,8 @@ use corehbot::units::Instant;
 use embassy_futures::join::join4;
 use embassy_futures::poll_once;
 use embassy_futures::select::{Either, select};
-use embassy_sync::blocking_mutex::CriticalSectionMutex;
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_sync::waitqueue::AtomicWaker;
 use embassy_usb::UsbDevice;
 use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender};
@@ -17,9 +18,10 @@ use embassy_usb::driver::Driver;
 
 use crate::usb_pump::{PACKET, Pump};
 
-/// A port as both of its ends see it.
-pub struct Traffic {
-    pump: CriticalSectionMutex<RefCell<Pump>>,
+/// A port as both of its ends see it. On a board both run in one executor, so `M` need not hold off interrupts: a packet
+/// is handled for 10 us, more than the bits of a driver's UART may wait.
+pub struct Traffic<M: RawMutex> {
+    pump: Mutex<M, RefCell<Pump>>,
     /// The host may get a packet, or the port was opened or closed.
     to_host: AtomicWaker,
     /// There is room for a packet from the host.
@@ -35,20 +37,16 @@ pub trait Surroundings {
     fn now(&self) -> Instant;
 }
 
-impl Default for Traffic {
+impl<M: RawMutex> Default for Traffic<M> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Traffic {
+impl<M: RawMutex> Traffic<M> {
     /// A closed port; all zeros, so it costs no flash.
     pub const fn new() -> Self {
-        Self {
-            pump: CriticalSectionMutex::new(RefCell::new(Pump::new())),
-            to_host: AtomicWaker::new(),
-            from_host: AtomicWaker::new(),
-        }
+        Self { pump: Mutex::new(RefCell::new(Pump::new())), to_host: AtomicWaker::new(), from_host: AtomicWaker::new() }
     }
 
     /// What the Console gets next from the host.

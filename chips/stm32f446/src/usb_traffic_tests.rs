@@ -2,6 +2,7 @@
 
 use super::fake_usb::Fake;
 use super::*;
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use embassy_usb::class::cdc_acm::State;
 use embassy_usb::driver::Event;
 use embassy_usb::{Builder, Config};
@@ -33,14 +34,14 @@ impl Surroundings for Bench<'_> {
 /// A host on one side of the port, and the Console on the other.
 struct Rig<'a> {
     wire: Fake,
-    traffic: &'a Traffic,
+    traffic: &'a Traffic<NoopRawMutex>,
     clock: &'a Cell<u64>,
     port: Pin<&'a mut dyn Future<Output = ()>>,
 }
 
 /// Runs `story` with a port that is plugged in and configured, and closed.
 fn with_port(story: impl FnOnce(Rig<'_>)) {
-    let (wire, traffic, clock) = (Fake::default(), Traffic::new(), Cell::new(0));
+    let (wire, traffic, clock) = (Fake::default(), Traffic::<NoopRawMutex>::new(), Cell::new(0));
     let (mut configuration, mut capabilities, mut control) = ([0; 128], [0; 32], [0; PACKET]);
     let mut state = State::new();
     let mut config = Config::new(0x1209, 0x0001);

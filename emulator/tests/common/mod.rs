@@ -82,7 +82,7 @@ impl Default for Bench<'_> {
 /// Prints `gcode` on `bench`.
 pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
     let settings = Settings::prototype();
-    let patience = Patience { whole: 120_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
+    let patience = Patience { whole: 7_200_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
     let request = Request {
         firmware,
         wiring: &OCTOPUS,
