@@ -16,8 +16,11 @@ mod odometer;
 pub mod path;
 mod ports;
 pub mod report;
+mod run;
 pub mod sampler;
 pub mod series;
+#[cfg(unix)]
+mod serve;
 pub mod summary;
 pub mod tally;
 pub mod tmc2209;
