@@ -9,8 +9,9 @@ mod diff;
 mod size;
 mod tools;
 
-pub use compare::check_file;
+pub use compare::{check_file, sliced_file};
 
+use crate::clients;
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 
@@ -30,7 +31,7 @@ struct Step {
 }
 
 /// What a step found. A step that cannot even be carried out is an error, which counts as one failure.
-enum Verdict {
+pub enum Verdict {
     /// All is well.
     Passed(String),
     /// So many tests passed and failed.
@@ -40,12 +41,13 @@ enum Verdict {
 }
 
 /// In this order, as later steps need the tools of the first, and quick steps should fail first.
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 10] = [
     Step { name: "tools", heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "lint", heading: "clippy finds nothing, host and boards", run: cargo::lint },
     Step { name: "doc", heading: "documentation builds without warnings", run: cargo::document },
     Step { name: "host", heading: "tests on this computer", run: cargo::test },
+    Step { name: "clients", heading: "Printrun and OctoPrint print on the firmware", run: clients::check },
     Step { name: "boards", heading: "core and boards build for the target", run: cargo::build_boards },
     Step { name: "size", heading: "the images keep their budgets", run: size::check },
     Step { name: "qemu", heading: "QEMU steps as the simulator does", run: compare::check },
