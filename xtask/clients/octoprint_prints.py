@@ -42,23 +42,23 @@ def run(program, file, kind):
 # States without a connection.
 GONE = ("Offline", "Closed", "Offline after error")
 
-# What OctoPrint sends of itself during a print: its line numbers, a poll, and the interval of `busy` that it wants.
-# The last M400 is its own, too.
-OWN = ("M110 N0", "M105", "M113 S2", "M400")
+# What OctoPrint sends of itself during a print: a poll, and the interval of `busy` that it wants. The last M400 is its
+# own, too.
+OWN = ("M105", "M113 S2", "M400")
 
 
-def are_in_order(numbered, commands):
-    """Whether each command was sent once and in order, with nothing between but OctoPrint's own."""
-    # A connection begins with M115.
-    sent = numbered[numbered.index("M115") + 1 :]
+def check_order(numbered, commands):
+    """Each command must be there once and in order, with nothing between but OctoPrint's own."""
+    # A print begins with its line numbers.
+    begin = len(numbered) - numbered[::-1].index("M110 N0")
     left = iter(commands)
     awaited = next(left, None)
-    for command in sent:
+    for command in numbered[begin:]:
         if command == awaited:
             awaited = next(left, None)
-        elif command not in OWN:
-            return False
-    return awaited is None
+        else:
+            check(command in OWN, f"{command} instead of {awaited}")
+    check(awaited is None, f"{awaited} is missing")
 
 
 def clean_print(host, program, port, commands, summary):
@@ -71,7 +71,7 @@ def clean_print(host, program, port, commands, summary):
         host.wait_for_state("Operational")
         seconds = time.monotonic() - begin
         numbered = [re.sub(r"^N\d+ |\*\d+$", "", line) for line in host.sent() if line.startswith("N")]
-        check(are_in_order(numbered, commands), "commands were not sent once and in order")
+        check_order(numbered, commands)
         known = {words.split('"')[1] for words in summary["warnings"] if "Unknown command" in words}
         for line in (host.log("serial.log") + host.log("octoprint.log")).splitlines():
             is_known = any(f'Unknown command: "{command}' in line for command in known)
@@ -117,8 +117,7 @@ def bad_print(host, program, port, commands, summary, damage):
         host.begin("bad.gcode", commands)
         host.wait_for_state("Operational")
         seconds = time.monotonic() - begin
-        accepted = [command for _, command in line.accepted]
-        check(are_in_order(accepted, commands), f"{len(accepted)} commands arrived, and not in order")
+        check_order([command for _, command in line.accepted], commands)
         check(line.resends >= line.damaged > 0, f"{line.resends} resends of {line.damaged} damaged lines")
         check("timeout while" not in host.log("serial.log"), "it ran into a timeout")
         printer.same_steps(device, summary)
