@@ -1,6 +1,6 @@
 """Printrun's printcore prints a file: each command arrives once and in order, and the steps are the simulator's.
 
-Arguments: corehbot, G-code file, and `clean`, `corrupt` or `drop`.
+Arguments: corehbot, G-code file, and `clean`, `corrupt` or `drop`; a fourth one is the printer if it is not corehbot.
 """
 
 import logging
@@ -17,9 +17,9 @@ from printrun.printcore import printcore
 SILENCE_S = 10
 
 
-def run(program, file, kind):
+def run(program, file, kind, other=None):
     summary = printer.simulate(program, file)
-    device = printer.Printer(program)
+    device = printer.Printer(other or program)
     line = None
     try:
         damage = proxy.KINDS.get(kind)

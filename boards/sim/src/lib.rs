@@ -20,7 +20,7 @@ mod run;
 pub mod sampler;
 pub mod series;
 #[cfg(unix)]
-mod serve;
+pub mod serve;
 pub mod summary;
 pub mod tally;
 pub mod tmc2209;

@@ -10,6 +10,7 @@ mod size;
 mod tools;
 
 pub use compare::{check_file, sliced_file};
+pub use tools::{has_emulator, lack_of_emulator};
 
 use crate::clients;
 use anyhow::{Result, bail};

@@ -20,7 +20,7 @@ use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
 use pace::{Pace, Speed};
-use port::Port;
+pub use port::Port;
 use screen::Screen;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use std::fs::File;
@@ -82,10 +82,7 @@ impl Prepared {
         let settings = read_machine(args.settings.as_deref())?.settings;
         let eeprom = args.storage.as_deref().map(Eeprom::open).transpose()?;
         let trace = args.trace.as_deref().map(create).transpose()?;
-        let is_over = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM, SIGHUP] {
-            signal_hook::flag::register(signal, Arc::clone(&is_over)).context("cannot wait for Ctrl-C")?;
-        }
+        let is_over = until_signal()?;
         let port = Port::open(args.pty.as_deref())?;
         Ok(Self { settings, eeprom, trace: TraceWriter::new(trace, (&settings).into()), port, is_over })
     }
@@ -117,8 +114,23 @@ impl Prepared {
     }
 }
 
+/// A flag that Ctrl-C sets, and what else ends a process in an orderly way.
+///
+/// # Errors
+/// If the system does not take the handlers.
+pub fn until_signal() -> Result<Arc<AtomicBool>> {
+    let is_over = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM, SIGHUP] {
+        signal_hook::flag::register(signal, Arc::clone(&is_over)).context("cannot wait for Ctrl-C")?;
+    }
+    Ok(is_over)
+}
+
 /// Says a line at once; whoever does not listen any more has heard enough.
-fn println(line: std::fmt::Arguments<'_>) -> Result<()> {
+///
+/// # Errors
+/// If it cannot be written.
+pub fn println(line: std::fmt::Arguments<'_>) -> Result<()> {
     let mut out = std::io::stdout();
     match writeln!(out, "{line}").and_then(|()| out.flush()) {
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
@@ -154,7 +166,7 @@ impl Server<'_> {
             if wait.is_zero() {
                 self.world.advance();
             } else {
-                self.port.wait(wait)?;
+                self.port.wait(wait, None)?;
                 look = Duration::ZERO;
             }
         }

@@ -13,7 +13,7 @@ use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use std::collections::VecDeque;
 use std::ffi::OsString;
 use std::fs::{read_link, remove_file, symlink_metadata};
-use std::os::fd::OwnedFd;
+use std::os::fd::{BorrowedFd, OwnedFd};
 use std::os::unix::ffi::OsStringExt as _;
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
@@ -23,7 +23,8 @@ use std::time::Duration;
 /// longest report, and a host that leaves them unread has gone.
 const BACKLOG: usize = 1 << 16;
 
-pub(crate) struct Port {
+/// A pseudo-terminal.
+pub struct Port {
     near: OwnedFd,
     /// Held open, see above.
     _far: OwnedFd,
@@ -34,6 +35,9 @@ pub(crate) struct Port {
 
 impl Port {
     /// A new pseudo-terminal, and a link to it if wanted.
+    ///
+    /// # Errors
+    /// If there is none to be had, or the link would replace something.
     pub fn open(link: Option<&Path>) -> Result<Self> {
         let near = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).context("cannot open a pseudo-terminal")?;
         grantpt(&near).and_then(|()| unlockpt(&near)).context("cannot unlock the pseudo-terminal")?;
@@ -53,11 +57,15 @@ impl Port {
     }
 
     /// What a host has to open.
+    #[must_use]
     pub fn path(&self) -> &Path {
         self.link.as_deref().unwrap_or(&self.path)
     }
 
     /// Takes what the host has sent.
+    ///
+    /// # Errors
+    /// If the pseudo-terminal fails.
     pub fn read(&self, into: &mut Vec<u8>) -> Result<()> {
         let mut bytes = [0; 1024];
         loop {
@@ -71,6 +79,9 @@ impl Port {
     }
 
     /// Has the host hear something; what does not fit into the backlog is lost.
+    ///
+    /// # Errors
+    /// If the pseudo-terminal fails.
     pub fn write(&mut self, bytes: impl Iterator<Item = u8>) -> Result<()> {
         let room = BACKLOG - self.backlog.len();
         let mut bytes = bytes;
@@ -87,11 +98,18 @@ impl Port {
         Ok(())
     }
 
-    /// Waits until the host says something or hears what it is still to hear; no longer than `patience`.
-    pub fn wait(&self, patience: Duration) -> Result<()> {
+    /// Waits until the host says something or hears what it is still to hear, or `other` has something to be read; no
+    /// longer than `patience`.
+    ///
+    /// # Errors
+    /// If one of them fails.
+    pub fn wait(&self, patience: Duration, other: Option<BorrowedFd<'_>>) -> Result<()> {
         let output = if self.backlog.is_empty() { PollFlags::empty() } else { PollFlags::OUT };
+        let near = PollFd::new(&self.near, PollFlags::IN | output);
         let timeout = Timespec::try_from(patience).context("no such patience")?;
-        match poll(&mut [PollFd::new(&self.near, PollFlags::IN | output)], Some(&timeout)) {
+        let others = other.map(|other| PollFd::from_borrowed_fd(other, PollFlags::IN));
+        let mut ends: Vec<_> = [near].into_iter().chain(others).collect();
+        match poll(&mut ends, Some(&timeout)) {
             // A signal is for the caller to see.
             Ok(_) | Err(Errno::INTR) => Ok(()),
             Err(error) => Err(error).context("cannot wait for the pseudo-terminal"),
