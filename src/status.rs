@@ -40,6 +40,8 @@ pub struct Status {
     path_um: AtomicU32,
     /// How often the host was so slow that the look-ahead had to let go of moves unfinished.
     underruns: AtomicU32,
+    /// Moves planned and not yet begun, as of the Console's last turn.
+    level: AtomicU32,
     /// One more than the fewest moves in the look-ahead while the stream ran; 0 if it never did. (A status of
     /// zeros costs no flash.)
     low_water: AtomicU32,
@@ -73,6 +75,7 @@ impl Status {
             moves: AtomicU32::new(0),
             path_um: AtomicU32::new(0),
             underruns: AtomicU32::new(0),
+            level: AtomicU32::new(0),
             low_water: AtomicU32::new(0),
             halted: AtomicBool::new(false),
         }
@@ -219,6 +222,16 @@ impl Status {
 
     pub(crate) fn count_underrun(&self) {
         self.underruns.store(self.underruns.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// Moves planned and not yet begun.
+    #[must_use]
+    pub fn level(&self) -> u32 {
+        self.level.load(Relaxed)
+    }
+
+    pub(crate) fn set_level(&self, moves: u32) {
+        self.level.store(moves, Relaxed);
     }
 
     /// Fewest moves in the look-ahead while the stream ran.

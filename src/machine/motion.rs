@@ -57,9 +57,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) fn feed_motion(&mut self) {
         // Asked at every turn, because it counts up what was stepped.
         self.link.left();
+        let level = (self.planner.len() + self.link.level()) as u32;
+        self.link.status().set_level(level);
         if self.flow.is_level_telling() {
-            let level = self.planner.len() + self.link.level();
-            self.link.status().note_level(level as u32);
+            self.link.status().note_level(level);
         }
         while self.link.has_room() && (!self.flow.is_gathering() || self.begin_motion()) {
             if let Some(released) = self.planner.pop() {

@@ -2,6 +2,7 @@
 
 mod build;
 mod checkout;
+mod clients;
 mod emulate;
 mod flash;
 mod qemu;
@@ -22,6 +23,8 @@ struct Cli {
 enum Task {
     /// Builds the image of a board that can be flashed, and weighs it.
     Build(build::Args),
+    /// Has Printrun and OctoPrint print on the firmware, on clean lines and bad ones.
+    Clients,
     /// Prints a G-code file on the image of a controller board, in an emulator of its processor.
     Emulate(emulate::Args),
     /// Prints a G-code file in the simulator, in QEMU and on the Octopus's image, and compares the steps.
@@ -37,6 +40,7 @@ enum Task {
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
         Task::Build(args) => build::main(&args),
+        Task::Clients => clients::main(),
         Task::Emulate(args) => emulate::main(&args),
         Task::Equal(args) => emulate::equal(&args),
         Task::Flash(args) => flash::main(&args),

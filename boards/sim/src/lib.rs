@@ -12,10 +12,15 @@ pub mod eeprom;
 pub mod host;
 pub mod limits;
 pub mod machine_file;
+mod odometer;
 pub mod path;
+mod ports;
 pub mod report;
+mod run;
 pub mod sampler;
 pub mod series;
+#[cfg(unix)]
+pub mod serve;
 pub mod summary;
 pub mod tally;
 pub mod tmc2209;

@@ -2,19 +2,23 @@
 //!
 //! All of it runs in one thread. Time advances only by the Stepper's alarm, or by a millisecond when
 //! nothing moves, so a print takes as long as the computing does. The host at the other end of the line
-//! answers at once: time stands still while the printer waits for a line.
+//! of [`run`] answers at once: time stands still while the printer waits for a line.
 
 use crate::drivers::Drivers;
-use corehbot::app::{Memory, StepPorts, assemble};
+use crate::odometer::Odometer;
+pub use crate::ports::Wire;
+use crate::ports::{Line, Pends, Pins, Room, Shared, Timer};
+use corehbot::app::{Memory, Parts, StepPorts, assemble};
 use corehbot::machine::Ports;
-use corehbot::motors::{EndstopSet, MotorSet};
-use corehbot::port::{Clock, NoStorage, Pend, Received, Sensor, Serial, StepClock, StepPort, Storage, ThermalPort};
+use corehbot::motion::{StepGenerator, Stepper};
+use corehbot::motors::MotorSet;
+use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
-use corehbot::units::{Instant, Mm, TICKS_PER_MS, Tick};
+use corehbot::status::Status;
+use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
-use std::cell::{Cell, RefCell};
-use std::collections::VecDeque;
-use std::pin::pin;
+use std::convert::Infallible;
+use std::pin::Pin;
 use std::task::{Context, Waker};
 
 /// Who hears every step event, in order. `tick` is motion time (10 MHz) and never falls.
@@ -84,105 +88,134 @@ const EVENTS_A_TURN: usize = 128;
 /// Time passes by no more than this between two turns of the Console, which a board polls every millisecond.
 const TURN: u64 = TICKS_PER_MS as u64;
 
-/// What the ports share.
-#[derive(Default)]
-struct Shared {
-    /// Real time in ticks.
-    now: Cell<u64>,
-    alarm: Cell<Option<u32>>,
-    generator: Cell<bool>,
-    stepper: Cell<bool>,
+/// What a [`World`] stands on.
+pub struct Desk {
+    memory: Memory,
+    shared: Shared,
+    wires: Vec<Wire>,
 }
 
-/// What is on the way between the printer and one host.
-#[derive(Default)]
-struct Wire {
-    to_printer: RefCell<VecDeque<Received>>,
-    to_host: RefCell<Vec<u8>>,
-    /// A line that the printer has begun.
-    spoken: RefCell<String>,
-}
-
-#[derive(Clone, Copy)]
-struct Pends<'w>(&'w Shared);
-
-impl Pend for Pends<'_> {
-    fn pend_generator(&self) {
-        self.0.generator.set(true);
-    }
-
-    fn pend_stepper(&self) {
-        self.0.stepper.set(true);
+impl Desk {
+    /// A desk with so many serial lines.
+    #[must_use]
+    pub fn new(lines: usize) -> Box<Self> {
+        let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
+        Box::new(Self { memory: Memory::new(), shared: Shared::default(), wires })
     }
 }
 
-struct Timer<'w>(&'w Shared);
-
-impl StepClock for Timer<'_> {
-    fn now(&self) -> Tick {
-        Tick(self.0.now.get() as u32)
-    }
-
-    fn alarm(&mut self, at: Tick) {
-        self.0.alarm.set(Some(at.0));
-    }
-
-    fn silence(&mut self) {
-        self.0.alarm.set(None);
-    }
+/// The firmware and its machine.
+pub struct World<'w> {
+    shared: &'w Shared,
+    wires: &'w [Wire],
+    status: &'w Status,
+    stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
+    generator: StepGenerator<'w, Pends<'w>>,
+    console: Pin<Box<dyn Future<Output = Infallible> + 'w>>,
+    odometer: Odometer,
 }
 
-impl Clock for Timer<'_> {
-    fn now(&self) -> Instant {
-        Instant(self.0.now.get())
-    }
-}
-
-struct Line<'w>(&'w Wire);
-
-impl Serial for Line<'_> {
-    fn recv(&mut self) -> Option<Received> {
-        self.0.to_printer.borrow_mut().pop_front()
-    }
-
-    fn send(&mut self, bytes: &[u8]) -> usize {
-        self.0.to_host.borrow_mut().extend_from_slice(bytes);
-        bytes.len()
-    }
-}
-
-/// Thermistors in a room of 25 C.
-struct Room;
-
-/// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
-const ROOM: u16 = 62594;
-
-impl ThermalPort for Room {
-    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
-        matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM)
-    }
-}
-
-struct Pins<'w> {
-    rig: Rig,
-    forward: MotorSet,
-    sink: &'w mut dyn Sink,
-}
-
-impl StepPort for Pins<'_> {
-    fn dir(&mut self, forward: MotorSet) {
-        self.forward = forward;
+impl<'w> World<'w> {
+    /// A machine that stands at `start` (x, y, z) as if homed, or somewhere, and has just been switched on.
+    pub fn new(
+        desk: &'w mut Desk,
+        settings: &Settings,
+        start: Option<[Mm; 3]>,
+        storage: impl Storage + 'w,
+        drivers: &'w Drivers,
+        sink: &'w mut dyn Sink,
+    ) -> Self {
+        let Desk { memory, shared, wires } = desk;
+        let (shared, wires): (&'w Shared, &'w [Wire]) = (shared, wires);
+        let pins = Pins { rig: Rig::new(settings, start), forward: MotorSet::NONE, sink };
+        let step_ports = StepPorts { pins, clock: Timer(shared) };
+        let ports = Ports {
+            serial: wires.iter().map(Line).collect(),
+            drivers: drivers.bus(&shared.now),
+            clock: Timer(shared),
+            storage,
+            sensors: Room,
+        };
+        let Parts { stepper, generator, mut console, status } =
+            assemble(memory, *settings, start, step_ports, ports, Pends(shared));
+        let console = Box::pin(async move { console.run().await });
+        Self { shared, wires, status, stepper, generator, console, odometer: Odometer::default() }
     }
 
-    fn rise(&mut self, steps: MotorSet, tick: u64) {
-        self.rig.step(steps, self.forward);
-        self.sink.event(tick, steps, self.forward);
+    /// The Console has its turn.
+    pub fn poll(&mut self) {
+        let _ = self.console.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+        self.odometer.follow(self.status.planned().1);
     }
 
-    fn fall(&mut self, _steps: MotorSet) {}
+    /// Time passes: by a millisecond, or by a number of step events. Says whether there was motion.
+    pub fn advance(&mut self) -> bool {
+        let shared = self.shared;
+        let mut moved = false;
+        let end_of_turn = shared.now.get() + TURN;
+        for _ in 0..EVENTS_A_TURN {
+            while shared.generator.replace(false) {
+                self.generator.run();
+            }
+            if !shared.stepper.replace(false) {
+                let Some(alarm) = shared.alarm.get() else {
+                    break;
+                };
+                let now = shared.now.get();
+                let wait = (alarm.wrapping_sub(now as u32) as i32).max(0).unsigned_abs();
+                let due = now + u64::from(wait);
+                shared.now.set(due.min(end_of_turn));
+                if due > end_of_turn {
+                    moved = true;
+                    break;
+                }
+            }
+            moved = true;
+            self.stepper.on_alarm();
+        }
+        if !moved {
+            shared.now.set(end_of_turn);
+        }
+        moved
+    }
 
-    fn endstops(&mut self) -> EndstopSet {
-        self.rig.endstops()
+    /// Whether the Console has nothing to do before a host says more.
+    #[must_use]
+    pub fn is_awaiting_hosts(&self) -> bool {
+        self.wires.iter().all(Wire::is_silent) && self.status.is_awaiting_input()
+    }
+
+    /// Time since it was switched on, in ticks.
+    #[must_use]
+    pub const fn now(&self) -> u64 {
+        self.shared.now.get()
+    }
+
+    /// The serial lines.
+    #[must_use]
+    pub const fn wires(&self) -> &'w [Wire] {
+        self.wires
+    }
+
+    /// What its contexts know of each other.
+    #[must_use]
+    pub const fn status(&self) -> &'w Status {
+        self.status
+    }
+
+    /// What it amounts to so far.
+    #[must_use]
+    pub fn outcome(&self) -> Outcome {
+        let status = self.status;
+        Outcome {
+            ticks: self.stepper.tick(),
+            moves: status.planned().0,
+            path_um: self.odometer.um(),
+            underruns: status.underruns() + status.overload().0,
+            low_water: status.low_water(),
+            counts: status.counts(),
+            halted: status.is_halted(),
+        }
     }
 }
 
@@ -226,123 +259,37 @@ pub fn run_on(
     hosts: &mut [&mut dyn Host],
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
-    let shared = Shared::default();
-    let wires: Vec<Wire> = hosts.iter().map(|_| Wire::default()).collect();
-    let mut memory = Box::new(Memory::new());
-    let pins = Pins { rig: Rig::new(settings, start), forward: MotorSet::NONE, sink };
-    let step_ports = StepPorts { pins, clock: Timer(&shared) };
-    let ports = Ports {
-        serial: wires.iter().map(Line).collect(),
-        drivers: drivers.bus(&shared.now),
-        clock: Timer(&shared),
-        storage,
-        sensors: Room,
-    };
-    let mut parts = assemble(&mut memory, *settings, start, step_ports, ports, Pends(&shared));
-    let (status, stepper, generator) = (parts.status, &mut parts.stepper, &mut parts.generator);
-    let mut console = pin!(parts.console.run());
-    let mut context = Context::from_waker(Waker::noop());
+    let mut desk = Desk::new(hosts.len());
+    let mut world = World::new(&mut desk, settings, start, storage, drivers, sink);
     let mut idle_ms = 0;
-    let mut path = Path::default();
-    while !(hosts.iter().all(|host| host.is_done()) || status.is_halted()) {
-        let _ = console.as_mut().poll(&mut context);
-        path.follow(status.planned().1);
-        for (host, wire) in hosts.iter_mut().zip(&wires) {
+    while !(hosts.iter().all(|host| host.is_done()) || world.status().is_halted()) {
+        world.poll();
+        for (host, wire) in hosts.iter_mut().zip(world.wires()) {
             wire.deliver(*host);
             if host.opens() {
-                wire.to_printer.borrow_mut().push_back(Received::Opened);
+                wire.open();
             }
             wire.take(|bytes| host.interject(bytes));
         }
-        let is_silent = wires.iter().all(|wire| wire.to_printer.borrow().is_empty());
-        if status.is_awaiting_input() && is_silent {
+        if world.is_awaiting_hosts() {
             let sent = |(host, wire): (&mut &mut dyn Host, &Wire)| wire.take(|bytes| host.send(bytes));
-            if hosts.iter_mut().zip(&wires).map(sent).sum::<usize>() > 0 {
+            if hosts.iter_mut().zip(world.wires()).map(sent).sum::<usize>() > 0 {
                 idle_ms = 0;
                 continue;
             }
         }
-        let mut moved = false;
-        let end_of_turn = shared.now.get() + TURN;
-        for _ in 0..EVENTS_A_TURN {
-            while shared.generator.replace(false) {
-                generator.run();
-            }
-            if !shared.stepper.replace(false) {
-                let Some(alarm) = shared.alarm.get() else {
-                    break;
-                };
-                let now = shared.now.get();
-                let wait = (alarm.wrapping_sub(now as u32) as i32).max(0).unsigned_abs();
-                let due = now + u64::from(wait);
-                shared.now.set(due.min(end_of_turn));
-                if due > end_of_turn {
-                    moved = true;
-                    break;
-                }
-            }
-            moved = true;
-            stepper.on_alarm();
-        }
-        if moved {
+        if world.advance() {
             idle_ms = 0;
         } else {
             idle_ms += 1;
-            shared.now.set(shared.now.get() + u64::from(TICKS_PER_MS));
             if idle_ms > PATIENCE_MS {
                 return Err(WorldError::Stalled);
             }
         }
     }
-    let _ = console.as_mut().poll(&mut context);
-    for (host, wire) in hosts.iter_mut().zip(&wires) {
+    world.poll();
+    for (host, wire) in hosts.iter_mut().zip(world.wires()) {
         wire.deliver(*host);
     }
-    Ok(Outcome {
-        ticks: stepper.tick(),
-        moves: status.planned().0,
-        path_um: path.um,
-        underruns: status.underruns() + status.overload().0,
-        low_water: status.low_water(),
-        counts: status.counts(),
-        halted: status.is_halted(),
-    })
-}
-
-/// The firmware's path counter wraps at 4.3 km; this one does not.
-#[derive(Default)]
-struct Path {
-    seen: u32,
-    um: u64,
-}
-
-impl Path {
-    fn follow(&mut self, counter: u32) {
-        // It also falls, when a move ends early.
-        self.um = self.um.wrapping_add_signed(i64::from(counter.wrapping_sub(self.seen) as i32));
-        self.seen = counter;
-    }
-}
-
-impl Wire {
-    /// Hands complete lines to the host.
-    fn deliver(&self, host: &mut dyn Host) {
-        let mut spoken = self.spoken.borrow_mut();
-        for byte in self.to_host.borrow_mut().drain(..) {
-            if byte == b'\n' {
-                host.hear(&spoken);
-                spoken.clear();
-            } else {
-                spoken.push(char::from(byte));
-            }
-        }
-    }
-
-    /// Takes the bytes that `speak` gives, and says how many.
-    fn take(&self, speak: impl FnOnce(&mut Vec<u8>)) -> usize {
-        let mut bytes = Vec::new();
-        speak(&mut bytes);
-        self.to_printer.borrow_mut().extend(bytes.iter().copied().map(Received::Byte));
-        bytes.len()
-    }
+    Ok(world.outcome())
 }

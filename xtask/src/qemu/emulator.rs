@@ -4,6 +4,8 @@ use anyhow::{Context as _, Result, bail};
 use std::fs::File;
 use std::io::ErrorKind;
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
+#[cfg(unix)]
+use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -42,6 +44,9 @@ impl Emulator {
             .stdin(Stdio::null())
             .stdout(File::create(folder.join("log"))?)
             .stderr(File::create(&errors)?);
+        // Ctrl-C is for us, who then ask the board to end.
+        #[cfg(unix)]
+        command.process_group(0);
         let process = command.spawn().with_context(|| format!("cannot run {PROGRAM}"))?;
         // From here on the process must not survive an error, hence the guard.
         let mut guard = Guard(Some(process));

@@ -8,6 +8,7 @@ use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
 use std::fs::File;
 use std::io::BufWriter;
+use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -44,21 +45,33 @@ pub struct Outcome {
 impl Job {
     /// Prints on `image`, and writes the step events to `trace` if wanted.
     pub fn run(&self, image: &Path, trace: Option<&Path>) -> Result<Outcome> {
+        let mut host = FileHost::new(&self.gcode);
+        let mut outcome = self.talk(image, trace, |stream| line::talk(stream, &mut host))?;
+        outcome.warnings = host.warnings().iter().map(ToString::to_string).collect();
+        match host.failure() {
+            Some(failure) => bail!("the print failed at {failure}"),
+            None => Ok(outcome),
+        }
+    }
+
+    /// Has `talk` talk to the board until it asks the board to end.
+    pub fn talk(
+        &self,
+        image: &Path,
+        trace: Option<&Path>,
+        talk: impl FnOnce(&mut TcpStream) -> Result<()>,
+    ) -> Result<Outcome> {
         let begin = Instant::now();
         let folder = Folder::new()?;
         let mut blob = [0; LARGEST_BLOB];
         let blob =
             postcard::to_slice(&(&self.settings, self.start), &mut blob).context("the settings are too large")?;
         std::fs::write(folder.file("settings"), blob)?;
-        let mut host = FileHost::new(&self.gcode);
         let mut emulator = Emulator::start(image, folder.path())?;
-        let talk = line::talk(emulator.line(), &mut host);
+        let talk = talk(emulator.line());
         // A board that panics hangs up; its last words say more than that.
         emulator.end(talk.is_ok())?;
         talk?;
-        if let Some(failure) = host.failure() {
-            bail!("the print failed at {failure}");
-        }
         let out = match trace {
             Some(path) => {
                 let file = File::create(path).with_context(|| format!("cannot create {}", path.display()))?;
@@ -72,7 +85,7 @@ impl Job {
             ticks: dumped.ticks,
             sha256: dumped.trace.sha256,
             log: log::decode(image, &folder.file("log"))?,
-            warnings: host.warnings().iter().map(ToString::to_string).collect(),
+            warnings: Vec::new(),
             wall: begin.elapsed(),
         })
     }

@@ -7,7 +7,7 @@ use std::net::TcpStream;
 use std::time::Duration;
 
 /// ASCII end of transmission: the board is to end once all motion is done.
-const END_OF_TRANSMISSION: u8 = 0x04;
+pub const END_OF_TRANSMISSION: u8 = 0x04;
 
 /// A board that says nothing for so long has stopped: one that is busy says so every two seconds of its
 /// time, and its time passes slower than ours only while it steps as fast as it can.

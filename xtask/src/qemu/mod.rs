@@ -1,8 +1,10 @@
 //! `cargo xtask qemu`: a print on the firmware in QEMU.
 //!
 //! The emulator runs in a folder of its own with the job in it, gets the G-code over its serial line as a
-//! printer would, and leaves the step events in a file.
+//! printer would, and leaves the step events in a file. With `--serve`, the line is there for any host.
 
+#[cfg(unix)]
+mod bridge;
 mod dump;
 mod emulator;
 mod job;
@@ -10,7 +12,7 @@ mod line;
 mod log;
 
 pub use emulator::PROGRAM;
-pub use job::Job;
+pub use job::{Job, Outcome};
 
 use crate::checkout;
 use anyhow::{Context as _, Result};
@@ -26,7 +28,14 @@ pub const BOARD: &str = "corehbot-qemu";
 #[derive(clap::Args)]
 pub struct Args {
     /// G-code file.
-    file: PathBuf,
+    #[arg(required_unless_present = "serve")]
+    file: Option<PathBuf>,
+    /// Is a printer at the end of a serial line (a pty), as `corehbot serve` is, until Ctrl-C.
+    #[arg(long, conflicts_with = "file")]
+    serve: bool,
+    /// With --serve: makes a link here to the serial port; without it, the port's own name is printed.
+    #[arg(long, value_name = "PATH", requires = "serve")]
+    pty: Option<PathBuf>,
     /// Writes every step event as CSV.
     #[arg(long, value_name = "T.csv")]
     trace: Option<PathBuf>,
@@ -44,20 +53,39 @@ pub fn main(args: &Args) -> Result<()> {
         Some(path) => read_settings(path)?,
         None => Settings::prototype(),
     };
-    let job = Job { gcode: read_gcode(&args.file)?, settings, start: args.assume_homed };
+    let gcode = args.file.as_deref().map(read_gcode).transpose()?.unwrap_or_default();
+    let job = Job { gcode, settings, start: args.assume_homed };
     let image = checkout::build_image(BOARD)?;
-    let outcome = job.run(&image, args.trace.as_deref())?;
+    let outcome = match &args.file {
+        Some(_) => job.run(&image, args.trace.as_deref())?,
+        None => serve(&job, &image, args)?,
+    };
     for line in &outcome.log {
         println!("{line}");
     }
     for warning in &outcome.warnings {
-        println!("{}:{warning}", args.file.display());
+        println!("{}:{warning}", args.file.as_deref().unwrap_or(Path::new("")).display());
     }
     println!("events       {}", outcome.events);
     println!("motion time  {:.3} s", outcome.ticks as f64 / f64::from(TICKS_PER_SECOND));
     println!("wall time    {:.1} s", outcome.wall.as_secs_f64());
     println!("sha256       {}", outcome.sha256);
     Ok(())
+}
+
+/// Lets hosts at a pseudo-terminal talk to the board until a signal comes.
+#[cfg(unix)]
+fn serve(job: &Job, image: &Path, args: &Args) -> Result<Outcome> {
+    let is_over = corehbot_sim::serve::until_signal()?;
+    let mut port = corehbot_sim::serve::Port::open(args.pty.as_deref())?;
+    corehbot_sim::serve::println(format_args!("{}", port.path().display()))?;
+    job.talk(image, args.trace.as_deref(), |stream| bridge::talk(stream, &mut port, &is_over))
+}
+
+/// Says that it cannot.
+#[cfg(not(unix))]
+fn serve(_job: &Job, _image: &Path, _args: &Args) -> Result<Outcome> {
+    anyhow::bail!("there are no pseudo-terminals here")
 }
 
 /// The text of a G-code file; what is no UTF-8 can only stand in comments.

@@ -29,8 +29,7 @@ pub fn check() -> Result<Verdict> {
     let simulator = checkout::host_program("corehbot")?;
     let mut files = examples()?;
     let mut remark = format!("{} examples", files.len());
-    let sliced = root().join(SLICED).join(QUICKEST);
-    if sliced.exists() {
+    if let Some(sliced) = sliced_file() {
         files.push(sliced);
         remark += " and a sliced file";
     } else {
@@ -60,6 +59,11 @@ pub fn check() -> Result<Verdict> {
         remark = format!("differ: {}", failures.join(", "));
     }
     Ok(Verdict::Tested { passed: tests - failed, failed, remark })
+}
+
+/// A sliced file, if there is one.
+pub fn sliced_file() -> Option<PathBuf> {
+    Some(root().join(SLICED).join(QUICKEST)).filter(|path| path.exists())
 }
 
 /// Prints one file in QEMU and in the simulator.

@@ -9,7 +9,8 @@ mod diff;
 mod size;
 mod tools;
 
-pub use compare::check_file;
+pub use compare::{check_file, sliced_file};
+pub use tools::{has_emulator, lack_of_emulator};
 
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
@@ -30,7 +31,7 @@ struct Step {
 }
 
 /// What a step found. A step that cannot even be carried out is an error, which counts as one failure.
-enum Verdict {
+pub enum Verdict {
     /// All is well.
     Passed(String),
     /// So many tests passed and failed.

@@ -1,0 +1,158 @@
+//! Ports: what the firmware finds where a board would have hardware.
+//!
+//! All of them look at one time, which only the world moves on.
+
+use crate::world::{Host, Sink};
+use corehbot::motors::{EndstopSet, MotorSet};
+use corehbot::port::{Clock, Pend, Received, Sensor, Serial, StepClock, StepPort, ThermalPort};
+use corehbot::units::{Instant, Tick};
+use corehbot_rig::Rig;
+use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
+
+/// What the ports share.
+#[derive(Default)]
+pub(crate) struct Shared {
+    /// Real time in ticks.
+    pub now: Cell<u64>,
+    pub alarm: Cell<Option<u32>>,
+    pub generator: Cell<bool>,
+    pub stepper: Cell<bool>,
+}
+
+/// What is on the way between the printer and one host.
+#[derive(Default)]
+pub struct Wire {
+    to_printer: RefCell<VecDeque<Received>>,
+    to_host: RefCell<Vec<u8>>,
+    /// A line that the printer has begun.
+    spoken: RefCell<String>,
+}
+
+impl Wire {
+    /// Hands complete lines to the host.
+    pub(crate) fn deliver(&self, host: &mut dyn Host) {
+        let mut spoken = self.spoken.borrow_mut();
+        for byte in self.to_host.borrow_mut().drain(..) {
+            if byte == b'\n' {
+                host.hear(&spoken);
+                spoken.clear();
+            } else {
+                spoken.push(char::from(byte));
+            }
+        }
+    }
+
+    /// Takes the bytes that `speak` gives, and says how many.
+    pub(crate) fn take(&self, speak: impl FnOnce(&mut Vec<u8>)) -> usize {
+        let mut bytes = Vec::new();
+        speak(&mut bytes);
+        self.put(bytes.iter().copied());
+        bytes.len()
+    }
+
+    /// The host opens its line.
+    pub(crate) fn open(&self) {
+        self.to_printer.borrow_mut().push_back(Received::Opened);
+    }
+
+    /// Bytes arrive at the printer.
+    pub fn put(&self, bytes: impl IntoIterator<Item = u8>) {
+        self.to_printer.borrow_mut().extend(bytes.into_iter().map(Received::Byte));
+    }
+
+    /// What the printer has said since the last time.
+    #[must_use]
+    pub fn heard(&self) -> Vec<u8> {
+        self.to_host.take()
+    }
+
+    /// Whether the printer has taken all that arrived.
+    #[must_use]
+    pub fn is_silent(&self) -> bool {
+        self.to_printer.borrow().is_empty()
+    }
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Pends<'w>(pub &'w Shared);
+
+impl Pend for Pends<'_> {
+    fn pend_generator(&self) {
+        self.0.generator.set(true);
+    }
+
+    fn pend_stepper(&self) {
+        self.0.stepper.set(true);
+    }
+}
+
+pub(crate) struct Timer<'w>(pub &'w Shared);
+
+impl StepClock for Timer<'_> {
+    fn now(&self) -> Tick {
+        Tick(self.0.now.get() as u32)
+    }
+
+    fn alarm(&mut self, at: Tick) {
+        self.0.alarm.set(Some(at.0));
+    }
+
+    fn silence(&mut self) {
+        self.0.alarm.set(None);
+    }
+}
+
+impl Clock for Timer<'_> {
+    fn now(&self) -> Instant {
+        Instant(self.0.now.get())
+    }
+}
+
+pub(crate) struct Line<'w>(pub &'w Wire);
+
+impl Serial for Line<'_> {
+    fn recv(&mut self) -> Option<Received> {
+        self.0.to_printer.borrow_mut().pop_front()
+    }
+
+    fn send(&mut self, bytes: &[u8]) -> usize {
+        self.0.to_host.borrow_mut().extend_from_slice(bytes);
+        bytes.len()
+    }
+}
+
+/// Thermistors in a room of 25 C.
+pub(crate) struct Room;
+
+/// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
+const ROOM: u16 = 62594;
+
+impl ThermalPort for Room {
+    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM)
+    }
+}
+
+pub(crate) struct Pins<'w> {
+    pub rig: Rig,
+    pub forward: MotorSet,
+    pub sink: &'w mut dyn Sink,
+}
+
+impl StepPort for Pins<'_> {
+    fn dir(&mut self, forward: MotorSet) {
+        self.forward = forward;
+    }
+
+    fn rise(&mut self, steps: MotorSet, tick: u64) {
+        self.rig.step(steps, self.forward);
+        self.sink.event(tick, steps, self.forward);
+    }
+
+    fn fall(&mut self, _steps: MotorSet) {}
+
+    fn endstops(&mut self) -> EndstopSet {
+        self.rig.endstops()
+    }
+}

@@ -1,0 +1,120 @@
+//! Pace: when virtual time may go on.
+
+use corehbot::units::TICKS_PER_SECOND;
+use std::time::Duration;
+
+/// With [`Speed::Max`], a host may think for so long while time stands still. Eight times the longest gap between
+/// two lines of OctoPrint on an idle computer of two cores (30 ms), for computers that are not idle.
+const THINKING: Duration = Duration::from_millis(250);
+
+/// A computer that lags behind by more than this does not make it good: a host would see time race.
+const LAG: Duration = Duration::from_millis(200);
+
+/// How fast virtual time goes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Speed {
+    /// So many times as fast as the wall clock.
+    Times(f64),
+    /// As fast as it can be computed. While the printer waits for its host, time stands still for a moment, as
+    /// a host's thinking would take long otherwise, and then goes like the wall clock, as silence means something.
+    Max,
+}
+
+/// Reads a speed.
+pub(crate) fn parse(text: &str) -> Result<Speed, String> {
+    match text.parse::<f64>() {
+        _ if text == "max" => Ok(Speed::Max),
+        Ok(times) if (0.01..=1000.0).contains(&times) => Ok(Speed::Times(times)),
+        _ => Err("a number from 0.01 to 1000 is wanted, or max".to_owned()),
+    }
+}
+
+/// Holds virtual time against the wall clock, whose time is that since the start.
+pub(crate) struct Pace {
+    speed: Speed,
+    /// A moment on the wall clock, and the tick that belongs to it.
+    anchor: (Duration, u64),
+    /// Since when the host thinks.
+    asked: Option<Duration>,
+}
+
+impl Pace {
+    pub const fn new(speed: Speed) -> Self {
+        Self { speed, anchor: (Duration::ZERO, 0), asked: None }
+    }
+
+    /// The host has said something.
+    pub const fn hear(&mut self) {
+        self.asked = None;
+    }
+
+    /// How long to wait before time goes on from `tick`.
+    pub fn wait(&mut self, wall: Duration, tick: u64, is_awaiting_host: bool) -> Duration {
+        match self.speed {
+            Speed::Times(times) => self.real(wall, tick, times),
+            Speed::Max if is_awaiting_host => {
+                let end = *self.asked.get_or_insert(wall) + THINKING;
+                if wall >= end {
+                    return self.real(wall, tick, 1.0);
+                }
+                self.anchor = (end, tick);
+                end - wall
+            }
+            Speed::Max => {
+                self.asked = None;
+                Duration::ZERO
+            }
+        }
+    }
+
+    fn real(&mut self, wall: Duration, tick: u64, times: f64) -> Duration {
+        let (begin, from) = self.anchor;
+        let seconds = tick.saturating_sub(from) as f64 / f64::from(TICKS_PER_SECOND) / times;
+        let due = begin + Duration::from_secs_f64(seconds);
+        if wall > due + LAG {
+            self.anchor = (wall, tick);
+        }
+        due.saturating_sub(wall)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: u64 = TICKS_PER_SECOND as u64;
+
+    fn ms(ms: u64) -> Duration {
+        Duration::from_millis(ms)
+    }
+
+    #[test]
+    fn time_goes_as_fast_as_is_asked_for() {
+        let mut pace = Pace::new(parse("10").unwrap());
+        assert_eq!(pace.wait(ms(100), SECOND, true), Duration::ZERO);
+        assert_eq!(pace.wait(ms(100), 2 * SECOND, false), ms(100));
+        for bad in ["0", "-1", "nan", "1e9", "", "fast"] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_computer_that_was_asleep_does_not_make_time_race() {
+        let mut pace = Pace::new(Speed::Times(1.0));
+        assert_eq!(pace.wait(ms(60_000), SECOND, true), Duration::ZERO);
+        assert_eq!(pace.wait(ms(60_000), 2 * SECOND, true), ms(1000));
+    }
+
+    #[test]
+    fn at_full_speed_time_stands_still_while_the_host_thinks_but_not_for_ever() {
+        let mut pace = Pace::new(Speed::Max);
+        assert_eq!(pace.wait(ms(0), 100 * SECOND, false), Duration::ZERO);
+        assert_eq!(pace.wait(ms(100), 100 * SECOND, true), THINKING);
+        assert_eq!(pace.wait(ms(200), 100 * SECOND, true), THINKING - ms(100));
+        pace.hear();
+        assert_eq!(pace.wait(ms(300), 100 * SECOND, true), THINKING);
+        assert_eq!(pace.wait(ms(550), 100 * SECOND, true), Duration::ZERO);
+        assert_eq!(pace.wait(ms(550), 101 * SECOND, true), ms(1000));
+        assert_eq!(pace.wait(ms(550), 101 * SECOND, false), Duration::ZERO);
+    }
+}

@@ -1,0 +1,78 @@
+"""Printrun's printcore prints a file: each command arrives once and in order, and the steps are the simulator's.
+
+Arguments: corehbot, G-code file, and `clean`, `corrupt` or `drop`; a fourth one is the printer if it is not corehbot.
+"""
+
+import logging
+import threading
+import time
+
+import printer
+import proxy
+from printer import check
+from printrun import gcoder
+from printrun.printcore import printcore
+
+# printcore itself waits for ever. A command that takes longer than this to be answered was lost.
+SILENCE_S = 10
+
+
+def run(program, file, kind, other=None):
+    summary = printer.simulate(program, file)
+    device = printer.Printer(other or program)
+    line = None
+    try:
+        damage = proxy.KINDS.get(kind)
+        line = damage and proxy.Proxy(device.path, damage)
+        path = line.path if line else device.path
+        sent, heard, seconds = stream(path, printer.commands(file))
+        expected = printer.commands(file)
+        resends = sum(reply.startswith("Resend") for reply in heard)
+        if not line:
+            check(resends == 0, f"{resends} resends on a clean line")
+            check(sent == expected, "printcore did not send the file")
+        else:
+            check(resends >= line.damaged > 0, f"{resends} resends of {line.damaged} damaged lines")
+            accepted = [command for _, command in line.accepted if command != "M110 N-1"]
+            check(accepted == expected, f"{len(accepted)} of {len(expected)} commands arrived, or not in order")
+        unclear = [reply for reply in heard if reply.startswith("Error") and "Last Line" not in reply]
+        check(not unclear, f"the printer said {unclear[:3]}")
+        printer.same_steps(device, summary)
+        return f"{len(expected)} commands in {seconds:.1f} s, {resends} resends, same steps"
+    finally:
+        if line:
+            line.end()
+        device.kill()
+
+
+def stream(path, commands):
+    """Prints the commands; returns the numbered commands that were sent, the replies, and how long it took."""
+    host = printcore()
+    sent, heard, done = [], [], threading.Event()
+    online = threading.Event()
+    host.onlinecb = online.set
+    host.endcb = done.set
+    host.recvcb = lambda reply: heard.append(reply.strip())
+    host.printsendcb = lambda line: sent.append(line.raw.strip())
+    host.connect(path, 115200)
+    try:
+        check(online.wait(SILENCE_S), "printcore does not get online")
+        begin = time.monotonic()
+        host.startprint(gcoder.LightGCode(commands))
+        replies = -1
+        while not done.wait(SILENCE_S):
+            check(len(heard) > replies, f"printcore stalls at line {host.lineno}")
+            replies = len(heard)
+        return sent, heard, time.monotonic() - begin
+    finally:
+        if host.printing:
+            host.cancelprint()
+        # printcore starts a thread after its print has ended, and fails if it is told to end before that.
+        while not (host.send_thread and host.send_thread.is_alive()):
+            time.sleep(0.01)
+        host.disconnect()
+
+
+# It logs every resend as an error.
+logging.disable()
+printer.main(run)

@@ -1,0 +1,100 @@
+"""The printer under test: a `corehbot serve` process, and what `corehbot run` makes of the same file."""
+
+import json
+import os
+import re
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+
+# `run` prints thousands of seconds in one; a printer that does not end by then never will.
+PATIENCE_S = 60
+
+# A test that takes longer is ended, and everything that it has started with it. The longest takes 20 s on two cores
+# of a small virtual machine.
+LIMIT_S = 150
+
+
+class Failure(Exception):
+    """What does not hold."""
+
+
+def check(holds, what):
+    if not holds:
+        raise Failure(what)
+
+
+class Printer:
+    """A printer at the end of a pty, as fast as its host at speed `max`: `corehbot`, or the board in QEMU if that is what
+    `xtask` stands for."""
+
+    def __init__(self, program, link=None, speed="max"):
+        command = [program, "serve", "--speed", str(speed)]
+        if os.path.basename(program) == "xtask":
+            command = [program, "qemu", "--serve"]
+        if link:
+            command += ["--pty", link]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        self.path = self.process.stdout.readline().strip()
+        check(self.path, "corehbot serve does not start")
+
+    def ask(self, command):
+        """What the printer says, to whomever and in answer to a command, within a second of silence."""
+        port = os.open(self.path, os.O_RDWR | os.O_NOCTTY)
+        os.write(port, command.encode() + b"\n")
+        said = b""
+        while select.select([port], [], [], 1)[0]:
+            said += os.read(port, 4096)
+        os.close(port)
+        return said.decode()
+
+    def end(self):
+        """Ends it as Ctrl-C does; returns its digest of the steps, and the number of underruns if it knows."""
+        self.process.send_signal(signal.SIGINT)
+        words = self.process.communicate(timeout=PATIENCE_S)[0]
+        check(self.process.returncode == 0, f"corehbot serve ended with {self.process.returncode}")
+        digest = re.search(r"sha256 +(\w+)", words)
+        check(digest, f"corehbot serve said: {words}")
+        underruns = re.search(r"underruns (\d+)", words)
+        return digest[1], underruns[1] if underruns else "unknown"
+
+    def kill(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+
+
+def simulate(program, file):
+    """The summary that `corehbot run` writes of a file."""
+    with tempfile.NamedTemporaryFile(suffix=".json") as summary:
+        command = [program, "run", file, "--json", summary.name]
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)
+        return json.load(summary)
+
+
+def commands(file):
+    """The commands of a file as hosts send them, and one that waits for the last motion."""
+    with open(file, encoding="utf-8", errors="replace") as lines:
+        stripped = [line.split(";")[0].strip() for line in lines]
+    return [line for line in stripped if line] + ["M400"]
+
+
+def same_steps(printer, summary):
+    digest, underruns = printer.end()
+    check(digest == summary["trace_sha256"], f"the steps are not those of corehbot run ({underruns} underruns)")
+
+
+def main(run):
+    """Runs a test, and says how it ended."""
+
+    def too_late(_signal, _frame):
+        raise Failure(f"it is not done after {LIMIT_S} s")
+
+    signal.signal(signal.SIGALRM, too_late)
+    signal.alarm(LIMIT_S)
+    try:
+        print(run(*sys.argv[1:]))
+    except Failure as failure:
+        sys.exit(str(failure))

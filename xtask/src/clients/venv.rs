@@ -1,0 +1,56 @@
+//! Virtual environments of Python, one a client, with the packages that are named and no others.
+
+use crate::checkout::target_dir;
+use anyhow::{Context as _, Result, bail};
+use std::path::PathBuf;
+use std::process::Command;
+
+/// A file in an environment that is complete, with what it was made for.
+const COMPLETE: &str = "complete";
+
+/// Packages from PyPI, in a folder of their own.
+pub struct Venv {
+    pub name: &'static str,
+    pub packages: &'static [&'static str],
+    pub options: &'static [&'static str],
+}
+
+impl Venv {
+    fn folder(&self) -> Result<PathBuf> {
+        Ok(target_dir()?.join("clients").join(self.name))
+    }
+
+    /// Its interpreter.
+    pub fn python(&self) -> Result<PathBuf> {
+        Ok(self.folder()?.join("bin/python"))
+    }
+
+    /// Makes it, if it is not there as it should be.
+    pub fn install(&self) -> Result<()> {
+        let folder = self.folder()?;
+        let content = [self.options, self.packages].concat().join(" ");
+        if std::fs::read_to_string(folder.join(COMPLETE)).is_ok_and(|made| made == content) {
+            return Ok(());
+        }
+        println!("installing {content}");
+        let mut python = Command::new("python3");
+        quietly(python.args(["-m", "venv", "--clear"]).arg(&folder))?;
+        let mut pip = Command::new(self.python()?);
+        // A network that is not there should show soon.
+        pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--timeout=20", "--retries=1"]);
+        quietly(pip.args(self.options).args(self.packages))?;
+        std::fs::write(folder.join(COMPLETE), content).context("cannot write there")
+    }
+}
+
+/// Runs a command whose words matter only if it fails, and then the last ones.
+fn quietly(command: &mut Command) -> Result<()> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command.output().with_context(|| format!("cannot run {name}"))?;
+    if !output.status.success() {
+        let words = [output.stdout, output.stderr].concat();
+        let words = String::from_utf8_lossy(&words);
+        bail!("{}", words.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("no reason is given"));
+    }
+    Ok(())
+}

@@ -1,0 +1,39 @@
+//! The bridge: bytes between the board's serial port and a pseudo-terminal, in both directions as they come.
+
+use super::line::END_OF_TRANSMISSION;
+use anyhow::{Context as _, Result, bail};
+use corehbot_sim::serve::Port;
+use std::io::{ErrorKind, Read as _, Write as _};
+use std::net::TcpStream;
+use std::os::fd::AsFd as _;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// A signal ends the waiting by itself, but for one that comes just before it.
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// Passes bytes on until it is over, and then asks the board to end.
+pub fn talk(stream: &mut TcpStream, port: &mut Port, is_over: &AtomicBool) -> Result<()> {
+    let mut said = [0; 1024];
+    let mut sent = Vec::new();
+    while !is_over.load(Ordering::Relaxed) {
+        port.read(&mut sent)?;
+        // The end of the run is ours to bring about, and nobody else's.
+        sent.retain(|byte| *byte != END_OF_TRANSMISSION);
+        // The emulator takes what the board has not read yet, so this waits for nobody for long.
+        stream.set_nonblocking(false)?;
+        stream.write_all(&sent).context("the board hung up")?;
+        sent.clear();
+        stream.set_nonblocking(true)?;
+        let count = match stream.read(&mut said) {
+            Ok(0) => bail!("the board hung up"),
+            Ok(count) => count,
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::Interrupted) => 0,
+            Err(error) => return Err(error).context("the board hung up"),
+        };
+        port.write(said[..count].iter().copied())?;
+        port.wait(PATIENCE, Some(stream.as_fd()))?;
+    }
+    stream.set_nonblocking(false)?;
+    stream.write_all(&[END_OF_TRANSMISSION]).context("the board hung up")
+}
