@@ -71,8 +71,11 @@ pub enum Received {
     Opened,
 }
 
-/// The serial lines of a machine: at most USB and two UARTs.
-pub type Lines<S> = heapless::Vec<S, 3>;
+/// Serial lines that a machine may have: USB and two UARTs.
+pub const LINES: usize = 3;
+
+/// The serial lines of a machine.
+pub type Lines<S> = heapless::Vec<S, LINES>;
 
 /// A serial line; never blocks. A line that nobody listens to takes everything that is sent.
 pub trait Serial {

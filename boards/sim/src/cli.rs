@@ -3,17 +3,18 @@
 //! 0: the print was done and its steps are sound. 1: it was not. 2: nothing was printed, because the command
 //! line, a file or the settings are wrong.
 
+use crate::eeprom::Eeprom;
 use crate::machine_file::{self, Machine};
 use crate::run::{self, Run};
 #[cfg(unix)]
 use crate::serve::{self, Serve};
 use anyhow::{Context, Result};
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use std::fs::File;
 use std::io::BufWriter;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// The print failed.
@@ -64,8 +65,34 @@ fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
     ExitCode::from(status)
 }
 
+/// The printer that commands have in common.
+#[derive(Args)]
+pub(crate) struct Printer {
+    /// The machine; without it, the CoreH-bot prototype.
+    #[arg(long, value_name = "M.toml")]
+    settings: Option<PathBuf>,
+    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
+    #[arg(long, value_name = "E.bin")]
+    storage: Option<PathBuf>,
+    /// Starts as if homed, with the tool at this place in mm.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
+    pub assume_homed: Option<[Mm; 3]>,
+}
+
+impl Printer {
+    /// The machine.
+    pub(crate) fn machine(&self) -> Result<Machine> {
+        read_machine(self.settings.as_deref())
+    }
+
+    /// What keeps its settings.
+    pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
+        self.storage.as_deref().map(Eeprom::open).transpose()
+    }
+}
+
 /// Three numbers that a machine of any size might hold; whether this one does is the firmware's to say.
-pub(crate) fn parse_place(text: &str) -> Result<[Mm; 3], String> {
+fn parse_place(text: &str) -> Result<[Mm; 3], String> {
     let mut numbers = text.split(',').map(|part| match part.trim().parse::<f64>() {
         Ok(v) if v.abs() <= 5000.0 => Ok(Mm::from_num(v)),
         _ => Err(format!("`{part}` is no position in mm")),
@@ -75,7 +102,7 @@ pub(crate) fn parse_place(text: &str) -> Result<[Mm; 3], String> {
     if numbers.next().is_some() { Err("three numbers are wanted: X,Y,Z".to_owned()) } else { Ok(place) }
 }
 
-pub(crate) fn read_machine(path: Option<&Path>) -> Result<Machine> {
+fn read_machine(path: Option<&Path>) -> Result<Machine> {
     let Some(path) = path else {
         return Ok(Machine { name: Some("CoreH-bot prototype".to_owned()), settings: Settings::prototype() });
     };

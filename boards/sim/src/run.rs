@@ -1,7 +1,7 @@
 //! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
 
 use crate::check::Checker;
-use crate::cli::{cannot, create, parse_place, read_machine};
+use crate::cli::{Printer, cannot, create};
 use crate::eeprom::Eeprom;
 use crate::host::FileHost;
 use crate::limits::Limits;
@@ -43,15 +43,8 @@ pub(crate) struct Run {
     /// Writes a page with the tool path and curves of speed and load.
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
-    /// The machine; without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
-    settings: Option<PathBuf>,
-    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
-    #[arg(long, value_name = "E.bin")]
-    storage: Option<PathBuf>,
-    /// Starts as if homed, with the tool at this place in mm.
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
-    assume_homed: Option<[Mm; 3]>,
+    #[command(flatten)]
+    printer: Printer,
 }
 
 /// Everything that can be wrong before the print begins.
@@ -66,9 +59,9 @@ pub(crate) struct Prepared {
 
 impl Prepared {
     pub fn new(args: &Run) -> Result<Self> {
-        let machine = read_machine(args.settings.as_deref())?;
+        let machine = args.printer.machine()?;
         let (name, gcode) = read_gcode(&args.file)?;
-        let eeprom = args.storage.as_deref().map(Eeprom::open).transpose()?;
+        let eeprom = args.printer.eeprom()?;
         let trace = args.trace.as_deref().map(create).transpose()?;
         let vcd = match args.vcd.as_deref() {
             Some(path) => Some(VcdWriter::new(create(path)?).with_context(|| cannot("write", path))?),
@@ -93,13 +86,13 @@ impl Prepared {
         let mut sinks = Sinks {
             trace: TraceWriter::new(self.trace, settings.into()),
             vcd: self.vcd,
-            tally: Tally::new(settings, args.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num)),
+            tally: Tally::new(settings, args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num)),
             checker: Checker::new(&limits),
         };
         let start = Instant::now();
         let outcome = match &mut self.eeprom {
-            Some(eeprom) => world::run_with(settings, args.assume_homed, eeprom, &mut [&mut host], &mut sinks),
-            None => world::run(settings, args.assume_homed, &mut host, &mut sinks),
+            Some(eeprom) => world::run_with(settings, args.printer.assume_homed, eeprom, &mut [&mut host], &mut sinks),
+            None => world::run(settings, args.printer.assume_homed, &mut host, &mut sinks),
         };
         host.bar.finish_and_clear();
         let outcome = outcome.with_context(|| format!("{}: the simulation failed", self.name))?;

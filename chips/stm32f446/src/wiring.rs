@@ -2,7 +2,7 @@
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
 
-use corehbot::port::{Motor, MotorSet, Sensor};
+use corehbot::port::{LINES, Motor, MotorSet, Sensor};
 
 pub use crate::serial_port::{SerialPort, Usart};
 use crate::words::Words;
@@ -139,9 +139,6 @@ pub struct Board {
     /// What tells this board from others that an image of ours might be flashed to.
     pub marks: &'static [Mark],
 }
-
-/// Lines on which hosts may be at the same time.
-pub const LINES: usize = 3;
 
 /// The pins of the USB port (STM32F446 datasheet, table of alternate functions: OTG_FS).
 pub const USB: [Pin; 2] = [Pin::new(Port::A, 11), Pin::new(Port::A, 12)];

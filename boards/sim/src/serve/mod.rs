@@ -8,7 +8,7 @@ mod port;
 mod screen;
 mod wire;
 
-use crate::cli::{create, parse_place, read_machine};
+use crate::cli::{Printer, create};
 use crate::drivers::Drivers;
 use crate::eeprom::Eeprom;
 use crate::trace::TraceWriter;
@@ -18,7 +18,7 @@ use clap::Args;
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
-use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot::units::TICKS_PER_SECOND;
 use pace::{Pace, Speed};
 pub use port::Port;
 use screen::Screen;
@@ -48,15 +48,8 @@ pub(crate) struct Serve {
     /// while it waits for the host.
     #[arg(long, value_name = "X", default_value = "1", value_parser = pace::parse)]
     speed: Speed,
-    /// The machine; without it, the CoreH-bot prototype.
-    #[arg(long, value_name = "M.toml")]
-    settings: Option<PathBuf>,
-    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
-    #[arg(long, value_name = "E.bin")]
-    storage: Option<PathBuf>,
-    /// Starts as if homed, with the tool at this place in mm.
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
-    assume_homed: Option<[Mm; 3]>,
+    #[command(flatten)]
+    printer: Printer,
     /// Writes every step event as CSV.
     #[arg(long, value_name = "T.csv")]
     trace: Option<PathBuf>,
@@ -79,8 +72,8 @@ impl Sink for TraceWriter<BufWriter<File>> {
 
 impl Prepared {
     pub fn new(args: &Serve) -> Result<Self> {
-        let settings = read_machine(args.settings.as_deref())?.settings;
-        let eeprom = args.storage.as_deref().map(Eeprom::open).transpose()?;
+        let settings = args.printer.machine()?.settings;
+        let eeprom = args.printer.eeprom()?;
         let trace = args.trace.as_deref().map(create).transpose()?;
         let is_over = until_signal()?;
         let port = Port::open(args.pty.as_deref())?;
@@ -92,7 +85,7 @@ impl Prepared {
         let Self { settings, mut eeprom, mut trace, port, is_over } = self;
         println(format_args!("{}", port.path().display()))?;
         let (drivers, mut desk) = (Drivers::new(), Desk::new(1));
-        let start = args.assume_homed;
+        let start = args.printer.assume_homed;
         let world = match &mut eeprom {
             Some(eeprom) => World::new(&mut desk, &settings, start, eeprom, &drivers, &mut trace),
             None => World::new(&mut desk, &settings, start, NoStorage, &drivers, &mut trace),
