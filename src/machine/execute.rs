@@ -136,9 +136,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::RestoreFeedPercent => self.modal.feed_percent = self.modal.kept_feed_percent,
             Command::Debug(Some(bits)) => self.modal.dry_run = bits.to_u32() & DRY_RUN != 0,
             Command::Progress { percent, minutes } => {
-                self.link.status().note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
+                self.link.status().told.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
             }
-            Command::Object(number) => self.link.status().set_object(number.to_thousandths().div_euclid(1000) as i32),
+            Command::Object(number) => {
+                self.link.status().told.set_object(number.to_thousandths().div_euclid(1000) as i32)
+            }
             Command::FlowPercent(Some(number)) => self.modal.flow_percent = Modal::percent(number),
             _ => {}
         }
@@ -196,6 +198,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Ok(());
         }
         self.until(|c| c.link.has_room()).await?;
+        self.wait.is_dwelling = true;
         self.link.send(Work::Dwell((u64::from(ms) * u64::from(TICKS_PER_MS)) << 16));
         self.until(|c| c.wait.is_over || c.link.is_idle()).await?;
         if self.link.is_idle() { Ok(()) } else { self.drop_motion().await }

@@ -149,8 +149,17 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(())
     }
 
-    /// M410: motion ends here and now, the position stays true.
+    /// M410: motion slows down along its path and ends; the position stays true.
     pub(super) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
+        if !self.wait.is_dwelling {
+            self.link.brake();
+            while !self.link.has_stopped() {
+                // The path may lead on into moves that have not left the planner, so they go on leaving it.
+                if self.turn().await == Err(Interrupt::Halt) {
+                    return Err(Interrupt::Halt);
+                }
+            }
+        }
         self.drop_motion().await?;
         if core::mem::take(&mut self.is_homing) {
             self.say(format_args!("echo:homing was ended, the axis has no known position")).await?;

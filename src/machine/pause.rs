@@ -18,11 +18,13 @@ pub(super) struct Wait {
     pub is_over: bool,
     /// M24, M602 or M876 came since the command began.
     pub is_answered: bool,
+    /// It lets time pass (G4); nothing moves.
+    pub is_dwelling: bool,
 }
 
 impl Wait {
     pub const fn new() -> Self {
-        Self { is_for_user: false, is_over: false, is_answered: false }
+        Self { is_for_user: false, is_over: false, is_answered: false, is_dwelling: false }
     }
 }
 
