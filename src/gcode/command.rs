@@ -85,6 +85,26 @@ pub enum Command<'a> {
         /// S and P summed, in ms.
         ms: u32,
     },
+    /// G10: pull the filament back, and lift the tool.
+    Retract,
+    /// G11: undo G10.
+    Recover,
+    /// M207: what G10 does, or report.
+    RetractSettings {
+        /// S: length of filament.
+        length: Option<Number>,
+        /// F, per minute.
+        feed: Option<Number>,
+        /// Z: lift.
+        lift: Option<Number>,
+    },
+    /// M208: what G11 does beside undoing G10, or report.
+    RecoverSettings {
+        /// S: filament that is pushed in addition.
+        extra: Option<Number>,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
     /// G17: the XY plane, the only one there is.
     PlaneXy,
     /// G20: lengths are inches.

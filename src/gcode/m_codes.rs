@@ -49,6 +49,11 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         203 => Command::MaxSpeed(axis_words(text)),
         204 => acceleration(text),
         205 => corners(text),
+        207 => {
+            let [length, feed, lift] = [b'S', b'F', b'Z'].map(|letter| number(text, letter));
+            Command::RetractSettings { length, feed, lift }
+        }
+        208 => Command::RecoverSettings { extra: number(text, b'S'), feed: number(text, b'F') },
         211 => Command::SoftEndstops(switch(text)),
         220 => feed_percent(text),
         221 => Command::FlowPercent(number(text, b'S')),

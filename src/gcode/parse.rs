@@ -40,6 +40,9 @@ fn parse_g(code: Code, text: &[u8]) -> Option<Command<'static>> {
         2 => arc(true, text),
         3 => arc(false, text),
         4 => dwell(text),
+        // With P or L it sets a tool's temperatures or offsets (RepRapFirmware).
+        10 if !Words::new(text).any(|word| matches!(word.letter, b'P' | b'L')) => Command::Retract,
+        11 => Command::Recover,
         17 => Command::PlaneXy,
         20 => Command::Inches,
         21 => Command::Millimetres,
@@ -269,6 +272,8 @@ mod tests {
             "T",
             "T256",
             "G80",
+            "G10 P0 S200",
+            "G10 L2 P1 X0",
             "G18",
             "G19",
             "G5 X1",

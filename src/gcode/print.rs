@@ -25,6 +25,19 @@ impl Display for Command<'_> {
                 word(f, 'F', feed)
             }
             Self::Dwell { ms } => write!(f, "G4 P{ms}"),
+            Self::Retract => f.write_str("G10"),
+            Self::Recover => f.write_str("G11"),
+            Self::RetractSettings { length, feed, lift } => {
+                f.write_str("M207")?;
+                word(f, 'S', length)?;
+                word(f, 'F', feed)?;
+                word(f, 'Z', lift)
+            }
+            Self::RecoverSettings { extra, feed } => {
+                f.write_str("M208")?;
+                word(f, 'S', extra)?;
+                word(f, 'F', feed)
+            }
             Self::PlaneXy => f.write_str("G17"),
             Self::Inches => f.write_str("G20"),
             Self::Millimetres => f.write_str("G21"),

@@ -7,6 +7,7 @@ use super::modal::Modal;
 use super::pause::Wait;
 use super::ports::Devices;
 pub use super::ports::{PortSet, Ports};
+use super::retraction::Retraction;
 use crate::driver::{Drivers, Fault};
 use crate::gcode;
 use crate::motion::{Link, Planner};
@@ -45,6 +46,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     /// The settings that the machine was made with.
     pub(super) defaults: Settings,
     pub(super) modal: Modal,
+    pub(super) retraction: Retraction,
     pub(super) homed: Homed,
     /// Position of each motor group at count 0, in steps.
     pub(super) origin: [i32; 4],
@@ -81,6 +83,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             settings,
             defaults: settings,
             modal: Modal::new([x, y, z]),
+            retraction: Retraction::new(),
             homed: Homed([start.is_some(); 3]),
             origin: [0; 4],
             drivers,

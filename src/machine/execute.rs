@@ -46,6 +46,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 self.arc(&ArcWords { clockwise, to, shape, turns }).await
             }
             Command::Dwell { ms } => self.dwell(ms).await,
+            Command::Retract => self.retract().await,
+            Command::Recover => self.recover().await,
+            Command::RetractSettings { length, feed, lift } => self.set_retraction(length, feed, lift).await,
+            Command::RecoverSettings { extra, feed } => self.set_recovery(extra, feed).await,
             Command::Home(flags) => self.home(flags).await,
             Command::Finish => self.finish().await,
             // The receive path has acted on these already.

@@ -21,6 +21,7 @@ mod pause;
 mod ports;
 mod power;
 mod report;
+mod retraction;
 mod sensors;
 mod tell;
 mod tuning;

@@ -24,7 +24,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.told_of_edge = true;
             self.say(format_args!("echo:target beyond the reachable space, moved to its edge")).await?;
         }
-        self.plan(Target { position: inside, speed, watch: EndstopSet::NONE }).await?;
+        let position = self.retraction.away_from(inside);
+        self.plan(Target { position, speed, watch: EndstopSet::NONE }).await?;
         self.modal.position = inside;
         Ok(())
     }
@@ -143,7 +144,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.planner.fall_short(real);
         self.note_path();
         self.adopt_position(real).await?;
-        let real = self.planner.mm(real);
+        let real = self.retraction.commanded(self.planner.mm(real));
         self.modal.extrusion = self.modal.named_position(real)[3];
         self.modal.position = real;
         Ok(())

@@ -133,6 +133,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.report_max_accelerations().await?;
         self.report_accelerations().await?;
         self.report_corners().await?;
+        self.report_retraction().await?;
+        self.report_recovery().await?;
         self.report_driver_settings().await?;
         let (soft, keepalive) = (u8::from(self.settings.soft_endstops), self.settings.keepalive_s);
         self.say(format_args!("echo:  M211 S{soft}")).await?;
