@@ -46,8 +46,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 self.arc(&ArcWords { clockwise, to, shape, turns }).await
             }
             Command::Dwell { ms } => self.dwell(ms).await,
-            Command::Retract => self.retract().await,
-            Command::Recover => self.recover().await,
+            Command::Retract | Command::Recover => {
+                let (retraction, z_speed) = (self.retraction, self.settings.axes.z.max_speed);
+                let retracts = *command == Command::Retract;
+                self.stay_away(if retracts { retraction.ways_away(z_speed) } else { retraction.ways_back(z_speed) })
+                    .await
+            }
             Command::RetractSettings { length, feed, lift } => self.set_retraction(length, feed, lift).await,
             Command::RecoverSettings { extra, feed } => self.set_recovery(extra, feed).await,
             Command::Home(flags) => self.home(flags).await,

@@ -26,6 +26,13 @@ pub(super) struct Retraction {
     away: Option<[Mm; 2]>,
 }
 
+/// A way of the machine alone: how far it is away from the commanded position then, and how fast it goes there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    away: [Mm; 2],
+    speed: MmPerSec,
+}
+
 impl Retraction {
     /// Marlin's values (Configuration_adv.h, RETRACT_LENGTH and those below it).
     pub const fn new() -> Self {
@@ -53,6 +60,20 @@ impl Retraction {
         [x, y, z.saturating_sub(lift), e.wrapping_add(length)]
     }
 
+    /// G10: the filament first, then the lift. Nothing if that was done.
+    pub fn ways_away(&self, z_speed: MmPerSec) -> Option<[Way; 2]> {
+        let (lift, length) = (self.lift, self.length);
+        let ways = [Way { away: [Mm::ZERO, length], speed: self.speed }, Way { away: [lift, length], speed: z_speed }];
+        self.away.is_none().then_some(ways)
+    }
+
+    /// G11: the lift first, then the filament.
+    pub fn ways_back(&self, z_speed: MmPerSec) -> Option<[Way; 2]> {
+        let [_, length] = self.away?;
+        let recovered = Way { away: [Mm::ZERO, -self.extra], speed: self.recover_speed };
+        Some([Way { away: [Mm::ZERO, length], speed: z_speed }, recovered])
+    }
+
     /// Z was homed, so its lift is gone.
     pub fn forget_lift(&mut self) {
         if let Some([lift, _]) = &mut self.away {
@@ -62,36 +83,19 @@ impl Retraction {
 }
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Plans the way to where the machine is to be away from the commanded position.
-    async fn stay_away(&mut self, away: [Mm; 2], speed: MmPerSec) -> Result<(), Interrupt> {
-        let position = Retraction { away: Some(away), ..self.retraction }.away_from(self.modal.position);
-        self.plan(Target { position, speed, watch: EndstopSet::NONE }).await?;
-        self.retraction.away = Some(away);
-        Ok(())
-    }
-
-    /// G10. The filament first, then the lift.
-    pub(super) async fn retract(&mut self) -> Result<(), Interrupt> {
-        let Retraction { length, speed, lift, away: None, .. } = self.retraction else {
-            return Ok(());
-        };
-        self.stay_away([Mm::ZERO, length], speed).await?;
-        let fastest = self.settings.axes.z.max_speed;
-        self.stay_away([lift, length], fastest).await
-    }
-
-    /// G11. The lift first, then the filament.
-    pub(super) async fn recover(&mut self) -> Result<(), Interrupt> {
-        let Retraction { extra, recover_speed, away: Some([_, length]), .. } = self.retraction else {
-            return Ok(());
-        };
-        let fastest = self.settings.axes.z.max_speed;
-        self.stay_away([Mm::ZERO, length], fastest).await?;
-        self.stay_away([Mm::ZERO, -extra], recover_speed).await?;
-        // What was pushed in addition is filament that was asked for.
-        self.retraction.away = None;
-        let [_, _, _, e] = &mut self.modal.position;
-        *e = e.wrapping_add(extra);
+    /// G10 and G11: plans ways away from the commanded position, or back to it.
+    pub(super) async fn stay_away(&mut self, ways: Option<[Way; 2]>) -> Result<(), Interrupt> {
+        for Way { away, speed } in ways.into_iter().flatten() {
+            let position = Retraction { away: Some(away), ..self.retraction }.away_from(self.modal.position);
+            self.plan(Target { position, speed, watch: EndstopSet::NONE }).await?;
+            self.retraction.away = Some(away);
+        }
+        if let Some([lift, length]) = self.retraction.away.filter(|[_, length]| *length <= Mm::ZERO) {
+            // What was pushed in addition is filament that was asked for.
+            let [_, _, _, e] = &mut self.modal.position;
+            *e = e.wrapping_sub(length);
+            self.retraction.away = (lift > Mm::ZERO).then_some([lift, Mm::ZERO]);
+        }
         Ok(())
     }
 
