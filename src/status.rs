@@ -3,10 +3,13 @@
 //! Single atomics, each with one writer (`epoch` apart, which the Console writes). A count that both sides
 //! keep tells idleness without a race: nothing is under way when as much was finished as was begun.
 
+mod told;
+
 use crate::motors::{EndstopSet, Motor, MotorSet};
 use core::sync::atomic::{
     AtomicBool, AtomicI32, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
 };
+use told::Told;
 
 /// What the contexts know of each other.
 pub struct Status {
@@ -47,6 +50,14 @@ pub struct Status {
     low_water: AtomicU32,
     /// Whether an emergency stop holds until reset.
     halted: AtomicBool,
+    /// What the print has told of itself.
+    pub(crate) told: Told,
+    /// One more than the epoch whose motion is to come to rest along its path; 0 for none; written by the Console.
+    brake: AtomicU32,
+    /// One more than the epoch whose motion has come to rest; 0 for none; written by the StepGenerator.
+    stopped: AtomicU32,
+    /// When so many events are done, the generator is to make more; written by the StepGenerator.
+    refill: AtomicU32,
 }
 
 impl Default for Status {
@@ -78,6 +89,10 @@ impl Status {
             level: AtomicU32::new(0),
             low_water: AtomicU32::new(0),
             halted: AtomicBool::new(false),
+            told: Told::new(),
+            brake: AtomicU32::new(0),
+            stopped: AtomicU32::new(0),
+            refill: AtomicU32::new(0),
         }
     }
 
@@ -254,5 +269,41 @@ impl Status {
 
     pub(crate) fn set_halted(&self) {
         self.halted.store(true, Relaxed);
+    }
+
+    /// What the print has told of itself.
+    #[must_use]
+    pub const fn told(&self) -> &Told {
+        &self.told
+    }
+
+    /// Has the motion of an epoch come to rest along its path; of none with `None`.
+    pub(crate) fn set_brake(&self, epoch: Option<u8>) {
+        self.brake.store(epoch.map_or(0, |epoch| u32::from(epoch) + 1), Release);
+    }
+
+    /// Whether the motion of this epoch is to come to rest.
+    pub(crate) fn is_braking(&self, epoch: u8) -> bool {
+        self.brake.load(Acquire) == u32::from(epoch) + 1
+    }
+
+    pub(crate) fn set_stopped(&self, epoch: Option<u8>) {
+        self.stopped.store(epoch.map_or(0, |epoch| u32::from(epoch) + 1), Release);
+    }
+
+    /// Whether the motion of this epoch has come to rest, and all its steps are made.
+    pub(crate) fn has_stopped(&self, epoch: u8) -> bool {
+        self.stopped.load(Acquire) == u32::from(epoch) + 1 && self.events_waiting() == 0
+    }
+
+    /// Has the generator called when all but `left` of the events made are done; false if they are already.
+    pub(crate) fn set_refill(&self, left: u32) -> bool {
+        self.refill.store(self.events_made.load(Relaxed).wrapping_sub(left), Relaxed);
+        self.events_waiting() > left
+    }
+
+    /// Whether the generator is to make more.
+    pub(crate) fn is_refill_due(&self) -> bool {
+        self.events_done.load(Relaxed).wrapping_sub(self.refill.load(Relaxed)) as i32 >= 0
     }
 }

@@ -107,7 +107,25 @@ fn line() -> impl Strategy<Value = String> {
         "M862.3",
         "M900",
         "G29",
+        "G10",
+        "G11",
+        "M207",
+        "M208",
         "M600",
+        "M0",
+        "M1",
+        "M73",
+        "M118",
+        "M118 A1",
+        "M118 E1",
+        "M486",
+        "M876",
+        "M24",
+        "M25",
+        "M111",
+        "M154",
+        "EXCLUDE_OBJECT NAME=x",
+        "EXCLUDE_OBJECT_END",
         "print_end",
         "M1234567",
         "(x) G1",
@@ -135,7 +153,10 @@ fn survives_printing(line: &[u8]) {
     let again = parse(printed.as_bytes());
     match command {
         // Unprintable bytes are replaced, so only the text is the same.
+        // A question mark in place of a byte can mean something: T? asks a multi-material unit.
+        Command::Unknown(_) if printed == "T?" => assert_eq!(again, Command::Silent),
         Command::Unknown(_) => assert_eq!(again, Command::Unknown(printed.as_bytes()), "{line:?}"),
+        Command::Tell { .. } => assert_eq!(again.to_string(), printed, "{line:?}"),
         _ => assert_eq!(again, command, "{printed}"),
     }
 }
@@ -281,11 +302,12 @@ fn custom_code_of_real_profiles() {
         ("M862.3 P \"MK4S\" ; printer model check", Command::Silent),
         ("M862.6 P \"Input shaper\"", Command::Silent),
         ("M486 ACube (1)*", Command::Silent),
+        ("EXCLUDE_OBJECT_START NAME=cube", Command::Silent),
         ("M117 E5 * ; x", Command::Message),
         ("M400 U1", Command::Finish),
         ("M106 S91.8", Command::Heater),
         ("T0", Command::Tool(0)),
-        ("M73 P0 R12", Command::Silent),
+        ("M73 P0 R12", Command::Progress { percent: Some(Number::ZERO), minutes: Some(Number::from(12)) }),
     ] {
         assert_eq!(parse(line.as_bytes()), expected, "{line}");
     }

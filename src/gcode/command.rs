@@ -28,6 +28,17 @@ pub struct AxisFlags {
     pub e: bool,
 }
 
+/// How a message of M118 is dressed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Form {
+    /// As it is.
+    Plain,
+    /// E1: `echo:` in front.
+    Echo,
+    /// A1: `// ` in front, for what the host is to do.
+    Action,
+}
+
 /// Where the centre of an arc lies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ArcShape {
@@ -74,6 +85,26 @@ pub enum Command<'a> {
         /// S and P summed, in ms.
         ms: u32,
     },
+    /// G10: pull the filament back, and lift the tool.
+    Retract,
+    /// G11: undo G10.
+    Recover,
+    /// M207: what G10 does, or report.
+    RetractSettings {
+        /// S: length of filament.
+        length: Option<Number>,
+        /// F, per minute.
+        feed: Option<Number>,
+        /// Z: lift.
+        lift: Option<Number>,
+    },
+    /// M208: what G11 does beside undoing G10, or report.
+    RecoverSettings {
+        /// S: filament that is pushed in addition.
+        extra: Option<Number>,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
     /// G17: the XY plane, the only one there is.
     PlaneXy,
     /// G20: lengths are inches.
@@ -88,6 +119,28 @@ pub enum Command<'a> {
     Relative,
     /// G92: the present position is called this from now on; all zero if no axis is named.
     SetPosition(AxisWords),
+    /// M0, M1, M600, M601: wait for the user.
+    AwaitUser {
+        /// S and P summed, in ms, after which it goes on by itself; 0 is never.
+        ms: u32,
+        /// Whether the filament is to be changed meanwhile (M600).
+        filament: bool,
+    },
+    /// M25: the host is to pause the print.
+    Pause,
+    /// M24, M602: the host is to resume it. A wait for the user is ended on the receive path.
+    Resume,
+    /// M876: an answer to a question. It is taken on the receive path.
+    Answer,
+    /// M73: how much of the print is done, in percent, and the minutes that are left.
+    Progress {
+        /// P.
+        percent: Option<Number>,
+        /// R.
+        minutes: Option<Number>,
+    },
+    /// M111: what to debug; bit 3 is a dry run, in which no filament moves.
+    Debug(Option<Number>),
     /// M17: power the motors of the named axes, all if none is named.
     EnableMotors(AxisFlags),
     /// M18, M84: unpower the motors of the named axes, all if none is named.
@@ -122,10 +175,19 @@ pub enum Command<'a> {
     ReportFirmware,
     /// M117: a message for a display that is not there.
     Message,
+    /// M118: a message for the host.
+    Tell {
+        /// How it is dressed.
+        form: Form,
+        /// The message as it came.
+        text: &'a [u8],
+    },
     /// M119: report the endstops.
     ReportEndstops,
     /// M122: what the parts of the machine say of themselves.
     Diagnose,
+    /// M154: report the real position every so many seconds.
+    AutoPosition(Option<Number>),
     /// M155: report temperatures every so many seconds.
     AutoReport(Option<Number>),
     /// M201: acceleration limits, units/s2.
@@ -166,6 +228,12 @@ pub enum Command<'a> {
     Finish,
     /// M410: stop the motion now and forget what is queued.
     QuickStop,
+    /// M420: report on bed levelling, of which there is none.
+    ReportLevelling,
+    /// M486 S: the object that the following lines belong to; none if negative.
+    Object(Number),
+    /// M486 P, U, C and EXCLUDE_OBJECT: leave an object out, which this firmware cannot.
+    CancelObject,
     /// M500: keep the settings in storage.
     SaveSettings,
     /// M501: take the settings that are in storage.
@@ -195,6 +263,10 @@ pub enum Command<'a> {
     Heater,
     /// M302: report on cold extrusion, which cannot be forbidden without heaters.
     ColdExtrusion,
+    /// M900 without words: report pressure advance, of which there is none.
+    ReportAdvance,
+    /// G29 and its relatives: a command for a probe with which nothing is measured.
+    Probing,
     /// A command that hosts and slicers send and that needs no answer but `ok`.
     Silent,
     /// Anything else, as it came.

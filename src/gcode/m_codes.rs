@@ -6,9 +6,10 @@ use super::lexer::{Word, Words};
 use super::number::Number;
 use super::parse::{axis_flags, axis_words, take_axis};
 use super::quiet::{is_heater, is_silent};
+use super::text::{await_user, object, tell};
 
 /// The command of an M-code, or `None` if it is not understood.
-pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
+pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
     if is_silent(code) {
         return Some(Command::Silent);
     }
@@ -19,33 +20,48 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
         return None;
     }
     Some(match code.number {
+        0 | 1 | 600 | 601 => await_user(text, code.number == 600),
         17 => Command::EnableMotors(axis_flags(text)),
         18 | 84 => release_motors(text),
+        24 | 602 => Command::Resume,
+        25 => Command::Pause,
+        48 | 290 | 851 => Command::Probing,
+        73 => Command::Progress { percent: number(text, b'P'), minutes: number(text, b'R') },
         82 => Command::AbsoluteExtrusion,
         83 => Command::RelativeExtrusion,
         92 => Command::StepsPerMm(axis_words(text)),
         105 => Command::ReportTemperatures,
         108 => Command::Continue,
         110 => Command::LineNumber,
+        111 => Command::Debug(number(text, b'S')),
         112 => Command::EmergencyStop,
         113 => Command::Keepalive(number(text, b'S')),
         114 => Command::ReportPosition { real: last(text, b'R').is_some() },
         115 => Command::ReportFirmware,
         117 => Command::Message,
+        118 => tell(text),
         119 => Command::ReportEndstops,
         122 => Command::Diagnose,
+        154 => Command::AutoPosition(number(text, b'S')),
         155 => Command::AutoReport(number(text, b'S')),
         200 if !is_volumetric(text) => Command::Silent,
         201 => Command::MaxAcceleration(axis_words(text)),
         203 => Command::MaxSpeed(axis_words(text)),
         204 => acceleration(text),
         205 => corners(text),
+        207 => {
+            let [length, feed, lift] = [b'S', b'F', b'Z'].map(|letter| number(text, letter));
+            Command::RetractSettings { length, feed, lift }
+        }
+        208 => Command::RecoverSettings { extra: number(text, b'S'), feed: number(text, b'F') },
         211 => Command::SoftEndstops(switch(text)),
         220 => feed_percent(text),
         221 => Command::FlowPercent(number(text, b'S')),
         302 => Command::ColdExtrusion,
         400 => Command::Finish,
         410 => Command::QuickStop,
+        420 => Command::ReportLevelling,
+        486 => object(text),
         500 => Command::SaveSettings,
         501 => Command::LoadSettings,
         502 => Command::DefaultSettings,
@@ -53,6 +69,9 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'static>> {
         504 => Command::CheckStorage,
         // With P it is RepRapFirmware's, and turns a motor round.
         569 if last(text, b'P').is_none() => stealth(text),
+        876 => Command::Answer,
+        900 if last(text, b'K').is_none() => Command::ReportAdvance,
+        900 => Command::Silent,
         906 => Command::DriverCurrent(axis_words(text)),
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
@@ -213,8 +232,19 @@ mod tests {
     }
 
     #[test]
+    fn progress_and_reports_by_themselves() {
+        let (five, twelve) = (Some(Number::from(5)), Some(Number::from(12)));
+        assert_eq!(parse(b"M73 P5 R12"), Command::Progress { percent: five, minutes: twelve });
+        assert_eq!(parse(b"M73 Q7 S3"), Command::Progress { percent: None, minutes: None });
+        assert_eq!(parse(b"M154 S5"), Command::AutoPosition(five));
+        assert_eq!(parse(b"M155 S5"), Command::AutoReport(five));
+        assert_eq!(parse(b"M900"), Command::ReportAdvance);
+        assert_eq!(parse(b"M876 S0"), Command::Answer);
+    }
+
+    #[test]
     fn quiet_commands_swallow_any_text() {
-        for line in ["M73 P5 R10", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M900 K1e-05", "M20", "M111 S6"] {
+        for line in ["M74 W5", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M900 K1e-05", "M20", "M999"] {
             assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
         }
         assert_eq!(parse(b"M117 E5 * ; x"), Command::Message);

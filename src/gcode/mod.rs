@@ -8,11 +8,13 @@ mod code;
 mod command;
 mod lexer;
 mod m_codes;
+mod named;
 mod number;
 mod parse;
 mod print;
 mod quiet;
+mod text;
 
-pub use command::{ArcShape, AxisFlags, AxisWords, Command};
+pub use command::{ArcShape, AxisFlags, AxisWords, Command, Form};
 pub use number::Number;
 pub use parse::parse;

@@ -8,6 +8,7 @@ use super::code::Code;
 use super::command::{ArcShape, AxisFlags, AxisWords, Command};
 use super::lexer::{Word, Words, is_blank, skip_blanks, skip_past};
 use super::m_codes::parse_m;
+use super::named::parse_named;
 use super::number::Number;
 
 /// What `line` asks for: a line without line number, checksum and line end; a comment may still be in it.
@@ -19,8 +20,11 @@ pub fn parse(line: &[u8]) -> Command<'_> {
 }
 
 /// The command, or `None` for one that is not understood.
-fn parse_known(line: &[u8]) -> Option<Command<'static>> {
-    let (code, text) = Code::read(skip_comments(line))?;
+fn parse_known(line: &[u8]) -> Option<Command<'_>> {
+    let line = skip_comments(line);
+    let Some((code, text)) = Code::read(line) else {
+        return parse_named(line);
+    };
     match (code.letter, code.subcode) {
         (b'G', 0) => parse_g(code, text),
         (b'T', 0) => u8::try_from(code.number).ok().map(Command::Tool),
@@ -36,10 +40,14 @@ fn parse_g(code: Code, text: &[u8]) -> Option<Command<'static>> {
         2 => arc(true, text),
         3 => arc(false, text),
         4 => dwell(text),
+        // With P or L it sets a tool's temperatures or offsets (RepRapFirmware).
+        10 if !Words::new(text).any(|word| matches!(word.letter, b'P' | b'L')) => Command::Retract,
+        11 => Command::Recover,
         17 => Command::PlaneXy,
         20 => Command::Inches,
         21 => Command::Millimetres,
         28 => Command::Home(AxisFlags { e: false, ..axis_flags(text) }),
+        29 | 30 => Command::Probing,
         90 => Command::Absolute,
         91 => Command::Relative,
         92 => Command::SetPosition(position(text)),
@@ -263,13 +271,12 @@ mod tests {
             "/G1 X5",
             "T",
             "T256",
-            "G29",
             "G80",
-            "M420 S1",
+            "G10 P0 S200",
+            "G10 L2 P1 X0",
             "G18",
             "G19",
             "G5 X1",
-            "M600",
             "M999999",
             "G92.1",
             "T0.5",

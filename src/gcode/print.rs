@@ -2,11 +2,11 @@
 
 use core::fmt::{self, Display, Formatter, Write};
 
-use super::command::{ArcShape, AxisFlags, AxisWords, Command};
+use super::command::{ArcShape, AxisFlags, AxisWords, Command, Form};
 use super::number::Number;
 
-/// Commands that stand for a whole family are printed as one of it: M107 for heaters and fans, M73 for
-/// silent ones. An unknown text is printed with `?` for what is neither printable ASCII nor a tab.
+/// Commands that stand for a whole family are printed as one of it: M107 for heaters and fans, M74 for
+/// silent ones. A text is printed with `?` for what is neither printable ASCII nor a tab.
 impl Display for Command<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match *self {
@@ -25,6 +25,19 @@ impl Display for Command<'_> {
                 word(f, 'F', feed)
             }
             Self::Dwell { ms } => write!(f, "G4 P{ms}"),
+            Self::Retract => f.write_str("G10"),
+            Self::Recover => f.write_str("G11"),
+            Self::RetractSettings { length, feed, lift } => {
+                f.write_str("M207")?;
+                word(f, 'S', length)?;
+                word(f, 'F', feed)?;
+                word(f, 'Z', lift)
+            }
+            Self::RecoverSettings { extra, feed } => {
+                f.write_str("M208")?;
+                word(f, 'S', extra)?;
+                word(f, 'F', feed)
+            }
             Self::PlaneXy => f.write_str("G17"),
             Self::Inches => f.write_str("G20"),
             Self::Millimetres => f.write_str("G21"),
@@ -83,16 +96,47 @@ impl Display for Command<'_> {
             Self::Tool(tool) => write!(f, "T{tool}"),
             Self::Heater => f.write_str("M107"),
             Self::ColdExtrusion => f.write_str("M302"),
-            Self::Silent => f.write_str("M73"),
-            Self::Unknown(text) => text.iter().try_for_each(|&byte| {
-                f.write_char(match byte {
-                    b' '..=b'~' => byte as char,
-                    b'\t' => ' ',
-                    _ => '?',
-                })
-            }),
+            Self::Silent => f.write_str("M74"),
+            Self::AwaitUser { filament: true, .. } => f.write_str("M600"),
+            Self::AwaitUser { ms: 0, .. } => f.write_str("M0"),
+            Self::AwaitUser { ms, .. } => write!(f, "M0 P{ms}"),
+            Self::Pause => f.write_str("M25"),
+            Self::Resume => f.write_str("M24"),
+            Self::Answer => f.write_str("M876"),
+            Self::Progress { percent, minutes } => {
+                f.write_str("M73")?;
+                word(f, 'P', percent)?;
+                word(f, 'R', minutes)
+            }
+            Self::Debug(bits) => switch(f, "M111", bits),
+            Self::AutoPosition(seconds) => switch(f, "M154", seconds),
+            Self::Tell { form, text } => {
+                f.write_str(match form {
+                    Form::Plain => "M118 P0 ",
+                    Form::Echo => "M118 E1 ",
+                    Form::Action => "M118 A1 ",
+                })?;
+                write_text(f, text)
+            }
+            Self::ReportLevelling => f.write_str("M420"),
+            Self::Object(number) => write!(f, "M486 S{number}"),
+            Self::CancelObject => f.write_str("M486 C"),
+            Self::ReportAdvance => f.write_str("M900"),
+            Self::Probing => f.write_str("G29"),
+            Self::Unknown(text) => write_text(f, text),
         }
     }
+}
+
+/// A text, with `?` for what is neither printable ASCII nor a tab.
+fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
+    text.iter().try_for_each(|&byte| {
+        f.write_char(match byte {
+            b' '..=b'~' => byte as char,
+            b'\t' => ' ',
+            _ => '?',
+        })
+    })
 }
 
 /// One word, if it has a value.

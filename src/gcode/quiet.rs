@@ -1,8 +1,7 @@
 //! Quiet commands: what hosts and slicers send although this machine has nothing to do for it.
 //!
 //! An echo for each would flood the host's console and cost link time. Only commands whose absence
-//! changes nothing on the plate are here: levelling (G29, G80, M420), pauses (M0, M600) and the like
-//! stay unknown and are echoed, so that a user learns that they did not happen.
+//! changes nothing on the plate are here: what a user must know not to have happened is answered in words.
 
 use super::code::Code;
 
@@ -21,21 +20,20 @@ const CHECKS: u16 = 862;
 
 /// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
 /// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
-const SILENT: [u16; 31] = [
+const SILENT: [u16; 29] = [
     2,   // end of program: the line itself is the end
     20,  // list files: Repetier-Host sends it when it connects
     21,  // look for a card: OctoPrint and Repetier-Host send it when they connect
-    73,  // progress
     74,  // weight of the print (Prusa)
     75,  // job timer, on the host
     76,  // job timer, on the host
     77,  // job timer, on the host
     80,  // power supply on
     81,  // power supply off
-    111, // debug level: Repetier-Host sends it when it connects
-    118, // text for the host; not yet
+    141, // chamber temperature
     142, // heatbreak temperature (Prusa)
     150, // lamps
+    191, // chamber temperature, to be waited for
     202, // travel acceleration of Repetier; M204 T does the work
     217, // tool change settings
     240, // photo
@@ -44,22 +42,21 @@ const SILENT: [u16; 31] = [
     403, // filament of an MMU
     413, // power-loss recovery
     425, // backlash compensation
-    486, // objects of the print, for cancelling one; not yet
     530, // print mode (Repetier)
     532, // progress (Repetier)
     555, // print area (Prusa)
     572, // pressure advance (RepRapFirmware); not yet, and slicers send it with every feature
     593, // input shaping; not yet
     870, // Prusa
-    900, // pressure advance (Marlin); not yet, and slicers send it with every feature
     907, // motor current, which the board's settings fix
+    999, // begin anew after a stop: there is none to end here, and M112 holds until reset
 ];
 
 /// A command for heaters or fans.
 pub(super) fn is_heater(code: Code) -> bool {
     code.letter == b'M'
         && code.subcode == 0
-        && matches!(code.number, 104 | 106 | 107 | 109 | 116 | 140 | 141 | 190 | 191 | 301 | 303 | 304)
+        && matches!(code.number, 104 | 106 | 107 | 109 | 116 | 140 | 190 | 301 | 303 | 304)
 }
 
 #[cfg(test)]
@@ -75,7 +72,7 @@ mod tests {
     fn subcodes_are_silent_only_where_they_mean_something() {
         let code = |number, subcode| Code { letter: b'M', number, subcode };
         assert!(is_silent(code(862, 3)));
-        assert!(is_silent(code(73, 0)));
-        assert!(!is_silent(code(73, 1)));
+        assert!(is_silent(code(74, 0)));
+        assert!(!is_silent(code(74, 1)));
     }
 }

@@ -4,10 +4,14 @@ use super::flow::Flow;
 use super::hosts::{Asked, Hosts, Text};
 use super::limits::Homed;
 use super::modal::Modal;
+use super::pause::Wait;
+use super::ports::Devices;
+pub use super::ports::{PortSet, Ports};
+use super::retraction::Retraction;
 use crate::driver::{Drivers, Fault};
 use crate::gcode;
 use crate::motion::{Link, Planner};
-use crate::port::{Clock, DriverBus, Lines, MotorSet, Pend, Serial, Storage, ThermalPort};
+use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
 use crate::protocol::{NoRoom, Replies};
 use crate::settings::Settings;
 use crate::units::{Instant, Mm};
@@ -19,50 +23,6 @@ use core::task::Poll;
 /// Motors lose power when nothing has moved for this long, unless M84 S says otherwise; Klipper's
 /// idle_timeout is as long.
 const IDLE_TIMEOUT_S: u32 = 600;
-
-/// What the Console needs of a board.
-pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> {
-    /// The lines to the hosts.
-    pub serial: Lines<S>,
-    /// The motor drivers.
-    pub drivers: D,
-    /// The clock.
-    pub clock: K,
-    /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
-    pub storage: T,
-    /// The temperature sensors; [`NoSensors`](crate::port::NoSensors) if there are none.
-    pub sensors: H,
-}
-
-/// The types of a set of [`Ports`], so that one parameter names them all.
-pub trait PortSet {
-    /// A line to a host.
-    type Serial: Serial;
-    /// The motor drivers.
-    type Drivers: DriverBus;
-    /// The clock.
-    type Clock: Clock;
-    /// Memory for settings.
-    type Storage: Storage;
-    /// The temperature sensors.
-    type Sensors: ThermalPort;
-}
-
-impl<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> PortSet for Ports<S, D, K, T, H> {
-    type Serial = S;
-    type Drivers = D;
-    type Clock = K;
-    type Storage = T;
-    type Sensors = H;
-}
-
-/// The ports of `P` without the lines to the hosts.
-pub(super) struct Devices<P: PortSet> {
-    pub drivers: P::Drivers,
-    pub clock: P::Clock,
-    pub storage: P::Storage,
-    pub sensors: P::Sensors,
-}
 
 /// Why a command ends before it is done.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -86,6 +46,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     /// The settings that the machine was made with.
     pub(super) defaults: Settings,
     pub(super) modal: Modal,
+    pub(super) retraction: Retraction,
     pub(super) homed: Homed,
     /// Position of each motor group at count 0, in steps.
     pub(super) origin: [i32; 4],
@@ -94,8 +55,10 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     /// Seconds without motion until they lose it; 0 is never.
     pub(super) idle_timeout_s: u32,
     pub(super) last_motion: Instant,
-    /// M108 came since the present command began.
-    pub(super) continued: bool,
+    /// What the present command waits for beside the motion, and what has come of it.
+    pub(super) wait: Wait,
+    /// M25 has paused the print, and no M24 has resumed it.
+    pub(super) is_paused: bool,
     /// An axis is being homed.
     pub(super) is_homing: bool,
     /// The host was told of a target beyond the edge.
@@ -120,12 +83,14 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             settings,
             defaults: settings,
             modal: Modal::new([x, y, z]),
+            retraction: Retraction::new(),
             homed: Homed([start.is_some(); 3]),
             origin: [0; 4],
             drivers,
             idle_timeout_s: IDLE_TIMEOUT_S,
             last_motion: now,
-            continued: false,
+            wait: Wait::new(),
+            is_paused: false,
             is_homing: false,
             told_of_edge: false,
             told_of_heaters: false,
@@ -171,7 +136,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.hosts.owes_ok() {
             self.answer(Replies::ok).await?;
             self.hosts.settle();
-            self.continued = false;
+            self.wait = Wait::new();
         }
         self.serve().await
     }
@@ -197,7 +162,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 Asked::Resend(reason, last) => self.answer(|r| r.resend(reason, last)).await?,
             }
             self.hosts.settle();
-            self.continued = false;
+            self.wait = Wait::new();
         }
     }
 
@@ -248,7 +213,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.tend_drivers()?;
         self.feed_motion();
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
-        self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms);
+        self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms, self.wait.is_for_user);
+        self.report_unasked();
         self.watch_idleness();
         self.hosts.send();
         match emergency {
@@ -259,7 +225,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     fn receive(&mut self) -> Option<Interrupt> {
         let urgent = self.hosts.receive();
-        self.continued |= urgent.go_on;
+        self.wait.is_over |= urgent.go_on || (urgent.resume && self.wait.is_for_user);
+        self.wait.is_answered |= urgent.resume;
         if urgent.stop {
             return Some(Interrupt::Halt);
         }
@@ -268,7 +235,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     fn watch_idleness(&mut self) {
         let now = self.ports.clock.now();
-        if self.has_motion() {
+        if self.wait.is_for_user || self.has_motion() {
             self.last_motion = now;
         } else if self.idle_timeout_s > 0
             && !self.drivers.powered().is_empty()

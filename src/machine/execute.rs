@@ -1,6 +1,7 @@
 //! Every command, and what it does.
 
 use super::arc::{Arc, Shape};
+use super::autoreport::Report;
 use super::console::{Console, Interrupt, PortSet};
 use super::drivers::DriverValue;
 use super::modal::{Modal, Wanted};
@@ -8,6 +9,9 @@ use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::motion::Work;
 use crate::port::{Clock, MotorSet, Pend};
 use crate::units::{Mm, TICKS_PER_MS};
+
+/// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
+const DRY_RUN: u32 = 8;
 
 /// The motors that move the named axes; all if none is named.
 fn motors(flags: AxisFlags) -> MotorSet {
@@ -42,6 +46,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 self.arc(&ArcWords { clockwise, to, shape, turns }).await
             }
             Command::Dwell { ms } => self.dwell(ms).await,
+            Command::Retract | Command::Recover => {
+                let (retraction, z_speed) = (self.retraction, self.settings.axes.z.max_speed);
+                let retracts = *command == Command::Retract;
+                self.stay_away(if retracts { retraction.ways_away(z_speed) } else { retraction.ways_back(z_speed) })
+                    .await
+            }
+            Command::RetractSettings { length, feed, lift } => self.set_retraction(length, feed, lift).await,
+            Command::RecoverSettings { extra, feed } => self.set_recovery(extra, feed).await,
             Command::Home(flags) => self.home(flags).await,
             Command::Finish => self.finish().await,
             // The receive path has acted on these already.
@@ -70,6 +82,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 let percent = self.modal.flow_percent;
                 self.say(format_args!("echo:E0 Flow: {percent}%")).await
             }
+            Command::AwaitUser { ms, filament } => self.await_user(ms, filament).await,
+            Command::Pause => self.pause().await,
+            Command::Resume => self.resume().await,
+            Command::Tell { form, text } => self.tell(form, text).await,
+            Command::Debug(None) => {
+                let what = if self.modal.dry_run { "DRYRUN" } else { "off" };
+                self.say(format_args!("echo:DEBUG:{what}")).await
+            }
+            Command::AutoPosition(seconds) => self.report_every(Report::Position, seconds),
+            Command::AutoReport(seconds) => self.report_every(Report::Temperatures, seconds),
             Command::Keepalive(seconds) => self.set_keepalive(seconds).await,
             Command::ReportPosition { real } => self.report_position(real).await,
             Command::ReportFirmware => self.report_firmware().await,
@@ -88,9 +110,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::StallThreshold(words) => self.set_drivers(DriverValue::StallThreshold, &words).await,
             Command::Stealth { on, axes } => self.set_stealth(on, axes).await,
             Command::Tool(0) => Ok(()),
-            Command::Tool(number) => self.say(format_args!("echo:there is no tool T{number}")).await,
+            Command::Tool(number) => self.say(format_args!("echo:T{number} Invalid extruder")).await,
             Command::Heater => self.explain_heaters().await,
             Command::ColdExtrusion => self.say(format_args!("echo:Cold extrudes are enabled")).await,
+            Command::ReportAdvance => self.say(format_args!("echo:Advance K=0")).await,
+            Command::ReportLevelling => self.say(format_args!("echo:Bed Leveling OFF")).await,
+            Command::Probing => self.say(format_args!("echo:nothing is probed by this firmware, ignored")).await,
+            Command::CancelObject => self.say(format_args!("echo:objects cannot be left out, ignored")).await,
             _ => {
                 self.remember(command);
                 Ok(())
@@ -116,6 +142,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::FeedPercent(Some(number)) => self.modal.feed_percent = Modal::percent(number),
             Command::BackUpFeedPercent => self.modal.kept_feed_percent = self.modal.feed_percent,
             Command::RestoreFeedPercent => self.modal.feed_percent = self.modal.kept_feed_percent,
+            Command::Debug(Some(bits)) => self.modal.dry_run = bits.to_u32() & DRY_RUN != 0,
+            Command::Progress { percent, minutes } => {
+                self.link.status().told.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
+            }
+            Command::Object(number) => {
+                self.link.status().told.set_object(number.to_thousandths().div_euclid(1000) as i32)
+            }
             Command::FlowPercent(Some(number)) => self.modal.flow_percent = Modal::percent(number),
             _ => {}
         }
@@ -173,8 +206,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Ok(());
         }
         self.until(|c| c.link.has_room()).await?;
+        self.wait.is_dwelling = true;
         self.link.send(Work::Dwell((u64::from(ms) * u64::from(TICKS_PER_MS)) << 16));
-        self.until(|c| c.continued || c.link.is_idle()).await?;
+        self.until(|c| c.wait.is_over || c.link.is_idle()).await?;
         if self.link.is_idle() { Ok(()) } else { self.drop_motion().await }
     }
 

@@ -125,7 +125,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             (*x, *y) = (x.wrapping_round(), y.wrapping_round());
         }
         self.adopt_position(position).await?;
-        self.modal.position = self.planner.mm(position);
+        if index == 2 {
+            self.retraction.forget_lift();
+        }
+        self.modal.position = self.retraction.commanded(self.planner.mm(position));
         Ok(())
     }
 

@@ -3,6 +3,8 @@
 //! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
 //! host that sent it.
 
+use super::autoreport::{Report, Schedule};
+use crate::gcode::{self, Command};
 use crate::port::{Lines, Received, Serial};
 use crate::protocol::{Emergency, Incoming, NoRoom, Receiver, Replies, ResendReason};
 use crate::units::Instant;
@@ -13,10 +15,12 @@ use heapless::Vec;
 pub(super) type Text = Vec<u8, 320>;
 
 /// A serial line and what is under way on it.
-struct Host<S> {
+pub(super) struct Host<S> {
     line: S,
     receiver: Receiver,
-    replies: Replies,
+    pub replies: Replies,
+    /// What it is told by itself.
+    pub schedule: Schedule,
     /// When it was last told that there is somebody, or had nothing to wait for.
     assured: Instant,
     /// A quick stop was in what it has sent last.
@@ -63,6 +67,8 @@ pub(super) struct Urgent {
     pub quick_stop: bool,
     /// M108
     pub go_on: bool,
+    /// M24, M602, M876 S
+    pub resume: bool,
 }
 
 impl<S: Serial> Host<S> {
@@ -77,6 +83,7 @@ impl<S: Serial> Host<S> {
             if received == Received::Opened {
                 self.replies = Replies::new();
                 self.forgotten = None;
+                self.schedule = Schedule::new();
                 self.has_opened = true;
                 self.is_new = true;
             }
@@ -88,6 +95,7 @@ impl<S: Serial> Host<S> {
                     urgent.quick_stop = true;
                 }
                 Some(Emergency::Continue) => urgent.go_on = true,
+                Some(Emergency::Resume) => urgent.resume = true,
                 None => {}
             }
         }
@@ -105,6 +113,9 @@ impl<S: Serial> Host<S> {
             Incoming::TooLong => Asked::TooLong,
             Incoming::Resend { reason, last } => Asked::Resend(reason, last),
         };
+        // Of what nothing is done with, nothing need be kept: the outline of an object, a message.
+        let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);
+        let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
         self.assured = now;
         self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
         let is_forgotten = asked == Asked::Command && self.forgotten.is_some();
@@ -132,6 +143,7 @@ impl<S: Serial> Hosts<S> {
             line,
             receiver: Receiver::new(),
             replies: Replies::new(),
+            schedule: Schedule::new(),
             assured: now,
             has_stopped: false,
             has_opened: false,
@@ -176,6 +188,18 @@ impl<S: Serial> Hosts<S> {
         None
     }
 
+    /// All of them.
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<S>> {
+        self.hosts.iter_mut()
+    }
+
+    /// Has the host being served told a report every `seconds`, unless it has gone.
+    pub(super) fn schedule(&mut self, report: Report, seconds: u8, now: Instant) {
+        if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
+            host.schedule.set(report, seconds, now);
+        }
+    }
+
     /// What the host being served is told. `None` if it has gone.
     pub(super) fn replies(&mut self) -> Option<&mut Replies> {
         if self.is_gone {
@@ -206,11 +230,12 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Tells hosts that have waited for `every` ms for the answer to a line that there is somebody. 0 is never.
-    pub(super) fn keep_alive(&mut self, now: Instant, every: u32) {
+    pub(super) fn keep_alive(&mut self, now: Instant, every: u32, is_paused: bool) {
+        let say = |replies: &mut Replies| if is_paused { replies.paused() } else { replies.busy() };
         for (place, host) in self.hosts.iter_mut().enumerate() {
             let is_served = self.owes_ok && !self.is_gone && place == self.serving;
             let is_waiting = is_served || !host.receiver.is_empty();
-            if !is_waiting || (every > 0 && now >= host.assured.after_ms(every) && host.replies.busy().is_ok()) {
+            if !is_waiting || (every > 0 && now >= host.assured.after_ms(every) && say(&mut host.replies).is_ok()) {
                 host.assured = now;
             }
         }
@@ -219,6 +244,14 @@ impl<S: Serial> Hosts<S> {
     /// Says the same line to all; one that has no room for it misses it.
     pub(super) fn tell_all(&mut self, line: fmt::Arguments<'_>) {
         for host in &mut self.hosts {
+            let _ = host.replies.line(line);
+        }
+    }
+
+    /// Says the same line to all but the host being served; one that has no room for it misses it.
+    pub(super) fn tell_others(&mut self, line: fmt::Arguments<'_>) {
+        let serving = self.serving;
+        for (_, host) in self.hosts.iter_mut().enumerate().filter(|(place, _)| *place != serving) {
             let _ = host.replies.line(line);
         }
     }

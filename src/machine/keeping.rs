@@ -166,7 +166,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Ok(());
         }
         self.planner.set_resolution(&wanted);
-        let position = self.planner.steps(self.modal.position);
+        let position = self.planner.steps(self.retraction.away_from(self.modal.position));
         self.adopt_position(position).await
     }
 }

@@ -6,6 +6,7 @@
 
 mod angle;
 mod arc;
+mod autoreport;
 mod console;
 mod drivers;
 mod execute;
@@ -16,9 +17,13 @@ mod keeping;
 mod limits;
 mod modal;
 mod motion;
+mod pause;
+mod ports;
 mod power;
 mod report;
+mod retraction;
 mod sensors;
+mod tell;
 mod tuning;
 
 pub use console::{Console, PortSet, Ports};

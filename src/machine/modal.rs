@@ -33,6 +33,8 @@ pub(super) struct Modal {
     pub kept_feed_percent: u16,
     /// M221.
     pub flow_percent: u16,
+    /// M111 S8: everything moves but the filament.
+    pub dry_run: bool,
     /// Where the machine is commanded to: x, y, z as machine coordinates, e as filament really asked for.
     pub position: [Mm; 4],
     /// What a program calls 0, as machine coordinates (G92).
@@ -64,6 +66,7 @@ impl Modal {
             feed_percent: 100,
             kept_feed_percent: 100,
             flow_percent: 100,
+            dry_run: false,
             position: [x, y, z, Mm::ZERO],
             origin: [Mm::ZERO; 3],
             extrusion: Mm::ZERO,
@@ -119,7 +122,8 @@ impl Modal {
             Some(v) => self.extrusion.saturating_add(v),
         };
         let asked = extrusion.saturating_sub(self.extrusion);
-        let flow = i128::from(asked.to_bits()) * i128::from(self.flow_percent) / 100;
+        let flow_percent = if self.dry_run { 0 } else { self.flow_percent };
+        let flow = i128::from(asked.to_bits()) * i128::from(flow_percent) / 100;
         let flow = Mm::from_bits(flow.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64);
         let too_much = flow.saturating_abs() > settings.axes.e.length;
         Wanted {

@@ -24,7 +24,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.told_of_edge = true;
             self.say(format_args!("echo:target beyond the reachable space, moved to its edge")).await?;
         }
-        self.plan(Target { position: inside, speed, watch: EndstopSet::NONE }).await?;
+        let position = self.retraction.away_from(inside);
+        self.plan(Target { position, speed, watch: EndstopSet::NONE }).await?;
         self.modal.position = inside;
         Ok(())
     }
@@ -144,14 +145,23 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.planner.fall_short(real);
         self.note_path();
         self.adopt_position(real).await?;
-        let real = self.planner.mm(real);
+        let real = self.retraction.commanded(self.planner.mm(real));
         self.modal.extrusion = self.modal.named_position(real)[3];
         self.modal.position = real;
         Ok(())
     }
 
-    /// M410: motion ends here and now, the position stays true.
+    /// M410: motion slows down along its path and ends; the position stays true.
     pub(super) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
+        if !self.wait.is_dwelling {
+            self.link.brake();
+            while !self.link.has_stopped() {
+                // The path may lead on into moves that have not left the planner, so they go on leaving it.
+                if self.turn().await == Err(Interrupt::Halt) {
+                    return Err(Interrupt::Halt);
+                }
+            }
+        }
         self.drop_motion().await?;
         if core::mem::take(&mut self.is_homing) {
             self.say(format_args!("echo:homing was ended, the axis has no known position")).await?;

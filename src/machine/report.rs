@@ -10,14 +10,15 @@ use crate::units::Mm;
 use core::fmt;
 use fixed::types::I32F32;
 
-/// What hosts may rely on. A host that finds AUTOREPORT_TEMP at 1 stops asking by itself, so it stays 0
-/// until there is a sensor.
-const CAPABILITIES: [(&str, u8); 7] = [
+/// What hosts may rely on. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which the report says
+/// as little as M105 does.
+const CAPABILITIES: [(&str, u8); 8] = [
     ("SERIAL_XON_XOFF", 0),
-    ("AUTOREPORT_POS", 0),
-    ("AUTOREPORT_TEMP", 0),
+    ("AUTOREPORT_POS", 1),
+    ("AUTOREPORT_TEMP", 1),
     ("EMERGENCY_PARSER", 1),
-    ("HOST_ACTION_COMMANDS", 0),
+    ("HOST_ACTION_COMMANDS", 1),
+    ("PROMPT_SUPPORT", 1),
     ("SDCARD", 0),
     ("ARCS", 1),
 ];
@@ -35,23 +36,50 @@ impl fmt::Display for Hundredths {
     }
 }
 
+/// The temperatures. There is no heater yet; hosts take the form of the line as a sign of life.
+pub(super) struct Temperatures;
+
+impl fmt::Display for Temperatures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("T:0.00 /0.00 @:0")
+    }
+}
+
+/// A position, and the counts of the motor groups.
+pub(super) struct Position {
+    at: [Mm; 4],
+    counts: [i32; 4],
+}
+
+impl fmt::Display for Position {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z, e] = self.at.map(Hundredths);
+        let [a, b, c, _] = self.counts;
+        write!(f, "X:{x} Y:{y} Z:{z} E:{e} Count A:{a} B:{b} Z:{c}")
+    }
+}
+
 /// A setting with as many decimals as reading it back needs.
 pub(super) fn exact(value: impl Into<I32F32>) -> Number {
     Number::saturating(value.into())
 }
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// M105. There is no sensor yet; hosts take the form of the line as a sign of life.
+    /// M105.
     pub(super) async fn report_temperatures(&mut self) -> Result<(), Interrupt> {
-        self.say(format_args!("ok T:0.00 /0.00 @:0")).await
+        self.say(format_args!("ok {Temperatures}")).await
     }
 
-    /// M114: where the program is, or with `real` where the tool is; and the counts of the motor groups.
-    pub(super) async fn report_position(&mut self, real: bool) -> Result<(), Interrupt> {
+    /// Where the program is, or with `real` where the tool is.
+    pub(super) fn position(&self, real: bool) -> Position {
         let position = if real { self.planner.mm(self.real_steps()) } else { self.modal.position };
-        let [x, y, z, e] = self.modal.named_position(position).map(Hundredths);
-        let [a, b, c, _] = self.real_counts();
-        self.say(format_args!("X:{x} Y:{y} Z:{z} E:{e} Count A:{a} B:{b} Z:{c}")).await
+        Position { at: self.modal.named_position(position), counts: self.real_counts() }
+    }
+
+    /// M114.
+    pub(super) async fn report_position(&mut self, real: bool) -> Result<(), Interrupt> {
+        let position = self.position(real);
+        self.say(format_args!("{position}")).await
     }
 
     /// M115.
@@ -105,6 +133,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.report_max_accelerations().await?;
         self.report_accelerations().await?;
         self.report_corners().await?;
+        self.report_retraction().await?;
+        self.report_recovery().await?;
         self.report_driver_settings().await?;
         let (soft, keepalive) = (u8::from(self.settings.soft_endstops), self.settings.keepalive_s);
         self.say(format_args!("echo:  M211 S{soft}")).await?;

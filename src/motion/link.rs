@@ -78,8 +78,21 @@ impl<'m, W: Pend> Link<'m, W> {
         self.left >> 16
     }
 
+    /// Has the motion come to rest along its path, as fast as its accelerations allow. Work goes on being taken:
+    /// the path may lead on into moves that are not queued yet.
+    pub fn brake(&mut self) {
+        self.status.set_brake(Some(self.epoch));
+        self.pend.pend_generator();
+    }
+
+    /// Whether nothing moves any more, and without an [`abort`](Self::abort) nothing will.
+    pub fn has_stopped(&self) -> bool {
+        self.status.has_stopped(self.epoch) || self.is_idle()
+    }
+
     /// Drops everything queued, and every step not yet made. The link is idle when that has happened.
     pub fn abort(&mut self) {
+        self.status.set_brake(None);
         self.epoch = self.status.next_epoch();
         self.pend.pend_generator();
         self.pend.pend_stepper();

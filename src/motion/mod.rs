@@ -14,6 +14,7 @@ mod planner;
 mod profile;
 mod stepgen;
 mod stepper;
+mod track;
 mod window;
 
 pub use crossing::{Curve, Path};

@@ -1,7 +1,7 @@
 //! Moves: what the planner releases and the generator steps. A released move never changes.
 
 use crate::port::EndstopSet;
-use crate::units::Steps;
+use crate::units::{MmPerSec2, Steps};
 
 /// One in the fixed point of fractions of a move.
 pub const WHOLE: u32 = 1 << 31;
@@ -27,6 +27,10 @@ pub struct Move {
     pub cruise: u64,
     /// Time of the decelerating phase.
     pub decelerate: u64,
+    /// Length of its path, in raw `Mm` bits; of the filament if the tool does not move.
+    pub length: u64,
+    /// Acceleration of its ramps, with which it also brakes where it was not planned.
+    pub acceleration: MmPerSec2,
     /// Whether it ends at standstill.
     pub rests: bool,
     /// Endstops that end it early.

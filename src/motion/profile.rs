@@ -29,7 +29,7 @@ pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
 
 /// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
 /// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
-fn speed(square: u64) -> u64 {
+pub(super) fn speed(square: u64) -> u64 {
     let shift = square.leading_zeros() & !1;
     if square == 0 { 0 } else { (root(square << shift) << 16) >> (shift / 2) }
 }
@@ -41,7 +41,7 @@ const fn ramp_time(change: u64, a: MmPerSec2) -> u64 {
 }
 
 /// `part / whole`, scaled by [`WHOLE`].
-const fn fraction(part: u64, whole: u64) -> u32 {
+pub(super) const fn fraction(part: u64, whole: u64) -> u32 {
     // 33 bits of the whole are enough, and the product fits.
     let shift = 31u32.saturating_sub(whole.leading_zeros());
     let (part, whole) = (part >> shift, whole >> shift);
@@ -52,7 +52,7 @@ const fn fraction(part: u64, whole: u64) -> u32 {
 }
 
 /// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
-const fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
+pub(super) const fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
     mul_div(change, 1 << 7, a.to_bits() as u64)
 }
 
@@ -79,6 +79,8 @@ pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch
         // Where there is a cruise, its speed is the nominal one, which has 16 fractional bits.
         cruise: mul_div(level, u64::from(TICKS_PER_SECOND), (peak_speed >> 16).max(1)),
         decelerate: ramp_time(peak_speed - exit_speed, a),
+        length,
+        acceleration: a,
         rests: speeds.exit == 0,
         watch,
     }

@@ -7,13 +7,16 @@
 //! Time is counted in ticks times 2^16 from the start of the epoch, so a phase begins where the one before
 //! ended to within 2^-17 of a tick; only the instant of a step is rounded to a whole tick.
 
-use super::crossing::{Curve, Path};
+mod brake;
+
 use super::event::{LONGEST_INTERVAL, StepEvent};
-use super::moves::{Entry, Move, WHOLE, Work};
+use super::moves::{Entry, Move, Work};
+use super::track::{Phase, Track, phases, point};
 use crate::kinematics::{GROUPS, count_at, is_unstrained};
 use crate::port::{EndstopSet, MotorSet, Pend};
 use crate::status::Status;
 use crate::units::Steps;
+use brake::{Braking, Moment};
 use heapless::spsc::{Consumer, Producer};
 
 /// Two pulses of a motor are at least this many ticks apart: 1 us, ten times what the driver asks for
@@ -25,31 +28,6 @@ pub const MIN_STEP_INTERVAL: u64 = 10;
 /// interrupts of the same priority get their turn.
 const BATCH: usize = 64;
 
-/// Half a step.
-const HALF: i64 = 1 << 31;
-
-/// One motor group.
-#[derive(Clone, Copy)]
-struct Track {
-    /// The group's count of steps.
-    count: i32,
-    path: Path,
-    /// When its next step is due, and which way.
-    next: Option<(u64, bool)>,
-    /// When its next step may come at the earliest.
-    free: u64,
-}
-
-/// A phase of a move.
-#[derive(Clone, Copy)]
-struct Phase {
-    curve: Curve,
-    /// Fraction of the move behind at its end.
-    end: u32,
-    slow_share: u32,
-    time: u64,
-}
-
 /// What is being done.
 #[derive(Clone, Copy)]
 enum Task {
@@ -58,6 +36,8 @@ enum Task {
     Move(Move, [Steps; 4], usize),
     /// Time without motion.
     Dwell,
+    /// A move that is being braked: where it ends then, and the speed squared that is left there.
+    Brake([Steps; 4], u64),
 }
 
 /// Turns moves into step events.
@@ -73,6 +53,11 @@ pub struct StepGenerator<'m, W: Pend> {
     end: u64,
     /// Tick of the last event.
     last: u64,
+    /// The Stepper's tick when the epoch began.
+    base: u32,
+    braking: Braking,
+    /// The last move, if it did not end at rest.
+    behind: Option<Move>,
     /// Where the last move ended.
     position: [Steps; 4],
     forward: MotorSet,
@@ -83,7 +68,6 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     /// The generator between the two queues. It learns where the machine stands from the first
     /// [`Work::Position`].
     pub fn new(moves: Consumer<'m, Entry>, events: Producer<'m, StepEvent>, status: &'m Status, pend: W) -> Self {
-        let still = Path::new(Steps::ZERO, Steps::ZERO, Curve::Steady, 0, 0);
         Self {
             moves,
             events,
@@ -91,26 +75,36 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             pend,
             epoch: status.epoch(),
             task: Task::Nothing,
-            tracks: [Track { count: 0, path: still, next: None, free: 0 }; GROUPS.len()],
+            tracks: [Track::still(); GROUPS.len()],
             end: 0,
             last: 0,
+            base: status.tick(),
+            braking: Braking::No,
+            behind: None,
             position: [Steps::ZERO; 4],
             forward: MotorSet::NONE,
             watch: EndstopSet::NONE,
         }
     }
 
-    /// Makes step events until the StepQueue is full, nothing is left to do, or a bounded amount of work is
+    /// Makes step events until they reach far enough ahead, nothing is left to do, or a bounded amount of work is
     /// done; in the last case it pends itself. Call it whenever either queue may have moved.
     pub fn run(&mut self) {
         if self.status.epoch() != self.epoch || self.has_met_endstop() {
             self.begin_epoch();
         }
+        if self.braking == Braking::No && self.status.is_braking(self.epoch) {
+            self.begin_brake();
+        }
         for _ in 0..BATCH {
-            if !self.events.ready() {
-                return;
+            if !self.events.ready() || self.is_ahead() {
+                if self.status.set_refill(self.status.events_waiting() / 2) {
+                    return;
+                }
+                break;
             }
             if !self.advance() {
+                self.status.set_refill(0);
                 return;
             }
         }
@@ -132,6 +126,10 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         }
         self.end = 0;
         self.last = 0;
+        self.base = self.status.tick();
+        self.braking = Braking::No;
+        self.behind = None;
+        self.status.set_stopped(None);
         for track in &mut self.tracks {
             track.next = None;
             track.free = 0;
@@ -161,12 +159,19 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
                     }
                     None => {
                         self.position = m.end;
+                        self.behind = (!m.rests).then_some(m);
                         // At a standstill an event marks the end of the motion, so that time is whole there.
                         if !m.rests || self.rest() {
                             self.finish();
                         }
                     }
                 }
+                true
+            }
+            Task::Brake(end, rest) => {
+                self.position = end;
+                self.finish();
+                self.go_on_with(rest);
                 true
             }
         }
@@ -192,7 +197,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         let Some(entry) = self.moves.dequeue() else {
             return false;
         };
-        if entry.epoch != self.epoch || self.has_met_endstop() {
+        if entry.epoch != self.epoch || self.has_met_endstop() || self.braking == Braking::Done {
             self.status.entry_done();
             return true;
         }
@@ -200,6 +205,9 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             Work::Move(m) => {
                 self.watch = m.watch;
                 self.task = Task::Move(m, self.position, 0);
+                if let Braking::Slowing(square) = self.braking {
+                    self.brake(&m, self.position, Moment { done: 0, square });
+                }
             }
             Work::Dwell(time) => {
                 self.end += time;
@@ -222,13 +230,10 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         let begin = self.end;
         self.end += phase.time;
         for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-            let first = group.coordinate(from);
-            let last = group.coordinate(m.end);
+            let (first, last) = (group.coordinate(from), group.coordinate(m.end));
             // A phase begins where the one before it ended, to the last bit.
             let start = if index == 0 { first } else { track.path.end() };
-            let stop = if phase.end == WHOLE { last } else { part(first, last, phase.end) };
-            track.path = Path::new(start, stop, phase.curve, phase.slow_share, phase.time);
-            track.plan_next(begin);
+            track.lay(start, point(first, last, phase.end), phase, begin);
         }
     }
 
@@ -288,48 +293,4 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             }
         }
     }
-}
-
-impl Track {
-    /// Finds the group's next step in its present path, which began at `begin`.
-    fn plan_next(&mut self, begin: u64) {
-        let goal = count_at(self.path.end());
-        if goal == self.count {
-            self.next = None;
-            return;
-        }
-        let ahead = goal.wrapping_sub(self.count) > 0;
-        let edge = Steps::from_bits((i64::from(self.count) << 32).wrapping_add(if ahead { HALF } else { -HALF }));
-        // A step that is left over from the phase before is due at once.
-        let after = if ahead == self.path.is_forward() { self.path.reaches(edge) } else { 0 };
-        let tick = (begin + after + (1 << 15)) >> 16;
-        self.next = Some((tick.max(self.free), ahead));
-    }
-}
-
-/// The phases of a move; one without time is left out.
-fn phases(m: &Move) -> heapless::Vec<Phase, 3> {
-    let mut phases = heapless::Vec::new();
-    let all = [
-        Phase { curve: Curve::Speeding, end: m.accelerated, slow_share: m.entry_share, time: m.accelerate },
-        Phase { curve: Curve::Steady, end: m.cruised, slow_share: 0, time: m.cruise },
-        Phase { curve: Curve::Slowing, end: WHOLE, slow_share: m.exit_share, time: m.decelerate },
-    ];
-    for phase in all {
-        if phase.time > 0 {
-            let _ = phases.push(phase);
-        }
-    }
-    // The last phase ends where the move does.
-    if let Some(last) = phases.last_mut() {
-        last.end = WHOLE;
-    }
-    phases
-}
-
-/// The point a fraction of the way from `first` to `last`.
-fn part(first: Steps, last: Steps, fraction: u32) -> Steps {
-    // Rounded towards zero, so that groups that mirror each other still do.
-    let way = i128::from(last.wrapping_sub(first).to_bits()) * i128::from(fraction) / i128::from(WHOLE);
-    first.wrapping_add(Steps::from_bits(way as i64))
 }

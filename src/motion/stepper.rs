@@ -18,9 +18,6 @@ const BURST: usize = 8;
 /// waiting for a third of a millisecond.
 const BREATH: u32 = 50;
 
-/// When the queue has drained to this many events the generator is woken: half of it.
-const REFILL: u32 = 256;
-
 /// An event that comes later than this moves all that follow: 10 us, half of the closest spacing at the
 /// greatest speed of one motor. Steps are late then, but never too close to each other, and none is lost.
 const GRACE: u32 = 100;
@@ -124,7 +121,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             self.running = None;
             return;
         };
-        if self.status.events_waiting() == REFILL {
+        if self.status.is_refill_due() {
             self.pend.pend_generator();
         }
         let due = match self.running {

@@ -1,4 +1,5 @@
-//! Emergency commands: M112, M108 and M410 act as they arrive, even while another command blocks.
+//! Emergency commands: M112, M108, M410 and the answers to a pause act as they arrive, even while another
+//! command blocks.
 //!
 //! The scanner reads every byte beside the line layer (the idea is that of Marlin's emergency_parser.h).
 //! It ignores numbers and checksums, because a stop that comes through damaged is still meant, but it
@@ -17,6 +18,8 @@ pub enum Emergency {
     Continue,
     /// M410: stop the motion now and forget what is queued.
     QuickStop,
+    /// M24, M602, M876 S: the user is ready.
+    Resume,
 }
 
 impl Emergency {
@@ -25,11 +28,15 @@ impl Emergency {
         match code {
             108 => Some(Self::Continue),
             112 => Some(Self::Stop),
+            24 | 602 => Some(Self::Resume),
             410 => Some(Self::QuickStop),
             _ => None,
         }
     }
 }
+
+/// The code of an answer, which is one only with S: `M876 P1` says that the host can show questions.
+const ANSWER: u16 = 876;
 
 /// Where in a line the scanner is.
 #[derive(Clone, Copy)]
@@ -44,6 +51,8 @@ enum State {
     Letter,
     /// Digits behind M; their value.
     Code(u16),
+    /// M876, or blanks behind it.
+    Answer,
     /// An emergency, complete; waits for the end of the line.
     Complete(Emergency),
     /// Anything else; waits for the end of the line.
@@ -92,12 +101,16 @@ impl Scanner {
             }
             // A subcode or a longer name makes it another command.
             (State::Code(_), b'.' | b'_') => State::Other,
+            (State::Answer, b'S' | b's') | (State::Code(ANSWER), b'S' | b's') => State::Complete(Emergency::Resume),
+            (State::Code(ANSWER), _) if is_blank(byte) => State::Answer,
             (State::Code(code), _) => match Emergency::of(code) {
                 Some(emergency) => State::Complete(emergency),
                 None => State::Other,
             },
             (State::Complete(emergency), _) => State::Complete(emergency),
-            (State::Start | State::Number | State::Numbered | State::Letter, _) if is_blank(byte) => self.state,
+            (State::Start | State::Number | State::Numbered | State::Letter | State::Answer, _) if is_blank(byte) => {
+                self.state
+            }
             _ => State::Other,
         };
         None
@@ -138,6 +151,9 @@ mod tests {
             assert_eq!(scan(text), [Emergency::Stop], "{text:?}");
         }
         assert_eq!(scan("N4 M108*46\nM410\n"), [Emergency::Continue, Emergency::QuickStop]);
+        for text in ["M24\n", "M602 ;go\n", "N7 M876 S0*12\n", "m876s1\n", "M876  S\n"] {
+            assert_eq!(scan(text), [Emergency::Resume], "{text:?}");
+        }
     }
 
     #[test]
@@ -161,6 +177,11 @@ mod tests {
             "M67648\n",
             "M-112\n",
             "MM112\n",
+            "M876\n",
+            "M876 P1\n",
+            "M876 P1 S0\n",
+            "M8760 S0\n",
+            "M240\n",
         ] {
             assert_eq!(scan(text), [], "{text:?}");
         }

@@ -4,6 +4,7 @@ use super::emergency::{Emergency, Scanner};
 use super::framing::Frame;
 use super::numbering::{Numbering, ResendReason, Verdict};
 use super::ring::Ring;
+use super::words::{line_number, skip_blanks};
 use crate::port::Received;
 use crate::units::Instant;
 
@@ -103,6 +104,14 @@ impl Receiver {
     #[must_use]
     pub const fn is_within(&self, place: u32) -> bool {
         place.wrapping_sub(self.ring.places().1) as i32 >= 0
+    }
+
+    /// What was kept of the line handed out last, behind its line number. Of one that is too long this is the
+    /// beginning.
+    #[must_use]
+    pub fn kept(&self) -> &[u8] {
+        let text = self.frame.text();
+        line_number(text).map_or(text, |(_, rest)| skip_blanks(rest))
     }
 
     /// The number of the last line that was in order.

@@ -151,6 +151,14 @@ impl Replies {
         self.line(format_args!("echo:busy: processing"))
     }
 
+    /// Says that a line waits for the user.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn paused(&mut self) -> Result<(), NoRoom> {
+        self.line(format_args!("echo:busy: paused for user"))
+    }
+
     /// The first line after a reset.
     ///
     /// # Errors
@@ -342,6 +350,7 @@ mod tests {
             reply(Replies::too_long),
             reply(|r| r.unknown(b"G29")),
             reply(Replies::busy),
+            reply(Replies::paused),
             reply(Replies::killed),
             reply(Replies::start),
             reply(Replies::ok),

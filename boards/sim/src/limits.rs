@@ -116,8 +116,7 @@ impl Limits {
                 let stops = [homing[0], homing[1], homing[2], 0.0, belt, belt];
                 self.of.iter_mut().zip(stops).for_each(|(l, v)| wide(&mut l.hard_stop, v));
             }
-            // A quick stop forgets what is queued; how fast that may be is the machine room's choice.
-            ('M', 112.0 | 410.0) => self.of.iter_mut().for_each(|l| l.hard_stop = f64::INFINITY),
+            ('M', 112.0) => self.of.iter_mut().for_each(|l| l.hard_stop = f64::INFINITY),
             ('M', 92.0) => self.is_judged = false,
             ('M', 201.0 | 203.0) => {
                 for (axis, value) in words {

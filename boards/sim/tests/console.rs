@@ -131,6 +131,8 @@ fn settings_that_are_reported_read_back() {
         "M201 X4321 Y1234.5 Z150 E9000",
         "M204 P1500.25 R2500 T4000",
         "M205 X7.5 Y9 E3.3 S1 T2",
+        "M207 S1.25 F1800 Z0.4",
+        "M208 S0.05 F600",
         "M211 S0",
         "M113 S5",
         "M569 S1 X",
@@ -141,7 +143,7 @@ fn settings_that_are_reported_read_back() {
     ];
     let (heard, ..) = talk(&changes);
     let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
-    assert_eq!(report.len(), 14, "{heard:?}");
+    assert_eq!(report.len(), 16, "{heard:?}");
     assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
     again.push("M503");

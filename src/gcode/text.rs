@@ -1,0 +1,92 @@
+//! Text: commands whose line is, from some place on, a text for people.
+
+use super::command::{Command, Form};
+use super::lexer::{Words, is_blank, skip_blanks};
+use super::number::Number;
+
+/// M118: the message behind A1, E1 and P, which stand in front of it (Marlin M118.cpp).
+pub(super) fn tell(text: &[u8]) -> Command<'_> {
+    let mut form = Form::Plain;
+    let mut rest = skip_blanks(text);
+    while let [letter, digit @ b'0'..=b'9', tail @ ..] = rest
+        && tail.first().is_none_or(|byte| is_blank(*byte))
+    {
+        match (letter.to_ascii_uppercase(), digit) {
+            (b'A', b'0') | (b'E', b'0') | (b'P', _) => {}
+            (b'A', _) => form = Form::Action,
+            (b'E', _) if form == Form::Plain => form = Form::Echo,
+            (b'E', _) => {}
+            _ => break,
+        }
+        rest = skip_blanks(tail);
+    }
+    Command::Tell { form, text: trim_end(rest) }
+}
+
+/// M0, M1: S and P in front, in any order, then a message that nobody shows.
+pub(super) fn await_user(text: &[u8], filament: bool) -> Command<'static> {
+    let mut ms = 0u64;
+    let timed = Words::new(text).map_while(|word| word.number.map(|number| (word.letter, number)));
+    for (letter, number) in timed.take_while(|(letter, _)| matches!(letter, b'S' | b'P')) {
+        ms += if letter == b'S' { number.to_thousandths().max(0) as u64 } else { u64::from(number.to_u32()) };
+    }
+    Command::AwaitUser { ms: if filament { 0 } else { ms.min(Number::LIMIT as u64) as u32 }, filament }
+}
+
+/// M486: with S a number, with A the rest of the line is a name, with T a count; the rest cancels.
+pub(super) fn object(text: &[u8]) -> Command<'static> {
+    match Words::new(text).next() {
+        Some(word) if word.letter == b'S' => Command::Object(word.number.unwrap_or_default()),
+        Some(word) if matches!(word.letter, b'P' | b'C' | b'U') => Command::CancelObject,
+        _ => Command::Silent,
+    }
+}
+
+fn trim_end(mut text: &[u8]) -> &[u8] {
+    while let [rest @ .., byte] = text
+        && (is_blank(*byte) || matches!(byte, b'\r' | b'\n'))
+    {
+        text = rest;
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parse::parse;
+    use super::*;
+
+    #[test]
+    fn messages_and_how_they_are_dressed() {
+        let tell = |form, text| Command::Tell { form, text };
+        assert_eq!(parse(b"M118 hello E1 "), tell(Form::Plain, b"hello E1"));
+        assert_eq!(parse(b"M118 A1 action:pause"), tell(Form::Action, b"action:pause"));
+        assert_eq!(parse(b"M118 E1 P0 Layer 3"), tell(Form::Echo, b"Layer 3"));
+        assert_eq!(parse(b"M118 A1 E1 x"), tell(Form::Action, b"x"));
+        assert_eq!(parse(b"M118 A0 A12"), tell(Form::Plain, b"A12"));
+        assert_eq!(parse(b"M118"), tell(Form::Plain, b""));
+    }
+
+    #[test]
+    fn a_wait_is_as_long_as_the_words_in_front_say() {
+        let wait = |ms| Command::AwaitUser { ms, filament: false };
+        assert_eq!(parse(b"M0"), wait(0));
+        assert_eq!(parse(b"M1 S1.5 P20"), wait(1520));
+        assert_eq!(parse(b"M0 S10 Press the button"), wait(10_000));
+        assert_eq!(parse(b"M0 Remove plate S5"), wait(0));
+        assert_eq!(parse(b"M601"), wait(0));
+        assert_eq!(parse(b"M600 X10 E5"), Command::AwaitUser { ms: 0, filament: true });
+    }
+
+    #[test]
+    fn objects_are_numbered_named_or_cancelled() {
+        assert_eq!(parse(b"M486 S-1"), Command::Object(Number::from(-1)));
+        assert_eq!(parse(b"M486 S3 A\"cube\""), Command::Object(Number::from(3)));
+        for line in ["M486 T5", "M486 ASupport P5 (1)*", "M486"] {
+            assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
+        }
+        for line in ["M486 P1", "M486 C", "M486 U2"] {
+            assert_eq!(parse(line.as_bytes()), Command::CancelObject, "{line}");
+        }
+    }
+}

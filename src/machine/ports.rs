@@ -1,0 +1,47 @@
+//! The Console's ports: what it needs of a board, as one type.
+
+use crate::port::{Clock, DriverBus, Lines, Serial, Storage, ThermalPort};
+
+/// What the Console needs of a board.
+pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> {
+    /// The lines to the hosts.
+    pub serial: Lines<S>,
+    /// The motor drivers.
+    pub drivers: D,
+    /// The clock.
+    pub clock: K,
+    /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
+    pub storage: T,
+    /// The temperature sensors; [`NoSensors`](crate::port::NoSensors) if there are none.
+    pub sensors: H,
+}
+
+/// The types of a set of [`Ports`], so that one parameter names them all.
+pub trait PortSet {
+    /// A line to a host.
+    type Serial: Serial;
+    /// The motor drivers.
+    type Drivers: DriverBus;
+    /// The clock.
+    type Clock: Clock;
+    /// Memory for settings.
+    type Storage: Storage;
+    /// The temperature sensors.
+    type Sensors: ThermalPort;
+}
+
+impl<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> PortSet for Ports<S, D, K, T, H> {
+    type Serial = S;
+    type Drivers = D;
+    type Clock = K;
+    type Storage = T;
+    type Sensors = H;
+}
+
+/// The ports of `P` without the lines to the hosts.
+pub(super) struct Devices<P: PortSet> {
+    pub drivers: P::Drivers,
+    pub clock: P::Clock,
+    pub storage: P::Storage,
+    pub sensors: P::Sensors,
+}
