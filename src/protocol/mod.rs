@@ -13,7 +13,9 @@ mod framing;
 mod numbering;
 mod receiver;
 mod reply;
+mod request;
 mod ring;
+mod silence;
 mod words;
 
 pub use emergency::Emergency;

@@ -4,6 +4,7 @@ use super::emergency::{Emergency, Scanner};
 use super::framing::Frame;
 use super::numbering::{Numbering, ResendReason, Verdict};
 use super::ring::Ring;
+use super::silence::Silence;
 use crate::port::Received;
 use crate::units::Instant;
 
@@ -26,10 +27,17 @@ pub enum Incoming<'a> {
     },
     /// The line was in order, but is too long to be carried out.
     TooLong,
+    /// Not to be carried out: it came right behind a damaged line of a stream, and nothing vouches for it.
+    Untrusted,
     /// The host must send again from the line after `last`.
     Resend {
         /// What was wrong.
         reason: ResendReason,
+        /// The last line that was in order.
+        last: i32,
+    },
+    /// Nothing arrived at all. If the host waits for an answer, it must go on with the line after `last`.
+    Silence {
         /// The last line that was in order.
         last: i32,
     },
@@ -44,8 +52,7 @@ pub struct Receiver {
     /// Whether `frame` holds a line that was handed out.
     is_frame_done: bool,
     numbering: Numbering,
-    /// Since when a damaged line has been waiting for its end.
-    quiet_since: Option<Instant>,
+    silence: Silence,
 }
 
 impl Default for Receiver {
@@ -64,7 +71,7 @@ impl Receiver {
             frame: Frame::new(),
             is_frame_done: false,
             numbering: Numbering::new(),
-            quiet_since: None,
+            silence: Silence::new(),
         }
     }
 
@@ -73,6 +80,12 @@ impl Receiver {
     #[must_use]
     pub const fn has_room(&self) -> bool {
         self.ring.has_room()
+    }
+
+    /// Bytes that can be fed without loss.
+    #[must_use]
+    pub const fn room(&self) -> usize {
+        self.ring.room()
     }
 
     /// Takes what arrived; an emergency command is returned at the end of its line. That line will
@@ -115,7 +128,42 @@ impl Receiver {
     /// far. Call it also while nothing arrives, so that a damaged line without an end is noticed.
     pub fn next_line(&mut self, now: Instant) -> Option<Incoming<'_>> {
         let verdict = self.next_verdict(now)?;
-        Some(match verdict {
+        Some(self.incoming(verdict))
+    }
+
+    /// What to do about a host that has said nothing for `patience_ms` or more. Call it when there is no
+    /// [`next_line`](Self::next_line) and everything is answered.
+    pub fn break_silence(&mut self, now: Instant, patience_ms: u32) -> Option<Incoming<'_>> {
+        let is_begun = !self.is_frame_done && !self.frame.is_empty();
+        if is_begun {
+            let is_cut = self.frame.is_numbered() || self.numbering.is_stream();
+            if !is_cut || !self.silence.has_lasted(patience_ms, now) {
+                return None;
+            }
+            self.end_line();
+            let verdict = self.numbering.judge_cut(&self.frame, now);
+            return Some(self.incoming(verdict));
+        }
+        if !self.numbering.is_stream() {
+            return None;
+        }
+        let last = self.numbering.last();
+        match self.silence.asks_for(last, patience_ms, now) {
+            Some(is_time) => is_time.then_some(Incoming::Silence { last }),
+            None => {
+                self.numbering.end_stream();
+                None
+            }
+        }
+    }
+
+    /// Has the silence begin now, because the host has been hearing answers until now.
+    pub const fn hold_silence(&mut self) {
+        self.silence.end();
+    }
+
+    fn incoming(&self, verdict: Verdict) -> Incoming<'_> {
+        match verdict {
             Verdict::Command { end, length } => {
                 let command = self.frame.text().get(end.saturating_sub(length)..end);
                 Incoming::Command(command.unwrap_or_default())
@@ -123,8 +171,9 @@ impl Receiver {
             Verdict::Acknowledge => Incoming::Acknowledge,
             Verdict::LineNumber { report } => Incoming::LineNumber { report },
             Verdict::TooLong => Incoming::TooLong,
+            Verdict::Untrusted => Incoming::Untrusted,
             Verdict::Resend { reason, last } => Incoming::Resend { reason, last },
-        })
+        }
     }
 
     fn next_verdict(&mut self, now: Instant) -> Option<Verdict> {
@@ -132,7 +181,7 @@ impl Receiver {
             if core::mem::replace(&mut self.is_frame_done, false) {
                 self.frame.clear();
             }
-            self.quiet_since = None;
+            self.silence.end();
             match received {
                 Received::Byte(b'\n' | b'\r') => {
                     self.is_frame_done = true;
@@ -150,17 +199,18 @@ impl Receiver {
     /// Asks for a damaged line again that never ends. The host would wait for an answer for ever
     /// (printcore) or for half a minute (OctoPrint).
     fn give_up_damaged(&mut self, now: Instant) -> Option<Verdict> {
-        if self.is_frame_done || !self.frame.is_damaged() {
+        if self.is_frame_done || !self.frame.is_damaged() || !self.silence.has_lasted(QUIET_MS, now) {
             return None;
         }
-        let since = *self.quiet_since.get_or_insert(now);
-        if now < since.after_ms(QUIET_MS) {
-            return None;
-        }
-        self.quiet_since = None;
+        self.end_line();
+        Some(self.numbering.damaged(now))
+    }
+
+    /// Treats the line as if its end had come.
+    const fn end_line(&mut self) {
+        self.silence.end();
         self.is_frame_done = true;
         self.scanner = Scanner::new();
-        Some(self.numbering.damaged(now))
     }
 }
 

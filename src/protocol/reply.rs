@@ -21,6 +21,9 @@ const CAPACITY: usize = 2048;
 /// Characters of an unknown command that are echoed.
 const ECHOED: usize = 60;
 
+/// Bytes of a line, where room is told in lines: Marlin's MAX_CMD_SIZE, which hosts know.
+const LINE: usize = 96;
+
 /// The lines do not fit now; nothing was written. Try again when some have been sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -89,6 +92,19 @@ impl Replies {
         self.line(format_args!("ok"))
     }
 
+    /// `ok` with the number of the line, if it had one, the moves that still fit and the bytes. Marlin's form
+    /// (queue.cpp, ADVANCED_OK), which hosts that fill a window read.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn advanced_ok(&mut self, line: Option<i32>, moves: usize, bytes: usize) -> Result<(), NoRoom> {
+        let lines = bytes / LINE;
+        match line {
+            Some(line) => self.line(format_args!("ok N{line} P{moves} B{lines}")),
+            None => self.line(format_args!("ok P{moves} B{lines}")),
+        }
+    }
+
     /// Asks for the line after `last` in three lines, the third of which is the refused line's `ok`.
     ///
     /// # Errors
@@ -103,6 +119,29 @@ impl Replies {
         self.whole(|replies| {
             replies.append(format_args!("Error:{what}, Last Line: {last}"))?;
             replies.append(format_args!("Resend: {}", i64::from(last) + 1))?;
+            replies.append(format_args!("ok"))
+        })
+    }
+
+    /// Asks for the line after `last` as if it had been refused, but without an error: none is known of. The `ok` is
+    /// that of the line that was lost, or was itself lost on its way.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn probe(&mut self, last: i32) -> Result<(), NoRoom> {
+        self.whole(|replies| {
+            replies.append(format_args!("Resend: {}", i64::from(last) + 1))?;
+            replies.append(format_args!("ok"))
+        })
+    }
+
+    /// Answers a line that is not trusted, `ok` included.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn untrusted(&mut self) -> Result<(), NoRoom> {
+        self.whole(|replies| {
+            replies.append(format_args!("echo:Ignored behind a damaged line"))?;
             replies.append(format_args!("ok"))
         })
     }
@@ -340,6 +379,8 @@ mod tests {
             reply(|r| r.resend(ResendReason::NoChecksum, 1)),
             reply(|r| r.line_number(Some(5))),
             reply(Replies::too_long),
+            reply(Replies::untrusted),
+            reply(|r| r.probe(1)),
             reply(|r| r.unknown(b"G29")),
             reply(Replies::busy),
             reply(Replies::killed),

@@ -36,6 +36,11 @@ impl Ring {
         self.length < CAPACITY - 1
     }
 
+    /// Bytes that can be taken without loss.
+    pub(super) const fn room(&self) -> usize {
+        CAPACITY - 1 - self.length
+    }
+
     /// Whether nothing is held.
     pub(super) const fn is_empty(&self) -> bool {
         self.length == 0
