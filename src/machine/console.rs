@@ -191,7 +191,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                     self.answer(|r| r.line_number(report)).await?;
                 }
                 Asked::TooLong => self.answer(Replies::too_long).await?,
-                Asked::Untrusted => self.answer(Replies::untrusted).await?,
                 Asked::Probe(last) => self.answer(|r| r.probe(last)).await?,
                 Asked::Resend(reason, last) => self.answer(|r| r.resend(reason, last)).await?,
             }

@@ -52,8 +52,6 @@ pub(super) enum Asked {
     LineNumber(Option<i32>),
     /// Too much.
     TooLong,
-    /// More than it can be trusted with.
-    Untrusted,
     /// To be asked for again.
     Resend(ResendReason, i32),
     /// Nothing; it may be waiting for an answer to something that was lost.
@@ -117,7 +115,6 @@ impl<S: Serial> Host<S> {
             Incoming::Acknowledge => Asked::Nothing,
             Incoming::LineNumber { report } => Asked::LineNumber(report),
             Incoming::TooLong => Asked::TooLong,
-            Incoming::Untrusted => Asked::Untrusted,
             Incoming::Resend { reason, last } => Asked::Resend(reason, last),
             Incoming::Silence { last } => Asked::Probe(last),
         };

@@ -5,7 +5,7 @@
 //! with a checksum is a numbered line that lost its head, and is asked for again; a numbered line with
 //! nothing in it is acknowledged.
 //!
-//! And three that no peer has: a repetition of the last line is acknowledged, because a request for the next
+//! And three that no peer has: a repetition of a line that came just now is acknowledged, because a request for the next
 //! one would have the host send that twice too, and so on to the end of the print; what comes without a number
 //! right behind damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
 //! M110 before it.
@@ -15,7 +15,7 @@ use super::request::Request;
 use super::words::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
 use crate::units::Instant;
 
-/// Numbered lines in a row, since M110, that make a stream.
+/// Numbered lines in a row that make a stream; M110 with a number and a checksum of its own opens one at once.
 const STREAM: u8 = 2;
 
 /// Why a line is asked for again; [`Replies::resend`](super::Replies::resend) has the words.
@@ -29,6 +29,9 @@ pub enum ResendReason {
     /// It is numbered but has no checksum.
     NoChecksum,
 }
+
+/// Lines that are known again: more than a host has under way that sends its next line twice.
+const KNOWN: usize = 8;
 
 /// What to make of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -49,8 +52,6 @@ pub(super) enum Verdict {
     },
     /// The line is in order, but too long to be kept.
     TooLong,
-    /// No number and no checksum vouch for the line, and it came right behind a damaged one.
-    Untrusted,
     /// The line after `last` must be sent again.
     Resend {
         /// What was wrong.
@@ -63,10 +64,13 @@ pub(super) enum Verdict {
 /// The line numbers of a connection.
 pub(super) struct Numbering {
     last: i32,
-    /// The checksum of line `last`, if that was a line and not M110.
-    sum: Option<u8>,
-    /// Numbered lines since M110, as far as they matter.
+    /// The checksums of the last lines, by their numbers, and how many of them there are since M110.
+    sums: [u8; KNOWN],
+    known: u8,
+    /// Numbered lines in a row, as far as they matter.
     taken: u8,
+    /// The last thing in order that told a line number had a checksum: the host vouches for its lines.
+    is_vouched: bool,
     /// No line number has been heard of since the connection was made.
     is_fresh: bool,
     request: Option<Request>,
@@ -75,7 +79,7 @@ pub(super) struct Numbering {
 impl Numbering {
     /// As after a reset: line 1 comes next.
     pub(super) const fn new() -> Self {
-        Self { last: 0, sum: None, taken: 0, is_fresh: true, request: None }
+        Self { last: 0, sums: [0; KNOWN], known: 0, taken: 0, is_vouched: false, is_fresh: true, request: None }
     }
 
     /// The last line that was in order.
@@ -91,6 +95,7 @@ impl Numbering {
     /// The stream is over, or pauses.
     pub(super) const fn end_stream(&mut self) {
         self.taken = 0;
+        self.is_vouched = false;
     }
 
     /// Judges a complete line; `None` if there is nothing in it that asks for an answer.
@@ -135,7 +140,10 @@ impl Numbering {
             (Checksum::Missing, _) => return self.ask(ResendReason::NoChecksum, number, now),
             (Checksum::Bad, _) => return self.ask(ResendReason::ChecksumMismatch, number, now),
             (Checksum::Good(_), Some(new_number)) => {
+                // Behind a stream it is printcore's last word, otherwise its first.
+                let taken = if self.is_stream() { 0 } else { STREAM };
                 self.count_from(new_number);
+                (self.is_vouched, self.taken) = (true, taken);
                 return Verdict::LineNumber { report: None };
             }
             (Checksum::Good(sum), None) => self.accept(number, sum),
@@ -168,10 +176,12 @@ impl Numbering {
         // A message may end in "50*2". Even if it did lose its head, showing it twice does no harm.
         let is_message = matches!(code, Some((117 | 118, _)));
         let is_verified = matches!(frame.checksum(), Checksum::Good(_));
+        let is_urgent = matches!(code, Some((108 | 112 | 410, _)));
+        // The pieces of one line are asked for once, and an `ok` too many would stay with its host for good.
+        if !is_verified && (is_headless || !is_urgent) && self.is_doubtful(now) {
+            return None;
+        }
         Some(match code {
-            // Acted as they arrived, whatever stood before them.
-            Some((108 | 112 | 410, _)) if !is_headless => Verdict::Command { end: text.len(), length: text.len() },
-            _ if !is_headless && self.is_doubtful(now) => Verdict::Untrusted,
             Some((110, words)) if !is_headless || is_verified => match find_line_number(words) {
                 Some(number) => {
                     self.count_from(number);
@@ -180,6 +190,7 @@ impl Numbering {
                 None => Verdict::LineNumber { report: Some(self.last) },
             },
             _ if is_headless && !is_message => self.damaged(now),
+            _ if self.is_vouched && is_piece(text) => self.damaged(now),
             _ if frame.is_too_long() => Verdict::TooLong,
             _ => Verdict::Command { end: text.len(), length: text.len() },
         })
@@ -187,27 +198,38 @@ impl Numbering {
 
     /// Whether something without a number is likelier to be a piece of the damaged line before it than a command.
     fn is_doubtful(&self, now: Instant) -> bool {
-        self.taken > 0 && self.request.is_some_and(|request| request.is_recent(now))
+        self.is_stream() && self.request.is_some_and(|request| request.is_recent(now))
     }
 
     /// Takes line `number`.
-    const fn accept(&mut self, number: i32, sum: u8) {
+    fn accept(&mut self, number: i32, sum: u8) {
         let taken = if self.taken < STREAM { self.taken + 1 } else { STREAM };
-        *self = Self { last: number, sum: Some(sum), taken, is_fresh: false, request: None };
+        if let Some(place) = self.sums.get_mut(number as usize % KNOWN) {
+            *place = sum;
+        }
+        let known = if self.known < KNOWN as u8 { self.known + 1 } else { self.known };
+        *self = Self { last: number, sums: self.sums, known, taken, is_vouched: true, is_fresh: false, request: None };
     }
 
     /// Counts on from `number`, as M110 wants it.
     const fn count_from(&mut self, number: i32) {
-        *self = Self { last: number, sum: None, taken: 0, is_fresh: false, request: None };
+        *self = Self { last: number, is_fresh: false, ..Self::new() };
     }
 
     /// Answers a line whose turn it is not.
     fn refuse_number(&mut self, number: i32, frame: &Frame, now: Instant) -> Verdict {
-        let is_repetition = number == self.last && self.sum.is_some_and(|sum| frame.checksum() == Checksum::Good(sum));
-        if is_repetition || self.request.as_mut().is_some_and(|request| request.passes_over(number, now)) {
+        if self.is_repetition(number, frame.checksum())
+            || self.request.as_mut().is_some_and(|request| request.passes_over(number, now))
+        {
             return Verdict::Acknowledge;
         }
         self.ask(ResendReason::LineNumber, number, now)
+    }
+
+    /// Whether it is one of the last lines once more.
+    fn is_repetition(&self, number: i32, checksum: Checksum) -> bool {
+        let is_known = (0..i64::from(self.known)).contains(&(i64::from(self.last) - i64::from(number)));
+        is_known && self.sums.get(number as usize % KNOWN).is_some_and(|sum| checksum == Checksum::Good(*sum))
     }
 
     /// Asks for the next line; `refused` is the number of the line that came instead.
@@ -215,6 +237,11 @@ impl Numbering {
         self.request = Some(Request::new(refused, now));
         Verdict::Resend { reason, last: self.last }
     }
+}
+
+/// Whether a line that has no number begins as one that had, or with rubbish: no command does.
+const fn is_piece(text: &[u8]) -> bool {
+    matches!(text, [b'N' | b'n' | b'0'..=b'9' | b'-' | b'+' | ..b' ' | 127.., ..])
 }
 
 #[cfg(test)]
@@ -325,13 +352,17 @@ mod tests {
     }
 
     #[test]
-    fn a_repetition_of_the_last_line_is_acknowledged() {
-        let mut story = Story::at(4);
-        assert_eq!(story.line(5, 0), OK);
-        assert_eq!(story.line(5, 0), OK);
+    fn a_repetition_of_one_of_the_last_lines_is_acknowledged() {
+        let mut story = Story::at(-5);
+        for number in -4..=5 {
+            assert_eq!(story.line(number, 0), OK);
+        }
+        for number in -2..=5 {
+            assert_eq!(story.line(number, 2000), OK);
+        }
         // Another line of that number is another matter, and so is an older one.
-        assert_eq!(story.raw("N5 G1*58", 0), Some(resend(ResendReason::LineNumber, 5)));
-        assert_eq!(story.line(4, 2000), resend(ResendReason::LineNumber, 5));
+        assert_eq!(story.raw("N5 G1*58", 2000), Some(resend(ResendReason::LineNumber, 5)));
+        assert_eq!(story.line(-3, 4000), resend(ResendReason::LineNumber, 5));
         assert_eq!(story.0.last(), 5);
     }
 
@@ -341,7 +372,7 @@ mod tests {
         assert_eq!(story.raw("N-1 M110 N-1*1", 0), Some(resend(ResendReason::ChecksumMismatch, 0)));
         assert_eq!(story.line(0, 0), OK);
         assert_eq!((story.line(1, 0), story.0.last()), (OK, 1));
-        assert_eq!(story.line(0, 0), resend(ResendReason::LineNumber, 1));
+        assert_eq!((story.line(0, 0), story.0.last()), (OK, 1));
         assert_eq!(Story(Numbering::new()).line(2, 0), resend(ResendReason::LineNumber, 0));
     }
 }

@@ -27,8 +27,6 @@ pub enum Incoming<'a> {
     },
     /// The line was in order, but is too long to be carried out.
     TooLong,
-    /// Not to be carried out: it came right behind a damaged line of a stream, and nothing vouches for it.
-    Untrusted,
     /// The host must send again from the line after `last`.
     Resend {
         /// What was wrong.
@@ -171,7 +169,6 @@ impl Receiver {
             Verdict::Acknowledge => Incoming::Acknowledge,
             Verdict::LineNumber { report } => Incoming::LineNumber { report },
             Verdict::TooLong => Incoming::TooLong,
-            Verdict::Untrusted => Incoming::Untrusted,
             Verdict::Resend { reason, last } => Incoming::Resend { reason, last },
         }
     }

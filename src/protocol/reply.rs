@@ -135,17 +135,6 @@ impl Replies {
         })
     }
 
-    /// Answers a line that is not trusted, `ok` included.
-    ///
-    /// # Errors
-    /// [`NoRoom`]
-    pub fn untrusted(&mut self) -> Result<(), NoRoom> {
-        self.whole(|replies| {
-            replies.append(format_args!("echo:Ignored behind a damaged line"))?;
-            replies.append(format_args!("ok"))
-        })
-    }
-
     /// Answers M110, with the line number if it asked for it.
     ///
     /// # Errors
@@ -379,7 +368,6 @@ mod tests {
             reply(|r| r.resend(ResendReason::NoChecksum, 1)),
             reply(|r| r.line_number(Some(5))),
             reply(Replies::too_long),
-            reply(Replies::untrusted),
             reply(|r| r.probe(1)),
             reply(|r| r.unknown(b"G29")),
             reply(Replies::busy),

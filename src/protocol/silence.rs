@@ -8,8 +8,8 @@
 use crate::units::Instant;
 
 /// Requests in one silence. OctoPrint gives up at the eleventh for the same line (comm.py,
-/// maxConsecutiveResends), and these four come in 15 times the patience.
-const PROBES: u8 = 4;
+/// maxConsecutiveResends), and other requests for it count as well.
+const PROBES: u8 = 5;
 
 /// The silence of a host.
 pub(super) struct Silence {
@@ -63,10 +63,10 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn it_is_asked_four_times_at_growing_distance() {
+    fn it_is_asked_five_times_at_growing_distance() {
         let mut silence = Silence::new();
         let asks = |ms: &u32| silence.asks_for(7, 500, Instant(0).after_ms(*ms)) == Some(true);
-        assert_eq!((0..60_000).filter(asks).collect::<Vec<_>>(), [500, 1501, 3502, 7503]);
+        assert_eq!((0..60_000).filter(asks).collect::<Vec<_>>(), [500, 1501, 3502, 7503, 15_504]);
         assert_eq!(silence.asks_for(7, 500, Instant(0)), None);
         assert_eq!(silence.asks_for(8, 500, Instant(0)), Some(false), "another line is another silence");
     }

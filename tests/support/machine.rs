@@ -49,7 +49,6 @@ impl Machine {
             Some(Incoming::Acknowledge) => self.replies.ok(),
             Some(Incoming::LineNumber { report }) => self.replies.line_number(report),
             Some(Incoming::TooLong) => self.replies.too_long(),
-            Some(Incoming::Untrusted) => self.replies.untrusted(),
             Some(Incoming::Resend { reason, last }) => self.replies.resend(reason, last),
             Some(Incoming::Silence { last }) => self.replies.probe(last),
         }
