@@ -15,6 +15,7 @@ pub mod machine_file;
 pub mod path;
 pub mod report;
 pub mod sampler;
+pub mod script;
 pub mod series;
 pub mod summary;
 pub mod tally;
