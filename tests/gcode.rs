@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod support;
+
 use corehbot::gcode::{AxisFlags, AxisWords, Command, Number, parse};
 use proptest::prelude::*;
+use support::bodies;
 
 /// Decimal text as the nearest multiple of 2^-32, by doubling the written digits: bit after bit of the
 /// fraction falls out on the left, as in a schoolbook.
@@ -128,18 +131,6 @@ fn line() -> impl Strategy<Value = String> {
     )
 }
 
-/// Printing and reading again changes nothing; printing is final.
-fn survives_printing(line: &[u8]) {
-    let command = parse(line);
-    let printed = command.to_string();
-    let again = parse(printed.as_bytes());
-    match command {
-        // Unprintable bytes are replaced, so only the text is the same.
-        Command::Unknown(_) => assert_eq!(again, Command::Unknown(printed.as_bytes()), "{line:?}"),
-        _ => assert_eq!(again, command, "{printed}"),
-    }
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -205,17 +196,17 @@ proptest! {
 
     #[test]
     fn no_line_panics_or_changes_by_printing(line in line()) {
-        survives_printing(line.as_bytes());
+        bodies::gcode(line.as_bytes());
     }
 
     #[test]
     fn no_bytes_panic_or_change_by_printing(line in proptest::collection::vec(any::<u8>(), 0..80)) {
-        survives_printing(&line);
+        bodies::gcode(&line);
     }
 
     #[test]
     fn near_misses_do_not_panic(line in "[GMT][0-9.]{1,4}[ XYZEFSPR0-9.+*;()\"\\\\\t_-]{0,40}") {
-        survives_printing(line.as_bytes());
+        bodies::gcode(line.as_bytes());
     }
 
     #[test]

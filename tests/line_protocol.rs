@@ -7,6 +7,7 @@ mod support;
 use corehbot::port::Received;
 use corehbot::protocol::{Emergency, Replies, ResendReason};
 use proptest::prelude::*;
+use support::bodies;
 use support::machine::{Machine, numbered};
 
 fn resend(reason: &str, last: i64) -> String {
@@ -262,6 +263,17 @@ fn noise() -> impl Strategy<Value = Vec<Received>> {
     proptest::collection::vec(received, 0..20).prop_map(|pieces| pieces.concat())
 }
 
+/// What a fuzzer might think of: noise, pauses, and lines in order.
+fn fuzz_data() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        3 => (0i32..6, "(G1 X5|M105|M110 N[0-9]|M112|)").prop_map(|(number, text)| numbered(number, &text).into_bytes()),
+        2 => "[NGMX0-9*; -]{0,8}[\r\n]?".prop_map(String::into_bytes),
+        2 => proptest::sample::select(vec![vec![0xFF], vec![0xFE], vec![0xFC], vec![0xFD, 9], vec![0xFD, 99]]),
+        1 => proptest::collection::vec(any::<u8>(), 0..9),
+    ];
+    proptest::collection::vec(piece, 0..40).prop_map(|pieces| pieces.concat())
+}
+
 /// A host that numbers its lines and, as OctoPrint does, sends one for every `ok`.
 struct Host {
     program: Vec<String>,
@@ -324,10 +336,16 @@ proptest! {
             }
             // Pieces of a damaged line would follow it at once.
             machine.ms += if is_end(&received) { 1000 } else { 0 };
+            machine.receiver.hold_silence();
         }
         let mut lines: Vec<&[Received]> = noise.split(is_end).collect();
         lines.pop();
         prop_assert_eq!(answered, lines.iter().filter(|line| asks_for_an_answer(line)).count());
+    }
+
+    #[test]
+    fn any_bytes_are_answered_alike_in_any_packets(data in fuzz_data()) {
+        bodies::protocol(&data);
     }
 
     #[test]

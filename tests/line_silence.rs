@@ -160,3 +160,24 @@ fn an_emergency_is_never_doubted() {
         assert_eq!((machine.emergencies.len(), machine.commands.len()), (1, 1));
     }
 }
+
+#[test]
+fn whoever_comes_after_a_host_that_vanished_in_a_line_is_heard() {
+    let mut machine = streaming(7);
+    assert_eq!(machine.say("N8 G1 X"), "");
+    assert_eq!(wait(&mut machine, 60_000), MISMATCH.to_owned() + &PROBE.repeat(5));
+    assert_eq!(machine.say("N0 M110 N0*125\nN1 M115*39\n"), "ok\nok\n");
+    assert_eq!(machine.commands, ["M115"]);
+}
+
+#[test]
+fn at_the_end_of_the_numbers_only_m110_helps() {
+    let mut machine = Machine::new();
+    machine.say(format!("M110 N{}\n", i32::MAX - 2));
+    machine.say(numbered(i32::MAX - 1, "G1 X1") + &numbered(i32::MAX, "G1 X2"));
+    let asked = "Resend: 2147483648\nok\n";
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), asked);
+    assert!(machine.say("N2147483648 G1 X3*1\n").ends_with(asked));
+    assert_eq!(machine.say(numbered(0, "M110 N0") + &numbered(1, "G1 X3")), "ok\nok\n");
+    assert_eq!(machine.commands, ["G1 X1", "G1 X2", "G1 X3"]);
+}
