@@ -174,11 +174,16 @@ impl Receiver {
     }
 
     fn next_verdict(&mut self, now: Instant) -> Option<Verdict> {
-        while let Some(received) = self.ring.pop() {
+        while !self.ring.is_empty() {
+            self.silence.end();
             if core::mem::replace(&mut self.is_frame_done, false) {
                 self.frame.clear();
             }
-            self.silence.end();
+            let plain = self.frame.push_plain(self.ring.together());
+            self.ring.skip(plain);
+            let Some(received) = self.ring.pop() else {
+                break;
+            };
             match received {
                 Received::Byte(b'\n' | b'\r') => {
                     self.is_frame_done = true;

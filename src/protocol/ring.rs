@@ -60,6 +60,18 @@ impl Ring {
         }
     }
 
+    /// The oldest bytes, as many as lie together; damage among them is a NUL.
+    pub(super) fn together(&self) -> &[u8] {
+        let end = (self.first + self.length).min(CAPACITY);
+        self.bytes.get(self.first..end).unwrap_or_default()
+    }
+
+    /// Forgets the oldest bytes, no more than lie [`together`](Self::together).
+    pub(super) fn skip(&mut self, count: usize) {
+        self.first = (self.first + count) % CAPACITY;
+        self.length = self.length.saturating_sub(count);
+    }
+
     /// The oldest thing that arrived.
     pub(super) fn pop(&mut self) -> Option<Received> {
         self.length = self.length.checked_sub(1)?;
