@@ -5,21 +5,11 @@
 //! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that is told
 //! `checksum mismatch` would send it again for ever.
 
+use super::star::{Checksum, Star};
 use super::words::{is_blank, line_number};
 
 /// Bytes of a line that are kept: 256 of payload and room for the line number.
 pub(super) const CAPACITY: usize = 288;
-
-/// What the checksum of a line says.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Checksum {
-    /// There is no `*`.
-    Missing,
-    /// It is right, and this.
-    Good(u8),
-    /// It is wrong, or no number at all.
-    Bad,
-}
 
 /// Where in the text of a line the next byte stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -27,33 +17,6 @@ enum Context {
     Plain,
     Quoted,
     Comment,
-}
-
-/// What has been read behind a `*`.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Tail {
-    /// Blanks at most.
-    Nothing,
-    /// Digits.
-    Digits,
-    /// Digits, then blanks.
-    Blanks,
-    /// Digits, then a comment.
-    Comment,
-    /// Something that does not belong behind a checksum.
-    Rubbish,
-}
-
-/// A `*`, until another one follows.
-#[derive(Clone, Copy)]
-struct Star {
-    /// Length of the line before it.
-    length: usize,
-    /// XOR of the bytes before it.
-    sum: u8,
-    /// The number behind it.
-    claim: u16,
-    tail: Tail,
 }
 
 /// A line in the making.
@@ -134,7 +97,7 @@ impl Frame {
             return;
         }
         if byte == b'*' {
-            self.star = Some(Star { length: self.length, sum: self.sum, claim: 0, tail: Tail::Nothing });
+            self.star = Some(Star::new(self.length, self.sum));
         } else if let Some(star) = &mut self.star {
             star.read(byte);
         }
@@ -203,38 +166,12 @@ impl Frame {
 
     /// What the checksum says.
     pub(super) fn checksum(&self) -> Checksum {
-        match self.star {
-            None => Checksum::Missing,
-            Some(star) if star.is_number() && star.claim == u16::from(star.sum) => Checksum::Good(star.sum),
-            Some(_) => Checksum::Bad,
-        }
+        self.star.map_or(Checksum::Missing, Star::checksum)
     }
 
     /// Whether the line ends in something like a checksum, right or wrong, perhaps inside a comment.
     pub(super) fn ends_in_number(&self) -> bool {
         self.star.is_some_and(Star::is_number)
-    }
-}
-
-impl Star {
-    /// Reads on behind the `*`.
-    fn read(&mut self, byte: u8) {
-        self.tail = match (self.tail, byte) {
-            (Tail::Nothing | Tail::Digits, b'0'..=b'9') => {
-                self.claim = self.claim.saturating_mul(10).saturating_add(u16::from(byte - b'0'));
-                Tail::Digits
-            }
-            (Tail::Digits | Tail::Blanks, b';') => Tail::Comment,
-            (Tail::Digits | Tail::Blanks, _) if is_blank(byte) => Tail::Blanks,
-            (Tail::Nothing, _) if is_blank(byte) => Tail::Nothing,
-            (Tail::Comment, _) => Tail::Comment,
-            _ => Tail::Rubbish,
-        };
-    }
-
-    /// Whether a number and nothing else stands behind the `*`.
-    fn is_number(self) -> bool {
-        matches!(self.tail, Tail::Digits | Tail::Blanks | Tail::Comment)
     }
 }
 

@@ -16,6 +16,7 @@ mod reply;
 mod request;
 mod ring;
 mod silence;
+mod star;
 mod words;
 
 pub use emergency::Emergency;

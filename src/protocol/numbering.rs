@@ -10,8 +10,9 @@
 //! right behind damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
 //! M110 before it.
 
-use super::framing::{Checksum, Frame};
+use super::framing::Frame;
 use super::request::Request;
+use super::star::Checksum;
 use super::words::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
 use crate::units::Instant;
 
