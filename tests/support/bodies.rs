@@ -53,8 +53,10 @@ pub fn protocol(data: &[u8]) {
     assert_eq!(prompt.receiver.last_line(), lazy.receiver.last_line());
 }
 
-/// Any bytes are some command, whose printed form is that command, and final.
-pub fn gcode(line: &[u8]) {
+/// Any line is some command, whose printed form is that command, and final.
+pub fn gcode(data: &[u8]) {
+    // What the protocol hands on has no line ends.
+    let line = data.split(|byte| matches!(byte, b'\n' | b'\r' | 0)).next().unwrap_or_default();
     let command = parse(line);
     let printed = command.to_string();
     let again = parse(printed.as_bytes());
