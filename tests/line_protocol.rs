@@ -2,86 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod support;
+
 use corehbot::port::Received;
-use corehbot::protocol::{Emergency, Incoming, Receiver, Replies, ResendReason};
-use corehbot::units::Instant;
+use corehbot::protocol::{Emergency, Replies, ResendReason};
 use proptest::prelude::*;
-
-/// A machine that takes every command and answers as the protocol wants it.
-struct Machine {
-    receiver: Receiver,
-    replies: Replies,
-    commands: Vec<String>,
-    emergencies: Vec<Emergency>,
-    ms: u32,
-}
-
-impl Machine {
-    fn new() -> Self {
-        Self {
-            receiver: Receiver::new(),
-            replies: Replies::new(),
-            commands: Vec::new(),
-            emergencies: Vec::new(),
-            ms: 0,
-        }
-    }
-
-    fn feed(&mut self, received: Received) {
-        self.emergencies.extend(self.receiver.feed(received));
-    }
-
-    /// Takes one line and answers it; false if there is none.
-    fn answer_one(&mut self) -> bool {
-        let Some(incoming) = self.receiver.next_line(Instant(0).after_ms(self.ms)) else {
-            return false;
-        };
-        match incoming {
-            Incoming::Command(text) => {
-                assert!(!text.is_empty());
-                assert!(![text.first(), text.last()].iter().any(|end| matches!(end, Some(b' ' | b'\t'))));
-                self.commands.push(String::from_utf8_lossy(text).into_owned());
-                self.replies.ok()
-            }
-            Incoming::Acknowledge => self.replies.ok(),
-            Incoming::LineNumber { report } => self.replies.line_number(report),
-            Incoming::TooLong => self.replies.too_long(),
-            Incoming::Resend { reason, last } => self.replies.resend(reason, last),
-        }
-        .unwrap();
-        true
-    }
-
-    fn take_replies(&mut self) -> String {
-        let mut text = String::new();
-        while !self.replies.pending().is_empty() {
-            let pending = self.replies.pending();
-            text += std::str::from_utf8(pending).unwrap();
-            let length = pending.len();
-            self.replies.sent(length);
-        }
-        text
-    }
-
-    /// Sends text and returns the answers.
-    fn say(&mut self, text: impl AsRef<[u8]>) -> String {
-        let mut answers = String::new();
-        for &byte in text.as_ref() {
-            self.feed(Received::Byte(byte));
-            while self.answer_one() {
-                answers += &self.take_replies();
-            }
-        }
-        answers
-    }
-}
-
-/// A numbered line with its checksum, as hosts write it.
-fn numbered(number: i32, text: &str) -> String {
-    let body = format!("N{number} {text}");
-    let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-    format!("{body}*{sum}\n")
-}
+use support::bodies;
+use support::machine::{Machine, numbered};
 
 fn resend(reason: &str, last: i64) -> String {
     format!("Error:{reason}, Last Line: {last}\nResend: {}\nok\n", last + 1)
@@ -146,6 +73,7 @@ fn m110_is_a_command_and_not_a_piece_of_text() {
     assert_eq!(machine.say(numbered(1, "M117 M110 N99")), "ok\n");
     assert_eq!(machine.receiver.last_line(), 1);
     assert_eq!(machine.say(numbered(5, "M117 M110 N99")), resend(NUMBER, 1));
+    machine.ms += 1000;
     assert_eq!(machine.say("M1100 N9\n"), "ok\n");
     assert_eq!(machine.receiver.last_line(), 1);
 }
@@ -171,7 +99,8 @@ fn the_resend_dialogue_repairs_a_line() {
     assert_eq!(machine.say("N13 G1 X1\n"), resend("No Checksum with line number", 12));
     assert_eq!(machine.say(numbered(14, "G1 X2")), "ok\n", "stale behind a refused line");
     assert_eq!(machine.say(numbered(13, "G1 X1")), "ok\n");
-    assert_eq!(machine.say(numbered(13, "G1 X1")), resend(NUMBER, 13));
+    assert_eq!(machine.say(numbered(13, "G1 X1")), "ok\n", "a repetition");
+    assert_eq!(machine.say(numbered(13, "G1 X7")), resend(NUMBER, 13));
     assert_eq!(machine.say(numbered(14, "G1 X2")), "ok\n");
     assert_eq!(machine.commands, ["G1 X1", "G1 X2"]);
 }
@@ -334,6 +263,17 @@ fn noise() -> impl Strategy<Value = Vec<Received>> {
     proptest::collection::vec(received, 0..20).prop_map(|pieces| pieces.concat())
 }
 
+/// What a fuzzer might think of: noise, pauses, and lines in order.
+fn fuzz_data() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        3 => (0i32..6, "(G1 X5|M105|M110 N[0-9]|M112|)").prop_map(|(number, text)| numbered(number, &text).into_bytes()),
+        2 => "[NGMX0-9*; -]{0,8}[\r\n]?".prop_map(String::into_bytes),
+        2 => proptest::sample::select(vec![vec![0xFF], vec![0xFE], vec![0xFC], vec![0xFD, 9], vec![0xFD, 99]]),
+        1 => proptest::collection::vec(any::<u8>(), 0..9),
+    ];
+    proptest::collection::vec(piece, 0..40).prop_map(|pieces| pieces.concat())
+}
+
 /// A host that numbers its lines and, as OctoPrint does, sends one for every `ok`.
 struct Host {
     program: Vec<String>,
@@ -387,17 +327,25 @@ proptest! {
     fn every_line_that_asks_for_an_answer_gets_one(noise in noise()) {
         let mut machine = Machine::new();
         let mut answered = 0;
+        let is_end = |received: &Received| matches!(received, Received::Byte(b'\n' | b'\r'));
         for &received in &noise {
             machine.feed(received);
             while machine.answer_one() {
                 answered += 1;
                 machine.take_replies();
             }
+            // Pieces of a damaged line would follow it at once.
+            machine.ms += if is_end(&received) { 1000 } else { 0 };
+            machine.receiver.hold_silence();
         }
-        let is_end = |received: &Received| matches!(received, Received::Byte(b'\n' | b'\r'));
         let mut lines: Vec<&[Received]> = noise.split(is_end).collect();
         lines.pop();
         prop_assert_eq!(answered, lines.iter().filter(|line| asks_for_an_answer(line)).count());
+    }
+
+    #[test]
+    fn any_bytes_are_answered_alike_in_any_packets(data in fuzz_data()) {
+        bodies::protocol(&data);
     }
 
     #[test]

@@ -242,8 +242,8 @@ fn slots_take_turns_and_unchanged_settings_cost_nothing() {
 #[test]
 fn a_record_of_another_format_is_left_until_its_turn() {
     let mut eeprom = Eeprom::with(&[variant(0)]);
-    // Format 1 instead of 2, at first without and then with the right checksum.
-    eeprom.cells[4] ^= 3;
+    // Format 1 instead of 3, at first without and then with the right checksum.
+    eeprom.cells[4] ^= 2;
     assert_eq!(now(storage::survey(&mut eeprom)).unwrap().rejected[0], (Slot::A, Some(Rejected::Damaged)));
     let used = 16 + usize::from(u16::from_le_bytes([eeprom.cells[6], eeprom.cells[7]]));
     let mut crc = !0u32;

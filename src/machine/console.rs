@@ -134,7 +134,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         // A command that an emergency ended is answered all the same.
         if self.hosts.owes_ok() {
-            self.answer(Replies::ok).await?;
+            self.acknowledge().await?;
             self.hosts.settle();
             self.wait = Wait::new();
         }
@@ -145,7 +145,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let mut text = Text::new();
         loop {
             let now = self.ports.clock.now();
-            let Some(asked) = self.hosts.next_line(now, &mut text) else {
+            let Some(asked) = self.hosts.next_line(now, u32::from(self.settings.patience_ms), &mut text) else {
                 self.link.status().set_awaiting_input(true);
                 self.turn().await?;
                 continue;
@@ -153,12 +153,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.link.status().set_awaiting_input(false);
             match asked {
                 Asked::Command => self.carry_out(&text).await?,
-                Asked::Nothing => self.answer(Replies::ok).await?,
+                Asked::Nothing => self.acknowledge().await?,
                 Asked::LineNumber(report) => {
                     self.told_of_edge = false;
                     self.answer(|r| r.line_number(report)).await?;
                 }
                 Asked::TooLong => self.answer(Replies::too_long).await?,
+                Asked::Probe(last) => self.answer(|r| r.probe(last)).await?,
                 Asked::Resend(reason, last) => self.answer(|r| r.resend(reason, last)).await?,
             }
             self.hosts.settle();
@@ -172,7 +173,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             // The temperatures stand in the line of the ok itself.
             gcode::Command::ReportTemperatures => self.report_temperatures().await,
             command => match self.execute(&command).await {
-                Ok(()) | Err(Interrupt::NoPower) => self.answer(Replies::ok).await,
+                Ok(()) | Err(Interrupt::NoPower) => self.acknowledge().await,
                 Err(interrupt) => Err(interrupt),
             },
         }
@@ -185,6 +186,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         self.hosts.send();
         Ok(())
+    }
+
+    /// Answers a line that needs no other answer.
+    async fn acknowledge(&mut self) -> Result<(), Interrupt> {
+        if !self.settings.advanced_ok {
+            return self.answer(Replies::ok).await;
+        }
+        let (line, bytes) = self.hosts.progress();
+        let moves = self.planner.room();
+        self.answer(|replies| replies.advanced_ok(line, moves, bytes)).await
     }
 
     /// Writes one line as soon as there is room for it.
@@ -260,7 +271,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             yield_once().await;
             self.hosts.receive();
             let now = self.ports.clock.now();
-            while self.hosts.next_line(now, &mut text).is_some() {
+            while self.hosts.next_line(now, 0, &mut text).is_some() {
                 let _ = self.hosts.replies().map(|replies| say_killed(replies, fault));
             }
         }

@@ -29,6 +29,8 @@ pub(super) struct Host<S> {
     has_opened: bool,
     /// It is to be greeted.
     is_new: bool,
+    /// The number of the line that it was last served, if that had one.
+    number: Option<i32>,
     /// Lines up to this place of the receiver came before a quick stop, which forgets them.
     forgotten: Option<u32>,
 }
@@ -56,6 +58,8 @@ pub(super) enum Asked {
     TooLong,
     /// To be asked for again.
     Resend(ResendReason, i32),
+    /// Nothing; it may be waiting for an answer to something that was lost.
+    Probe(i32),
 }
 
 /// What arrived and cannot wait.
@@ -101,8 +105,16 @@ impl<S: Serial> Host<S> {
         }
     }
 
-    fn next_line(&mut self, now: Instant, text: &mut Text) -> Option<Asked> {
-        let asked = match self.receiver.next_line(now)? {
+    fn next_line(&mut self, now: Instant, patience_ms: u32, text: &mut Text) -> Option<Asked> {
+        if !self.replies.pending().is_empty() {
+            self.receiver.hold_silence();
+        }
+        let last = self.receiver.last_line();
+        let mut incoming = self.receiver.next_line(now);
+        if incoming.is_none() && patience_ms > 0 {
+            incoming = self.receiver.break_silence(now, patience_ms);
+        }
+        let asked = match incoming? {
             Incoming::Command(line) => {
                 text.clear();
                 let _ = text.extend_from_slice(line.get(..text.capacity()).unwrap_or(line));
@@ -112,10 +124,13 @@ impl<S: Serial> Host<S> {
             Incoming::LineNumber { report } => Asked::LineNumber(report),
             Incoming::TooLong => Asked::TooLong,
             Incoming::Resend { reason, last } => Asked::Resend(reason, last),
+            Incoming::Silence { last } => Asked::Probe(last),
         };
         // Of what nothing is done with, nothing need be kept: the outline of an object, a message.
         let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);
         let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
+        let number = self.receiver.last_line();
+        self.number = (number != last).then_some(number);
         self.assured = now;
         self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
         let is_forgotten = asked == Asked::Command && self.forgotten.is_some();
@@ -148,6 +163,7 @@ impl<S: Serial> Hosts<S> {
             has_stopped: false,
             has_opened: false,
             is_new: false,
+            number: None,
             forgotten: None,
         };
         Self { hosts: lines.into_iter().map(host).collect(), serving: 0, owes_ok: false, is_gone: false }
@@ -175,10 +191,11 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// The next line of a host, beginning with the one after the host served last. A command is put into `text`.
-    pub(super) fn next_line(&mut self, now: Instant, text: &mut Text) -> Option<Asked> {
+    /// A host that has been silent for `patience_ms` in the middle of its lines is asked whether it waits; 0 is never.
+    pub(super) fn next_line(&mut self, now: Instant, patience_ms: u32, text: &mut Text) -> Option<Asked> {
         let count = self.hosts.len();
         for place in (1..=count).map(|step| (self.serving + step) % count) {
-            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, text)) else {
+            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience_ms, text)) else {
                 continue;
             };
             self.turn_to(place);
@@ -206,6 +223,11 @@ impl<S: Serial> Hosts<S> {
             return None;
         }
         self.hosts.get_mut(self.serving).map(|host| &mut host.replies)
+    }
+
+    /// The number of the line being served, if it has one, and the bytes that its host may send ahead.
+    pub(super) fn progress(&self) -> (Option<i32>, usize) {
+        self.hosts.get(self.serving).map_or((None, 0), |host| (host.number, host.receiver.room()))
     }
 
     /// Takes in what has arrived from all. Lines that a quick stop has overtaken, be it another host's, will be

@@ -6,7 +6,7 @@
 use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
-use super::window::{FORCED_BATCH, Planned, Window};
+use super::window::{FORCED_BATCH, Planned, WINDOW, Window};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
@@ -193,6 +193,12 @@ impl Planner {
     #[must_use]
     pub fn has_room(&self) -> bool {
         !self.window.is_full()
+    }
+
+    /// Moves that can be pushed.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        WINDOW - self.window.len()
     }
 
     /// Whether [`pop`](Self::pop) would give a move.

@@ -13,7 +13,10 @@ mod framing;
 mod numbering;
 mod receiver;
 mod reply;
+mod request;
 mod ring;
+mod silence;
+mod star;
 mod words;
 
 pub use emergency::Emergency;

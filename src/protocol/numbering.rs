@@ -5,19 +5,19 @@
 //! with a checksum is a numbered line that lost its head, and is asked for again; a numbered line with
 //! nothing in it is acknowledged.
 //!
-//! A host that sends several lines ahead goes on with lines that are stale once one was refused. They are
-//! acknowledged in silence, because every request makes such a host send everything again.
+//! And three that no peer has: a repetition of a line that came just now is acknowledged, because a request for the next
+//! one would have the host send that twice too, and so on to the end of the print; what comes without a number
+//! right behind damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
+//! M110 before it.
 
-use super::framing::{Checksum, Frame};
+use super::framing::Frame;
+use super::request::Request;
+use super::star::Checksum;
 use super::words::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
 use crate::units::Instant;
 
-/// A request is repeated after this time, should it have been lost itself.
-const ASK_AGAIN_MS: u32 = 1000;
-
-/// Stale lines that are passed over in silence. OctoPrint can repeat its last 50 lines only (comm.py,
-/// lastLineBufferSize), so the request must be repeated well before that.
-const STALE_LINES: u8 = 20;
+/// Numbered lines in a row that make a stream; M110 with a number and a checksum of its own opens one at once.
+const STREAM: u8 = 2;
 
 /// Why a line is asked for again; [`Replies::resend`](super::Replies::resend) has the words.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -30,6 +30,9 @@ pub enum ResendReason {
     /// It is numbered but has no checksum.
     NoChecksum,
 }
+
+/// Lines that are known again: more than a host has under way that sends its next line twice.
+const KNOWN: usize = 8;
 
 /// What to make of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -59,31 +62,41 @@ pub(super) enum Verdict {
     },
 }
 
-/// A line that was asked for and has not come yet.
-#[derive(Clone, Copy)]
-struct Request {
-    at: Instant,
-    /// The number of the line that was refused most recently. Stale lines of one burst rise.
-    refused: i32,
-    /// Lines passed over since.
-    stale: u8,
-}
-
 /// The line numbers of a connection.
 pub(super) struct Numbering {
     last: i32,
+    /// The checksums of the last lines, by their numbers, and how many of them there are since M110.
+    sums: [u8; KNOWN],
+    known: u8,
+    /// Numbered lines in a row, as far as they matter.
+    taken: u8,
+    /// The last thing in order that told a line number had a checksum: the host vouches for its lines.
+    is_vouched: bool,
+    /// No line number has been heard of since the connection was made.
+    is_fresh: bool,
     request: Option<Request>,
 }
 
 impl Numbering {
     /// As after a reset: line 1 comes next.
     pub(super) const fn new() -> Self {
-        Self { last: 0, request: None }
+        Self { last: 0, sums: [0; KNOWN], known: 0, taken: 0, is_vouched: false, is_fresh: true, request: None }
     }
 
     /// The last line that was in order.
     pub(super) const fn last(&self) -> i32 {
         self.last
+    }
+
+    /// Whether the host is in the middle of numbered lines.
+    pub(super) const fn is_stream(&self) -> bool {
+        self.taken >= STREAM
+    }
+
+    /// The stream is over, or pauses.
+    pub(super) const fn end_stream(&mut self) {
+        self.taken = 0;
+        self.is_vouched = false;
     }
 
     /// Judges a complete line; `None` if there is nothing in it that asks for an answer.
@@ -94,6 +107,17 @@ impl Numbering {
         match line_number(frame.text()) {
             Some((number, _)) => Some(self.judge_numbered(number, frame, now)),
             None => self.judge_bare(frame, now),
+        }
+    }
+
+    /// Judges a line whose end does not come. It is asked for again; only M110 is taken as it is, if it is whole,
+    /// because hosts do not repeat it.
+    pub(super) fn judge_cut(&mut self, frame: &Frame, now: Instant) -> Verdict {
+        match line_number(frame.text()) {
+            Some((number, rest)) if matches!(m_code(skip_blanks(rest)), Some((110, _))) => {
+                self.judge_numbered(number, frame, now)
+            }
+            _ => self.damaged(now),
         }
     }
 
@@ -110,23 +134,33 @@ impl Numbering {
             Some((110, words)) => Some(find_line_number(words).unwrap_or(number)),
             _ => None,
         };
-        if new_number.is_none() && Some(number) != self.last.checked_add(1) {
-            return self.refuse_number(number, now);
+        if new_number.is_none() && !self.is_next(number) {
+            return self.refuse_number(number, frame, now);
         }
-        match frame.checksum() {
-            Checksum::Missing => return self.ask(ResendReason::NoChecksum, number, now),
-            Checksum::Bad => return self.ask(ResendReason::ChecksumMismatch, number, now),
-            Checksum::Good => self.accept(new_number.unwrap_or(number)),
+        match (frame.checksum(), new_number) {
+            (Checksum::Missing, _) => return self.ask(ResendReason::NoChecksum, number, now),
+            (Checksum::Bad, _) => return self.ask(ResendReason::ChecksumMismatch, number, now),
+            (Checksum::Good(_), Some(new_number)) => {
+                // Behind a stream it is printcore's last word, otherwise its first.
+                let taken = if self.is_stream() { 0 } else { STREAM };
+                self.count_from(new_number);
+                (self.is_vouched, self.taken) = (true, taken);
+                return Verdict::LineNumber { report: None };
+            }
+            (Checksum::Good(sum), None) => self.accept(number, sum),
         }
-        if new_number.is_some() {
-            Verdict::LineNumber { report: None }
-        } else if frame.is_too_long_before_checksum() {
+        if frame.is_too_long_before_checksum() {
             Verdict::TooLong
         } else if payload.is_empty() {
             Verdict::Acknowledge
         } else {
             Verdict::Command { end: before.len(), length: payload.len() }
         }
+    }
+
+    /// Whether it is line `number`'s turn.
+    fn is_next(&self, number: i32) -> bool {
+        Some(number) == self.last.checked_add(1) || (self.is_fresh && number == 0)
     }
 
     /// A line without a number in front.
@@ -140,56 +174,82 @@ impl Numbering {
         }
         let code = m_code(text);
         let is_headless = if frame.is_too_long() { frame.ends_in_number() } else { ends_in_checksum(text) };
-        if let Some((110, words)) = code
-            && (!is_headless || frame.checksum() == Checksum::Good)
-        {
-            let number = find_line_number(words);
-            let report = if number.is_none() { Some(self.last) } else { None };
-            self.accept(number.unwrap_or(self.last));
-            return Some(Verdict::LineNumber { report });
-        }
         // A message may end in "50*2". Even if it did lose its head, showing it twice does no harm.
         let is_message = matches!(code, Some((117 | 118, _)));
-        Some(if is_headless && !is_message {
-            self.ask(ResendReason::ChecksumMismatch, self.last, now)
-        } else if frame.is_too_long() {
-            Verdict::TooLong
-        } else {
-            Verdict::Command { end: text.len(), length: text.len() }
+        let is_verified = matches!(frame.checksum(), Checksum::Good(_));
+        let is_urgent = matches!(code, Some((108 | 112 | 410, _)));
+        // The pieces of one line are asked for once, and an `ok` too many would stay with its host for good.
+        if !is_verified && (is_headless || !is_urgent) && self.is_doubtful(now) {
+            return None;
+        }
+        Some(match code {
+            Some((110, words)) if !is_headless || is_verified => match find_line_number(words) {
+                Some(number) => {
+                    self.count_from(number);
+                    Verdict::LineNumber { report: None }
+                }
+                None => Verdict::LineNumber { report: Some(self.last) },
+            },
+            _ if is_headless && !is_message => self.damaged(now),
+            _ if self.is_vouched && is_piece(text) => self.damaged(now),
+            _ if frame.is_too_long() => Verdict::TooLong,
+            _ => Verdict::Command { end: text.len(), length: text.len() },
         })
     }
 
-    /// Counts on from `number`.
-    const fn accept(&mut self, number: i32) {
-        self.last = number;
-        self.request = None;
+    /// Whether something without a number is likelier to be a piece of the damaged line before it than a command.
+    fn is_doubtful(&self, now: Instant) -> bool {
+        self.is_stream() && self.request.is_some_and(|request| request.is_recent(now))
+    }
+
+    /// Takes line `number`.
+    fn accept(&mut self, number: i32, sum: u8) {
+        let taken = if self.taken < STREAM { self.taken + 1 } else { STREAM };
+        if let Some(place) = self.sums.get_mut(number as usize % KNOWN) {
+            *place = sum;
+        }
+        let known = if self.known < KNOWN as u8 { self.known + 1 } else { self.known };
+        *self = Self { last: number, sums: self.sums, known, taken, is_vouched: true, is_fresh: false, request: None };
+    }
+
+    /// Counts on from `number`, as M110 wants it.
+    const fn count_from(&mut self, number: i32) {
+        *self = Self { last: number, is_fresh: false, ..Self::new() };
     }
 
     /// Answers a line whose turn it is not.
-    fn refuse_number(&mut self, number: i32, now: Instant) -> Verdict {
-        if let Some(request) = &mut self.request
-            && number > request.refused
-            && request.stale < STALE_LINES
-            && now < request.at.after_ms(ASK_AGAIN_MS)
+    fn refuse_number(&mut self, number: i32, frame: &Frame, now: Instant) -> Verdict {
+        if self.is_repetition(number, frame.checksum())
+            || self.request.as_mut().is_some_and(|request| request.passes_over(number, now))
         {
-            request.refused = number;
-            request.stale += 1;
             return Verdict::Acknowledge;
         }
         self.ask(ResendReason::LineNumber, number, now)
     }
 
+    /// Whether it is one of the last lines once more.
+    fn is_repetition(&self, number: i32, checksum: Checksum) -> bool {
+        let is_known = (0..i64::from(self.known)).contains(&(i64::from(self.last) - i64::from(number)));
+        is_known && self.sums.get(number as usize % KNOWN).is_some_and(|sum| checksum == Checksum::Good(*sum))
+    }
+
     /// Asks for the next line; `refused` is the number of the line that came instead.
     const fn ask(&mut self, reason: ResendReason, refused: i32, now: Instant) -> Verdict {
-        self.request = Some(Request { at: now, refused, stale: 0 });
+        self.request = Some(Request::new(refused, now));
         Verdict::Resend { reason, last: self.last }
     }
+}
+
+/// Whether a line that has no number begins as one that had, or with rubbish: no command does.
+const fn is_piece(text: &[u8]) -> bool {
+    matches!(text, [b'N' | b'n' | b'0'..=b'9' | b'-' | b'+' | ..b' ' | 127.., ..])
 }
 
 #[cfg(test)]
 mod tests {
     extern crate std;
 
+    use super::super::request::STALE_LINES;
     use super::*;
     use std::format;
 
@@ -204,7 +264,7 @@ mod tests {
 
     impl Story {
         fn at(last: i32) -> Self {
-            Self(Numbering { last, request: None })
+            Self(Numbering { last, is_fresh: false, ..Numbering::new() })
         }
 
         fn raw(&mut self, line: &str, ms: u32) -> Option<Verdict> {
@@ -290,5 +350,30 @@ mod tests {
         assert_eq!(story.line(i64::from(i32::MIN) + 1, 0), OK);
         assert_eq!(Story::at(999_999).line(1_000_000, 0), OK);
         assert_eq!(Story::at(-2).line(-1, 0), OK);
+    }
+
+    #[test]
+    fn a_repetition_of_one_of_the_last_lines_is_acknowledged() {
+        let mut story = Story::at(-5);
+        for number in -4..=5 {
+            assert_eq!(story.line(number, 0), OK);
+        }
+        for number in -2..=5 {
+            assert_eq!(story.line(number, 2000), OK);
+        }
+        // Another line of that number is another matter, and so is an older one.
+        assert_eq!(story.raw("N5 G1*58", 2000), Some(resend(ResendReason::LineNumber, 5)));
+        assert_eq!(story.line(-3, 4000), resend(ResendReason::LineNumber, 5));
+        assert_eq!(story.0.last(), 5);
+    }
+
+    #[test]
+    fn a_fresh_connection_may_begin_with_either_line() {
+        let mut story = Story(Numbering::new());
+        assert_eq!(story.raw("N-1 M110 N-1*1", 0), Some(resend(ResendReason::ChecksumMismatch, 0)));
+        assert_eq!(story.line(0, 0), OK);
+        assert_eq!((story.line(1, 0), story.0.last()), (OK, 1));
+        assert_eq!((story.line(0, 0), story.0.last()), (OK, 1));
+        assert_eq!(Story(Numbering::new()).line(2, 0), resend(ResendReason::LineNumber, 0));
     }
 }

@@ -4,6 +4,7 @@ use super::emergency::{Emergency, Scanner};
 use super::framing::Frame;
 use super::numbering::{Numbering, ResendReason, Verdict};
 use super::ring::Ring;
+use super::silence::Silence;
 use super::words::{line_number, skip_blanks};
 use crate::port::Received;
 use crate::units::Instant;
@@ -34,6 +35,11 @@ pub enum Incoming<'a> {
         /// The last line that was in order.
         last: i32,
     },
+    /// Nothing arrived at all. If the host waits for an answer, it must go on with the line after `last`.
+    Silence {
+        /// The last line that was in order.
+        last: i32,
+    },
 }
 
 /// Turns received bytes into lines. Put bytes in with [`feed`](Self::feed) as they arrive, take lines out
@@ -45,8 +51,7 @@ pub struct Receiver {
     /// Whether `frame` holds a line that was handed out.
     is_frame_done: bool,
     numbering: Numbering,
-    /// Since when a damaged line has been waiting for its end.
-    quiet_since: Option<Instant>,
+    silence: Silence,
 }
 
 impl Default for Receiver {
@@ -65,7 +70,7 @@ impl Receiver {
             frame: Frame::new(),
             is_frame_done: false,
             numbering: Numbering::new(),
-            quiet_since: None,
+            silence: Silence::new(),
         }
     }
 
@@ -74,6 +79,12 @@ impl Receiver {
     #[must_use]
     pub const fn has_room(&self) -> bool {
         self.ring.has_room()
+    }
+
+    /// Bytes that can be fed without loss.
+    #[must_use]
+    pub const fn room(&self) -> usize {
+        self.ring.room()
     }
 
     /// Takes what arrived; an emergency command is returned at the end of its line. That line will
@@ -124,7 +135,42 @@ impl Receiver {
     /// far. Call it also while nothing arrives, so that a damaged line without an end is noticed.
     pub fn next_line(&mut self, now: Instant) -> Option<Incoming<'_>> {
         let verdict = self.next_verdict(now)?;
-        Some(match verdict {
+        Some(self.incoming(verdict))
+    }
+
+    /// What to do about a host that has said nothing for `patience_ms` or more. Call it when there is no
+    /// [`next_line`](Self::next_line) and everything is answered.
+    pub fn break_silence(&mut self, now: Instant, patience_ms: u32) -> Option<Incoming<'_>> {
+        let is_begun = !self.is_frame_done && !self.frame.is_empty();
+        if is_begun {
+            let is_cut = self.frame.is_numbered() || self.numbering.is_stream();
+            if !is_cut || !self.silence.has_lasted(patience_ms, now) {
+                return None;
+            }
+            self.end_line();
+            let verdict = self.numbering.judge_cut(&self.frame, now);
+            return Some(self.incoming(verdict));
+        }
+        if !self.numbering.is_stream() {
+            return None;
+        }
+        let last = self.numbering.last();
+        match self.silence.asks_for(last, patience_ms, now) {
+            Some(is_time) => is_time.then_some(Incoming::Silence { last }),
+            None => {
+                self.numbering.end_stream();
+                None
+            }
+        }
+    }
+
+    /// Has the silence begin now, because the host has been hearing answers until now.
+    pub const fn hold_silence(&mut self) {
+        self.silence.end();
+    }
+
+    fn incoming(&self, verdict: Verdict) -> Incoming<'_> {
+        match verdict {
             Verdict::Command { end, length } => {
                 let command = self.frame.text().get(end.saturating_sub(length)..end);
                 Incoming::Command(command.unwrap_or_default())
@@ -133,15 +179,20 @@ impl Receiver {
             Verdict::LineNumber { report } => Incoming::LineNumber { report },
             Verdict::TooLong => Incoming::TooLong,
             Verdict::Resend { reason, last } => Incoming::Resend { reason, last },
-        })
+        }
     }
 
     fn next_verdict(&mut self, now: Instant) -> Option<Verdict> {
-        while let Some(received) = self.ring.pop() {
+        while !self.ring.is_empty() {
+            self.silence.end();
             if core::mem::replace(&mut self.is_frame_done, false) {
                 self.frame.clear();
             }
-            self.quiet_since = None;
+            let plain = self.frame.push_plain(self.ring.together());
+            self.ring.skip(plain);
+            let Some(received) = self.ring.pop() else {
+                break;
+            };
             match received {
                 Received::Byte(b'\n' | b'\r') => {
                     self.is_frame_done = true;
@@ -159,149 +210,17 @@ impl Receiver {
     /// Asks for a damaged line again that never ends. The host would wait for an answer for ever
     /// (printcore) or for half a minute (OctoPrint).
     fn give_up_damaged(&mut self, now: Instant) -> Option<Verdict> {
-        if self.is_frame_done || !self.frame.is_damaged() {
+        if self.is_frame_done || !self.frame.is_damaged() || !self.silence.has_lasted(QUIET_MS, now) {
             return None;
         }
-        let since = *self.quiet_since.get_or_insert(now);
-        if now < since.after_ms(QUIET_MS) {
-            return None;
-        }
-        self.quiet_since = None;
-        self.is_frame_done = true;
-        self.scanner = Scanner::new();
+        self.end_line();
         Some(self.numbering.damaged(now))
     }
-}
 
-#[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use super::*;
-    use std::string::{String, ToString};
-    use std::vec::Vec;
-
-    /// A receiver and what it makes of things, in short: commands as they are, the rest by name.
-    struct Line {
-        receiver: Receiver,
-        ms: u32,
-    }
-
-    impl Line {
-        fn new() -> Self {
-            Self { receiver: Receiver::new(), ms: 0 }
-        }
-
-        fn send(&mut self, text: &str) -> Vec<String> {
-            text.bytes().for_each(|byte| {
-                self.receiver.feed(Received::Byte(byte));
-            });
-            self.take()
-        }
-
-        fn lose(&mut self) {
-            self.receiver.feed(Received::Lost);
-        }
-
-        fn take(&mut self) -> Vec<String> {
-            let mut all = Vec::new();
-            while let Some(incoming) = self.receiver.next_line(Instant(0).after_ms(self.ms)) {
-                all.push(match incoming {
-                    Incoming::Command(text) => String::from_utf8_lossy(text).to_string(),
-                    Incoming::Resend { last, .. } => std::format!("resend after {last}"),
-                    other => std::format!("{other:?}"),
-                });
-            }
-            all
-        }
-    }
-
-    #[test]
-    fn every_line_end_ends_a_line_and_empty_ones_do_not_count() {
-        let mut line = Line::new();
-        assert_eq!(line.send("M105\nM114\rM115\r\n\n \t \n;x\n\0\nM119"), ["M105", "M114", "M115"]);
-        assert_eq!(line.send("\n"), ["M119"]);
-    }
-
-    #[test]
-    fn a_packet_may_end_anywhere() {
-        let mut line = Line::new();
-        assert_eq!(line.send("N1 M1"), [""; 0]);
-        assert_eq!(line.send("15*3"), [""; 0]);
-        assert_eq!(line.send("9\n"), ["M115"]);
-    }
-
-    #[test]
-    fn damage_spoils_its_own_line_only() {
-        let mut line = Line::new();
-        line.send("M105\nG1");
-        line.lose();
-        assert_eq!(line.send(" X5\nM114\n"), ["resend after 0", "M114"]);
-    }
-
-    #[test]
-    fn damage_before_a_line_spoils_it() {
-        let mut line = Line::new();
-        line.lose();
-        assert_eq!(line.send("M105\nM114\n"), ["resend after 0", "M114"]);
-    }
-
-    #[test]
-    fn a_line_that_lost_its_end_is_asked_for_after_a_while() {
-        let mut line = Line::new();
-        line.send("N1 M11");
-        line.lose();
-        assert_eq!(line.take(), [""; 0]);
-        line.ms += QUIET_MS - 1;
-        assert_eq!(line.take(), [""; 0]);
-        line.ms += 1;
-        assert_eq!(line.take(), ["resend after 0"]);
-        line.ms += QUIET_MS * 10;
-        assert_eq!(line.take(), [""; 0]);
-        assert_eq!(line.send("N1 M115*39\n"), ["M115"]);
-    }
-
-    #[test]
-    fn as_long_as_bytes_arrive_the_end_may_still_come() {
-        let mut line = Line::new();
-        line.lose();
-        for _ in 0..5 {
-            assert_eq!(line.send("x"), [""; 0]);
-            line.ms += QUIET_MS - 1;
-        }
-        assert_eq!(line.send("\n"), ["resend after 0"]);
-    }
-
-    #[test]
-    fn a_healthy_line_may_take_its_time() {
-        let mut line = Line::new();
-        line.send("M1");
-        line.ms += 60_000;
-        assert_eq!(line.send("05\n"), ["M105"]);
-    }
-
-    #[test]
-    fn an_emergency_is_seen_while_nobody_takes_lines() {
-        let mut receiver = Receiver::new();
-        for _ in 0..2000 {
-            assert_eq!(receiver.feed(Received::Byte(b'x')), None);
-        }
-        assert!(!receiver.has_room());
-        let found = b"\nM112\n".iter().filter_map(|&byte| receiver.feed(Received::Byte(byte)));
-        assert_eq!(found.collect::<Vec<_>>(), [Emergency::Stop]);
-    }
-
-    #[test]
-    fn a_line_that_is_opened_begins_anew() {
-        let mut line = Line::new();
-        assert_eq!(line.send("N1 M115*39\nN2 G1 X1"), ["M115"]);
-        line.receiver.feed(Received::Opened);
-        assert_eq!(line.send("M105\nN1 M115*39\n"), ["M105", "M115"]);
-    }
-
-    #[test]
-    fn an_emergency_also_takes_its_turn() {
-        let mut line = Line::new();
-        assert_eq!(line.send("M108\n"), ["M108"]);
+    /// Treats the line as if its end had come.
+    const fn end_line(&mut self) {
+        self.silence.end();
+        self.is_frame_done = true;
+        self.scanner = Scanner::new();
     }
 }

@@ -36,6 +36,11 @@ impl Ring {
         self.length < CAPACITY - 1
     }
 
+    /// Bytes that can be taken without loss.
+    pub(super) const fn room(&self) -> usize {
+        CAPACITY - 1 - self.length
+    }
+
     /// Whether nothing is held.
     pub(super) const fn is_empty(&self) -> bool {
         self.length == 0
@@ -53,6 +58,18 @@ impl Ring {
             Received::Byte(byte) if self.has_room() => self.append(byte),
             Received::Byte(_) | Received::Lost | Received::Opened => self.mark(),
         }
+    }
+
+    /// The oldest bytes, as many as lie together; damage among them is a NUL.
+    pub(super) fn together(&self) -> &[u8] {
+        let end = (self.first + self.length).min(CAPACITY);
+        self.bytes.get(self.first..end).unwrap_or_default()
+    }
+
+    /// Forgets the oldest bytes, no more than lie [`together`](Self::together).
+    pub(super) fn skip(&mut self, count: usize) {
+        self.first = (self.first + count) % CAPACITY;
+        self.length = self.length.saturating_sub(count);
     }
 
     /// The oldest thing that arrived.

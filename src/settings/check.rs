@@ -49,6 +49,8 @@ pub mod ranges {
     pub const LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(5000) };
     /// Junction deviation and arc tolerance.
     pub const TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
+    /// Silence of a host, in ms: no less than its USB adapter, its garbage collector and its disk may make any day.
+    pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
     /// Way back after the first approach to an endstop.
     pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
     /// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
@@ -156,6 +158,9 @@ impl Settings {
         }
         if self.keepalive_s > 60 {
             return Err(SettingsError::OutOfRange("keepalive_s"));
+        }
+        if self.patience_ms > 0 {
+            within(ranges::PATIENCE_MS, self.patience_ms, "patience_ms")?;
         }
         driver(&self.drivers.belt, "drivers.belt")?;
         driver(&self.drivers.z, "drivers.z")?;

@@ -52,6 +52,11 @@ pub struct Settings {
     pub arc_tolerance: Mm,
     /// Seconds between two busy messages, 0 for none (M113).
     pub keepalive_s: u8,
+    /// Milliseconds of silence in the middle of numbered lines after which the host is asked for the next one; 0 for
+    /// never.
+    pub patience_ms: u16,
+    /// Whether `ok` tells the line number and what is free, as Marlin's ADVANCED_OK.
+    pub advanced_ok: bool,
     /// What the motor drivers are told, where they can be talked to.
     pub drivers: DriverGroups,
 }
@@ -94,6 +99,8 @@ impl Settings {
             soft_endstops: true,
             arc_tolerance: const { Mm::lit("0.005") },
             keepalive_s: 2,
+            patience_ms: 500,
+            advanced_ok: false,
             drivers: DriverGroups::prototype(),
         }
     }

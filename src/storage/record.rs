@@ -16,7 +16,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 2;
+pub const FORMAT: u16 = 3;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -215,6 +215,7 @@ mod tests {
         s.extruder_jerk = MmPerSec::from_num(6);
         (s.min_feed, s.min_travel) = (MmPerSec::ONE, MmPerSec::ZERO);
         (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
+        (s.patience_ms, s.advanced_ok) = (700, true);
         for (i, drivers) in [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e].into_iter().enumerate() {
             *drivers = DriverSettings {
                 current_ma: 900 + i as u16,
@@ -226,7 +227,7 @@ mod tests {
             };
         }
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (2, Receipt { bytes: 180, crc: 2_661_025_547 }));
+        assert_eq!((FORMAT, receipt), (3, Receipt { bytes: 183, crc: 2_918_695_757 }));
     }
 
     #[test]

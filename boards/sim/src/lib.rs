@@ -18,6 +18,7 @@ mod ports;
 pub mod report;
 mod run;
 pub mod sampler;
+pub mod script;
 pub mod series;
 #[cfg(unix)]
 pub mod serve;

@@ -65,6 +65,8 @@ struct MachineToml {
     soft_endstops: Option<bool>,
     arc_tolerance: Option<f64>,
     keepalive_s: Option<f64>,
+    patience_ms: Option<f64>,
+    advanced_ok: Option<bool>,
     corner: CornerToml,
     axes: AxesToml,
     homing: HomingsToml,
@@ -146,6 +148,7 @@ const ACCELERATION: Kind<MmPerSec2> =
 const LENGTH: Kind<Mm> = Kind { range: ranges::LENGTH, convert: Mm::saturating_from_num::<f64> };
 const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..LENGTH };
 const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..LENGTH };
+const PATIENCE: Kind<u16> = Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
 const KEEPALIVE: Kind<u8> = Kind { range: Range { least: 0, most: 60 }, convert: |s| s as u8 };
 
 /// The settings of a machine file.
@@ -173,6 +176,8 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     put(&mut s.min_travel, "min_travel", file.min_travel, &LEAST_SPEED)?;
     put(&mut s.arc_tolerance, "arc_tolerance", file.arc_tolerance, &TOLERANCE)?;
     put(&mut s.keepalive_s, "keepalive_s", file.keepalive_s, &KEEPALIVE)?;
+    put(&mut s.patience_ms, "patience_ms", file.patience_ms, &PATIENCE)?;
+    s.advanced_ok = file.advanced_ok.unwrap_or(s.advanced_ok);
     s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
     s.corner = corner(s.corner, &file.corner)?;
     axis(&mut s.axes.x, "axes.x", &file.axes.x)?;
@@ -274,7 +279,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 56);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 58);
     }
 
     #[test]
@@ -291,6 +296,8 @@ mod tests {
         let error = |text: &str| load(text).unwrap_err().to_string();
         assert_eq!(error("[axes.x]\nmax_speed = 5000"), "axes.x.max_speed = 5000 is outside 0.01 to 3000");
         assert_eq!(error("keepalive_s = 61"), "keepalive_s = 61 is outside 0 to 60");
+        assert_eq!(error("patience_ms = 60001"), "patience_ms = 60001 is outside 0 to 60000");
+        assert!(error("patience_ms = 99").contains("patience_ms"));
         assert!(error("print_acceleration = nan").contains("is outside 1 to 100000"));
         assert!(error("extruder_jerk = -1").contains("extruder_jerk = -1"));
         let legal = "drivers.e.stall_threshold = 256 is outside the whole numbers 0 to 255";

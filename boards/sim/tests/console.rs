@@ -106,6 +106,16 @@ fn every_line_has_one_ok_and_blank_lines_have_none() {
 }
 
 #[test]
+fn an_advanced_ok_tells_line_and_room() {
+    let mut settings = Settings::prototype();
+    settings.advanced_ok = true;
+    let (heard, ..) = talk_to(&settings, HOMED, &["N1 G90*17", "M82", "N2 *92", "M110", "N3 G1 X5*1"]);
+    assert_eq!(heard[..3], ["ok N1 P144 B10", "ok P144 B10", "ok N2 P144 B10"]);
+    assert_eq!(heard[3..5], ["Line: 2", "ok"]);
+    assert!(heard[5].starts_with("Error:checksum"), "{heard:?}");
+}
+
+#[test]
 fn the_position_is_told_as_asked_and_as_it_is() {
     let (heard, ..) = talk(&["G1 X10 Y20.004 Z1 E2 F6000", "M400", "M114", "M114 R", "G92 X0 E0", "M114"]);
     let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).collect();

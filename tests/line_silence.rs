@@ -1,0 +1,183 @@
+//! Lines that are lost whole or lose their end, and fragments that nothing vouches for.
+
+mod support;
+
+use corehbot::port::Received;
+use support::machine::{Machine, PATIENCE_MS, numbered};
+
+/// A machine that has taken lines 1 to `last` of a stream.
+fn streaming(last: i32) -> Machine {
+    let mut machine = Machine::new();
+    for number in 1..=last {
+        assert_eq!(machine.say(numbered(number, "G1 X1")), "ok\n");
+    }
+    machine.commands.clear();
+    machine
+}
+
+/// What the machine says during so much silence.
+fn wait(machine: &mut Machine, ms: u32) -> String {
+    for _ in 0..ms {
+        machine.ms += 1;
+        machine.answer_one();
+    }
+    machine.take_replies()
+}
+
+const PROBE: &str = "Resend: 8\nok\n";
+const MISMATCH: &str = "Error:checksum mismatch, Last Line: 7\nResend: 8\nok\n";
+
+#[test]
+fn a_line_that_is_lost_whole_is_asked_for() {
+    let mut machine = streaming(7);
+    assert_eq!(wait(&mut machine, PATIENCE_MS - 1), "");
+    assert_eq!(wait(&mut machine, 1), PROBE);
+    assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
+    assert_eq!(machine.commands, ["G1 X8"]);
+}
+
+#[test]
+fn five_questions_and_the_stream_is_over() {
+    let mut machine = streaming(7);
+    assert_eq!(wait(&mut machine, 600_000), PROBE.repeat(5));
+    // Whoever types now may take his time, and needs no numbers.
+    assert_eq!(machine.say("M1"), "");
+    assert_eq!(wait(&mut machine, 10_000), "");
+    assert_eq!(machine.say("05\n"), "ok\n");
+    // The stream goes on where it paused, and may lose lines again.
+    assert_eq!(machine.say(numbered(8, "G1 X8") + &numbered(9, "G1 X9")), "ok\nok\n");
+    assert_eq!(wait(&mut machine, 600_000), "Resend: 10\nok\n".repeat(5));
+    assert_eq!(machine.commands, ["M105", "G1 X8", "G1 X9"]);
+}
+
+#[test]
+fn nobody_else_is_asked() {
+    for text in ["", "M105\n", "M105\nM105\nM105\n", "N1 M115*39\n", "M110 N5\nM114\n", "M1"] {
+        let mut machine = Machine::new();
+        machine.say(text);
+        assert_eq!(wait(&mut machine, 60_000), "", "{text:?}");
+    }
+    // M110 ends a stream, as printcore does after a print.
+    let mut machine = streaming(7);
+    machine.say("N-1 M110 N-1*125\n");
+    assert_eq!(wait(&mut machine, 60_000), "");
+}
+
+#[test]
+fn the_first_line_of_a_print_may_be_lost_as_well() {
+    let mut machine = Machine::new();
+    machine.say("N-1 M110 N-1*125\n");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 0\nok\n");
+    assert_eq!(machine.say(numbered(0, "G28")), "ok\n");
+}
+
+#[test]
+fn a_host_that_was_only_slow_hears_no_more_than_oks() {
+    // The question and line 8 cross, so it is sent twice; then nothing is out of step.
+    let mut machine = streaming(7);
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
+    assert_eq!(machine.say(numbered(8, "G1 X8").repeat(2)), "ok\nok\n");
+    assert_eq!(machine.say(numbered(9, "G1 X9")), "ok\n");
+    assert_eq!(machine.commands, ["G1 X8", "G1 X9"]);
+}
+
+#[test]
+fn a_numbered_line_without_an_end_is_asked_for() {
+    let mut machine = streaming(7);
+    assert_eq!(machine.say("N8 G1 X8*"), "");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), MISMATCH);
+    assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
+    // Also without its head, and without being in a stream.
+    assert_eq!(machine.say("X8*99"), "");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), MISMATCH.replace('8', "9").replace('7', "8"));
+    let mut machine = Machine::new();
+    machine.say("N1 G1 X");
+    assert!(wait(&mut machine, PATIENCE_MS + 1).ends_with("Resend: 1\nok\n"));
+}
+
+#[test]
+fn a_whole_m110_without_an_end_is_taken() {
+    let mut machine = streaming(7);
+    assert_eq!(machine.say("N-1 M110 N-1*125"), "");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
+    assert_eq!(machine.receiver.last_line(), -1);
+    let mut machine = streaming(7);
+    machine.say("N-1 M110 N-1*12");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), MISMATCH);
+}
+
+#[test]
+fn a_damaged_line_without_an_end_is_asked_for_sooner() {
+    let mut machine = streaming(7);
+    machine.say("N8 G1");
+    machine.feed(Received::Lost);
+    assert_eq!(wait(&mut machine, 100), "");
+    assert_eq!(wait(&mut machine, 1), MISMATCH);
+    // The answer to that may be lost as well.
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
+}
+
+#[test]
+fn a_piece_between_two_false_line_ends_is_not_carried_out() {
+    let missing = "Error:No Checksum with line number, Last Line: 7\nResend: 8\nok\n";
+    let mut machine = streaming(7);
+    assert_eq!(machine.say("N8\nG28\nX8 Y9*55\n"), missing);
+    // A false line end and a star that came through as something else.
+    assert_eq!(machine.say("N8\nM110 N2.34\n"), missing);
+    // Was that a line that somebody meant? Then its host is waiting now.
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
+    assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
+    assert_eq!(machine.say("M105\n"), "ok\n", "all is well again");
+    assert_eq!(machine.commands, ["G1 X8", "M105"]);
+}
+
+#[test]
+fn a_piece_of_a_line_number_is_damage() {
+    for piece in ["N\n", "8\n", "-\n", "\u{7f}\n", "n x\n"] {
+        let mut machine = streaming(7);
+        assert_eq!(machine.say(format!("{piece}G28\n")), MISMATCH, "{piece}");
+        assert_eq!(Machine::new().say(piece), "ok\n", "outside of a stream it is only unknown");
+    }
+}
+
+#[test]
+fn nothing_is_doubted_for_long_nor_outside_a_stream() {
+    let mut machine = streaming(7);
+    assert_eq!(machine.say("N8 G1 X8*1\n"), MISMATCH);
+    machine.ms += 1000;
+    assert_eq!(machine.say("G28\n"), "ok\n");
+    let mut machine = Machine::new();
+    machine.say("N1 G1 X8*1\n");
+    assert_eq!(machine.say("G28\n"), "ok\n");
+}
+
+#[test]
+fn an_emergency_is_never_doubted() {
+    for code in ["M112\n", "M108\n", "M410\n"] {
+        let mut machine = streaming(7);
+        assert_eq!(machine.say("N8 G1 X8*1\n"), MISMATCH);
+        assert_eq!(machine.say(code), "ok\n");
+        assert_eq!((machine.emergencies.len(), machine.commands.len()), (1, 1));
+    }
+}
+
+#[test]
+fn whoever_comes_after_a_host_that_vanished_in_a_line_is_heard() {
+    let mut machine = streaming(7);
+    assert_eq!(machine.say("N8 G1 X"), "");
+    assert_eq!(wait(&mut machine, 60_000), MISMATCH.to_owned() + &PROBE.repeat(5));
+    assert_eq!(machine.say("N0 M110 N0*125\nN1 M115*39\n"), "ok\nok\n");
+    assert_eq!(machine.commands, ["M115"]);
+}
+
+#[test]
+fn at_the_end_of_the_numbers_only_m110_helps() {
+    let mut machine = Machine::new();
+    machine.say(format!("M110 N{}\n", i32::MAX - 2));
+    machine.say(numbered(i32::MAX - 1, "G1 X1") + &numbered(i32::MAX, "G1 X2"));
+    let asked = "Resend: 2147483648\nok\n";
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), asked);
+    assert!(machine.say("N2147483648 G1 X3*1\n").ends_with(asked));
+    assert_eq!(machine.say(numbered(0, "M110 N0") + &numbered(1, "G1 X3")), "ok\nok\n");
+    assert_eq!(machine.commands, ["G1 X1", "G1 X2", "G1 X3"]);
+}

@@ -1,0 +1,155 @@
+//! The printer's words: what they are, and that they mean nothing else to any host.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use corehbot::protocol::{NoRoom, Replies, ResendReason};
+
+/// As the replies have it.
+const CAPACITY: usize = 2048;
+const ECHOED: usize = 60;
+
+/// Everything that waits, taken out in the pieces that [`Replies::pending`] gives.
+fn drain(replies: &mut Replies) -> String {
+    let mut text = String::new();
+    while !replies.pending().is_empty() {
+        text += std::str::from_utf8(replies.pending()).unwrap();
+        replies.sent(replies.pending().len());
+    }
+    text
+}
+
+fn reply(write: impl FnOnce(&mut Replies) -> Result<(), NoRoom>) -> String {
+    let mut replies = Replies::new();
+    write(&mut replies).unwrap();
+    drain(&mut replies)
+}
+
+#[test]
+fn the_resend_dialogue() {
+    assert_eq!(
+        reply(|r| r.resend(ResendReason::LineNumber, 12)),
+        "Error:Line Number is not Last Line Number+1, Last Line: 12\nResend: 13\nok\n"
+    );
+    assert_eq!(
+        reply(|r| r.resend(ResendReason::ChecksumMismatch, -1)),
+        "Error:checksum mismatch, Last Line: -1\nResend: 0\nok\n"
+    );
+    assert_eq!(
+        reply(|r| r.resend(ResendReason::NoChecksum, i32::MAX)),
+        "Error:No Checksum with line number, Last Line: 2147483647\nResend: 2147483648\nok\n"
+    );
+}
+
+#[test]
+fn an_unknown_command_is_echoed_without_teeth() {
+    assert_eq!(reply(|r| r.unknown(b"G29 A")), "echo:Unknown command: \"G29 A\"\nok\n");
+    let nasty = b"FOO T:21 \"\xFF\x00\nok";
+    assert_eq!(reply(|r| r.unknown(nasty)), "echo:Unknown command: \"FOO T?21 ????ok\"\nok\n");
+    assert_eq!(reply(|r| r.unknown(&[b'x'; 500])).matches('x').count(), ECHOED);
+}
+
+#[test]
+fn only_printable_ascii_leaves() {
+    assert_eq!(reply(|r| r.line(format_args!("a\nb\r{}~", "\u{fc}"))), "a?b???~\n");
+}
+
+#[test]
+fn a_dialogue_that_does_not_fit_leaves_nothing_behind() {
+    for filled in 0..120 {
+        let mut replies = Replies::new();
+        let filling = "x".repeat(CAPACITY - 1 - filled);
+        replies.line(format_args!("{filling}")).unwrap();
+        let result = replies.resend(ResendReason::NoChecksum, 7);
+        let dialogue = "Error:No Checksum with line number, Last Line: 7\nResend: 8\nok\n";
+        let fits = dialogue.len() <= filled;
+        assert_eq!(result, if fits { Ok(()) } else { Err(NoRoom) });
+        let rest = drain(&mut replies);
+        assert_eq!(&rest[filling.len() + 1..], if fits { dialogue } else { "" });
+    }
+}
+
+#[test]
+fn lines_survive_the_end_of_the_ring() {
+    let mut replies = Replies::new();
+    for n in 0..500 {
+        replies.line(format_args!("line {n} {}", "x".repeat(n))).unwrap();
+        assert_eq!(drain(&mut replies), format!("line {n} {}\n", "x".repeat(n)));
+    }
+    assert_eq!(replies.room(), CAPACITY);
+    replies.sent(5);
+}
+
+/// What a line may not begin with, unless it is meant (printcore, OctoPrint comm.py).
+const RESERVED_BEGINNINGS: [&str; 11] =
+    ["ok", "start", "rs", "resend", "wait", "error", "fatal", "!!", "//", "debug_", "cap:"];
+
+/// What may not stand anywhere in a line (OctoPrint, Printrun, Cura); the last two for old versions
+/// of Cura.
+const RESERVED_WORDS: [&str; 26] = [
+    "X:",
+    " T:",
+    "T0:",
+    " B:",
+    "NAME:",
+    "TargetExtr",
+    "TargetBed",
+    "Begin file list",
+    "End file list",
+    "File opened",
+    "File selected",
+    "Writing to file",
+    "Done printing file",
+    "Done saving file",
+    "File deleted",
+    "SD printing byte",
+    "Not SD printing",
+    "SD card ok",
+    "SD init fail",
+    "Invalid extruder",
+    " Count ",
+    "_min",
+    "_max",
+    "start",
+    "ok",
+    "rs",
+];
+
+#[test]
+fn our_words_mean_nothing_else_to_any_host() {
+    let fixed = [
+        reply(|r| r.resend(ResendReason::LineNumber, 1)),
+        reply(|r| r.resend(ResendReason::ChecksumMismatch, 1)),
+        reply(|r| r.resend(ResendReason::NoChecksum, 1)),
+        reply(|r| r.line_number(Some(5))),
+        reply(Replies::too_long),
+        reply(|r| r.probe(1)),
+        reply(|r| r.unknown(b"G29")),
+        reply(Replies::busy),
+        reply(Replies::paused),
+        reply(Replies::killed),
+        reply(Replies::start),
+        reply(Replies::ok),
+    ]
+    .concat();
+    let is_meant =
+        |line: &str| ["ok", "start"].contains(&line) || line.starts_with("Resend: ") || line.starts_with("Error:");
+    for line in fixed.lines() {
+        if !is_meant(line) {
+            let small = line.to_lowercase();
+            assert!(!RESERVED_BEGINNINGS.iter().any(|word| small.starts_with(word)), "{line}");
+        }
+        if !["ok", "start"].contains(&line) {
+            assert!(!RESERVED_WORDS.iter().any(|word| line.contains(word)), "{line}");
+        }
+    }
+    // An error ends the print unless it has one of these words (OctoPrint comm.py) or must end it.
+    for error in fixed.lines().filter(|line| line.starts_with("Error:")) {
+        let small = error.to_lowercase();
+        assert!(["line number", "checksum", "kill() called"].iter().any(|word| small.contains(word)));
+        assert!(!small.contains("no line number with checksum"));
+    }
+}
+
+#[test]
+fn an_error_has_words() {
+    assert_eq!(NoRoom.to_string(), "no room for the reply");
+}
