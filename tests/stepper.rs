@@ -230,7 +230,8 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     let settings = Settings::prototype();
     let mut planner = Planner::new(&settings, [Mm::ZERO; 4]);
     let position = [Mm::ZERO, Mm::ZERO, Mm::const_from_int(-300), Mm::ZERO];
-    planner.push(&Target { position, speed: MmPerSec::const_from_int(10), watch: EndstopSet::Z }, &settings);
+    let speed = MmPerSec::const_from_int(10);
+    planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::Z }, &settings);
     planner.release_all();
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();

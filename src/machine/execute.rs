@@ -75,7 +75,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Command::SoftEndstops(None) => self.report_soft_endstops().await,
             Command::FeedPercent(None) => {
-                let percent = self.modal.feed_percent;
+                let percent = self.planner.feed_percent();
                 self.say(format_args!("FR:{percent}%")).await
             }
             Command::FlowPercent(None) => {
@@ -139,9 +139,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::RelativeExtrusion => self.modal.absolute_extrusion = false,
             Command::SetPosition(words) => self.modal.rename(&words),
             Command::SoftEndstops(Some(on)) => self.settings.soft_endstops = on,
-            Command::FeedPercent(Some(number)) => self.modal.feed_percent = Modal::percent(number),
-            Command::BackUpFeedPercent => self.modal.kept_feed_percent = self.modal.feed_percent,
-            Command::RestoreFeedPercent => self.modal.feed_percent = self.modal.kept_feed_percent,
+            Command::FeedPercent(Some(number)) => self.override_feed(Modal::percent(number)),
+            Command::BackUpFeedPercent => self.modal.kept_feed_percent = self.planner.feed_percent(),
+            Command::RestoreFeedPercent => self.override_feed(self.modal.kept_feed_percent),
             Command::Debug(Some(bits)) => self.modal.dry_run = bits.to_u32() & DRY_RUN != 0,
             Command::Progress { percent, minutes } => {
                 self.link.status().told.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
@@ -149,7 +149,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::Object(number) => {
                 self.link.status().told.set_object(number.to_thousandths().div_euclid(1000) as i32)
             }
-            Command::FlowPercent(Some(number)) => self.modal.flow_percent = Modal::percent(number),
+            Command::FlowPercent(Some(number)) => self.override_flow(Modal::percent(number)),
             _ => {}
         }
     }
@@ -158,7 +158,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     async fn line(&mut self, to: &AxisWords, feed: Option<Number>) -> Result<(), Interrupt> {
         self.modal.set_feed(feed);
         let wanted = self.target(to).await?;
-        self.go(wanted.position, self.modal.overridden_feed()).await?;
+        self.go(wanted.position, self.modal.feed).await?;
         self.modal.extrusion = wanted.extrusion;
         Ok(())
     }
@@ -185,7 +185,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Ok(arc) => arc,
             Err(error) => return self.say(format_args!("echo:{}", error.text())).await,
         };
-        let speed = self.modal.overridden_feed();
+        let speed = self.modal.feed;
         let begin = self.modal.extrusion;
         let between = |from: Mm, to: Mm, part: u32| {
             let way = i128::from(to.to_bits()) - i128::from(from.to_bits());

@@ -14,8 +14,10 @@ pub(super) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
 /// a second block (BLOCK_DELAY_FOR_1ST_MOVE).
 const PAUSE_MS: u32 = 100;
 
-/// With more than this queued, nothing needs to leave the look-ahead: six lines of such a host.
-const COMFORT: u64 = 100 * TICKS_PER_MS as u64;
+/// With more than this queued, nothing leaves the look-ahead: what has left is out of reach of the overrides, which
+/// are to count within 100 ms. Fifty turns of a Console that is polled every millisecond, and three lines of a host
+/// behind such an adapter.
+const AMPLE: u64 = 50 * TICKS_PER_MS as u64;
 
 /// With less than this queued, the stream is dry: moves leave though they are not final. Twenty turns of a
 /// Console that is polled every millisecond, so that the machine brakes before it starves.
@@ -99,7 +101,7 @@ impl Flow {
 
     /// What may leave under way, given the time queued behind the look-ahead, in ticks.
     pub const fn release(&mut self, queued: u64) -> Release {
-        if queued > COMFORT {
+        if queued > AMPLE {
             self.counted = false;
             Release::Nothing
         } else if queued > DRY {
@@ -132,11 +134,11 @@ mod tests {
     }
 
     #[test]
-    fn a_comfortable_queue_lets_nothing_go() {
+    fn an_ample_queue_lets_nothing_go() {
         let mut flow = Flow::new();
         flow.fill();
-        assert_eq!(flow.release(COMFORT + 1), Release::Nothing);
-        assert_eq!(flow.release(COMFORT), Release::Final);
+        assert_eq!(flow.release(AMPLE + 1), Release::Nothing);
+        assert_eq!(flow.release(AMPLE), Release::Final);
         assert_eq!(flow.release(DRY), Release::Next);
         assert!(flow.note_drought());
         assert!(!flow.note_drought());

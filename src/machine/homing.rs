@@ -108,7 +108,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if let Some(at) = position.get_mut(axis.index) {
             *at = at.saturating_add(way);
         }
-        self.plan(Target { position, speed, watch }).await?;
+        self.plan(Target { position, speed, has_overrides: false, watch }).await?;
         self.finish().await
     }
 

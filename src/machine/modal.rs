@@ -27,8 +27,6 @@ pub(super) struct Modal {
     pub inches: bool,
     /// F, before the override.
     pub feed: MmPerSec,
-    /// M220.
-    pub feed_percent: u16,
     /// M220 B.
     pub kept_feed_percent: u16,
     /// M221.
@@ -63,7 +61,6 @@ impl Modal {
             absolute_extrusion: true,
             inches: false,
             feed: FIRST_FEED,
-            feed_percent: 100,
             kept_feed_percent: 100,
             flow_percent: 100,
             dry_run: false,
@@ -94,12 +91,6 @@ impl Modal {
         if let Some(feed) = number.map(|n| self.length(n)).filter(|f| *f > Mm::ZERO) {
             self.feed = ranges::SPEED.clamp(MmPerSec::saturating_from_num(feed / 60));
         }
-    }
-
-    /// F with the override.
-    pub fn overridden_feed(&self) -> MmPerSec {
-        let bits = u64::from(self.feed.to_bits()) * u64::from(self.feed_percent) / 100;
-        MmPerSec::from_bits(bits.min(u64::from(u32::MAX)) as u32)
     }
 
     /// A number of a line as an override.
@@ -217,11 +208,10 @@ mod tests {
     }
 
     #[test]
-    fn feed_is_a_minute_and_the_override_a_percentage() {
+    fn feed_is_a_minute_and_an_override_a_percentage() {
         let (mut m, _) = modal();
         m.set_feed(number("6000"));
-        m.feed_percent = 50;
-        assert_eq!(m.overridden_feed(), MmPerSec::from_num(50));
+        assert_eq!(m.feed, MmPerSec::from_num(100));
         m.set_feed(number("0"));
         m.set_feed(number("-5"));
         assert_eq!(m.feed, MmPerSec::from_num(100));

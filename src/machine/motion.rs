@@ -25,7 +25,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.say(format_args!("echo:target beyond the reachable space, moved to its edge")).await?;
         }
         let position = self.retraction.away_from(inside);
-        self.plan(Target { position, speed, watch: EndstopSet::NONE }).await?;
+        self.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
         self.modal.position = inside;
         Ok(())
     }
@@ -49,6 +49,21 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(())
     }
 
+    /// M220: from now on, and for the moves that wait.
+    pub(super) fn override_feed(&mut self, percent: u16) {
+        self.planner.override_feed(percent, &self.settings);
+    }
+
+    /// M221: from now on, and for the moves that wait.
+    pub(super) fn override_flow(&mut self, percent: u16) {
+        let before = core::mem::replace(&mut self.modal.flow_percent, percent);
+        if !self.modal.dry_run {
+            let moved = self.planner.override_flow(before, percent, &self.settings);
+            let [_, _, _, e] = &mut self.modal.position;
+            *e = e.wrapping_add(moved);
+        }
+    }
+
     fn note_path(&self) {
         let (moves, path) = self.planner.planned();
         self.link.status().set_planned(moves, path);
@@ -64,10 +79,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.link.status().note_level(level);
         }
         while self.link.has_room() && (!self.flow.is_gathering() || self.begin_motion()) {
-            if let Some(released) = self.planner.pop() {
-                self.link.send(Work::Move(released));
-                continue;
-            }
             if self.planner.is_empty() {
                 if self.link.is_idle() {
                     self.flow.rest();
@@ -77,6 +88,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             let release = self.flow.release(self.link.left());
             if release == Release::Nothing {
                 return;
+            }
+            if let Some(released) = self.planner.pop() {
+                self.link.send(Work::Move(released));
+                continue;
             }
             self.planner.release_final();
             if self.planner.has_ready() {

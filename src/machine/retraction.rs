@@ -87,7 +87,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) async fn stay_away(&mut self, ways: Option<[Way; 2]>) -> Result<(), Interrupt> {
         for Way { away, speed } in ways.into_iter().flatten() {
             let position = Retraction { away: Some(away), ..self.retraction }.away_from(self.modal.position);
-            self.plan(Target { position, speed, watch: EndstopSet::NONE }).await?;
+            self.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
             self.retraction.away = Some(away);
         }
         if let Some([lift, length]) = self.retraction.away.filter(|[_, length]| *length <= Mm::ZERO) {

@@ -4,7 +4,7 @@ use crate::settings::Settings;
 use crate::units::{MmPerSec, MmPerSec2, Steps, StepsPerMm, mul_div};
 
 /// One in the fixed point of unit vectors.
-pub(super) const UNIT: i64 = 1 << 30;
+pub(super) const UNIT: i32 = 1 << 30;
 
 /// One in the fixed point of extrusion ratios.
 pub(super) const RATIO: u64 = 1 << 24;
@@ -18,7 +18,7 @@ pub(super) struct Geometry {
     /// Length of the path of the tool; of the filament if the tool does not move.
     pub length: u64,
     /// Direction of the tool in x, y, z, scaled by [`UNIT`]; zero if only the extruder moves.
-    pub unit: [i64; 3],
+    pub unit: [i32; 3],
     /// Filament a length of path, scaled by [`RATIO`] and signed.
     pub extrusion: i64,
 }
@@ -36,7 +36,7 @@ impl Geometry {
         let shift = largest.leading_zeros() as i32 - 33;
         let scaled = [x, y, z].map(|d| scale(d.unsigned_abs(), shift));
         let root = scaled.iter().map(|s| s * s).sum::<u64>().isqrt();
-        let component = |d: i64, s: u64| (s * UNIT as u64 / root) as i64 * d.signum();
+        let component = |d: i64, s: u64| (s * UNIT as u64 / root) as i32 * d.signum() as i32;
         let unit = [component(x, scaled[0]), component(y, scaled[1]), component(z, scaled[2])];
         let length = scale(root, -shift);
         let ratio = mul_div(e.unsigned_abs(), RATIO, length).min(i64::MAX as u64) as i64;
@@ -79,12 +79,12 @@ impl Geometry {
             }
         };
         let one = UNIT as u64;
-        bound(axes[0], ux.unsigned_abs(), one);
-        bound(axes[1], uy.unsigned_abs(), one);
-        bound(axes[2], uz.unsigned_abs(), one);
+        bound(axes[0], u64::from(ux.unsigned_abs()), one);
+        bound(axes[1], u64::from(uy.unsigned_abs()), one);
+        bound(axes[2], u64::from(uz.unsigned_abs()), one);
         bound(axes[3], self.extrusion.unsigned_abs(), RATIO);
-        bound(motor, (ux + uy).unsigned_abs(), one);
-        bound(motor, (ux - uy).unsigned_abs(), one);
+        bound(motor, ux.abs_diff(-uy).into(), one);
+        bound(motor, ux.abs_diff(uy).into(), one);
         value
     }
 }

@@ -25,11 +25,12 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2,
         // The tool stands still in one of the two.
         return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
     }
-    let dot: i64 = before.unit.iter().zip(after.unit).map(|(p, q)| p * q).sum::<i64>() >> 30;
+    let dot = before.unit.iter().zip(after.unit).map(|(p, q)| i64::from(*p) * i64::from(q)).sum::<i64>() >> 30;
+    let one = i64::from(UNIT);
     // The angle between the moves is pi minus the change of direction, hence the sign.
-    let cosine = (-dot).clamp(-UNIT, UNIT);
-    let sine_half = (((UNIT - cosine) as u64 / 2) << 30).isqrt().min(UNIT as u64);
-    let cosine_half = (((UNIT + cosine) as u64 / 2) << 30).isqrt();
+    let cosine = (-dot).clamp(-one, one);
+    let sine_half = (((one - cosine) as u64 / 2) << 30).isqrt().min(UNIT as u64);
+    let cosine_half = (((one + cosine) as u64 / 2) << 30).isqrt();
     let flatness = UNIT as u64 - sine_half;
     let bears = turn(before, after).fine_acceleration_limit(a, s);
     let base = match s.corner {
@@ -49,7 +50,8 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2,
 fn turn(before: &Geometry, after: &Geometry) -> Geometry {
     let [px, py, pz] = before.unit;
     let [qx, qy, qz] = after.unit;
-    Geometry::new([qx - px, qy - py, qz - pz, 0])
+    let change = |p: i32, q: i32| i64::from(q) - i64::from(p);
+    Geometry::new([change(px, qx), change(py, qy), change(pz, qz), 0])
 }
 
 /// Two retractions in a row are one if they go the same way.

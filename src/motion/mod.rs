@@ -10,6 +10,7 @@ mod geometry;
 mod junction;
 mod link;
 mod moves;
+mod overrides;
 mod planner;
 mod profile;
 mod stepgen;

@@ -13,15 +13,15 @@ pub const WHOLE: u32 = 1 << 31;
 pub struct Move {
     /// Where it ends, in steps of x, y, z and e.
     pub end: [Steps; 4],
-    /// The fraction of the path behind when the acceleration ends.
+    /// The fraction of the path behind when the change from the entry speed ends.
     pub accelerated: u32,
     /// The fraction of the path behind when the deceleration begins.
     pub cruised: u32,
-    /// The part of the accelerating phase that its entry speed alone would cover in its time.
+    /// The part of the first phase that the lower of its two speeds alone would cover in its time.
     pub entry_share: u32,
     /// The part of the decelerating phase that its exit speed alone would cover in its time.
     pub exit_share: u32,
-    /// Time of the accelerating phase.
+    /// Time of the first phase, which accelerates unless the move [brakes first](Self::brakes_first).
     pub accelerate: u64,
     /// Time of the cruising phase.
     pub cruise: u64,
@@ -31,6 +31,8 @@ pub struct Move {
     pub length: u64,
     /// Acceleration of its ramps, with which it also brakes where it was not planned.
     pub acceleration: MmPerSec2,
+    /// Whether its entry speed is above its nominal one, because an override has lowered that under way.
+    pub brakes_first: bool,
     /// Whether it ends at standstill.
     pub rests: bool,
     /// Endstops that end it early.

@@ -6,10 +6,11 @@
 use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
+use super::overrides::percent_of;
 use super::window::{FORCED_BATCH, Planned, WINDOW, Window};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
-use crate::units::{Mm, MmPerSec, MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
+use crate::units::{Mm, MmPerSec, MmPerSec2, Steps};
 
 /// Where to go, and how fast.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -18,6 +19,8 @@ pub struct Target {
     pub position: [Mm; 4],
     /// Speed along the path.
     pub speed: MmPerSec,
+    /// Whether the feed and the flow override have a say in it.
+    pub has_overrides: bool,
     /// Endstops that end the move early; such a move begins and ends at rest.
     pub watch: EndstopSet,
 }
@@ -34,16 +37,20 @@ const SNAP_LENGTH: u64 = 1 << 32;
 
 /// Looks ahead over targets and releases moves.
 pub struct Planner {
-    window: Window,
-    pitch: [Pitch; 4],
+    pub(super) window: Window,
+    pub(super) pitch: [Pitch; 4],
     /// Where the last move ends.
-    end: [Steps; 4],
+    pub(super) end: [Steps; 4],
     /// Where it was asked to end: an axis that is asked for the same again stays where it is.
-    asked: [Mm; 4],
+    pub(super) asked: [Mm; 4],
     /// The last move and its nominal speed squared, for the corner to the next.
-    last: (Geometry, u64),
+    pub(super) last: (Geometry, u64),
     /// Nominal time of the moves in the window, in ticks.
-    waiting: u64,
+    pub(super) waiting: u64,
+    /// Feed override in percent.
+    pub(super) feed_percent: u16,
+    /// Filament where the last move ends that has left.
+    pub(super) gone: Steps,
     moves: u32,
     /// Path of the tool, raw `Mm` bits.
     path: u64,
@@ -60,10 +67,13 @@ impl Planner {
             asked: position,
             last: (Geometry::new([0; 4]), 0),
             waiting: 0,
+            feed_percent: 100,
+            gone: Steps::ZERO,
             moves: 0,
             path: 0,
         };
         planner.end = planner.steps(position);
+        planner.gone = planner.end[3];
         planner
     }
 
@@ -106,6 +116,7 @@ impl Planner {
         self.window.clear();
         self.waiting = 0;
         self.end = position;
+        self.gone = position[3];
         self.asked = self.mm(position);
     }
 
@@ -125,25 +136,26 @@ impl Planner {
         let e = target.position[3];
         self.asked = if vector.is_extruder_only() { [x, y, z, e] } else { target.position };
         let (least, acceleration) = purpose(&vector, settings);
-        let nominal = vector.speed_limit(target.speed.max(least), settings);
+        let feed = target.speed.max(least);
         let acceleration = vector.acceleration_limit(acceleration, settings);
-        let nominal_sq = u64::from(nominal.to_bits()) * u64::from(nominal.to_bits());
-        let (before, before_sq) = self.last;
-        let corner = corner_speed_sq(&before, &vector, acceleration, settings);
-        let time = mul_div(vector.length, u64::from(TICKS_PER_SECOND), u64::from(nominal.to_bits()) << 16);
-        let time = time.min(u64::from(u32::MAX)) as u32;
-        self.window.push(Planned {
+        let (before, passed_on) = self.last;
+        let mut planned = Planned {
             end,
-            length: vector.length,
-            nominal,
+            vector,
+            feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
+            nominal: feed,
             acceleration,
-            cap: if target.watch.is_empty() { corner.min(before_sq).min(nominal_sq) } else { 0 },
+            corner: corner_speed_sq(&before, &vector, acceleration, settings),
+            cap: 0,
             entry: 0,
-            nominal_ticks: time,
+            nominal_ticks: 0,
             watch: target.watch,
-        });
-        self.waiting += u64::from(time);
-        self.last = (vector, if target.watch.is_empty() { nominal_sq } else { 0 });
+        };
+        planned.set_nominal(if target.has_overrides { percent_of(feed, self.feed_percent) } else { feed }, settings);
+        planned.limit_entry(passed_on);
+        self.waiting += u64::from(planned.nominal_ticks);
+        self.last = (vector, planned.passed_on());
+        self.window.push(planned);
         self.end = end;
         self.moves = self.moves.wrapping_add(1);
         if !vector.is_extruder_only() {
@@ -273,6 +285,7 @@ impl Planner {
     pub fn pop(&mut self) -> Option<Move> {
         let (released, ticks) = self.window.pop()?;
         self.waiting = self.waiting.saturating_sub(u64::from(ticks));
+        self.gone = released.end[3];
         Some(released)
     }
 }

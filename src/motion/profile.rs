@@ -2,7 +2,7 @@
 //!
 //! Three phases: accelerate from the entry speed to the peak, cruise, decelerate to the exit speed. Where
 //! the distance is too short for the nominal speed, the peak is where the two ramps meet:
-//! `peak^2 = (entry^2 + exit^2) / 2 + a L`.
+//! `peak^2 = (entry^2 + exit^2) / 2 + a L`. A move that is entered above its nominal speed brakes to it first.
 
 use super::moves::{Move, WHOLE};
 use crate::port::EndstopSet;
@@ -56,31 +56,34 @@ pub(super) const fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
     mul_div(change, 1 << 7, a.to_bits() as u64)
 }
 
-/// A move over `length` raw `Mm` bits to `end`. The entry and exit speed must be possible: neither above
-/// nominal, and `|exit - entry| <= gain(a, length)` but for rounding.
+/// A move over `length` raw `Mm` bits to `end`. The entry and exit speed must be possible: `|exit - entry| <=
+/// gain(a, length)` but for rounding.
 #[must_use]
 pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch: EndstopSet) -> Move {
     let meet = speeds.entry / 2 + speeds.exit / 2 + gain(a, length) / 2;
-    let peak = speeds.nominal.min(meet).max(speeds.entry).max(speeds.exit).max(1);
+    let brakes_first = speeds.entry > speeds.nominal;
+    let least = if brakes_first { 1 } else { speeds.entry.max(1) };
+    let peak = speeds.nominal.min(meet).max(speeds.exit).max(least);
     let (entry_speed, peak_speed, exit_speed) = (speed(speeds.entry), speed(peak), speed(speeds.exit));
 
-    let rise = ramp_length(peak - speeds.entry, a).min(length);
+    let rise = ramp_length(peak.abs_diff(speeds.entry), a).min(length);
     let fall = ramp_length(peak - speeds.exit, a).min(length - rise);
     let level = length - rise - fall;
     // A ramp's length is its time times the mean of its two speeds.
-    let share = |slow: u64| fraction(2 * slow, slow + peak_speed);
+    let share = |one: u64, other: u64| fraction(2 * one.min(other), one + other);
     Move {
         end,
         accelerated: fraction(rise, length),
         cruised: fraction(length - fall, length),
-        entry_share: share(entry_speed),
-        exit_share: share(exit_speed),
-        accelerate: ramp_time(peak_speed - entry_speed, a),
+        entry_share: share(entry_speed, peak_speed),
+        exit_share: share(exit_speed, peak_speed),
+        accelerate: ramp_time(peak_speed.abs_diff(entry_speed), a),
         // Where there is a cruise, its speed is the nominal one, which has 16 fractional bits.
         cruise: mul_div(level, u64::from(TICKS_PER_SECOND), (peak_speed >> 16).max(1)),
         decelerate: ramp_time(peak_speed - exit_speed, a),
         length,
         acceleration: a,
+        brakes_first,
         rests: speeds.exit == 0,
         watch,
     }
@@ -130,5 +133,19 @@ mod tests {
         assert_eq!((m.accelerate, m.decelerate), (0, 0));
         assert_eq!((m.accelerated, m.cruised), (0, WHOLE));
         assert!((seconds(m.cruise) - 0.1).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_move_entered_too_fast_brakes_first() {
+        let m = run(20.0, 1000.0, 100.0, 50.0, 20.0);
+        assert!(m.brakes_first);
+        assert!((seconds(m.accelerate) - 0.05).abs() < 1e-7);
+        let (first, last) = ((10_000.0 - 2500.0) / 2000.0, (2500.0 - 400.0) / 2000.0);
+        assert!((seconds(m.cruise) - (20.0 - first - last) / 50.0).abs() < 1e-7);
+        assert!((f64::from(m.accelerated) / f64::from(WHOLE) - first / 20.0).abs() < 1e-8);
+        // With no room for its nominal speed it brakes all the way.
+        let m = run(2.0, 1000.0, 100.0, 50.0, 6000f64.sqrt());
+        assert!((seconds(m.accelerate) - (100.0 - 6000f64.sqrt()) / 1000.0).abs() < 1e-7);
+        assert!(seconds(m.cruise + m.decelerate) < 1e-6);
     }
 }

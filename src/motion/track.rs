@@ -62,8 +62,9 @@ impl Track {
 /// The phases of a move; one without time is left out.
 pub(super) fn phases(m: &Move) -> heapless::Vec<Phase, 3> {
     let mut phases = heapless::Vec::new();
+    let first = if m.brakes_first { Curve::Slowing } else { Curve::Speeding };
     let all = [
-        Phase { curve: Curve::Speeding, end: m.accelerated, slow_share: m.entry_share, time: m.accelerate },
+        Phase { curve: first, end: m.accelerated, slow_share: m.entry_share, time: m.accelerate },
         Phase { curve: Curve::Steady, end: m.cruised, slow_share: 0, time: m.cruise },
         Phase { curve: Curve::Slowing, end: WHOLE, slow_share: m.exit_share, time: m.decelerate },
     ];

@@ -11,10 +11,12 @@
 //! commands itself says so (the window is full of unfinished moves, or a command waits for the motion), or
 //! when the stream is dry.
 
+use crate::motion::geometry::Geometry;
 use crate::motion::moves::Move;
 use crate::motion::profile::{Speeds, gain, profile};
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec, MmPerSec2, Steps};
+use crate::settings::Settings;
+use crate::units::{MmPerSec, MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
 use heapless::Deque;
 
 /// Moves that the look-ahead sees at least, at all times when the stream is fast enough.
@@ -33,11 +35,14 @@ const _: () = assert!(LOOK_AHEAD >= 128);
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Planned {
     pub end: [Steps; 4],
-    /// Raw `Mm` bits.
-    pub length: u64,
+    pub vector: Geometry,
+    /// Commanded speed before the feed override; 0 if overrides have no say.
+    pub feed: MmPerSec,
     pub nominal: MmPerSec,
     pub acceleration: MmPerSec2,
-    /// Greatest speed squared at the corner before it.
+    /// Greatest speed squared that the corner before it allows.
+    pub corner: u64,
+    /// Greatest speed squared at that corner, by the nominal speeds of the two moves too.
     pub cap: u64,
     /// Speed squared at the corner before it, as planned so far.
     pub entry: u64,
@@ -46,15 +51,34 @@ pub(super) struct Planned {
     pub watch: EndstopSet,
 }
 
-const _: () = assert!(core::mem::size_of::<Planned>() <= 72);
+const _: () = assert!(core::mem::size_of::<Planned>() <= 112);
 
 impl Planned {
     fn gain(&self) -> u64 {
-        gain(self.acceleration, self.length)
+        gain(self.acceleration, self.vector.length)
     }
 
-    fn nominal_sq(&self) -> u64 {
+    /// The nominal speed squared.
+    pub fn nominal_sq(&self) -> u64 {
         u64::from(self.nominal.to_bits()) * u64::from(self.nominal.to_bits())
+    }
+
+    /// The speed squared above which the corner behind it must not be; none at all behind a move that an endstop may
+    /// end.
+    pub fn passed_on(&self) -> u64 {
+        if self.watch.is_empty() { self.nominal_sq() } else { 0 }
+    }
+
+    /// Takes `speed` as its nominal speed, as far as the axes and the motors allow.
+    pub fn set_nominal(&mut self, speed: MmPerSec, settings: &Settings) {
+        self.nominal = self.vector.speed_limit(speed, settings);
+        let time = mul_div(self.vector.length, u64::from(TICKS_PER_SECOND), u64::from(self.nominal.to_bits()) << 16);
+        self.nominal_ticks = time.min(u64::from(u32::MAX)) as u32;
+    }
+
+    /// Takes a new cap behind a move that passes on `before`.
+    pub fn limit_entry(&mut self, before: u64) {
+        self.cap = if self.watch.is_empty() { self.corner.min(before).min(self.nominal_sq()) } else { 0 };
     }
 }
 
@@ -124,6 +148,31 @@ impl Window {
         }
     }
 
+    /// Has `change` change every move, and plans anew. A speed that is too great now is braked away as fast as the
+    /// accelerations allow, so it counts as a cap until then; it was below all caps when it was planned.
+    pub fn change(&mut self, mut change: impl FnMut(&mut Planned)) {
+        let mut before = u64::MAX;
+        let mut least = self.front;
+        for planned in &mut self.moves {
+            change(planned);
+            planned.limit_entry(before);
+            planned.cap = planned.cap.max(least);
+            least = least.saturating_sub(planned.gain());
+            before = planned.passed_on();
+        }
+        self.ready = 0;
+    }
+
+    /// The last move.
+    pub fn last(&self) -> Option<&Planned> {
+        self.moves.back()
+    }
+
+    /// Nominal time of all moves, in ticks.
+    pub fn time(&self) -> u64 {
+        self.moves.iter().map(|m| u64::from(m.nominal_ticks)).sum()
+    }
+
     /// Nominal time of the moves that may leave, in ticks.
     pub fn ready_time(&self) -> u64 {
         self.moves.iter().take(self.ready).map(|m| u64::from(m.nominal_ticks)).sum()
@@ -142,6 +191,6 @@ impl Window {
         // Planned as `min`, so the ramps fit but for what squares and roots round away.
         let speeds = Speeds { entry: first.entry, nominal: first.nominal_sq(), exit };
         self.front = exit;
-        Some((profile(first.length, first.acceleration, speeds, first.end, first.watch), first.nominal_ticks))
+        Some((profile(first.vector.length, first.acceleration, speeds, first.end, first.watch), first.nominal_ticks))
     }
 }

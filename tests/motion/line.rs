@@ -81,7 +81,8 @@ pub fn plan(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
 }
 
 pub fn target(position: [f64; 4], speed: f64) -> Target {
-    Target { position: position.map(Mm::from_num), speed: MmPerSec::from_num(speed), watch: EndstopSet::NONE }
+    let speed = MmPerSec::from_num(speed);
+    Target { position: position.map(Mm::from_num), speed, has_overrides: true, watch: EndstopSet::NONE }
 }
 
 /// All steps that moves from the origin become.

@@ -323,8 +323,20 @@ fn motors_without_power_do_not_know_where_they_are() {
 
 #[test]
 fn inches_relative_moves_and_overrides_mean_what_they_say() {
-    let lines =
-        ["G20", "G1 X1 F100", "G21", "G91", "G1 X1 E1 F6000", "G90", "M83", "M221 S200", "G1 E1", "M400", "M114"];
+    let lines = [
+        "G20",
+        "G1 X1 F100",
+        "G21",
+        "G91",
+        "G1 X1 E1 F6000",
+        "G90",
+        "M83",
+        "M400",
+        "M221 S200",
+        "G1 E1",
+        "M400",
+        "M114",
+    ];
     let (heard, outcome, _) = talk(&lines);
     assert!(heard.iter().any(|l| l.starts_with("X:26.40 Y:0.00 Z:0.00 E:2.00")), "{heard:?}");
     assert_eq!(outcome.counts[6], 400 + 800, "flow of 200 % for the second millimetre of filament");
