@@ -72,11 +72,26 @@ pub const fn mul_div(a: u64, b: u64, divisor: u64) -> u64 {
         return u64::MAX;
     }
     // The narrow path is the common one, and a 128-bit division costs a Cortex-M4 some thousand cycles.
-    if let Some(product) = a.checked_mul(b) {
-        return product / divisor;
+    match a.checked_mul(b) {
+        Some(product) => product / divisor,
+        None => wide_mul_div(a, b, divisor),
     }
+}
+
+/// The wide path of [`mul_div`]. Compilers for 32 bits write a 128-bit division out, 800 bytes of it, so it stands
+/// in one place.
+#[cold]
+#[inline(never)]
+const fn wide_mul_div(a: u64, b: u64, divisor: u64) -> u64 {
     let wide = a as u128 * b as u128 / divisor as u128;
     if wide > u64::MAX as u128 { u64::MAX } else { wide as u64 }
+}
+
+/// The part `part / whole` of a value with a sign, cut off towards zero; saturates as [`mul_div`] does.
+#[must_use]
+pub const fn part_of(value: i64, part: u64, whole: u64) -> i64 {
+    let magnitude = mul_div(value.unsigned_abs(), part, whole);
+    if value < 0 { 0i64.saturating_sub_unsigned(magnitude) } else { 0i64.saturating_add_unsigned(magnitude) }
 }
 
 /// The integer nearest to the square root. A root that is always cut short would make every speed a little
@@ -114,5 +129,15 @@ mod tests {
         assert_eq!(mul_div(u64::MAX / 2, 4, 8), u64::MAX / 4);
         assert_eq!(mul_div(7, 3, 2), 10);
         assert_eq!(mul_div(7, 3, 0), u64::MAX);
+    }
+
+    #[test]
+    fn a_part_keeps_the_sign_and_is_cut_off_towards_zero() {
+        for (value, part) in [(7, 4), (-7, -4), (i64::MAX, 5_534_023_222_112_865_484), (0, 0)] {
+            assert_eq!(part_of(value, 3, 5), part);
+        }
+        assert_eq!(part_of(i64::MAX, 5, 3), i64::MAX);
+        assert_eq!(part_of(i64::MIN, 5, 3), i64::MIN);
+        assert_eq!(part_of(i64::MIN, 1, 1), i64::MIN);
     }
 }

@@ -8,7 +8,7 @@ use super::modal::{Modal, Wanted};
 use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::motion::Work;
 use crate::port::{Clock, MotorSet, Pend};
-use crate::units::{Mm, TICKS_PER_MS};
+use crate::units::{Mm, TICKS_PER_MS, part_of};
 
 /// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
 const DRY_RUN: u32 = 8;
@@ -188,8 +188,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let speed = self.modal.overridden_feed();
         let begin = self.modal.extrusion;
         let between = |from: Mm, to: Mm, part: u32| {
-            let way = i128::from(to.to_bits()) - i128::from(from.to_bits());
-            Mm::from_bits(from.to_bits() + (way * i128::from(part) / i128::from(arc.chords())) as i64)
+            let way = to.to_bits().wrapping_sub(from.to_bits());
+            Mm::from_bits(from.to_bits().wrapping_add(part_of(way, u64::from(part), u64::from(arc.chords()))))
         };
         for part in 1..=arc.chords() {
             let [x, y] = arc.point(part);
