@@ -25,10 +25,10 @@ impl ArcError {
     /// What to tell the host.
     pub const fn text(self) -> &'static str {
         match self {
-            Self::MissingCentre => "arc ignored: give I and J, or R",
-            Self::ZeroRadius => "arc ignored: its radius is 0",
-            Self::TooLarge => "arc ignored: too large, or too many turns",
-            Self::NoSuchCircle => "arc ignored: no circle of that R passes through both ends",
+            Self::MissingCentre => "echo:arc ignored: give I and J, or R",
+            Self::ZeroRadius => "echo:arc ignored: its radius is 0",
+            Self::TooLarge => "echo:arc ignored: too large, or too many turns",
+            Self::NoSuchCircle => "echo:arc ignored: no circle of that R passes through both ends",
         }
     }
 }
