@@ -166,6 +166,7 @@ fn centre_from_radius(start: [i64; 2], end: [i64; 2], radius: i64, clockwise: bo
     Ok([(start[0] + end[0]) / 2 - share(dy), (start[1] + end[1]) / 2 + share(dx)])
 }
 
+#[inline(never)]
 fn hypotenuse(x: i64, y: i64) -> u64 {
     let square = |v: i64| u128::from(v.unsigned_abs()) * u128::from(v.unsigned_abs());
     (square(x) + square(y)).isqrt() as u64

@@ -25,8 +25,8 @@ pub(super) struct Hundredths(pub Mm);
 
 impl fmt::Display for Hundredths {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let bits = i128::from(self.0.to_bits()) * 100;
-        let hundredths = (bits + (1 << 31)) >> 32;
+        let bits = self.0.to_bits();
+        let hundredths = (bits >> 32) * 100 + (((bits & 0xFFFF_FFFF) * 100 + (1 << 31)) >> 32);
         let sign = if hundredths < 0 { "-" } else { "" };
         let hundredths = hundredths.unsigned_abs();
         write!(f, "{sign}{}.{:02}", hundredths / 100, hundredths % 100)
@@ -113,5 +113,7 @@ mod tests {
         assert_eq!(text(-0.5), "-0.50");
         assert_eq!(text(-0.001), "0.00");
         assert_eq!(text(417.6), "417.60");
+        assert_eq!(Hundredths(Mm::MAX).to_string(), "2147483648.00");
+        assert_eq!(Hundredths(Mm::MIN).to_string(), "-2147483648.00");
     }
 }
