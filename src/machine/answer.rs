@@ -23,9 +23,9 @@ use core::fmt;
 pub(super) enum Answer<'a> {
     /// Nothing, but for the `ok`.
     Nothing,
-    /// The `ok` that ends an answer.
+    /// The `ok` that ends an answer, unless it stands in the answer itself as in the next six.
     Ok,
-    /// M110, with the number that it asked for; its `ok` is part of it, as of the next four.
+    /// M110, with the number that it asked for.
     LineNumber(Option<i32>),
     TooLong,
     Probe(i32),

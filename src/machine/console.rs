@@ -127,7 +127,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     async fn start_and_serve(&mut self) -> Result<Infallible, Interrupt> {
         if self.link.is_fresh() {
             let found = self.load_at_start().await?;
-            let found = Self::found_at_start(&found);
             self.adopt_position(self.planner.end()).await?;
             for host in 0..self.hosts.len() {
                 self.hosts.turn_to(host);

@@ -101,23 +101,18 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(survey)
     }
 
-    /// Takes the settings that are stored, before the first `start`. Nothing is said yet: a host listens
-    /// only after it.
-    pub(super) async fn load_at_start(&mut self) -> Result<Result<Survey, StorageError>, Interrupt> {
-        let found = self.survey().await?;
-        if let Ok(Survey { newest: Some(stored), .. }) = &found {
+    /// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
+    /// host listens only then. A machine without storage has nothing to tell.
+    pub(super) async fn load_at_start(&mut self) -> Result<Answer<'static>, Interrupt> {
+        let survey = match self.survey().await? {
+            Ok(survey) => survey,
+            Err(StorageError::Absent) => return Ok(Answer::Nothing),
+            Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
+        };
+        if let Some(stored) = survey.newest {
             self.use_settings(stored.settings).await?;
         }
-        Ok(found)
-    }
-
-    /// What to tell of what was found at the start. A machine without storage has nothing to tell.
-    pub(super) fn found_at_start(found: &Result<Survey, StorageError>) -> Answer<'static> {
-        match found {
-            Err(StorageError::Absent) => Answer::Nothing,
-            Err(error) => Answer::Storage(StorageNews::Unreadable(*error)),
-            Ok(survey) => Answer::Storage(StorageNews::loaded(survey)),
-        }
+        Ok(Answer::Storage(StorageNews::loaded(&survey)))
     }
 
     /// M500. The machine rests: storage may be flash, whose erasing stops the processor.
