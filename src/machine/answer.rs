@@ -96,17 +96,39 @@ pub(super) struct Progress {
     seen: usize,
 }
 
+impl Progress {
+    /// Begins at the first part again.
+    const fn begin(&mut self) {
+        self.seen = 0;
+    }
+
+    /// Whether the next part is to be said now: it has not been, and everything before it has.
+    const fn is_next(&mut self) -> bool {
+        self.seen += 1;
+        self.seen == self.said + 1
+    }
+
+    /// The part was said.
+    const fn note_said(&mut self) {
+        self.said += 1;
+    }
+
+    /// Whether all parts looked at have been said.
+    const fn is_complete(&self) -> bool {
+        self.said == self.seen
+    }
+}
+
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Tells the host being served, as soon as there is room for it.
     pub(super) async fn tell(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
         self.telling = Progress::default();
         loop {
+            self.telling.begin();
             self.write(&answer);
-            let Progress { said, seen } = self.telling;
-            if said == seen {
+            if self.telling.is_complete() {
                 return Ok(());
             }
-            self.telling.seen = 0;
             self.turn().await?;
         }
     }
@@ -120,10 +142,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Says a part of the present answer, unless that has been said, or something before it could not be.
     #[inline(never)]
     fn put(&mut self, write: &dyn Fn(&mut Replies) -> Result<(), NoRoom>) {
-        let is_next = self.telling.seen == self.telling.said;
-        self.telling.seen += 1;
-        if is_next && self.hosts.replies().is_none_or(|replies| write(replies).is_ok()) {
-            self.telling.said += 1;
+        if self.telling.is_next() && self.hosts.replies().is_none_or(|replies| write(replies).is_ok()) {
+            self.telling.note_said();
             self.hosts.send();
         }
     }
@@ -199,5 +219,37 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let (line, bytes) = self.hosts.progress();
         let moves = self.planner.room();
         self.put(&|replies| replies.advanced_ok(line, moves, bytes));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn each_part_is_said_once_and_in_order_whatever_room_there_is() {
+        for room in 1..=6 {
+            let (mut progress, mut heard) = (Progress::default(), Vec::new());
+            loop {
+                progress.begin();
+                let mut left = room;
+                for part in 0..5 {
+                    // The part at 3 is long: those behind it would fit, but must wait.
+                    let is_fitting = left > 0 && (part != 3 || left == room);
+                    if progress.is_next() && is_fitting {
+                        progress.note_said();
+                        heard.push(part);
+                        left -= 1;
+                    }
+                }
+                if progress.is_complete() {
+                    break;
+                }
+            }
+            assert_eq!(heard, [0, 1, 2, 3, 4]);
+        }
     }
 }
