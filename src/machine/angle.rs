@@ -50,6 +50,7 @@ const ARC_TANGENT: [i64; 38] = [
 const GAIN: i64 = 700_114_967_507_363_328;
 
 /// The direction of a vector, in `-TURN/2 ..= TURN/2`, counter-clockwise from +x; 0 for no vector.
+#[inline(never)]
 pub(super) fn direction(x: i64, y: i64) -> i64 {
     let largest = x.unsigned_abs().max(y.unsigned_abs());
     if largest == 0 {

@@ -6,7 +6,7 @@
 
 use super::angle::{TURN, cos_sin, direction};
 use crate::gcode::ArcShape;
-use crate::units::{Mm, mul_div};
+use crate::units::{Mm, mul_div, part_of};
 
 /// Why there is no such arc.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -25,10 +25,10 @@ impl ArcError {
     /// What to tell the host.
     pub const fn text(self) -> &'static str {
         match self {
-            Self::MissingCentre => "arc ignored: give I and J, or R",
-            Self::ZeroRadius => "arc ignored: its radius is 0",
-            Self::TooLarge => "arc ignored: too large, or too many turns",
-            Self::NoSuchCircle => "arc ignored: no circle of that R passes through both ends",
+            Self::MissingCentre => "echo:arc ignored: give I and J, or R",
+            Self::ZeroRadius => "echo:arc ignored: its radius is 0",
+            Self::TooLarge => "echo:arc ignored: too large, or too many turns",
+            Self::NoSuchCircle => "echo:arc ignored: no circle of that R passes through both ends",
         }
     }
 }
@@ -107,10 +107,10 @@ impl Arc {
         if index >= self.chords {
             return self.end;
         }
-        let (part, whole) = (i128::from(index), i128::from(self.chords));
-        let (cos, sin) = cos_sin(self.from + (i128::from(self.sweep) * part / whole) as i64);
-        let [first, last] = self.radius.map(i128::from);
-        let radius = first + (last - first) * part / whole;
+        let part = |value: i64| part_of(value, u64::from(index), u64::from(self.chords));
+        let (cos, sin) = cos_sin(self.from + part(self.sweep));
+        let [first, last] = self.radius.map(|radius| radius as i64);
+        let radius = i128::from(first + part(last - first));
         let along = |component: i64| ((radius * i128::from(component)) >> 60) as i64;
         let [x, y] = self.centre;
         [Mm::from_bits(x + along(cos)), Mm::from_bits(y + along(sin))]
@@ -159,15 +159,14 @@ fn centre_from_radius(start: [i64; 2], end: [i64; 2], radius: i64, clockwise: bo
         return Err(ArcError::NoSuchCircle);
     }
     let half = u128::from(chord / 2);
-    let height = (u128::from(most) * u128::from(most)).saturating_sub(half * half).isqrt() as i128;
+    let height = (u128::from(most) * u128::from(most)).saturating_sub(half * half).isqrt() as i64;
     // To the left of the way from start to end, unless exactly one of these holds.
     let height = if clockwise == (radius > 0) { -height } else { height };
-    let chord = i128::from(chord);
-    let x = (start[0] + end[0]) / 2 - (height * i128::from(dy) / chord) as i64;
-    let y = (start[1] + end[1]) / 2 + (height * i128::from(dx) / chord) as i64;
-    Ok([x, y])
+    let share = |way: i64| way.signum() * part_of(height, way.unsigned_abs(), chord);
+    Ok([(start[0] + end[0]) / 2 - share(dy), (start[1] + end[1]) / 2 + share(dx)])
 }
 
+#[inline(never)]
 fn hypotenuse(x: i64, y: i64) -> u64 {
     let square = |v: i64| u128::from(v.unsigned_abs()) * u128::from(v.unsigned_abs());
     (square(x) + square(y)).isqrt() as u64

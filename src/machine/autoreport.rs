@@ -3,7 +3,7 @@
 //! A report is a whole line, and it is put in only where everything said before has left. So it stands neither inside
 //! a line nor between the lines of one answer, and a host that does not read is not filled with it.
 
-use super::console::{Console, Interrupt, PortSet};
+use super::console::{Console, PortSet};
 use super::hosts::Hosts;
 use super::report::Temperatures;
 use crate::gcode::Number;
@@ -74,12 +74,11 @@ impl<S: Serial> Hosts<S> {
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M154, M155. Without S nothing changes.
-    pub(super) fn report_every(&mut self, report: Report, seconds: Option<Number>) -> Result<(), Interrupt> {
+    pub(super) fn report_every(&mut self, report: Report, seconds: Option<Number>) {
         if let Some(seconds) = seconds {
             let now = self.ports.clock.now();
             self.hosts.schedule(report, seconds.to_u32().min(LONGEST_S) as u8, now);
         }
-        Ok(())
     }
 
     /// Tells hosts what they want to be told by itself.

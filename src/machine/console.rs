@@ -1,5 +1,6 @@
 //! The console: lines in, replies out, one command after the other.
 
+use super::answer::{Answer, Progress};
 use super::flow::Flow;
 use super::hosts::{Asked, Hosts, Text};
 use super::limits::Homed;
@@ -16,7 +17,6 @@ use crate::protocol::{NoRoom, Replies};
 use crate::settings::Settings;
 use crate::units::{Instant, Mm};
 use core::convert::Infallible;
-use core::fmt;
 use core::future::poll_fn;
 use core::task::Poll;
 
@@ -42,6 +42,8 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) link: Link<'m, W>,
     pub(super) planner: Planner,
     pub(super) flow: Flow,
+    /// How far the present answer has been written.
+    pub(super) telling: Progress,
     pub(super) settings: Settings,
     /// The settings that the machine was made with.
     pub(super) defaults: Settings,
@@ -80,6 +82,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             link,
             planner: Planner::new(&settings, [x, y, z, Mm::ZERO]),
             flow: Flow::new(),
+            telling: Progress::default(),
             settings,
             defaults: settings,
             modal: Modal::new([x, y, z]),
@@ -127,14 +130,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.adopt_position(self.planner.end()).await?;
             for host in 0..self.hosts.len() {
                 self.hosts.turn_to(host);
-                self.answer(Replies::start).await?;
-                self.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION"))).await?;
-                self.report_start(found).await?;
+                self.tell(Answer::Start).await?;
+                self.tell(found).await?;
             }
         }
         // A command that an emergency ended is answered all the same.
         if self.hosts.owes_ok() {
-            self.acknowledge().await?;
+            self.tell(Answer::Ok).await?;
             self.hosts.settle();
             self.wait = Wait::new();
         }
@@ -151,56 +153,31 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 continue;
             };
             self.link.status().set_awaiting_input(false);
-            match asked {
+            let answer = match asked {
                 Asked::Command => self.carry_out(&text).await?,
-                Asked::Nothing => self.acknowledge().await?,
-                Asked::LineNumber(report) => {
+                Asked::Nothing => Answer::Nothing,
+                Asked::LineNumber(number) => {
                     self.told_of_edge = false;
-                    self.answer(|r| r.line_number(report)).await?;
+                    Answer::LineNumber(number)
                 }
-                Asked::TooLong => self.answer(Replies::too_long).await?,
-                Asked::Probe(last) => self.answer(|r| r.probe(last)).await?,
-                Asked::Resend(reason, last) => self.answer(|r| r.resend(reason, last)).await?,
+                Asked::TooLong => Answer::TooLong,
+                Asked::Probe(last) => Answer::Probe(last),
+                Asked::Resend(reason, last) => Answer::Resend(reason, last),
+            };
+            self.tell(answer).await?;
+            if !answer.has_ok() {
+                self.tell(Answer::Ok).await?;
             }
             self.hosts.settle();
             self.wait = Wait::new();
         }
     }
 
-    async fn carry_out(&mut self, text: &[u8]) -> Result<(), Interrupt> {
-        match gcode::parse(text) {
-            gcode::Command::Unknown(what) => self.answer(|r| r.unknown(what)).await,
-            // The temperatures stand in the line of the ok itself.
-            gcode::Command::ReportTemperatures => self.report_temperatures().await,
-            command => match self.execute(&command).await {
-                Ok(()) | Err(Interrupt::NoPower) => self.acknowledge().await,
-                Err(interrupt) => Err(interrupt),
-            },
+    async fn carry_out<'a>(&mut self, text: &'a [u8]) -> Result<Answer<'a>, Interrupt> {
+        match self.execute(&gcode::parse(text)).await {
+            Err(Interrupt::NoPower) => Ok(Answer::Nothing),
+            result => result,
         }
-    }
-
-    /// Writes an answer to the host being served, as soon as there is room for it.
-    pub(super) async fn answer(&mut self, write: impl Fn(&mut Replies) -> Result<(), NoRoom>) -> Result<(), Interrupt> {
-        while self.hosts.replies().is_some_and(|replies| write(replies).is_err()) {
-            self.turn().await?;
-        }
-        self.hosts.send();
-        Ok(())
-    }
-
-    /// Answers a line that needs no other answer.
-    async fn acknowledge(&mut self) -> Result<(), Interrupt> {
-        if !self.settings.advanced_ok {
-            return self.answer(Replies::ok).await;
-        }
-        let (line, bytes) = self.hosts.progress();
-        let moves = self.planner.room();
-        self.answer(|replies| replies.advanced_ok(line, moves, bytes)).await
-    }
-
-    /// Writes one line as soon as there is room for it.
-    pub(super) async fn say(&mut self, line: fmt::Arguments<'_>) -> Result<(), Interrupt> {
-        self.answer(|replies| replies.line(line)).await
     }
 
     /// Lets the world go round once.

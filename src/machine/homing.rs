@@ -1,5 +1,6 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
 
+use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use crate::gcode::AxisFlags;
 use crate::motion::Target;
@@ -13,13 +14,17 @@ const BEYOND: Mm = Mm::const_from_int(10);
 /// Why homing failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum HomeError {
-    /// The switch was not met on the whole length of the axis.
-    NoTrigger,
-    /// The switch was still pressed after backing off.
-    StillPressed,
+    /// The switch did not do what it should.
+    Failed(&'static str),
     /// Something else ended it.
     Interrupted(Interrupt),
 }
+
+/// The switch was not met on the whole length of the axis.
+const NO_TRIGGER: HomeError = HomeError::Failed("not found");
+
+/// The switch was still pressed after backing off.
+const STILL_PRESSED: HomeError = HomeError::Failed("does not release");
 
 impl From<Interrupt> for HomeError {
     fn from(interrupt: Interrupt) -> Self {
@@ -60,12 +65,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             match result {
                 Ok(()) => {}
                 Err(HomeError::Interrupted(interrupt)) => return Err(interrupt),
-                Err(HomeError::NoTrigger) => {
-                    self.say(format_args!("Error:Homing failed: {} endstop not found", axis.name)).await?;
-                    return Err(Interrupt::Halt);
-                }
-                Err(HomeError::StillPressed) => {
-                    self.say(format_args!("Error:Homing failed: {} endstop does not release", axis.name)).await?;
+                Err(HomeError::Failed(why)) => {
+                    self.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
                     return Err(Interrupt::Halt);
                 }
             }
@@ -77,17 +78,17 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
         self.set_homed(axis.index, false);
         if !self.approach(axis, axis.length + BEYOND, axis.homing.fast).await? {
-            return Err(HomeError::NoTrigger);
+            return Err(NO_TRIGGER);
         }
         self.travel(axis, axis.homing.back_off, axis.homing.fast, EndstopSet::NONE).await?;
         // Twice the way back finds any switch that is still there.
         let sought = axis.homing.back_off * 2;
         let before = self.real_steps();
         if !self.approach(axis, sought, axis.homing.slow).await? {
-            return Err(HomeError::NoTrigger);
+            return Err(NO_TRIGGER);
         }
         if self.real_steps() == before {
-            return Err(HomeError::StillPressed);
+            return Err(STILL_PRESSED);
         }
         self.call_it_zero(axis.index).await?;
         self.set_homed(axis.index, true);

@@ -1,9 +1,44 @@
 //! Keeping settings: what is stored counts from the start on, and M500 to M504.
 
+use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
-use crate::storage::{self, Rejected, Survey};
+use crate::storage::{self, Receipt, Rejected, SaveError, Slot, Survey};
+
+/// Why the content of a slot is not used.
+type Slots = [(Slot, Option<Rejected>); 2];
+
+/// What there is to tell of the storage.
+#[derive(Clone, Copy)]
+pub(super) enum StorageNews {
+    /// M500 did it.
+    Saved(Receipt),
+    /// M500 did not.
+    NotSaved(SaveError),
+    /// M501 found no storage.
+    Unchanged(StorageError),
+    /// M504 found none.
+    Unanswered(StorageError),
+    /// There was none at the start.
+    Unreadable(StorageError),
+    /// These settings were found and taken, or the defaults if there is no receipt.
+    Loaded { rejected: Slots, receipt: Option<Receipt> },
+    /// These settings were found.
+    Checked { rejected: Slots, receipt: Option<Receipt> },
+    /// M502.
+    Defaults,
+}
+
+impl StorageNews {
+    fn loaded(survey: &Survey) -> Self {
+        Self::Loaded { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
+    }
+
+    fn checked(survey: &Survey) -> Self {
+        Self::Checked { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
+    }
+}
 
 /// The storage, with the world going round once after every transfer, so that M112 is heard while settings
 /// are being saved.
@@ -66,94 +101,96 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(survey)
     }
 
-    /// Takes the settings that are stored, before the first `start`. Nothing is said yet: a host listens
-    /// only after it.
-    pub(super) async fn load_at_start(&mut self) -> Result<Result<Survey, StorageError>, Interrupt> {
-        let found = self.survey().await?;
-        if let Ok(Survey { newest: Some(stored), .. }) = &found {
+    /// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
+    /// host listens only then. A machine without storage has nothing to tell.
+    pub(super) async fn load_at_start(&mut self) -> Result<Answer<'static>, Interrupt> {
+        let survey = match self.survey().await? {
+            Ok(survey) => survey,
+            Err(StorageError::Absent) => return Ok(Answer::Nothing),
+            Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
+        };
+        if let Some(stored) = survey.newest {
             self.use_settings(stored.settings).await?;
         }
-        Ok(found)
-    }
-
-    /// Tells what was found at the start. A machine without storage has nothing to tell.
-    pub(super) async fn report_start(&mut self, found: Result<Survey, StorageError>) -> Result<(), Interrupt> {
-        match found {
-            Err(StorageError::Absent) => Ok(()),
-            Err(error) => {
-                self.say(format_args!("echo:{error}")).await?;
-                self.report_defaults().await
-            }
-            Ok(survey) => self.report_loaded(&survey).await,
-        }
+        Ok(Answer::Storage(StorageNews::loaded(&survey)))
     }
 
     /// M500. The machine rests: storage may be flash, whose erasing stops the processor.
-    pub(super) async fn save_settings(&mut self) -> Result<(), Interrupt> {
+    pub(super) async fn save_settings(&mut self) -> Result<StorageNews, Interrupt> {
         self.finish().await?;
         let settings = self.settings;
         let mut paced = Paced::new(self);
         let saved = storage::save(&mut paced, &settings).await;
         paced.end()?;
-        match saved {
-            Ok(receipt) => self.say(format_args!("echo:Settings Stored {receipt}")).await,
-            Err(error) => self.say(format_args!("echo:Settings not stored: {error}")).await,
-        }
+        Ok(saved.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
     }
 
     /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing.
-    pub(super) async fn load_settings(&mut self) -> Result<(), Interrupt> {
+    pub(super) async fn load_settings(&mut self) -> Result<StorageNews, Interrupt> {
         self.finish().await?;
-        match self.survey().await? {
-            Ok(survey) => {
-                let settings = survey.newest.map_or(self.defaults, |stored| stored.settings);
-                self.use_settings(settings).await?;
-                self.report_loaded(&survey).await
-            }
-            Err(error) => self.say(format_args!("echo:Settings unchanged: {error}")).await,
-        }
+        let survey = match self.survey().await? {
+            Ok(survey) => survey,
+            Err(error) => return Ok(StorageNews::Unchanged(error)),
+        };
+        let settings = survey.newest.map_or(self.defaults, |stored| stored.settings);
+        self.use_settings(settings).await?;
+        Ok(StorageNews::loaded(&survey))
     }
 
     /// M502.
-    pub(super) async fn reset_settings(&mut self) -> Result<(), Interrupt> {
+    pub(super) async fn reset_settings(&mut self) -> Result<StorageNews, Interrupt> {
         self.finish().await?;
         self.use_settings(self.defaults).await?;
-        self.report_defaults().await
+        Ok(StorageNews::Defaults)
     }
 
     /// M504.
-    pub(super) async fn check_storage(&mut self) -> Result<(), Interrupt> {
-        let survey = match self.survey().await? {
-            Ok(survey) => survey,
-            Err(error) => return self.say(format_args!("echo:{error}")).await,
-        };
-        self.report_rejected(&survey).await?;
-        match survey.newest {
-            Some(stored) => self.say(format_args!("echo:stored settings valid {}", stored.receipt)).await,
-            None => self.say(format_args!("echo:no valid settings stored")).await,
+    pub(super) async fn check_storage(&mut self) -> Result<StorageNews, Interrupt> {
+        Ok(match self.survey().await? {
+            Ok(survey) => StorageNews::checked(&survey),
+            Err(error) => StorageNews::Unanswered(error),
+        })
+    }
+
+    pub(super) fn say_storage(&mut self, news: &StorageNews) {
+        match *news {
+            StorageNews::Saved(receipt) => self.say(format_args!("echo:Settings Stored {receipt}")),
+            StorageNews::NotSaved(error) => self.say(format_args!("echo:Settings not stored: {error}")),
+            StorageNews::Unchanged(error) => self.say(format_args!("echo:Settings unchanged: {error}")),
+            StorageNews::Unanswered(error) => self.say(format_args!("echo:{error}")),
+            StorageNews::Unreadable(error) => {
+                self.say(format_args!("echo:{error}"));
+                self.say_defaults();
+            }
+            StorageNews::Loaded { rejected, receipt } => {
+                self.say_rejected(rejected);
+                match receipt {
+                    Some(receipt) => self.say(format_args!("echo:stored settings retrieved {receipt}")),
+                    None => self.say_defaults(),
+                }
+            }
+            StorageNews::Checked { rejected, receipt } => {
+                self.say_rejected(rejected);
+                match receipt {
+                    Some(receipt) => self.say(format_args!("echo:stored settings valid {receipt}")),
+                    None => self.say(format_args!("echo:no valid settings stored")),
+                }
+            }
+            StorageNews::Defaults => self.say_defaults(),
         }
     }
 
-    async fn report_loaded(&mut self, survey: &Survey) -> Result<(), Interrupt> {
-        self.report_rejected(survey).await?;
-        match survey.newest {
-            Some(stored) => self.say(format_args!("echo:stored settings retrieved {}", stored.receipt)).await,
-            None => self.report_defaults().await,
-        }
-    }
-
-    async fn report_defaults(&mut self) -> Result<(), Interrupt> {
-        self.say(format_args!("echo:Hardcoded Default Settings Loaded")).await
+    fn say_defaults(&mut self) {
+        self.say(format_args!("echo:Hardcoded Default Settings Loaded"));
     }
 
     /// Names the slots whose content is not used; an empty one is no news.
-    async fn report_rejected(&mut self, survey: &Survey) -> Result<(), Interrupt> {
-        for (slot, why) in survey.rejected {
+    fn say_rejected(&mut self, slots: Slots) {
+        for (slot, why) in slots {
             if let Some(why) = why.filter(|why| *why != Rejected::Blank) {
-                self.say(format_args!("echo:storage slot {slot} not used: {why}")).await?;
+                self.say(format_args!("echo:storage slot {slot} not used: {why}"));
             }
         }
-        Ok(())
     }
 
     /// Takes over other settings. Motion rests: a step must not change its size under way.

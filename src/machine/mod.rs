@@ -5,9 +5,12 @@
 //! released moves on, send replies out.
 
 mod angle;
+mod answer;
 mod arc;
+mod at_once;
 mod autoreport;
 mod console;
+mod driver_report;
 mod drivers;
 mod execute;
 mod flow;
@@ -15,6 +18,7 @@ mod homing;
 mod hosts;
 mod keeping;
 mod limits;
+mod message;
 mod modal;
 mod motion;
 mod pause;
@@ -23,7 +27,7 @@ mod power;
 mod report;
 mod retraction;
 mod sensors;
-mod tell;
+mod setting;
 mod tuning;
 
 pub use console::{Console, PortSet, Ports};

@@ -2,7 +2,7 @@
 
 use crate::gcode::{AxisWords, Number};
 use crate::settings::{Range, Settings, ranges};
-use crate::units::{Mm, MmPerSec};
+use crate::units::{Mm, MmPerSec, part_of};
 
 /// Positions are kept within +-10 m, whatever a line says: no machine is larger, and no sum overflows.
 pub(super) const FARTHEST: Range<Mm> = Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
@@ -14,7 +14,7 @@ const PERCENT: Range<u16> = Range { least: 10, most: 999 };
 const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 
 /// Millimetres an inch, exactly 25.4, as the fraction 127/5.
-const INCH: (i64, i64) = (127, 5);
+const INCH: (u64, u64) = (127, 5);
 
 /// What still holds.
 #[derive(Clone, Copy, Debug)]
@@ -72,13 +72,8 @@ impl Modal {
 
     /// A number of a line as a length.
     pub fn length(&self, number: Number) -> Mm {
-        let bits = number.value().to_bits();
-        if self.inches {
-            let wide = i128::from(bits) * i128::from(INCH.0) / i128::from(INCH.1);
-            Mm::from_bits(wide.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64)
-        } else {
-            Mm::from_bits(bits)
-        }
+        let value = number.value();
+        if self.inches { Mm::from_bits(part_of(value.to_bits(), INCH.0, INCH.1)) } else { value }
     }
 
     /// A number of a line as a speed in units a second.
@@ -114,8 +109,7 @@ impl Modal {
         };
         let asked = extrusion.saturating_sub(self.extrusion);
         let flow_percent = if self.dry_run { 0 } else { self.flow_percent };
-        let flow = i128::from(asked.to_bits()) * i128::from(flow_percent) / 100;
-        let flow = Mm::from_bits(flow.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64);
+        let flow = Mm::from_bits(part_of(asked.to_bits(), u64::from(flow_percent), 100));
         let too_much = flow.saturating_abs() > settings.axes.e.length;
         Wanted {
             position: [

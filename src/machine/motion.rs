@@ -1,5 +1,6 @@
 //! The Console's dealings with motion: planning moves, waiting for them, stopping them.
 
+use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use super::flow::{GATHERED, Release};
 use super::limits::clamp;
@@ -22,7 +23,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let (inside, moved) = clamp(fence(position), self.homed, &self.settings);
         if moved && !self.told_of_edge {
             self.told_of_edge = true;
-            self.say(format_args!("echo:target beyond the reachable space, moved to its edge")).await?;
+            self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
         }
         let position = self.retraction.away_from(inside);
         self.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
@@ -179,7 +180,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         self.drop_motion().await?;
         if core::mem::take(&mut self.is_homing) {
-            self.say(format_args!("echo:homing was ended, the axis has no known position")).await?;
+            self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }
         Ok(())
     }

@@ -5,9 +5,22 @@
 //! the stream itself and keep their `ok` back until the user is ready. The tool stays where it is, and so does the
 //! power of the motors.
 
+use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use crate::port::{Clock, Pend};
-use core::fmt;
+
+/// The print is paused.
+const PAUSED: &str = "// action:paused";
+
+/// The print goes on.
+const RESUMED: &str = "// action:resumed";
+
+/// A question to the user begins.
+const ASK: &str = "// action:prompt_begin Paused";
+const ASK_FOR_FILAMENT: &str = "// action:prompt_begin Change the filament";
+
+/// Nobody need answer any more.
+const PROMPT_END: &str = "// action:prompt_end";
 
 /// What a command waits for beside the motion, and what has come of it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -30,19 +43,19 @@ impl Wait {
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Says the same to all hosts. One that is not being served and has no room for it misses it.
-    async fn announce(&mut self, line: fmt::Arguments<'_>) -> Result<(), Interrupt> {
-        self.hosts.tell_others(line);
-        self.say(line).await
+    async fn announce(&mut self, lines: &[&'static str]) -> Result<(), Interrupt> {
+        for line in lines {
+            self.hosts.tell_others(format_args!("{line}"));
+            self.tell(Answer::Line(line)).await?;
+        }
+        Ok(())
     }
 
     /// M0, M1, M600, M601: lets the motion end, and waits for M108, M24, M602 or an answer, or for `ms`.
     pub(super) async fn await_user(&mut self, ms: u32, filament: bool) -> Result<(), Interrupt> {
         self.finish().await?;
-        let question = if filament { "Change the filament" } else { "Paused" };
-        self.announce(format_args!("// action:paused")).await?;
-        self.announce(format_args!("// action:prompt_begin {question}")).await?;
-        self.announce(format_args!("// action:prompt_button Continue")).await?;
-        self.announce(format_args!("// action:prompt_show")).await?;
+        let question = if filament { ASK_FOR_FILAMENT } else { ASK };
+        self.announce(&[PAUSED, question, "// action:prompt_button Continue", "// action:prompt_show"]).await?;
         let end = self.ports.clock.now().after_ms(ms);
         // An answer that came in one packet with the command counts.
         self.wait.is_over |= self.wait.is_answered;
@@ -50,26 +63,25 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         while !(self.wait.is_over || (ms > 0 && self.ports.clock.now() >= end)) {
             if let Err(interrupt) = self.turn().await {
                 self.wait.is_for_user = false;
-                self.hosts.tell_all(format_args!("// action:prompt_end"));
+                self.hosts.tell_all(format_args!("{PROMPT_END}"));
                 return Err(interrupt);
             }
         }
         self.wait.is_for_user = false;
-        self.announce(format_args!("// action:prompt_end")).await?;
-        self.announce(format_args!("// action:resumed")).await
+        self.announce(&[PROMPT_END, RESUMED]).await
     }
 
     /// M25. The hosts are told first, so that they stop sending while the motion ends.
     pub(super) async fn pause(&mut self) -> Result<(), Interrupt> {
         self.is_paused = true;
-        self.announce(format_args!("// action:paused")).await?;
+        self.announce(&[PAUSED]).await?;
         self.finish().await
     }
 
     /// M24, M602. Where it has ended another command's wait, that command has told the hosts.
     pub(super) async fn resume(&mut self) -> Result<(), Interrupt> {
         if core::mem::take(&mut self.is_paused) {
-            self.announce(format_args!("// action:resumed")).await?;
+            self.announce(&[RESUMED]).await?;
         }
         Ok(())
     }

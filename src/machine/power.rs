@@ -1,5 +1,6 @@
 //! Power for the motors: only with proof from their drivers, and not a step longer.
 
+use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use super::limits::Homed;
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
@@ -36,8 +37,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             let proof = self.ask_driver(Job::Verify, motor).await?;
             let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
             if let Err(error) = proof {
-                let fault = Fault { motor, error };
-                self.say(format_args!("Error:{fault}; no motor was given power")).await?;
+                self.tell(Answer::NoPower(Fault { motor, error })).await?;
                 return Err(Interrupt::NoPower);
             }
         }

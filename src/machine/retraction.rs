@@ -3,8 +3,9 @@
 //! The program knows nothing of it: what it commands goes on meaning the same, and the machine stays away from it by
 //! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
 
+use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
-use super::report::exact;
+use super::setting::Setting;
 use crate::gcode::Number;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
@@ -17,11 +18,11 @@ const LENGTH: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100)
 /// How G10 and G11 retract, and whether the filament is.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Retraction {
-    length: Mm,
-    speed: MmPerSec,
-    lift: Mm,
-    extra: Mm,
-    recover_speed: MmPerSec,
+    pub length: Mm,
+    pub speed: MmPerSec,
+    pub lift: Mm,
+    pub extra: Mm,
+    pub recover_speed: MmPerSec,
     /// How far the tool is above and the filament behind the commanded position.
     away: Option<[Mm; 2]>,
 }
@@ -104,14 +105,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// M207. A filament that is retracted is recovered as far as it was retracted.
-    pub(super) async fn set_retraction(
+    pub(super) fn set_retraction(
         &mut self,
         length: Option<Number>,
         feed: Option<Number>,
         lift: Option<Number>,
-    ) -> Result<(), Interrupt> {
+    ) -> Answer<'static> {
         if length.or(feed).or(lift).is_none() {
-            return self.report_retraction().await;
+            return Setting::Retraction.answer();
         }
         if let Some(length) = length {
             self.retraction.length = LENGTH.clamp(self.modal.length(length));
@@ -122,13 +123,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if let Some(lift) = lift {
             self.retraction.lift = LENGTH.clamp(self.modal.length(lift));
         }
-        Ok(())
+        Answer::Nothing
     }
 
     /// M208.
-    pub(super) async fn set_recovery(&mut self, extra: Option<Number>, feed: Option<Number>) -> Result<(), Interrupt> {
+    pub(super) fn set_recovery(&mut self, extra: Option<Number>, feed: Option<Number>) -> Answer<'static> {
         if extra.or(feed).is_none() {
-            return self.report_recovery().await;
+            return Setting::Recovery.answer();
         }
         if let Some(extra) = extra {
             self.retraction.extra = LENGTH.clamp(self.modal.length(extra));
@@ -136,18 +137,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if let Some(feed) = feed {
             self.retraction.recover_speed = self.speed_a_minute(feed);
         }
-        Ok(())
-    }
-
-    pub(super) async fn report_retraction(&mut self) -> Result<(), Interrupt> {
-        let Retraction { length, speed, lift, .. } = self.retraction;
-        let (length, feed, lift) = (exact(length), exact(Mm::from(speed) * 60), exact(lift));
-        self.say(format_args!("echo:  M207 S{length} F{feed} Z{lift}")).await
-    }
-
-    pub(super) async fn report_recovery(&mut self) -> Result<(), Interrupt> {
-        let Retraction { extra, recover_speed, .. } = self.retraction;
-        let (extra, feed) = (exact(extra), exact(Mm::from(recover_speed) * 60));
-        self.say(format_args!("echo:  M208 S{extra} F{feed}")).await
+        Answer::Nothing
     }
 }

@@ -1,6 +1,8 @@
 //! Settings that lines change: each value is brought into its legal range, and following moves obey.
 
+use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
+use super::setting::Setting;
 use crate::gcode::{AxisWords, Number};
 use crate::port::Pend;
 use crate::settings::{AxisSettings, CornerRule, Settings, ranges};
@@ -26,34 +28,34 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// M201.
-    pub(super) async fn set_max_acceleration(&mut self, words: &AxisWords) -> Result<(), Interrupt> {
+    pub(super) fn set_max_acceleration(&mut self, words: &AxisWords) -> Answer<'static> {
         if *words == AxisWords::default() {
-            return self.report_max_accelerations().await;
+            return Setting::MaxAccelerations.answer();
         }
         let modal = self.modal;
         for (axis, number) in named(&mut self.settings, words) {
             let wanted = MmPerSec2::saturating_from_num(modal.length(number));
             axis.max_acceleration = ranges::ACCELERATION.clamp(wanted);
         }
-        Ok(())
+        Answer::Nothing
     }
 
     /// M203.
-    pub(super) async fn set_max_speed(&mut self, words: &AxisWords) -> Result<(), Interrupt> {
+    pub(super) fn set_max_speed(&mut self, words: &AxisWords) -> Answer<'static> {
         if *words == AxisWords::default() {
-            return self.report_max_speeds().await;
+            return Setting::MaxSpeeds.answer();
         }
         let modal = self.modal;
         for (axis, number) in named(&mut self.settings, words) {
             axis.max_speed = modal.speed(number).min(fastest(axis.steps_per_mm));
         }
-        Ok(())
+        Answer::Nothing
     }
 
     /// M92. The machine comes to rest first: a step must not change its size under way.
-    pub(super) async fn set_resolution(&mut self, words: &AxisWords) -> Result<(), Interrupt> {
+    pub(super) async fn set_resolution(&mut self, words: &AxisWords) -> Result<Answer<'static>, Interrupt> {
         if *words == AxisWords::default() {
-            return self.report_resolutions().await;
+            return Ok(Setting::Resolutions.answer());
         }
         let mut wanted = self.settings;
         let before = wanted;
@@ -62,29 +64,28 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             axis.max_speed = axis.max_speed.min(fastest(axis.steps_per_mm));
         }
         if wanted.axes.x.steps_per_mm != wanted.axes.y.steps_per_mm {
-            return self.say(format_args!("echo:M92 ignored: X and Y move one belt and need the same value")).await;
+            return Ok(Answer::OneBelt("M92"));
         }
         let belt = fastest(wanted.axes.x.steps_per_mm);
         wanted.motor_max_speed = wanted.motor_max_speed.min(belt);
         let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
         if speeds(&wanted) != speeds(&before) {
-            let most = ranges::STEP_RATE;
-            self.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"))
-                .await?;
+            self.tell(Answer::LoweredSpeeds).await?;
         }
         self.finish().await?;
-        self.use_settings(wanted).await
+        self.use_settings(wanted).await?;
+        Ok(Answer::Nothing)
     }
 
     /// M204.
-    pub(super) async fn set_acceleration(
+    pub(super) fn set_acceleration(
         &mut self,
         print: Option<Number>,
         retract: Option<Number>,
         travel: Option<Number>,
-    ) -> Result<(), Interrupt> {
+    ) -> Answer<'static> {
         if print.or(retract).or(travel).is_none() {
-            return self.report_accelerations().await;
+            return Setting::Accelerations.answer();
         }
         if let Some(number) = print {
             self.settings.print_acceleration = self.acceleration(number);
@@ -95,20 +96,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if let Some(number) = travel {
             self.settings.travel_acceleration = self.acceleration(number);
         }
-        Ok(())
+        Answer::Nothing
     }
 
     /// M205. J chooses junction deviation; a jerk of X or Y without J is a square-corner velocity, for a
     /// corner of 90 degrees changes the speed of each axis by just that.
-    pub(super) async fn set_corners(
+    pub(super) fn set_corners(
         &mut self,
         deviation: Option<Number>,
         jerk: &AxisWords,
         min_feed: Option<Number>,
         min_travel: Option<Number>,
-    ) -> Result<(), Interrupt> {
+    ) -> Answer<'static> {
         if deviation.or(min_feed).or(min_travel).is_none() && *jerk == AxisWords::default() {
-            return self.report_corners().await;
+            return Setting::Corners.answer();
         }
         if let Some(number) = deviation {
             let wanted: Mm = self.modal.length(number);
@@ -128,20 +129,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if let Some(number) = min_travel {
             self.settings.min_travel = least(&self.modal, number);
         }
-        Ok(())
+        Answer::Nothing
     }
 
     /// M113.
-    pub(super) async fn set_keepalive(&mut self, seconds: Option<Number>) -> Result<(), Interrupt> {
-        match seconds {
-            Some(number) => {
-                self.settings.keepalive_s = number.to_u32().min(60) as u8;
-                Ok(())
-            }
-            None => {
-                let seconds = self.settings.keepalive_s;
-                self.say(format_args!("echo:M113 S{seconds}")).await
-            }
-        }
+    pub(super) fn set_keepalive(&mut self, seconds: Option<Number>) -> Answer<'static> {
+        let Some(seconds) = seconds else { return Answer::Keepalive };
+        self.settings.keepalive_s = seconds.to_u32().min(60) as u8;
+        Answer::Nothing
     }
 }

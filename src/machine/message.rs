@@ -1,6 +1,6 @@
 //! M118: messages for the host.
 
-use super::console::{Console, Interrupt, PortSet};
+use super::console::{Console, PortSet};
 use crate::gcode::Form;
 use crate::port::Pend;
 use core::fmt::{self, Write};
@@ -26,12 +26,12 @@ impl Message<'_> {
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M118. A text that a host would take for an answer is told as an echo.
-    pub(super) async fn tell(&mut self, form: Form, text: &[u8]) -> Result<(), Interrupt> {
+    pub(super) fn say_message(&mut self, form: Form, text: &[u8]) {
         let message = Message(text);
         match form {
-            Form::Action => self.say(format_args!("// {message}")).await,
-            Form::Plain if !message.is_reserved() => self.say(format_args!("{message}")).await,
-            Form::Plain | Form::Echo => self.say(format_args!("echo:{message}")).await,
+            Form::Action => self.say(format_args!("// {message}")),
+            Form::Plain if !message.is_reserved() => self.say(format_args!("{message}")),
+            Form::Plain | Form::Echo => self.say(format_args!("echo:{message}")),
         }
     }
 }
