@@ -24,7 +24,13 @@ pub struct Job {
     pub settings: Settings,
     /// Where the tool is at start, as if homed.
     pub start: Option<[Mm; 3]>,
+    /// How patient the board is with a silent host, in ms of its own time, which does not wait for us: half a second of
+    /// it may pass while we fetch a line.
+    pub patience_ms: u16,
 }
+
+/// For a host that falls silent: while the board waits, its time is some 60 times as slow as ours.
+pub const SCALED_PATIENCE_MS: u16 = 25;
 
 /// What a print amounts to.
 pub struct Outcome {
@@ -64,8 +70,7 @@ impl Job {
         let begin = Instant::now();
         let folder = Folder::new()?;
         let mut blob = [0; LARGEST_BLOB];
-        // The board's time does not wait for us: half a second of it may pass while we fetch a line.
-        let settings = Settings { patience_ms: 0, ..self.settings };
+        let settings = Settings { patience_ms: self.patience_ms, ..self.settings };
         let blob = postcard::to_slice(&(&settings, self.start), &mut blob).context("the settings are too large")?;
         std::fs::write(folder.file("settings"), blob)?;
         let mut emulator = Emulator::start(image, folder.path())?;
