@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
+use corehbot_sim::world::Host;
 use std::fs::File;
 use std::io::BufWriter;
 use std::net::TcpStream;
@@ -49,6 +50,11 @@ pub struct Outcome {
 }
 
 impl Job {
+    /// Has `host` talk to `image` until the host is done.
+    pub fn converse(&self, image: &Path, host: &mut dyn Host) -> Result<()> {
+        self.talk(image, None, |stream| line::talk(stream, host)).map(|_| ())
+    }
+
     /// Prints on `image`, and writes the step events to `trace` if wanted.
     pub fn run(&self, image: &Path, trace: Option<&Path>) -> Result<Outcome> {
         let mut host = FileHost::new(&self.gcode);

@@ -6,6 +6,7 @@
 mod cargo;
 mod compare;
 mod diff;
+mod exchanges;
 mod size;
 mod tools;
 
@@ -42,7 +43,7 @@ pub enum Verdict {
 }
 
 /// In this order, as later steps need the tools of the first, and quick steps should fail first.
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     Step { name: "tools", heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "lint", heading: "clippy finds nothing, host and boards", run: cargo::lint },
@@ -51,6 +52,7 @@ const STEPS: [Step; 10] = [
     Step { name: "boards", heading: "core and boards build for the target", run: cargo::build_boards },
     Step { name: "size", heading: "the images keep their budgets", run: size::check },
     Step { name: "qemu", heading: "QEMU steps as the simulator does", run: compare::check },
+    Step { name: "exchange", heading: "QEMU answers hosts as it is written", run: exchanges::check },
     Step { name: "emulate", heading: "the image for the Octopus steps as the simulator does", run: cargo::emulate },
     Step { name: "clients", heading: "printcore and OctoPrint print on it", run: clients::check },
 ];
