@@ -31,7 +31,7 @@ pub struct Job {
 }
 
 /// For a host that falls silent: while the board waits, its time is some 60 times as slow as ours.
-pub const SCALED_PATIENCE_MS: u16 = 25;
+pub const SCALED_PATIENCE_MS: u16 = 50;
 
 /// What a print amounts to.
 pub struct Outcome {
