@@ -42,10 +42,6 @@ def run(program, file, kind):
             host.end()
 
 
-# Without a connection. While it is still "Offline after error", OctoPrint takes leave of the old one, and of one that is
-# made then as well (on_comm_state_change).
-GONE = "Closed"
-
 # What OctoPrint sends of itself during a print: a poll, the interval of `busy` that it wants, and behind an M115, which
 # the file may hold, reports and prompts. The last M400 is its own, too.
 OWN = ("M105", "M113 S2", "M154 S5", "M155 S2", "M876 P1", "M400")
@@ -90,7 +86,7 @@ def clean_print(host, program, port, commands, summary):
 
 def cancel_and_stop(host, program, port, commands):
     """The printer of before was switched off while it was connected."""
-    host.wait_for_state(GONE)
+    host.wait_until_gone()
     device = printer.Printer(program, port, MODERATE)
     try:
         host.connect()
@@ -105,7 +101,7 @@ def cancel_and_stop(host, program, port, commands):
         host.wait("motion", lambda: len(host.sent()) > sent + 100)
         host.command("printer/command", commands=["M112"])
         # OctoPrint hangs up after an M112, so somebody else has to ask whether the printer heard it.
-        host.wait_for_state(GONE)
+        host.wait_until_gone()
         check("Printer halted. kill() called!" in device.ask("M105"), "the printer does not halt at M112")
         device.end()
         return f"cancels in {cancelled:.1f} s, stops"
