@@ -13,6 +13,7 @@ mod log;
 
 pub use emulator::PROGRAM;
 pub use job::{Job, Outcome, SCALED_PATIENCE_MS};
+pub use line::talk as converse;
 
 use crate::checkout;
 use anyhow::{Context as _, Result};

@@ -7,6 +7,7 @@ mod cargo;
 mod compare;
 mod diff;
 mod exchanges;
+mod halt;
 mod size;
 mod tools;
 
@@ -43,7 +44,7 @@ pub enum Verdict {
 }
 
 /// In this order, as later steps need the tools of the first, and quick steps should fail first.
-const STEPS: [Step; 11] = [
+const STEPS: [Step; 12] = [
     Step { name: "tools", heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "lint", heading: "clippy finds nothing, host and boards", run: cargo::lint },
@@ -53,6 +54,7 @@ const STEPS: [Step; 11] = [
     Step { name: "size", heading: "the images keep their budgets", run: size::check },
     Step { name: "qemu", heading: "QEMU steps as the simulator does", run: compare::check },
     Step { name: "exchange", heading: "QEMU answers hosts as it is written", run: exchanges::check },
+    Step { name: "halt", heading: "QEMU stops at M112 within a millisecond", run: halt::check },
     Step { name: "emulate", heading: "the image for the Octopus steps as the simulator does", run: cargo::emulate },
     Step { name: "clients", heading: "printcore and OctoPrint print on it", run: clients::check },
 ];
