@@ -1,7 +1,7 @@
 //! The exchanges of `tests/protocol` on the board in QEMU; the simulator has them among its own tests.
 
-use super::Verdict;
 use super::tools::{has_emulator, lack_of_emulator};
+use super::{Verdict, demand};
 use crate::checkout::{self, root};
 use crate::qemu::{BOARD, Job};
 use anyhow::{Context as _, Result, bail};
@@ -30,8 +30,19 @@ pub fn check() -> Result<Verdict> {
             }
         }
     }
+    let demand = match demand::check(&image) {
+        Ok(words) => {
+            passed += 1;
+            words
+        }
+        Err(error) => {
+            println!("the demand of a print: FAILED: {error:#}");
+            failures.push("the demand of a print".to_owned());
+            String::new()
+        }
+    };
     let failed = u32::try_from(failures.len())?;
-    let remark = if failed > 0 { format!("fail: {}", failures.join(", ")) } else { "exchanges".to_owned() };
+    let remark = if failed > 0 { format!("fail: {}", failures.join(", ")) } else { format!("exchanges; {demand}") };
     Ok(Verdict::Tested { passed, failed, remark })
 }
 

@@ -5,6 +5,7 @@
 
 mod cargo;
 mod compare;
+mod demand;
 mod diff;
 mod exchanges;
 mod halt;
