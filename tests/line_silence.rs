@@ -48,6 +48,9 @@ fn five_questions_and_the_stream_is_over() {
     assert_eq!(machine.say(numbered(8, "G1 X8") + &numbered(9, "G1 X9")), "ok\nok\n");
     assert_eq!(wait(&mut machine, 600_000), "Resend: 10\nok\n".repeat(5));
     assert_eq!(machine.commands, ["M105", "G1 X8", "G1 X9"]);
+    // The fifth question may be the one that is heard, and the very next line be lost.
+    assert_eq!(machine.say(numbered(10, "G1 X10")), "ok\n");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 11\nok\n");
 }
 
 #[test]
@@ -57,10 +60,47 @@ fn nobody_else_is_asked() {
         machine.say(text);
         assert_eq!(wait(&mut machine, 60_000), "", "{text:?}");
     }
+    // One numbered line is no stream, be it the only one or between others that have no number.
+    for text in ["N1 G90*17\nM105\nN2 G91*19\nM105\n", "N0 M110 N0*125\nM21\n", "N0 M110 N0*125\nN1 M115*39\nM21\n"] {
+        let mut machine = Machine::new();
+        machine.say(text);
+        assert_eq!(wait(&mut machine, 60_000), "", "{text:?}");
+    }
     // M110 ends a stream, as printcore does after a print.
     let mut machine = streaming(7);
     machine.say("N-1 M110 N-1*125\n");
     assert_eq!(wait(&mut machine, 60_000), "");
+}
+
+/// What OctoPrint 1.11.8 says when it connects, and from then on.
+#[test]
+fn an_octoprint_that_does_not_print_is_left_in_peace() {
+    let mut machine = Machine::new();
+    for before in ["", "behind a print"] {
+        for line in ["N0 M110 N0*125", "N0 M110 N0*125", "N0 M110 N0*125", "N1 M115*39", "M21", "M155 S2", "M154 S5"] {
+            assert_eq!(machine.say(format!("{line}\n")), "ok\n");
+            assert_eq!(wait(&mut machine, 20_000), "", "{line}, {before}");
+        }
+        for _ in 0..20 {
+            assert_eq!(machine.say("M105\n"), "ok\n");
+            assert_eq!(wait(&mut machine, 5000), "", "M105, {before}");
+        }
+        machine.say(numbered(0, "M110 N0") + &numbered(1, "G28") + &numbered(2, "G1 X1"));
+    }
+}
+
+/// Pronterface polls while it prints: printcore has its unnumbered M105 between two lines of the stream.
+#[test]
+fn a_line_that_is_lost_behind_an_unnumbered_one_is_asked_for() {
+    let mut machine = streaming(7);
+    for _ in 0..3 {
+        assert_eq!(machine.say("M105\n"), "ok\n");
+    }
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
+    assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
+    let mut machine = Machine::new();
+    machine.say("N-1 M110 N-1*125\nM105\n");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 0\nok\n");
 }
 
 #[test]

@@ -16,7 +16,8 @@ use super::star::Checksum;
 use super::words::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
 use crate::units::Instant;
 
-/// Numbered lines in a row that make a stream; M110 with a number and a checksum of its own opens one at once.
+/// Numbered lines in a row that make a stream. One is no stream: OctoPrint numbers M110 and M115 when it connects, and
+/// nothing else until it prints.
 const STREAM: u8 = 2;
 
 /// Why a line is asked for again; [`Replies::resend`](super::Replies::resend) has the words.
@@ -68,7 +69,8 @@ pub(super) struct Numbering {
     /// The checksums of the last lines, by their numbers, and how many of them there are since M110.
     sums: [u8; KNOWN],
     known: u8,
-    /// Numbered lines in a row, as far as they matter.
+    /// Numbered lines in a row, as far as they matter. Once they are a stream, lines without a number may stand between
+    /// them: printcore has its M105 there.
     taken: u8,
     /// The last thing in order that told a line number had a checksum: the host vouches for its lines.
     is_vouched: bool,
@@ -93,9 +95,9 @@ impl Numbering {
         self.taken >= STREAM
     }
 
-    /// The stream is over, or pauses.
+    /// The stream is over, or pauses: then one numbered line is enough for it to go on.
     pub(super) const fn end_stream(&mut self) {
-        self.taken = 0;
+        self.taken = STREAM - 1;
         self.is_vouched = false;
     }
 
@@ -141,8 +143,8 @@ impl Numbering {
             (Checksum::Missing, _) => return self.ask(ResendReason::NoChecksum, number, now),
             (Checksum::Bad, _) => return self.ask(ResendReason::ChecksumMismatch, number, now),
             (Checksum::Good(_), Some(new_number)) => {
-                // Behind a stream it is printcore's last word, otherwise its first.
-                let taken = if self.is_stream() { 0 } else { STREAM };
+                // Below zero it is printcore's first word, and the print follows at once; behind a stream it is its last.
+                let taken = if new_number < 0 && !self.is_stream() { STREAM } else { 0 };
                 self.count_from(new_number);
                 (self.is_vouched, self.taken) = (true, taken);
                 return Verdict::LineNumber { report: None };
@@ -192,14 +194,19 @@ impl Numbering {
             },
             _ if is_headless && !is_message => self.damaged(now),
             _ if self.is_vouched && is_piece(text) => self.damaged(now),
-            _ if frame.is_too_long() => Verdict::TooLong,
-            _ => Verdict::Command { end: text.len(), length: text.len() },
+            _ => {
+                if !self.is_stream() {
+                    self.taken = 0;
+                }
+                let all = Verdict::Command { end: text.len(), length: text.len() };
+                if frame.is_too_long() { Verdict::TooLong } else { all }
+            }
         })
     }
 
     /// Whether something without a number is likelier to be a piece of the damaged line before it than a command.
     fn is_doubtful(&self, now: Instant) -> bool {
-        self.is_stream() && self.request.is_some_and(|request| request.is_recent(now))
+        self.is_vouched && self.request.is_some_and(|request| request.is_recent(now))
     }
 
     /// Takes line `number`.

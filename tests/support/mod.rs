@@ -4,3 +4,4 @@
 pub mod bodies;
 pub mod hosts;
 pub mod machine;
+pub mod octoprint;

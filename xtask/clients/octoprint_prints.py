@@ -16,6 +16,9 @@ from printer import check
 # So many times as fast as real time: a minute of printing in seconds, and yet slow enough to break in on it.
 MODERATE = 20
 
+# Three questions fit into it.
+IDLE_S = 4
+
 # Words that must not be in the logs of a clean line. OctoPrint 1.11.8, util/comm.py: "Communication timeout while
 # ...", "No response from printer after ..."; the printer: "echo:Unknown command".
 TROUBLE = re.compile(r"timeout while|No response from printer|Unknown|Resend|Got a resend|Unexpected", re.IGNORECASE)
@@ -39,12 +42,9 @@ def run(program, file, kind):
             host.end()
 
 
-# States without a connection.
-GONE = ("Offline", "Closed", "Offline after error")
-
-# What OctoPrint sends of itself during a print: a poll, and the interval of `busy` that it wants. The last M400 is its
-# own, too.
-OWN = ("M105", "M113 S2", "M400")
+# What OctoPrint sends of itself during a print: a poll, the interval of `busy` that it wants, and behind an M115, which
+# the file may hold, reports and prompts. The last M400 is its own, too.
+OWN = ("M105", "M113 S2", "M154 S5", "M155 S2", "M876 P1", "M400")
 
 
 def check_order(numbered, commands):
@@ -66,6 +66,8 @@ def clean_print(host, program, port, commands, summary):
     try:
         connected = host.connect()
         host.wait("its capabilities", lambda: "EMERGENCY_PARSER" in host.log("octoprint.log"))
+        # Whoever does not print is not asked for lines; the first question would come after half a second.
+        time.sleep(IDLE_S)
         begin = time.monotonic()
         host.begin("clean.gcode", commands)
         host.wait_for_state("Operational")
@@ -84,7 +86,7 @@ def clean_print(host, program, port, commands, summary):
 
 def cancel_and_stop(host, program, port, commands):
     """The printer of before was switched off while it was connected."""
-    host.wait_for_state(*GONE)
+    host.wait_until_gone()
     device = printer.Printer(program, port, MODERATE)
     try:
         host.connect()
@@ -99,7 +101,7 @@ def cancel_and_stop(host, program, port, commands):
         host.wait("motion", lambda: len(host.sent()) > sent + 100)
         host.command("printer/command", commands=["M112"])
         # OctoPrint hangs up after an M112, so somebody else has to ask whether the printer heard it.
-        host.wait_for_state(*GONE)
+        host.wait_until_gone()
         check("Printer halted. kill() called!" in device.ask("M105"), "the printer does not halt at M112")
         device.end()
         return f"cancels in {cancelled:.1f} s, stops"

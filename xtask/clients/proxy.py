@@ -1,8 +1,7 @@
 """A bad line: a pty of its own between host and printer that damages what the host sends.
 
-It also keeps account of which commands the printer accepted, from its answers. Hosts here send one line and
-wait for its `ok`, so the answers come in the order of the lines. Lines without a number have no checksum that could
-show damage; they pass unharmed.
+It also keeps account of the commands that a printer takes: each numbered line that comes through unharmed when it is its
+turn. Lines without a number have no checksum that could show damage; they pass unharmed.
 """
 
 import os
@@ -58,9 +57,7 @@ class Proxy(threading.Thread):
         self.said, self.heard = b"", b""
         # Numbered lines that the host sent, and how many of them were damaged.
         self.count, self.damaged = 0, 0
-        # Lines that wait for their `ok`, and whether a resend was asked for meanwhile.
-        self.waiting, self.is_refused = [], False
-        self.accepted, self.resends, self.stale = [], 0, 0
+        self.accepted, self.resends = [], 0
         self.start()
 
     def run(self):
@@ -87,34 +84,22 @@ class Proxy(threading.Thread):
                 self.damaged += damaged != line
                 if damaged is None:
                     continue
+                if damaged == line:
+                    self.account(line)
                 line = damaged
-            if line.strip():
-                self.waiting.append(line)
             os.write(self.printer, line)
 
     def listen(self, data):
         os.write(self.near, data)
         *lines, self.heard = (self.heard + data).split(b"\n")
-        for line in lines:
-            if line.startswith(b"Resend:"):
-                self.is_refused = True
-                self.resends += 1
-            elif line.startswith(b"ok"):
-                # An `ok` that nobody asked for follows a resend that nobody asked for, when a line was lost whole.
-                sent = self.waiting.pop(0) if self.waiting else b""
-                self.account(sent)
-                self.is_refused = False
+        self.resends += sum(line.startswith(b"Resend:") for line in lines)
 
     def account(self, line):
         numbered = re.match(rb"N(-?\d+) (.*)\*\d+\s*$", line)
-        if not numbered or self.is_refused:
-            return
         number, command = int(numbered[1]), numbered[2].decode()
         expected = self.accepted[-1][0] + 1 if self.accepted else number
         if number == expected or command.startswith("M110"):
             self.accepted.append((number, command))
-        else:
-            self.stale += 1
 
     def end(self):
         os.write(self.stopped, b"x")

@@ -6,6 +6,25 @@
 //! where it is written.
 
 use crate::world::Host;
+use std::io;
+use std::path::Path;
+
+/// The names and texts of the scripts in a folder.
+///
+/// # Errors
+/// What cannot be read.
+pub fn scripts(folder: &Path) -> io::Result<Vec<(String, String)>> {
+    let mut scripts = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|extension| extension == "txt") {
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            scripts.push((name, std::fs::read_to_string(path)?));
+        }
+    }
+    scripts.sort();
+    Ok(scripts)
+}
 
 /// A step of an exchange.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -4,7 +4,7 @@
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_sim::script::Script;
+use corehbot_sim::script::{Script, scripts};
 use corehbot_sim::world::{Sink, run};
 use std::path::Path;
 
@@ -17,19 +17,14 @@ impl Sink for Deaf {
 #[test]
 fn every_exchange_goes_as_it_is_written() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/protocol");
+    let scripts = scripts(&folder).unwrap();
     let mut failures = Vec::new();
-    let mut count = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|extension| extension != "txt") {
-            continue;
-        }
-        count += 1;
-        let mut script = Script::new(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    for (name, text) in &scripts {
+        let mut script = Script::new(text).unwrap();
         let end = run(&Settings::prototype(), Some([Mm::ZERO; 3]), &mut script, &mut Deaf).err();
         let failure = script.failure().or_else(|| end.map(|error| error.to_string()));
-        failures.extend(failure.map(|why| format!("{}: {why}", path.file_name().unwrap().display())));
+        failures.extend(failure.map(|why| format!("{name}: {why}")));
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
-    assert!(count >= 15, "only {count} files");
+    assert!(scripts.len() >= 21, "only {} files", scripts.len());
 }

@@ -6,6 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
+use corehbot_sim::world::Host;
 use std::fs::File;
 use std::io::BufWriter;
 use std::net::TcpStream;
@@ -24,7 +25,13 @@ pub struct Job {
     pub settings: Settings,
     /// Where the tool is at start, as if homed.
     pub start: Option<[Mm; 3]>,
+    /// How patient the board is with a silent host, in ms of its own time, which does not wait for us: half a second of
+    /// it may pass while we fetch a line.
+    pub patience_ms: u16,
 }
+
+/// For a host that falls silent: while the board waits, its time is some 60 times as slow as ours.
+pub const SCALED_PATIENCE_MS: u16 = 50;
 
 /// What a print amounts to.
 pub struct Outcome {
@@ -43,6 +50,11 @@ pub struct Outcome {
 }
 
 impl Job {
+    /// Has `host` talk to `image` until the host is done.
+    pub fn converse(&self, image: &Path, host: &mut dyn Host) -> Result<()> {
+        self.talk(image, None, |stream| line::talk(stream, host)).map(|_| ())
+    }
+
     /// Prints on `image`, and writes the step events to `trace` if wanted.
     pub fn run(&self, image: &Path, trace: Option<&Path>) -> Result<Outcome> {
         let mut host = FileHost::new(&self.gcode);
@@ -64,8 +76,7 @@ impl Job {
         let begin = Instant::now();
         let folder = Folder::new()?;
         let mut blob = [0; LARGEST_BLOB];
-        // The board's time does not wait for us: half a second of it may pass while we fetch a line.
-        let settings = Settings { patience_ms: 0, ..self.settings };
+        let settings = Settings { patience_ms: self.patience_ms, ..self.settings };
         let blob = postcard::to_slice(&(&settings, self.start), &mut blob).context("the settings are too large")?;
         std::fs::write(folder.file("settings"), blob)?;
         let mut emulator = Emulator::start(image, folder.path())?;

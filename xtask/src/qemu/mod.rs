@@ -12,7 +12,8 @@ mod line;
 mod log;
 
 pub use emulator::PROGRAM;
-pub use job::{Job, Outcome};
+pub use job::{Job, Outcome, SCALED_PATIENCE_MS};
+pub use line::talk as converse;
 
 use crate::checkout;
 use anyhow::{Context as _, Result};
@@ -54,7 +55,8 @@ pub fn main(args: &Args) -> Result<()> {
         None => Settings::prototype(),
     };
     let gcode = args.file.as_deref().map(read_gcode).transpose()?.unwrap_or_default();
-    let job = Job { gcode, settings, start: args.assume_homed };
+    let patience_ms = if args.serve { SCALED_PATIENCE_MS } else { 0 };
+    let job = Job { gcode, settings, start: args.assume_homed, patience_ms };
     let image = checkout::build_image(BOARD)?;
     let outcome = match &args.file {
         Some(_) => job.run(&image, args.trace.as_deref())?,

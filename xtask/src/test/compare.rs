@@ -98,7 +98,7 @@ fn compare(image: &Path, simulator: &Path, file: &Path) -> Result<()> {
     let mut command = Command::new(simulator);
     command.arg("run").arg(file).arg("--trace").arg(&expected).stdout(Stdio::null());
     run(command)?;
-    let job = Job { gcode: qemu::read_gcode(file)?, settings: Settings::prototype(), start: None };
+    let job = Job { gcode: qemu::read_gcode(file)?, settings: Settings::prototype(), start: None, patience_ms: 0 };
     let outcome = job.run(image, Some(&found))?;
     if let Some(difference) = diff::first(&expected, &found)? {
         let log = outcome.log.join("\n");

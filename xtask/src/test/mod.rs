@@ -5,13 +5,17 @@
 
 mod cargo;
 mod compare;
+mod demand;
 mod diff;
+mod exchanges;
+mod halt;
 mod size;
 mod tools;
 
 pub use compare::{check_file, sliced_file};
 pub use tools::{has_emulator, lack_of_emulator};
 
+use crate::clients;
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 
@@ -41,7 +45,7 @@ pub enum Verdict {
 }
 
 /// In this order, as later steps need the tools of the first, and quick steps should fail first.
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 12] = [
     Step { name: "tools", heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "lint", heading: "clippy finds nothing, host and boards", run: cargo::lint },
@@ -50,7 +54,10 @@ const STEPS: [Step; 9] = [
     Step { name: "boards", heading: "core and boards build for the target", run: cargo::build_boards },
     Step { name: "size", heading: "the images keep their budgets", run: size::check },
     Step { name: "qemu", heading: "QEMU steps as the simulator does", run: compare::check },
+    Step { name: "exchange", heading: "QEMU answers hosts as it is written", run: exchanges::check },
+    Step { name: "halt", heading: "QEMU stops at M112 within a millisecond", run: halt::check },
     Step { name: "emulate", heading: "the image for the Octopus steps as the simulator does", run: cargo::emulate },
+    Step { name: "clients", heading: "printcore and OctoPrint print on it", run: clients::check },
 ];
 
 /// Runs the steps; one that fails does not keep the others from running.

@@ -50,6 +50,7 @@ fn main() -> ! {
         starved,
         stretched
     );
+    defmt::info!("last byte at tick {}, last step at tick {}", serial::last_byte(), trace::last_step());
     defmt::info!("stack: {} of {} bytes used", stack::used(), stack::size());
     process::exit(0)
 }

@@ -4,9 +4,9 @@
 //! reported all the same. End of transmission (0x04) does not reach the core: the board ends the run
 //! once all motion is done, which it has the Console find out by an `M400`.
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
-use corehbot::port::{Received, Serial};
+use corehbot::port::{Received, Serial, StepClock as _};
 use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::NVIC;
 use heapless::spsc::{Consumer, Producer, Queue};
@@ -14,6 +14,7 @@ use static_cell::ConstStaticCell;
 
 use super::contexts::wake_console;
 use super::registers::uart;
+use super::time::StepTimer;
 use super::vectors::Irq;
 
 /// ASCII end of transmission.
@@ -31,12 +32,20 @@ static OUTGOING: Handover<Consumer<'static, u8>> = Handover::new();
 /// Something did not fit into the ring; the Console learns it after all that did.
 static IS_DROPPED: AtomicBool = AtomicBool::new(false);
 
+/// When the last byte of the host came, in ticks since start.
+static LAST_BYTE: AtomicU32 = AtomicU32::new(0);
+
 /// The host has said that nothing will follow.
 static IS_ENDED: AtomicBool = AtomicBool::new(false);
 
 /// Whether the host has said that nothing will follow.
 pub fn is_ended() -> bool {
     IS_ENDED.load(Ordering::Acquire)
+}
+
+/// When the host said its last byte but for the end of transmission, in ticks since start.
+pub fn last_byte() -> u32 {
+    LAST_BYTE.load(Ordering::Relaxed)
 }
 
 /// The Console's end of the line.
@@ -93,6 +102,7 @@ pub extern "C" fn on_received() {
         IS_ENDED.store(true, Ordering::Release);
         LAST_COMMAND.iter().for_each(|byte| take_in(Received::Byte(*byte)));
     } else {
+        LAST_BYTE.store(StepTimer.now().0, Ordering::Relaxed);
         take_in(Received::Byte(byte));
     }
     wake_console();

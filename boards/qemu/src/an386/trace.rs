@@ -3,12 +3,16 @@
 //! Semihosting takes no virtual time, so the step interrupt itself writes a full buffer out: the timing
 //! stays what it is on a printer, no event can get lost, and no other context is involved.
 
-use corehbot::port::{EndstopSet, MotorSet, StepPort};
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use corehbot::port::{EndstopSet, MotorSet, StepClock as _, StepPort};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::Rig;
 use heapless::Vec;
 use semihosting::fs::File;
 use semihosting::io::Write as _;
+
+use super::time::StepTimer;
 
 /// The tick's lower 48 bits, the motors that step, and the directions; little-endian.
 type Record = [u8; 8];
@@ -35,6 +39,14 @@ impl Trace {
         assert!(self.file.write_all(self.records.as_flattened()).is_ok(), "the host takes no more of the trace");
         self.records.clear();
     }
+}
+
+/// When the last step was made, in ticks since start: the trace has motion time, which may be stretched.
+static LAST_STEP: AtomicU32 = AtomicU32::new(0);
+
+/// When the last step was made, in ticks since start.
+pub fn last_step() -> u32 {
+    LAST_STEP.load(Ordering::Relaxed)
 }
 
 static TRACE: Handover<Trace> = Handover::new();
@@ -67,6 +79,7 @@ impl StepPort for TracePort {
         let mut record = tick.to_le_bytes();
         [record[6], record[7]] = [steps.0, self.forward.0];
         TRACE.with(|trace| trace.record(record));
+        LAST_STEP.store(StepTimer.now().0, Ordering::Relaxed);
         self.rig.step(steps, self.forward);
     }
 
