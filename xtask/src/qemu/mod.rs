@@ -12,7 +12,7 @@ mod line;
 mod log;
 
 pub use emulator::PROGRAM;
-pub use job::{Job, Outcome};
+pub use job::{Job, Outcome, Watcher};
 
 use crate::checkout;
 use anyhow::{Context as _, Result};
