@@ -1,5 +1,6 @@
 //! Tasks: what developers and CI run, as `cargo xtask`.
 
+mod bench;
 mod build;
 mod checkout;
 mod clients;
@@ -21,6 +22,8 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Task {
+    /// Counts the instructions that the firmware takes in QEMU, for steps, moves and lines.
+    Bench(bench::Args),
     /// Builds the image of a board that can be flashed, and weighs it.
     Build(build::Args),
     /// Has Printrun and OctoPrint print on the firmware, on clean lines and bad ones.
@@ -39,6 +42,7 @@ enum Task {
 
 fn main() -> ExitCode {
     let done = match Cli::parse().task {
+        Task::Bench(args) => bench::main(&args),
         Task::Build(args) => build::main(&args),
         Task::Clients => clients::main(),
         Task::Emulate(args) => emulate::main(&args),

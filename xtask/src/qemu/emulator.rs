@@ -25,8 +25,9 @@ pub struct Emulator {
 }
 
 impl Emulator {
-    /// Starts `image` in `folder`, where it finds `settings` and leaves `trace`, `log` and `errors`.
-    pub fn start(image: &Path, folder: &Path) -> Result<Self> {
+    /// Starts `image` in `folder`, where it finds `settings` and leaves `trace`, `log` and `errors`; a `plugin` of the
+    /// emulator may watch.
+    pub fn start(image: &Path, folder: &Path, plugin: Option<&str>) -> Result<Self> {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).context("cannot open a port")?;
         let port = listener.local_addr()?.port();
         let errors = folder.join("errors");
@@ -44,6 +45,9 @@ impl Emulator {
             .stdin(Stdio::null())
             .stdout(File::create(folder.join("log"))?)
             .stderr(File::create(&errors)?);
+        if let Some(plugin) = plugin {
+            command.args(["-plugin", plugin]);
+        }
         // Ctrl-C is for us, who then ask the board to end.
         #[cfg(unix)]
         command.process_group(0);

@@ -9,7 +9,7 @@ use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host;
 use std::fs::File;
 use std::io::BufWriter;
-use std::net::TcpStream;
+use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -33,6 +33,14 @@ pub struct Job {
 /// For a host that falls silent: while the board waits, its time is some 60 times as slow as ours.
 pub const SCALED_PATIENCE_MS: u16 = 50;
 
+/// A plugin of the emulator that watches.
+pub struct Watcher {
+    /// What the emulator is told to load it.
+    pub plugin: String,
+    /// Where it calls before the emulator starts, to tell of every byte that the board has heard.
+    pub listener: TcpListener,
+}
+
 /// What a print amounts to.
 pub struct Outcome {
     /// Step events.
@@ -52,18 +60,26 @@ pub struct Outcome {
 impl Job {
     /// Has `host` talk to `image` until the host is done.
     pub fn converse(&self, image: &Path, host: &mut dyn Host) -> Result<()> {
-        self.talk(image, None, |stream| line::talk(stream, host)).map(|_| ())
+        self.talk(image, None, |stream| line::talk(stream, host, None)).map(|_| ())
     }
 
     /// Prints on `image`, and writes the step events to `trace` if wanted.
     pub fn run(&self, image: &Path, trace: Option<&Path>) -> Result<Outcome> {
         let mut host = FileHost::new(&self.gcode);
-        let mut outcome = self.talk(image, trace, |stream| line::talk(stream, &mut host))?;
+        let mut outcome = self.talk(image, trace, |stream| line::talk(stream, &mut host, None))?;
         outcome.warnings = host.warnings().iter().map(ToString::to_string).collect();
         match host.failure() {
             Some(failure) => bail!("the print failed at {failure}"),
             None => Ok(outcome),
         }
+    }
+
+    /// Has `host` print while somebody watches.
+    pub fn watch(&self, image: &Path, trace: &Path, watcher: &Watcher, host: &mut dyn Host) -> Result<Outcome> {
+        self.emulate(image, Some(trace), Some(&watcher.plugin), |stream| {
+            let (heard, _) = watcher.listener.accept().context("the plugin does not call")?;
+            line::talk(stream, host, Some(heard))
+        })
     }
 
     /// Has `talk` talk to the board until it asks the board to end.
@@ -73,13 +89,23 @@ impl Job {
         trace: Option<&Path>,
         talk: impl FnOnce(&mut TcpStream) -> Result<()>,
     ) -> Result<Outcome> {
+        self.emulate(image, trace, None, talk)
+    }
+
+    fn emulate(
+        &self,
+        image: &Path,
+        trace: Option<&Path>,
+        plugin: Option<&str>,
+        talk: impl FnOnce(&mut TcpStream) -> Result<()>,
+    ) -> Result<Outcome> {
         let begin = Instant::now();
         let folder = Folder::new()?;
         let mut blob = [0; LARGEST_BLOB];
         let settings = Settings { patience_ms: self.patience_ms, ..self.settings };
         let blob = postcard::to_slice(&(&settings, self.start), &mut blob).context("the settings are too large")?;
         std::fs::write(folder.file("settings"), blob)?;
-        let mut emulator = Emulator::start(image, folder.path())?;
+        let mut emulator = Emulator::start(image, folder.path(), plugin)?;
         let talk = talk(emulator.line());
         // A board that panics hangs up; its last words say more than that.
         emulator.end(talk.is_ok())?;

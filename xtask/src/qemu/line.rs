@@ -16,9 +16,10 @@ const SILENCE: Duration = Duration::from_secs(120);
 /// The greeting is over when nothing has followed for so long.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Has `host` talk to the board until the host is done, then asks the board to end.
-pub fn talk(stream: &mut TcpStream, host: &mut dyn Host) -> Result<()> {
-    let mut line = Line { stream, spoken: Vec::new() };
+/// Has `host` talk to the board until the host is done, then asks the board to end. If somebody tells whenever the
+/// board has `heard` a byte, each byte waits until it has heard the one before.
+pub fn talk(stream: &mut TcpStream, host: &mut dyn Host, heard: Option<TcpStream>) -> Result<()> {
+    let mut line = Line { stream, heard, spoken: Vec::new() };
     if !line.hear(host, SILENCE)? {
         bail!("the board does not greet");
     }
@@ -37,13 +38,23 @@ pub fn talk(stream: &mut TcpStream, host: &mut dyn Host) -> Result<()> {
 
 struct Line<'s> {
     stream: &'s mut TcpStream,
+    /// Where a byte comes for every byte that the board has heard, if anywhere.
+    heard: Option<TcpStream>,
     /// What the board has said of a line that is not complete.
     spoken: Vec<u8>,
 }
 
 impl Line<'_> {
     fn send(&mut self, bytes: &[u8]) -> Result<()> {
-        self.stream.write_all(bytes).context("the board hung up")
+        let Some(heard) = &mut self.heard else {
+            return self.stream.write_all(bytes).context("the board hung up");
+        };
+        heard.set_read_timeout(Some(SILENCE))?;
+        for byte in bytes {
+            self.stream.write_all(&[*byte]).context("the board hung up")?;
+            heard.read_exact(&mut [0]).context("the board does not listen")?;
+        }
+        Ok(())
     }
 
     /// Hands what the board says to `host`; false if it says nothing for `patience`.

@@ -12,7 +12,7 @@ mod line;
 mod log;
 
 pub use emulator::PROGRAM;
-pub use job::{Job, Outcome, SCALED_PATIENCE_MS};
+pub use job::{Job, Outcome, SCALED_PATIENCE_MS, Watcher};
 pub use line::talk as converse;
 
 use crate::checkout;

@@ -36,7 +36,7 @@ pub fn check() -> Result<Verdict> {
 fn stop(image: &Path, moment: usize) -> Result<f64> {
     let job = Job { gcode: String::new(), settings: Settings::prototype(), start: Some([Mm::ZERO; 3]), patience_ms: 0 };
     let mut host = Stopper { moment, answers: 0, sent: 0 };
-    let outcome = job.talk(image, None, |stream| crate::qemu::converse(stream, &mut host))?;
+    let outcome = job.talk(image, None, |stream| crate::qemu::converse(stream, &mut host, None))?;
     let words = outcome.log.iter().find_map(|line| line.split_once("last byte at tick "));
     let (byte, step) = words.and_then(|(_, ticks)| ticks.split_once(", last step at tick ")).context("no ticks")?;
     let (byte, step): (u32, u32) = (byte.trim().parse()?, step.trim().parse()?);

@@ -1,0 +1,139 @@
+//! The figures: what the jobs' counts come down to, beside what we aim at and what others take.
+
+use super::contexts::Context;
+use super::jobs::Job;
+use super::profile::Profile;
+use super::rooms::Room;
+use anyhow::{Context as _, Result};
+use std::collections::BTreeMap;
+
+/// Instructions that the STM32F446 is thought to execute in a second, and QEMU does in a virtual one.
+const INSTRUCTIONS_PER_SECOND: f64 = 125e6;
+
+/// Its clock.
+const CYCLES_PER_SECOND: f64 = 180e6;
+
+/// A figure.
+pub struct Figure {
+    /// Its name, which never changes.
+    pub name: &'static str,
+    /// What was measured.
+    pub value: f64,
+    /// Whether more is better.
+    pub is_rate: bool,
+    /// Whether two runs give the same; what depends on when bytes arrive is shown, but proves nothing.
+    pub is_steady: bool,
+    /// What we aim at: at most this, or at least this for a rate.
+    pub goal: Option<f64>,
+    /// What others take, by docs/performance.md.
+    pub peers: &'static str,
+}
+
+const fn figure(name: &'static str, value: f64, goal: Option<f64>, peers: &'static str) -> Figure {
+    Figure { name, value, is_rate: false, is_steady: true, goal, peers }
+}
+
+/// All figures, from the profiles of all jobs.
+pub fn figures(profiles: &BTreeMap<Job, Profile>) -> Result<Vec<Figure>> {
+    let profile = |job| profiles.get(&job).with_context(|| format!("the job {job} was not run"));
+    let mut figures = of_steps(profile(Job::S)?);
+    figures.extend(of_rates(profile(Job::Dense)?));
+    figures.extend(of_planner(profile(Job::Planner)?, profile(Job::Gathered)?));
+    figures.extend(of_lines(profile(Job::Parse)?, profile(Job::Plain)?));
+    Ok(figures)
+}
+
+/// Job S.
+fn of_steps(s: &Profile) -> Vec<Figure> {
+    let (events, motor_steps) = (s.events as f64, s.motor_steps as f64);
+    let isr = s.in_context(Context::Steps).instructions as f64;
+    let rig = s.work(|spot| spot.context == Context::Steps && spot.room == Some(Room::Rig)).instructions as f64;
+    let generator = s.in_context(Context::Generator).instructions as f64;
+    let all = s.work(|_| true).instructions as f64;
+    let rig_anywhere = s.in_room(Room::Rig).instructions as f64;
+    let cycles = s.cycles(&[Context::Steps], |spot| spot.room != Some(Room::Rig)) as f64;
+    let whole = INSTRUCTIONS_PER_SECOND * s.seconds;
+    const PEERS: &str = "grblHAL 52.7, Klipper 60.8, Marlin 84, RRF 126, Prusa 886";
+    vec![
+        figure("isr_insn_per_event", isr / events, Some(65.0), ""),
+        figure("isr_insn_per_motor_step", isr / motor_steps, Some(36.0), PEERS),
+        figure("isr_without_rig_insn_per_event", (isr - rig) / events, Some(65.0), ""),
+        figure("isr_without_rig_insn_per_motor_step", (isr - rig) / motor_steps, Some(36.0), PEERS),
+        figure(
+            "isr_without_rig_cycles_per_motor_step",
+            cycles / motor_steps,
+            Some(72.0),
+            "grblHAL 95.6, Klipper 105.7",
+        ),
+        figure("isr_insn_worst", s.longest(Context::Steps) as f64, None, ""),
+        figure("isr_entries_per_event", s.entries(Context::Steps) as f64 / events, None, ""),
+        figure("stepgen_insn_per_event", generator / events, None, "the prototype of a mere merge 59"),
+        figure("all_in_insn_per_motor_step", all / motor_steps, None, ""),
+        figure("all_in_share_job_s", all / whole, None, ""),
+        figure("all_in_without_rig_share_job_s", (all - rig_anywhere) / whole, None, ""),
+    ]
+}
+
+/// The dense job: how many steps fit into a second if this work is all there is.
+fn of_rates(dense: &Profile) -> Vec<Figure> {
+    let rate = |contexts: &[Context], with_rig: bool| {
+        let cycles = dense.cycles(contexts, |spot| with_rig || spot.room != Some(Room::Rig));
+        CYCLES_PER_SECOND * dense.motor_steps as f64 / cycles as f64
+    };
+    let rate = |name, contexts: &[Context], with_rig, goal, peers| Figure {
+        name,
+        value: rate(contexts, with_rig).round(),
+        is_rate: true,
+        is_steady: true,
+        goal,
+        peers,
+    };
+    let (all, isr) = (&Context::BUSY, &[Context::Steps]);
+    const PEAK: &str = "Klipper 1.70 M, grblHAL 1.88 M, Marlin 1.19 M, RRF 0.75 M, Prusa 0.13 M (job S)";
+    vec![
+        rate("sustained_motor_steps_per_s", all, true, None, ""),
+        rate("sustained_without_rig_motor_steps_per_s", all, false, None, ""),
+        rate("peak_event_motor_steps_per_s", isr, true, Some(3e6), PEAK),
+        rate("peak_event_without_rig_motor_steps_per_s", isr, false, Some(3e6), PEAK),
+    ]
+}
+
+/// The planner's jobs.
+fn of_planner(planner: &Profile, gathered: &Profile) -> Vec<Figure> {
+    let mean =
+        |job: Job, profile: &Profile| profile.in_room(Room::Planner).instructions as f64 / f64::from(job.moves());
+    let worst = planner.most(Room::Planner) as f64;
+    const PEERS: &str = "grblHAL 1120-4002, Marlin 3082-3859";
+    let per_move = figure("planner_insn_per_move", mean(Job::Planner, planner), Some(1000.0), PEERS);
+    let at_rest = mean(Job::Gathered, gathered);
+    vec![
+        // How often the window is planned anew depends on how often the Console is polled.
+        Figure { is_steady: false, ..per_move },
+        figure("planner_gathered_insn_per_move", at_rest, Some(1000.0), PEERS),
+        figure("planner_insn_worst", worst, Some(2000.0), ""),
+    ]
+}
+
+/// The circle, with numbered lines and with plain ones.
+fn of_lines(parse: &Profile, plain: &Profile) -> Vec<Figure> {
+    let lines = f64::from(Job::Parse.moves());
+    let bytes = |profile: &Profile| profile.entries(Context::Received) as f64;
+    // The host takes its time between two lines; what is done meanwhile is not theirs.
+    let in_room = |profile: &Profile, room| {
+        profile.work(|spot| spot.context == Context::Console && spot.room == Some(room)).instructions as f64
+    };
+    let protocol = in_room(parse, Room::Protocol);
+    vec![
+        figure(
+            "parse_insn_per_line",
+            parse.in_room(Room::Gcode).instructions as f64 / lines,
+            Some(1000.0),
+            "grblHAL 1914, modal state included",
+        ),
+        figure("machine_insn_per_line", in_room(parse, Room::Machine) / lines, None, ""),
+        figure("protocol_insn_per_line", protocol / lines, None, ""),
+        figure("protocol_insn_per_byte", protocol / bytes(parse), None, ""),
+        figure("plain_protocol_insn_per_line", in_room(plain, Room::Protocol) / lines, None, ""),
+        figure("ok_insn_after_last_byte", parse.to_answer(), None, ""),
+    ]
+}

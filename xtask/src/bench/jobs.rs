@@ -1,0 +1,114 @@
+//! The jobs: what is printed to be measured.
+
+use corehbot::settings::Settings;
+use corehbot::units::{Mm, StepsPerMm};
+use std::fmt::{self, Write as _};
+
+/// Moves that the look-ahead takes before any leaves.
+const GATHERED: u32 = 140;
+
+/// Moves of the planner's job: two look-aheads.
+const MOVES: u32 = 300;
+
+/// Moves of the circle: few enough for the look-ahead, so that no line waits for the motion.
+const CHORDS: u32 = 120;
+
+/// Where the tool stands at first.
+const START: [i32; 3] = [10, 10, 5];
+
+/// A job.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, clap::ValueEnum)]
+pub enum Job {
+    /// X+60 Y+25 with 2,400 steps of E at 100 mm/s, 3000 mm/s2 and 80 steps/mm: the job that the peers were given.
+    S,
+    /// X+240 Y+100 with 9,600 steps of E at 300 mm/s and 160 steps/mm: little but steps.
+    Dense,
+    /// 300 moves of 0.2 mm in a straight line at up to 300 mm/s, which they never reach.
+    Planner,
+    /// The first 140 of them, which are all planned before motion begins.
+    Gathered,
+    /// A circle of 120 moves of half a millimetre at 100 mm/s, its lines numbered and with checksums.
+    Parse,
+    /// The same circle without numbers.
+    Plain,
+}
+
+impl Job {
+    /// All of them.
+    pub const ALL: [Self; 6] = [Self::S, Self::Dense, Self::Planner, Self::Gathered, Self::Parse, Self::Plain];
+
+    /// What the host sends.
+    pub fn gcode(self) -> String {
+        match self {
+            Self::S => "G1 X70 Y35 E6 F6000\n".to_owned(),
+            Self::Dense => "G1 X250 Y110 E24 F18000\n".to_owned(),
+            Self::Planner | Self::Gathered => line(self.moves()),
+            Self::Parse | Self::Plain => circle(),
+        }
+    }
+
+    /// The machine.
+    pub fn settings(self) -> Settings {
+        let mut settings = Settings::prototype();
+        if self == Self::Dense {
+            for axis in [&mut settings.axes.x, &mut settings.axes.y] {
+                axis.steps_per_mm = StepsPerMm::from_num(160);
+            }
+        }
+        settings
+    }
+
+    /// Where it stands.
+    pub fn start(self) -> [Mm; 3] {
+        START.map(Mm::from_num)
+    }
+
+    /// Moves in it.
+    pub const fn moves(self) -> u32 {
+        match self {
+            Self::S | Self::Dense => 1,
+            Self::Planner => MOVES,
+            Self::Gathered => GATHERED,
+            Self::Parse | Self::Plain => CHORDS,
+        }
+    }
+
+    /// Whether its lines have numbers and checksums.
+    pub fn is_numbered(self) -> bool {
+        self != Self::Plain
+    }
+}
+
+impl fmt::Display for Job {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::S => "s",
+            Self::Dense => "dense",
+            Self::Planner => "planner",
+            Self::Gathered => "gathered",
+            Self::Parse => "parse",
+            Self::Plain => "plain",
+        })
+    }
+}
+
+fn line(moves: u32) -> String {
+    let mut text = String::from("G1 F18000\n");
+    for i in 1..=moves {
+        let along = f64::from(i);
+        // Writing into a String cannot fail.
+        let _ = writeln!(text, "G1 X{:.3} Y{:.3} E{:.5}", 10.0 + 0.16 * along, 10.0 + 0.12 * along, 0.00665 * along);
+    }
+    text
+}
+
+fn circle() -> String {
+    let mut text = String::from("G1 F6000\n");
+    let radius = 0.5 * f64::from(CHORDS) / std::f64::consts::TAU;
+    for i in 1..=CHORDS {
+        let angle = f64::from(i) * std::f64::consts::TAU / f64::from(CHORDS);
+        let (x, y) = (10.0 + radius * (1.0 - angle.cos()), 35.0 + radius * angle.sin());
+        let _ = writeln!(text, "G1 X{x:.3} Y{y:.3} E{:.5}", 0.01745 * f64::from(i));
+    }
+    text
+}
