@@ -89,6 +89,24 @@ impl MotorSet {
     }
 }
 
+/// Groups of motors that always step together; there are no more.
+pub const MOST_GROUPS: usize = 4;
+
+/// A set of groups of motors, one bit each, in the order of [`GROUPS`](crate::kinematics::GROUPS).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct GroupSet(pub u8);
+
+impl GroupSet {
+    /// No group.
+    pub const NONE: Self = Self(0);
+
+    /// Whether the set is empty.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
 /// A set of endstop inputs, one bit each; a set bit is a switch that is pressed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

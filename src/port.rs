@@ -3,7 +3,7 @@
 //! Everything above is free of hardware; everything below implements these few traits. A simulated
 //! fault is one more implementation wrapped round another, never a flag.
 
-pub use crate::motors::{EndstopSet, Motor, MotorSet};
+pub use crate::motors::{EndstopSet, GroupSet, Motor, MotorSet};
 
 use crate::units::{Instant, Tick};
 

@@ -5,7 +5,7 @@
 
 mod told;
 
-use crate::motors::{EndstopSet, Motor, MotorSet};
+use crate::motors::{EndstopSet, GroupSet, MOST_GROUPS};
 use core::sync::atomic::{
     AtomicBool, AtomicI32, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
 };
@@ -13,8 +13,8 @@ use told::Told;
 
 /// What the contexts know of each other.
 pub struct Status {
-    /// Steps really emitted, signed, wrapping; written by the Stepper.
-    counts: [AtomicI32; Motor::ALL.len()],
+    /// Steps really emitted by each group of motors, signed, wrapping; written by the Stepper.
+    counts: [AtomicI32; MOST_GROUPS],
     /// Work of another epoch is discarded; written by the Console.
     epoch: AtomicU8,
     /// Endstops that ended the present epoch's motion; written by the Stepper, cleared with the epoch.
@@ -71,7 +71,7 @@ impl Status {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            counts: [const { AtomicI32::new(0) }; Motor::ALL.len()],
+            counts: [const { AtomicI32::new(0) }; MOST_GROUPS],
             epoch: AtomicU8::new(0),
             triggered: AtomicU8::new(0),
             endstops: AtomicU8::new(0),
@@ -96,20 +96,20 @@ impl Status {
         }
     }
 
-    /// Steps emitted by each motor, signed.
+    /// Steps emitted by each group of motors, signed.
     #[must_use]
-    pub fn counts(&self) -> [i32; Motor::ALL.len()] {
-        core::array::from_fn(|i| self.counts.get(i).map_or(0, |c| c.load(Relaxed)))
+    pub fn counts(&self) -> [i32; MOST_GROUPS] {
+        core::array::from_fn(|i| self.counts.get(i).map_or(0, |count| count.load(Relaxed)))
     }
 
-    /// One step of each motor of `steps`; the Stepper is the only writer.
-    pub(crate) fn count_steps(&self, steps: MotorSet, forward: MotorSet) {
+    /// One step of each group of `steps`; the Stepper is the only writer.
+    pub(crate) fn count_steps(&self, steps: GroupSet, forward: GroupSet) {
         let mut left = steps.0;
         while left != 0 {
-            let motor = left.trailing_zeros() as usize;
+            let group = left.trailing_zeros() as usize;
             left &= left - 1;
-            if let Some(count) = self.counts.get(motor) {
-                let step = if forward.0 & 1 << motor == 0 { -1 } else { 1 };
+            if let Some(count) = self.counts.get(group) {
+                let step = if forward.0 & 1 << group == 0 { -1 } else { 1 };
                 count.store(count.load(Relaxed).wrapping_add(step), Relaxed);
             }
         }
@@ -172,8 +172,13 @@ impl Status {
         self.entries_done.store(self.entries_done.load(Relaxed).wrapping_add(1), Release);
     }
 
-    pub(crate) fn event_made(&self) {
-        self.events_made.store(self.events_made.load(Relaxed).wrapping_add(1), Release);
+    /// Events made so far, counted by the StepGenerator.
+    pub(crate) fn events_made(&self) -> u32 {
+        self.events_made.load(Relaxed)
+    }
+
+    pub(crate) fn set_events_made(&self, made: u32) {
+        self.events_made.store(made, Release);
     }
 
     pub(crate) fn event_done(&self, tick: u32) {

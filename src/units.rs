@@ -3,7 +3,7 @@
 //! Everything is integer or fixed point, so that every platform computes the same bits. The widths are
 //! chosen so that the largest machine we drive leaves headroom: see the range beside each type.
 
-use fixed::types::{I32F32, U16F16, U24F8};
+use fixed::types::{I32F32, U8F24, U16F16, U24F8};
 
 /// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
 pub type Mm = I32F32;
@@ -21,6 +21,15 @@ pub type MmPerSec2 = U24F8;
 
 /// A motor's resolution in (micro)steps a millimetre.
 pub type StepsPerMm = U16F16;
+
+/// A frequency; resolution 15 uHz.
+pub type Hertz = U16F16;
+
+/// A short time in s; resolution 0.06 us, range 256 s.
+pub type Seconds = U8F24;
+
+/// A ratio; resolution 15 millionths.
+pub type Ratio = U16F16;
 
 /// The one tick of every platform: 0.1 us. TIM2 of an STM32F446 reaches it exactly (90 MHz / 9).
 pub const TICKS_PER_SECOND: u32 = 10_000_000;

@@ -1,8 +1,11 @@
 //! The stepper on its pins: what it does to the lines, in which order, and when.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motion::{Entry, Link, MoveQueue, Planner, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work};
-use corehbot::port::{EndstopSet, Motor, MotorSet, Pend, StepClock, StepPort};
+use corehbot::kinematics::forward_motors;
+use corehbot::motion::{
+    Entry, Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work,
+};
+use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::units::{Mm, MmPerSec, Tick};
@@ -68,12 +71,16 @@ impl Pend for Nobody {
     fn pend_stepper(&self) {}
 }
 
-const M1: u8 = MotorSet::of(Motor::M1).0;
-const M8: u8 = MotorSet::of(Motor::M8).0;
-const PAIR: u8 = M1 | M8;
+/// The group of v = x - y: motor 8 turns with it, motor 1 against it.
+const V: GroupSet = GroupSet(2);
+/// The motors of that group.
+const PAIR: MotorSet = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M8));
+/// Where v falls, and where it grows.
+const DOWN: GroupSet = GroupSet::NONE;
+const UP: GroupSet = V;
 
-fn event(interval: u32, steps: u8, forward: u8) -> StepEvent {
-    StepEvent { interval, steps: MotorSet(steps), forward: MotorSet(forward), epoch: 0, watch: EndstopSet::NONE }
+fn event(interval: u32, steps: GroupSet, forward: GroupSet) -> StepEvent {
+    StepEvent { interval, steps, forward, epoch: 0, watch: EndstopSet::NONE }
 }
 
 /// Plays `events` from the clock's `start`, each alarm rung as late as `delay` says for that ring.
@@ -106,29 +113,29 @@ fn rises(bench: &Bench) -> Vec<(u64, u32)> {
 #[test]
 fn the_direction_is_set_before_the_step_and_every_pulse_ends() {
     let (bench, status) = (Bench::default(), Status::new());
-    let events = [event(1000, PAIR, M1), event(500, PAIR, M1), event(500, PAIR, M8), event(100, 0, M8)];
+    let events = [event(1000, V, DOWN), event(500, V, DOWN), event(500, V, UP), event(100, GroupSet::NONE, UP)];
     play(&bench, &status, &events, 0, |_| 0);
     let lines: Vec<Line> = bench.lines.borrow().iter().skip(1).copied().collect();
     assert_eq!(
         lines,
         [
-            Line::Dir(M1),
-            Line::Rise(PAIR, 1000, 1000),
-            Line::Fall(PAIR),
-            Line::Rise(PAIR, 1500, 1500),
-            Line::Fall(PAIR),
-            Line::Dir(M8),
-            Line::Rise(PAIR, 2000, 2000),
-            Line::Fall(PAIR),
+            Line::Rise(PAIR.0, 1000, 1000),
+            Line::Fall(PAIR.0),
+            Line::Rise(PAIR.0, 1500, 1500),
+            Line::Fall(PAIR.0),
+            Line::Dir(forward_motors(UP).0),
+            Line::Rise(PAIR.0, 2000, 2000),
+            Line::Fall(PAIR.0),
         ]
     );
-    assert_eq!(status.counts()[..3], [1, 0, -1], "two steps forward, one back, and the pair mirrored");
+    assert_eq!(status.counts(), [0, -1, 0, 0], "two steps back, one forward");
 }
 
 #[test]
 fn steps_are_on_time_across_the_wrap_of_the_clock() {
     let (bench, status) = (Bench::default(), Status::new());
-    let events: Vec<StepEvent> = (0..20).map(|_| event(1 << 29, PAIR, M1)).chain([event(1, 0, M1)]).collect();
+    let events: Vec<StepEvent> =
+        (0..20).map(|_| event(1 << 29, V, DOWN)).chain([event(1, GroupSet::NONE, DOWN)]).collect();
     let tick = play(&bench, &status, &events, u32::MAX - 5, |_| 0);
     for (i, (tick, at)) in rises(&bench).into_iter().enumerate() {
         let due = (i as u64 + 1) << 29;
@@ -141,7 +148,8 @@ fn steps_are_on_time_across_the_wrap_of_the_clock() {
 #[test]
 fn a_late_interrupt_stretches_time_and_is_counted() {
     let (bench, status) = (Bench::default(), Status::new());
-    let events: Vec<StepEvent> = (0..10).map(|_| event(1000, PAIR, M1)).chain([event(1, 0, M1)]).collect();
+    let events: Vec<StepEvent> =
+        (0..10).map(|_| event(1000, V, DOWN)).chain([event(1, GroupSet::NONE, DOWN)]).collect();
     play(&bench, &status, &events, 0, |ring| if ring == 4 { 700 } else { 0 });
     let rises = rises(&bench);
     let ticks: Vec<u64> = rises.iter().map(|(tick, _)| *tick).collect();
@@ -155,7 +163,8 @@ fn a_late_interrupt_stretches_time_and_is_counted() {
 #[test]
 fn a_little_lateness_is_made_good() {
     let (bench, status) = (Bench::default(), Status::new());
-    let events: Vec<StepEvent> = (0..10).map(|_| event(1000, PAIR, M1)).chain([event(1, 0, M1)]).collect();
+    let events: Vec<StepEvent> =
+        (0..10).map(|_| event(1000, V, DOWN)).chain([event(1, GroupSet::NONE, DOWN)]).collect();
     play(&bench, &status, &events, 0, |ring| u32::from(ring % 2 == 0) * 60);
     assert!(rises(&bench).iter().all(|(tick, at)| u64::from(*at) - tick <= 60));
     assert_eq!(status.overload(), (0, 0));
@@ -164,7 +173,7 @@ fn a_little_lateness_is_made_good() {
 #[test]
 fn a_queue_that_runs_dry_in_mid_motion_is_counted() {
     let (bench, status) = (Bench::default(), Status::new());
-    play(&bench, &status, &[event(1000, PAIR, M1), event(1000, PAIR, M1)], 0, |_| 0);
+    play(&bench, &status, &[event(1000, V, DOWN), event(1000, V, DOWN)], 0, |_| 0);
     assert_eq!(status.overload(), (1, 0), "the last event is a step, not a rest");
 }
 
@@ -172,9 +181,9 @@ fn a_queue_that_runs_dry_in_mid_motion_is_counted() {
 fn a_pressed_endstop_ends_the_motion_that_watches_it() {
     let (bench, status) = (Bench::default(), Status::new());
     bench.pressed.set(EndstopSet::X.0);
-    let watched = |watch| StepEvent { watch, ..event(1000, PAIR, M1) };
+    let watched = |watch| StepEvent { watch, ..event(1000, V, DOWN) };
     // Y is not pressed, so its watcher steps; X is, so nothing after it does.
-    let events = [watched(EndstopSet::Y), watched(EndstopSet::X), watched(EndstopSet::NONE), event(1000, PAIR, M1)];
+    let events = [watched(EndstopSet::Y), watched(EndstopSet::X), watched(EndstopSet::NONE), event(1000, V, DOWN)];
     let tick = play(&bench, &status, &events, 0, |_| 0);
     assert_eq!(rises(&bench), [(1000, 1000)]);
     assert_eq!(tick, 1000, "motion time ends with the motion");
@@ -187,11 +196,11 @@ fn events_of_a_past_epoch_make_no_steps() {
     let mut queue = MoveQueue::new();
     let (moves_in, _moves_out) = queue.split();
     Link::new(moves_in, &status, Nobody).abort();
-    let fresh = StepEvent { epoch: 1, ..event(300, PAIR, M1) };
-    let events = [event(1000, PAIR, M1), event(1000, PAIR, M1), fresh, StepEvent { steps: MotorSet(0), ..fresh }];
+    let fresh = StepEvent { epoch: 1, ..event(300, V, DOWN) };
+    let events = [event(1000, V, DOWN), event(1000, V, DOWN), fresh, StepEvent { steps: GroupSet::NONE, ..fresh }];
     play(&bench, &status, &events, 0, |_| 0);
     assert_eq!(rises(&bench), [(300, 300)]);
-    assert_eq!(status.counts()[0], 1);
+    assert_eq!(status.counts()[1], -1);
 }
 
 #[test]
@@ -201,7 +210,7 @@ fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
     let mut queue = StepQueue::new();
     let (mut events_in, events_out) = queue.split();
     let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench), Nobody);
-    events_in.enqueue(StepEvent { watch: EndstopSet::X, ..event(0, PAIR, M1) }).unwrap();
+    events_in.enqueue(StepEvent { watch: EndstopSet::X, ..event(0, V, DOWN) }).unwrap();
     bench.now.set(1000);
     stepper.on_alarm();
     bench.now.set(2000);
@@ -215,7 +224,7 @@ fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
         stepper.on_alarm();
     }
     assert_eq!(status.epoch(), 0);
-    events_in.enqueue(event(0, PAIR, M1)).unwrap();
+    events_in.enqueue(event(0, V, DOWN)).unwrap();
     stepper.on_alarm();
     bench.now.set(3000);
     stepper.on_alarm();
@@ -228,7 +237,8 @@ fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
 fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     let (bench, status) = (Bench::default(), Status::new());
     let settings = Settings::prototype();
-    let mut planner = Planner::new(&settings, [Mm::ZERO; 4]);
+    let mut memory = MoveMemory::new();
+    let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
     let position = [Mm::ZERO, Mm::ZERO, Mm::const_from_int(-300), Mm::ZERO];
     let speed = MmPerSec::const_from_int(10);
     planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::Z }, &settings);
@@ -236,12 +246,13 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, mut steps_out) = step_queue.split();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &status, Nobody);
+    let mut spans = SpanMemory::new();
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, Nobody);
     moves_in.enqueue(Entry { epoch: 0, work: Work::Move(planner.pop().unwrap()) }).unwrap();
     generator.run();
     assert!(steps_out.dequeue().is_some());
     bench.pressed.set(EndstopSet::Z.0);
-    play(&bench, &status, &[StepEvent { watch: EndstopSet::Z, ..event(1000, PAIR, PAIR) }], 0, |_| 0);
+    play(&bench, &status, &[StepEvent { watch: EndstopSet::Z, ..event(1000, V, UP) }], 0, |_| 0);
     assert_eq!(status.triggered(), EndstopSet::Z);
     while steps_out.dequeue().is_some() {}
     generator.run();

@@ -9,16 +9,19 @@
 //! Each lives in one context, and nobody else holds it.
 
 use crate::machine::{Console, PortSet, Ports};
-use crate::motion::{Link, MoveQueue, StepGenerator, StepQueue, Stepper};
+use crate::motion::{Link, MoveMemory, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper};
 use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::Mm;
 
-/// All memory that the handles share: 4 KiB of step events, 3 KiB of moves, and the status.
+/// All memory that the handles share: 4 KiB of step events, 3 KiB of moves, 8 KiB of
+/// trajectory, 17 KiB of look-ahead, and the status.
 pub struct Memory {
     moves: MoveQueue,
     events: StepQueue,
+    spans: SpanMemory,
+    planned: MoveMemory,
     status: Status,
 }
 
@@ -32,7 +35,13 @@ impl Memory {
     /// Empty queues.
     #[must_use]
     pub const fn new() -> Self {
-        Self { moves: MoveQueue::new(), events: StepQueue::new(), status: Status::new() }
+        Self {
+            moves: MoveQueue::new(),
+            events: StepQueue::new(),
+            spans: SpanMemory::new(),
+            planned: MoveMemory::new(),
+            status: Status::new(),
+        }
     }
 }
 
@@ -76,14 +85,14 @@ pub fn assemble<
     ports: Ports<S, D, K, T, H>,
     pend: W,
 ) -> Parts<'m, P, C, Ports<S, D, K, T, H>, W> {
-    let Memory { moves, events, status } = memory;
+    let Memory { moves, events, spans, planned, status } = memory;
     let status: &'m Status = status;
     let (moves_in, moves_out) = moves.split();
     let (events_in, events_out) = events.split();
     Parts {
         stepper: Stepper::new(events_out, status, step_ports.pins, step_ports.clock, pend),
-        generator: StepGenerator::new(moves_out, events_in, status, pend),
-        console: Console::new(settings, start, Link::new(moves_in, status, pend), ports),
+        generator: StepGenerator::new(moves_out, events_in, spans, status, pend),
+        console: Console::new(settings, start, planned, Link::new(moves_in, status, pend), ports),
         status,
     }
 }

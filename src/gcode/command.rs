@@ -257,14 +257,30 @@ pub enum Command<'a> {
     HybridThreshold(AxisWords),
     /// M914: StallGuard threshold, or report.
     StallThreshold(AxisWords),
+    /// M593: the input shapers of the named axes, both if none is named, or report.
+    Shaper {
+        /// X and Y.
+        axes: AxisFlags,
+        /// F, in Hz; 0 is off.
+        frequency: Option<Number>,
+        /// D: a ratio.
+        damping: Option<Number>,
+        /// T: which shaper.
+        kind: Option<Number>,
+    },
+    /// M900, M572, SET_PRESSURE_ADVANCE: pressure advance, or report.
+    Advance {
+        /// K or S, in s.
+        time: Option<Number>,
+        /// W: over how long the speed is averaged, in s.
+        window: Option<Number>,
+    },
     /// T: choose a tool.
     Tool(u8),
     /// A command for heaters or fans, of which this firmware has none yet.
     Heater,
     /// M302: report on cold extrusion, which cannot be forbidden without heaters.
     ColdExtrusion,
-    /// M900 without words: report pressure advance, of which there is none.
-    ReportAdvance,
     /// G29 and its relatives: a command for a probe with which nothing is measured.
     Probing,
     /// A command that hosts and slicers send and that needs no answer but `ok`.

@@ -6,6 +6,7 @@ use super::lexer::{Word, Words};
 use super::number::Number;
 use super::parse::{axis_flags, axis_words, take_axis};
 use super::quiet::{is_heater, is_silent};
+use super::shaping::{linear_advance, pressure_advance, shaper};
 use super::text::{await_user, object, tell};
 
 /// The command of an M-code, or `None` if it is not understood.
@@ -69,9 +70,10 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         504 => Command::CheckStorage,
         // With P it is RepRapFirmware's, and turns a motor round.
         569 if last(text, b'P').is_none() => stealth(text),
+        572 => pressure_advance(text),
+        593 => shaper(text),
         876 => Command::Answer,
-        900 if last(text, b'K').is_none() => Command::ReportAdvance,
-        900 => Command::Silent,
+        900 => linear_advance(text),
         906 => Command::DriverCurrent(axis_words(text)),
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
@@ -238,13 +240,12 @@ mod tests {
         assert_eq!(parse(b"M73 Q7 S3"), Command::Progress { percent: None, minutes: None });
         assert_eq!(parse(b"M154 S5"), Command::AutoPosition(five));
         assert_eq!(parse(b"M155 S5"), Command::AutoReport(five));
-        assert_eq!(parse(b"M900"), Command::ReportAdvance);
         assert_eq!(parse(b"M876 S0"), Command::Answer);
     }
 
     #[test]
     fn quiet_commands_swallow_any_text() {
-        for line in ["M74 W5", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M900 K1e-05", "M20", "M999"] {
+        for line in ["M74 W5", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M20", "M999"] {
             assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
         }
         assert_eq!(parse(b"M117 E5 * ; x"), Command::Message);

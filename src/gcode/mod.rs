@@ -13,6 +13,7 @@ mod number;
 mod parse;
 mod print;
 mod quiet;
+mod shaping;
 mod text;
 
 pub use command::{ArcShape, AxisFlags, AxisWords, Command, Form};

@@ -2,6 +2,7 @@
 
 use super::command::Command;
 use super::lexer::skip_blanks;
+use super::shaping::set_pressure_advance;
 
 /// What the objects of a print are called, and where each begins and ends. Nothing here depends on it.
 const SILENT: [&[u8]; 3] = [b"EXCLUDE_OBJECT_DEFINE", b"EXCLUDE_OBJECT_START", b"EXCLUDE_OBJECT_END"];
@@ -19,6 +20,9 @@ pub(super) fn parse_named(text: &[u8]) -> Option<Command<'static>> {
         // Without a name it asks which objects are left out, with RESET=1 for none of them.
         let asks = skip_blanks(rest).get(..5).is_none_or(|word| !matches!(word, b"NAME=" | b"CURRE"));
         return Some(if asks { Command::Silent } else { Command::CancelObject });
+    }
+    if is(b"SET_PRESSURE_ADVANCE") {
+        return Some(set_pressure_advance(rest));
     }
     // A multi-material unit's loading, cutting and choosing: Tx, Tc and T?.
     matches!((name, rest), (b"Tx" | b"Tc", _) | (b"T", b"?")).then_some(Command::Silent)

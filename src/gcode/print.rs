@@ -93,6 +93,17 @@ impl Display for Command<'_> {
             Self::DriverCurrent(words) => axis_line(f, "M906", words),
             Self::HybridThreshold(words) => axis_line(f, "M913", words),
             Self::StallThreshold(words) => axis_line(f, "M914", words),
+            Self::Shaper { axes, frequency, damping, kind } => {
+                flags(f, "M593", axes)?;
+                word(f, 'F', frequency)?;
+                word(f, 'D', damping)?;
+                word(f, 'T', kind)
+            }
+            Self::Advance { time, window } => {
+                f.write_str("M572")?;
+                word(f, 'S', time)?;
+                word(f, 'W', window)
+            }
             Self::Tool(tool) => write!(f, "T{tool}"),
             Self::Heater => f.write_str("M107"),
             Self::ColdExtrusion => f.write_str("M302"),
@@ -121,7 +132,6 @@ impl Display for Command<'_> {
             Self::ReportLevelling => f.write_str("M420"),
             Self::Object(number) => write!(f, "M486 S{number}"),
             Self::CancelObject => f.write_str("M486 C"),
-            Self::ReportAdvance => f.write_str("M900"),
             Self::Probing => f.write_str("G29"),
             Self::Unknown(text) => write_text(f, text),
         }
@@ -204,6 +214,8 @@ mod tests {
             ("M205 J.02 X8", "M205 X8 J0.02"),
             ("M204 S800", "M204 P800 T800"),
             ("M211 S3", "M211 S1"),
+            ("M900 K1e-05", "M572 S0.00001"),
+            ("M593 T2 F60 Y X", "M593 X Y F60 T2"),
             ("say \u{fc}", "say ??"),
         ] {
             assert_eq!(parse(line.as_bytes()).to_string(), canonical);

@@ -20,7 +20,7 @@ const CHECKS: u16 = 862;
 
 /// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
 /// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
-const SILENT: [u16; 29] = [
+const SILENT: [u16; 27] = [
     2,   // end of program: the line itself is the end
     20,  // list files: Repetier-Host sends it when it connects
     21,  // look for a card: OctoPrint and Repetier-Host send it when they connect
@@ -45,8 +45,6 @@ const SILENT: [u16; 29] = [
     530, // print mode (Repetier)
     532, // progress (Repetier)
     555, // print area (Prusa)
-    572, // pressure advance (RepRapFirmware); not yet, and slicers send it with every feature
-    593, // input shaping; not yet
     870, // Prusa
     907, // motor current, which the board's settings fix
     999, // begin anew after a stop: there is none to end here, and M112 holds until reset

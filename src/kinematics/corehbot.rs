@@ -16,7 +16,8 @@
 //! (forward) and 1 (backward), u = x + y drives 11 (forward) and 4 (backward). In CoreXY's words A is 11
 //! and 4, B is 8 and 1.
 
-use crate::port::{Motor, MotorSet};
+use crate::motors::MOST_GROUPS;
+use crate::port::{GroupSet, Motor, MotorSet};
 use crate::units::Steps;
 
 /// Belt travel of motors 1, 4, 8 and 11, in steps or any other unit of length.
@@ -118,12 +119,66 @@ pub const fn count_at(coordinate: Steps) -> i32 {
 }
 
 /// All motors of the machine: u = x + y, v = x - y, z and e.
-pub const GROUPS: [Group; 4] = [
+pub const GROUPS: [Group; MOST_GROUPS] = [
     Group { row: [1, 1, 0, 0], with: MotorSet::of(Motor::M11), against: MotorSet::of(Motor::M4), lead: Motor::M11 },
     Group { row: [1, -1, 0, 0], with: MotorSet::of(Motor::M8), against: MotorSet::of(Motor::M1), lead: Motor::M8 },
     Group { row: [0, 0, 1, 0], with: MotorSet::Z, against: MotorSet::NONE, lead: Motor::Z1 },
     Group { row: [0, 0, 0, 1], with: MotorSet::E, against: MotorSet::NONE, lead: Motor::E0 },
 ];
+
+/// The steps of each motor, given those of the groups.
+#[must_use]
+pub fn motor_counts(groups: [i32; GROUPS.len()]) -> [i32; Motor::ALL.len()] {
+    Motor::ALL.map(|motor| {
+        let count = |(group, count): (&Group, i32)| match (group.with.has(motor), group.against.has(motor)) {
+            (true, _) => Some(count),
+            (_, true) => Some(count.wrapping_neg()),
+            _ => None,
+        };
+        GROUPS.iter().zip(groups).find_map(count).unwrap_or_default()
+    })
+}
+
+/// Sets of groups that there are.
+const SETS: usize = 1 << GROUPS.len();
+
+/// For every set of groups the motors that turn forward if these groups' coordinates grow and the others' fall; or
+/// with `all` the motors of these groups.
+const fn motors_of_sets(all: bool) -> [MotorSet; SETS] {
+    let mut sets = [MotorSet::NONE; SETS];
+    let mut set = 0;
+    while set < SETS {
+        let mut group = 0;
+        while group < GROUPS.len() {
+            let Group { with, against, .. } = GROUPS[group];
+            let is_in = set >> group & 1 == 1;
+            let motors = match (all, is_in) {
+                (true, true) => with.with(against),
+                (true, false) => MotorSet::NONE,
+                (false, true) => with,
+                (false, false) => against,
+            };
+            sets[set] = sets[set].with(motors);
+            group += 1;
+        }
+        set += 1;
+    }
+    sets
+}
+
+/// The motors of these groups.
+#[must_use]
+pub const fn motors(groups: GroupSet) -> MotorSet {
+    const MOTORS: [MotorSet; SETS] = motors_of_sets(true);
+    MOTORS[groups.0 as usize % SETS]
+}
+
+/// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
+#[must_use]
+pub const fn forward_motors(groups: GroupSet) -> MotorSet {
+    const FORWARD: [MotorSet; SETS] = motors_of_sets(false);
+    FORWARD[groups.0 as usize % SETS]
+}
 
 #[cfg(test)]
 mod tests {

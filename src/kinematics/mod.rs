@@ -2,4 +2,7 @@
 
 mod corehbot;
 
-pub use corehbot::{BeltSteps, GROUPS, Group, ToolSteps, count_at, forward, inverse, is_unstrained, residual};
+pub use corehbot::{
+    BeltSteps, GROUPS, Group, ToolSteps, count_at, forward, forward_motors, inverse, is_unstrained, motor_counts,
+    motors, residual,
+};

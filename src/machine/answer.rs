@@ -11,6 +11,7 @@ use super::drivers::DriverValue;
 use super::keeping::StorageNews;
 use super::report::Temperatures;
 use super::setting::Setting;
+use super::shaping::shortest;
 use crate::driver::Fault;
 use crate::gcode::Form;
 use crate::port::{EndstopSet, Pend};
@@ -39,6 +40,8 @@ pub(super) enum Answer<'a> {
     Line(&'static str),
     /// M118.
     Message(Form, &'a [u8]),
+    /// M900.
+    Advance,
     FeedPercent,
     FlowPercent,
     DebugFlags,
@@ -164,6 +167,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Answer::Line(line) => self.say(format_args!("{line}")),
             Answer::Message(form, text) => self.say_message(form, text),
+            Answer::Advance => {
+                let time = shortest(self.settings.advance.time);
+                self.say(format_args!("echo:Advance K={time}"));
+            }
             Answer::FeedPercent => {
                 let percent = self.planner.feed_percent();
                 self.say(format_args!("FR:{percent}%"));

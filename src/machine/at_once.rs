@@ -42,7 +42,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             // M104 and its relatives, until there are heaters.
             Command::Heater => Answer::Line("echo:no heaters configured"),
             Command::ColdExtrusion => Answer::Line("echo:Cold extrudes are enabled"),
-            Command::ReportAdvance => Answer::Line("echo:Advance K=0"),
             Command::ReportLevelling => Answer::Line("echo:Bed Leveling OFF"),
             Command::Probing => Answer::Line("echo:nothing is probed by this firmware, ignored"),
             Command::CancelObject => Answer::Line("echo:objects cannot be left out, ignored"),
@@ -82,7 +81,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::Object(number) => {
                 self.link.status().told.set_object(number.to_thousandths().div_euclid(1000) as i32)
             }
-            Command::FlowPercent(Some(number)) => self.override_flow(Modal::percent(number)),
+            Command::FlowPercent(Some(number)) => self.modal.flow_percent = Modal::percent(number),
             _ => {}
         }
     }

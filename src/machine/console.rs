@@ -11,7 +11,7 @@ pub use super::ports::{PortSet, Ports};
 use super::retraction::Retraction;
 use crate::driver::{Drivers, Fault};
 use crate::gcode;
-use crate::motion::{Link, Planner};
+use crate::motion::{Link, MoveMemory, Planner};
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
 use crate::protocol::{NoRoom, Replies};
 use crate::settings::Settings;
@@ -40,7 +40,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) ports: Devices<P>,
     pub(super) hosts: Hosts<P::Serial>,
     pub(super) link: Link<'m, W>,
-    pub(super) planner: Planner,
+    pub(super) planner: Planner<'m>,
     pub(super) flow: Flow,
     /// How far the present answer has been written.
     pub(super) telling: Progress,
@@ -61,6 +61,9 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) wait: Wait,
     /// M25 has paused the print, and no M24 has resumed it.
     pub(super) is_paused: bool,
+    /// The generator follows the taps of the pressure advance. Once it does, that stays so: all axes are as late as these
+    /// need, and an advance of 0 is one like any other.
+    pub(super) has_advance: bool,
     /// An axis is being homed.
     pub(super) is_homing: bool,
     /// The host was told of a target beyond the edge.
@@ -71,7 +74,13 @@ pub struct Console<'m, P: PortSet, W: Pend> {
 
 impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend> Console<'m, Ports<S, D, K, T, H>, W> {
     /// A Console of a machine that stands at `start` if that is known, as if homed.
-    pub fn new(settings: Settings, start: Option<[Mm; 3]>, link: Link<'m, W>, ports: Ports<S, D, K, T, H>) -> Self {
+    pub fn new(
+        settings: Settings,
+        start: Option<[Mm; 3]>,
+        memory: &'m mut MoveMemory,
+        link: Link<'m, W>,
+        ports: Ports<S, D, K, T, H>,
+    ) -> Self {
         let [x, y, z] = start.unwrap_or_default();
         let Ports { serial, drivers: bus, clock, storage, sensors } = ports;
         let now = clock.now();
@@ -80,7 +89,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             ports: Devices { drivers: bus, clock, storage, sensors },
             hosts: Hosts::new(serial, now),
             link,
-            planner: Planner::new(&settings, [x, y, z, Mm::ZERO]),
+            planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
             flow: Flow::new(),
             telling: Progress::default(),
             settings,
@@ -94,6 +103,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             last_motion: now,
             wait: Wait::new(),
             is_paused: false,
+            has_advance: false,
             is_homing: false,
             told_of_edge: false,
             told_of_heaters: false,

@@ -4,6 +4,7 @@ use super::answer::Answer;
 use super::arc::{Arc, Shape};
 use super::console::{Console, Interrupt, PortSet};
 use super::modal::Wanted;
+use super::shaping::ShaperWords;
 use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::motion::Work;
 use crate::port::{MotorSet, Pend};
@@ -74,6 +75,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::LoadSettings => return self.load_settings().await.map(Answer::Storage),
             Command::DefaultSettings => return self.reset_settings().await.map(Answer::Storage),
             Command::CheckStorage => return self.check_storage().await.map(Answer::Storage),
+            Command::Shaper { axes, frequency, damping, kind } => {
+                return self.set_shapers(&ShaperWords { axes, frequency, damping, kind }).await;
+            }
+            Command::Advance { time, window } => return self.set_advance(time, window).await,
             Command::Stealth { on, axes } => return self.set_stealth(on, axes).await,
             _ => return Ok(self.execute_at_once(command)),
         }

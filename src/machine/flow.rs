@@ -47,11 +47,13 @@ pub(super) struct Flow {
     counted: bool,
     /// Whether the look-ahead has been full since the last rest.
     was_full: bool,
+    /// Moves planned when it was last asked whether motion begins.
+    judged: u32,
 }
 
 impl Flow {
     pub const fn new() -> Self {
-        Self { gathering: true, added: Instant(0), counted: false, was_full: false }
+        Self { gathering: true, added: Instant(0), counted: false, was_full: false, judged: 0 }
     }
 
     /// A move was added.
@@ -86,6 +88,11 @@ impl Flow {
     /// Whether motion has not begun since the last rest.
     pub const fn is_gathering(&self) -> bool {
         self.gathering
+    }
+
+    /// Whether other moves are planned than when this was last asked.
+    pub const fn is_news(&mut self, moves: u32) -> bool {
+        core::mem::replace(&mut self.judged, moves) != moves
     }
 
     /// What may leave to begin with, given the nominal time of final moves, in ticks.

@@ -200,7 +200,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.settings = wanted;
         self.drivers.want(&wanted);
         if is_same {
-            return Ok(());
+            return self.follow().await;
         }
         self.planner.set_resolution(&wanted);
         let position = self.planner.steps(self.retraction.away_from(self.modal.position));

@@ -28,6 +28,7 @@ mod report;
 mod retraction;
 mod sensors;
 mod setting;
+mod shaping;
 mod tuning;
 
 pub use console::{Console, PortSet, Ports};

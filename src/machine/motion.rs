@@ -38,7 +38,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         while !self.planner.has_room() {
             self.flow.fill();
-            self.planner.release_some();
+            if !self.planner.has_ready() {
+                self.planner.release_next();
+            }
             self.feed_motion();
             if !self.planner.has_room() {
                 self.turn().await?;
@@ -53,16 +55,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M220: from now on, and for the moves that wait.
     pub(super) fn override_feed(&mut self, percent: u16) {
         self.planner.override_feed(percent, &self.settings);
-    }
-
-    /// M221: from now on, and for the moves that wait.
-    pub(super) fn override_flow(&mut self, percent: u16) {
-        let before = core::mem::replace(&mut self.modal.flow_percent, percent);
-        if !self.modal.dry_run {
-            let moved = self.planner.override_flow(before, percent, &self.settings);
-            let [_, _, _, e] = &mut self.modal.position;
-            *e = e.wrapping_add(moved);
-        }
     }
 
     fn note_path(&self) {
@@ -94,10 +86,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 self.link.send(Work::Move(released));
                 continue;
             }
-            self.planner.release_final();
-            if self.planner.has_ready() {
-                continue;
-            }
             if release == Release::Final {
                 return;
             }
@@ -113,9 +101,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.planner.is_empty() {
             return false;
         }
-        // Nothing can be final that is not even planned; this saves the passes over the window.
-        let planned = self.planner.waiting() >= GATHERED;
-        let final_time = if planned { self.planner.plan_ahead() } else { 0 };
+        // Nothing can be final that is not even planned, or was not when as much was planned.
+        let (moves, _) = self.planner.planned();
+        let is_enough = self.planner.waiting() >= GATHERED && self.flow.is_news(moves);
+        let final_time = if is_enough { self.planner.final_time() } else { 0 };
         match self.flow.begin(final_time, self.ports.clock.now()) {
             Release::All => self.planner.release_all(),
             Release::Nothing => return false,
@@ -185,25 +174,24 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(())
     }
 
-    /// Tells the planner and the generator where the machine stands. Motion rests.
+    /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
+    /// have been dropped with the motion. Motion rests.
     pub(super) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
         self.planner.stand_at(position);
         let counts = self.link.status().counts();
-        for (origin, group) in self.origin.iter_mut().zip(&GROUPS) {
-            let count = counts.get(group.lead as usize).copied().unwrap_or_default();
+        for ((origin, group), count) in self.origin.iter_mut().zip(&GROUPS).zip(counts) {
             *origin = count_at(group.coordinate(position)).wrapping_sub(count);
         }
         self.until(|c| c.link.has_room()).await?;
         self.link.send(Work::Position(position));
-        Ok(())
+        self.follow().await
     }
 
     /// Steps of each motor group, from the steps really emitted.
     pub(super) fn real_counts(&self) -> [i32; 4] {
-        let counts = self.link.status().counts();
         let mut real = self.origin;
-        for (real, group) in real.iter_mut().zip(&GROUPS) {
-            *real = real.wrapping_add(counts.get(group.lead as usize).copied().unwrap_or_default());
+        for (real, count) in real.iter_mut().zip(self.link.status().counts()) {
+            *real = real.wrapping_add(count);
         }
         real
     }

@@ -4,6 +4,7 @@ use super::answer::Answer;
 use super::console::{Console, PortSet};
 use super::drivers::DriverValue;
 use super::retraction::Retraction;
+use super::shaping::shortest;
 use crate::gcode::Number;
 use crate::port::Pend;
 use crate::settings::CornerRule;
@@ -23,6 +24,10 @@ pub(super) enum Setting {
     Accelerations,
     /// M205.
     Corners,
+    /// M593.
+    Shapers,
+    /// M900 and M572.
+    Advance,
     /// M207.
     Retraction,
     /// M208.
@@ -30,12 +35,14 @@ pub(super) enum Setting {
 }
 
 impl Setting {
-    const ALL: [Self; 7] = [
+    const ALL: [Self; 9] = [
         Self::Resolutions,
         Self::MaxSpeeds,
         Self::MaxAccelerations,
         Self::Accelerations,
         Self::Corners,
+        Self::Shapers,
+        Self::Advance,
         Self::Retraction,
         Self::Recovery,
     ];
@@ -86,6 +93,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                         self.say(format_args!("echo:  M205 X{v} Y{v} E{e} S{feed} T{travel}"));
                     }
                 }
+            }
+            Setting::Shapers => {
+                let shapers = s.shapers;
+                self.say_shaper('X', shapers.x);
+                self.say_shaper('Y', shapers.y);
+            }
+            Setting::Advance => {
+                let [time, window] = [s.advance.time, s.advance.window].map(shortest);
+                self.say(format_args!("echo:  M900 K{time}"));
+                self.say(format_args!("echo:  M572 W{window}"));
             }
             Setting::Retraction => {
                 let Retraction { length, speed, lift, .. } = self.retraction;

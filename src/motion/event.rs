@@ -1,16 +1,16 @@
 //! A step event: all the motors that step in one instant.
 
-use crate::port::{EndstopSet, MotorSet};
+use crate::port::{EndstopSet, GroupSet};
 
 /// One entry of the StepQueue.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct StepEvent {
     /// Ticks since the event before, in motion time; at most [`LONGEST_INTERVAL`].
     pub interval: u32,
-    /// The motors that step; none in an event that only lets time pass.
-    pub steps: MotorSet,
-    /// The direction of every motor from here on; a set bit is forward.
-    pub forward: MotorSet,
+    /// The groups of motors that step; none in an event that only lets time pass.
+    pub steps: GroupSet,
+    /// The groups whose coordinate grows with a step, from here on.
+    pub forward: GroupSet,
     /// The epoch in which the event was made; an event of another epoch is discarded.
     pub epoch: u8,
     /// Endstops that end the motion if any of them is pressed.

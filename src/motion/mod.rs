@@ -4,6 +4,7 @@
 //! turns released moves into step events; the [`Stepper`] plays these on the pins. Two queues stand
 //! between the three, and each end of a queue has one owner, so nothing is locked.
 
+mod course;
 mod crossing;
 mod event;
 mod geometry;
@@ -11,22 +12,27 @@ mod junction;
 mod link;
 mod moves;
 mod overrides;
+mod phase;
 mod planner;
 mod profile;
+mod shaper;
 mod stepgen;
 mod stepper;
 mod track;
+mod trajectory;
 mod window;
 
-pub use crossing::{Curve, Path};
 pub use event::{LONGEST_INTERVAL, StepEvent};
 pub use link::Link;
 pub use moves::{Entry, Move, WHOLE, Work};
 pub use planner::{Planner, Target};
 pub use profile::{Speeds, profile};
-pub use stepgen::{MIN_STEP_INTERVAL, StepGenerator};
+pub use shaper::taps;
+pub use stepgen::StepGenerator;
 pub use stepper::Stepper;
-pub use window::{FORCED_BATCH, LOOK_AHEAD, WINDOW};
+pub use track::MIN_STEP_INTERVAL;
+pub use trajectory::{SpanMemory, TAPS, Tap, Taps};
+pub use window::{MoveMemory, WINDOW};
 
 /// Released moves between Console and StepGenerator. Full: the Console waits. Empty: motion rests.
 pub type MoveQueue = heapless::spsc::Queue<Entry, 33>;

@@ -1,5 +1,6 @@
 //! Moves: what the planner releases and the generator steps. A released move never changes.
 
+use super::trajectory::Taps;
 use crate::port::EndstopSet;
 use crate::units::{MmPerSec2, Steps};
 
@@ -31,9 +32,11 @@ pub struct Move {
     pub length: u64,
     /// Acceleration of its ramps, with which it also brakes where it was not planned.
     pub acceleration: MmPerSec2,
+    /// The pressure that its filament needs: its way of filament times the advance, in steps times seconds.
+    pub advance: Steps,
     /// Whether its entry speed is above its nominal one, because an override has lowered that under way.
     pub brakes_first: bool,
-    /// Whether it ends at standstill.
+    /// Whether motion ends with it: nothing follows that was known when it was released.
     pub rests: bool,
     /// Endstops that end it early.
     pub watch: EndstopSet,
@@ -48,18 +51,20 @@ impl Move {
 }
 
 /// One entry of the MoveQueue.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub enum Work {
     /// A move.
     Move(Move),
     /// Time without motion, in ticks times 2^16.
     Dwell(u64),
+    /// At rest: from now on an axis follows these taps. The advance, axis 4, is what its taps differ by.
+    Follow(u8, Taps),
     /// Without motion: here is where the machine stands, in steps of x, y, z and e.
     Position([Steps; 4]),
 }
 
 /// Work, and the epoch to which it belongs.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Entry {
     /// The epoch in which it was queued.
     pub epoch: u8,
@@ -67,4 +72,4 @@ pub struct Entry {
     pub work: Work,
 }
 
-const _: () = assert!(core::mem::size_of::<Entry>() <= 96);
+const _: () = assert!(core::mem::size_of::<Entry>() <= 104);

@@ -7,10 +7,10 @@ use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
 use super::overrides::percent_of;
-use super::window::{FORCED_BATCH, Planned, WINDOW, Window};
+use super::window::{MoveMemory, Planned, WINDOW, Window};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
-use crate::units::{Mm, MmPerSec, MmPerSec2, Steps};
+use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, Steps};
 
 /// Where to go, and how fast.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,8 +36,8 @@ const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 const SNAP_LENGTH: u64 = 1 << 32;
 
 /// Looks ahead over targets and releases moves.
-pub struct Planner {
-    pub(super) window: Window,
+pub struct Planner<'m> {
+    pub(super) window: Window<'m>,
     pub(super) pitch: [Pitch; 4],
     /// Where the last move ends.
     pub(super) end: [Steps; 4],
@@ -56,12 +56,12 @@ pub struct Planner {
     path: u64,
 }
 
-impl Planner {
+impl<'m> Planner<'m> {
     /// A planner for a machine that stands at `position` (x, y, z, e).
     #[must_use]
-    pub fn new(settings: &Settings, position: [Mm; 4]) -> Self {
+    pub fn new(memory: &'m mut MoveMemory, settings: &Settings, position: [Mm; 4]) -> Self {
         let mut planner = Self {
-            window: Window::new(),
+            window: Window::new(memory),
             pitch: settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array(),
             end: [Steps::ZERO; 4],
             asked: position,
@@ -147,9 +147,14 @@ impl Planner {
             acceleration,
             corner: corner_speed_sq(&before, &vector, acceleration, settings),
             cap: 0,
-            entry: 0,
+            before: 0,
             nominal_ticks: 0,
             watch: target.watch,
+            advance: if vector.extrusion > 0 && !vector.is_extruder_only() {
+                settings.advance.time
+            } else {
+                Seconds::ZERO
+            },
         };
         planned.set_nominal(if target.has_overrides { percent_of(feed, self.feed_percent) } else { feed }, settings);
         planned.limit_entry(passed_on);
@@ -243,47 +248,25 @@ impl Planner {
         (self.moves, ((self.path as u128 * 1000) >> 32) as u32)
     }
 
-    /// Plans speeds and lets all final moves leave; says their nominal time, in ticks.
-    pub fn plan_ahead(&mut self) -> u64 {
-        self.window.plan();
-        self.window.ready_time()
-    }
-
-    /// Plans speeds, unless some moves may leave already, and lets all final moves leave.
-    pub fn release_final(&mut self) {
-        if !self.window.has_ready() {
-            self.window.plan();
-        }
-    }
-
-    /// As [`release_final`](Self::release_final), but if none is final, a few leave all the same.
-    pub fn release_some(&mut self) {
-        self.release_final();
-        if !self.window.has_ready() {
-            self.window.force(FORCED_BATCH);
-        }
+    /// Nominal time of the moves that are final, in ticks.
+    #[must_use]
+    pub fn final_time(&self) -> u64 {
+        self.window.final_time()
     }
 
     /// Lets the first move leave, final or not.
     pub fn release_next(&mut self) {
-        self.release_final();
-        if !self.window.has_ready() {
-            self.window.force(1);
-        }
+        self.window.force(1);
     }
 
-    /// Lets every move leave; the last one ends at rest. Moves that may leave already keep the speeds with
-    /// which they would have left: while there are any, nothing changes, so call it again when they are gone.
+    /// Lets every move leave.
     pub fn release_all(&mut self) {
-        if !self.window.has_ready() {
-            self.window.plan();
-            self.window.force(usize::MAX);
-        }
+        self.window.force(usize::MAX);
     }
 
     /// Takes the next move that may leave.
     pub fn pop(&mut self) -> Option<Move> {
-        let (released, ticks) = self.window.pop()?;
+        let (released, ticks) = self.window.pop(self.gone)?;
         self.waiting = self.waiting.saturating_sub(u64::from(ticks));
         self.gone = released.end[3];
         Some(released)

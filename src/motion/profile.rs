@@ -83,6 +83,7 @@ pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch
         decelerate: ramp_time(peak_speed - exit_speed, a),
         length,
         acceleration: a,
+        advance: Steps::ZERO,
         brakes_first,
         rests: speeds.exit == 0,
         watch,

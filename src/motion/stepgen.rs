@@ -1,43 +1,43 @@
 //! The step generator: from released moves to step events.
 //!
-//! A move is taken phase by phase. In each phase every motor group has a [`Path`], and the next event is
-//! the earliest next step of any group, with all groups that step in the same tick. A group's count is
-//! always the position rounded to the nearest step, a step being due where the position crosses a half.
+//! Moves are laid out as a [`Trajectory`], which every motor group follows in pieces in which its position is a
+//! quadratic in time. The next event is the earliest next step of any group, with all groups that step in the same
+//! tick. A group's count is always the position rounded to the nearest step, a step being due where the position
+//! crosses a half.
 //!
-//! Time is counted in ticks times 2^16 from the start of the epoch, so a phase begins where the one before
-//! ended to within 2^-17 of a tick; only the instant of a step is rounded to a whole tick.
+//! Time is counted in ticks times 2^16 from the start of the epoch; only the instant of a step is rounded to a whole
+//! tick.
 
 mod brake;
+mod supply;
 
+use super::course::Course;
 use super::event::{LONGEST_INTERVAL, StepEvent};
-use super::moves::{Entry, Move, Work};
-use super::track::{Phase, Track, phases, point};
-use crate::kinematics::{GROUPS, count_at, is_unstrained};
-use crate::port::{EndstopSet, MotorSet, Pend};
+use super::moves::{Entry, Move};
+use super::track::{Next, Track};
+use super::trajectory::{Place, SpanMemory, Trajectory};
+use crate::kinematics::{GROUPS, forward_motors, is_unstrained, motors};
+use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
-use crate::units::Steps;
-use brake::{Braking, Moment};
+use brake::Braking;
 use heapless::spsc::{Consumer, Producer};
-
-/// Two pulses of a motor are at least this many ticks apart: 1 us, ten times what the driver asks for
-/// (TMC2209 datasheet rev 1.09, section 13.1: STEP high and low 100 ns each). Motion at legal speeds is at
-/// most half as dense; a motor that reverses within half a step can come near it.
-pub const MIN_STEP_INTERVAL: u64 = 10;
+use supply::Supply;
 
 /// Events made in one call of [`StepGenerator::run`]: about a third of a millisecond on a Cortex-M4, after which the
 /// interrupts of the same priority get their turn.
-const BATCH: usize = 64;
+const BATCH: u32 = 64;
 
 /// What is being done.
-#[derive(Clone, Copy)]
 enum Task {
     Nothing,
-    /// A move, from where, and which phase comes next.
-    Move(Move, [Steps; 4], usize),
-    /// Time without motion.
-    Dwell,
-    /// A move that is being braked: where it ends then, and the speed squared that is left there.
-    Brake([Steps; 4], u64),
+    /// A move is being laid.
+    Move(Course),
+    /// A move that is being braked, and the speed squared that is left at its end.
+    Brake(Course, u64),
+    /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
+    Settling(bool),
+    /// Time without motion, up to then.
+    Dwell(u64),
 }
 
 /// Turns moves into step events.
@@ -48,9 +48,8 @@ pub struct StepGenerator<'m, W: Pend> {
     pend: W,
     epoch: u8,
     task: Task,
+    trajectory: Trajectory<'m>,
     tracks: [Track; GROUPS.len()],
-    /// End of the present phase, in ticks times 2^16.
-    end: u64,
     /// Tick of the last event.
     last: u64,
     /// The Stepper's tick when the epoch began.
@@ -59,15 +58,25 @@ pub struct StepGenerator<'m, W: Pend> {
     /// The last move, if it did not end at rest.
     behind: Option<Move>,
     /// Where the last move ended.
-    position: [Steps; 4],
-    forward: MotorSet,
+    place: Place,
+    forward: GroupSet,
     watch: EndstopSet,
+    /// Events made.
+    made: u32,
+    /// The Stepper had none left when one was made.
+    is_news: bool,
 }
 
 impl<'m, W: Pend> StepGenerator<'m, W> {
-    /// The generator between the two queues. It learns where the machine stands from the first
+    /// The generator between the two queues, which remembers the trajectory in `spans`. It learns where the machine stands from the first
     /// [`Work::Position`].
-    pub fn new(moves: Consumer<'m, Entry>, events: Producer<'m, StepEvent>, status: &'m Status, pend: W) -> Self {
+    pub fn new(
+        moves: Consumer<'m, Entry>,
+        events: Producer<'m, StepEvent>,
+        spans: &'m mut SpanMemory,
+        status: &'m Status,
+        pend: W,
+    ) -> Self {
         Self {
             moves,
             events,
@@ -75,14 +84,16 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             pend,
             epoch: status.epoch(),
             task: Task::Nothing,
-            tracks: [Track::still(); GROUPS.len()],
-            end: 0,
+            trajectory: Trajectory::new(spans),
+            tracks: core::array::from_fn(|_| Track::still()),
             last: 0,
             base: status.tick(),
             braking: Braking::No,
             behind: None,
-            position: [Steps::ZERO; 4],
-            forward: MotorSet::NONE,
+            place: Place::default(),
+            forward: GroupSet::NONE,
+            made: status.events_made(),
+            is_news: false,
             watch: EndstopSet::NONE,
         }
     }
@@ -96,19 +107,34 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         if self.braking == Braking::No && self.status.is_braking(self.epoch) {
             self.begin_brake();
         }
-        for _ in 0..BATCH {
-            if !self.events.ready() || self.is_ahead() {
+        let (mut room, enough) = (self.events.capacity() - self.events.len(), self.enough());
+        let end = self.made.wrapping_add(BATCH);
+        while self.made != end {
+            if room == 0 || self.is_ahead(enough) {
+                self.publish();
                 if self.status.set_refill(self.status.events_waiting() / 2) {
                     return;
                 }
                 break;
             }
+            let made = self.made;
             if !self.advance() {
+                self.publish();
                 self.status.set_refill(0);
                 return;
             }
+            room -= self.made.wrapping_sub(made) as usize;
         }
+        self.publish();
         self.pend.pend_generator();
+    }
+
+    /// Tells what is made.
+    fn publish(&mut self) {
+        self.status.set_events_made(self.made);
+        if core::mem::take(&mut self.is_news) {
+            self.pend.pend_stepper();
+        }
     }
 
     /// Whether an endstop has ended this epoch's motion. The Stepper would discard whatever is left of it, and
@@ -120,177 +146,102 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     /// Drops the task of an epoch that is over.
     fn begin_epoch(&mut self) {
         self.epoch = self.status.epoch();
-        if !matches!(self.task, Task::Nothing) {
-            self.task = Task::Nothing;
+        let is_under_way = !matches!(self.task, Task::Nothing | Task::Settling(false));
+        self.task = Task::Nothing;
+        if is_under_way {
             self.status.entry_done();
         }
-        self.end = 0;
         self.last = 0;
         self.base = self.status.tick();
         self.braking = Braking::No;
         self.behind = None;
         self.status.set_stopped(None);
         for track in &mut self.tracks {
-            track.next = None;
-            track.free = 0;
+            track.stop();
         }
     }
 
-    /// One event, phase or entry further; false if there is nothing to do.
+    /// One event, piece or entry further; false if there is nothing to do.
     fn advance(&mut self) -> bool {
-        let due = self.tracks.iter().filter_map(|t| t.next).map(|(tick, _)| tick).min();
-        if let Some(tick) = due.filter(|tick| *tick < self.end_of_steps()) {
-            self.step(tick);
+        let last = self.last as u32;
+        let (mut nearest, mut is_moving) = (u32::MAX, false);
+        for track in &self.tracks {
+            if track.next != Next::Nothing {
+                is_moving = true;
+                nearest = nearest.min(track.due.wrapping_sub(last));
+            }
+        }
+        if !is_moving {
+            return self.rest();
+        }
+        let due = last.wrapping_add(nearest);
+        let (mut steps, mut changes) = (0, 0);
+        for (i, track) in self.tracks.iter().enumerate() {
+            if track.due == due {
+                match track.next {
+                    Next::Nothing => {}
+                    Next::Step => steps |= 1 << i,
+                    Next::Change => changes |= 1 << i,
+                }
+            }
+        }
+        if changes != 0 {
+            return self.lay_out(changes);
+        }
+        if nearest > LONGEST_INTERVAL {
+            self.emit(LONGEST_INTERVAL, GroupSet::NONE);
             return true;
         }
-        match self.task {
-            Task::Nothing => self.next_entry(),
-            Task::Dwell => {
-                if self.rest() {
-                    self.finish();
-                }
-                true
-            }
-            Task::Move(m, from, phase) => {
-                match phases(&m).get(phase) {
-                    Some(p) => {
-                        self.begin_phase(&m, from, p, phase);
-                        self.task = Task::Move(m, from, phase + 1);
-                    }
-                    None => {
-                        self.position = m.end;
-                        self.behind = (!m.rests).then_some(m);
-                        // At a standstill an event marks the end of the motion, so that time is whole there.
-                        if !m.rests || self.rest() {
-                            self.finish();
-                        }
-                    }
-                }
-                true
-            }
-            Task::Brake(end, rest) => {
-                self.position = end;
-                self.finish();
-                self.go_on_with(rest);
-                true
+        for (i, track) in self.tracks.iter_mut().enumerate() {
+            if steps & 1 << i != 0 {
+                let bit = if track.is_forward { 1 << i } else { 0 };
+                self.forward.0 = self.forward.0 & !(1 << i) | bit;
+                track.step();
             }
         }
-    }
-
-    /// The first tick whose steps do not belong to the present phase. Steps on the boundary between two
-    /// phases belong to the later one, where they meet those of the other groups in one event; at a
-    /// standstill there is no later one.
-    fn end_of_steps(&self) -> u64 {
-        let end = (self.end + (1 << 15)) >> 16;
-        match self.task {
-            Task::Move(m, _, phase) if m.rests && phases(&m).get(phase).is_none() => end + 1,
-            _ => end,
-        }
-    }
-
-    fn finish(&mut self) {
-        self.task = Task::Nothing;
-        self.status.entry_done();
-    }
-
-    fn next_entry(&mut self) -> bool {
-        let Some(entry) = self.moves.dequeue() else {
-            return false;
-        };
-        if entry.epoch != self.epoch || self.has_met_endstop() || self.braking == Braking::Done {
-            self.status.entry_done();
-            return true;
-        }
-        match entry.work {
-            Work::Move(m) => {
-                self.watch = m.watch;
-                self.task = Task::Move(m, self.position, 0);
-                if let Braking::Slowing(square) = self.braking {
-                    self.brake(&m, self.position, Moment { done: 0, square });
-                }
-            }
-            Work::Dwell(time) => {
-                self.end += time;
-                self.watch = EndstopSet::NONE;
-                self.task = Task::Dwell;
-            }
-            Work::Position(position) => {
-                self.position = position;
-                for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-                    track.count = count_at(group.coordinate(position));
-                    track.next = None;
-                }
-                self.status.entry_done();
-            }
-        }
+        self.emit(nearest, GroupSet(steps));
         true
     }
 
-    fn begin_phase(&mut self, m: &Move, from: [Steps; 4], phase: &Phase, index: usize) {
-        let begin = self.end;
-        self.end += phase.time;
-        for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-            let (first, last) = (group.coordinate(from), group.coordinate(m.end));
-            // A phase begins where the one before it ended, to the last bit.
-            let start = if index == 0 { first } else { track.path.end() };
-            track.lay(start, point(first, last, phase.end), phase, begin);
-        }
-    }
-
-    /// Emits the event at `tick`.
-    fn step(&mut self, tick: u64) {
-        if !self.pass_time(tick) {
-            return;
-        }
-        let begin = self.end - self.tracks[0].path.time();
-        let mut steps = MotorSet::NONE;
-        for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-            let Some((_, ahead)) = track.next.filter(|(due, _)| *due == tick) else {
+    /// Lays out the next pieces of some groups; false if that must wait.
+    fn lay_out(&mut self, groups: u8) -> bool {
+        for (i, group) in GROUPS.iter().enumerate().filter(|(i, _)| groups & 1 << i != 0) {
+            let Some(track) = self.tracks.get_mut(i) else { continue };
+            if track.go_back() {
                 continue;
-            };
-            steps = steps.with(group.with).with(group.against);
-            let (forward, backward) = if ahead { (group.with, group.against) } else { (group.against, group.with) };
-            self.forward = self.forward.without(backward).with(forward);
-            track.count = track.count.wrapping_add(if ahead { 1 } else { -1 });
-            track.free = tick + MIN_STEP_INTERVAL;
-            track.plan_next(begin);
-        }
-        debug_assert!(is_unstrained(steps, self.forward), "the belt is strained at tick {tick}");
-        self.emit(tick, steps);
-    }
-
-    /// Lets time pass up to the end of the present task; true when that is reached.
-    fn rest(&mut self) -> bool {
-        let tick = (self.end + (1 << 15)) >> 16;
-        if tick > self.last {
-            if !self.pass_time(tick) {
-                return false;
             }
-            self.emit(tick, MotorSet::NONE);
+            let time = track.end.time;
+            while !Track::is_known(group, &mut self.trajectory, time) {
+                match self.lay_more() {
+                    Supply::Laid => {}
+                    Supply::Rests => break,
+                    Supply::Starved => return false,
+                }
+            }
+            if let Some(track) = self.tracks.get_mut(i) {
+                track.go_on(group, &self.trajectory, time);
+            }
         }
         true
     }
 
-    /// Cuts a pause that no single event can span; true when the rest of it fits.
-    fn pass_time(&mut self, tick: u64) -> bool {
-        let fits = tick.saturating_sub(self.last) <= u64::from(LONGEST_INTERVAL);
-        if !fits {
-            self.emit(self.last + u64::from(LONGEST_INTERVAL), MotorSet::NONE);
+    /// Lets time pass; true when `time` is reached.
+    fn pass_until(&mut self, time: u64) -> bool {
+        let left = ((time + (1 << 15)) >> 16).saturating_sub(self.last);
+        if left > 0 {
+            self.emit(left.min(u64::from(LONGEST_INTERVAL)) as u32, GroupSet::NONE);
         }
-        fits
+        left <= u64::from(LONGEST_INTERVAL)
     }
 
-    fn emit(&mut self, tick: u64, steps: MotorSet) {
-        // The last step of a phase may be rounded beyond its end, the first of the next is not before it.
-        let interval = tick.saturating_sub(self.last) as u32;
-        self.last = self.last.max(tick);
+    fn emit(&mut self, interval: u32, steps: GroupSet) {
+        debug_assert!(is_unstrained(motors(steps), forward_motors(self.forward)), "the belt is strained");
+        self.last += u64::from(interval);
         let event = StepEvent { interval, steps, forward: self.forward, epoch: self.epoch, watch: self.watch };
+        // Only a stepper that has run out of events needs to be told.
+        self.is_news |= self.events.is_empty();
         if self.events.enqueue(event).is_ok() {
-            self.status.event_made();
-            // Only a stepper that has run out of events needs to be told.
-            if self.events.len() <= 1 {
-                self.pend.pend_stepper();
-            }
+            self.made = self.made.wrapping_add(1);
         }
     }
 }

@@ -5,7 +5,8 @@
 //! start after a rest, real time is taken anew, so a pause of the host never shows in the motion.
 
 use super::event::StepEvent;
-use crate::port::{MotorSet, Pend, StepClock, StepPort};
+use crate::kinematics::{forward_motors, motors};
+use crate::port::{GroupSet, Pend, StepClock, StepPort};
 use crate::status::Status;
 use crate::units::Tick;
 use heapless::spsc::Consumer;
@@ -40,7 +41,7 @@ pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
     /// Motion time.
     tick: u64,
     /// Direction lines as they are.
-    forward: MotorSet,
+    forward: GroupSet,
     /// An epoch whose motion an endstop has ended.
     ended: Option<u8>,
 }
@@ -48,7 +49,7 @@ pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
 impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     /// The stepper at the end of the StepQueue.
     pub fn new(events: Consumer<'m, StepEvent>, status: &'m Status, mut port: P, clock: C, pend: W) -> Self {
-        port.dir(MotorSet::NONE);
+        port.dir(forward_motors(GroupSet::NONE));
         status.set_inputs(port.inputs());
         status.set_endstops(port.endstops());
         Self {
@@ -60,18 +61,22 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             next: None,
             running: None,
             tick: 0,
-            forward: MotorSet::NONE,
+            forward: GroupSet::NONE,
             ended: None,
         }
     }
 
     /// Call it when the alarm rings and when it is pended. Bounded: plays or discards at most a few events.
     pub fn on_alarm(&mut self) {
+        let tick = self.tick as u32;
         match self.play_due() {
             Some(at) => self.clock.alarm(at),
             None => self.clock.silence(),
         }
-        self.status.set_endstops(self.port.endstops());
+        // Where nothing was due somebody wants to know.
+        if self.tick as u32 == tick {
+            self.status.set_endstops(self.port.endstops());
+        }
     }
 
     /// Plays what is due, and says when to come again.
@@ -143,12 +148,13 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         if !event.steps.is_empty() {
             if event.forward != self.forward {
                 self.forward = event.forward;
-                self.port.dir(event.forward);
+                self.port.dir(forward_motors(event.forward));
             }
-            self.port.rise(event.steps, self.tick);
+            let motors = motors(event.steps);
+            self.port.rise(motors, self.tick);
             // The pulse is as long as the counting takes, and the port sees to it that this is enough.
             self.status.count_steps(event.steps, event.forward);
-            self.port.fall(event.steps);
+            self.port.fall(motors);
             if !self.events.ready() {
                 self.status.count_starved();
             }

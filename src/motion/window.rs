@@ -1,35 +1,34 @@
 //! The look-ahead window: moves whose speeds may still change.
 //!
-//! The speed at the end of the last move is 0, for nobody knows what follows. A backward pass finds for
-//! every corner the greatest speed from which the rest can still brake to that 0, a forward pass what can
-//! be reached from the front. A corner whose speed is capped by the corner itself, or reached only by
-//! accelerating all the way from the front, cannot become faster by moves that are still to come: all moves
-//! before the last such corner are **final**, whatever follows.
+//! The speed at the end of the last move is 0, for nobody knows what follows. With `w` for squared speeds, `cap_k` for
+//! the greatest at the corner before move k, and `G_k` for the sum of what the moves before it could gain (2 a L each),
+//! the greatest speed from which the rest can still brake is
 //!
-//! Final moves may leave the window sooner or later without a difference to the steps. When a move must
-//! leave that is not final, the outcome would depend on when; so that happens only where the stream of
-//! commands itself says so (the window is full of unfinished moves, or a command waits for the motion), or
-//! when the stream is dry.
+//! ```text
+//! w_i = min over k >= i of (cap_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
+//! ```
+//!
+//! The minimum over all that follow is kept up to date as moves come and go, by a queue of those corners alone behind
+//! which there is none with a smaller `cap_k + G_k`: a move that is added costs as much whether three or a hundred wait.
+//!
+//! A corner whose speed is not limited by the end of the window is **final**: what is added counts with at least as much
+//! as that end. The move before it may leave, sooner or later, without a difference to the steps. When a move must
+//! leave that is not final, the outcome would depend on when; so that happens only where the stream of commands itself
+//! says so (the window is full of unfinished moves, or a command waits for the motion), or when the stream is dry.
 
 use crate::motion::geometry::Geometry;
 use crate::motion::moves::Move;
 use crate::motion::profile::{Speeds, gain, profile};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
-use crate::units::{MmPerSec, MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
+use crate::units::{MmPerSec, MmPerSec2, Seconds, Steps, TICKS_PER_SECOND, mul_div};
 use heapless::Deque;
 
-/// Moves that the look-ahead sees at least, at all times when the stream is fast enough.
-pub const LOOK_AHEAD: usize = WINDOW - FORCED_BATCH;
-
-/// Moves that leave when the window is full and none is final: a few at a time, so that the passes over the
-/// window are paid once for several moves.
-pub const FORCED_BATCH: usize = 16;
-
-/// Capacity of the window.
+/// Moves that the look-ahead sees.
 pub const WINDOW: usize = 144;
 
-const _: () = assert!(LOOK_AHEAD >= 128);
+/// The most that a move counts to gain: as much as 3,400 mm/s from rest. The sum over a full window then fits 63 bits.
+const MOST_GAIN: u64 = 50_000_000_000_000_000;
 
 /// A move in the window.
 #[derive(Clone, Copy, Debug)]
@@ -44,18 +43,25 @@ pub(super) struct Planned {
     pub corner: u64,
     /// Greatest speed squared at that corner, by the nominal speeds of the two moves too.
     pub cap: u64,
-    /// Speed squared at the corner before it, as planned so far.
-    pub entry: u64,
+    /// G of the window's formula, wrapping.
+    pub before: u64,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
     pub watch: EndstopSet,
+    /// The advance that its filament needs.
+    pub advance: Seconds,
 }
 
 const _: () = assert!(core::mem::size_of::<Planned>() <= 112);
 
 impl Planned {
     fn gain(&self) -> u64 {
-        gain(self.acceleration, self.vector.length)
+        gain(self.acceleration, self.vector.length).min(MOST_GAIN)
+    }
+
+    /// `cap + G` of the window's formula.
+    fn bound(&self) -> u64 {
+        self.cap.wrapping_add(self.before)
     }
 
     /// The nominal speed squared.
@@ -82,17 +88,45 @@ impl Planned {
     }
 }
 
-pub(super) struct Window {
-    moves: Deque<Planned, WINDOW>,
-    /// The first so many may leave; their speeds are planned.
-    ready: usize,
+/// Whether `a` is less than `b`, both of which wrap.
+const fn is_less(a: u64, b: u64) -> bool {
+    (a.wrapping_sub(b) as i64) < 0
+}
+
+/// Memory for the moves of a window.
+pub struct MoveMemory(Deque<Planned, WINDOW>);
+
+impl MoveMemory {
+    /// Without moves.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(Deque::new())
+    }
+}
+
+impl Default for MoveMemory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+pub(super) struct Window<'m> {
+    moves: &'m mut Deque<Planned, WINDOW>,
+    /// Numbers of the moves whose corners are less than all behind them, in `cap + G`.
+    minima: Deque<u16, WINDOW>,
+    /// The number of the first move; wraps.
+    first: u16,
+    /// G behind the last move.
+    sum: u64,
+    /// So many moves leave though they may not be final.
+    forced: usize,
     /// Speed squared at the end of the last move that left.
     front: u64,
 }
 
-impl Window {
-    pub const fn new() -> Self {
-        Self { moves: Deque::new(), ready: 0, front: 0 }
+impl<'m> Window<'m> {
+    pub const fn new(memory: &'m mut MoveMemory) -> Self {
+        Self { moves: &mut memory.0, minima: Deque::new(), first: 0, sum: 0, forced: 0, front: 0 }
     }
 
     pub fn len(&self) -> usize {
@@ -103,64 +137,128 @@ impl Window {
         self.moves.is_empty()
     }
 
-    pub fn has_ready(&self) -> bool {
-        self.ready > 0
-    }
-
     /// Whether no further move fits.
     pub fn is_full(&self) -> bool {
         self.moves.is_full()
     }
 
     /// Adds a move; the caller has made room.
-    pub fn push(&mut self, planned: Planned) {
+    pub fn push(&mut self, mut planned: Planned) {
+        let number = self.first.wrapping_add(self.moves.len() as u16);
+        planned.before = self.sum;
+        self.note(number, planned.bound());
+        self.sum = self.sum.wrapping_add(planned.gain());
         let pushed = self.moves.push_back(planned);
         debug_assert!(pushed.is_ok(), "the caller has made room");
+    }
+
+    /// Notes the corner before a move, behind which there is none yet.
+    fn note(&mut self, number: u16, bound: u64) {
+        while self.minima.back().is_some_and(|other| !is_less(self.bound(*other), bound)) {
+            self.minima.pop_back();
+        }
+        let noted = self.minima.push_back(number);
+        debug_assert!(noted.is_ok(), "there are as many places as for moves");
+    }
+
+    /// `cap + G` of the move of that number.
+    fn bound(&self, number: u16) -> u64 {
+        self.moves.get(usize::from(number.wrapping_sub(self.first))).map_or(0, Planned::bound)
     }
 
     /// Forgets every move; the machine stands.
     pub fn clear(&mut self) {
         self.moves.clear();
-        self.ready = 0;
-        self.front = 0;
+        self.minima.clear();
+        (self.sum, self.forced, self.front) = (0, 0, 0);
     }
 
-    /// Plans the speeds of all moves and finds how many are final. Two passes over the window.
-    pub fn plan(&mut self) {
-        let mut exit = 0u64;
-        for planned in self.moves.iter_mut().rev() {
-            planned.entry = planned.cap.min(exit.saturating_add(planned.gain()));
-            exit = planned.entry;
-        }
-        let mut reached = self.front;
-        let mut accelerating = true;
-        self.ready = 0;
-        for (i, planned) in self.moves.iter_mut().enumerate() {
-            if i > 0 {
-                let limited = reached < planned.entry;
-                accelerating = accelerating && limited;
-                if accelerating || reached.min(planned.entry) == planned.cap {
-                    self.ready = i;
-                }
+    /// The greatest speed squared behind the first move, and whether that is final; `None` if no move is behind it.
+    fn exit(&self) -> Option<(u64, bool)> {
+        let second = self.moves.get(1)?.before;
+        // The first corner lies behind.
+        let least = self.minima.iter().find(|number| **number != self.first)?;
+        let bound = self.bound(*least).wrapping_sub(second);
+        let reach = self.front.saturating_add(second.wrapping_sub(self.moves.front()?.before));
+        let (known, end) = (bound.min(reach), self.sum.wrapping_sub(second));
+        Some((known.min(end), known <= end))
+    }
+
+    /// Whether the first move may leave.
+    pub fn has_ready(&self) -> bool {
+        self.forced > 0 || self.exit().is_some_and(|(_, is_final)| is_final)
+    }
+
+    /// Lets the first `count` moves leave though they may not be final.
+    pub fn force(&mut self, count: usize) {
+        self.forced = self.forced.max(count.min(self.moves.len()));
+    }
+
+    /// Nominal time of the moves that are final, in ticks. Looks at all of them.
+    pub fn final_time(&self) -> u64 {
+        let (mut time, mut total, mut reach) = (0, 0, self.front);
+        let mut minima = self.minima.iter().peekable();
+        let numbers = (0..self.moves.len() as u16).map(|i| self.first.wrapping_add(i));
+        let mut moves = numbers.zip(self.moves.iter()).peekable();
+        while let Some((number, planned)) = moves.next() {
+            let Some((_, next)) = moves.peek() else { break };
+            while minima.next_if(|other| **other == number).is_some() {}
+            let Some(least) = minima.peek() else { break };
+            let bound = self.bound(**least);
+            reach = reach.saturating_add(planned.gain());
+            let (known, end) = (reach.min(bound.wrapping_sub(next.before)), self.sum.wrapping_sub(next.before));
+            total += u64::from(planned.nominal_ticks);
+            if known <= end {
+                time = total;
             }
-            planned.entry = planned.entry.min(reached);
-            reached = planned.entry.saturating_add(planned.gain());
+            reach = known.min(end);
         }
+        time
+    }
+
+    /// Takes the first move if it may leave, and says its nominal time; the filament of the last one ended at
+    /// `filament`.
+    pub fn pop(&mut self, filament: Steps) -> Option<(Move, u32)> {
+        let exit = self.exit();
+        if self.forced == 0 && !exit.is_some_and(|(_, is_final)| is_final) {
+            return None;
+        }
+        let first = self.moves.pop_front()?;
+        self.forced = self.forced.saturating_sub(1);
+        if self.minima.front() == Some(&self.first) {
+            self.minima.pop_front();
+        }
+        self.first = self.first.wrapping_add(1);
+        let exit = exit.map(|(exit, _)| exit);
+        // Planned as `min`, so the ramps fit but for what squares and roots round away.
+        let speeds = Speeds { entry: self.front, nominal: first.nominal_sq(), exit: exit.unwrap_or_default() };
+        self.front = speeds.exit;
+        let released = profile(first.vector.length, first.acceleration, speeds, first.end, first.watch);
+        let [_, _, _, end] = first.end;
+        let way = i128::from(end.wrapping_sub(filament).to_bits()) * i128::from(first.advance.to_bits());
+        let advance = Steps::from_bits((way >> Seconds::FRAC_NBITS) as i64);
+        Some((Move { advance, rests: exit.is_none(), ..released }, first.nominal_ticks))
     }
 
     /// Has `change` change every move, and plans anew. A speed that is too great now is braked away as fast as the
     /// accelerations allow, so it counts as a cap until then; it was below all caps when it was planned.
     pub fn change(&mut self, mut change: impl FnMut(&mut Planned)) {
-        let mut before = u64::MAX;
-        let mut least = self.front;
-        for planned in &mut self.moves {
+        let (mut passed_on, mut least, mut sum) = (u64::MAX, self.front, 0u64);
+        for planned in self.moves.iter_mut() {
             change(planned);
-            planned.limit_entry(before);
+            planned.limit_entry(passed_on);
             planned.cap = planned.cap.max(least);
+            planned.before = sum;
+            sum = sum.wrapping_add(planned.gain());
             least = least.saturating_sub(planned.gain());
-            before = planned.passed_on();
+            passed_on = planned.passed_on();
         }
-        self.ready = 0;
+        self.sum = sum;
+        self.minima.clear();
+        for i in 0..self.moves.len() as u16 {
+            let number = self.first.wrapping_add(i);
+            self.note(number, self.bound(number));
+        }
     }
 
     /// The last move.
@@ -171,26 +269,5 @@ impl Window {
     /// Nominal time of all moves, in ticks.
     pub fn time(&self) -> u64 {
         self.moves.iter().map(|m| u64::from(m.nominal_ticks)).sum()
-    }
-
-    /// Nominal time of the moves that may leave, in ticks.
-    pub fn ready_time(&self) -> u64 {
-        self.moves.iter().take(self.ready).map(|m| u64::from(m.nominal_ticks)).sum()
-    }
-
-    /// Lets the first `count` moves leave though they are not final; call after [`plan`](Self::plan).
-    pub fn force(&mut self, count: usize) {
-        self.ready = self.ready.max(count.min(self.moves.len()));
-    }
-
-    /// Takes the first move if it may leave, and says its nominal time.
-    pub fn pop(&mut self) -> Option<(Move, u32)> {
-        self.ready = self.ready.checked_sub(1)?;
-        let first = self.moves.pop_front()?;
-        let exit = self.moves.front().map_or(0, |next| next.entry);
-        // Planned as `min`, so the ramps fit but for what squares and roots round away.
-        let speeds = Speeds { entry: first.entry, nominal: first.nominal_sq(), exit };
-        self.front = exit;
-        Some((profile(first.vector.length, first.acceleration, speeds, first.end, first.watch), first.nominal_ticks))
     }
 }

@@ -1,8 +1,8 @@
 //! The ranges in which every setting must lie; outside of them the planner's arithmetic or the machine
 //! would not do what the number says.
 
-use super::{AxisSettings, CornerRule, DriverSettings, Homing, Settings};
-use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
+use super::{AxisSettings, CornerRule, DriverSettings, Homing, Settings, Shaper};
+use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 
 /// Least and greatest legal value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -35,7 +35,7 @@ impl<T: PartialOrd + Copy> Range<T> {
 
 /// The legal ranges, by kind of quantity.
 pub mod ranges {
-    use super::{Mm, MmPerSec, MmPerSec2, Range, StepsPerMm};
+    use super::{Hertz, Mm, MmPerSec, MmPerSec2, Range, Ratio, Seconds, StepsPerMm};
 
     /// Resolution: from a full-step rack to 256 microsteps on a fine screw.
     pub const STEPS_PER_MM: Range<StepsPerMm> =
@@ -61,6 +61,15 @@ pub mod ranges {
     pub const CURRENT_MA: Range<u16> = Range { least: 100, most: 1700 };
     /// Hold current in percent of the run current.
     pub const HOLD_PERCENT: Range<u8> = Range { least: 0, most: 100 };
+    /// Frequency of an input shaper: below 10 Hz a shaper takes longer than the trajectory remembers, above 500 it takes
+    /// no more than a few steps.
+    pub const FREQUENCY: Range<Hertz> = Range { least: Hertz::const_from_int(10), most: Hertz::const_from_int(500) };
+    /// Damping of an axis, as a ratio; a frame has 0.02 to 0.2.
+    pub const DAMPING: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.5") };
+    /// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
+    pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
+    /// Window of the pressure advance.
+    pub const WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
     /// Microsteps: MRES has every power of two in it (section 5.5.1).
     pub const MICROSTEPS: Range<u16> = Range { least: 1, most: 256 };
 }
@@ -116,6 +125,11 @@ fn homing(h: &Homing, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::BACK_OFF, h.back_off, name)
 }
 
+fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
+    within(ranges::FREQUENCY, s.frequency, name)?;
+    within(ranges::DAMPING, s.damping, name)
+}
+
 fn driver(d: &DriverSettings, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::CURRENT_MA, d.current_ma, name)?;
     within(ranges::HOLD_PERCENT, d.hold_percent, name)?;
@@ -149,6 +163,10 @@ impl Settings {
         }
         within(ranges::SPEED, self.extruder_jerk, "extruder_jerk")?;
         within(ranges::TOLERANCE, self.arc_tolerance, "arc_tolerance")?;
+        shaper(&self.shapers.x, "shaper.x")?;
+        shaper(&self.shapers.y, "shaper.y")?;
+        within(ranges::ADVANCE, self.advance.time, "advance.time")?;
+        within(ranges::WINDOW, self.advance.window, "advance.window")?;
         homing(&self.homing.x, "homing.x")?;
         homing(&self.homing.y, "homing.y")?;
         homing(&self.homing.z, "homing.z")?;
@@ -184,6 +202,21 @@ mod tests {
         assert_eq!(s.check(), Err(SettingsError::NoSuchMicrosteps("drivers.z")));
         s.drivers.belt.current_ma = 1701;
         assert_eq!(s.check(), Err(SettingsError::OutOfRange("drivers.belt")));
+    }
+
+    #[test]
+    fn shaping_has_limits() {
+        let error = |change: fn(&mut Settings)| {
+            let mut s = Settings::prototype();
+            change(&mut s);
+            s.check()
+        };
+        let illegal = |what| Err(SettingsError::OutOfRange(what));
+        assert_eq!(error(|s| s.shapers.x.frequency = Hertz::lit("9.9")), illegal("shaper.x"));
+        assert_eq!(error(|s| s.shapers.y.damping = Ratio::lit("0.51")), illegal("shaper.y"));
+        assert_eq!(error(|s| s.advance.time = Seconds::lit("4.1")), illegal("advance.time"));
+        assert_eq!(error(|s| s.advance.window = Seconds::ZERO), illegal("advance.window"));
+        assert_eq!(error(|s| s.advance.time = Seconds::lit("4")), Ok(()));
     }
 
     #[test]

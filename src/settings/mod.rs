@@ -4,10 +4,12 @@
 mod axis;
 mod check;
 mod drivers;
+mod shaping;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
+pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
@@ -44,6 +46,10 @@ pub struct Settings {
     pub min_feed: MmPerSec,
     /// Least commanded speed of a travelling move (M205 T).
     pub min_travel: MmPerSec,
+    /// Input shapers of x and y (M593).
+    pub shapers: Shapers,
+    /// Pressure advance (M900, M572).
+    pub advance: Advance,
     /// How each axis finds its endstop.
     pub homing: Cartesian<Homing>,
     /// Whether moves are kept inside the reachable space (M211).
@@ -95,6 +101,8 @@ impl Settings {
             extruder_jerk: MmPerSec::const_from_int(5),
             min_feed: MmPerSec::ZERO,
             min_travel: MmPerSec::ZERO,
+            shapers: Shapers::prototype(),
+            advance: Advance::prototype(),
             homing: Cartesian { x: Homing::belt(), y: Homing::belt(), z: Homing::screw() },
             soft_endstops: true,
             arc_tolerance: const { Mm::lit("0.005") },

@@ -16,7 +16,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 3;
+pub const FORMAT: u16 = 4;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -161,8 +161,8 @@ mod tests {
     extern crate std;
 
     use super::*;
-    use crate::settings::{AxisSettings, CornerRule, DriverSettings, Homing};
-    use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
+    use crate::settings::{Advance, AxisSettings, CornerRule, DriverSettings, Homing, Shaper, ShaperKind};
+    use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
     use proptest::prelude::*;
     use std::vec::Vec;
 
@@ -214,6 +214,9 @@ mod tests {
         s.corner = CornerRule::SquareCorner(MmPerSec::from_num(9));
         s.extruder_jerk = MmPerSec::from_num(6);
         (s.min_feed, s.min_travel) = (MmPerSec::ONE, MmPerSec::ZERO);
+        let shaper = |kind, hertz| Shaper { kind, frequency: Hertz::from_num(hertz), damping: Ratio::lit("0.05") };
+        (s.shapers.x, s.shapers.y) = (shaper(ShaperKind::Mzv, 61), shaper(ShaperKind::TwoHumpEi, 42));
+        s.advance = Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") };
         (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
         (s.patience_ms, s.advanced_ok) = (700, true);
         for (i, drivers) in [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e].into_iter().enumerate() {
@@ -227,7 +230,7 @@ mod tests {
             };
         }
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (3, Receipt { bytes: 183, crc: 2_918_695_757 }));
+        assert_eq!((FORMAT, receipt), (4, Receipt { bytes: 203, crc: 4_062_137_646 }));
     }
 
     #[test]
@@ -243,6 +246,9 @@ mod tests {
         let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
         (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
         s.corner = CornerRule::JunctionDeviation(Mm::MIN);
+        let shaper = Shaper { kind: ShaperKind::TwoHumpEi, frequency: Hertz::MAX, damping: Ratio::MAX };
+        (s.shapers.x, s.shapers.y) = (shaper, shaper);
+        s.advance = Advance { time: Seconds::MAX, window: Seconds::MAX };
         let drivers = DriverSettings {
             current_ma: u16::MAX,
             hold_percent: u8::MAX,

@@ -1,10 +1,12 @@
 //! A production line for the tests: planner, step generator and Stepper, without Console.
 
-use corehbot::motion::{Entry, Move, MoveQueue, Planner, StepGenerator, StepQueue, Stepper, Target, Work};
+use corehbot::motion::{
+    Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work, taps,
+};
 use corehbot::port::{EndstopSet, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
-use corehbot::units::{Mm, MmPerSec, Tick};
+use corehbot::units::{Mm, MmPerSec, Seconds, Tick};
 use std::cell::Cell;
 
 #[derive(Clone, Copy)]
@@ -66,11 +68,14 @@ impl StepClock for Hurry<'_> {
 
 /// All moves that targets became, released in order.
 pub fn plan(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
-    let mut planner = Planner::new(settings, [Mm::ZERO; 4]);
+    let mut memory = MoveMemory::new();
+    let mut planner = Planner::new(&mut memory, settings, [Mm::ZERO; 4]);
     let mut moves = Vec::new();
     for (position, speed) in targets {
         if !planner.has_room() {
-            planner.release_some();
+            if !planner.has_ready() {
+                planner.release_next();
+            }
             moves.extend(std::iter::from_fn(|| planner.pop()));
         }
         planner.push(&target(*position, *speed), settings);
@@ -87,20 +92,34 @@ pub fn target(position: [f64; 4], speed: f64) -> Target {
 
 /// All steps that moves from the origin become.
 pub fn generate(moves: &[Move]) -> Vec<Step> {
+    generate_from(moves.iter().map(|m| Work::Move(*m)))
+}
+
+/// All steps that moves from the origin become with the input shapers and the pressure advance of `settings`.
+pub fn generate_shaped(moves: &[Move], settings: &Settings) -> Vec<Step> {
+    let window = (settings.advance.time > Seconds::ZERO).then_some(settings.advance.window);
+    let follow =
+        taps(&settings.shapers, window).into_iter().enumerate().map(|(axis, taps)| Work::Follow(axis as u8, taps));
+    generate_from(follow.chain(moves.iter().map(|m| Work::Move(*m))))
+}
+
+fn generate_from(work: impl Iterator<Item = Work>) -> Vec<Step> {
     let status = Status::new();
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, steps_out) = step_queue.split();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &status, Nobody);
+    let mut spans = SpanMemory::new();
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, Nobody);
     let (pins, alarm) = (Pins::default(), Cell::new(None));
     let steps = pins.steps.clone();
     let mut stepper = Stepper::new(steps_out, &status, pins, Hurry(&alarm, 0), Nobody);
-    let mut left = moves.iter();
+    let mut left = work;
     let mut held = left.next();
     let mut idle = 0;
     while idle < 2 {
-        while let Some(m) = held {
-            if moves_in.enqueue(Entry { epoch: 0, work: Work::Move(*m) }).is_err() {
+        while let Some(work) = held.take() {
+            if let Err(entry) = moves_in.enqueue(Entry { epoch: 0, work }) {
+                held = Some(entry.work);
                 break;
             }
             held = left.next();

@@ -3,4 +3,6 @@
 mod line;
 mod model;
 mod properties;
+mod shaped;
+mod shapers;
 mod timing;

@@ -31,6 +31,24 @@ impl Trapezoid {
         (2.0 * self.peak - self.entry - self.exit) / self.a + level / self.peak
     }
 
+    /// Where all axes are after `t` s, before its begin and after its end too.
+    pub fn at(&self, t: f64) -> [f64; 4] {
+        let rise = (self.peak - self.entry) / self.a;
+        let fall = (self.peak - self.exit) / self.a;
+        let whole = self.time();
+        let t = t.clamp(0.0, whole);
+        let s = if t < rise {
+            self.entry * t + self.a * t * t / 2.0
+        } else if t < whole - fall {
+            self.rise() + self.peak * (t - rise)
+        } else {
+            let left = whole - t;
+            self.length - self.exit * left - self.a * left * left / 2.0
+        };
+        let f = if t >= whole { 1.0 } else { s / self.length };
+        std::array::from_fn(|i| self.from[i] + f * (self.to[i] - self.from[i]))
+    }
+
     /// When the fraction `f` of the way is behind, in s.
     pub fn when(&self, f: f64) -> f64 {
         let s = f * self.length;

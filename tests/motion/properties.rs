@@ -2,7 +2,7 @@
 
 use super::line::{Step, generate, plan, target};
 use corehbot::kinematics::{BeltSteps, residual};
-use corehbot::motion::{MIN_STEP_INTERVAL, Move, Planner, WHOLE};
+use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner, WHOLE};
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, Steps};
@@ -114,14 +114,14 @@ proptest! {
     #[test]
     fn any_prefix_of_released_moves_can_stop(path in paths(), cuts in proptest::collection::vec(0..4u8, 60)) {
         let settings = Settings::prototype();
-        let mut planner = Planner::new(&settings, [Mm::ZERO; 4]);
+        let mut memory = MoveMemory::new();
+        let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
         let mut moves = Vec::new();
         for ((position, speed), cut) in path.iter().zip(&cuts) {
             planner.push(&target(*position, *speed), &settings);
             match cut {
-                0 => planner.release_final(),
                 1 => planner.release_next(),
-                2 => planner.release_some(),
+                2 if !planner.has_ready() => planner.release_next(),
                 _ => {}
             }
             moves.extend(std::iter::from_fn(|| planner.pop()));
@@ -138,12 +138,12 @@ proptest! {
         cuts in proptest::collection::vec(any::<bool>(), 60),
     ) {
         let settings = Settings::prototype();
-        let mut planner = Planner::new(&settings, [Mm::ZERO; 4]);
+        let mut memory = MoveMemory::new();
+        let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
         let mut moves = Vec::new();
         for ((position, speed), cut) in path.iter().zip(&cuts) {
             planner.push(&target(*position, *speed), &settings);
             if *cut {
-                planner.release_final();
                 moves.extend(std::iter::from_fn(|| planner.pop()));
             }
         }

@@ -18,7 +18,7 @@ impl Dice {
 }
 
 /// A wandering path with long and short moves, corners of all angles, hops and retractions.
-fn wander(count: usize, seed: u64) -> Vec<([f64; 4], f64)> {
+pub fn wander(count: usize, seed: u64) -> Vec<([f64; 4], f64)> {
     let mut dice = Dice(seed);
     let mut at = [200.0, 200.0, 5.0, 0.0];
     let mut heading = 0.0f64;
@@ -44,7 +44,7 @@ fn wander(count: usize, seed: u64) -> Vec<([f64; 4], f64)> {
 }
 
 /// The steps of one group, with their signs.
-fn steps_of(steps: &[Step], group: usize) -> Vec<(u64, i8)> {
+pub fn steps_of(steps: &[Step], group: usize) -> Vec<(u64, i8)> {
     let lead = GROUPS[group].lead;
     steps.iter().filter(|s| s.steps.has(lead)).map(|s| (s.tick, if s.forward.has(lead) { 1 } else { -1 })).collect()
 }

@@ -10,9 +10,17 @@
 //! square is `4 a d s (1 + s)`, at most `8 a d` however flat the corner. Along an axis that bears the
 //! acceleration a, no more than `sqrt(8 a d)` may therefore jump. A square-corner velocity w is the same law
 //! with `a d = w^2 (sqrt 2 - 1)`.
+//!
+//! # Shaping
+//! An input shaper is a mean of the path at several times, which is no faster than the path. Pressure advance K over a
+//! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`. So it adds `K (v(t + h/2) - v(t - h/2)) / h`
+//! to the extruder's speed, at most `K V / h`, for both are between 0 and V; and `K (a(t + h/2) - a(t - h/2)) / h` to its
+//! acceleration, at most `2 K A / h`. A corner's jump enters the window and leaves it again, as a jump of K / h times as
+//! much, and so does a change of K: it is a jump from `K v` to another.
 
 use crate::host::{strip_comment, words};
-use corehbot::settings::{CornerRule, Settings};
+use corehbot::gcode::{Command, parse};
+use corehbot::settings::{AxisSettings, CornerRule, Settings, ranges};
 use std::f64::consts::SQRT_2;
 
 /// What one coordinate may do, in mm and s.
@@ -41,14 +49,29 @@ pub struct Limits {
     pub is_judged: bool,
 }
 
-/// Corner settings, the widest that were in force.
-struct Corner {
+/// Settings of corners and of the advance, the widest that were in force.
+struct Widest {
     deviation: f64,
     square: f64,
     extruder: f64,
+    /// K.
+    advance: f64,
+    /// h.
+    window: f64,
+    /// Whether K changes under way.
+    advance_changes: bool,
 }
 
-impl Corner {
+impl Widest {
+    const NONE: Self = Self {
+        deviation: 0.0,
+        square: 0.0,
+        extruder: 0.0,
+        advance: 0.0,
+        window: f64::INFINITY,
+        advance_changes: false,
+    };
+
     /// Takes in what one set of settings allows.
     fn widen(&mut self, s: &Settings) {
         self.extruder = self.extruder.max(s.extruder_jerk.to_num());
@@ -56,38 +79,47 @@ impl Corner {
             CornerRule::JunctionDeviation(d) => self.deviation = self.deviation.max(d.to_num()),
             CornerRule::SquareCorner(w) => self.square = self.square.max(w.to_num()),
         }
+        self.widen_advance(Some(s.advance.time.to_num()), Some(s.advance.window.to_num()));
     }
+
+    fn widen_advance(&mut self, time: Option<f64>, window: Option<f64>) {
+        let time = time.unwrap_or(self.advance).min(ranges::ADVANCE.most.to_num());
+        self.advance_changes |= self.advance > 0.0 && time != self.advance;
+        self.advance = self.advance.max(time);
+        self.window = self.window.min(window.unwrap_or(f64::INFINITY).max(ranges::WINDOW.least.to_num()));
+    }
+}
+
+/// What the settings alone allow.
+fn limits_of(s: &Settings) -> [Limit; 6] {
+    let axis = |name, a: AxisSettings| Limit {
+        name,
+        step: 1.0 / a.steps_per_mm.to_num::<f64>(),
+        speed: a.max_speed.to_num(),
+        acceleration: a.max_acceleration.to_num(),
+        jump: 0.0,
+        hard_stop: 0.0,
+    };
+    let belt = |name| Limit {
+        speed: s.motor_max_speed.to_num(),
+        acceleration: s.motor_max_acceleration.to_num(),
+        ..axis(name, s.axes.x)
+    };
+    let a = s.axes;
+    [axis("x", a.x), axis("y", a.y), axis("z", a.z), axis("e", a.e), belt("belt 4/11"), belt("belt 1/8")]
 }
 
 impl Limits {
     /// The limits of a machine that was made with settings `s`, has others `stored`, and runs `gcode`.
     #[must_use]
     pub fn new(s: &Settings, stored: Option<&Settings>, gcode: &str) -> Self {
-        let axis = |name, a: corehbot::settings::AxisSettings| Limit {
-            name,
-            step: 1.0 / a.steps_per_mm.to_num::<f64>(),
-            speed: a.max_speed.to_num(),
-            acceleration: a.max_acceleration.to_num(),
-            jump: 0.0,
-            hard_stop: 0.0,
-        };
-        let belt = |name| Limit {
-            speed: s.motor_max_speed.to_num(),
-            acceleration: s.motor_max_acceleration.to_num(),
-            ..axis(name, s.axes.x)
-        };
-        let a = s.axes;
-        let mut limits = Self {
-            of: [axis("x", a.x), axis("y", a.y), axis("z", a.z), axis("e", a.e), belt("belt 4/11"), belt("belt 1/8")],
-            is_judged: true,
-        };
-        let mut corner = Corner { deviation: 0.0, square: 0.0, extruder: 0.0 };
-        corner.widen(s);
+        let mut limits = Self { of: limits_of(s), is_judged: true };
+        let mut widest = Widest::NONE;
+        widest.widen(s);
         if let Some(stored) = stored {
             limits.is_judged = stored.axes.map(|a| a.steps_per_mm) == s.axes.map(|a| a.steps_per_mm);
-            corner.widen(stored);
-            let other = Self::new(stored, None, "");
-            for (limit, other) in limits.of.iter_mut().zip(other.of) {
+            widest.widen(stored);
+            for (limit, other) in limits.of.iter_mut().zip(limits_of(stored)) {
                 limit.speed = limit.speed.max(other.speed);
                 limit.acceleration = limit.acceleration.max(other.acceleration);
             }
@@ -95,15 +127,19 @@ impl Limits {
         let mut unit = 1.0;
         for line in gcode.lines() {
             for s in [Some(s), stored].into_iter().flatten() {
-                limits.widen(&strip_comment(line), s, &mut corner, &mut unit);
+                limits.widen(&strip_comment(line), s, &mut widest, &mut unit);
             }
         }
-        limits.set_jumps(&corner);
+        limits.set_jumps(&widest);
+        limits.add_advance(&widest);
         limits
     }
 
     /// Takes in what one command allows.
-    fn widen(&mut self, command: &str, s: &Settings, corner: &mut Corner, unit: &mut f64) {
+    fn widen(&mut self, command: &str, s: &Settings, widest: &mut Widest, unit: &mut f64) {
+        if let Command::Advance { time, window } = parse(command.as_bytes()) {
+            return widest.widen_advance(time.map(|n| n.value().to_num()), window.map(|n| n.value().to_num()));
+        }
         let mut words = words(command);
         let Some((letter, Some(code))) = words.next() else { return };
         let wide = |slot: &mut f64, value: f64| *slot = slot.max(value);
@@ -131,9 +167,9 @@ impl Limits {
                 for (what, value) in words {
                     let v = value.unwrap_or(0.0) * *unit;
                     match what {
-                        'J' => wide(&mut corner.deviation, v),
-                        'X' | 'Y' => wide(&mut corner.square, v),
-                        'E' => wide(&mut corner.extruder, v),
+                        'J' => wide(&mut widest.deviation, v),
+                        'X' | 'Y' => wide(&mut widest.square, v),
+                        'E' => wide(&mut widest.extruder, v),
                         _ => {}
                     }
                 }
@@ -142,20 +178,30 @@ impl Limits {
         }
     }
 
-    fn set_jumps(&mut self, corner: &Corner) {
+    fn set_jumps(&mut self, widest: &Widest) {
         let law = |reach: f64, acceleration: f64| {
-            let deviation = (8.0 * reach * acceleration * corner.deviation).sqrt();
-            let square = reach * corner.square * (8.0 * (SQRT_2 - 1.0)).sqrt();
+            let deviation = (8.0 * reach * acceleration * widest.deviation).sqrt();
+            let square = reach * widest.square * (8.0 * (SQRT_2 - 1.0)).sqrt();
             deviation.max(square)
         };
         for (i, limit) in self.of.iter_mut().enumerate() {
             limit.jump = match i {
-                3 => corner.extruder,
+                3 => widest.extruder,
                 // A belt coordinate sums two axes: a unit vector of the tool reaches sqrt 2 in it.
                 4 | 5 => law(SQRT_2, limit.acceleration),
                 _ => law(1.0, limit.acceleration),
             };
         }
+    }
+
+    /// Adds what pressure advance asks of the extruder.
+    fn add_advance(&mut self, widest: &Widest) {
+        let [_, _, _, e, ..] = &mut self.of;
+        let share = widest.advance / widest.window;
+        let change = if widest.advance_changes { share * e.speed } else { 0.0 };
+        e.jump += 2.0 * share * e.jump + change;
+        e.acceleration += 2.0 * share * e.acceleration;
+        e.speed += share * e.speed;
     }
 }
 
@@ -180,6 +226,19 @@ mod tests {
         assert_eq!(limits.of[2].acceleration, 254.0);
         assert_eq!(limits.of[2].hard_stop, 8.0);
         assert!(limits.is_judged);
+    }
+
+    #[test]
+    fn pressure_advance_asks_more_of_the_extruder_alone() {
+        let limits = |gcode| Limits::new(&Settings::prototype(), None, gcode).of;
+        let (plain, advanced) = (limits(""), limits("M900 K.02 ; M900 K1\n"));
+        let e = advanced[3];
+        assert!((e.speed - 120.0).abs() < 1e-4 && (e.acceleration - 10_000.0).abs() < 1e-2, "{e:?}");
+        assert!((e.jump - 10.0).abs() < 1e-5, "{e:?}");
+        assert_eq!(plain[..3], advanced[..3]);
+        assert_eq!(plain[4..], advanced[4..]);
+        let changed = limits("M572 S.02\nSET_PRESSURE_ADVANCE ADVANCE=1e-2\n")[3];
+        assert!((changed.jump - 50.0).abs() < 1e-4, "{changed:?}");
     }
 
     #[test]

@@ -3,9 +3,13 @@
 //! Every key is optional and stands over the prototype's value; an unknown key or a value outside its legal
 //! range is an error that names both. `examples/machines/prototype.toml` shows every key.
 
-use corehbot::settings::{AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, SettingsError, ranges};
-use corehbot::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
-use serde::Deserialize;
+mod form;
+
+use corehbot::settings::{
+    AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, SettingsError, Shaper, ShaperKind, ranges,
+};
+use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
+use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, ShaperToml};
 use std::fmt::{self, Display};
 
 /// A machine as its file describes it.
@@ -50,89 +54,6 @@ impl Display for MachineFileError {
 
 impl std::error::Error for MachineFileError {}
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct MachineToml {
-    name: Option<String>,
-    motor_max_speed: Option<f64>,
-    motor_max_acceleration: Option<f64>,
-    print_acceleration: Option<f64>,
-    retract_acceleration: Option<f64>,
-    travel_acceleration: Option<f64>,
-    extruder_jerk: Option<f64>,
-    min_feed: Option<f64>,
-    min_travel: Option<f64>,
-    soft_endstops: Option<bool>,
-    arc_tolerance: Option<f64>,
-    keepalive_s: Option<f64>,
-    patience_ms: Option<f64>,
-    advanced_ok: Option<bool>,
-    corner: CornerToml,
-    axes: AxesToml,
-    homing: HomingsToml,
-    drivers: DriversToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct CornerToml {
-    junction_deviation: Option<f64>,
-    square_corner: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct AxesToml {
-    x: AxisToml,
-    y: AxisToml,
-    z: AxisToml,
-    e: AxisToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct AxisToml {
-    steps_per_mm: Option<f64>,
-    max_speed: Option<f64>,
-    max_acceleration: Option<f64>,
-    length: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct HomingsToml {
-    x: HomingToml,
-    y: HomingToml,
-    z: HomingToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct HomingToml {
-    fast: Option<f64>,
-    slow: Option<f64>,
-    back_off: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct DriversToml {
-    belt: DriverToml,
-    z: DriverToml,
-    e: DriverToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct DriverToml {
-    current_ma: Option<f64>,
-    hold_percent: Option<f64>,
-    microsteps: Option<f64>,
-    stealth: Option<bool>,
-    hybrid_threshold: Option<f64>,
-    stall_threshold: Option<f64>,
-}
-
 /// A kind of quantity: its legal range, and how it comes from a number that is not NaN.
 struct Kind<T> {
     range: Range<T>,
@@ -148,6 +69,10 @@ const ACCELERATION: Kind<MmPerSec2> =
 const LENGTH: Kind<Mm> = Kind { range: ranges::LENGTH, convert: Mm::saturating_from_num::<f64> };
 const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..LENGTH };
 const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..LENGTH };
+const FREQUENCY: Kind<Hertz> = Kind { range: ranges::FREQUENCY, convert: Hertz::saturating_from_num::<f64> };
+const DAMPING: Kind<Ratio> = Kind { range: ranges::DAMPING, convert: Ratio::saturating_from_num::<f64> };
+const ADVANCE: Kind<Seconds> = Kind { range: ranges::ADVANCE, convert: Seconds::saturating_from_num::<f64> };
+const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::WINDOW, ..ADVANCE };
 const PATIENCE: Kind<u16> = Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
 const KEEPALIVE: Kind<u8> = Kind { range: Range { least: 0, most: 60 }, convert: |s| s as u8 };
 
@@ -180,6 +105,10 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     s.advanced_ok = file.advanced_ok.unwrap_or(s.advanced_ok);
     s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
     s.corner = corner(s.corner, &file.corner)?;
+    shaper(&mut s.shapers.x, "shaper.x", &file.shaper.x)?;
+    shaper(&mut s.shapers.y, "shaper.y", &file.shaper.y)?;
+    put(&mut s.advance.time, "advance.time", file.advance.time, &ADVANCE)?;
+    put(&mut s.advance.window, "advance.window", file.advance.window, &ADVANCE_WINDOW)?;
     axis(&mut s.axes.x, "axes.x", &file.axes.x)?;
     axis(&mut s.axes.y, "axes.y", &file.axes.y)?;
     axis(&mut s.axes.z, "axes.z", &file.axes.z)?;
@@ -208,6 +137,12 @@ fn axis(a: &mut AxisSettings, table: &str, file: &AxisToml) -> Result<(), Machin
     put(&mut a.max_speed, &format!("{table}.max_speed"), file.max_speed, &SPEED)?;
     put(&mut a.max_acceleration, &format!("{table}.max_acceleration"), file.max_acceleration, &ACCELERATION)?;
     put(&mut a.length, &format!("{table}.length"), file.length, &LENGTH)
+}
+
+fn shaper(s: &mut Shaper, table: &str, file: &ShaperToml) -> Result<(), MachineFileError> {
+    s.kind = file.kind.map_or(s.kind, ShaperKind::from);
+    put(&mut s.frequency, &format!("{table}.frequency"), file.frequency, &FREQUENCY)?;
+    put(&mut s.damping, &format!("{table}.damping"), file.damping, &DAMPING)
 }
 
 fn homing(h: &mut Homing, table: &str, file: &HomingToml) -> Result<(), MachineFileError> {
@@ -279,7 +214,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 58);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 66);
     }
 
     #[test]
@@ -289,6 +224,9 @@ mod tests {
         assert_eq!(s.axes.x.length, Settings::prototype().axes.x.length);
         assert_eq!(s.corner, CornerRule::SquareCorner(MmPerSec::from_num(8.5)));
         assert!(!s.soft_endstops);
+        let s = load("[shaper.x]\nkind = \"2hump_ei\"\nfrequency = 42.5\n[advance]\ntime = 0.05").unwrap();
+        assert_eq!((s.shapers.x.kind, s.shapers.x.frequency), (ShaperKind::TwoHumpEi, Hertz::from_num(42.5)));
+        assert_eq!((s.shapers.y.kind, s.advance.time), (ShaperKind::None, Seconds::from_num(0.05)));
     }
 
     #[test]
@@ -305,6 +243,9 @@ mod tests {
         assert!(error("[drivers.z]\nhold_percent = -1").contains("0 to 100"));
         assert!(error("[drivers.belt]\nmicrosteps = 16.5").contains("whole"));
         assert!(error("[drivers.belt]\nmicrosteps = 24").contains("1, 2, 4"));
+        assert_eq!(error("[shaper.x]\nfrequency = 9"), "shaper.x.frequency = 9 is outside 10 to 500");
+        assert!(error("[shaper.y]\nkind = \"zvdd\"").contains("`none`, `zv`, `zvd`, `mzv`, `ei`, `2hump_ei`"));
+        assert_eq!(error("[advance]\nwindow = 0.3"), "advance.window = 0.3 is outside 0.005 to 0.2");
         assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));
         assert!(error("[axes.y]\nsteps_per_mm = 100").contains("share their belt"));
         assert!(error("[corner]\nsquare_corner = 1\njunction_deviation = 0.1").contains("either"));

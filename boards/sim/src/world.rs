@@ -9,6 +9,7 @@ use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Pends, Pins, Room, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
+use corehbot::kinematics::motor_counts;
 use corehbot::machine::Ports;
 use corehbot::motion::{StepGenerator, Stepper};
 use corehbot::motors::MotorSet;
@@ -213,7 +214,7 @@ impl<'w> World<'w> {
             path_um: self.odometer.um(),
             underruns: status.underruns() + status.overload().0,
             low_water: status.low_water(),
-            counts: status.counts(),
+            counts: motor_counts(status.counts()),
             halted: status.is_halted(),
         }
     }

@@ -141,6 +141,10 @@ fn settings_that_are_reported_read_back() {
         "M201 X4321 Y1234.5 Z150 E9000",
         "M204 P1500.25 R2500 T4000",
         "M205 X7.5 Y9 E3.3 S1 T2",
+        "M593 X F60.7 D0.055 T2",
+        "M593 Y F41.3 T4",
+        "M900 K0.0123",
+        "M572 W0.033",
         "M207 S1.25 F1800 Z0.4",
         "M208 S0.05 F600",
         "M211 S0",
@@ -153,7 +157,7 @@ fn settings_that_are_reported_read_back() {
     ];
     let (heard, ..) = talk(&changes);
     let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
-    assert_eq!(report.len(), 16, "{heard:?}");
+    assert_eq!(report.len(), 20, "{heard:?}");
     assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
     again.push("M503");

@@ -5,20 +5,19 @@
 //! left.
 
 use super::{StepGenerator, Task};
-use crate::kinematics::GROUPS;
-use crate::motion::crossing::Curve;
+use crate::motion::course::Course;
 use crate::motion::moves::{Move, WHOLE};
+use crate::motion::phase::{Curve, Phase, phases};
 use crate::motion::profile::{fraction, gain, ramp_length, speed};
-use crate::motion::track::{Phase, phases, point};
 use crate::port::Pend;
-use crate::units::{Steps, TICKS_PER_SECOND, mul_div};
+use crate::units::{TICKS_PER_SECOND, mul_div};
 
 /// Events are made this far ahead, in ticks, and no farther: 10 ms, as long as a full queue lasts at the greatest
 /// speed. What is made cannot be braked any more.
-const AHEAD: i32 = 100_000;
+const AHEAD: u32 = 100_000;
 
 /// So many events are made ahead however long they take.
-const LEAST_AHEAD: u32 = 4;
+const LEAST_AHEAD: usize = 4;
 
 /// Whether motion is to come to rest.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -45,35 +44,25 @@ const fn time_over(length: u64, mean: u64) -> u64 {
 }
 
 impl Moment {
-    /// Where a move is, and how fast, when `elapsed` (ticks times 2^16) of its phase `index` has passed.
-    pub fn within(m: &Move, index: usize, elapsed: u64) -> Self {
-        let phases = phases(m);
-        let Some(phase) = phases.get(index) else {
-            return Self { done: WHOLE, square: 0 };
-        };
-        let begin = index.checked_sub(1).and_then(|before| phases.get(before)).map_or(0, |before| before.end);
-        let (whole, share) = (u64::from(WHOLE), u64::from(phase.slow_share.min(WHOLE)));
-        let part = |a: u64, b: u64| a * b / whole;
-        let x = u64::from(fraction(elapsed.min(phase.time), phase.time));
-        // As in `crossing`: the way from the slow end, and the speed there as a part of the mean one.
-        let way = |x: u64| part(share, x) + part(whole - share, part(x, x));
-        let pace = |x: u64| share + 2 * part(whole - share, x);
-        let (way, pace) = match phase.curve {
-            Curve::Steady => (x, whole),
-            Curve::Speeding => (way(x), pace(x)),
-            Curve::Slowing => (whole - way(whole - x), pace(whole - x)),
-        };
-        let share = phase.end.saturating_sub(begin);
-        let mean = mul_div(mul_div(m.length, u64::from(share), whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
+    /// Where a move is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
+    /// fraction `begin` behind.
+    pub fn within(m: &Move, phase: &Phase, begin: u32, elapsed: u64) -> Self {
+        let whole = u64::from(WHOLE);
+        let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time), phase.time)));
+        let share = u64::from(phase.end.saturating_sub(begin));
+        let mean = mul_div(mul_div(m.length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
         let speed = mul_div(mean, pace, whole) >> 16;
-        let done = begin + part(u64::from(share), way) as u32;
+        let done = begin + (share * way / whole) as u32;
         Self { done: done.min(WHOLE), square: speed.saturating_mul(speed) }
     }
 
     /// At the end of a move.
     pub fn behind(m: &Move) -> Self {
-        match phases(m).len().checked_sub(1) {
-            Some(last) if !m.rests => Self::within(m, last, u64::MAX),
+        let phases = phases(m);
+        match phases.split_last() {
+            Some((last, before)) if !m.rests => {
+                Self::within(m, last, before.last().map_or(0, |phase| phase.end), u64::MAX)
+            }
             _ => Self { done: WHOLE, square: 0 },
         }
     }
@@ -98,39 +87,45 @@ impl Moment {
 }
 
 impl<W: Pend> StepGenerator<'_, W> {
-    /// Whether the events made reach far enough.
-    pub(super) fn is_ahead(&self) -> bool {
-        let ahead = self.base.wrapping_add(self.last as u32).wrapping_sub(self.status.tick());
-        ahead as i32 > AHEAD && self.status.events_waiting() >= LEAST_AHEAD
+    /// The tick up to which events are to be made.
+    pub(super) fn enough(&self) -> u32 {
+        self.status.tick().wrapping_sub(self.base).wrapping_add(AHEAD)
+    }
+
+    /// Whether the events made reach far enough, and are not too few.
+    pub(super) fn is_ahead(&self, enough: u32) -> bool {
+        (self.last as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
     }
 
     /// The next move begins with this speed squared.
     pub(super) fn go_on_with(&mut self, rest: u64) {
         self.braking = if rest > 0 { Braking::Slowing(rest) } else { Braking::Done };
-        if rest == 0 {
-            self.tracks.iter_mut().for_each(|track| track.next = None);
-            self.status.set_stopped(Some(self.epoch));
+        if rest == 0 && !matches!(self.task, Task::Settling(_)) {
+            // A move may still be on its way out, though nothing of it is left to be laid.
+            self.task = Task::Settling(false);
         }
     }
 
     /// From now on the motion slows down. What is made already is played at its speed.
     pub(super) fn begin_brake(&mut self) {
-        match self.task {
-            Task::Move(m, from, phase) if phase > 0 => {
-                // A tick after the last event, so that its step lies behind.
-                let length = self.tracks[0].path.time();
-                let begin = self.end - length;
-                let elapsed = ((self.last + 1) << 16).saturating_sub(begin).min(length);
-                self.end = begin + elapsed;
-                self.brake(&m, from, Moment::within(&m, phase - 1, elapsed));
+        // A tick after the last event, so that its step lies behind, and no earlier than what is laid out for a motor.
+        let begun = self.tracks.iter().map(|track| track.start).max().unwrap_or_default();
+        let now = ((self.last + 1) << 16).max(begun);
+        match core::mem::replace(&mut self.task, Task::Nothing) {
+            Task::Move(mut course) => {
+                let moment = match course.cut(&mut self.trajectory, now) {
+                    Some((phase, begin, elapsed)) => Moment::within(&course.m, &phase, begin, elapsed),
+                    None => Moment { done: 0, square: self.speed_behind() },
+                };
+                self.brake(course, moment);
+                self.tracks.iter_mut().for_each(|track| track.break_off(now));
             }
-            Task::Move(m, from, _) => self.brake(&m, from, Moment { done: 0, square: self.speed_behind() }),
             Task::Nothing => self.go_on_with(self.speed_behind()),
-            Task::Dwell => {
+            Task::Dwell(_) => {
                 self.finish();
                 self.go_on_with(0);
             }
-            Task::Brake(..) => {}
+            task @ (Task::Brake(..) | Task::Settling(_)) => self.task = task,
         }
     }
 
@@ -138,21 +133,10 @@ impl<W: Pend> StepGenerator<'_, W> {
         self.behind.map_or(0, |m| Moment::behind(&m).square)
     }
 
-    /// Lays the phase that brakes a move from `moment` on, which is now.
-    pub(super) fn brake(&mut self, m: &Move, from: [Steps; 4], moment: Moment) {
-        let (phase, rest) = moment.brake(m);
-        let begin = self.end;
-        self.end += phase.time;
-        for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-            let (first, last) = (group.coordinate(from), group.coordinate(m.end));
-            track.lay(point(first, last, moment.done), point(first, last, phase.end), &phase, begin);
-            // Half a step may be left over where the path was rounded; it is no reason to turn round.
-            track.next = track.next.filter(|(_, ahead)| *ahead == track.path.is_forward());
-        }
-        let mut end = m.end;
-        for (end, from) in end.iter_mut().zip(from) {
-            *end = point(from, *end, phase.end);
-        }
-        self.task = Task::Brake(end, rest);
+    /// Goes on with the phase that brakes a move from `moment` on.
+    pub(super) fn brake(&mut self, mut course: Course, moment: Moment) {
+        let (phase, rest) = moment.brake(&course.m);
+        course.turn_to(phase, moment.done);
+        self.task = Task::Brake(course, rest);
     }
 }

@@ -1,6 +1,7 @@
 //! The screen: one line on a terminal that tells how the printer is.
 
 use crate::world::World;
+use corehbot::kinematics::motor_counts;
 use corehbot::kinematics::{BeltSteps, forward};
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
@@ -77,7 +78,7 @@ impl Screen {
             (_, _, true) => "ready",
             _ => "busy",
         };
-        let [x, y, z] = self.place(status.counts());
+        let [x, y, z] = self.place(motor_counts(status.counts()));
         let level = status.level();
         let temperatures = &self.temperatures;
         let seconds = world.now() / u64::from(TICKS_PER_SECOND);

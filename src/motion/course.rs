@@ -1,0 +1,69 @@
+//! The course: the phases of the move that is being laid as spans, and how far that has got.
+
+use super::moves::Move;
+use super::phase::{Phase, phases};
+use super::trajectory::{LONGEST, Place, Trajectory};
+use heapless::Vec;
+
+/// What of a move is laid.
+#[derive(Clone)]
+pub(super) struct Course {
+    pub m: Move,
+    pub first: Place,
+    pub last: Place,
+    phases: Vec<Phase, 3>,
+    index: usize,
+    /// Time of the present phase that is laid.
+    elapsed: u64,
+    /// The fraction of the move behind where the present phase begins.
+    begin: u32,
+    /// The phase of the last span, the fraction of the move behind where that phase begins, and the span's begin in it.
+    laid: Option<(Phase, u32, u64)>,
+}
+
+impl Course {
+    /// A move whose first phase is to be laid.
+    pub fn new(m: Move, first: Place, last: Place) -> Self {
+        Self { m, first, last, phases: phases(&m), index: 0, elapsed: 0, begin: 0, laid: None }
+    }
+
+    /// Lays the next span; false if all are.
+    pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> bool {
+        let Some(phase) = self.phases.get(self.index).copied() else {
+            return false;
+        };
+        let left = phase.time - self.elapsed;
+        // The last two are alike, so that none is too short.
+        let time = if left <= LONGEST { left } else { LONGEST.min(left / 2) };
+        let from = self.elapsed;
+        let span = if time == phase.time { phase } else { phase.cut(self.begin, from, from + time) };
+        trajectory.lay(&self.first, &self.last, &Phase { time: span.time.max(trajectory.least_time()), ..span });
+        self.laid = Some((phase, self.begin, from));
+        self.elapsed += time;
+        if self.elapsed >= phase.time {
+            (self.index, self.elapsed, self.begin) = (self.index + 1, 0, phase.end);
+        }
+        true
+    }
+
+    /// Cuts the last span where the first tap has got to at `time`. What is left of the move is no longer laid out.
+    /// Says the phase and how much of its time has passed there; `None` if nothing of it was laid.
+    pub fn cut(&mut self, trajectory: &mut Trajectory, time: u64) -> Option<(Phase, u32, u64)> {
+        let (phase, begin, from) = self.laid?;
+        let Some(passed) = trajectory.take_back(time) else {
+            // All that is laid has passed.
+            return Some((phase, begin, if self.elapsed > 0 { self.elapsed } else { phase.time }));
+        };
+        if passed > 0 {
+            trajectory.lay(&self.first, &self.last, &phase.cut(begin, from, from + passed));
+        }
+        Some((phase, begin, from + passed))
+    }
+
+    /// Goes on with another phase, from where a fraction `begin` of the move is behind.
+    pub fn turn_to(&mut self, phase: Phase, begin: u32) {
+        self.phases = Vec::new();
+        let _ = self.phases.push(phase);
+        (self.index, self.elapsed, self.begin, self.laid) = (0, 0, begin, None);
+    }
+}

@@ -1,0 +1,142 @@
+//! Supply: where the spans of the trajectory come from, and what the end of motion means.
+
+use super::brake::{Braking, Moment};
+use super::{StepGenerator, Task};
+use crate::kinematics::GROUPS;
+use crate::motion::course::Course;
+use crate::motion::moves::Work;
+use crate::port::{EndstopSet, Pend};
+use crate::units::Steps;
+
+/// Whether there was more to lay.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Supply {
+    Laid,
+    /// Motion ends here.
+    Rests,
+    /// Motion goes on, but nobody has said how.
+    Starved,
+}
+
+impl<W: Pend> StepGenerator<'_, W> {
+    /// Lays the next span of the trajectory.
+    pub(super) fn lay_more(&mut self) -> Supply {
+        loop {
+            if let Task::Move(course) | Task::Brake(course, _) = &mut self.task
+                && course.lay_next(&mut self.trajectory)
+            {
+                return Supply::Laid;
+            }
+            match &mut self.task {
+                Task::Move(course) => {
+                    let m = course.m;
+                    self.place = course.last;
+                    self.behind = (!m.rests).then_some(m);
+                    if m.rests {
+                        self.task = Task::Settling(true);
+                    } else {
+                        self.finish();
+                    }
+                }
+                Task::Brake(_, rest) => {
+                    let rest = *rest;
+                    self.place = self.trajectory.end().place;
+                    if rest == 0 {
+                        self.task = Task::Settling(true);
+                    } else {
+                        self.finish();
+                    }
+                    self.go_on_with(rest);
+                }
+                Task::Settling(_) | Task::Dwell(_) => return Supply::Rests,
+                Task::Nothing => {
+                    if !self.next_entry() {
+                        return if self.behind.is_none() { Supply::Rests } else { Supply::Starved };
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn finish(&mut self) {
+        self.task = Task::Nothing;
+        // Who sees the entry done must see its events made.
+        self.publish();
+        self.status.entry_done();
+    }
+
+    /// Takes the next entry; false if there is none.
+    pub(super) fn next_entry(&mut self) -> bool {
+        let Some(entry) = self.moves.dequeue() else {
+            return false;
+        };
+        if entry.epoch != self.epoch || self.has_met_endstop() || self.braking == Braking::Done {
+            self.status.entry_done();
+            return true;
+        }
+        match entry.work {
+            Work::Move(m) => {
+                self.watch = m.watch;
+                let [x, y, z, e] = m.end;
+                let [.., advance] = self.place;
+                let course = Course::new(m, self.place, [x, y, z, e, advance.wrapping_add(m.advance)]);
+                match self.braking {
+                    Braking::Slowing(square) => self.brake(course, Moment { done: 0, square }),
+                    Braking::No | Braking::Done => self.task = Task::Move(course),
+                }
+            }
+            Work::Dwell(time) => {
+                self.watch = EndstopSet::NONE;
+                self.task = Task::Dwell((self.last << 16) + time);
+            }
+            Work::Follow(axis, taps) => {
+                self.trajectory.follow(usize::from(axis), &taps);
+                self.status.entry_done();
+            }
+            Work::Position([x, y, z, e]) => {
+                self.place = [x, y, z, e, Steps::ZERO];
+                for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
+                    track.stand_at(group.coordinate([x, y, z, e]));
+                }
+                self.status.entry_done();
+            }
+        }
+        true
+    }
+
+    /// All motors rest. Ends what that was waited for, or begins what comes next; false if nothing does.
+    pub(super) fn rest(&mut self) -> bool {
+        match self.task {
+            Task::Nothing => {
+                if !self.next_entry() {
+                    return false;
+                }
+                if matches!(self.task, Task::Move(_) | Task::Brake(..)) {
+                    let now = self.last << 16;
+                    self.trajectory.settle(self.place, now);
+                    self.tracks.iter_mut().for_each(|track| track.break_off(now));
+                }
+            }
+            // At a standstill an event marks the end of the motion, so that time is whole there.
+            Task::Settling(ends_entry) => {
+                if self.pass_until(self.trajectory.settles()) {
+                    self.task = Task::Nothing;
+                    if ends_entry {
+                        self.finish();
+                    }
+                    if self.braking == Braking::Done {
+                        self.status.set_stopped(Some(self.epoch));
+                    }
+                }
+            }
+            Task::Dwell(until) => {
+                if self.pass_until(until) {
+                    self.finish();
+                }
+            }
+            // Their motors are under way from the moment at which they begin.
+            Task::Move(_) | Task::Brake(..) => {}
+        }
+        true
+    }
+}

@@ -1,0 +1,142 @@
+//! An axis of the trajectory: the taps that it follows, and how far each has got.
+
+use super::number::{from_f32, to_f32};
+use super::span::{End, Span, State};
+use super::taps::{TAPS, Tap, Taps};
+use crate::units::Steps;
+
+/// How far a tap has got: to the span of this number, and into it, or still before it.
+#[derive(Clone, Copy, Debug)]
+struct Cursor {
+    span: u32,
+    is_inside: bool,
+}
+
+/// What the spans look like to an axis.
+pub(super) trait Spans {
+    /// Spans ever laid.
+    fn laid(&self) -> u32;
+    /// A span, and where it ends.
+    fn get(&self, number: u32) -> (&Span, &End);
+    /// Where the last one ends.
+    fn end(&self) -> &End;
+}
+
+/// An axis.
+pub(super) struct Axis {
+    index: usize,
+    taps: Taps,
+    cursors: [Cursor; TAPS],
+    /// Whether the copies make up a position; otherwise what they have in common does not count.
+    is_position: bool,
+}
+
+impl Axis {
+    /// An axis that follows the spans at once.
+    pub const fn new(index: usize) -> Self {
+        Self { index, taps: Taps::new(), cursors: [Cursor { span: 0, is_inside: false }; TAPS], is_position: true }
+    }
+
+    /// Follows other taps from now on; the axis is at rest.
+    pub fn follow(&mut self, taps: &[Tap], is_position: bool) {
+        self.taps = taps.iter().copied().take(TAPS).collect();
+        self.is_position = is_position;
+    }
+
+    /// How late its taps are, in ticks times 2^16.
+    pub fn delays(&self) -> impl Iterator<Item = u64> {
+        self.taps.iter().map(Tap::late)
+    }
+
+    /// Nothing lies before the spans that are laid from now on.
+    pub fn settle(&mut self, laid: u32) {
+        self.cursors = [Cursor { span: laid, is_inside: false }; TAPS];
+    }
+
+    /// The number of the oldest span that it still needs, of `laid`.
+    pub fn oldest(&self, laid: u32) -> u32 {
+        let used = |cursor: &Cursor| laid.wrapping_sub(cursor.span);
+        laid.wrapping_sub(self.cursors.iter().take(self.taps.len()).map(used).max().unwrap_or_default())
+    }
+
+    /// Goes on to `time`; false if a tap needs a span that is not laid yet.
+    pub fn advance(&mut self, spans: &impl Spans, time: u64) -> bool {
+        for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
+            while cursor.span != spans.laid() {
+                let (span, end) = spans.get(cursor.span);
+                if !cursor.is_inside {
+                    if time < span.begin.time + tap.late() {
+                        break;
+                    }
+                    cursor.is_inside = true;
+                }
+                if time < end.time + tap.late() {
+                    break;
+                }
+                cursor.span = cursor.span.wrapping_add(1);
+                // Spans follow each other without a gap, or there was a rest.
+                cursor.is_inside = false;
+            }
+        }
+        self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
+    }
+
+    /// When one of its taps next begins or ends a span; `u64::MAX` if none does.
+    pub fn next_change(&self, spans: &impl Spans) -> u64 {
+        let change = |(tap, cursor): (&Tap, &Cursor)| {
+            if cursor.span == spans.laid() {
+                return u64::MAX;
+            }
+            let (span, end) = spans.get(cursor.span);
+            tap.late() + if cursor.is_inside { end.time } else { span.begin.time }
+        };
+        self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(u64::MAX)
+    }
+
+    /// The span that it follows as it is, and its number, if that begins at `time`: its shape is that of the whole.
+    pub fn follows<'a>(&self, spans: &'a impl Spans, time: u64) -> Option<(u32, &'a Span)> {
+        let ([tap], [cursor, ..], true) = (self.taps.as_slice(), &self.cursors, self.is_position) else {
+            return None;
+        };
+        let (span, _) = spans.get(cursor.span);
+        let begins = cursor.is_inside && time == span.begin.time + tap.late();
+        (begins && cursor.span != spans.laid()).then_some((cursor.span, span))
+    }
+
+    /// Whether it follows anything.
+    pub fn is_still(&self) -> bool {
+        self.taps.is_empty()
+    }
+
+    /// Its state at a time up to the next change.
+    pub fn state(&self, spans: &impl Spans, time: u64) -> State {
+        let copy = |tap: &Tap, cursor: &Cursor| {
+            if cursor.span == spans.laid() {
+                return State::rest(spans.end().at(self.index));
+            }
+            let (span, end) = spans.get(cursor.span);
+            if cursor.is_inside {
+                span.state(self.index, end, time.saturating_sub(tap.late()))
+            } else {
+                State::rest(span.begin.at(self.index))
+            }
+        };
+        let mut copies = self.taps.iter().zip(&self.cursors);
+        let Some((tap, cursor)) = copies.next() else {
+            return State::rest(Steps::ZERO);
+        };
+        let first = copy(tap, cursor);
+        if self.is_position && self.taps.len() == 1 {
+            return first;
+        }
+        // What they have in common is left out of the sum, so an axis at rest is exactly where it was sent.
+        let (mut way, mut speed) = (0.0, tap.weight * first.speed);
+        for (tap, cursor) in copies {
+            let other = copy(tap, cursor);
+            way += tap.weight * to_f32(other.position.wrapping_sub(first.position));
+            speed += tap.weight * other.speed;
+        }
+        let common = if self.is_position { first.position } else { Steps::ZERO };
+        State { position: common.wrapping_add(from_f32(way)), speed }
+    }
+}

@@ -1,0 +1,184 @@
+//! The trajectory: where every axis is at every time, given the moves so far.
+//!
+//! Moves are laid as [`Span`]s, one behind the other, and each axis follows them through its [`Tap`]s. Time is that of
+//! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
+
+mod axis;
+mod number;
+mod span;
+mod taps;
+
+pub(crate) use number::{from_f32, root, ticks, time, to_f32};
+pub(crate) use span::{ADVANCE, AXES, End, LONGEST, Place, Span, State};
+pub use taps::{TAPS, Tap, Taps};
+
+use crate::motion::phase::{Phase, point};
+use crate::units::Steps;
+use axis::{Axis, Spans};
+
+/// Spans that are remembered; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
+/// shaper of 60 Hz with two humps takes 25. Longer ones stretch the time of so short moves.
+const SPANS: usize = 128;
+
+/// Memory for the spans.
+pub struct SpanMemory([Span; SPANS]);
+
+impl SpanMemory {
+    /// Without spans.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self([Span::EMPTY; SPANS])
+    }
+}
+
+impl Default for SpanMemory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+struct Ring<'m> {
+    spans: &'m mut SpanMemory,
+    laid: u32,
+    end: End,
+}
+
+impl Ring<'_> {
+    fn span(&self, number: u32) -> &Span {
+        // The mask keeps the index within.
+        self.spans.0.get(number as usize % SPANS).unwrap_or(&Span::EMPTY)
+    }
+}
+
+impl Spans for Ring<'_> {
+    fn laid(&self) -> u32 {
+        self.laid
+    }
+
+    fn get(&self, number: u32) -> (&Span, &End) {
+        let next = number.wrapping_add(1);
+        (self.span(number), if next == self.laid { &self.end } else { &self.span(next).begin })
+    }
+
+    fn end(&self) -> &End {
+        &self.end
+    }
+}
+
+/// The spans, and how far each axis has got in them.
+pub(crate) struct Trajectory<'m> {
+    ring: Ring<'m>,
+    axes: [Axis; AXES],
+}
+
+impl<'m> Trajectory<'m> {
+    /// At rest at time 0; every axis follows at once.
+    pub fn new(spans: &'m mut SpanMemory) -> Self {
+        let end = End { time: 0, place: [Steps::ZERO; AXES] };
+        let ring = Ring { spans, laid: 0, end };
+        let mut axes = core::array::from_fn(Axis::new);
+        for axis in axes.iter_mut().take(ADVANCE) {
+            axis.follow(&[Tap::IDENTITY], true);
+        }
+        Self { ring, axes }
+    }
+
+    /// Has an axis follow other taps; all rest. The advance is only what its taps differ by.
+    pub fn follow(&mut self, axis: usize, taps: &[Tap]) {
+        let is_position = axis != ADVANCE;
+        if let Some(axis) = self.axes.get_mut(axis) {
+            axis.follow(taps, is_position);
+            axis.settle(self.ring.laid);
+        }
+    }
+
+    /// Rests at a place from `time` on.
+    pub fn settle(&mut self, place: Place, time: u64) {
+        self.ring.end = End { time: time.saturating_sub(self.shortest_delay()), place };
+        for axis in &mut self.axes {
+            axis.settle(self.ring.laid);
+        }
+    }
+
+    /// Where the last span ends.
+    pub const fn end(&self) -> &End {
+        &self.ring.end
+    }
+
+    /// When all axes have got to where the last span ends.
+    pub fn settles(&self) -> u64 {
+        self.ring.end.time + self.longest_delay()
+    }
+
+    fn longest_delay(&self) -> u64 {
+        self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
+    }
+
+    fn shortest_delay(&self) -> u64 {
+        self.axes.iter().flat_map(Axis::delays).min().unwrap_or_default()
+    }
+
+    /// The least time of a span that is laid now: none, unless so many short ones wait for the slowest tap that another
+    /// could take the place of one that is still needed. Then time is stretched, so that it cannot come to that.
+    pub fn least_time(&self) -> u64 {
+        let used = |axis: &Axis| self.ring.laid.wrapping_sub(axis.oldest(self.ring.laid)) as usize;
+        let free = SPANS - 1 - self.axes.iter().map(used).max().unwrap_or_default().min(SPANS - 2);
+        if free >= SPANS / 4 { 0 } else { self.longest_delay() / free as u64 }
+    }
+
+    /// Lays a phase of a way from `first` to `last`, or a part of one, behind the last span.
+    pub fn lay(&mut self, first: &Place, last: &Place, phase: &Phase) {
+        let begin = self.ring.end;
+        let span = Span::new(begin, phase.time, phase.curve, phase.slow_share);
+        if let Some(place) = self.ring.spans.0.get_mut(self.ring.laid as usize % SPANS) {
+            *place = span;
+        }
+        self.ring.laid = self.ring.laid.wrapping_add(1);
+        let place = core::array::from_fn(|axis| match (first.get(axis), last.get(axis)) {
+            (Some(first), Some(last)) => point(*first, *last, phase.end),
+            _ => Steps::ZERO,
+        });
+        self.ring.end = End { time: begin.time + phase.time, place };
+    }
+
+    /// Has an axis go on to `time`; false if it needs a span that is not laid yet.
+    pub fn advance(&mut self, axis: usize, time: u64) -> bool {
+        let Self { ring, axes } = self;
+        axes.get_mut(axis).is_none_or(|axis| axis.advance(ring, time))
+    }
+
+    /// When an axis next begins or ends to move otherwise; `u64::MAX` if that is not known.
+    pub fn next_change(&self, axis: usize) -> u64 {
+        self.axes.get(axis).map_or(u64::MAX, |axis| axis.next_change(&self.ring))
+    }
+
+    /// The span that all of some axes follow as it is from `time` on, if there is one.
+    pub fn follows(&self, axes: impl Iterator<Item = usize>, time: u64) -> Option<&Span> {
+        let mut common = None;
+        for axis in axes.filter_map(|axis| self.axes.get(axis)).filter(|axis| !axis.is_still()) {
+            let (number, span) = axis.follows(&self.ring, time)?;
+            if common.is_some_and(|(other, _)| other != number) {
+                return None;
+            }
+            common = Some((number, span));
+        }
+        common.map(|(_, span)| span)
+    }
+
+    /// The state of an axis at a time up to its next change.
+    pub fn state(&self, axis: usize, time: u64) -> State {
+        self.axes.get(axis).map_or(State::rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
+    }
+
+    /// Takes back the last span, which is to be laid anew as far as the first tap has got in it at `time`. `None` if it
+    /// has ended by then.
+    pub fn take_back(&mut self, time: u64) -> Option<u64> {
+        let time = time.saturating_sub(self.shortest_delay());
+        if self.ring.laid == 0 || time >= self.ring.end.time {
+            return None;
+        }
+        self.ring.laid -= 1;
+        self.ring.end = self.ring.span(self.ring.laid).begin;
+        Some(time.saturating_sub(self.ring.end.time))
+    }
+}

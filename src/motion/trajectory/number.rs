@@ -1,0 +1,78 @@
+//! Numbers of the trajectory: between fixed point, which is exact, and single precision, which is fast.
+//!
+//! IEEE 754 says to the last bit what each sum, difference, product and quotient of two single-precision numbers is,
+//! and nothing else is used here, so every platform computes the same.
+
+use crate::units::Steps;
+
+/// A time of less than 2^40 (16 s), in ticks times 2^16, as ticks.
+pub(crate) fn ticks(time: u64) -> f32 {
+    ((time >> 8) as u32) as f32 * const { 1.0 / 256.0 }
+}
+
+/// Ticks below 2^24 as a time in ticks times 2^16.
+pub(crate) fn time(ticks: f32) -> u64 {
+    u64::from((ticks * 256.0) as u32) << 8
+}
+
+/// A distance in steps, exact to 2^-24 of itself. One and its opposite have the same digits, so that motors that mirror
+/// each other do so to the tick.
+pub(crate) fn to_f32(steps: Steps) -> f32 {
+    let bits = steps.to_bits();
+    let size = bits.unsigned_abs();
+    let size = ((size >> 32) as u32) as f32 + ((size as u32) as f32) * const { 1.0 / 4_294_967_296.0 };
+    if bits < 0 { -size } else { size }
+}
+
+/// A distance below 2^31 steps.
+pub(crate) fn from_f32(steps: f32) -> Steps {
+    let whole = steps as i32;
+    let part = ((steps - whole as f32) * 2_147_483_648.0) as i32;
+    Steps::from_bits((i64::from(whole) << 32) + (i64::from(part) << 1))
+}
+
+/// The square root to the last bit but one; 0 of what is not positive. The first guess halves the exponent and is
+/// wrong by 3.5 % at most; each of Newton's steps squares that.
+pub(crate) fn root(square: f32) -> f32 {
+    if square <= 0.0 {
+        return 0.0;
+    }
+    let mut root = f32::from_bits((square.to_bits() >> 1) + 0x1FBD_1DF5);
+    for _ in 0..3 {
+        root = 0.5 * (root + square / root);
+    }
+    root
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roots_are_exact_to_the_last_bit_but_one() {
+        for i in 1..100_000u32 {
+            for square in [i as f32 * 1e-9, i as f32 * 0.37, i as f32 * 1e9] {
+                let (root, exact) = (root(square), f64::from(square).sqrt());
+                assert!((f64::from(root) / exact - 1.0).abs() < 1.3e-7, "{square}: {root} {exact}");
+            }
+        }
+        assert_eq!(root(0.0), 0.0);
+    }
+
+    #[test]
+    fn distances_survive_both_ways() {
+        for v in [0.0f64, 0.25, -0.25, 1.0, -1.0, 4095.999, -4095.999, 33_000.5, -0.000_01] {
+            let steps = Steps::from_num(v);
+            let tolerance = 1.2e-7 * f64::max(v.abs(), 1.0);
+            assert!((f64::from(to_f32(steps)) - v).abs() <= tolerance, "{v}");
+            assert!((from_f32(to_f32(steps)).to_num::<f64>() - v).abs() <= tolerance, "{v}");
+        }
+    }
+
+    #[test]
+    fn times_survive_both_ways() {
+        for ticks_ in [0.0, 0.5, 1234.25, 524_287.0] {
+            assert_eq!(ticks(time(ticks_)), ticks_);
+        }
+    }
+}

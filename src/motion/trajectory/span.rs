@@ -1,0 +1,107 @@
+//! Spans: pieces of the trajectory in which the tool goes straight and its speed changes evenly.
+//!
+//! All axes share the fraction of the way that is behind. With x, the fraction of the span's time that has passed
+//! since its slow end, it is `g(x) = s x + (1 - s) x^2`, s being what the slow end's speed alone would cover. A span
+//! in which speed falls is the same seen from its end, so a position is exact at both ends and most accurate where
+//! it is slowest.
+
+use super::number::{from_f32, ticks, to_f32};
+use crate::motion::moves::WHOLE;
+use crate::motion::phase::Curve;
+use crate::units::Steps;
+
+/// Axes of the trajectory: x, y, z, e, and the advance, whose speed is the pressure that the extruder builds up.
+pub(crate) const AXES: usize = 5;
+
+/// The axis of the advance.
+pub(crate) const ADVANCE: usize = 4;
+
+/// Longest span, in ticks times 2^16: single precision is finer than a 20th of a tick in it.
+pub(crate) const LONGEST: u64 = (1 << 19) << 16;
+
+/// Where all axes are.
+pub(crate) type Place = [Steps; AXES];
+
+/// Where an axis is, and how fast, in steps and steps a tick.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct State {
+    pub position: Steps,
+    pub speed: f32,
+}
+
+impl State {
+    /// At rest.
+    pub const fn rest(position: Steps) -> Self {
+        Self { position, speed: 0.0 }
+    }
+}
+
+/// An end of a span.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct End {
+    /// In ticks times 2^16.
+    pub time: u64,
+    pub place: Place,
+}
+
+impl End {
+    /// Where an axis is.
+    pub fn at(&self, axis: usize) -> Steps {
+        self.place.get(axis).copied().unwrap_or_default()
+    }
+}
+
+/// A piece of the trajectory. It ends where and when the next one begins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Span {
+    pub begin: End,
+    /// One over its time, in ticks.
+    rate: f32,
+    /// s of the formula.
+    pub slow_share: f32,
+    pub curve: Curve,
+}
+
+impl Span {
+    /// No span; of zeros, which take no flash where they are static.
+    pub const EMPTY: Self =
+        Self { begin: End { time: 0, place: [Steps::ZERO; AXES] }, rate: 0.0, slow_share: 0.0, curve: Curve::Steady };
+
+    /// A span that takes `time`; its slow end's speed alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
+    pub fn new(begin: End, time: u64, curve: Curve, slow_share: u32) -> Self {
+        let slow_share = slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
+        Self { begin, rate: 1.0 / ticks(time).max(1.0 / 256.0), slow_share, curve }
+    }
+
+    /// The state of an axis at `time` within the span, which ends at `end`.
+    pub fn state(&self, axis: usize, end: &End, time: u64) -> State {
+        let (from, to) = (self.begin.at(axis), end.at(axis));
+        let way = to.wrapping_sub(from);
+        if way == Steps::ZERO {
+            return State::rest(from);
+        }
+        let way = to_f32(way);
+        let mean = way * self.rate;
+        let from_begin = ticks(time.saturating_sub(self.begin.time)) * self.rate;
+        if self.curve == Curve::Steady {
+            let position = if time >= end.time { to } else { from.wrapping_add(from_f32(way * from_begin)) };
+            return State { position, speed: mean };
+        }
+        let rest = 1.0 - self.slow_share;
+        let is_slowing = self.curve == Curve::Slowing;
+        let x = if is_slowing { ticks(end.time.saturating_sub(time)) * self.rate } else { from_begin };
+        let x = x.min(1.0);
+        let speed = mean * (self.slow_share + 2.0 * (rest * x));
+        let gone = way * (x * (self.slow_share + rest * x));
+        let position = if time >= end.time {
+            to
+        } else if time <= self.begin.time {
+            from
+        } else if is_slowing {
+            to.wrapping_sub(from_f32(gone))
+        } else {
+            from.wrapping_add(from_f32(gone))
+        };
+        State { position, speed }
+    }
+}

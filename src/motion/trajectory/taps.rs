@@ -1,0 +1,35 @@
+//! Taps: an axis follows a weighted sum of delayed copies of the trajectory.
+//!
+//! An input shaper is such a sum (N. Singer, W. Seering, "Preshaping Command Inputs to Reduce System Vibration", 1990),
+//! and so is a smoothed pressure advance: the mean speed over a window is the way through it divided by its length.
+//! A sum of copies of something that is quadratic piece by piece is itself quadratic piece by piece, so nothing has
+//! to be sampled, and where nothing changes nothing is computed.
+
+use heapless::Vec;
+
+/// Most copies of an axis; a shaper with two humps has four impulses.
+pub const TAPS: usize = 5;
+
+/// A copy of the trajectory.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tap {
+    /// How late it is, in ticks times 2^8.
+    pub delay: u32,
+    /// How much of it.
+    pub weight: f32,
+}
+
+impl Tap {
+    /// The trajectory itself.
+    pub const IDENTITY: Self = Self { delay: 0, weight: 1.0 };
+}
+
+impl Tap {
+    /// How late it is, in ticks times 2^16.
+    pub const fn late(&self) -> u64 {
+        (self.delay as u64) << 8
+    }
+}
+
+/// The copies that an axis follows.
+pub type Taps = Vec<Tap, TAPS, u8>;

@@ -1,0 +1,72 @@
+//! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag.
+
+use crate::units::{Hertz, Ratio, Seconds};
+use serde::{Deserialize, Serialize};
+
+/// Input shapers, by their usual names.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub enum ShaperKind {
+    /// None.
+    None,
+    /// Zero vibration.
+    Zv,
+    /// Zero vibration and derivative.
+    Zvd,
+    /// Modified zero vibration.
+    Mzv,
+    /// Extra insensitive, for 5 % of vibration.
+    Ei,
+    /// Extra insensitive with two humps, for 5 % of vibration.
+    TwoHumpEi,
+}
+
+/// The input shaper of an axis.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Shaper {
+    /// Which.
+    pub kind: ShaperKind,
+    /// The frequency at which the axis rings.
+    pub frequency: Hertz,
+    /// How much of the critical damping that has.
+    pub damping: Ratio,
+}
+
+/// The input shapers of the bed plane.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Shapers {
+    /// Along x.
+    pub x: Shaper,
+    /// Along y.
+    pub y: Shaper,
+}
+
+/// Pressure advance: the filament in the nozzle is pushed ahead by its speed times this.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+pub struct Advance {
+    /// K of M900.
+    pub time: Seconds,
+    /// The speed is averaged over so long, half of it ahead.
+    pub window: Seconds,
+}
+
+impl Shapers {
+    /// Off. The frequencies are those of the paper's machine at the centre of its bed (docs/kinematics.md), 1.06 times:
+    /// so a fixed shaper is best over the whole of it.
+    #[must_use]
+    pub const fn prototype() -> Self {
+        let damping = const { Ratio::lit("0.1") };
+        let kind = ShaperKind::None;
+        Self {
+            x: Shaper { kind, frequency: const { Hertz::lit("107.5") }, damping },
+            y: Shaper { kind, frequency: const { Hertz::lit("61.1") }, damping },
+        }
+    }
+}
+
+impl Advance {
+    /// Off; a window as Klipper's (pressure_advance_smooth_time).
+    #[must_use]
+    pub const fn prototype() -> Self {
+        Self { time: Seconds::ZERO, window: const { Seconds::lit("0.04") } }
+    }
+}

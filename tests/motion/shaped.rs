@@ -1,0 +1,152 @@
+//! Shaped motion: every step against an independent model of shapers and pressure advance, in floating point.
+
+use super::line::{generate_shaped, plan};
+use super::model::{Trapezoid, trapezoids};
+use super::timing::{steps_of, wander};
+use corehbot::kinematics::GROUPS;
+use corehbot::settings::{Settings, Shaper, ShaperKind};
+use corehbot::units::{Hertz, Ratio, Seconds};
+use std::f64::consts::{PI, SQRT_2};
+
+/// The impulses of a shaper, in s.
+fn impulses(shaper: &Shaper) -> Vec<(f64, f64)> {
+    let (z, f): (f64, f64) = (shaper.damping.to_num(), shaper.frequency.to_num());
+    let root = (1.0 - z * z).sqrt();
+    let period = 1.0 / (f * root);
+    let k = |share: f64| (-share * z * PI / root).exp();
+    let raw: Vec<(f64, f64)> = match shaper.kind {
+        ShaperKind::None => vec![(0.0, 1.0)],
+        ShaperKind::Zv => vec![(0.0, 1.0), (0.5, k(1.0))],
+        ShaperKind::Zvd => vec![(0.0, 1.0), (0.5, 2.0 * k(1.0)), (1.0, k(2.0))],
+        ShaperKind::Mzv => {
+            vec![(0.0, 1.0 - 1.0 / SQRT_2), (0.375, (SQRT_2 - 1.0) * k(0.75)), (0.75, (1.0 - 1.0 / SQRT_2) * k(1.5))]
+        }
+        // At 60 Hz and a damping of 0.05, from the literature; the times are in ms.
+        ShaperKind::Ei => vec![(0.0, 0.30688), (8.3788, 0.46746), (16.6875, 0.22566)],
+        ShaperKind::TwoHumpEi => vec![(0.0, 0.20430), (8.4408, 0.35523), (16.7289, 0.30830), (24.9013, 0.13217)],
+    };
+    let unit = if matches!(shaper.kind, ShaperKind::Ei | ShaperKind::TwoHumpEi) { 1e-3 } else { period };
+    let sum: f64 = raw.iter().map(|(_, weight)| weight).sum();
+    raw.into_iter().map(|(time, weight)| (time * unit, weight / sum)).collect()
+}
+
+fn mean(impulses: &[(f64, f64)]) -> f64 {
+    impulses.iter().map(|(time, weight)| time * weight).sum()
+}
+
+/// The whole motion.
+struct Motion {
+    moves: Vec<Trapezoid>,
+    begins: Vec<f64>,
+    /// Pressure that has been asked for at the begin of each move, in steps times s.
+    pressure: Vec<f64>,
+    advance: f64,
+}
+
+impl Motion {
+    /// x, y, z, e and pressure at a time in s.
+    fn at(&self, t: f64) -> [f64; 5] {
+        let i = self.begins.partition_point(|begin| *begin <= t).saturating_sub(1);
+        let m = &self.moves[i];
+        let [x, y, z, e] = m.at(t - self.begins[i]);
+        let moved = if self.pressure[i + 1] > self.pressure[i] { (e - m.from[3]) * self.advance } else { 0.0 };
+        [x, y, z, e, self.pressure[i] + moved]
+    }
+}
+
+/// What every motor group follows: taps of each axis, and the window of the advance.
+struct Follow {
+    x: Vec<(f64, f64)>,
+    y: Vec<(f64, f64)>,
+    delay: f64,
+    window: f64,
+}
+
+impl Follow {
+    fn new(s: &Settings) -> Self {
+        let (x, y) = (impulses(&s.shapers.x), impulses(&s.shapers.y));
+        let window = if s.advance.time > Seconds::ZERO { s.advance.window.to_num() } else { 0.0 };
+        let delay = mean(&x).max(mean(&y)).max(window / 2.0);
+        Self { x, y, delay, window }
+    }
+
+    fn at(&self, motion: &Motion, t: f64) -> [f64; 4] {
+        let shaped = |impulses: &[(f64, f64)], axis: usize| {
+            let early = self.delay - mean(impulses);
+            impulses.iter().map(|(time, weight)| weight * motion.at(t - early - time)[axis]).sum::<f64>()
+        };
+        let late = motion.at(t - self.delay);
+        let half = self.window / 2.0;
+        let pressure = |t: f64| motion.at(t)[4];
+        let push = if self.window > 0.0 {
+            (pressure(t - self.delay + half) - pressure(t - self.delay - half)) / self.window
+        } else {
+            0.0
+        };
+        [shaped(&self.x, 0), shaped(&self.y, 1), late[2], late[3] + push]
+    }
+}
+
+/// How many steps there are, and by how much the worst is off, in ticks.
+fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
+    let moves = plan(targets, s);
+    let model = trapezoids(targets, s);
+    assert_eq!(moves.len(), model.len());
+    let mut begins = vec![0.0];
+    begins.extend(moves.iter().scan(0u64, |t, m| {
+        *t += m.time();
+        Some(*t as f64 / 65536.0 / 1e7)
+    }));
+    begins.pop();
+    let advance: f64 = s.advance.time.to_num();
+    let mut pressure = vec![0.0];
+    for t in &model {
+        let moves_tool = (0..3).any(|i| t.from[i] != t.to[i]);
+        let way = t.to[3] - t.from[3];
+        pressure.push(pressure[pressure.len() - 1] + if moves_tool && way > 0.0 { way * advance } else { 0.0 });
+    }
+    let motion = Motion { moves: model, begins, pressure, advance };
+    let follow = Follow::new(s);
+    let steps = generate_shaped(&moves, s);
+    let (mut count, mut worst) = (0, 0f64);
+    for (g, group) in GROUPS.iter().enumerate() {
+        let row = group.row.map(f64::from);
+        let value = |t: f64| -> f64 { follow.at(&motion, t).iter().zip(row).map(|(p, r)| p * r).sum() };
+        let mut at = 0i64;
+        for (tick, way) in steps_of(&steps, g) {
+            let edge = at as f64 + 0.5 * f64::from(way);
+            at += i64::from(way);
+            let t = tick as f64 / 1e7;
+            let speed = (value(t + 5e-7) - value(t - 5e-7)).abs() / 10.0;
+            // What single precision leaves of a position is 2^-24 of the way of a span, a ten-thousandth of a step.
+            let off = ((value(t) - edge).abs() - 2e-4).max(0.0) / speed.max(1e-6);
+            worst = worst.max(off);
+            count += 1;
+        }
+        assert_eq!(at as f64, (value(1e9) + 0.5).floor(), "group {g} ends where it was sent");
+    }
+    (count, worst)
+}
+
+fn settings(x: ShaperKind, y: ShaperKind, advance: f64) -> Settings {
+    let mut s = Settings::prototype();
+    let shaper = |kind| Shaper { kind, frequency: Hertz::from_num(60), damping: Ratio::from_num(0.05) };
+    (s.shapers.x, s.shapers.y) = (shaper(x), shaper(y));
+    s.advance.time = Seconds::from_num(advance);
+    s
+}
+
+#[test]
+fn every_shaped_step_is_within_a_tick_of_the_model() {
+    use ShaperKind::{Ei, Mzv, None, TwoHumpEi, Zv, Zvd};
+    for (x, y, advance) in
+        [(None, None, 0.0), (Mzv, Mzv, 0.0), (Zv, Zvd, 0.0), (None, Mzv, 0.05), (None, None, 0.04), (Mzv, Zvd, 0.05)]
+    {
+        let (count, worst) = errors(&wander(400, 0x1234_5678_9ABC_DEF1), &settings(x, y, advance));
+        println!("{x:?} {y:?} {advance}: {count} steps, worst {worst:.3} ticks");
+        assert!(count > 50_000 && worst <= 1.0, "{x:?} {y:?} {advance}: {worst} ticks");
+    }
+    // These are known to five digits.
+    let (_, worst) = errors(&wander(100, 0x1234_5678_9ABC_DEF1), &settings(Ei, TwoHumpEi, 0.0));
+    println!("{Ei:?} {TwoHumpEi:?}: worst {worst:.3} ticks");
+}
