@@ -11,8 +11,8 @@
 //! step to step, so an error cannot grow. Where the steps come evenly, the square root is saved: the last three
 //! crossings tell the next to a thousandth, and one of Newton's steps, `t' = (d + h t^2) / (v + 2 h t)`, squares that.
 
+use super::number::{root, ticks, to_f32};
 use super::phase::Curve;
-use super::trajectory::{root, ticks, to_f32};
 use crate::units::Steps;
 
 /// Where and how fast a piece begins or ends.
@@ -36,8 +36,10 @@ const LEAST_SHIFT: f32 = 0.2;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossings {
     curve: Curve,
-    /// Distance of the next crossing from the slow end.
-    distance: f32,
+    /// Distance of the next crossing from the slow end: whole steps, which are counted, and the rest. A sum would lose the
+    /// digits that matter where few steps are left.
+    whole: i32,
+    part: f32,
     /// v, or the time a step takes if it is always the same.
     slow: f32,
     /// h
@@ -58,7 +60,8 @@ impl Crossings {
     /// No piece.
     pub const NONE: Self = Self {
         curve: Curve::Steady,
-        distance: 0.0,
+        whole: 0,
+        part: 0.0,
         slow: 0.0,
         rise: 0.0,
         offset: 0.0,
@@ -73,11 +76,10 @@ impl Crossings {
     /// change.
     pub fn new(from: &Edge, to: &Edge, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
         let distance = |from: Steps, to: Steps| {
-            let distance = to_f32(to.wrapping_sub(from));
-            if is_forward { distance } else { -distance }
+            if is_forward { to.wrapping_sub(from) } else { from.wrapping_sub(to) }
         };
         let time = ticks(to.time - from.time);
-        let way = distance(from.position, to.position);
+        let way = to_f32(distance(from.position, to.position));
         // Where the motor's way is that of one span, its curve is the span's; a small difference of two great speeds
         // would say less well what that is.
         let (v0, v1) = (from.speed.abs(), to.speed.abs());
@@ -91,14 +93,20 @@ impl Crossings {
         let begin = ((from.time & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
         let piece = Self { base: (from.time >> 16) as u32, offset: begin, ..Self::NONE };
         if gain * time < LEAST_SHIFT * way {
-            return Self { distance: distance(from.position, first), slow: time / way, ..piece };
+            return Self { slow: time / way, ..piece }.seen_from_slow_end(distance(from.position, first));
         }
         let piece = Self { slow: covered / time, rise: gain / (time * time), ..piece };
         if curve == Curve::Speeding {
-            Self { curve, distance: distance(from.position, first), ..piece }
+            Self { curve, ..piece }.seen_from_slow_end(distance(from.position, first))
         } else {
-            Self { curve, distance: distance(first, to.position), offset: begin + time, ..piece }
+            Self { curve, offset: begin + time, ..piece }.seen_from_slow_end(distance(first, to.position))
         }
+    }
+
+    /// The first crossing is so far from the slow end.
+    fn seen_from_slow_end(self, distance: Steps) -> Self {
+        let bits = distance.to_bits();
+        Self { whole: (bits >> 32) as i32, part: ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 }, ..self }
     }
 
     /// All crossings at once.
@@ -108,12 +116,12 @@ impl Crossings {
 
     /// The tick of the next crossing.
     pub fn next(&mut self) -> u32 {
+        let distance = (self.whole as f32 + self.part).max(0.0);
         if self.curve == Curve::Steady {
-            let at = self.offset + self.distance * self.slow;
-            self.distance += 1.0;
+            let at = self.offset + distance * self.slow;
+            self.whole += 1;
             return self.base.wrapping_add(at as u32);
         }
-        let distance = self.distance.max(0.0);
         let at = if self.known > 2 && self.bend.abs() < self.pace.abs() * EVEN {
             let guess = self.last + (self.pace + self.bend);
             let gain = self.rise * guess;
@@ -129,10 +137,10 @@ impl Crossings {
         self.last = at;
         self.known = self.known.saturating_add(1);
         let at = if self.curve == Curve::Slowing {
-            self.distance -= 1.0;
+            self.whole -= 1;
             self.offset - at
         } else {
-            self.distance += 1.0;
+            self.whole += 1;
             self.offset + at
         };
         self.base.wrapping_add(at as u32)

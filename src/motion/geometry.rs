@@ -1,46 +1,83 @@
 //! Geometry of one move: how long it is, which way it points, and how fast its axes let it be.
+//!
+//! Lengths are exact to a bit; what is a limit or a ratio is in single precision (see [`number`](super::number)).
 
+use super::number::{from_bits, root_of};
 use crate::settings::Settings;
-use crate::units::{MmPerSec, MmPerSec2, Steps, StepsPerMm, mul_div};
+use crate::units::{MmPerSec, MmPerSec2, Steps, StepsPerMm};
 
 /// One in the fixed point of unit vectors.
 pub(super) const UNIT: i32 = 1 << 30;
 
-/// One in the fixed point of extrusion ratios.
-pub(super) const RATIO: u64 = 1 << 24;
-
-/// Bits that a fine acceleration has more than `MmPerSec2`: a corner into a slow axis needs them.
-const FINE: u32 = 16;
-
 /// A move as a vector. Lengths are raw `Mm` bits (2^-32 mm).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Geometry {
     /// Length of the path of the tool; of the filament if the tool does not move.
     pub length: u64,
     /// Direction of the tool in x, y, z, scaled by [`UNIT`]; zero if only the extruder moves.
     pub unit: [i32; 3],
-    /// Filament a length of path, scaled by [`RATIO`] and signed.
-    pub extrusion: i64,
+    /// Filament a length of path, signed.
+    pub extrusion: f32,
+}
+
+/// Shares of a way that axes and motors have, and the greatest value along the way by what each of them bears.
+pub(super) struct Bounds {
+    value: f32,
+    is_bound: bool,
+}
+
+impl Bounds {
+    /// No bound but what is wanted.
+    pub const fn new(wanted: f32) -> Self {
+        Self { value: wanted, is_bound: false }
+    }
+
+    /// An axis or motor of which a way of `one` asks `share` bears no more than `most`.
+    pub fn bound(&mut self, most: f32, share: f32, one: f32) {
+        let share = share.abs();
+        if self.value * share > most * one {
+            self.value = most * one / share;
+            self.is_bound = true;
+        }
+    }
+
+    /// The greatest value.
+    pub const fn value(&self) -> f32 {
+        self.value
+    }
+}
+
+/// A speed in mm/s.
+pub(super) fn speed(v: MmPerSec) -> f32 {
+    v.to_bits() as f32 * const { 1.0 / 65536.0 }
+}
+
+/// An acceleration in mm/s2.
+pub(super) fn acceleration(a: MmPerSec2) -> f32 {
+    a.to_bits() as f32 * const { 1.0 / 256.0 }
 }
 
 impl Geometry {
     /// The vector `delta` (x, y, z, e in raw `Mm` bits).
     pub fn new(delta: [i64; 4]) -> Self {
         let [x, y, z, e] = delta;
+        let sign = if e < 0 { -1.0 } else { 1.0 };
         let largest = x.unsigned_abs().max(y.unsigned_abs()).max(z.unsigned_abs());
         if largest == 0 {
-            let ratio = RATIO as i64 * e.signum();
-            return Self { length: e.unsigned_abs(), unit: [0; 3], extrusion: ratio };
+            let extrusion = if e == 0 { 0.0 } else { sign };
+            return Self { length: e.unsigned_abs(), unit: [0; 3], extrusion };
         }
         // With the largest component scaled to 31 bits, the squares of all three fit 64.
         let shift = largest.leading_zeros() as i32 - 33;
         let scaled = [x, y, z].map(|d| scale(d.unsigned_abs(), shift));
-        let root = scaled.iter().map(|s| s * s).sum::<u64>().isqrt();
-        let component = |d: i64, s: u64| (s * UNIT as u64 / root) as i32 * d.signum() as i32;
+        let root = u64::from(root_of(scaled.iter().map(|s| s * s).sum::<u64>()));
+        // One division for all three: the root has 31 or 32 bits.
+        let part = (1 << 62) / root;
+        let component = |d: i64, s: u64| ((s * part) >> 32) as i32 * d.signum() as i32;
         let unit = [component(x, scaled[0]), component(y, scaled[1]), component(z, scaled[2])];
         let length = scale(root, -shift);
-        let ratio = mul_div(e.unsigned_abs(), RATIO, length).min(i64::MAX as u64) as i64;
-        Self { length, unit, extrusion: ratio * e.signum() }
+        let extrusion = if e == 0 { 0.0 } else { sign * (from_bits(e.unsigned_abs()) / from_bits(length)) };
+        Self { length, unit, extrusion }
     }
 
     /// Whether the tool stands still and only filament moves.
@@ -50,42 +87,31 @@ impl Geometry {
 
     /// The fastest that no axis and no belt motor forbids, at most `wanted`.
     pub fn speed_limit(&self, wanted: MmPerSec, s: &Settings) -> MmPerSec {
-        let bits = |v: MmPerSec| u64::from(v.to_bits());
-        let axes = s.axes.map(|a| bits(a.max_speed)).to_array();
-        let most = self.limit(bits(wanted), axes, bits(s.motor_max_speed));
+        let bounds =
+            self.bounds(speed(wanted), s.axes.map(|a| speed(a.max_speed)).to_array(), speed(s.motor_max_speed));
+        let most = if bounds.is_bound { MmPerSec::from_bits((bounds.value * 65536.0) as u32) } else { wanted };
         // Nothing stands still that was asked to move.
-        MmPerSec::from_bits((most as u32).max(1))
+        most.max(MmPerSec::DELTA)
     }
 
     /// The greatest acceleration that no axis and no belt motor forbids, at most `wanted`.
     pub fn acceleration_limit(&self, wanted: MmPerSec2, s: &Settings) -> MmPerSec2 {
-        MmPerSec2::from_bits(((self.fine_acceleration_limit(wanted, s) >> FINE) as u32).max(1))
+        let axes = s.axes.map(|a| acceleration(a.max_acceleration)).to_array();
+        let bounds = self.bounds(acceleration(wanted), axes, acceleration(s.motor_max_acceleration));
+        let most = if bounds.is_bound { MmPerSec2::from_bits((bounds.value * 256.0) as u32) } else { wanted };
+        most.max(MmPerSec2::DELTA)
     }
 
-    /// The same in 2^-24 mm/s2.
-    pub fn fine_acceleration_limit(&self, wanted: MmPerSec2, s: &Settings) -> u64 {
-        let bits = |a: MmPerSec2| u64::from(a.to_bits()) << FINE;
-        let axes = s.axes.map(|a| bits(a.max_acceleration)).to_array();
-        self.limit(bits(wanted), axes, bits(s.motor_max_acceleration))
-    }
-
-    /// What every axis and motor allows along the path; its share of the path is at most what it bears.
-    fn limit(&self, wanted: u64, axes: [u64; 4], motor: u64) -> u64 {
-        let [ux, uy, uz] = self.unit;
-        let mut value = wanted;
-        let mut bound = |most: u64, share: u64, one: u64| {
-            if share != 0 && u128::from(value) * u128::from(share) > u128::from(most) * u128::from(one) {
-                value = mul_div(most, one, share);
-            }
-        };
-        let one = UNIT as u64;
-        bound(axes[0], u64::from(ux.unsigned_abs()), one);
-        bound(axes[1], u64::from(uy.unsigned_abs()), one);
-        bound(axes[2], u64::from(uz.unsigned_abs()), one);
-        bound(axes[3], self.extrusion.unsigned_abs(), RATIO);
-        bound(motor, ux.abs_diff(-uy).into(), one);
-        bound(motor, ux.abs_diff(uy).into(), one);
-        value
+    /// What every axis and motor allows along the path.
+    fn bounds(&self, wanted: f32, axes: [f32; 4], motor: f32) -> Bounds {
+        let [x, y, z] = self.unit.map(|u| u as f32 * const { 1.0 / UNIT as f32 });
+        let mut bounds = Bounds::new(wanted);
+        for (most, share) in axes.into_iter().zip([x, y, z, self.extrusion]) {
+            bounds.bound(most, share, 1.0);
+        }
+        bounds.bound(motor, x + y, 1.0);
+        bounds.bound(motor, x - y, 1.0);
+        bounds
     }
 }
 

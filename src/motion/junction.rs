@@ -12,12 +12,14 @@
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
-use super::geometry::{Geometry, RATIO, UNIT};
+use super::geometry::{Bounds, Geometry, UNIT, acceleration, speed};
+use super::number::{from_bits, root, to_bits};
 use crate::settings::{CornerRule, Settings};
-use crate::units::{MmPerSec2, mul_div};
+use crate::units::MmPerSec2;
+use core::f32::consts::SQRT_2;
 
-/// sqrt(2) - 1, scaled by [`UNIT`].
-const SQRT_2_MINUS_1: u64 = 444_758_426;
+/// Half an angle with less than this is that of a way back: directions have 30 bits.
+const LEAST_SINE: f32 = 1e-7;
 
 /// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`.
 pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2, s: &Settings) -> u64 {
@@ -25,48 +27,58 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2,
         // The tool stands still in one of the two.
         return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
     }
-    let dot = before.unit.iter().zip(after.unit).map(|(p, q)| i64::from(*p) * i64::from(q)).sum::<i64>() >> 30;
-    let one = i64::from(UNIT);
-    // The angle between the moves is pi minus the change of direction, hence the sign.
-    let cosine = (-dot).clamp(-one, one);
-    let sine_half = (((one - cosine) as u64 / 2) << 30).isqrt().min(UNIT as u64);
-    let cosine_half = (((one + cosine) as u64 / 2) << 30).isqrt();
-    let flatness = UNIT as u64 - sine_half;
-    let bears = turn(before, after).fine_acceleration_limit(a, s);
+    // The angle between the moves is pi minus the change of direction: its half has the cosine and the sine of half
+    // the difference and half the sum of the two directions.
+    let turn = combine(before, after, |p, q| q - p);
+    let (turn_length, sum_length) = (length(turn), length(combine(before, after, |p, q| q + p)));
+    let (cosine, sine) = (0.5 * turn_length, 0.5 * sum_length);
+    if sine < LEAST_SINE {
+        return 0;
+    }
+    let bears = bears(turn, turn_length, a, s);
     let base = match s.corner {
-        CornerRule::JunctionDeviation(d) => mul_div(bears, d.to_bits().unsigned_abs(), 1 << 24),
-        CornerRule::SquareCorner(w) => {
-            let w = u64::from(w.to_bits());
-            mul_div(w * w, SQRT_2_MINUS_1, UNIT as u64)
-        }
+        CornerRule::JunctionDeviation(d) => bears * from_bits(d.to_bits().unsigned_abs()),
+        CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
     };
-    let bend = mul_div(base, sine_half, flatness);
-    let shorter = before.length.min(after.length);
-    let curve = mul_div(mul_div(shorter, bears, 1 << 25), sine_half, cosine_half);
-    bend.min(curve).min(extruder_jump(before, after, s))
+    // 1 - sine without its cancellation.
+    let bend = base * sine * (1.0 + sine) / (cosine * cosine);
+    let curve = 0.5 * from_bits(before.length.min(after.length)) * bears * sine / cosine;
+    let jump = (before.extrusion - after.extrusion).abs();
+    let jerk = speed(s.extruder_jerk) / jump;
+    to_bits(least(least(bend, curve), jerk * jerk))
 }
 
-/// The change of direction.
-fn turn(before: &Geometry, after: &Geometry) -> Geometry {
-    let [px, py, pz] = before.unit;
-    let [qx, qy, qz] = after.unit;
-    let change = |p: i32, q: i32| i64::from(q) - i64::from(p);
-    Geometry::new([change(px, qx), change(py, qy), change(pz, qz), 0])
+/// The lesser of two limits; one over nothing is none.
+fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// Two directions, combined.
+fn combine(before: &Geometry, after: &Geometry, combine: impl Fn(i64, i64) -> i64) -> [f32; 3] {
+    let ([px, py, pz], [qx, qy, qz]) = (before.unit, after.unit);
+    // Half of it fits 32 bits.
+    let axis = |p: i32, q: i32| ((combine(p.into(), q.into()) >> 1) as i32) as f32 * const { 2.0 / UNIT as f32 };
+    [axis(px, qx), axis(py, qy), axis(pz, qz)]
+}
+
+fn length([x, y, z]: [f32; 3]) -> f32 {
+    root(x * x + y * y + z * z)
+}
+
+/// What axes and motors bear along a change of direction, at most `a`.
+fn bears([x, y, z]: [f32; 3], length: f32, a: MmPerSec2, s: &Settings) -> f32 {
+    let axes = s.axes.map(|a| acceleration(a.max_acceleration));
+    let motor = acceleration(s.motor_max_acceleration);
+    let mut bounds = Bounds::new(acceleration(a));
+    for (most, share) in [(axes.x, x), (axes.y, y), (axes.z, z), (motor, x + y), (motor, x - y)] {
+        bounds.bound(most, share, length);
+    }
+    bounds.value()
 }
 
 /// Two retractions in a row are one if they go the same way.
 fn extruder_only(before: &Geometry, after: &Geometry) -> u64 {
-    if before.extrusion.signum() == after.extrusion.signum() { u64::MAX } else { 0 }
-}
-
-/// The speed squared at which the extruder's own speed would jump by its jerk limit.
-fn extruder_jump(before: &Geometry, after: &Geometry, s: &Settings) -> u64 {
-    let jump = before.extrusion.abs_diff(after.extrusion);
-    if jump == 0 {
-        return u64::MAX;
-    }
-    let v = mul_div(u64::from(s.extruder_jerk.to_bits()), RATIO, jump);
-    v.saturating_mul(v)
+    if (before.extrusion < 0.0) == (after.extrusion < 0.0) { u64::MAX } else { 0 }
 }
 
 #[cfg(test)]
@@ -131,7 +143,7 @@ mod tests {
     fn the_extruder_limits_a_corner_where_its_speed_jumps() {
         let s = Settings::prototype();
         let mut printing = heading(0.0);
-        printing.extrusion = RATIO as i64 / 20;
+        printing.extrusion = 0.05;
         let sq = corner_speed_sq(&printing, &heading(0.0), MmPerSec2::from_num(3000), &s);
         let v = (sq as f64 / 2f64.powi(32)).sqrt();
         assert!((v - 100.0).abs() < 0.01, "5 mm/s of filament at 0.05 mm a mm: {v}");

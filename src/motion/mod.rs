@@ -11,6 +11,7 @@ mod geometry;
 mod junction;
 mod link;
 mod moves;
+mod number;
 mod overrides;
 mod phase;
 mod planner;

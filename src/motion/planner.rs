@@ -150,7 +150,7 @@ impl<'m> Planner<'m> {
             before: 0,
             nominal_ticks: 0,
             watch: target.watch,
-            advance: if vector.extrusion > 0 && !vector.is_extruder_only() {
+            advance: if vector.extrusion > 0.0 && !vector.is_extruder_only() {
                 settings.advance.time
             } else {
                 Seconds::ZERO
@@ -190,20 +190,20 @@ impl<'m> Planner<'m> {
             }
         }
         let way = self.way_to(end);
-        let vector = Geometry::new(way);
         let [dx, dy, _, de] = way;
+        if dx.unsigned_abs().max(dy.unsigned_abs()) >= SNAP_LENGTH {
+            let [x, y, z, e] = end;
+            let end = [x.wrapping_round(), y.wrapping_round(), z, e];
+            return Some((end, Geometry::new(self.way_to(end))));
+        }
+        let vector = Geometry::new(way);
         if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
             // What the tool still lacks is part of the next target.
             let [x, y, z, _] = self.end;
             let extrusion = Geometry::new([0, 0, 0, de]);
             return (extrusion.length >= LEAST_LENGTH).then_some(([x, y, z, end[3]], extrusion));
         }
-        if dx.unsigned_abs().max(dy.unsigned_abs()) < SNAP_LENGTH {
-            return Some((end, vector));
-        }
-        let [x, y, z, e] = end;
-        let end = [x.wrapping_round(), y.wrapping_round(), z, e];
-        Some((end, Geometry::new(self.way_to(end))))
+        Some((end, vector))
     }
 
     /// Whether another move can be planned.
@@ -277,7 +277,7 @@ impl<'m> Planner<'m> {
 fn purpose(vector: &Geometry, s: &Settings) -> (MmPerSec, MmPerSec2) {
     if vector.is_extruder_only() {
         (MmPerSec::ZERO, s.retract_acceleration)
-    } else if vector.extrusion != 0 {
+    } else if vector.extrusion != 0.0 {
         (s.min_feed, s.print_acceleration)
     } else {
         (s.min_travel, s.travel_acceleration)

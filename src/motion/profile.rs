@@ -4,9 +4,11 @@
 //! the distance is too short for the nominal speed, the peak is where the two ramps meet:
 //! `peak^2 = (entry^2 + exit^2) / 2 + a L`. A move that is entered above its nominal speed brakes to it first.
 
+use super::geometry::acceleration;
 use super::moves::{Move, WHOLE};
+use super::number::{from_bits, root_of, to_bits};
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec2, Steps, TICKS_PER_SECOND, mul_div, root};
+use crate::units::{MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
 
 /// The speeds of a move, squared, in raw bits of 2^-32 mm2/s2.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -22,22 +24,23 @@ pub struct Speeds {
 /// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
 #[must_use]
 pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
-    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7.
-    let wide = (a.to_bits() as u128 * length as u128) >> 7;
-    if wide > u64::MAX as u128 { u64::MAX } else { wide as u64 }
+    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7; in two halves, to save its upper 64 bits.
+    let a = a.to_bits() as u64;
+    let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
+    if high >> 38 != 0 { u64::MAX } else { (high << 25).saturating_add(low) }
 }
 
 /// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
 /// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
 pub(super) fn speed(square: u64) -> u64 {
     let shift = square.leading_zeros() & !1;
-    if square == 0 { 0 } else { (root(square << shift) << 16) >> (shift / 2) }
+    if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
 }
 
 /// Time in ticks times 2^16 to change the speed by `change` (2^-32 mm/s).
-const fn ramp_time(change: u64, a: MmPerSec2) -> u64 {
-    // (change / 2^32) / (a / 2^8) seconds.
-    mul_div(change, TICKS_PER_SECOND as u64, (a.to_bits() as u64) << 8)
+fn ramp_time(change: u64, a: MmPerSec2) -> u64 {
+    let ticks = from_bits(change) / acceleration(a) * const { TICKS_PER_SECOND as f32 };
+    to_bits(ticks) >> 16
 }
 
 /// `part / whole`, scaled by [`WHOLE`].
@@ -52,8 +55,8 @@ pub(super) const fn fraction(part: u64, whole: u64) -> u32 {
 }
 
 /// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
-pub(super) const fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
-    mul_div(change, 1 << 7, a.to_bits() as u64)
+pub(super) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
+    to_bits(from_bits(change) / (acceleration(a) * 2.0))
 }
 
 /// A move over `length` raw `Mm` bits to `end`. The entry and exit speed must be possible: `|exit - entry| <=
@@ -70,16 +73,20 @@ pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch
     let fall = ramp_length(peak - speeds.exit, a).min(length - rise);
     let level = length - rise - fall;
     // A ramp's length is its time times the mean of its two speeds.
-    let share = |one: u64, other: u64| fraction(2 * one.min(other), one + other);
+    let share = |one: u64, other: u64| {
+        let (one, other) = (from_bits(one), from_bits(other));
+        let slow = if one < other { one } else { other };
+        ((slow + slow) / (one + other) * const { WHOLE as f32 }) as u32
+    };
     Move {
         end,
-        accelerated: fraction(rise, length),
-        cruised: fraction(length - fall, length),
+        accelerated: if rise == 0 { 0 } else { fraction(rise, length) },
+        cruised: if fall == 0 { WHOLE } else { fraction(length - fall, length) },
         entry_share: share(entry_speed, peak_speed),
         exit_share: share(exit_speed, peak_speed),
         accelerate: ramp_time(peak_speed.abs_diff(entry_speed), a),
         // Where there is a cruise, its speed is the nominal one, which has 16 fractional bits.
-        cruise: mul_div(level, u64::from(TICKS_PER_SECOND), (peak_speed >> 16).max(1)),
+        cruise: if level == 0 { 0 } else { mul_div(level, u64::from(TICKS_PER_SECOND), (peak_speed >> 16).max(1)) },
         decelerate: ramp_time(peak_speed - exit_speed, a),
         length,
         acceleration: a,

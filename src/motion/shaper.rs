@@ -39,7 +39,7 @@ fn polynomial<const N: usize>(factors: [f32; N], x: f32) -> f32 {
 fn impulses(shaper: &Shaper) -> Impulses {
     let z: f32 = shaper.damping.to_num();
     let frequency: f32 = shaper.frequency.to_num();
-    let root = super::trajectory::root(1.0 - z * z);
+    let root = super::number::root(1.0 - z * z);
     let period = 1.0 / (frequency * root);
     let k = decay(z * core::f32::consts::PI / root);
     let all: Impulses = match shaper.kind {

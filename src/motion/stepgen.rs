@@ -69,7 +69,7 @@ pub struct StepGenerator<'m, W: Pend> {
 
 impl<'m, W: Pend> StepGenerator<'m, W> {
     /// The generator between the two queues, which remembers the trajectory in `spans`. It learns where the machine stands from the first
-    /// [`Work::Position`].
+    /// [`Work::Position`](super::moves::Work::Position).
     pub fn new(
         moves: Consumer<'m, Entry>,
         events: Producer<'m, StepEvent>,

@@ -1,8 +1,9 @@
 //! Tracks: the way of one motor group along the trajectory, step by step.
 
 use super::crossing::{Crossings, Edge};
+use super::number::{from_f32, ticks, time};
 use super::phase::Curve;
-use super::trajectory::{State, Trajectory, from_f32, ticks, time};
+use super::trajectory::{State, Trajectory};
 use crate::kinematics::{Group, count_at};
 use crate::units::Steps;
 

@@ -16,12 +16,13 @@
 //! leave that is not final, the outcome would depend on when; so that happens only where the stream of commands itself
 //! says so (the window is full of unfinished moves, or a command waits for the motion), or when the stream is dry.
 
-use crate::motion::geometry::Geometry;
+use crate::motion::geometry::{Geometry, speed};
 use crate::motion::moves::Move;
+use crate::motion::number::from_bits;
 use crate::motion::profile::{Speeds, gain, profile};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
-use crate::units::{MmPerSec, MmPerSec2, Seconds, Steps, TICKS_PER_SECOND, mul_div};
+use crate::units::{MmPerSec, MmPerSec2, Seconds, Steps, TICKS_PER_SECOND};
 use heapless::Deque;
 
 /// Moves that the look-ahead sees.
@@ -75,11 +76,11 @@ impl Planned {
         if self.watch.is_empty() { self.nominal_sq() } else { 0 }
     }
 
-    /// Takes `speed` as its nominal speed, as far as the axes and the motors allow.
-    pub fn set_nominal(&mut self, speed: MmPerSec, settings: &Settings) {
-        self.nominal = self.vector.speed_limit(speed, settings);
-        let time = mul_div(self.vector.length, u64::from(TICKS_PER_SECOND), u64::from(self.nominal.to_bits()) << 16);
-        self.nominal_ticks = time.min(u64::from(u32::MAX)) as u32;
+    /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
+    pub fn set_nominal(&mut self, wanted: MmPerSec, settings: &Settings) {
+        self.nominal = self.vector.speed_limit(wanted, settings);
+        let seconds = from_bits(self.vector.length) / speed(self.nominal);
+        self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
 
     /// Takes a new cap behind a move that passes on `before`.

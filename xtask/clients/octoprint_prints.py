@@ -89,7 +89,7 @@ def cancel_and_stop(host, program, port, commands):
     host.wait_until_gone()
     device = printer.Printer(program, port, MODERATE)
     try:
-        host.connect()
+        host.reconnect()
         host.begin("cancelled.gcode", commands)
         host.wait("motion", lambda: len(host.sent()) > 100)
         host.command("job", command="cancel")
@@ -114,7 +114,7 @@ def bad_print(host, program, port, commands, summary, damage):
     line = None
     try:
         line = proxy.Proxy(device.path, damage, port)
-        host.connect()
+        host.reconnect()
         begin = time.monotonic()
         host.begin("bad.gcode", commands)
         host.wait_for_state("Operational")

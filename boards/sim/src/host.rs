@@ -162,6 +162,10 @@ impl FileHost {
             return;
         };
         self.error = None;
+        // After a silence the printer asks for the next line; what was never sent is not sent again.
+        if !self.is_awaiting_ok && number == self.next {
+            return;
+        }
         self.resends += 1;
         self.repeats = if self.repeated == number { self.repeats + 1 } else { 1 };
         self.repeated = number;
@@ -311,6 +315,20 @@ mod tests {
         host.hear("ok");
         assert!(sent(&mut host).starts_with("N1 G1 X5*"));
         assert_eq!((host.resends(), host.failure()), (1, None));
+    }
+
+    #[test]
+    fn a_question_for_what_comes_next_is_no_resend() {
+        let mut host = FileHost::new("G28\n");
+        while !host.is_done() {
+            let _ = sent(&mut host);
+            host.hear("ok");
+        }
+        host.hear("Error:checksum mismatch, Last Line: 1");
+        host.hear("Resend: 2");
+        host.hear("ok");
+        assert_eq!((host.resends(), host.failure()), (0, None));
+        assert!(host.is_done());
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! An axis of the trajectory: the taps that it follows, and how far each has got.
 
-use super::number::{from_f32, to_f32};
 use super::span::{End, Span, State};
 use super::taps::{TAPS, Tap, Taps};
+use crate::motion::number::{from_f32, to_f32};
 use crate::units::Steps;
 
 /// How far a tap has got: to the span of this number, and into it, or still before it.

@@ -4,11 +4,9 @@
 //! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
 
 mod axis;
-mod number;
 mod span;
 mod taps;
 
-pub(crate) use number::{from_f32, root, ticks, time, to_f32};
 pub(crate) use span::{ADVANCE, AXES, End, LONGEST, Place, Span, State};
 pub use taps::{TAPS, Tap, Taps};
 

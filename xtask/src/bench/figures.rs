@@ -37,6 +37,7 @@ const fn figure(name: &'static str, value: f64, goal: Option<f64>, peers: &'stat
 pub fn figures(profiles: &BTreeMap<Job, Profile>) -> Result<Vec<Figure>> {
     let profile = |job| profiles.get(&job).with_context(|| format!("the job {job} was not run"));
     let mut figures = of_steps(profile(Job::S)?);
+    figures.extend(of_shares(profile(Job::S)?, profile(Job::Shaped)?));
     figures.extend(of_rates(profile(Job::Dense)?));
     figures.extend(of_planner(profile(Job::Planner)?, profile(Job::Gathered)?));
     figures.extend(of_lines(profile(Job::Parse)?, profile(Job::Plain)?));
@@ -50,9 +51,7 @@ fn of_steps(s: &Profile) -> Vec<Figure> {
     let rig = s.work(|spot| spot.context == Context::Steps && spot.room == Some(Room::Rig)).instructions as f64;
     let generator = s.in_context(Context::Generator).instructions as f64;
     let all = s.work(|_| true).instructions as f64;
-    let rig_anywhere = s.in_room(Room::Rig).instructions as f64;
     let cycles = s.cycles(&[Context::Steps], |spot| spot.room != Some(Room::Rig)) as f64;
-    let whole = INSTRUCTIONS_PER_SECOND * s.seconds;
     const PEERS: &str = "grblHAL 52.7, Klipper 60.8, Marlin 84, RRF 126, Prusa 886";
     vec![
         figure("isr_insn_per_event", isr / events, Some(30.0), ""),
@@ -64,8 +63,19 @@ fn of_steps(s: &Profile) -> Vec<Figure> {
         figure("isr_entries_per_event", s.entries(Context::Steps) as f64 / events, None, ""),
         figure("stepgen_insn_per_event", generator / events, None, "the prototype of a mere merge 59"),
         figure("all_in_insn_per_motor_step", all / motor_steps, None, ""),
-        figure("all_in_share_job_s", all / whole, Some(0.1), "Prusa 0.12 for stepping alone"),
-        figure("all_in_without_rig_share_job_s", (all - rig_anywhere) / whole, None, ""),
+    ]
+}
+
+/// Job S without and with shaping: what everything takes of the processor.
+fn of_shares(plain: &Profile, shaped: &Profile) -> Vec<Figure> {
+    let share = |profile: &Profile, with_rig: bool| {
+        let work = profile.work(|spot| with_rig || spot.room != Some(Room::Rig)).instructions as f64;
+        work / (INSTRUCTIONS_PER_SECOND * profile.seconds)
+    };
+    vec![
+        figure("all_in_share_job_s", share(shaped, true), Some(0.1), "Prusa 0.12 for stepping alone"),
+        figure("all_in_without_rig_share_job_s", share(shaped, false), None, ""),
+        figure("all_in_plain_share_job_s", share(plain, true), None, ""),
     ]
 }
 

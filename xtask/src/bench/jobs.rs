@@ -1,7 +1,7 @@
 //! The jobs: what is printed to be measured.
 
-use corehbot::settings::Settings;
-use corehbot::units::{Mm, StepsPerMm};
+use corehbot::settings::{Settings, Shaper, ShaperKind};
+use corehbot::units::{Hertz, Mm, Ratio, Seconds, StepsPerMm};
 use std::fmt::{self, Write as _};
 
 /// Moves that the look-ahead takes before any leaves.
@@ -21,7 +21,9 @@ const START: [i32; 3] = [10, 10, 5];
 pub enum Job {
     /// X+60 Y+25 with 2,400 steps of E at 100 mm/s, 3000 mm/s2 and 80 steps/mm: the job that the peers were given.
     S,
-    /// X+240 Y+100 with 9,600 steps of E at 300 mm/s and 160 steps/mm: little but steps.
+    /// The same with input shapers (MZV, 60 Hz) and pressure advance (0.05 s).
+    Shaped,
+    /// X+240 Y+100 with 9,600 steps of E at 300 mm/s and 160 steps/mm, shaped as well: little but steps.
     Dense,
     /// 300 moves of 0.2 mm in a straight line at up to 300 mm/s, which they never reach.
     Planner,
@@ -35,12 +37,13 @@ pub enum Job {
 
 impl Job {
     /// All of them.
-    pub const ALL: [Self; 6] = [Self::S, Self::Dense, Self::Planner, Self::Gathered, Self::Parse, Self::Plain];
+    pub const ALL: [Self; 7] =
+        [Self::S, Self::Shaped, Self::Dense, Self::Planner, Self::Gathered, Self::Parse, Self::Plain];
 
     /// What the host sends.
     pub fn gcode(self) -> String {
         match self {
-            Self::S => "G1 X70 Y35 E6 F6000\n".to_owned(),
+            Self::S | Self::Shaped => "G1 X70 Y35 E6 F6000\n".to_owned(),
             Self::Dense => "G1 X250 Y110 E24 F18000\n".to_owned(),
             Self::Planner | Self::Gathered => line(self.moves()),
             Self::Parse | Self::Plain => circle(),
@@ -50,6 +53,12 @@ impl Job {
     /// The machine.
     pub fn settings(self) -> Settings {
         let mut settings = Settings::prototype();
+        if matches!(self, Self::Shaped | Self::Dense) {
+            let shaper =
+                Shaper { kind: ShaperKind::Mzv, frequency: Hertz::from_num(60), damping: Ratio::from_num(0.1) };
+            (settings.shapers.x, settings.shapers.y) = (shaper, shaper);
+            settings.advance.time = Seconds::from_num(0.05);
+        }
         if self == Self::Dense {
             for axis in [&mut settings.axes.x, &mut settings.axes.y] {
                 axis.steps_per_mm = StepsPerMm::from_num(160);
@@ -66,7 +75,7 @@ impl Job {
     /// Moves in it.
     pub const fn moves(self) -> u32 {
         match self {
-            Self::S | Self::Dense => 1,
+            Self::S | Self::Shaped | Self::Dense => 1,
             Self::Planner => MOVES,
             Self::Gathered => GATHERED,
             Self::Parse | Self::Plain => CHORDS,
@@ -83,6 +92,7 @@ impl fmt::Display for Job {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::S => "s",
+            Self::Shaped => "shaped",
             Self::Dense => "dense",
             Self::Planner => "planner",
             Self::Gathered => "gathered",

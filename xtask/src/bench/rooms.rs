@@ -52,8 +52,9 @@ impl Room {
         if let Some(file) = below("src/motion/") {
             return Some(match file {
                 "stepper.rs" => Self::Stepper,
-                "crossing.rs" | "track.rs" | "event.rs" => Self::Stepgen,
-                _ if file.starts_with("stepgen") => Self::Stepgen,
+                "number.rs" => return None,
+                "crossing.rs" | "course.rs" | "track.rs" | "event.rs" => Self::Stepgen,
+                _ if file.starts_with("stepgen") || file.starts_with("trajectory") => Self::Stepgen,
                 "link.rs" => Self::Machine,
                 _ => Self::Planner,
             });

@@ -1,4 +1,4 @@
-//! Numbers of the trajectory: between fixed point, which is exact, and single precision, which is fast.
+//! Numbers of motion: between fixed point, which is exact, and single precision, which is fast.
 //!
 //! IEEE 754 says to the last bit what each sum, difference, product and quotient of two single-precision numbers is,
 //! and nothing else is used here, so every platform computes the same.
@@ -44,6 +44,39 @@ pub(crate) fn root(square: f32) -> f32 {
     root
 }
 
+/// The square root of a 64-bit square in 32 bits, wrong by at most one in the last. What single precision leaves is made
+/// up by one of Newton's steps in integers.
+pub(crate) fn root_of(square: u64) -> u32 {
+    if square == 0 {
+        return 0;
+    }
+    let shift = square.leading_zeros() & !1;
+    let scaled = square << shift;
+    let guess = root(((scaled >> 32) as u32) as f32);
+    let whole = (guess * 65536.0) as u32;
+    let rest = scaled.wrapping_sub(u64::from(whole) * u64::from(whole)) as i64;
+    let correction = ((rest >> 16) as i32) as f32 / (guess + guess);
+    whole.saturating_add_signed(correction as i32) >> (shift / 2)
+}
+
+/// A number with 32 fractional bits, as a number.
+pub(crate) fn from_bits(bits: u64) -> f32 {
+    ((bits >> 32) as u32) as f32 + ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 }
+}
+
+/// A number from 0 on with 32 fractional bits; saturates.
+pub(crate) fn to_bits(number: f32) -> u64 {
+    let raw = number.to_bits();
+    let (exponent, mantissa) = ((raw >> 23) as i32 - 127, u64::from(raw & 0x7F_FFFF | 0x80_0000));
+    match exponent + 32 - 23 {
+        _ if number <= 0.0 => 0,
+        shift if shift >= 40 => u64::MAX,
+        shift if shift >= 0 => mantissa << shift,
+        shift if shift > -24 => mantissa >> -shift,
+        _ => 0,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,6 +90,31 @@ mod tests {
             }
         }
         assert_eq!(root(0.0), 0.0);
+    }
+
+    #[test]
+    fn roots_of_squares_have_32_bits() {
+        for i in 0..64 {
+            for square in [1u64 << i, (1u64 << i) - 1, u64::MAX >> i, 0xC0FF_EE00_1234_5678 >> i] {
+                let exact = (square as f64).sqrt();
+                let tolerance = 1.0 + exact * 3e-10;
+                assert!(
+                    (f64::from(root_of(square)) - exact).abs() <= tolerance,
+                    "{square}: {} {exact}",
+                    root_of(square)
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn bits_survive_both_ways() {
+        for bits in [0, 1, 1 << 20, 1 << 32, 0xFF_FFFF << 30, 3 << 60] {
+            assert_eq!(to_bits(from_bits(bits)), bits);
+        }
+        assert_eq!(to_bits(f32::INFINITY), u64::MAX);
+        assert_eq!(to_bits(-1.0), 0);
+        assert_eq!(to_bits(f32::NAN), u64::MAX);
     }
 
     #[test]
