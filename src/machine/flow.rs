@@ -23,6 +23,9 @@ const AMPLE: u64 = 50 * TICKS_PER_MS as u64;
 /// Console that is polled every millisecond, so that the machine brakes before it starves.
 const DRY: u64 = 20 * TICKS_PER_MS as u64;
 
+/// With so many moves queued the stream is not dry, however short they are: the queue holds no more than twice as many.
+const MANY: usize = 16;
+
 /// What may leave now.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Release {
@@ -106,12 +109,12 @@ impl Flow {
         }
     }
 
-    /// What may leave under way, given the time queued behind the look-ahead, in ticks.
-    pub const fn release(&mut self, queued: u64) -> Release {
+    /// What may leave under way, given the moves queued behind the look-ahead and their time, in ticks.
+    pub const fn release(&mut self, moves: usize, queued: u64) -> Release {
         if queued > AMPLE {
             self.counted = false;
             Release::Nothing
-        } else if queued > DRY {
+        } else if queued > DRY || moves >= MANY {
             Release::Final
         } else {
             Release::Next
@@ -144,9 +147,10 @@ mod tests {
     fn an_ample_queue_lets_nothing_go() {
         let mut flow = Flow::new();
         flow.fill();
-        assert_eq!(flow.release(AMPLE + 1), Release::Nothing);
-        assert_eq!(flow.release(AMPLE), Release::Final);
-        assert_eq!(flow.release(DRY), Release::Next);
+        assert_eq!(flow.release(1, AMPLE + 1), Release::Nothing);
+        assert_eq!(flow.release(1, AMPLE), Release::Final);
+        assert_eq!(flow.release(1, DRY), Release::Next);
+        assert_eq!(flow.release(MANY, DRY), Release::Final);
         assert!(flow.note_drought());
         assert!(!flow.note_drought());
     }

@@ -78,7 +78,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 }
                 return;
             }
-            let release = self.flow.release(self.link.left());
+            let release = self.flow.release(self.link.level(), self.link.left());
             if release == Release::Nothing {
                 return;
             }
