@@ -13,8 +13,9 @@ from printer import check
 from printrun import gcoder
 from printrun.printcore import printcore
 
-# printcore itself waits for ever. A command that takes longer than this to be answered was lost.
-SILENCE_S = 10
+# A printer that says nothing for so long is done for. In QEMU, whose time passes slowly while it waits, the second
+# question for a lost line comes after 6 s, and three times that beside other work.
+SILENCE_S = 60
 
 
 def run(program, file, kind, other=None):
