@@ -52,7 +52,7 @@ impl Room {
         if let Some(file) = below("src/motion/") {
             return Some(match file {
                 "stepper.rs" => Self::Stepper,
-                "crossing.rs" | "track.rs" | "event.rs" => Self::Stepgen,
+                "crossing.rs" | "track.rs" | "event.rs" | "queue.rs" => Self::Stepgen,
                 _ if file.starts_with("stepgen") => Self::Stepgen,
                 "link.rs" => Self::Machine,
                 _ => Self::Planner,
