@@ -10,18 +10,19 @@ use crate::units::{Instant, Tick};
 /// Step and direction lines of all motors, and the endstop inputs. Called from the step interrupt only:
 /// no call may block, lock or loop without a constant bound.
 pub trait StepPort {
-    /// Sets the direction lines; a set bit turns the motor counter-clockwise seen from above (belt) or
-    /// towards larger coordinates (Z, E). Returns when a step may follow (TMC2209 datasheet rev 1.09,
+    /// Sets the direction lines so that the coordinates of the groups of `forward` grow with a step and those of the
+    /// others fall ([`forward_motors`](crate::kinematics::forward_motors) says what that is for a motor). Returns when a step may follow (TMC2209 datasheet rev 1.09,
     /// section 13.1: DIR to STEP set-up 20 ns).
-    fn dir(&mut self, forward: MotorSet);
+    fn dir(&mut self, forward: GroupSet);
 
-    /// Raises the step lines of all `steps` in one instant: one store a GPIO port.
+    /// Raises the step lines of all motors of `steps` in one instant: one store a GPIO port.
     /// `tick` is the event's motion time, which a trace records and a GPIO port ignores.
-    fn rise(&mut self, steps: MotorSet, tick: u64);
+    fn rise(&mut self, steps: GroupSet, tick: u64);
 
     /// Lowers the step lines of `steps`, at least 100 ns after `rise` (TMC2209 datasheet rev 1.09,
-    /// section 13.1: minimum STEP high time).
-    fn fall(&mut self, steps: MotorSet);
+    /// section 13.1: minimum STEP high time). In between lie the counting of the steps and a call of
+    /// [`StepClock::alarm_again`].
+    fn fall(&mut self, steps: GroupSet);
 
     /// All endstop inputs, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
@@ -37,8 +38,16 @@ pub trait StepClock {
     /// The counter.
     fn now(&self) -> Tick;
 
-    /// Asks for the step interrupt at `at`, or at once if that has passed already.
-    fn alarm(&mut self, at: Tick);
+    /// Asks for the step interrupt at `at`; false if that has passed already, and then none need come.
+    #[must_use]
+    fn alarm(&mut self, at: Tick) -> bool;
+
+    /// The same from within the step interrupt that an alarm has brought about.
+    #[must_use]
+    #[inline(always)]
+    fn alarm_again(&mut self, at: Tick) -> bool {
+        self.alarm(at)
+    }
 
     /// No alarm until the next call of [`alarm`](Self::alarm).
     fn silence(&mut self);

@@ -3,18 +3,21 @@
 //! Single atomics, each with one writer (`epoch` apart, which the Console writes). A count that both sides
 //! keep tells idleness without a race: nothing is under way when as much was finished as was begun.
 
+mod played;
 mod told;
 
-use crate::motors::{EndstopSet, GroupSet, MOST_GROUPS};
-use core::sync::atomic::{
-    AtomicBool, AtomicI32, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release,
-};
+use crate::motors::{EndstopSet, MOST_GROUPS};
+use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
+use played::Played;
 use told::Told;
+
+/// How often all counts are read at most, to get those of one moment.
+const LOOKS: usize = 4;
 
 /// What the contexts know of each other.
 pub struct Status {
-    /// Steps really emitted by each group of motors, signed, wrapping; written by the Stepper.
-    counts: [AtomicI32; MOST_GROUPS],
+    /// The events played; written by the Stepper.
+    played: Played,
     /// Work of another epoch is discarded; written by the Console.
     epoch: AtomicU8,
     /// Endstops that ended the present epoch's motion; written by the Stepper, cleared with the epoch.
@@ -29,8 +32,8 @@ pub struct Status {
     entries_done: AtomicU32,
     /// Events put into the StepQueue; written by the StepGenerator.
     events_made: AtomicU32,
-    /// Events taken out of the StepQueue; written by the Stepper.
-    events_done: AtomicU32,
+    /// Events taken out of the StepQueue when motion last came to rest; written by the Stepper.
+    rested: AtomicU32,
     /// How often the StepQueue ran dry in mid-motion; written by the Stepper.
     starved: AtomicU32,
     /// How often an event came so late that time was stretched; written by the Stepper.
@@ -56,8 +59,6 @@ pub struct Status {
     brake: AtomicU32,
     /// One more than the epoch whose motion has come to rest; 0 for none; written by the StepGenerator.
     stopped: AtomicU32,
-    /// When so many events are done, the generator is to make more; written by the StepGenerator.
-    refill: AtomicU32,
 }
 
 impl Default for Status {
@@ -71,7 +72,7 @@ impl Status {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            counts: [const { AtomicI32::new(0) }; MOST_GROUPS],
+            played: Played::new(),
             epoch: AtomicU8::new(0),
             triggered: AtomicU8::new(0),
             endstops: AtomicU8::new(0),
@@ -79,7 +80,7 @@ impl Status {
             tick: AtomicU32::new(0),
             entries_done: AtomicU32::new(0),
             events_made: AtomicU32::new(0),
-            events_done: AtomicU32::new(0),
+            rested: AtomicU32::new(0),
             starved: AtomicU32::new(0),
             stretched: AtomicU32::new(0),
             awaiting_input: AtomicBool::new(false),
@@ -92,33 +93,48 @@ impl Status {
             told: Told::new(),
             brake: AtomicU32::new(0),
             stopped: AtomicU32::new(0),
-            refill: AtomicU32::new(0),
         }
     }
 
-    /// Steps emitted by each group of motors, signed.
+    /// Steps emitted by each group of motors, signed. Of one moment, unless steps follow each other so closely that
+    /// there is no moment to look at all of them.
     #[must_use]
     pub fn counts(&self) -> [i32; MOST_GROUPS] {
-        core::array::from_fn(|i| self.counts.get(i).map_or(0, |count| count.load(Relaxed)))
-    }
-
-    /// One step of each group of `steps`; the Stepper is the only writer.
-    pub(crate) fn count_steps(&self, steps: GroupSet, forward: GroupSet) {
-        let mut left = steps.0;
-        while left != 0 {
-            let group = left.trailing_zeros() as usize;
-            left &= left - 1;
-            if let Some(count) = self.counts.get(group) {
-                let step = if forward.0 & 1 << group == 0 { -1 } else { 1 };
-                count.store(count.load(Relaxed).wrapping_add(step), Relaxed);
+        let mut counts = [0; MOST_GROUPS];
+        for _ in 0..LOOKS {
+            let tick = self.tick();
+            counts = self.played.steps();
+            if self.tick() == tick {
+                break;
             }
         }
+        counts
+    }
+
+    /// An event is played at motion time `tick`: the groups that step in the upper half of `pattern`, those whose
+    /// coordinate grows in the lower. The Stepper is the only writer.
+    #[inline(always)]
+    pub(crate) fn step_done(&self, pattern: u8, tick: u32) {
+        self.played.count(pattern);
+        self.time_passed(tick);
+    }
+
+    /// Motion time is `tick` now.
+    #[inline(always)]
+    pub(crate) fn time_passed(&self, tick: u32) {
+        self.tick.store(tick, Relaxed);
     }
 
     /// The present epoch.
     #[must_use]
     pub fn epoch(&self) -> u8 {
         self.epoch.load(Acquire)
+    }
+
+    /// The same for the Stepper: nothing that another context has done is still under way while it runs.
+    #[inline(always)]
+    pub(crate) fn epoch_in_interrupt(&self) -> u8 {
+        self.epoch.load(Relaxed)
     }
 
     /// Begins a new epoch: everything queued is to be discarded.
@@ -181,22 +197,21 @@ impl Status {
         self.events_made.store(made, Release);
     }
 
-    pub(crate) fn event_done(&self, tick: u32) {
-        self.tick.store(tick, Relaxed);
-        self.events_done.store(self.events_done.load(Relaxed).wrapping_add(1), Release);
+    /// The Stepper has come to rest when so many events were taken out of the StepQueue.
+    pub(crate) fn set_rested(&self, done: u32) {
+        self.rested.store(done, Release);
     }
 
-    /// Events made and not yet done, the one in the Stepper's hands among them. (The queue's own count takes a
-    /// division.)
-    pub(crate) fn events_waiting(&self) -> u32 {
-        self.events_made.load(Acquire).wrapping_sub(self.events_done.load(Relaxed))
+    /// Whether all events made are done.
+    fn has_rested(&self) -> bool {
+        self.events_made.load(Acquire) == self.rested.load(Acquire)
     }
 
     /// Whether all `entries` that the Console ever queued have been stepped to their end.
     #[must_use]
     pub fn is_idle(&self, entries: u32) -> bool {
         // The order matters: once every entry is done, no event is added to those already made.
-        self.entries_done.load(Acquire) == entries && self.events_made.load(Acquire) == self.events_done.load(Acquire)
+        self.entries_done.load(Acquire) == entries && self.has_rested()
     }
 
     /// Times the StepQueue ran dry in mid-motion, and times an event was so late that time was stretched.
@@ -298,17 +313,6 @@ impl Status {
 
     /// Whether the motion of this epoch has come to rest, and all its steps are made.
     pub(crate) fn has_stopped(&self, epoch: u8) -> bool {
-        self.stopped.load(Acquire) == u32::from(epoch) + 1 && self.events_waiting() == 0
-    }
-
-    /// Has the generator called when all but `left` of the events made are done; false if they are already.
-    pub(crate) fn set_refill(&self, left: u32) -> bool {
-        self.refill.store(self.events_made.load(Relaxed).wrapping_sub(left), Relaxed);
-        self.events_waiting() > left
-    }
-
-    /// Whether the generator is to make more.
-    pub(crate) fn is_refill_due(&self) -> bool {
-        self.events_done.load(Relaxed).wrapping_sub(self.refill.load(Relaxed)) as i32 >= 0
+        self.stopped.load(Acquire) == u32::from(epoch) + 1 && self.has_rested()
     }
 }

@@ -1,7 +1,7 @@
 //! The stepper on its pins: what it does to the lines, in which order, and when.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::kinematics::forward_motors;
+use corehbot::kinematics::{forward_motors, motors};
 use corehbot::motion::{
     Entry, Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work,
 };
@@ -30,16 +30,16 @@ struct Bench {
 struct Pins<'b>(&'b Bench);
 
 impl StepPort for Pins<'_> {
-    fn dir(&mut self, forward: MotorSet) {
-        self.0.lines.borrow_mut().push(Line::Dir(forward.0));
+    fn dir(&mut self, forward: GroupSet) {
+        self.0.lines.borrow_mut().push(Line::Dir(forward_motors(forward).0));
     }
 
-    fn rise(&mut self, steps: MotorSet, tick: u64) {
-        self.0.lines.borrow_mut().push(Line::Rise(steps.0, tick, self.0.now.get()));
+    fn rise(&mut self, steps: GroupSet, tick: u64) {
+        self.0.lines.borrow_mut().push(Line::Rise(motors(steps).0, tick, self.0.now.get()));
     }
 
-    fn fall(&mut self, steps: MotorSet) {
-        self.0.lines.borrow_mut().push(Line::Fall(steps.0));
+    fn fall(&mut self, steps: GroupSet) {
+        self.0.lines.borrow_mut().push(Line::Fall(motors(steps).0));
     }
 
     fn endstops(&mut self) -> EndstopSet {
@@ -54,8 +54,9 @@ impl StepClock for Timer<'_> {
         Tick(self.0.now.get())
     }
 
-    fn alarm(&mut self, at: Tick) {
+    fn alarm(&mut self, at: Tick) -> bool {
         self.0.alarm.set(Some(at.0));
+        self.now().is_before(at)
     }
 
     fn silence(&mut self) {

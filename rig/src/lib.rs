@@ -35,9 +35,14 @@ impl Rig {
 
     /// One step of each motor in `steps`, forward if it is in `forward`.
     pub fn step(&mut self, steps: MotorSet, forward: MotorSet) {
+        self.step_often(steps, forward, 1);
+    }
+
+    /// So many of them.
+    pub fn step_often(&mut self, steps: MotorSet, forward: MotorSet, times: i32) {
         for (motor, count) in Motor::ALL.into_iter().zip(&mut self.counts) {
             if steps.has(motor) {
-                *count = count.wrapping_add(if forward.has(motor) { 1 } else { -1 });
+                *count = count.wrapping_add(if forward.has(motor) { times } else { -times });
             }
         }
     }

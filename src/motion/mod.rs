@@ -16,6 +16,7 @@ mod overrides;
 mod phase;
 mod planner;
 mod profile;
+mod queue;
 mod shaper;
 mod stepgen;
 mod stepper;
@@ -28,6 +29,7 @@ pub use link::Link;
 pub use moves::{Entry, Move, WHOLE, Work};
 pub use planner::{Planner, Target};
 pub use profile::{Speeds, profile};
+pub use queue::{StepQueue, StepsIn, StepsOut};
 pub use shaper::taps;
 pub use stepgen::StepGenerator;
 pub use stepper::Stepper;
@@ -37,7 +39,3 @@ pub use window::{MoveMemory, WINDOW};
 
 /// Released moves between Console and StepGenerator. Full: the Console waits. Empty: motion rests.
 pub type MoveQueue = heapless::spsc::Queue<Entry, 33>;
-
-/// Step events between StepGenerator and Stepper. Full: the generator waits. Empty: motion rests, or has
-/// starved, which is counted. 511 events are 5 ms at 100,000 events a second.
-pub type StepQueue = heapless::spsc::Queue<StepEvent, 512>;

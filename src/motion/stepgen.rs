@@ -14,13 +14,14 @@ mod supply;
 use super::course::Course;
 use super::event::{LONGEST_INTERVAL, StepEvent};
 use super::moves::{Entry, Move};
+use super::queue::StepsIn;
 use super::track::{Next, Track};
 use super::trajectory::{Place, SpanMemory, Trajectory};
 use crate::kinematics::{GROUPS, forward_motors, is_unstrained, motors};
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
 use brake::Braking;
-use heapless::spsc::{Consumer, Producer};
+use heapless::spsc::Consumer;
 use supply::Supply;
 
 /// Events made in one call of [`StepGenerator::run`]: about a third of a millisecond on a Cortex-M4, after which the
@@ -43,7 +44,7 @@ enum Task {
 /// Turns moves into step events.
 pub struct StepGenerator<'m, W: Pend> {
     moves: Consumer<'m, Entry>,
-    events: Producer<'m, StepEvent>,
+    events: StepsIn<'m>,
     status: &'m Status,
     pend: W,
     epoch: u8,
@@ -72,7 +73,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     /// [`Work::Position`](super::moves::Work::Position).
     pub fn new(
         moves: Consumer<'m, Entry>,
-        events: Producer<'m, StepEvent>,
+        events: StepsIn<'m>,
         spans: &'m mut SpanMemory,
         status: &'m Status,
         pend: W,
@@ -107,12 +108,12 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         if self.braking == Braking::No && self.status.is_braking(self.epoch) {
             self.begin_brake();
         }
-        let (mut room, enough) = (self.events.capacity() - self.events.len(), self.enough());
+        let (mut room, enough) = (self.events.room(), self.enough());
         let end = self.made.wrapping_add(BATCH);
         while self.made != end {
             if room == 0 || self.is_ahead(enough) {
                 self.publish();
-                if self.status.set_refill(self.status.events_waiting() / 2) {
+                if self.events.mark(self.events.len() / 2) {
                     return;
                 }
                 break;
@@ -120,7 +121,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             let made = self.made;
             if !self.advance() {
                 self.publish();
-                self.status.set_refill(0);
+                self.events.mark(0);
                 return;
             }
             room -= self.made.wrapping_sub(made) as usize;
@@ -238,10 +239,10 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         debug_assert!(is_unstrained(motors(steps), forward_motors(self.forward)), "the belt is strained");
         self.last += u64::from(interval);
         let event = StepEvent { interval, steps, forward: self.forward, epoch: self.epoch, watch: self.watch };
-        // Only a stepper that has run out of events needs to be told.
-        self.is_news |= self.events.is_empty();
         if self.events.enqueue(event).is_ok() {
             self.made = self.made.wrapping_add(1);
+            // Only a stepper that has run out of events needs to be told.
+            self.is_news |= self.events.len() <= 1;
         }
     }
 }

@@ -1,9 +1,10 @@
 //! A production line for the tests: planner, step generator and Stepper, without Console.
 
+use corehbot::kinematics::{forward_motors, motors};
 use corehbot::motion::{
     Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work, taps,
 };
-use corehbot::port::{EndstopSet, MotorSet, Pend, StepClock, StepPort};
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::units::{Mm, MmPerSec, Seconds, Tick};
@@ -33,15 +34,16 @@ struct Pins {
 }
 
 impl StepPort for Pins {
-    fn dir(&mut self, forward: MotorSet) {
-        self.forward = forward;
+    fn dir(&mut self, forward: GroupSet) {
+        self.forward = forward_motors(forward);
     }
 
-    fn rise(&mut self, steps: MotorSet, tick: u64) {
+    fn rise(&mut self, steps: GroupSet, tick: u64) {
+        let steps = motors(steps);
         self.steps.borrow_mut().push(Step { tick, steps, forward: self.forward });
     }
 
-    fn fall(&mut self, _steps: MotorSet) {}
+    fn fall(&mut self, _steps: GroupSet) {}
 
     fn endstops(&mut self) -> EndstopSet {
         EndstopSet::NONE
@@ -56,8 +58,9 @@ impl StepClock for Hurry<'_> {
         Tick(self.0.get().unwrap_or(self.1))
     }
 
-    fn alarm(&mut self, at: Tick) {
+    fn alarm(&mut self, at: Tick) -> bool {
         self.0.set(Some(at.0));
+        true
     }
 
     fn silence(&mut self) {

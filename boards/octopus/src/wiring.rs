@@ -87,7 +87,8 @@ const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> Thermistor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::port::Motor;
+    use corehbot::kinematics::motors;
+    use corehbot::port::{GroupSet, Motor};
     use corehbot_stm32f446::words::Words;
 
     #[test]
@@ -104,8 +105,10 @@ mod tests {
     fn each_pair_steps_by_one_store() {
         let words = Words::pulses(BOARD.step_pins());
         for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
-            let set = MotorSet::of(pair[0]).with(MotorSet::of(pair[1]));
-            let used: Vec<_> = words.ports.iter().zip(words.of(set)).filter(|(_, word)| **word != 0).collect();
+            let groups =
+                (0..16).map(GroupSet).find(|groups| motors(*groups).0 == pair.map(|m| 1 << m as u8).iter().sum::<u8>());
+            let words_of = words.of(groups.unwrap());
+            let used: Vec<_> = words.ports.iter().zip(words_of).filter(|(_, word)| **word != 0).collect();
             assert_eq!(used.len(), 1);
             assert_eq!((*used[0].0, used[0].1.count_ones()), (port, 2));
         }

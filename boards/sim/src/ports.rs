@@ -3,7 +3,8 @@
 //! All of them look at one time, which only the world moves on.
 
 use crate::world::{Host, Sink};
-use corehbot::motors::{EndstopSet, MotorSet};
+use corehbot::kinematics::{forward_motors, motors};
+use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Sensor, Serial, StepClock, StepPort, ThermalPort};
 use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
@@ -94,8 +95,9 @@ impl StepClock for Timer<'_> {
         Tick(self.0.now.get() as u32)
     }
 
-    fn alarm(&mut self, at: Tick) {
+    fn alarm(&mut self, at: Tick) -> bool {
         self.0.alarm.set(Some(at.0));
+        StepClock::now(self).is_before(at)
     }
 
     fn silence(&mut self) {
@@ -141,16 +143,17 @@ pub(crate) struct Pins<'w> {
 }
 
 impl StepPort for Pins<'_> {
-    fn dir(&mut self, forward: MotorSet) {
-        self.forward = forward;
+    fn dir(&mut self, forward: GroupSet) {
+        self.forward = forward_motors(forward);
     }
 
-    fn rise(&mut self, steps: MotorSet, tick: u64) {
+    fn rise(&mut self, steps: GroupSet, tick: u64) {
+        let steps = motors(steps);
         self.rig.step(steps, self.forward);
         self.sink.event(tick, steps, self.forward);
     }
 
-    fn fall(&mut self, _steps: MotorSet) {}
+    fn fall(&mut self, _steps: GroupSet) {}
 
     fn endstops(&mut self) -> EndstopSet {
         self.rig.endstops()

@@ -45,6 +45,18 @@ impl<T> Handover<T> {
         self.state.store(FREE, Ordering::Release);
     }
 
+    /// Works with the value, without asking whether it is there and free: for a handler in which a dozen instructions
+    /// are many.
+    ///
+    /// # Safety
+    /// The place was filled before, and nobody who works with the value can be interrupted by the caller, the caller
+    /// itself least of all.
+    #[inline(always)]
+    pub unsafe fn with_alone<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
+        // SAFETY: the value is there, and by the caller's word this is the only reference.
+        work(unsafe { (*self.value.get()).assume_init_mut() })
+    }
+
     /// Works with the value.
     ///
     /// # Panics

@@ -28,7 +28,6 @@ defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
 static PARTS: StaticCell<BoardParts> = StaticCell::new();
-static STEP_WORDS: StaticCell<Words> = StaticCell::new();
 static DIR_WORDS: StaticCell<Words> = StaticCell::new();
 
 /// Cycles of 16 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and some 100
@@ -70,8 +69,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         port
     });
     step_timer::start();
-    let steps = STEP_WORDS.init_with(|| Words::pulses(board.step_pins()));
-    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins()));
+    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed));
     let ports = Ports {
         serial: lines,
         drivers: Drivers::start(board),
@@ -79,7 +77,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         storage: BoardStorage(find(board)),
         sensors: Thermistors::start(board.thermistors),
     };
-    let parts = assemble(StepPins::new(board, steps, dirs), ports);
+    let parts = assemble(StepPins::new(board, dirs), ports);
     contexts::start(parts, usb, Watchdog::new())
 }
 

@@ -4,83 +4,95 @@
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
-use corehbot::port::{EndstopSet, MotorSet, StepPort};
-use cortex_m::peripheral::DWT;
+use corehbot::kinematics::motors;
+use corehbot::motors::MOST_GROUPS;
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 
 use crate::ports::{self, Registers};
 use crate::wiring::{Board, Pin};
 use crate::words::{PORTS, Words};
 
-/// A step pulse is high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
-/// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest.
+/// A step pulse has to be high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
+/// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest. What the
+/// Stepper does meanwhile takes longer: [`IN_BETWEEN`].
 const PULSE: u32 = 24;
 
-/// The same for a step pin on PC13, PC14 or PC15, which is good for 2 MHz (STM32F446 datasheet, pin definitions,
-/// note on the power switch): 300 ns.
-const SLOW_PULSE: u32 = 54;
+/// Cycles between the last store of a rise and the first of a fall, at the least: 27 instructions (docs/performance.md).
+/// Loads, and the step timer's alarm, which is written and its counter read on a bus of 45 MHz, make it more: the
+/// shortest pulse of the image in the emulator is 247 ns.
+const IN_BETWEEN: u32 = 27;
+const _: () = assert!(IN_BETWEEN >= PULSE);
+
+/// What a pulse on a step pin on PC13, PC14 or PC15 takes beyond that, which is good for 2 MHz (STM32F446 datasheet, pin
+/// definitions, note on the power switch): 300 ns altogether.
+const SLOW_REST: u32 = 54 - IN_BETWEEN;
 
 /// Step and direction pins of all motors, and the endstop inputs.
 pub struct StepPins {
-    steps: &'static Words,
-    dirs: &'static Words,
     step_ports: [Registers; PORTS],
+    /// What lowers all step lines. Most are low, but sorting them out would take longer.
+    low: [u32; PORTS],
+    /// Groups with a motor whose step pin is slow.
+    slow: GroupSet,
+    steps: Words,
+    dirs: &'static Words,
     dir_ports: [Registers; PORTS],
-    reversed: MotorSet,
-    slow: MotorSet,
     endstops: Endstops,
-    /// The cycle counter when the step lines rose.
-    rose: u32,
 }
 
 impl StepPins {
     /// The pins of `board`, which are outputs already.
-    pub fn new(board: &Board, steps: &'static Words, dirs: &'static Words) -> Self {
+    pub fn new(board: &Board, dirs: &'static Words) -> Self {
+        let steps = Words::pulses(board.step_pins());
         Self {
+            step_ports: steps.ports.map(ports::registers),
+            low: steps.of(ALL).map(|word| word << 16),
+            slow: groups_of(board.slow),
             steps,
             dirs,
-            step_ports: steps.ports.map(ports::registers),
             dir_ports: dirs.ports.map(ports::registers),
-            reversed: board.reversed,
-            slow: board.slow,
             endstops: Endstops::new(board),
-            rose: 0,
         }
     }
 }
+
+/// All groups.
+const ALL: GroupSet = GroupSet((1 << MOST_GROUPS) - 1);
 
 /// One store a port, with nothing between them, however the compiler feels about loops.
 #[inline(always)]
-fn store(ports: &[Registers; PORTS], words: &[u32; PORTS], shift: u32) {
+fn store(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
     let ([a, b, c, d], [x, y, z, w]) = (*ports, *words);
-    ports::store(a, x << shift);
-    ports::store(b, y << shift);
-    ports::store(c, z << shift);
-    ports::store(d, w << shift);
+    ports::store(a, x);
+    ports::store(b, y);
+    ports::store(c, z);
+    ports::store(d, w);
+}
+
+/// The groups that any of `slow` belongs to.
+fn groups_of(slow: MotorSet) -> GroupSet {
+    let groups = (0..MOST_GROUPS).map(|group| 1 << group);
+    GroupSet(groups.filter(|group| motors(GroupSet(*group)).0 & slow.0 != 0).sum())
 }
 
 impl StepPort for StepPins {
-    /// A step follows some 20 cycles later at the earliest, 110 ns, where 20 ns are wanted.
+    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted.
     #[inline]
-    fn dir(&mut self, forward: MotorSet) {
-        let high = MotorSet(forward.0 ^ self.reversed.0);
-        store(&self.dir_ports, self.dirs.of(high), 0);
+    fn dir(&mut self, forward: GroupSet) {
+        store(&self.dir_ports, self.dirs.of(forward));
     }
 
-    #[inline]
-    fn rise(&mut self, steps: MotorSet, _tick: u64) {
-        store(&self.step_ports, self.steps.of(steps), 0);
-        self.rose = DWT::cycle_count();
+    #[inline(always)]
+    fn rise(&mut self, steps: GroupSet, _tick: u64) {
+        store(&self.step_ports, self.steps.of(steps));
     }
 
-    #[inline]
-    fn fall(&mut self, steps: MotorSet) {
-        let pulse = if steps.0 & self.slow.0 == 0 { PULSE } else { SLOW_PULSE };
-        // If the counter stands still, this is the whole pulse.
-        let rest = pulse.saturating_sub(DWT::cycle_count().wrapping_sub(self.rose));
-        if rest > 0 {
-            cortex_m::asm::delay(rest);
+    #[inline(always)]
+    fn fall(&mut self, steps: GroupSet) {
+        if steps.0 & self.slow.0 != 0 {
+            cortex_m::asm::delay(SLOW_REST);
         }
-        store(&self.step_ports, self.steps.of(steps), 16);
+        store(&self.step_ports, &self.low);
     }
 
     #[inline]

@@ -2,7 +2,6 @@
 
 use corehbot::port::{Clock, StepClock};
 use corehbot::units::{Instant, TICKS_PER_SECOND, Tick};
-use cortex_m::peripheral::NVIC;
 use embassy_stm32::pac::{Interrupt, RCC, TIM2};
 
 use crate::clocks::TIMER_HZ;
@@ -27,7 +26,7 @@ pub fn start() {
 }
 
 /// Takes the timer's request back; harmless if software pended the interrupt.
-#[inline]
+#[inline(always)]
 pub fn acknowledge() {
     // Flags are cleared by writing 0, and only compare 1 is in use.
     TIM2.sr().write(|_| ());
@@ -37,19 +36,22 @@ pub fn acknowledge() {
 pub struct StepTimer;
 
 impl StepClock for StepTimer {
-    #[inline]
+    #[inline(always)]
     fn now(&self) -> Tick {
         Tick(TIM2.cnt().read())
     }
 
     #[inline]
-    fn alarm(&mut self, at: Tick) {
-        TIM2.ccr(0).write_value(at.0);
+    fn alarm(&mut self, at: Tick) -> bool {
         TIM2.dier().write(|w| w.set_ccie(0, true));
+        self.alarm_again(at)
+    }
+
+    #[inline(always)]
+    fn alarm_again(&mut self, at: Tick) -> bool {
+        TIM2.ccr(0).write_value(at.0);
         // The counter may have passed the tick before the comparison began, and then it would take 429 s.
-        if !self.now().is_before(at) {
-            NVIC::pend(IRQ);
-        }
+        self.now().is_before(at)
     }
 
     #[inline]

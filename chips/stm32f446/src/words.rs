@@ -1,21 +1,23 @@
-//! Words for the step and direction pins: what a set of motors is in the registers of the ports.
+//! Words for the step and direction pins: what a set of motor groups is in the registers of the ports.
 
-use corehbot::port::{Motor, MotorSet};
+use corehbot::kinematics::{forward_motors, motors};
+use corehbot::motors::MOST_GROUPS;
+use corehbot::port::{GroupSet, Motor, MotorSet};
 
 use crate::wiring::{Pin, Port};
 
 /// Ports that the step pins, or the direction pins, of all motors may be spread over.
 pub const PORTS: usize = 4;
 
-/// Sets of motors.
-pub const SETS: usize = 1 << Motor::ALL.len();
+/// Sets of groups of motors.
+pub const SETS: usize = 1 << MOST_GROUPS;
 
-/// For every set of motors, the word to be written to each port's BSRR: one load of neighbouring words and one store a
+/// For every set of groups, the word to be written to each port's BSRR: one load of neighbouring words and one store a
 /// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
 pub struct Words {
     /// The ports; those not needed repeat the first, and their words are 0.
     pub ports: [Port; PORTS],
-    /// Words by set of motors and port.
+    /// Words by set of groups and port.
     words: [[u32; PORTS]; SETS],
 }
 
@@ -27,20 +29,26 @@ impl Words {
         pins.iter().flatten().all(|pin| ports[..used].contains(&pin.port))
     }
 
-    /// Words that set the pins of the motors in the set and leave the others. Pins beyond [`PORTS`] ports have
+    /// Words that set the step pins of the motors of the groups and leave the others. Pins beyond [`PORTS`] ports have
     /// none, which [`can_hold`](Self::can_hold) tells.
     #[must_use]
     pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
-        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { 0 })
+        Self::new(pins, motors, |pin, is_in| if is_in { pin.mask() } else { 0 })
     }
 
-    /// Words that set the pins of the motors in the set and reset those of the others.
+    /// Words for the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
+    /// motor that turns forward, or backward if it is `reversed`.
     #[must_use]
-    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
-        Self::new(pins, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
+    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet) -> Self {
+        let high = |groups| MotorSet(forward_motors(groups).0 ^ reversed.0);
+        Self::new(pins, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
     }
 
-    fn new(pins: [Option<Pin>; Motor::ALL.len()], word: impl Fn(Pin, bool) -> u32) -> Self {
+    fn new(
+        pins: [Option<Pin>; Motor::ALL.len()],
+        motors: impl Fn(GroupSet) -> MotorSet,
+        word: impl Fn(Pin, bool) -> u32,
+    ) -> Self {
         let mut ports = ports_of(&pins);
         let used = ports.1;
         for port in used..PORTS {
@@ -48,22 +56,23 @@ impl Words {
         }
         let mut words = [[0; PORTS]; SETS];
         for (set, words) in words.iter_mut().enumerate() {
+            let motors = motors(GroupSet(set as u8));
             for (motor, pin) in pins.iter().enumerate() {
                 if let Some(pin) = *pin
                     && let Some(column) = ports.0[..used].iter().position(|port| *port == pin.port)
                 {
-                    words[column] |= word(pin, set & 1 << motor != 0);
+                    words[column] |= word(pin, motors.0 & 1 << motor != 0);
                 }
             }
         }
         Self { ports: ports.0, words }
     }
 
-    /// The word of each port for `motors`.
-    #[inline]
+    /// The word of each port for `groups`.
+    #[inline(always)]
     #[must_use]
-    pub const fn of(&self, motors: MotorSet) -> &[u32; PORTS] {
-        &self.words[motors.0 as usize % SETS]
+    pub const fn of(&self, groups: GroupSet) -> &[u32; PORTS] {
+        &self.words[groups.0 as usize % SETS]
     }
 }
 
@@ -90,19 +99,20 @@ mod tests {
         let pins =
             [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
         let pins = pins.map(|(port, number)| Pin::new(port, number));
-        let (pulses, levels) = (Words::pulses(pins.map(Some)), Words::levels(pins.map(Some)));
-        for set in 0..SETS {
-            let motors = MotorSet(set as u8);
+        let reversed = MotorSet::of(Motor::M4);
+        let (pulses, levels) = (Words::pulses(pins.map(Some)), Words::levels(pins.map(Some), reversed));
+        for groups in (0..SETS).map(|set| GroupSet(set as u8)) {
             for port in Port::ALL {
                 let written = |words: &Words| -> u32 {
-                    words.ports.iter().zip(words.of(motors)).filter(|(p, _)| **p == port).map(|(_, word)| word).sum()
+                    words.ports.iter().zip(words.of(groups)).filter(|(p, _)| **p == port).map(|(_, word)| word).sum()
                 };
-                let of = |is_in: bool| {
-                    let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor) == is_in);
+                let of = |motors: MotorSet| {
+                    let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor));
                     bits(chosen.map(|(_, pin)| pin), port)
                 };
-                assert_eq!(written(&pulses), of(true), "{motors:?} {port:?}");
-                assert_eq!(written(&levels), of(true) | of(false) << 16, "{motors:?} {port:?}");
+                let high = MotorSet(forward_motors(groups).0 ^ reversed.0);
+                assert_eq!(written(&pulses), of(motors(groups)), "{groups:?} {port:?}");
+                assert_eq!(written(&levels), of(high) | of(MotorSet::ALL.without(high)) << 16, "{groups:?} {port:?}");
             }
         }
     }
@@ -113,6 +123,6 @@ mod tests {
         pins[0] = Some(Pin::new(Port::B, 3));
         let words = Words::pulses(pins);
         assert_eq!(words.ports, [Port::B; PORTS]);
-        assert_eq!(words.of(MotorSet::ALL), &[1 << 3, 0, 0, 0]);
+        assert_eq!(words.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
     }
 }

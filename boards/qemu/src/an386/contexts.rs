@@ -78,7 +78,9 @@ pub fn wake_console() {
 /// Interrupt: a step is due, or software wants the Stepper to look.
 pub extern "C" fn on_step_timer() {
     StepTimer::acknowledge();
-    STEPPER.with(|stepper| stepper.on_alarm());
+    // SAFETY: `start` fills the place before it enables this interrupt, nobody else uses it, and an interrupt does not
+    // interrupt itself.
+    unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
 }
 
 /// Interrupt of software: there is a move to turn into steps, or room for steps.

@@ -10,6 +10,7 @@ pub struct Register(usize);
 
 impl Register {
     /// Reads the register.
+    #[inline(always)]
     pub fn read(&self) -> u32 {
         // SAFETY: only the constants below have this type; each is the aligned address of a device
         // register of this board, outside of any Rust object.
@@ -17,6 +18,7 @@ impl Register {
     }
 
     /// Writes the register.
+    #[inline(always)]
     pub fn write(&self, value: u32) {
         // SAFETY: as for `read`; none of these devices touches memory.
         unsafe { write_volatile(self.0 as *mut u32, value) }

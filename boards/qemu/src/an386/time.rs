@@ -4,13 +4,15 @@ use core::sync::atomic::{AtomicU32, Ordering};
 
 use corehbot::port::{Clock, StepClock};
 use corehbot::units::{Instant, Tick};
-use cortex_m::peripheral::{NVIC, SYST};
+use cortex_m::peripheral::SYST;
 
 use super::registers::{COUNTER, step_timer};
-use super::vectors::Irq;
 
 /// Counter and timers (measured in QEMU 7.2; ARM DAI 0386C gives the FPGA's 25 MHz).
 const COUNTS_PER_SECOND: u32 = 25_000_000;
+
+/// Counts until an alarm, at most; what seems to be more has passed.
+const LONGEST: u32 = 3 << 30;
 
 /// Counts are to ticks as 5 is to 2.
 const COUNTS_PER_TICK: (u64, u64) = (5, 2);
@@ -33,11 +35,40 @@ pub fn beat() {
     if COUNTER.read() >> 31 != halves & 1 {
         HALVES.store(halves.wrapping_add(1), Ordering::Release);
     }
+    let counts = counts();
+    let counts = counts - counts % COUNTS_PER_TICK.0;
+    // The step interrupt must find two that belong together.
+    cortex_m::interrupt::free(|_| {
+        BASE_COUNT.store(counts as u32, Ordering::Relaxed);
+        BASE_TICK.store((counts / COUNTS_PER_TICK.0 * COUNTS_PER_TICK.1) as u32, Ordering::Relaxed);
+    });
+}
+
+/// A recent count at which a tick began, and that tick: from there on 32 bits are enough. Renewed by [`beat`].
+static BASE_COUNT: AtomicU32 = AtomicU32::new(0);
+static BASE_TICK: AtomicU32 = AtomicU32::new(0);
+
+/// Counts since the base.
+#[inline(always)]
+fn since_base() -> u32 {
+    COUNTER.read().wrapping_sub(BASE_COUNT.load(Ordering::Relaxed))
 }
 
 /// Ticks since start.
 fn ticks() -> u64 {
     counts() * COUNTS_PER_TICK.1 / COUNTS_PER_TICK.0
+}
+
+/// The counter, for [`tick_of`].
+#[inline(always)]
+pub fn raw() -> u32 {
+    COUNTER.read()
+}
+
+/// The tick at which the counter was `raw`, less than 171 s ago.
+pub fn tick_of(raw: u32) -> u32 {
+    let counts = counts();
+    ((counts - u64::from((counts as u32).wrapping_sub(raw))) * COUNTS_PER_TICK.1 / COUNTS_PER_TICK.0) as u32
 }
 
 /// Microseconds since start.
@@ -69,21 +100,25 @@ impl StepTimer {
 }
 
 impl StepClock for StepTimer {
+    #[inline(always)]
     fn now(&self) -> Tick {
-        Tick(ticks() as u32)
+        // Two fifths, exact up to a thousand million counts.
+        let ticks = (u64::from(since_base()) * u64::from(u32::MAX / 5 * 2 + 1)) >> 32;
+        Tick(BASE_TICK.load(Ordering::Relaxed).wrapping_add(ticks as u32))
     }
 
-    fn alarm(&mut self, at: Tick) {
-        let counts = counts();
-        let ticks = counts * COUNTS_PER_TICK.1 / COUNTS_PER_TICK.0;
-        let now = Tick(ticks as u32);
-        if !now.is_before(at) {
-            NVIC::pend(Irq::StepTimer);
-            return;
+    #[inline(always)]
+    fn alarm(&mut self, at: Tick) -> bool {
+        // Below zero if the tick passed some time ago.
+        let ticks = at.since(Tick(BASE_TICK.load(Ordering::Relaxed))) as i32;
+        // The first count at which the tick has come, of up to 2.5 * 2^30.
+        let counts = ticks.wrapping_mul(2).wrapping_add((ticks + 1) >> 1);
+        let left = counts.cast_unsigned().wrapping_sub(since_base());
+        let is_ahead = left.wrapping_sub(1) < LONGEST;
+        if is_ahead {
+            step_timer::VALUE.write(left);
         }
-        // The first count at which the tick has come.
-        let due = ((ticks + u64::from(at.since(now))) * COUNTS_PER_TICK.0).div_ceil(COUNTS_PER_TICK.1);
-        step_timer::VALUE.write(u32::try_from(due - counts).unwrap_or(u32::MAX));
+        is_ahead
     }
 
     fn silence(&mut self) {

@@ -5,14 +5,16 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use corehbot::port::{EndstopSet, MotorSet, StepClock as _, StepPort};
+use corehbot::kinematics::{forward_motors, motors};
+use corehbot::motors::MOST_GROUPS;
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::Rig;
 use heapless::Vec;
 use semihosting::fs::File;
 use semihosting::io::Write as _;
 
-use super::time::StepTimer;
+use super::time;
 
 /// The tick's lower 48 bits, the motors that step, and the directions; little-endian.
 type Record = [u8; 8];
@@ -20,33 +22,50 @@ type Record = [u8; 8];
 /// Records between two writes, each of which costs the emulator some microseconds of wall time.
 const BUFFERED: usize = 512;
 
-/// The file and what is not in it yet.
+/// Sets of groups of motors.
+const SETS: usize = 1 << MOST_GROUPS;
+
+/// The file, what is not in it yet, and the machine.
 struct Trace {
     file: File,
     records: Vec<Record, BUFFERED>,
+    /// Steps that the machine has not felt yet, by the groups that made them.
+    unfelt: [i32; SETS],
+    rig: Rig,
 }
 
 impl Trace {
-    fn record(&mut self, record: Record) {
+    #[inline(always)]
+    fn record(&mut self, groups: GroupSet, record: Record) {
+        self.unfelt[groups.0 as usize % SETS] += 1;
+        // There is always room: `flush` makes some.
+        let _ = self.records.push(record);
         if self.records.is_full() {
             self.flush();
         }
-        // There is room: `flush` has made some.
-        let _ = self.records.push(record);
     }
 
+    /// Has the machine make the steps recorded, which went `forward`; nobody has looked at it since.
+    fn feel(&mut self, forward: MotorSet) {
+        for (groups, times) in (0..).zip(&mut self.unfelt) {
+            self.rig.step_often(motors(GroupSet(groups)), forward, core::mem::take(times));
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
     fn flush(&mut self) {
         assert!(self.file.write_all(self.records.as_flattened()).is_ok(), "the host takes no more of the trace");
         self.records.clear();
     }
 }
 
-/// When the last step was made, in ticks since start: the trace has motion time, which may be stretched.
+/// The counter when the last step was made: the trace has motion time, which may be stretched.
 static LAST_STEP: AtomicU32 = AtomicU32::new(0);
 
 /// When the last step was made, in ticks since start.
 pub fn last_step() -> u32 {
-    LAST_STEP.load(Ordering::Relaxed)
+    time::tick_of(LAST_STEP.load(Ordering::Relaxed))
 }
 
 static TRACE: Handover<Trace> = Handover::new();
@@ -58,34 +77,40 @@ pub fn finish() {
 
 /// Step and direction lines that end in a file, and endstops as the rig has them.
 pub struct TracePort {
-    rig: Rig,
     forward: MotorSet,
 }
 
 impl TracePort {
     /// The port of the one machine.
     pub fn new(rig: Rig, file: File) -> Self {
-        TRACE.fill(Trace { file, records: Vec::new() });
-        Self { rig, forward: MotorSet::NONE }
+        TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], rig });
+        Self { forward: MotorSet::NONE }
     }
 }
 
 impl StepPort for TracePort {
-    fn dir(&mut self, forward: MotorSet) {
-        self.forward = forward;
+    fn dir(&mut self, forward: GroupSet) {
+        let before = core::mem::replace(&mut self.forward, forward_motors(forward));
+        TRACE.with(|trace| trace.feel(before));
     }
 
-    fn rise(&mut self, steps: MotorSet, tick: u64) {
+    #[inline(always)]
+    fn rise(&mut self, steps: GroupSet, tick: u64) {
         let mut record = tick.to_le_bytes();
-        [record[6], record[7]] = [steps.0, self.forward.0];
-        TRACE.with(|trace| trace.record(record));
-        LAST_STEP.store(StepTimer.now().0, Ordering::Relaxed);
-        self.rig.step(steps, self.forward);
+        [record[6], record[7]] = [motors(steps).0, self.forward.0];
+        LAST_STEP.store(time::raw(), Ordering::Relaxed);
+        // SAFETY: `new` fills the place, and besides the step interrupt, which does not interrupt itself, only `finish`
+        // uses it, when that interrupt is off.
+        unsafe { TRACE.with_alone(|trace| trace.record(steps, record)) };
     }
 
-    fn fall(&mut self, _steps: MotorSet) {}
+    #[inline(always)]
+    fn fall(&mut self, _steps: GroupSet) {}
 
     fn endstops(&mut self) -> EndstopSet {
-        self.rig.endstops()
+        TRACE.with(|trace| {
+            trace.feel(self.forward);
+            trace.rig.endstops()
+        })
     }
 }
