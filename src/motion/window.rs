@@ -180,13 +180,26 @@ impl<'m> Window<'m> {
         (self.sum, self.forced, self.front) = (0, 0, 0);
     }
 
+    /// The number of the move with the least corner behind the move of that index. The minima stand in order.
+    fn least_behind(&self, index: usize) -> Option<u16> {
+        let is_behind = |number: u16| usize::from(number.wrapping_sub(self.first)) > index;
+        let (mut low, mut high) = (0, self.minima.len());
+        while low < high {
+            let middle = low.midpoint(high);
+            if self.minima.get(middle).is_some_and(|number| is_behind(*number)) {
+                high = middle;
+            } else {
+                low = middle + 1;
+            }
+        }
+        self.minima.get(low).copied()
+    }
+
     /// The greatest speed squared behind the move of that index, which is entered with `entry`, and whether that is final;
     /// `None` if no move is behind it.
     fn exit(&self, index: usize, entry: u64) -> Option<(u64, bool)> {
         let (this, next) = (self.moves.get(index)?, self.moves.get(index + 1)?.before);
-        // Corners up to its own lie behind.
-        let is_ahead = |number: &&u16| usize::from(number.wrapping_sub(self.first)) > index;
-        let bound = self.bound(*self.minima.iter().find(is_ahead)?).wrapping_sub(next);
+        let bound = self.bound(self.least_behind(index)?).wrapping_sub(next);
         let reach = entry.saturating_add(next.wrapping_sub(this.before));
         let (known, end) = (bound.min(reach), self.sum.wrapping_sub(next));
         Some((known.min(end), known <= end))
@@ -201,6 +214,9 @@ impl<'m> Window<'m> {
     /// on what is added until they leave.
     pub fn force(&mut self, count: usize) {
         let count = count.min(self.moves.len());
+        if count <= self.forced {
+            return;
+        }
         let mut entry = self.front;
         for index in 0..count {
             let planned = self.exit(index, entry).map_or(0, |(exit, _)| exit);
@@ -212,22 +228,14 @@ impl<'m> Window<'m> {
 
     /// Nominal time of the moves that are final, in ticks. Looks at all of them.
     pub fn final_time(&self) -> u64 {
-        let (mut time, mut total, mut reach) = (0, 0, self.front);
-        let mut minima = self.minima.iter().peekable();
-        let numbers = (0..self.moves.len() as u16).map(|i| self.first.wrapping_add(i));
-        let mut moves = numbers.zip(self.moves.iter()).peekable();
-        while let Some((number, planned)) = moves.next() {
-            let Some((_, next)) = moves.peek() else { break };
-            while minima.next_if(|other| **other == number).is_some() {}
-            let Some(least) = minima.peek() else { break };
-            let bound = self.bound(**least);
-            reach = reach.saturating_add(planned.gain());
-            let (known, end) = (reach.min(bound.wrapping_sub(next.before)), self.sum.wrapping_sub(next.before));
+        let (mut time, mut total, mut entry) = (0, 0, self.front);
+        for (index, planned) in self.moves.iter().enumerate() {
+            let Some((exit, is_final)) = self.exit(index, entry) else { break };
             total += u64::from(planned.nominal_ticks);
-            if known <= end {
+            if is_final {
                 time = total;
             }
-            reach = known.min(end);
+            entry = exit;
         }
         time
     }
