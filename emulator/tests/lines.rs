@@ -15,9 +15,10 @@ fn file() -> String {
     std::fs::read_to_string(root().join("examples/tiny.gcode")).unwrap()
 }
 
-/// What the other host asks in the meantime; nothing in it waits for the end of motion.
+/// What the other host asks in the meantime: so much that it outlasts the print, for this host too waits for the end of
+/// motion when it is done, and that would have the motion rest.
 fn questions() -> String {
-    "M105\nM115\nM114\nM119\n".repeat(50)
+    "M105\nM115\nM114\nM119\n".repeat(150)
 }
 
 fn count(line: &LineSeen, begin: &str) -> usize {

@@ -23,8 +23,9 @@ const AMPLE: u64 = 50 * TICKS_PER_MS as u64;
 /// Console that is polled every millisecond, so that the machine brakes before it starves.
 const DRY: u64 = 20 * TICKS_PER_MS as u64;
 
-/// With so many moves queued the stream is not dry, however short they are: the queue holds no more than twice as many.
-const MANY: usize = 16;
+/// With so many moves queued the stream is not dry, however short they are: a full window lets sixteen go at once, and
+/// the queue holds twice as many.
+const MANY: usize = 4;
 
 /// What may leave now.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

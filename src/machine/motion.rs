@@ -38,9 +38,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         while !self.planner.has_room() {
             self.flow.fill();
-            if !self.planner.has_ready() {
-                self.planner.release_next();
-            }
+            self.planner.release_some();
             self.feed_motion();
             if !self.planner.has_room() {
                 self.turn().await?;

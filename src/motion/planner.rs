@@ -7,7 +7,7 @@ use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
 use super::overrides::percent_of;
-use super::window::{MoveMemory, Planned, WINDOW, Window};
+use super::window::{FORCED_BATCH, MoveMemory, Planned, WINDOW, Window};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, Steps};
@@ -148,6 +148,7 @@ impl<'m> Planner<'m> {
             corner: corner_speed_sq(&before, &vector, acceleration, settings),
             cap: 0,
             before: 0,
+            exit: None,
             nominal_ticks: 0,
             watch: target.watch,
             advance: if vector.extrusion > 0.0 && !vector.is_extruder_only() {
@@ -257,6 +258,13 @@ impl<'m> Planner<'m> {
     /// Lets the first move leave, final or not.
     pub fn release_next(&mut self) {
         self.window.force(1);
+    }
+
+    /// Lets a few moves leave, unless the first is final: the window is full.
+    pub fn release_some(&mut self) {
+        if !self.window.has_ready() {
+            self.window.force(FORCED_BATCH);
+        }
     }
 
     /// Lets every move leave.

@@ -25,8 +25,12 @@ use crate::settings::Settings;
 use crate::units::{MmPerSec, MmPerSec2, Seconds, Steps, TICKS_PER_SECOND};
 use heapless::Deque;
 
-/// Moves that the look-ahead sees.
-pub const WINDOW: usize = 144;
+/// Moves that leave when the window is full and the first is not final: some at a time, so that the queue behind has
+/// enough while the window fills again.
+pub const FORCED_BATCH: usize = 16;
+
+/// Capacity of the window; the look-ahead sees no fewer than 128 moves when the stream is fast enough.
+pub const WINDOW: usize = 128 + FORCED_BATCH;
 
 /// The most that a move counts to gain: as much as 3,400 mm/s from rest. The sum over a full window then fits 63 bits.
 const MOST_GAIN: u64 = 50_000_000_000_000_000;
@@ -46,6 +50,8 @@ pub(super) struct Planned {
     pub cap: u64,
     /// G of the window's formula, wrapping.
     pub before: u64,
+    /// Speed squared at its end, if that was settled when it was made to leave.
+    pub exit: Option<u64>,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
     pub watch: EndstopSet,
@@ -53,7 +59,7 @@ pub(super) struct Planned {
     pub advance: Seconds,
 }
 
-const _: () = assert!(core::mem::size_of::<Planned>() <= 112);
+const _: () = assert!(core::mem::size_of::<Planned>() <= 128);
 
 impl Planned {
     fn gain(&self) -> u64 {
@@ -174,45 +180,62 @@ impl<'m> Window<'m> {
         (self.sum, self.forced, self.front) = (0, 0, 0);
     }
 
-    /// The greatest speed squared behind the first move, and whether that is final; `None` if no move is behind it.
-    fn exit(&self) -> Option<(u64, bool)> {
-        let second = self.moves.get(1)?.before;
-        // The first corner lies behind.
-        let least = self.minima.iter().find(|number| **number != self.first)?;
-        let bound = self.bound(*least).wrapping_sub(second);
-        let reach = self.front.saturating_add(second.wrapping_sub(self.moves.front()?.before));
-        let (known, end) = (bound.min(reach), self.sum.wrapping_sub(second));
+    /// The number of the move with the least corner behind the move of that index. The minima stand in order.
+    fn least_behind(&self, index: usize) -> Option<u16> {
+        let is_behind = |number: u16| usize::from(number.wrapping_sub(self.first)) > index;
+        let (mut low, mut high) = (0, self.minima.len());
+        while low < high {
+            let middle = low.midpoint(high);
+            if self.minima.get(middle).is_some_and(|number| is_behind(*number)) {
+                high = middle;
+            } else {
+                low = middle + 1;
+            }
+        }
+        self.minima.get(low).copied()
+    }
+
+    /// The greatest speed squared behind the move of that index, which is entered with `entry`, and whether that is final;
+    /// `None` if no move is behind it.
+    fn exit(&self, index: usize, entry: u64) -> Option<(u64, bool)> {
+        let (this, next) = (self.moves.get(index)?, self.moves.get(index + 1)?.before);
+        let bound = self.bound(self.least_behind(index)?).wrapping_sub(next);
+        let reach = entry.saturating_add(next.wrapping_sub(this.before));
+        let (known, end) = (bound.min(reach), self.sum.wrapping_sub(next));
         Some((known.min(end), known <= end))
     }
 
     /// Whether the first move may leave.
     pub fn has_ready(&self) -> bool {
-        self.forced > 0 || self.exit().is_some_and(|(_, is_final)| is_final)
+        self.forced > 0 || self.exit(0, self.front).is_some_and(|(_, is_final)| is_final)
     }
 
-    /// Lets the first `count` moves leave though they may not be final.
+    /// Lets the first `count` moves leave though they may not be final. Their speeds are settled now, or they would depend
+    /// on what is added until they leave.
     pub fn force(&mut self, count: usize) {
-        self.forced = self.forced.max(count.min(self.moves.len()));
+        let count = count.min(self.moves.len());
+        if count <= self.forced {
+            return;
+        }
+        let mut entry = self.front;
+        for index in 0..count {
+            let planned = self.exit(index, entry).map_or(0, |(exit, _)| exit);
+            let Some(this) = self.moves.get_mut(index) else { break };
+            entry = *this.exit.get_or_insert(planned);
+        }
+        self.forced = self.forced.max(count);
     }
 
     /// Nominal time of the moves that are final, in ticks. Looks at all of them.
     pub fn final_time(&self) -> u64 {
-        let (mut time, mut total, mut reach) = (0, 0, self.front);
-        let mut minima = self.minima.iter().peekable();
-        let numbers = (0..self.moves.len() as u16).map(|i| self.first.wrapping_add(i));
-        let mut moves = numbers.zip(self.moves.iter()).peekable();
-        while let Some((number, planned)) = moves.next() {
-            let Some((_, next)) = moves.peek() else { break };
-            while minima.next_if(|other| **other == number).is_some() {}
-            let Some(least) = minima.peek() else { break };
-            let bound = self.bound(**least);
-            reach = reach.saturating_add(planned.gain());
-            let (known, end) = (reach.min(bound.wrapping_sub(next.before)), self.sum.wrapping_sub(next.before));
+        let (mut time, mut total, mut entry) = (0, 0, self.front);
+        for (index, planned) in self.moves.iter().enumerate() {
+            let Some((exit, is_final)) = self.exit(index, entry) else { break };
             total += u64::from(planned.nominal_ticks);
-            if known <= end {
+            if is_final {
                 time = total;
             }
-            reach = known.min(end);
+            entry = exit;
         }
         time
     }
@@ -220,7 +243,7 @@ impl<'m> Window<'m> {
     /// Takes the first move if it may leave, and says its nominal time; the filament of the last one ended at
     /// `filament`.
     pub fn pop(&mut self, filament: Steps) -> Option<(Move, u32)> {
-        let exit = self.exit();
+        let exit = self.exit(0, self.front);
         if self.forced == 0 && !exit.is_some_and(|(_, is_final)| is_final) {
             return None;
         }
@@ -230,7 +253,7 @@ impl<'m> Window<'m> {
             self.minima.pop_front();
         }
         self.first = self.first.wrapping_add(1);
-        let exit = exit.map(|(exit, _)| exit);
+        let exit = exit.map(|(exit, _)| first.exit.unwrap_or(exit));
         // Planned as `min`, so the ramps fit but for what squares and roots round away.
         let speeds = Speeds { entry: self.front, nominal: first.nominal_sq(), exit: exit.unwrap_or_default() };
         self.front = speeds.exit;
@@ -250,11 +273,13 @@ impl<'m> Window<'m> {
             planned.limit_entry(passed_on);
             planned.cap = planned.cap.max(least);
             planned.before = sum;
+            planned.exit = None;
             sum = sum.wrapping_add(planned.gain());
             least = least.saturating_sub(planned.gain());
             passed_on = planned.passed_on();
         }
         self.sum = sum;
+        self.forced = 0;
         self.minima.clear();
         for i in 0..self.moves.len() as u16 {
             let number = self.first.wrapping_add(i);

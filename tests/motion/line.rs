@@ -76,9 +76,7 @@ pub fn plan(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
     let mut moves = Vec::new();
     for (position, speed) in targets {
         if !planner.has_room() {
-            if !planner.has_ready() {
-                planner.release_next();
-            }
+            planner.release_some();
             moves.extend(std::iter::from_fn(|| planner.pop()));
         }
         planner.push(&target(*position, *speed), settings);

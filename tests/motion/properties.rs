@@ -121,7 +121,7 @@ proptest! {
             planner.push(&target(*position, *speed), &settings);
             match cut {
                 1 => planner.release_next(),
-                2 if !planner.has_ready() => planner.release_next(),
+                2 => planner.release_some(),
                 _ => {}
             }
             moves.extend(std::iter::from_fn(|| planner.pop()));

@@ -38,6 +38,6 @@ fn moves_of_50_um_are_as_fast_as_their_look_ahead_and_no_underrun() {
             .unwrap();
     println!("{:.1} mm/s, {} underruns", fastest.speed, outcome.underruns);
     assert_eq!(outcome.underruns, 0);
-    // The window of 144 moves is 7.2 mm, from which 5 m/s2 bring 268 mm/s to rest.
-    assert!(fastest.speed > 260.0, "{} mm/s", fastest.speed);
+    // The 128 moves that are seen at least are 6.4 mm, from which 5 m/s2 bring 253 mm/s to rest.
+    assert!(fastest.speed > 250.0, "{} mm/s", fastest.speed);
 }
