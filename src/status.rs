@@ -187,12 +187,6 @@ impl Status {
     pub(crate) fn entry_done(&self) {
         self.entries_done.store(self.entries_done.load(Relaxed).wrapping_add(1), Release);
     }
-
-    /// Events made so far, counted by the StepGenerator.
-    pub(crate) fn events_made(&self) -> u32 {
-        self.events_made.load(Relaxed)
-    }
-
     pub(crate) fn set_events_made(&self, made: u32) {
         self.events_made.store(made, Release);
     }
@@ -200,6 +194,11 @@ impl Status {
     /// The Stepper has come to rest when so many events were taken out of the StepQueue.
     pub(crate) fn set_rested(&self, done: u32) {
         self.rested.store(done, Release);
+    }
+
+    /// Events that the Stepper had taken when it last rested.
+    pub(crate) fn rested_at(&self) -> u32 {
+        self.rested.load(Acquire)
     }
 
     /// Whether all events made are done.

@@ -115,13 +115,16 @@ impl Crossings {
     }
 
     /// The tick of the next crossing.
+    #[inline(always)]
     pub fn next(&mut self) -> u32 {
-        let distance = (self.whole as f32 + self.part).max(0.0);
+        let distance = self.whole as f32 + self.part;
         if self.curve == Curve::Steady {
             let at = self.offset + distance * self.slow;
             self.whole += 1;
             return self.base.wrapping_add(at as u32);
         }
+        // Not `max`, which the target has no instruction for.
+        let distance = if distance < 0.0 { 0.0 } else { distance };
         let at = if self.known > 2 && self.bend.abs() < self.pace.abs() * EVEN {
             let guess = self.last + (self.pace + self.bend);
             let gain = self.rise * guess;

@@ -46,10 +46,26 @@ impl Word {
     /// What two plain events in a row have in common: directions, epoch, and that they are events.
     const SETTING: u32 = 0xFFFF_000F;
 
+    /// An event of `epoch` that watches endstops, without steps.
+    pub const fn waiting(epoch: u8, watch: EndstopSet) -> Self {
+        Self((watch.0 as u32) << 8 | (epoch as u32) << 16)
+    }
+
+    /// The same with steps, in directions that stay with it.
+    pub const fn stepping(self, steps: GroupSet, forward: GroupSet) -> Self {
+        Self(self.0 & !0xFF | (steps.0 as u32) << 4 & 0xF0 | forward.0 as u32 & 0xF)
+    }
+
+    /// The same with a step of one more group.
     #[inline(always)]
-    const fn new(event: &StepEvent) -> Self {
-        let StepEvent { steps, forward, epoch, watch, .. } = event;
-        Self((steps.0 as u32) << 4 & 0xF0 | forward.0 as u32 & 0xF | (watch.0 as u32) << 8 | (*epoch as u32) << 16)
+    pub const fn step(self, group: usize, is_forward: bool) -> Self {
+        Self(self.0 & !(1 << group) | 1 << (4 + group) | (is_forward as u32) << group)
+    }
+
+    /// The same without steps.
+    #[inline(always)]
+    pub const fn still(self) -> Self {
+        Self(self.0 & !0xF0)
     }
 
     /// Whether this is an event of `epoch` with nothing special about it.
@@ -149,23 +165,39 @@ impl StepsIn<'_> {
         if self.len() >= LENGTH - 1 {
             return Err(event);
         }
-        let word = Word::new(&event);
+        let StepEvent { interval, steps, forward, epoch, watch } = event;
+        self.put(interval, Word::waiting(epoch, watch).stepping(steps, forward));
+        Ok(())
+    }
+
+    /// Puts an event in where there is room.
+    #[inline(always)]
+    pub(super) fn put(&mut self, interval: u32, word: Word) {
         // A direction that is lost with an epoch is set anew in the next.
         let is_plain = word.has_only_steps()
             && (word.0 ^ self.before.0) & Word::SETTING == 0
-            && event.interval < LONG
+            && interval < LONG
             && !self.made.is_multiple_of(REGULAR);
         self.before = word;
         let word = if is_plain { word } else { word.special() };
         // Whoever sees the event must find its end of the queue behind it.
         self.queue.place(self.made.wrapping_add(1))[1].store(0, Relaxed);
-        let [interval, place] = self.queue.place(self.made);
-        interval.store(event.interval, Relaxed);
+        let [time, place] = self.queue.place(self.made);
+        time.store(interval, Relaxed);
         compiler_fence(AcqRel);
         place.store(word.0, Relaxed);
         compiler_fence(AcqRel);
         self.made = self.made.wrapping_add(1);
-        Ok(())
+    }
+
+    /// Events ever put in, wrapping.
+    pub(super) const fn made(&self) -> u32 {
+        self.made
+    }
+
+    /// Events ever taken out, wrapping.
+    pub(super) fn done(&self) -> u32 {
+        self.queue.done.load(Relaxed)
     }
 
     /// Events in the queue, the one in the Stepper's hands among them.

@@ -12,11 +12,12 @@ mod brake;
 mod supply;
 
 use super::course::Course;
-use super::event::{LONGEST_INTERVAL, StepEvent};
+use super::event::LONGEST_INTERVAL;
 use super::moves::{Entry, Move};
-use super::queue::StepsIn;
-use super::track::{Next, Track};
+use super::queue::{StepsIn, Word};
+use super::track::Track;
 use super::trajectory::{Place, SpanMemory, Trajectory};
+use super::turn::{Next, Turn};
 use crate::kinematics::{GROUPS, forward_motors, is_unstrained, motors};
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
@@ -62,10 +63,6 @@ pub struct StepGenerator<'m, W: Pend> {
     place: Place,
     forward: GroupSet,
     watch: EndstopSet,
-    /// Events made.
-    made: u32,
-    /// The Stepper had none left when one was made.
-    is_news: bool,
 }
 
 impl<'m, W: Pend> StepGenerator<'m, W> {
@@ -86,15 +83,13 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             epoch: status.epoch(),
             task: Task::Nothing,
             trajectory: Trajectory::new(spans),
-            tracks: core::array::from_fn(|_| Track::still()),
+            tracks: core::array::from_fn(Track::still),
             last: 0,
             base: status.tick(),
             braking: Braking::No,
             behind: None,
             place: Place::default(),
             forward: GroupSet::NONE,
-            made: status.events_made(),
-            is_news: false,
             watch: EndstopSet::NONE,
         }
     }
@@ -108,9 +103,14 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         if self.braking == Braking::No && self.status.is_braking(self.epoch) {
             self.begin_brake();
         }
-        let (mut room, enough) = (self.events.room(), self.enough());
-        let end = self.made.wrapping_add(BATCH);
-        while self.made != end {
+        let enough = self.enough();
+        let begin = self.events.made();
+        loop {
+            let made = self.events.made().wrapping_sub(begin);
+            if made >= BATCH {
+                break;
+            }
+            let room = self.events.room();
             if room == 0 || self.is_ahead(enough) {
                 self.publish();
                 if self.events.mark(self.events.len() / 2) {
@@ -118,13 +118,11 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
                 }
                 break;
             }
-            let made = self.made;
-            if !self.advance() {
+            if !self.advance((BATCH - made).min(room as u32), enough) {
                 self.publish();
                 self.events.mark(0);
                 return;
             }
-            room -= self.made.wrapping_sub(made) as usize;
         }
         self.publish();
         self.pend.pend_generator();
@@ -132,8 +130,10 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
 
     /// Tells what is made.
     fn publish(&mut self) {
-        self.status.set_events_made(self.made);
-        if core::mem::take(&mut self.is_news) {
+        let made = self.events.made();
+        self.status.set_events_made(made);
+        // A stepper that rests at what it has done last needs to be told of more.
+        if self.status.rested_at() == self.events.done() && self.events.done() != made {
             self.pend.pend_stepper();
         }
     }
@@ -162,66 +162,67 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         }
     }
 
-    /// One event, piece or entry further; false if there is nothing to do.
-    fn advance(&mut self) -> bool {
-        let last = self.last as u32;
-        let (mut nearest, mut is_moving) = (u32::MAX, false);
-        for track in &self.tracks {
-            if track.next != Next::Nothing {
-                is_moving = true;
-                nearest = nearest.min(track.due.wrapping_sub(last));
+    /// Some steps, a piece or an entry further; false if there is nothing to do.
+    fn advance(&mut self, most: u32, enough: u32) -> bool {
+        let now = self.last as u32;
+        self.tracks.iter_mut().for_each(|track| track.rest_on(now));
+        let turn = nearest(&self.tracks, now);
+        match turn.next() {
+            Next::Step => {
+                self.step(turn, most, enough);
+                true
             }
+            Next::Change => self.lay_out(turn.group()),
+            Next::Nothing => self.rest(),
         }
-        if !is_moving {
-            return self.rest();
-        }
-        let due = last.wrapping_add(nearest);
-        let (mut steps, mut changes) = (0, 0);
-        for (i, track) in self.tracks.iter().enumerate() {
-            if track.due == due {
-                match track.next {
-                    Next::Nothing => {}
-                    Next::Step => steps |= 1 << i,
-                    Next::Change => changes |= 1 << i,
-                }
-            }
-        }
-        if changes != 0 {
-            return self.lay_out(changes);
-        }
-        if nearest > LONGEST_INTERVAL {
-            self.emit(LONGEST_INTERVAL, GroupSet::NONE);
-            return true;
-        }
-        for (i, track) in self.tracks.iter_mut().enumerate() {
-            if steps & 1 << i != 0 {
-                let bit = if track.is_forward { 1 << i } else { 0 };
-                self.forward.0 = self.forward.0 & !(1 << i) | bit;
-                track.step();
-            }
-        }
-        self.emit(nearest, GroupSet(steps));
-        true
     }
 
-    /// Lays out the next pieces of some groups; false if that must wait.
-    fn lay_out(&mut self, groups: u8) -> bool {
-        for (i, group) in GROUPS.iter().enumerate().filter(|(i, _)| groups & 1 << i != 0) {
-            let Some(track) = self.tracks.get_mut(i) else { continue };
-            if track.go_back() {
-                continue;
-            }
-            let time = track.end.time;
-            while !Track::is_known(group, &mut self.trajectory, time) {
-                match self.lay_more() {
-                    Supply::Laid => {}
-                    Supply::Rests => break,
-                    Supply::Starved => return false,
+    /// Makes up to `most` events, and at least one, as long as there is nothing but steps and they are not far enough
+    /// ahead. All groups that step in one tick step in one event.
+    fn step(&mut self, mut turn: Turn, most: u32, enough: u32) {
+        let begin = self.last as u32;
+        let mut now = begin;
+        let mut word = Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward);
+        for _ in 0..most {
+            let interval = turn.wait();
+            now = now.wrapping_add(interval);
+            word = word.still();
+            while let Some(track) = self.tracks.get_mut(turn.group()) {
+                word = word.step(turn.group(), track.is_forward());
+                track.step();
+                turn = nearest(&self.tracks, now);
+                if turn.wait() != 0 || turn.next() != Next::Step {
+                    break;
                 }
             }
-            if let Some(track) = self.tracks.get_mut(i) {
-                track.go_on(group, &self.trajectory, time);
+            debug_assert!(is_unstrained(motors(word.steps()), forward_motors(word.forward())), "the belt is strained");
+            self.events.put(interval, word);
+            if turn.next() != Next::Step || (now.wrapping_sub(enough) as i32) > 0 {
+                break;
             }
+        }
+        self.forward = word.forward();
+        self.last += u64::from(now.wrapping_sub(begin));
+    }
+
+    /// Lays out the next piece of a group; false if that must wait.
+    fn lay_out(&mut self, number: usize) -> bool {
+        let (Some(track), Some(group)) = (self.tracks.get_mut(number), GROUPS.get(number)) else {
+            return false;
+        };
+        if track.go_back() {
+            return true;
+        }
+        let time = track.end.time;
+        while !Track::is_known(group, &mut self.trajectory, time) {
+            match self.lay_more() {
+                Supply::Laid => {}
+                Supply::Rests => break,
+                Supply::Starved => return false,
+            }
+        }
+        if let Some(track) = self.tracks.get_mut(number) {
+            track.go_on(group, &self.trajectory, time);
         }
         true
     }
@@ -230,19 +231,25 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     fn pass_until(&mut self, time: u64) -> bool {
         let left = ((time + (1 << 15)) >> 16).saturating_sub(self.last);
         if left > 0 {
-            self.emit(left.min(u64::from(LONGEST_INTERVAL)) as u32, GroupSet::NONE);
+            self.wait(left.min(u64::from(LONGEST_INTERVAL)) as u32);
         }
         left <= u64::from(LONGEST_INTERVAL)
     }
 
-    fn emit(&mut self, interval: u32, steps: GroupSet) {
-        debug_assert!(is_unstrained(motors(steps), forward_motors(self.forward)), "the belt is strained");
+    /// Lets so much time pass in an event without steps.
+    fn wait(&mut self, interval: u32) {
         self.last += u64::from(interval);
-        let event = StepEvent { interval, steps, forward: self.forward, epoch: self.epoch, watch: self.watch };
-        if self.events.enqueue(event).is_ok() {
-            self.made = self.made.wrapping_add(1);
-            // Only a stepper that has run out of events needs to be told.
-            self.is_news |= self.events.len() <= 1;
-        }
+        let word = Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward);
+        self.events.put(interval, word);
     }
+}
+
+/// The turn that comes first.
+#[inline(always)]
+fn nearest(tracks: &[Track; GROUPS.len()], now: u32) -> Turn {
+    // Not `min`, which takes a call.
+    tracks.iter().fold(Turn::LAST, |first, track| {
+        let turn = track.turn(now);
+        if turn < first { turn } else { first }
+    })
 }

@@ -4,6 +4,7 @@ use super::crossing::{Crossings, Edge};
 use super::number::{from_f32, ticks, time};
 use super::phase::Curve;
 use super::trajectory::{State, Trajectory};
+use super::turn::{Next, Rank, Turn};
 use crate::kinematics::{Group, count_at};
 use crate::units::Steps;
 
@@ -15,41 +16,35 @@ pub const MIN_STEP_INTERVAL: u64 = 10;
 /// Half a step.
 const HALF: i64 = 1 << 31;
 
+/// What rests, and what comes at a time unknown, is due so long from now: 3 s, far longer than the longest span.
+const FAR: u32 = 1 << 25;
+
 /// A reversal this near to an end of a piece is none, in ticks.
 const LEAST_TIME: f32 = 2.0;
 
-/// What a group does next.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Next {
-    /// Nothing: it rests.
-    Nothing,
-    /// A step.
-    Step,
-    /// Its way goes on otherwise.
-    Change,
-}
-
 /// One motor group.
+// In this order: what every step needs is in front, within reach of short instructions.
+#[repr(C)]
 pub(super) struct Track {
-    /// The group's count of steps.
-    pub count: i32,
-    /// What it does next.
-    pub next: Next,
-    /// The tick at which it does that.
-    pub due: u32,
-    /// Steps left in its present piece.
-    left: u32,
-    /// Whether they lead forward.
-    pub is_forward: bool,
+    /// The tick at which it does what it does next.
+    due: u32,
+    /// What that is, and the group's number, as in [`Turn`].
+    rank: Rank,
     /// When its next step may come at the earliest.
     free: u32,
+    /// Steps left in its present piece.
+    left: u32,
+    /// The tick at which it ends.
+    ends: u32,
     crossings: Crossings,
+    /// Whether the steps lead forward.
+    is_forward: bool,
+    /// The group's count of steps when none are left.
+    goal: i32,
     /// When its present piece began.
     pub start: u64,
     /// Where it ends.
     pub end: Edge,
-    /// The tick at which it ends.
-    ends: u32,
     /// Where the trajectory next changes, if the present piece ends before in a reversal.
     beyond: Option<Edge>,
 }
@@ -76,26 +71,40 @@ fn sum(group: &Group, trajectory: &Trajectory, at: u64) -> State {
 }
 
 impl Track {
-    /// At rest at 0.
-    pub fn still() -> Self {
+    /// The group with this number, at rest at 0.
+    pub fn still(group: usize) -> Self {
         Self {
-            count: 0,
-            next: Next::Nothing,
             due: 0,
-            left: 0,
-            is_forward: true,
+            rank: Rank::new(group, Next::Nothing),
             free: 0,
+            left: 0,
+            ends: 0,
             crossings: Crossings::NONE,
+            is_forward: true,
+            goal: 0,
             start: 0,
             end: Edge { time: u64::MAX, position: Steps::ZERO, speed: 0.0 },
-            ends: 0,
             beyond: None,
+        }
+    }
+
+    /// When its turn is, seen from `now`.
+    #[inline(always)]
+    pub const fn turn(&self, now: u32) -> Turn {
+        Turn::new(self.due.wrapping_sub(now), self.rank)
+    }
+
+    /// Has a group that rests wait on, from `now`.
+    pub fn rest_on(&mut self, now: u32) {
+        if self.rank.next() == Next::Nothing {
+            self.due = now.wrapping_add(FAR);
         }
     }
 
     /// Rests where it is.
     pub fn stop(&mut self) {
-        self.next = Next::Nothing;
+        self.rank = self.rank.with(Next::Nothing);
+        self.goal = self.count();
         self.left = 0;
         self.free = 0;
         self.start = 0;
@@ -106,11 +115,12 @@ impl Track {
     /// Rests at a position.
     pub fn stand_at(&mut self, position: Steps) {
         self.stop();
-        self.count = count_at(position);
+        self.goal = count_at(position);
     }
 
     /// Its present piece ends at `time`.
     pub fn break_off(&mut self, time: u64) {
+        self.goal = self.count();
         self.left = 0;
         self.end.time = time;
         self.ends = whole(time);
@@ -164,16 +174,30 @@ impl Track {
     }
 
     fn follow(&mut self, from: Edge, to: Edge, shape: Option<(Curve, f32)>) {
-        let goal = count_at(to.position).wrapping_sub(self.count);
+        let count = self.count();
+        let goal = count_at(to.position);
         let ahead = to.position.wrapping_sub(from.position);
+        let way = goal.wrapping_sub(count);
         self.begin(from.time, to);
-        let leads_there = (goal > 0 && ahead > Steps::ZERO) || (goal < 0 && ahead < Steps::ZERO);
-        self.left = if leads_there { goal.unsigned_abs() } else { 0 };
-        if self.left > 0 {
-            self.is_forward = goal > 0;
-            self.crossings = Crossings::new(&from, &to, self.edge(), self.is_forward, shape);
+        if (way > 0 && ahead > Steps::ZERO) || (way < 0 && ahead < Steps::ZERO) {
+            self.lead_to(goal, count);
+            self.crossings = Crossings::new(&from, &to, edge(count, self.is_forward), self.is_forward, shape);
+        } else {
+            self.lead_to(count, count);
         }
         self.plan_next();
+    }
+
+    /// Its steps lead from one count to another.
+    fn lead_to(&mut self, goal: i32, count: i32) {
+        let way = goal.wrapping_sub(count);
+        (self.goal, self.left, self.is_forward) = (goal, way.unsigned_abs(), way > 0);
+    }
+
+    /// Its count of steps.
+    const fn count(&self) -> i32 {
+        let left = self.left.cast_signed();
+        self.goal.wrapping_sub(if self.is_forward { left } else { left.wrapping_neg() })
     }
 
     fn begin(&mut self, start: u64, end: Edge) {
@@ -187,42 +211,49 @@ impl Track {
         self.beyond = None;
     }
 
-    /// The position at which the next step is due.
-    fn edge(&self) -> Steps {
-        Steps::from_bits((i64::from(self.count) << 32).wrapping_add(if self.is_forward { HALF } else { -HALF }))
-    }
-
     /// What rounding has left over is made up at once.
     fn come_to_rest(&mut self, at: Edge) {
-        let goal = count_at(at.position).wrapping_sub(self.count);
         self.begin(at.time, Edge { time: u64::MAX, ..at });
-        self.left = goal.unsigned_abs();
-        self.is_forward = goal > 0;
+        self.ends = whole(at.time).wrapping_add(FAR);
+        self.lead_to(count_at(at.position), self.count());
         self.crossings = Crossings::at_once(at.time);
         self.plan_next();
     }
 
+    /// Whether its coordinate grows with its steps.
+    #[inline(always)]
+    pub const fn is_forward(&self) -> bool {
+        self.is_forward
+    }
+
     /// The next step was made, at its tick.
+    #[inline(always)]
     pub fn step(&mut self) {
-        self.count = self.count.wrapping_add(if self.is_forward { 1 } else { -1 });
         self.free = self.due.wrapping_add(MIN_STEP_INTERVAL as u32);
         self.left -= 1;
         self.plan_next();
     }
 
+    #[inline(always)]
     fn plan_next(&mut self) {
         if self.left > 0 {
             let due = self.crossings.next();
-            self.due = if is_before(due, self.free) { self.free } else { due };
-            self.next = Next::Step;
-            if self.end.time == u64::MAX || is_before(self.due, self.ends) {
+            let due = if is_before(due, self.free) { self.free } else { due };
+            if is_before(due, self.ends) {
+                self.due = due;
+                self.rank = self.rank.with(Next::Step);
                 return;
             }
         }
         // Steps on the boundary between two pieces belong to the later one, where they meet those of other groups.
-        self.next = if self.end.time == u64::MAX { Next::Nothing } else { Next::Change };
+        self.rank = self.rank.with(if self.end.time == u64::MAX { Next::Nothing } else { Next::Change });
         self.due = self.ends;
     }
+}
+
+/// The position at which a group steps on from a count.
+fn edge(count: i32, is_forward: bool) -> Steps {
+    Steps::from_bits((i64::from(count) << 32).wrapping_add(if is_forward { HALF } else { -HALF }))
 }
 
 /// The tick nearest to a time.

@@ -53,7 +53,7 @@ impl Room {
             return Some(match file {
                 "stepper.rs" => Self::Stepper,
                 "number.rs" => return None,
-                "crossing.rs" | "course.rs" | "track.rs" | "event.rs" | "queue.rs" => Self::Stepgen,
+                "crossing.rs" | "course.rs" | "track.rs" | "turn.rs" | "event.rs" | "queue.rs" => Self::Stepgen,
                 _ if file.starts_with("stepgen") || file.starts_with("trajectory") => Self::Stepgen,
                 "link.rs" => Self::Machine,
                 _ => Self::Planner,
