@@ -1,12 +1,14 @@
 //! The course: the phases of the move that is being laid as spans, and how far that has got.
+//!
+//! There is one, which takes up move after move where it stands: copies of it would cost as much as the move.
 
 use super::moves::Move;
 use super::phase::{Phase, phases};
-use super::trajectory::{LONGEST, Place, Trajectory};
+use super::trajectory::{AXES, LONGEST, Place, Trajectory};
+use crate::units::Steps;
 use heapless::Vec;
 
 /// What of a move is laid.
-#[derive(Clone)]
 pub(super) struct Course {
     pub m: Move,
     pub first: Place,
@@ -21,10 +23,45 @@ pub(super) struct Course {
     laid: Option<(Phase, u32, u64)>,
 }
 
+/// The last phase of a move.
+#[derive(Clone, Copy)]
+pub(super) struct Tail {
+    pub phase: Phase,
+    /// The fraction of the move behind where it begins.
+    pub begin: u32,
+    /// Length of the move.
+    pub length: u64,
+}
+
 impl Course {
-    /// A move whose first phase is to be laid.
-    pub fn new(m: Move, first: Place, last: Place) -> Self {
-        Self { m, first, last, phases: phases(&m), index: 0, elapsed: 0, begin: 0, laid: None }
+    /// No move.
+    pub const NONE: Self = Self {
+        m: Move::NONE,
+        first: [Steps::ZERO; AXES],
+        last: [Steps::ZERO; AXES],
+        phases: Vec::new(),
+        index: 0,
+        elapsed: 0,
+        begin: 0,
+        laid: None,
+    };
+
+    /// Takes up a move from where the last one ended; its first phase is to be laid.
+    pub fn take_up(&mut self, m: &Move, first: &Place) {
+        self.m = *m;
+        self.first = *first;
+        let [x, y, z, e] = m.end;
+        let [.., advance] = *first;
+        self.last = [x, y, z, e, advance.wrapping_add(m.advance)];
+        self.phases = phases(m);
+        (self.index, self.elapsed, self.begin, self.laid) = (0, 0, 0, None);
+    }
+
+    /// How the move ends.
+    pub fn tail(&self) -> Option<Tail> {
+        let (last, before) = self.phases.split_last()?;
+        let begin = before.last().map_or(0, |phase| phase.end);
+        Some(Tail { phase: *last, begin, length: self.m.length })
     }
 
     /// Lays the next span; false if all are.

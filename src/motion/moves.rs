@@ -43,6 +43,24 @@ pub struct Move {
 }
 
 impl Move {
+    /// No way, and no time.
+    pub(super) const NONE: Self = Self {
+        end: [Steps::ZERO; 4],
+        accelerated: 0,
+        cruised: 0,
+        entry_share: 0,
+        exit_share: 0,
+        accelerate: 0,
+        cruise: 0,
+        decelerate: 0,
+        length: 0,
+        acceleration: MmPerSec2::ZERO,
+        advance: Steps::ZERO,
+        brakes_first: false,
+        rests: true,
+        watch: EndstopSet::NONE,
+    };
+
     /// How long it takes, in ticks times 2^16.
     #[must_use]
     pub const fn time(&self) -> u64 {

@@ -11,9 +11,9 @@
 mod brake;
 mod supply;
 
-use super::course::Course;
+use super::course::{Course, Tail};
 use super::event::LONGEST_INTERVAL;
-use super::moves::{Entry, Move};
+use super::moves::Entry;
 use super::queue::{StepsIn, Word};
 use super::track::Track;
 use super::trajectory::{Place, SpanMemory, Trajectory};
@@ -32,10 +32,10 @@ const BATCH: u32 = 64;
 /// What is being done.
 enum Task {
     Nothing,
-    /// A move is being laid.
-    Move(Course),
-    /// A move that is being braked, and the speed squared that is left at its end.
-    Brake(Course, u64),
+    /// The move in the course is being laid.
+    Move,
+    /// It is being braked, and this speed squared is left at its end.
+    Brake(u64),
     /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
     Settling(bool),
     /// Time without motion, up to then.
@@ -50,6 +50,7 @@ pub struct StepGenerator<'m, W: Pend> {
     pend: W,
     epoch: u8,
     task: Task,
+    course: Course,
     trajectory: Trajectory<'m>,
     tracks: [Track; GROUPS.len()],
     /// Tick of the last event.
@@ -57,8 +58,8 @@ pub struct StepGenerator<'m, W: Pend> {
     /// The Stepper's tick when the epoch began.
     base: u32,
     braking: Braking,
-    /// The last move, if it did not end at rest.
-    behind: Option<Move>,
+    /// How the last move ended, if not at rest.
+    behind: Option<Tail>,
     /// Where the last move ended.
     place: Place,
     forward: GroupSet,
@@ -82,6 +83,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             pend,
             epoch: status.epoch(),
             task: Task::Nothing,
+            course: Course::NONE,
             trajectory: Trajectory::new(spans),
             tracks: core::array::from_fn(Track::still),
             last: 0,
@@ -172,7 +174,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
                 self.step(turn, most, enough);
                 true
             }
-            Next::Change => self.lay_out(turn.group()),
+            Next::Change => self.lay_out(now, turn),
             Next::Nothing => self.rest(),
         }
     }
@@ -205,24 +207,25 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         self.last += u64::from(now.wrapping_sub(begin));
     }
 
-    /// Lays out the next piece of a group; false if that must wait.
-    fn lay_out(&mut self, number: usize) -> bool {
-        let (Some(track), Some(group)) = (self.tracks.get_mut(number), GROUPS.get(number)) else {
-            return false;
-        };
-        if track.go_back() {
-            return true;
-        }
-        let time = track.end.time;
-        while !Track::is_known(group, &mut self.trajectory, time) {
-            match self.lay_more() {
-                Supply::Laid => {}
-                Supply::Rests => break,
-                Supply::Starved => return false,
+    /// Lays out the next pieces of all groups that change in the tick of `turn`; false if that must wait. One round for
+    /// all, for an axis that one group has followed further than its next piece is lost for the others.
+    fn lay_out(&mut self, now: u32, turn: Turn) -> bool {
+        for (number, group) in GROUPS.iter().enumerate() {
+            let Some(track) = self.tracks.get_mut(number) else { continue };
+            if !track.turn(now).is_together(turn) || track.go_back() {
+                continue;
             }
-        }
-        if let Some(track) = self.tracks.get_mut(number) {
-            track.go_on(group, &self.trajectory, time);
+            let time = track.end.time;
+            while !Track::is_known(group, &mut self.trajectory, time) {
+                match self.lay_more() {
+                    Supply::Laid => {}
+                    Supply::Rests => break,
+                    Supply::Starved => return false,
+                }
+            }
+            if let Some(track) = self.tracks.get_mut(number) {
+                track.go_on(group, &self.trajectory, time);
+            }
         }
         true
     }

@@ -51,6 +51,11 @@ impl Turn {
         Self(wait << 5 | rank.0)
     }
 
+    /// Whether this is another group's turn to do the same in the same tick, or the same turn.
+    pub const fn is_together(self, other: Self) -> bool {
+        (self.0 ^ other.0) >> 3 == 0
+    }
+
     /// The number of the group.
     #[inline(always)]
     pub const fn group(self) -> usize {

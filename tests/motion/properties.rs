@@ -213,3 +213,18 @@ proptest! {
         }
     }
 }
+
+/// Two pieces of this path end in one tick at different parts of it; a group that went on alone took the axis past what
+/// the other still needed, and they stepped a tick apart.
+#[test]
+fn pieces_that_end_in_one_tick_are_followed_together() {
+    let path: Path = vec![
+        ([0.0, 137.7071570468326, 0.0, 0.0], 1.0),
+        ([210.4781379344381, 137.7071570468326, 0.0, 0.0], 274.07293020930285),
+        ([210.4781379344381, 133.63341551429573, 0.0, 0.0], 276.4963066372195),
+        ([1.0, 133.63341551429573, 0.0, 0.0], 255.59925796755945),
+    ];
+    for s in generate(&plan(&path, &Settings::prototype())) {
+        assert_eq!(s.steps.0 & 0x0F, 0x0F, "at {}", s.tick);
+    }
+}

@@ -5,9 +5,9 @@
 //! left.
 
 use super::{StepGenerator, Task};
-use crate::motion::course::Course;
+use crate::motion::course::Tail;
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::phase::{Curve, Phase, phases};
+use crate::motion::phase::{Curve, Phase};
 use crate::motion::profile::{fraction, gain, ramp_length, speed};
 use crate::port::Pend;
 use crate::units::{TICKS_PER_SECOND, mul_div};
@@ -44,27 +44,21 @@ const fn time_over(length: u64, mean: u64) -> u64 {
 }
 
 impl Moment {
-    /// Where a move is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
+    /// Where a move of a length is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
     /// fraction `begin` behind.
-    pub fn within(m: &Move, phase: &Phase, begin: u32, elapsed: u64) -> Self {
+    pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: u64) -> Self {
         let whole = u64::from(WHOLE);
         let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time), phase.time)));
         let share = u64::from(phase.end.saturating_sub(begin));
-        let mean = mul_div(mul_div(m.length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
+        let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
         let speed = mul_div(mean, pace, whole) >> 16;
         let done = begin + (share * way / whole) as u32;
         Self { done: done.min(WHOLE), square: speed.saturating_mul(speed) }
     }
 
     /// At the end of a move.
-    pub fn behind(m: &Move) -> Self {
-        let phases = phases(m);
-        match phases.split_last() {
-            Some((last, before)) if !m.rests => {
-                Self::within(m, last, before.last().map_or(0, |phase| phase.end), u64::MAX)
-            }
-            _ => Self { done: WHOLE, square: 0 },
-        }
+    pub fn behind(tail: &Tail) -> Self {
+        Self::within(tail.length, &tail.phase, tail.begin, u64::MAX)
     }
 
     /// Brakes from here on: the phase to play, and the speed squared that is left at its end, which is that of the
@@ -111,13 +105,13 @@ impl<W: Pend> StepGenerator<'_, W> {
         // A tick after the last event, so that its step lies behind, and no earlier than what is laid out for a motor.
         let begun = self.tracks.iter().map(|track| track.start).max().unwrap_or_default();
         let now = ((self.last + 1) << 16).max(begun);
-        match core::mem::replace(&mut self.task, Task::Nothing) {
-            Task::Move(mut course) => {
-                let moment = match course.cut(&mut self.trajectory, now) {
-                    Some((phase, begin, elapsed)) => Moment::within(&course.m, &phase, begin, elapsed),
+        match self.task {
+            Task::Move => {
+                let moment = match self.course.cut(&mut self.trajectory, now) {
+                    Some((phase, begin, elapsed)) => Moment::within(self.course.m.length, &phase, begin, elapsed),
                     None => Moment { done: 0, square: self.speed_behind() },
                 };
-                self.brake(course, moment);
+                self.brake(moment);
                 self.tracks.iter_mut().for_each(|track| track.break_off(now));
             }
             Task::Nothing => self.go_on_with(self.speed_behind()),
@@ -125,18 +119,18 @@ impl<W: Pend> StepGenerator<'_, W> {
                 self.finish();
                 self.go_on_with(0);
             }
-            task @ (Task::Brake(..) | Task::Settling(_)) => self.task = task,
+            Task::Brake(_) | Task::Settling(_) => {}
         }
     }
 
     fn speed_behind(&self) -> u64 {
-        self.behind.map_or(0, |m| Moment::behind(&m).square)
+        self.behind.map_or(0, |tail| Moment::behind(&tail).square)
     }
 
-    /// Goes on with the phase that brakes a move from `moment` on.
-    pub(super) fn brake(&mut self, mut course: Course, moment: Moment) {
-        let (phase, rest) = moment.brake(&course.m);
-        course.turn_to(phase, moment.done);
-        self.task = Task::Brake(course, rest);
+    /// Goes on with the phase that brakes the move in the course from `moment` on.
+    pub(super) fn brake(&mut self, moment: Moment) {
+        let (phase, rest) = moment.brake(&self.course.m);
+        self.course.turn_to(phase, moment.done);
+        self.task = Task::Brake(rest);
     }
 }

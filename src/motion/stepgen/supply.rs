@@ -3,7 +3,6 @@
 use super::brake::{Braking, Moment};
 use super::{StepGenerator, Task};
 use crate::kinematics::GROUPS;
-use crate::motion::course::Course;
 use crate::motion::moves::Work;
 use crate::port::{EndstopSet, Pend};
 use crate::units::Steps;
@@ -22,24 +21,21 @@ impl<W: Pend> StepGenerator<'_, W> {
     /// Lays the next span of the trajectory.
     pub(super) fn lay_more(&mut self) -> Supply {
         loop {
-            if let Task::Move(course) | Task::Brake(course, _) = &mut self.task
-                && course.lay_next(&mut self.trajectory)
-            {
+            if matches!(self.task, Task::Move | Task::Brake(_)) && self.course.lay_next(&mut self.trajectory) {
                 return Supply::Laid;
             }
-            match &mut self.task {
-                Task::Move(course) => {
-                    let m = course.m;
-                    self.place = course.last;
-                    self.behind = (!m.rests).then_some(m);
-                    if m.rests {
+            match self.task {
+                Task::Move => {
+                    let rests = self.course.m.rests;
+                    self.place = self.course.last;
+                    self.behind = if rests { None } else { self.course.tail() };
+                    if rests {
                         self.task = Task::Settling(true);
                     } else {
                         self.finish();
                     }
                 }
-                Task::Brake(_, rest) => {
-                    let rest = *rest;
+                Task::Brake(rest) => {
                     self.place = self.trajectory.end().place;
                     if rest == 0 {
                         self.task = Task::Settling(true);
@@ -67,39 +63,44 @@ impl<W: Pend> StepGenerator<'_, W> {
 
     /// Takes the next entry; false if there is none.
     pub(super) fn next_entry(&mut self) -> bool {
-        let Some(entry) = self.moves.dequeue() else {
+        let Some(entry) = self.moves.peek() else {
             return false;
         };
         if entry.epoch != self.epoch || self.has_met_endstop() || self.braking == Braking::Done {
+            self.moves.dequeue();
             self.status.entry_done();
             return true;
         }
-        match entry.work {
+        let is_done = match &entry.work {
             Work::Move(m) => {
                 self.watch = m.watch;
-                let [x, y, z, e] = m.end;
-                let [.., advance] = self.place;
-                let course = Course::new(m, self.place, [x, y, z, e, advance.wrapping_add(m.advance)]);
+                self.course.take_up(m, &self.place);
                 match self.braking {
-                    Braking::Slowing(square) => self.brake(course, Moment { done: 0, square }),
-                    Braking::No | Braking::Done => self.task = Task::Move(course),
+                    Braking::Slowing(square) => self.brake(Moment { done: 0, square }),
+                    Braking::No | Braking::Done => self.task = Task::Move,
                 }
+                false
             }
             Work::Dwell(time) => {
                 self.watch = EndstopSet::NONE;
                 self.task = Task::Dwell((self.last << 16) + time);
+                false
             }
             Work::Follow(axis, taps) => {
-                self.trajectory.follow(usize::from(axis), &taps);
-                self.status.entry_done();
+                self.trajectory.follow(usize::from(*axis), taps);
+                true
             }
             Work::Position([x, y, z, e]) => {
-                self.place = [x, y, z, e, Steps::ZERO];
+                self.place = [*x, *y, *z, *e, Steps::ZERO];
                 for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
-                    track.stand_at(group.coordinate([x, y, z, e]));
+                    track.stand_at(group.coordinate([*x, *y, *z, *e]));
                 }
-                self.status.entry_done();
+                true
             }
+        };
+        self.moves.dequeue();
+        if is_done {
+            self.status.entry_done();
         }
         true
     }
@@ -111,7 +112,7 @@ impl<W: Pend> StepGenerator<'_, W> {
                 if !self.next_entry() {
                     return false;
                 }
-                if matches!(self.task, Task::Move(_) | Task::Brake(..)) {
+                if matches!(self.task, Task::Move | Task::Brake(_)) {
                     let now = self.last << 16;
                     self.trajectory.settle(self.place, now);
                     self.tracks.iter_mut().for_each(|track| track.break_off(now));
@@ -135,7 +136,7 @@ impl<W: Pend> StepGenerator<'_, W> {
                 }
             }
             // Their motors are under way from the moment at which they begin.
-            Task::Move(_) | Task::Brake(..) => {}
+            Task::Move | Task::Brake(_) => {}
         }
         true
     }
