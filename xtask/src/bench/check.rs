@@ -8,6 +8,9 @@ use std::path::Path;
 /// What was committed; `cargo xtask bench --json` writes it anew.
 pub const BASELINE: &str = "xtask/src/bench/baseline.json";
 
+/// The compiler whose code was measured; another one makes other code.
+pub const COMPILER: &str = "rustc 1.95.";
+
 /// A change for the worse by this part is noise, or somebody's good reason.
 const TOLERANCE: f64 = 0.03;
 

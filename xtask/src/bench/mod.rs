@@ -17,8 +17,10 @@ mod rooms;
 
 use crate::checkout;
 use crate::qemu::BOARD;
+use crate::test::{self, Verdict};
 use anyhow::{Context as _, Result};
 use code::Code;
+use figures::Figure;
 use jobs::Job;
 use plugin::Plugin;
 use profile::Profile;
@@ -41,18 +43,11 @@ pub struct Args {
 
 /// Measures.
 pub fn main(args: &Args) -> Result<()> {
-    let image = checkout::build_image(BOARD)?;
-    let elf = std::fs::read(&image).with_context(|| format!("cannot open {}", image.display()))?;
-    let code = Code::read(&elf)?;
-    let folder = checkout::target_dir()?.join("bench");
-    let plugin = Plugin::prepare(&code, &folder)?;
-    let measure =
-        |job: Job| Profile::of(job, &image, &code, &plugin, &folder).with_context(|| format!("the job {job} failed"));
+    let bench = Bench::prepare()?;
     if let Some(job) = args.profile {
-        return report::print_profile(job, &measure(job)?, &code);
+        return report::print_profile(job, &bench.measure(job)?, &bench.code()?);
     }
-    let profiles: BTreeMap<_, _> = Job::ALL.into_iter().map(|job| Ok((job, measure(job)?))).collect::<Result<_>>()?;
-    let figures = figures::figures(&profiles)?;
+    let figures = bench.figures()?;
     report::print_figures(&figures);
     if let Some(path) = &args.json {
         check::write(&figures, path)?;
@@ -61,4 +56,51 @@ pub fn main(args: &Args) -> Result<()> {
         check::compare(&figures, &checkout::root().join(check::BASELINE))?;
     }
     Ok(())
+}
+
+/// As a step of the test: no figure is worse than the committed one.
+pub fn check() -> Result<Verdict> {
+    if !test::has_emulator() {
+        return Ok(Verdict::Skipped(test::lack_of_emulator()));
+    }
+    let compiler = checkout::compiler()?;
+    if !compiler.starts_with(check::COMPILER) {
+        return Ok(Verdict::Skipped(format!("the figures are those of {}, and this is {compiler}", check::COMPILER)));
+    }
+    let figures = Bench::prepare()?.figures()?;
+    check::compare(&figures, &checkout::root().join(check::BASELINE))?;
+    Ok(Verdict::Passed(format!("{} figures", figures.iter().filter(|figure| figure.is_steady).count())))
+}
+
+/// What is needed to measure.
+struct Bench {
+    image: PathBuf,
+    elf: Vec<u8>,
+    plugin: Plugin,
+    folder: PathBuf,
+}
+
+impl Bench {
+    fn prepare() -> Result<Self> {
+        let image = checkout::build_image(BOARD)?;
+        let elf = std::fs::read(&image).with_context(|| format!("cannot open {}", image.display()))?;
+        let folder = checkout::target_dir()?.join("bench");
+        let plugin = Plugin::prepare(&Code::read(&elf)?, &folder)?;
+        Ok(Self { image, elf, plugin, folder })
+    }
+
+    fn code(&self) -> Result<Code<'_>> {
+        Code::read(&self.elf)
+    }
+
+    fn measure(&self, job: Job) -> Result<Profile> {
+        Profile::of(job, &self.image, &self.code()?, &self.plugin, &self.folder)
+            .with_context(|| format!("the job {job} failed"))
+    }
+
+    fn figures(&self) -> Result<Vec<Figure>> {
+        let profiles: BTreeMap<_, _> =
+            Job::ALL.into_iter().map(|job| Ok((job, self.measure(job)?))).collect::<Result<_>>()?;
+        figures::figures(&profiles)
+    }
 }

@@ -15,7 +15,7 @@ mod tools;
 pub use compare::{check_file, sliced_file};
 pub use tools::{has_emulator, lack_of_emulator};
 
-use crate::clients;
+use crate::{bench, clients};
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 
@@ -45,7 +45,7 @@ pub enum Verdict {
 }
 
 /// In this order, as later steps need the tools of the first, and quick steps should fail first.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     Step { name: "tools", heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "lint", heading: "clippy finds nothing, host and boards", run: cargo::lint },
@@ -56,6 +56,7 @@ const STEPS: [Step; 12] = [
     Step { name: "qemu", heading: "QEMU steps as the simulator does", run: compare::check },
     Step { name: "exchange", heading: "QEMU answers hosts as it is written", run: exchanges::check },
     Step { name: "halt", heading: "QEMU stops at M112 within a millisecond", run: halt::check },
+    Step { name: "bench", heading: "no figure of performance has got worse", run: bench::check },
     Step { name: "emulate", heading: "the image for the Octopus steps as the simulator does", run: cargo::emulate },
     Step { name: "clients", heading: "printcore and OctoPrint print on it", run: clients::check },
 ];
