@@ -10,6 +10,10 @@ use crate::motion::{Target, Work};
 use crate::port::{Clock, EndstopSet, MotorSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
 
+/// Moves handed on in one turn: some 10,000 instructions, after which bytes and emergencies are looked at again. The
+/// generator, which is called for each of them, wakes the Console for the next turn.
+const IN_ONE_GO: usize = 8;
+
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
 fn fence(position: [Mm; 4]) -> [Mm; 4] {
     let [x, y, z, e] = position;
@@ -69,7 +73,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.flow.is_level_telling() {
             self.link.status().note_level(level);
         }
-        while self.link.has_room() && (!self.flow.is_gathering() || self.begin_motion()) {
+        for _ in 0..IN_ONE_GO {
+            if !self.link.has_room() || (self.flow.is_gathering() && !self.begin_motion()) {
+                return;
+            }
             if self.planner.is_empty() {
                 if self.link.is_idle() {
                     self.flow.rest();

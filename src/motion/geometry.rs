@@ -71,8 +71,8 @@ impl Geometry {
         let shift = largest.leading_zeros() as i32 - 33;
         let scaled = [x, y, z].map(|d| scale(d.unsigned_abs(), shift));
         let root = u64::from(root_of(scaled.iter().map(|s| s * s).sum::<u64>()));
-        // One division for all three: the root has 31 or 32 bits.
-        let part = (1 << 62) / root;
+        // One division for all three.
+        let part = reciprocal(root);
         let component = |d: i64, s: u64| ((s * part) >> 32) as i32 * d.signum() as i32;
         let unit = [component(x, scaled[0]), component(y, scaled[1]), component(z, scaled[2])];
         let length = scale(root, -shift);
@@ -113,6 +113,24 @@ impl Geometry {
         bounds.bound(motor, x - y, 1.0);
         bounds
     }
+}
+
+/// `2^62 / root`, rounded down, for a root of 31 or 32 bits. Single precision knows 24 bits of it, one of Newton's steps
+/// the others but for a last one: a division of 64 bits takes four times as long.
+fn reciprocal(root: u64) -> u64 {
+    let guess = ((1u64 << 62) as f32 / (root as u32) as f32) as u32;
+    let rest = (1u64 << 62).wrapping_sub(u64::from(guess).wrapping_mul(root)).cast_signed();
+    let correction = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 / (root as u32) as f32;
+    let near = i64::from(guess) + i64::from(correction as i32);
+    let mut rest = (1i64 << 62) - near * root.cast_signed();
+    let (root, mut near) = (root.cast_signed(), near);
+    while rest < 0 {
+        (rest, near) = (rest + root, near - 1);
+    }
+    while rest >= root {
+        (rest, near) = (rest - root, near + 1);
+    }
+    near.cast_unsigned()
 }
 
 fn scale(value: u64, shift: i32) -> u64 {
@@ -167,6 +185,17 @@ mod tests {
             let g = Geometry::new([mm(0.6 * scale), mm(-0.64 * scale), mm(0.48 * scale), 0]);
             let exact = scale * (0.36f64 + 0.4096 + 0.2304).sqrt() * 2f64.powi(32);
             assert!((g.length as f64 - exact).abs() <= 2.0 + exact * 2e-9, "{scale}: {} {exact}", g.length);
+        }
+    }
+
+    #[test]
+    fn reciprocals_are_exact() {
+        let mut root = 1u64 << 30;
+        while root <= u64::from(u32::MAX) {
+            for root in [root, (root + root / 3).min(u64::from(u32::MAX)), u64::from(u32::MAX) - root / 5] {
+                assert_eq!(reciprocal(root), (1 << 62) / root, "{root}");
+            }
+            root += root / 1000;
         }
     }
 

@@ -67,7 +67,13 @@ pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch
     let brakes_first = speeds.entry > speeds.nominal;
     let least = if brakes_first { 1 } else { speeds.entry.max(1) };
     let peak = speeds.nominal.min(meet).max(speeds.exit).max(least);
-    let (entry_speed, peak_speed, exit_speed) = (speed(speeds.entry), speed(peak), speed(speeds.exit));
+    let (entry_speed, exit_speed) = (speed(speeds.entry), speed(speeds.exit));
+    // In the middle of a long ramp the peak is one of the ends, and its root known.
+    let peak_speed = match peak {
+        _ if peak == speeds.exit => exit_speed,
+        _ if peak == speeds.entry => entry_speed,
+        _ => speed(peak),
+    };
 
     let rise = ramp_length(peak.abs_diff(speeds.entry), a).min(length);
     let fall = ramp_length(peak - speeds.exit, a).min(length - rise);

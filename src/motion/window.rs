@@ -127,13 +127,15 @@ pub(super) struct Window<'m> {
     sum: u64,
     /// So many moves leave though they may not be final.
     forced: usize,
+    /// What speeds they leave with is not settled yet.
+    is_unsettled: bool,
     /// Speed squared at the end of the last move that left.
     front: u64,
 }
 
 impl<'m> Window<'m> {
     pub const fn new(memory: &'m mut MoveMemory) -> Self {
-        Self { moves: &mut memory.0, minima: Deque::new(), first: 0, sum: 0, forced: 0, front: 0 }
+        Self { moves: &mut memory.0, minima: Deque::new(), first: 0, sum: 0, forced: 0, is_unsettled: false, front: 0 }
     }
 
     pub fn len(&self) -> usize {
@@ -151,6 +153,7 @@ impl<'m> Window<'m> {
 
     /// Adds a move; the caller has made room.
     pub fn push(&mut self, mut planned: Planned) {
+        self.settle();
         let number = self.first.wrapping_add(self.moves.len() as u16);
         planned.before = self.sum;
         self.note(number, planned.bound());
@@ -177,11 +180,16 @@ impl<'m> Window<'m> {
     pub fn clear(&mut self) {
         self.moves.clear();
         self.minima.clear();
-        (self.sum, self.forced, self.front) = (0, 0, 0);
+        (self.sum, self.forced, self.is_unsettled, self.front) = (0, 0, false, 0);
     }
 
     /// The number of the move with the least corner behind the move of that index. The minima stand in order.
     fn least_behind(&self, index: usize) -> Option<u16> {
+        if index == 0 {
+            // Asked for every move that leaves; the first may be among them.
+            let is_first = self.minima.front() == Some(&self.first);
+            return self.minima.get(usize::from(is_first)).copied();
+        }
         let is_behind = |number: u16| usize::from(number.wrapping_sub(self.first)) > index;
         let (mut low, mut high) = (0, self.minima.len());
         while low < high {
@@ -210,20 +218,25 @@ impl<'m> Window<'m> {
         self.forced > 0 || self.exit(0, self.front).is_some_and(|(_, is_final)| is_final)
     }
 
-    /// Lets the first `count` moves leave though they may not be final. Their speeds are settled now, or they would depend
-    /// on what is added until they leave.
+    /// Lets the first `count` moves leave though they may not be final.
     pub fn force(&mut self, count: usize) {
         let count = count.min(self.moves.len());
-        if count <= self.forced {
+        if count > self.forced {
+            (self.forced, self.is_unsettled) = (count, true);
+        }
+    }
+
+    /// Settles the speeds of the moves that were made to leave, or they would depend on what is added until they do.
+    fn settle(&mut self) {
+        if !core::mem::take(&mut self.is_unsettled) {
             return;
         }
         let mut entry = self.front;
-        for index in 0..count {
+        for index in 0..self.forced {
             let planned = self.exit(index, entry).map_or(0, |(exit, _)| exit);
             let Some(this) = self.moves.get_mut(index) else { break };
             entry = *this.exit.get_or_insert(planned);
         }
-        self.forced = self.forced.max(count);
     }
 
     /// Nominal time of the moves that are final, in ticks. Looks at all of them.
@@ -279,7 +292,7 @@ impl<'m> Window<'m> {
             passed_on = planned.passed_on();
         }
         self.sum = sum;
-        self.forced = 0;
+        (self.forced, self.is_unsettled) = (0, false);
         self.minima.clear();
         for i in 0..self.moves.len() as u16 {
             let number = self.first.wrapping_add(i);
