@@ -38,7 +38,7 @@ pub fn figures(profiles: &BTreeMap<Job, Profile>) -> Result<Vec<Figure>> {
     let profile = |job| profiles.get(&job).with_context(|| format!("the job {job} was not run"));
     let mut figures = of_steps(profile(Job::S)?);
     figures.extend(of_shares(profile(Job::S)?, profile(Job::Shaped)?));
-    figures.extend(of_rates(profile(Job::Dense)?));
+    figures.extend(of_rates(profile(Job::Dense)?, profile(Job::Axis)?));
     figures.extend(of_planner(profile(Job::Planner)?, profile(Job::Gathered)?));
     figures.extend(of_lines(profile(Job::Parse)?, profile(Job::Plain)?));
     Ok(figures)
@@ -79,33 +79,24 @@ fn of_shares(plain: &Profile, shaped: &Profile) -> Vec<Figure> {
     ]
 }
 
-/// The dense job: how many steps fit into a second if this work is all there is.
-fn of_rates(dense: &Profile) -> Vec<Figure> {
-    let rate = |contexts: &[Context], with_rig: bool| {
-        let cycles = dense.cycles(contexts, |spot| with_rig || spot.room != Some(Room::Rig));
-        CYCLES_PER_SECOND * dense.motor_steps as f64 / cycles as f64
-    };
-    let rate = |name, contexts: &[Context], with_rig, goal, peers| Figure {
-        name,
-        value: rate(contexts, with_rig).round(),
-        is_rate: true,
-        is_steady: true,
-        goal,
-        peers,
+/// The dense jobs: how many steps fit into a second if this work is all there is.
+fn of_rates(dense: &Profile, axis: &Profile) -> Vec<Figure> {
+    let rate = |name, job: &Profile, contexts: &[Context], with_rig, goal, peers| {
+        let cycles = job.cycles(contexts, |spot| with_rig || spot.room != Some(Room::Rig));
+        let value = (CYCLES_PER_SECOND * job.motor_steps as f64 / cycles as f64).round();
+        Figure { name, value, is_rate: true, is_steady: true, goal, peers }
     };
     let (all, isr) = (&Context::BUSY, &[Context::Steps]);
+    const ALL_IN: &str = "grblHAL 1.88 M without shaping, RRF 0.75 M, Prusa 0.13 M";
     const PEAK: &str = "Klipper 1.70 M, grblHAL 1.88 M, Marlin 1.19 M, RRF 0.75 M, Prusa 0.13 M (job S)";
     vec![
-        rate(
-            "sustained_motor_steps_per_s",
-            all,
-            true,
-            Some(2e6),
-            "grblHAL 1.88 M without shaping, RRF 0.75 M, Prusa 0.13 M",
-        ),
-        rate("sustained_without_rig_motor_steps_per_s", all, false, None, ""),
-        rate("peak_event_motor_steps_per_s", isr, true, Some(3e6), PEAK),
-        rate("peak_event_without_rig_motor_steps_per_s", isr, false, Some(3e6), PEAK),
+        rate("sustained_motor_steps_per_s", dense, all, true, Some(2e6), ALL_IN),
+        rate("sustained_without_rig_motor_steps_per_s", dense, all, false, Some(2e6), ALL_IN),
+        rate("sustained_axis_motor_steps_per_s", axis, all, true, Some(2e6), ALL_IN),
+        rate("peak_event_motor_steps_per_s", dense, isr, true, Some(3e6), PEAK),
+        rate("peak_event_without_rig_motor_steps_per_s", dense, isr, false, Some(3e6), PEAK),
+        rate("peak_event_axis_motor_steps_per_s", axis, isr, true, Some(5e6), ""),
+        rate("peak_event_axis_without_rig_motor_steps_per_s", axis, isr, false, Some(5e6), ""),
     ]
 }
 

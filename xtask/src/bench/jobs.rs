@@ -25,6 +25,8 @@ pub enum Job {
     Shaped,
     /// X+240 Y+100 with 9,600 steps of E at 300 mm/s and 160 steps/mm, shaped as well: little but steps.
     Dense,
+    /// X+240 alone, else as before: all four belt motors step in the same events.
+    Axis,
     /// 300 moves of 0.2 mm in a straight line at up to 300 mm/s, which they never reach.
     Planner,
     /// The first 140 of them, which are all planned before motion begins.
@@ -37,14 +39,15 @@ pub enum Job {
 
 impl Job {
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::S, Self::Shaped, Self::Dense, Self::Planner, Self::Gathered, Self::Parse, Self::Plain];
+    pub const ALL: [Self; 8] =
+        [Self::S, Self::Shaped, Self::Dense, Self::Axis, Self::Planner, Self::Gathered, Self::Parse, Self::Plain];
 
     /// What the host sends.
     pub fn gcode(self) -> String {
         match self {
             Self::S | Self::Shaped => "G1 X70 Y35 E6 F6000\n".to_owned(),
             Self::Dense => "G1 X250 Y110 E24 F18000\n".to_owned(),
+            Self::Axis => "G1 X250 E24 F18000\n".to_owned(),
             Self::Planner | Self::Gathered => line(self.moves()),
             Self::Parse | Self::Plain => circle(),
         }
@@ -53,13 +56,13 @@ impl Job {
     /// The machine.
     pub fn settings(self) -> Settings {
         let mut settings = Settings::prototype();
-        if matches!(self, Self::Shaped | Self::Dense) {
+        if matches!(self, Self::Shaped | Self::Dense | Self::Axis) {
             let shaper =
                 Shaper { kind: ShaperKind::Mzv, frequency: Hertz::from_num(60), damping: Ratio::from_num(0.1) };
             (settings.shapers.x, settings.shapers.y) = (shaper, shaper);
             settings.advance.time = Seconds::from_num(0.05);
         }
-        if self == Self::Dense {
+        if matches!(self, Self::Dense | Self::Axis) {
             for axis in [&mut settings.axes.x, &mut settings.axes.y] {
                 axis.steps_per_mm = StepsPerMm::from_num(160);
             }
@@ -75,7 +78,7 @@ impl Job {
     /// Moves in it.
     pub const fn moves(self) -> u32 {
         match self {
-            Self::S | Self::Shaped | Self::Dense => 1,
+            Self::S | Self::Shaped | Self::Dense | Self::Axis => 1,
             Self::Planner => MOVES,
             Self::Gathered => GATHERED,
             Self::Parse | Self::Plain => CHORDS,
@@ -94,6 +97,7 @@ impl fmt::Display for Job {
             Self::S => "s",
             Self::Shaped => "shaped",
             Self::Dense => "dense",
+            Self::Axis => "axis",
             Self::Planner => "planner",
             Self::Gathered => "gathered",
             Self::Parse => "parse",
