@@ -1,5 +1,7 @@
 //! Motion, held to an independent model: steps on time, limits kept, every move able to stop.
 
+mod corners;
+mod dice;
 mod line;
 mod model;
 mod properties;

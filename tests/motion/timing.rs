@@ -1,21 +1,10 @@
 //! Steps on time: every step against the model's crossing, over ten thousand moves.
 
+use super::dice::Dice;
 use super::line::{Step, generate, plan};
 use super::model::{crossings, trapezoids};
 use corehbot::kinematics::GROUPS;
 use corehbot::settings::Settings;
-
-/// A repeatable source of numbers in 0..1 (Marsaglia, "Xorshift RNGs", 2003).
-struct Dice(u64);
-
-impl Dice {
-    fn roll(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 /// A wandering path with long and short moves, corners of all angles, hops and retractions.
 pub fn wander(count: usize, seed: u64) -> Vec<([f64; 4], f64)> {
