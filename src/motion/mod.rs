@@ -22,6 +22,7 @@ mod stepgen;
 mod stepper;
 mod track;
 mod trajectory;
+mod trend;
 mod window;
 
 pub use event::{LONGEST_INTERVAL, StepEvent};

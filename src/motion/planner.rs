@@ -7,6 +7,7 @@ use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
 use super::overrides::percent_of;
+use super::trend::Trend;
 use super::window::{FORCED_BATCH, MoveMemory, Planned, WINDOW, Window};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
@@ -45,6 +46,8 @@ pub struct Planner<'m> {
     pub(super) asked: [Mm; 4],
     /// The last move and its nominal speed squared, for the corner to the next.
     pub(super) last: (Geometry, u64),
+    /// How much the path bends there.
+    trend: Trend,
     /// Nominal time of the moves in the window, in ticks.
     pub(super) waiting: u64,
     /// Feed override in percent.
@@ -66,6 +69,7 @@ impl<'m> Planner<'m> {
             end: [Steps::ZERO; 4],
             asked: position,
             last: (Geometry::new([0; 4]), 0),
+            trend: Trend::default(),
             waiting: 0,
             feed_percent: 100,
             gone: Steps::ZERO,
@@ -114,6 +118,7 @@ impl<'m> Planner<'m> {
     /// Forgets all moves: the machine stands at `position` in steps.
     pub fn stand_at(&mut self, position: [Steps; 4]) {
         self.window.clear();
+        self.trend = Trend::default();
         self.waiting = 0;
         self.end = position;
         self.gone = position[3];
@@ -139,13 +144,14 @@ impl<'m> Planner<'m> {
         let feed = target.speed.max(least);
         let acceleration = vector.acceleration_limit(acceleration, settings);
         let (before, passed_on) = self.last;
+        self.trend.follow(&vector);
         let mut planned = Planned {
             end,
             vector,
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
             nominal: feed,
             acceleration,
-            corner: corner_speed_sq(&before, &vector, acceleration, settings),
+            corner: corner_speed_sq(&before, &vector, &self.trend, acceleration, settings),
             cap: 0,
             before: 0,
             exit: None,

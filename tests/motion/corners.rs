@@ -161,7 +161,7 @@ fn corners_in_space_are_passed_at_the_speed_of_the_geometry() {
         let s = machine(&mut dice);
         let first = direction(&mut dice);
         let second = turned(first, &mut dice);
-        let mut length = || 2.0 + 28.0 * dice.roll();
+        let mut length = || 10.0 + 20.0 * dice.roll();
         let (p, q) = (scaled(first, length()), scaled(second, length()));
         let mut extrusion = || if dice.roll() < 0.3 { 0.0 } else { 3.0 * dice.roll() };
         let (ep, eq) = (extrusion(), extrusion());

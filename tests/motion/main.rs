@@ -1,5 +1,6 @@
 //! Motion, held to an independent model: steps on time, limits kept, every move able to stop.
 
+mod circles;
 mod corners;
 mod dice;
 mod line;
