@@ -7,6 +7,7 @@ use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
 use super::overrides::percent_of;
+use super::profile::ramps_of;
 use super::trend::Trend;
 use super::window::{FORCED_BATCH, MoveMemory, Planned, WINDOW, Window};
 use crate::port::EndstopSet;
@@ -148,6 +149,11 @@ impl<'m> Planner<'m> {
         let mut planned = Planned {
             end,
             vector,
+            ramps: if vector.is_extruder_only() {
+                vector.length
+            } else {
+                ramps_of(vector.length, settings.minimum_cruise_ratio)
+            },
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
             nominal: feed,
             acceleration,

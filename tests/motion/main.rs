@@ -9,3 +9,4 @@ mod properties;
 mod shaped;
 mod shapers;
 mod timing;
+mod zigzag;

@@ -1,7 +1,8 @@
 //! An independent model of look-ahead and trapezoids, in floating point and with the whole path known.
 //!
 //! It shares no code with the planner. What it takes from the firmware's documentation: moves of at least
-//! 1 mm in x or y end on whole steps of x and y, the junction-deviation law, the trend of the path, and the limits.
+//! 1 mm in x or y end on whole steps of x and y, the junction-deviation law, the trend of the path, the minimum cruise
+//! ratio, and the limits.
 
 use corehbot::settings::{CornerRule, Settings};
 
@@ -222,7 +223,11 @@ pub fn trapezoids(targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Trapezoid> {
     ways.iter()
         .enumerate()
         .map(|(i, w)| {
-            let meet = ((entry[i].powi(2) + entry[i + 1].powi(2)) / 2.0 + w.a * w.length).sqrt();
+            // Both ramps together are at most so long, if the ends allow it; the extruder alone need not cruise.
+            let cruise = if w.unit == [0.0; 3] { 0.0 } else { s.minimum_cruise_ratio.to_num::<f64>() };
+            let ramps = w.length * (1.0 - cruise);
+            let meet = ((entry[i].powi(2) + entry[i + 1].powi(2)) / 2.0 + w.a * ramps).sqrt();
+            let meet = meet.max(entry[i]).max(entry[i + 1]);
             Trapezoid {
                 from: w.from,
                 to: w.to,
