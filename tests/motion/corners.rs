@@ -10,7 +10,7 @@ use super::dice::Dice;
 use super::line::plan;
 use corehbot::motion::{Move, WHOLE};
 use corehbot::settings::{CornerRule, Settings};
-use corehbot::units::{Mm, MmPerSec, MmPerSec2, Steps};
+use corehbot::units::{Mm, MmPerSec, MmPerSec2, Ratio, Steps};
 
 /// Speeds are planned in single precision, from directions of 30 bits: over a million corners that made 3.6e-5 of the speed
 /// at most.
@@ -134,8 +134,10 @@ fn turned(p: Vector, dice: &mut Dice) -> Vector {
     }
 }
 
-fn machine(dice: &mut Dice) -> Settings {
+/// A machine of random limits.
+pub fn machine(dice: &mut Dice) -> Settings {
     let mut s = Settings::prototype();
+    let cruise = 0.9 * dice.roll();
     let mut between = |least: f64, most: f64| least * (most / least).powf(dice.roll());
     s.print_acceleration = MmPerSec2::from_num(between(300.0, 20_000.0));
     s.travel_acceleration = MmPerSec2::from_num(between(300.0, 20_000.0));
@@ -144,6 +146,7 @@ fn machine(dice: &mut Dice) -> Settings {
     s.axes.z.max_acceleration = MmPerSec2::from_num(between(50.0, 5000.0));
     s.motor_max_acceleration = MmPerSec2::from_num(between(500.0, 20_000.0));
     s.motor_max_speed = MmPerSec::from_num(between(100.0, 900.0));
+    s.minimum_cruise_ratio = Ratio::from_num(cruise);
     s.extruder_jerk = MmPerSec::from_num(between(0.5, 20.0));
     s.corner = if between(1.0, 4.0) < 2.0 {
         CornerRule::SquareCorner(MmPerSec::from_num(between(1.0, 20.0)))
