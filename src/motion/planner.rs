@@ -6,7 +6,7 @@
 use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
-use super::overrides::percent_of;
+use super::overrides::Override;
 use super::profile::ramps_of;
 use super::trend::Trend;
 use super::window::{FORCED_BATCH, MoveMemory, Planned, WINDOW, Window};
@@ -51,8 +51,8 @@ pub struct Planner<'m> {
     trend: Trend,
     /// Nominal time of the moves in the window, in ticks.
     pub(super) waiting: u64,
-    /// Feed override in percent.
-    pub(super) feed_percent: u16,
+    /// How much of the feed is wanted.
+    pub(super) wanted: Override,
     /// Filament where the last move ends that has left.
     pub(super) gone: Steps,
     moves: u32,
@@ -72,7 +72,7 @@ impl<'m> Planner<'m> {
             last: (Geometry::new([0; 4]), 0),
             trend: Trend::default(),
             waiting: 0,
-            feed_percent: 100,
+            wanted: Override::NONE,
             gone: Steps::ZERO,
             moves: 0,
             path: 0,
@@ -169,7 +169,7 @@ impl<'m> Planner<'m> {
                 Seconds::ZERO
             },
         };
-        planned.set_nominal(if target.has_overrides { percent_of(feed, self.feed_percent) } else { feed }, settings);
+        planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed }, settings);
         planned.limit_entry(passed_on);
         self.waiting += u64::from(planned.nominal_ticks);
         self.last = (vector, planned.passed_on());

@@ -23,8 +23,11 @@ impl<W: Pend> StepGenerator<'_, W> {
     pub(super) fn lay_more(&mut self) -> Supply {
         loop {
             if let Task::Move(course) | Task::Brake(course, _) = &mut self.task
-                && course.lay_next(&mut self.trajectory)
+                && let Some(added) = course.lay_next(&mut self.trajectory)
             {
+                if added > 0 {
+                    self.status.count_squeezed((added >> 16) as u32);
+                }
                 return Supply::Laid;
             }
             match &mut self.task {
