@@ -3,11 +3,14 @@
 //! Single atomics, each with one writer (`epoch` apart, which the Console writes). A count that both sides
 //! keep tells idleness without a race: nothing is under way when as much was finished as was begun.
 
+mod overload;
 mod played;
 mod told;
 
 use crate::motors::{EndstopSet, MOST_GROUPS};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
+use overload::Lateness;
+pub use overload::{Late, Overload};
 use played::Played;
 use told::Told;
 
@@ -36,8 +39,10 @@ pub struct Status {
     rested: AtomicU32,
     /// How often the StepQueue ran dry in mid-motion; written by the Stepper.
     starved: AtomicU32,
-    /// How often an event came so late that time was stretched; written by the Stepper.
-    stretched: AtomicU32,
+    /// Events that came so late that time was stretched; written by the Stepper.
+    late: Lateness,
+    /// Spans that were made longer; written by the StepGenerator.
+    squeezed: Lateness,
     /// Whether the Console waits for the host and has nothing else to do.
     awaiting_input: AtomicBool,
     /// Moves planned.
@@ -82,7 +87,8 @@ impl Status {
             events_made: AtomicU32::new(0),
             rested: AtomicU32::new(0),
             starved: AtomicU32::new(0),
-            stretched: AtomicU32::new(0),
+            late: Lateness::new(),
+            squeezed: Lateness::new(),
             awaiting_input: AtomicBool::new(false),
             moves: AtomicU32::new(0),
             path_um: AtomicU32::new(0),
@@ -213,18 +219,29 @@ impl Status {
         self.entries_done.load(Acquire) == entries && self.has_rested()
     }
 
-    /// Times the StepQueue ran dry in mid-motion, and times an event was so late that time was stretched.
+    /// What was too slow since the start.
     #[must_use]
-    pub fn overload(&self) -> (u32, u32) {
-        (self.starved.load(Relaxed), self.stretched.load(Relaxed))
+    pub fn overload(&self) -> Overload {
+        Overload {
+            events: self.late.told(),
+            spans: self.squeezed.told(),
+            starved: self.starved.load(Relaxed),
+            underruns: self.underruns.load(Relaxed),
+        }
     }
 
     pub(crate) fn count_starved(&self) {
         self.starved.store(self.starved.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    pub(crate) fn count_stretched(&self) {
-        self.stretched.store(self.stretched.load(Relaxed).wrapping_add(1), Relaxed);
+    /// An event came so many ticks late that all later ones are moved.
+    pub(crate) fn count_late(&self, ticks: u32) {
+        self.late.add(ticks);
+    }
+
+    /// A span was made longer by so many ticks.
+    pub(crate) fn count_squeezed(&self, ticks: u32) {
+        self.squeezed.add(ticks);
     }
 
     /// Whether the Console waits for the host and has nothing else to do.
@@ -246,12 +263,6 @@ impl Status {
     pub(crate) fn set_planned(&self, moves: u32, path_um: u32) {
         self.moves.store(moves, Relaxed);
         self.path_um.store(path_um, Relaxed);
-    }
-
-    /// Times the host was so slow that the look-ahead had to let go of moves unfinished.
-    #[must_use]
-    pub fn underruns(&self) -> u32 {
-        self.underruns.load(Relaxed)
     }
 
     pub(crate) fn count_underrun(&self) {

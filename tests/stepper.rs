@@ -7,7 +7,7 @@ use corehbot::motion::{
 };
 use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
-use corehbot::status::Status;
+use corehbot::status::{Late, Overload, Status};
 use corehbot::units::{Mm, MmPerSec, Tick};
 use std::cell::{Cell, RefCell};
 
@@ -158,7 +158,7 @@ fn a_late_interrupt_stretches_time_and_is_counted() {
     let gaps: Vec<u32> = rises.windows(2).map(|w| w[1].1 - w[0].1).collect();
     assert!(gaps.iter().all(|g| *g >= 1000), "no two steps are closer than planned: {gaps:?}");
     assert_eq!(gaps.iter().filter(|g| **g == 1700).count(), 1);
-    assert_eq!(status.overload(), (0, 1));
+    assert_eq!(status.overload(), Overload { events: Late { count: 1, worst: 700 }, ..Overload::default() });
 }
 
 #[test]
@@ -168,14 +168,15 @@ fn a_little_lateness_is_made_good() {
         (0..10).map(|_| event(1000, V, DOWN)).chain([event(1, GroupSet::NONE, DOWN)]).collect();
     play(&bench, &status, &events, 0, |ring| u32::from(ring % 2 == 0) * 60);
     assert!(rises(&bench).iter().all(|(tick, at)| u64::from(*at) - tick <= 60));
-    assert_eq!(status.overload(), (0, 0));
+    assert_eq!(status.overload(), Overload::default());
 }
 
 #[test]
 fn a_queue_that_runs_dry_in_mid_motion_is_counted() {
     let (bench, status) = (Bench::default(), Status::new());
     play(&bench, &status, &[event(1000, V, DOWN), event(1000, V, DOWN)], 0, |_| 0);
-    assert_eq!(status.overload(), (1, 0), "the last event is a step, not a rest");
+    let dry = Overload { starved: 1, ..Overload::default() };
+    assert_eq!(status.overload(), dry, "the last event is a step, not a rest");
 }
 
 #[test]

@@ -275,6 +275,8 @@ pub enum Command<'a> {
         /// W: over how long the speed is averaged, in s.
         window: Option<Number>,
     },
+    /// SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO: the part of a move over which its speed holds at least, or report.
+    CruiseRatio(Option<Number>),
     /// T: choose a tool.
     Tool(u8),
     /// A command for heaters or fans, of which this firmware has none yet.

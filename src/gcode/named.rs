@@ -2,7 +2,7 @@
 
 use super::command::Command;
 use super::lexer::skip_blanks;
-use super::shaping::set_pressure_advance;
+use super::shaping::{set_pressure_advance, set_velocity_limit};
 
 /// What the objects of a print are called, and where each begins and ends. Nothing here depends on it.
 const SILENT: [&[u8]; 3] = [b"EXCLUDE_OBJECT_DEFINE", b"EXCLUDE_OBJECT_START", b"EXCLUDE_OBJECT_END"];
@@ -23,6 +23,9 @@ pub(super) fn parse_named(text: &[u8]) -> Option<Command<'static>> {
     }
     if is(b"SET_PRESSURE_ADVANCE") {
         return Some(set_pressure_advance(rest));
+    }
+    if is(b"SET_VELOCITY_LIMIT") {
+        return set_velocity_limit(rest);
     }
     // A multi-material unit's loading, cutting and choosing: Tx, Tc and T?.
     matches!((name, rest), (b"Tx" | b"Tc", _) | (b"T", b"?")).then_some(Command::Silent)

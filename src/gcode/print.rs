@@ -104,6 +104,10 @@ impl Display for Command<'_> {
                 word(f, 'S', time)?;
                 word(f, 'W', window)
             }
+            Self::CruiseRatio(ratio) => {
+                f.write_str("SET_VELOCITY_LIMIT")?;
+                ratio.map_or(Ok(()), |ratio| write!(f, " MINIMUM_CRUISE_RATIO={ratio}"))
+            }
             Self::Tool(tool) => write!(f, "T{tool}"),
             Self::Heater => f.write_str("M107"),
             Self::ColdExtrusion => f.write_str("M302"),

@@ -1,4 +1,4 @@
-//! Shaping: input shapers, and pressure advance in the words of three firmwares.
+//! Shaping: input shapers, pressure advance in the words of three firmwares, and Klipper's minimum cruise ratio.
 
 use super::command::{AxisFlags, Command};
 use super::lexer::{Words, is_blank};
@@ -50,15 +50,27 @@ pub(super) fn pressure_advance(text: &[u8]) -> Command<'static> {
 
 /// SET_PRESSURE_ADVANCE ADVANCE=.. SMOOTH_TIME=.. (Klipper).
 pub(super) fn set_pressure_advance(text: &[u8]) -> Command<'static> {
-    let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
-    let value = |name: &[u8]| {
-        let mut words = text.split(|byte| is_blank(*byte));
-        words.find_map(|word| {
-            let (key, value) = word.split_at_checked(name.len())?;
-            key.eq_ignore_ascii_case(name).then(|| scientific(value))?
-        })
-    };
-    Command::Advance { time: value(b"ADVANCE="), window: value(b"SMOOTH_TIME=") }
+    Command::Advance { time: value(text, b"ADVANCE="), window: value(text, b"SMOOTH_TIME=") }
+}
+
+/// SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=.. (Klipper); without words a report. Its other words are not known.
+pub(super) fn set_velocity_limit(text: &[u8]) -> Option<Command<'static>> {
+    let ratio = value(text, b"MINIMUM_CRUISE_RATIO=");
+    let is_report = words(text).all(<[u8]>::is_empty);
+    (ratio.is_some() || is_report).then_some(Command::CruiseRatio(ratio))
+}
+
+/// What stands between blanks, as far as a comment.
+fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    text.split(|byte| *byte == b';').next().unwrap_or_default().split(|byte| is_blank(*byte))
+}
+
+/// The number behind a name with its `=`.
+fn value(text: &[u8], name: &[u8]) -> Option<Number> {
+    words(text).find_map(|word| {
+        let (key, value) = word.split_at_checked(name.len())?;
+        key.eq_ignore_ascii_case(name).then(|| scientific(value))?
+    })
 }
 
 /// `number` times a power of ten, to the nearest (a tie away from zero).
@@ -119,6 +131,15 @@ mod tests {
         for line in ["M900", "M572", "M572 D0", "M900 W0.4", "SET_PRESSURE_ADVANCE", "SET_PRESSURE_ADVANCE ADVANCE="] {
             assert_eq!(parse(line.as_bytes()), advance(None, None), "{line}");
         }
+    }
+
+    #[test]
+    fn the_minimum_cruise_ratio_in_the_words_of_klipper() {
+        assert_eq!(parse(b"SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.3"), Command::CruiseRatio(number("0.3")));
+        assert_eq!(parse(b"set_velocity_limit accel=500 minimum_cruise_ratio=0"), Command::CruiseRatio(number("0")));
+        assert_eq!(parse(b"SET_VELOCITY_LIMIT ; all of them"), Command::CruiseRatio(None));
+        let other = b"SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=5";
+        assert_eq!(parse(other), Command::Unknown(other));
     }
 
     #[test]

@@ -54,6 +54,8 @@ pub(super) enum Answer<'a> {
     Endstops(EndstopSet),
     SoftEndstops,
     Sensors,
+    /// M122: what was too slow.
+    Overload,
     /// A setting as the line that sets it.
     Setting(Setting),
     /// M503: all of them.
@@ -193,6 +195,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Answer::Endstops(pressed) => self.say_endstops(pressed),
             Answer::SoftEndstops => self.say_soft_endstops(),
             Answer::Sensors => self.say_sensors(),
+            Answer::Overload => self.say_overload(),
             Answer::Setting(setting) => self.say_setting(setting),
             Answer::Settings => self.say_settings(),
             Answer::OneBelt(code) => {

@@ -23,6 +23,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::Corners { deviation, jerk, min_feed, min_travel } => {
                 self.set_corners(deviation, &jerk, min_feed, min_travel)
             }
+            Command::CruiseRatio(ratio) => self.set_cruise_ratio(ratio),
             Command::Keepalive(seconds) => self.set_keepalive(seconds),
             Command::DriverCurrent(words) => self.set_drivers(DriverValue::Current, &words),
             Command::HybridThreshold(words) => self.set_drivers(DriverValue::HybridThreshold, &words),

@@ -69,6 +69,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Command::Diagnose => {
                 self.report_drivers().await?;
+                self.tell(Answer::Overload).await?;
                 return Ok(Answer::Sensors);
             }
             Command::SaveSettings => return self.save_settings().await.map(Answer::Storage),

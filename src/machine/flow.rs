@@ -4,6 +4,7 @@
 //! when the host's bytes arrived, so only final moves leave by themselves (see `motion::window`). Time has
 //! a say in two cases alone: when motion begins, which changes no speed, and when the stream is dry.
 
+use super::slowdown::Slowdown;
 use crate::units::{Instant, TICKS_PER_MS};
 
 /// Motion begins when this much of it is final: sixteen lines of a host behind an USB adapter whose latency
@@ -53,22 +54,32 @@ pub(super) struct Flow {
     was_full: bool,
     /// Moves planned when it was last asked whether motion begins.
     judged: u32,
+    slowdown: Slowdown,
 }
 
 impl Flow {
     pub const fn new() -> Self {
-        Self { gathering: true, added: Instant(0), counted: false, was_full: false, judged: 0 }
+        let slowdown = Slowdown::new();
+        Self { gathering: true, added: Instant(0), counted: false, was_full: false, judged: 0, slowdown }
     }
 
     /// A move was added.
     pub const fn add(&mut self, now: Instant) {
         self.added = now;
+        self.slowdown.add();
+    }
+
+    /// The share of the feed that the stream allows, in sixteenths, given the nominal time of the moves that wait and the
+    /// time of those that are queued, in ticks.
+    pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
+        self.slowdown.share(waiting, queued)
     }
 
     /// The look-ahead is full.
     pub const fn fill(&mut self) {
         self.gathering = false;
         self.was_full = true;
+        self.slowdown = Slowdown::new();
     }
 
     /// Whether the look-ahead has once been full, so that its level says something of the host.
@@ -80,6 +91,7 @@ impl Flow {
     pub const fn drain(&mut self) {
         self.gathering = false;
         self.was_full = false;
+        self.slowdown = Slowdown::new();
     }
 
     /// Motion rests, and begins anew with the next move.
@@ -124,6 +136,7 @@ impl Flow {
 
     /// A move left before it was final; true if that is a new drought.
     pub const fn note_drought(&mut self) -> bool {
+        self.slowdown.note_drought();
         !core::mem::replace(&mut self.counted, true)
     }
 }

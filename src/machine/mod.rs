@@ -29,6 +29,7 @@ mod retraction;
 mod sensors;
 mod setting;
 mod shaping;
+mod slowdown;
 mod tuning;
 
 pub use console::{Console, PortSet, Ports};

@@ -5,6 +5,7 @@ use super::console::{Console, Interrupt, PortSet};
 use super::flow::{GATHERED, Release};
 use super::limits::clamp;
 use super::modal::FARTHEST;
+use super::slowdown;
 use crate::kinematics::{GROUPS, count_at};
 use crate::motion::{Target, Work};
 use crate::port::{Clock, EndstopSet, MotorSet, Pend};
@@ -48,10 +49,17 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 self.turn().await?;
             }
         }
-        self.planner.push(&target, &self.settings);
         self.flow.add(self.ports.clock.now());
+        self.follow_stream();
+        self.planner.push(&target, &self.settings);
         self.note_path();
         Ok(())
+    }
+
+    /// Slows down for a stream that has run dry and goes on.
+    fn follow_stream(&mut self) {
+        let share = self.flow.share(self.planner.waiting(), self.link.left());
+        self.planner.take_share(share, slowdown::WHOLE, &self.settings);
     }
 
     /// M220: from now on, and for the moves that wait.
@@ -66,8 +74,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Hands released moves on, and releases more when it is time.
     pub(super) fn feed_motion(&mut self) {
-        // Asked at every turn, because it counts up what was stepped.
-        self.link.left();
+        // Asks how much is left at every turn, because that counts up what was stepped.
+        self.follow_stream();
         let level = (self.planner.len() + self.link.level()) as u32;
         self.link.status().set_level(level);
         if self.flow.is_level_telling() {

@@ -3,8 +3,9 @@
 use super::console::{Console, PortSet};
 use super::limits::Homed;
 use crate::port::{EndstopSet, Pend};
+use crate::status::{Late, Overload};
 use crate::storage;
-use crate::units::Mm;
+use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
 
 /// What hosts may rely on. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which the report says
@@ -87,6 +88,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.link.status().inputs().has(EndstopSet::PROBE) {
             self.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));
         }
+    }
+
+    /// Part of M122: what was too slow since the start, and the worst of it.
+    pub(super) fn say_overload(&mut self) {
+        let Overload { events, spans, starved, underruns } = self.link.status().overload();
+        let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };
+        self.say(format_args!(
+            "echo:overload: {} steps late, worst {} us; {} spans stretched, worst {} us; {starved} times out of steps, \
+             {underruns} times out of moves",
+            events.count,
+            us(events),
+            spans.count,
+            us(spans)
+        ));
     }
 
     /// M211 without S.

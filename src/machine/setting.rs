@@ -24,6 +24,8 @@ pub(super) enum Setting {
     Accelerations,
     /// M205.
     Corners,
+    /// SET_VELOCITY_LIMIT.
+    CruiseRatio,
     /// M593.
     Shapers,
     /// M900 and M572.
@@ -35,12 +37,13 @@ pub(super) enum Setting {
 }
 
 impl Setting {
-    const ALL: [Self; 9] = [
+    const ALL: [Self; 10] = [
         Self::Resolutions,
         Self::MaxSpeeds,
         Self::MaxAccelerations,
         Self::Accelerations,
         Self::Corners,
+        Self::CruiseRatio,
         Self::Shapers,
         Self::Advance,
         Self::Retraction,
@@ -93,6 +96,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                         self.say(format_args!("echo:  M205 X{v} Y{v} E{e} S{feed} T{travel}"));
                     }
                 }
+            }
+            Setting::CruiseRatio => {
+                let ratio = shortest(s.minimum_cruise_ratio);
+                self.say(format_args!("echo:  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
             }
             Setting::Shapers => {
                 let shapers = s.shapers;

@@ -25,7 +25,7 @@ pub(super) struct ShaperWords {
 }
 
 /// The value nearest to a number.
-fn nearest<T: Fixed>(number: Number) -> T {
+pub(super) fn nearest<T: Fixed>(number: Number) -> T {
     let half = I32F32::from_bits(1 << 31 >> T::FRAC_NBITS);
     T::saturating_from_num(number.value().saturating_add(half))
 }

@@ -3,6 +3,7 @@
 use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use super::setting::Setting;
+use super::shaping::nearest;
 use crate::gcode::{AxisWords, Number};
 use crate::port::Pend;
 use crate::settings::{AxisSettings, CornerRule, Settings, ranges};
@@ -129,6 +130,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if let Some(number) = min_travel {
             self.settings.min_travel = least(&self.modal, number);
         }
+        Answer::Nothing
+    }
+
+    /// SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO.
+    pub(super) fn set_cruise_ratio(&mut self, ratio: Option<Number>) -> Answer<'static> {
+        let Some(ratio) = ratio else { return Setting::CruiseRatio.answer() };
+        self.settings.minimum_cruise_ratio = ranges::CRUISE_RATIO.clamp(nearest(ratio));
         Answer::Nothing
     }
 

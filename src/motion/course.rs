@@ -64,23 +64,23 @@ impl Course {
         Some(Tail { phase: *last, begin, length: self.m.length })
     }
 
-    /// Lays the next span; false if all are.
-    pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> bool {
-        let Some(phase) = self.phases.get(self.index).copied() else {
-            return false;
-        };
+    /// Lays the next span, and says how much longer it was made than planned, in ticks times 2^16; `None` if all are
+    /// laid.
+    pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> Option<u64> {
+        let phase = self.phases.get(self.index).copied()?;
         let left = phase.time - self.elapsed;
         // The last two are alike, so that none is too short.
         let time = if left <= LONGEST { left } else { LONGEST.min(left / 2) };
         let from = self.elapsed;
         let span = if time == phase.time { phase } else { phase.cut(self.begin, from, from + time) };
-        trajectory.lay(&self.first, &self.last, &Phase { time: span.time.max(trajectory.least_time()), ..span });
+        let added = trajectory.least_time().saturating_sub(span.time);
+        trajectory.lay(&self.first, &self.last, &Phase { time: span.time + added, ..span });
         self.laid = Some((phase, self.begin, from));
         self.elapsed += time;
         if self.elapsed >= phase.time {
             (self.index, self.elapsed, self.begin) = (self.index + 1, 0, phase.end);
         }
-        true
+        Some(added)
     }
 
     /// Cuts the last span where the first tap has got to at `time`. What is left of the move is no longer laid out.

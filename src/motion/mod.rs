@@ -22,6 +22,7 @@ mod stepgen;
 mod stepper;
 mod track;
 mod trajectory;
+mod trend;
 mod turn;
 mod window;
 

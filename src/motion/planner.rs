@@ -6,7 +6,9 @@
 use super::geometry::{Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
-use super::overrides::percent_of;
+use super::overrides::Override;
+use super::profile::ramps_of;
+use super::trend::Trend;
 use super::window::{FORCED_BATCH, MoveMemory, Planned, WINDOW, Window};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
@@ -45,10 +47,12 @@ pub struct Planner<'m> {
     pub(super) asked: [Mm; 4],
     /// The last move and its nominal speed squared, for the corner to the next.
     pub(super) last: (Geometry, u64),
+    /// How much the path bends there.
+    trend: Trend,
     /// Nominal time of the moves in the window, in ticks.
     pub(super) waiting: u64,
-    /// Feed override in percent.
-    pub(super) feed_percent: u16,
+    /// How much of the feed is wanted.
+    pub(super) wanted: Override,
     /// Filament where the last move ends that has left.
     pub(super) gone: Steps,
     moves: u32,
@@ -66,8 +70,9 @@ impl<'m> Planner<'m> {
             end: [Steps::ZERO; 4],
             asked: position,
             last: (Geometry::new([0; 4]), 0),
+            trend: Trend::default(),
             waiting: 0,
-            feed_percent: 100,
+            wanted: Override::NONE,
             gone: Steps::ZERO,
             moves: 0,
             path: 0,
@@ -114,6 +119,7 @@ impl<'m> Planner<'m> {
     /// Forgets all moves: the machine stands at `position` in steps.
     pub fn stand_at(&mut self, position: [Steps; 4]) {
         self.window.clear();
+        self.trend = Trend::default();
         self.waiting = 0;
         self.end = position;
         self.gone = position[3];
@@ -139,13 +145,19 @@ impl<'m> Planner<'m> {
         let feed = target.speed.max(least);
         let acceleration = vector.acceleration_limit(acceleration, settings);
         let (before, passed_on) = self.last;
+        self.trend.follow(&vector);
         let mut planned = Planned {
             end,
             vector,
+            ramps: if vector.is_extruder_only() {
+                vector.length
+            } else {
+                ramps_of(vector.length, settings.minimum_cruise_ratio)
+            },
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
             nominal: feed,
             acceleration,
-            corner: corner_speed_sq(&before, &vector, acceleration, settings),
+            corner: corner_speed_sq(&before, &vector, &self.trend, acceleration, settings),
             cap: 0,
             before: 0,
             exit: None,
@@ -157,7 +169,7 @@ impl<'m> Planner<'m> {
                 Seconds::ZERO
             },
         };
-        planned.set_nominal(if target.has_overrides { percent_of(feed, self.feed_percent) } else { feed }, settings);
+        planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed }, settings);
         planned.limit_entry(passed_on);
         self.waiting += u64::from(planned.nominal_ticks);
         self.last = (vector, planned.passed_on());

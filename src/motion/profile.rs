@@ -2,13 +2,16 @@
 //!
 //! Three phases: accelerate from the entry speed to the peak, cruise, decelerate to the exit speed. Where
 //! the distance is too short for the nominal speed, the peak is where the two ramps meet:
-//! `peak^2 = (entry^2 + exit^2) / 2 + a L`. A move that is entered above its nominal speed brakes to it first.
+//! `peak^2 = (entry^2 + exit^2) / 2 + a L`. With a minimum cruise ratio r the ramps have only `(1 - r) L` to meet in, and
+//! the move cruises between them, so that a row of short moves does not fall from accelerating into braking in each of
+//! them (Klipper's minimum_cruise_ratio). A move that must accelerate or brake all along, because the next corner is that
+//! much faster or slower, still does. A move that is entered above its nominal speed brakes to it first.
 
 use super::geometry::acceleration;
 use super::moves::{Move, WHOLE};
 use super::number::{from_bits, root_of, to_bits};
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec2, Steps, TICKS_PER_SECOND, mul_div};
+use crate::units::{MmPerSec2, Ratio, Steps, TICKS_PER_SECOND, mul_div};
 
 /// The speeds of a move, squared, in raw bits of 2^-32 mm2/s2.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -43,6 +46,18 @@ fn ramp_time(change: u64, a: MmPerSec2) -> u64 {
     to_bits(ticks) >> 16
 }
 
+/// Time in ticks times 2^16 over `length` at a nominal speed, which has 16 fractional bits. It may be long, so every bit
+/// counts.
+fn cruise_time(length: u64, speed: u64) -> u64 {
+    if length == 0 { 0 } else { mul_div(length, u64::from(TICKS_PER_SECOND), (speed >> 16).max(1)) }
+}
+
+/// The same at any speed, for a cruise between two ramps that do not reach the nominal speed.
+fn short_time(length: u64, speed: u64) -> u64 {
+    let ticks = from_bits(length) / from_bits(speed) * const { TICKS_PER_SECOND as f32 };
+    to_bits(ticks) >> 16
+}
+
 /// `part / whole`, scaled by [`WHOLE`].
 pub(super) const fn fraction(part: u64, whole: u64) -> u32 {
     // 33 bits of the whole are enough, and the product fits.
@@ -59,11 +74,18 @@ pub(super) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
     to_bits(from_bits(change) / (acceleration(a) * 2.0))
 }
 
-/// A move over `length` raw `Mm` bits to `end`. The entry and exit speed must be possible: `|exit - entry| <=
-/// gain(a, length)` but for rounding.
+/// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
 #[must_use]
-pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch: EndstopSet) -> Move {
-    let meet = speeds.entry / 2 + speeds.exit / 2 + gain(a, length) / 2;
+pub fn ramps_of(length: u64, cruise: Ratio) -> u64 {
+    let part = u64::from((Ratio::ONE.saturating_sub(cruise)).to_bits());
+    mul_div(length, part, const { Ratio::ONE.to_bits() as u64 })
+}
+
+/// A move over `length` raw `Mm` bits to `end`, of which `ramps` are for accelerating and braking if entry and exit allow
+/// it. The entry and exit speed must be possible: `|exit - entry| <= gain(a, length)` but for rounding.
+#[must_use]
+pub fn profile((length, ramps): (u64, u64), a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch: EndstopSet) -> Move {
+    let meet = speeds.entry / 2 + speeds.exit / 2 + gain(a, ramps) / 2;
     let brakes_first = speeds.entry > speeds.nominal;
     let least = if brakes_first { 1 } else { speeds.entry.max(1) };
     let peak = speeds.nominal.min(meet).max(speeds.exit).max(least);
@@ -91,8 +113,7 @@ pub fn profile(length: u64, a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch
         entry_share: share(entry_speed, peak_speed),
         exit_share: share(exit_speed, peak_speed),
         accelerate: ramp_time(peak_speed.abs_diff(entry_speed), a),
-        // Where there is a cruise, its speed is the nominal one, which has 16 fractional bits.
-        cruise: if level == 0 { 0 } else { mul_div(level, u64::from(TICKS_PER_SECOND), (peak_speed >> 16).max(1)) },
+        cruise: if peak == speeds.nominal { cruise_time(level, peak_speed) } else { short_time(level, peak_speed) },
         decelerate: ramp_time(peak_speed - exit_speed, a),
         length,
         acceleration: a,
@@ -117,9 +138,14 @@ mod tests {
     }
 
     fn run(length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
+        cruising(0.0, length, a, entry, nominal, exit)
+    }
+
+    fn cruising(ratio: f64, length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
         let speeds = Speeds { entry: sq(entry), nominal: sq(nominal), exit: sq(exit) };
         let length = Mm::from_num(length).to_bits() as u64;
-        profile(length, MmPerSec2::from_num(a), speeds, [Steps::ZERO; 4], EndstopSet::NONE)
+        let ramps = ramps_of(length, Ratio::from_num(ratio));
+        profile((length, ramps), MmPerSec2::from_num(a), speeds, [Steps::ZERO; 4], EndstopSet::NONE)
     }
 
     #[test]
@@ -139,6 +165,27 @@ mod tests {
         assert!((seconds(m.decelerate) - (peak - 20.0) / 1000.0).abs() < 1e-7);
         assert!(seconds(m.cruise) < 1e-6);
         assert!(!m.rests);
+    }
+
+    #[test]
+    fn a_short_move_cruises_over_its_ratio() {
+        for (ratio, length, entry, exit) in [(0.5, 1.0, 0.0, 0.0), (0.5, 2.0, 10.0, 20.0), (0.9, 5.0, 30.0, 0.0)] {
+            let m = cruising(ratio, length, 1000.0, entry, 300.0, exit);
+            let level = f64::from(m.cruised - m.accelerated) / f64::from(WHOLE);
+            assert!((level - ratio).abs() < 1e-4, "{level} of {ratio}");
+            let peak = ((entry * entry + exit * exit) / 2.0 + 1000.0 * (1.0 - ratio) * length).sqrt();
+            assert!((seconds(m.cruise) * peak / (ratio * length) - 1.0).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_ratio_changes_no_move_that_cruises_as_long_or_ramps_all_along() {
+        for (length, entry, exit) in
+            [(60.0, 0.0, 0.0), (20.0, 0.0, 100.0), (1.5, 0.0, 3000f64.sqrt()), (1.5, 3000f64.sqrt(), 0.0)]
+        {
+            let moves = [0.0, 0.5].map(|ratio| cruising(ratio, length, 1000.0, entry, 100.0, exit));
+            assert_eq!(moves[0], moves[1], "{length} {entry} {exit}");
+        }
     }
 
     #[test]

@@ -138,7 +138,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
                 }
             }
             if late.cast_signed() > GRACE.cast_signed() {
-                self.status.count_stretched();
+                self.status.count_late(late);
                 self.due = self.due.after(late);
                 self.behind = self.behind.wrapping_add(late);
             }

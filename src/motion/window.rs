@@ -40,6 +40,8 @@ const MOST_GAIN: u64 = 50_000_000_000_000_000;
 pub(super) struct Planned {
     pub end: [Steps; 4],
     pub vector: Geometry,
+    /// The part of its length in which it may accelerate and brake, unless its ends ask for more.
+    pub ramps: u64,
     /// Commanded speed before the feed override; 0 if overrides have no say.
     pub feed: MmPerSec,
     pub nominal: MmPerSec,
@@ -270,7 +272,7 @@ impl<'m> Window<'m> {
         // Planned as `min`, so the ramps fit but for what squares and roots round away.
         let speeds = Speeds { entry: self.front, nominal: first.nominal_sq(), exit: exit.unwrap_or_default() };
         self.front = speeds.exit;
-        let released = profile(first.vector.length, first.acceleration, speeds, first.end, first.watch);
+        let released = profile((first.vector.length, first.ramps), first.acceleration, speeds, first.end, first.watch);
         let [_, _, _, end] = first.end;
         let way = i128::from(end.wrapping_sub(filament).to_bits()) * i128::from(first.advance.to_bits());
         let advance = Steps::from_bits((way >> Seconds::FRAC_NBITS) as i64);

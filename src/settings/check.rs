@@ -66,6 +66,8 @@ pub mod ranges {
     pub const FREQUENCY: Range<Hertz> = Range { least: Hertz::const_from_int(10), most: Hertz::const_from_int(500) };
     /// Damping of an axis, as a ratio; a frame has 0.02 to 0.2.
     pub const DAMPING: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.5") };
+    /// Minimum cruise ratio: with more than 0.9, short moves would take twice as long.
+    pub const CRUISE_RATIO: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.9") };
     /// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
     pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
     /// Window of the pressure advance.
@@ -182,7 +184,8 @@ impl Settings {
         }
         driver(&self.drivers.belt, "drivers.belt")?;
         driver(&self.drivers.z, "drivers.z")?;
-        driver(&self.drivers.e, "drivers.e")
+        driver(&self.drivers.e, "drivers.e")?;
+        within(ranges::CRUISE_RATIO, self.minimum_cruise_ratio, "minimum_cruise_ratio")
     }
 }
 
@@ -217,6 +220,7 @@ mod tests {
         assert_eq!(error(|s| s.advance.time = Seconds::lit("4.1")), illegal("advance.time"));
         assert_eq!(error(|s| s.advance.window = Seconds::ZERO), illegal("advance.window"));
         assert_eq!(error(|s| s.advance.time = Seconds::lit("4")), Ok(()));
+        assert_eq!(error(|s| s.minimum_cruise_ratio = Ratio::lit("0.91")), illegal("minimum_cruise_ratio"));
     }
 
     #[test]

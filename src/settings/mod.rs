@@ -11,7 +11,7 @@ pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 
-use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
+use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
 /// What limits the speed in a corner.
@@ -65,6 +65,9 @@ pub struct Settings {
     pub advanced_ok: bool,
     /// What the motor drivers are told, where they can be talked to.
     pub drivers: DriverGroups,
+    /// The part of a move over which its speed holds at least, if it does not accelerate or brake all along
+    /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
+    pub minimum_cruise_ratio: Ratio,
 }
 
 impl Settings {
@@ -110,6 +113,7 @@ impl Settings {
             patience_ms: 500,
             advanced_ok: false,
             drivers: DriverGroups::prototype(),
+            minimum_cruise_ratio: const { Ratio::lit("0.5") },
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 4;
+pub const FORMAT: u16 = 5;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -219,6 +219,7 @@ mod tests {
         s.advance = Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") };
         (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
         (s.patience_ms, s.advanced_ok) = (700, true);
+        s.minimum_cruise_ratio = Ratio::lit("0.4");
         for (i, drivers) in [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e].into_iter().enumerate() {
             *drivers = DriverSettings {
                 current_ma: 900 + i as u16,
@@ -230,7 +231,7 @@ mod tests {
             };
         }
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (4, Receipt { bytes: 203, crc: 4_062_137_646 }));
+        assert_eq!((FORMAT, receipt), (5, Receipt { bytes: 206, crc: 355_837_764 }));
     }
 
     #[test]

@@ -1,8 +1,12 @@
 //! Motion, held to an independent model: steps on time, limits kept, every move able to stop.
 
+mod circles;
+mod corners;
+mod dice;
 mod line;
 mod model;
 mod properties;
 mod shaped;
 mod shapers;
 mod timing;
+mod zigzag;

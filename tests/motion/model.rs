@@ -1,7 +1,8 @@
 //! An independent model of look-ahead and trapezoids, in floating point and with the whole path known.
 //!
 //! It shares no code with the planner. What it takes from the firmware's documentation: moves of at least
-//! 1 mm in x or y end on whole steps of x and y, the junction-deviation law, and the limits.
+//! 1 mm in x or y end on whole steps of x and y, the junction-deviation law, the trend of the path, the minimum cruise
+//! ratio, and the limits.
 
 use corehbot::settings::{CornerRule, Settings};
 
@@ -137,8 +138,29 @@ fn way(from: [f64; 4], asked: [f64; 4], target: [f64; 4], speed: f64, s: &Settin
     })
 }
 
-/// The greatest speed through the corner from `p` to `q`.
-fn corner(p: &Way, q: &Way, s: &Settings) -> f64 {
+/// The direction of the path averaged over 0.3 mm, once and twice, behind each way: two low-passes in a row, of which a
+/// way is so much left as `1 / (1 + x + x^2/2 + x^3/6 + x^4/24)` says.
+fn trends(ways: &[Way]) -> Vec<[[f64; 3]; 2]> {
+    let mut trend = [[0.0; 3]; 2];
+    ways.iter()
+        .map(|w| {
+            if w.unit != [0.0; 3] {
+                let x = w.length / 0.3;
+                let left = 1.0 / (1.0 + x + x.powi(2) / 2.0 + x.powi(3) / 6.0 + x.powi(4) / 24.0);
+                let [once, twice] = trend;
+                let at = |i: usize| (once[i] - w.unit[i], twice[i] - w.unit[i]);
+                trend = [
+                    std::array::from_fn(|i| w.unit[i] + left * at(i).0),
+                    std::array::from_fn(|i| w.unit[i] + left * (at(i).1 + x * at(i).0)),
+                ];
+            }
+            trend
+        })
+        .collect()
+}
+
+/// The greatest speed through the corner from `p` to `q`, with which the path has got that trend.
+fn corner(p: &Way, q: &Way, trend: &[[f64; 3]; 2], s: &Settings) -> f64 {
     let (still_p, still_q) = (p.unit == [0.0; 3], q.unit == [0.0; 3]);
     let most = p.speed.min(q.speed);
     if still_p || still_q {
@@ -147,15 +169,16 @@ fn corner(p: &Way, q: &Way, s: &Settings) -> f64 {
     let half = ((1.0 + dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
     // The change of direction, and what the axes bear along it.
     let turn: [f64; 3] = std::array::from_fn(|i| q.unit[i] - p.unit[i]);
-    let size = dot(turn, turn).sqrt();
-    let bears = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
-    let motor = s.motor_max_acceleration.to_num::<f64>();
-    let shares = [turn[0], turn[1], turn[2], turn[0] + turn[1], turn[0] - turn[1]];
-    let a = shares
-        .iter()
-        .zip([bears[0], bears[1], bears[2], motor, motor])
-        .map(|(share, most)| most * size / share.abs())
-        .fold(q.a, f64::min);
+    let bears = |turn: [f64; 3]| {
+        let axes = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
+        let motor = s.motor_max_acceleration.to_num::<f64>();
+        [turn[0], turn[1], turn[2], turn[0] + turn[1], turn[0] - turn[1]]
+            .iter()
+            .zip([axes[0], axes[1], axes[2], motor, motor])
+            .map(|(share, most)| most * dot(turn, turn).sqrt() / share.abs())
+            .fold(q.a, f64::min)
+    };
+    let a = bears(turn);
     let base = match s.corner {
         CornerRule::JunctionDeviation(d) => a * d.to_num::<f64>(),
         CornerRule::SquareCorner(w) => w.to_num::<f64>().powi(2) * (2f64.sqrt() - 1.0),
@@ -164,6 +187,12 @@ fn corner(p: &Way, q: &Way, s: &Settings) -> f64 {
     // A row of chords is a circle: its radius is half a chord over the tangent of half the turn.
     let other = ((1.0 - dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
     let curve = if other > 0.0 { a * p.length.min(q.length) / 2.0 * half / other } else { f64::INFINITY };
+    // Corners that leave the path by less than rounding does may be as fast as the path bends on average.
+    let [once, twice] = trend;
+    let lag: [f64; 3] = std::array::from_fn(|i| once[i] - twice[i]);
+    let radius = 0.3 * (dot(*twice, *twice) / dot(lag, lag)).sqrt();
+    let average = if dot(lag, lag) > 0.0 { bears(lag) * radius } else { f64::INFINITY };
+    let curve = curve.max(average.min(a * 0.0016 * half / (1.0 - half)));
     let jump = (p.ratio - q.ratio).abs();
     let jerk = if jump > 0.0 { s.extruder_jerk.to_num::<f64>() / jump } else { f64::INFINITY };
     most.min(bend.sqrt()).min(curve.sqrt()).min(jerk)
@@ -181,8 +210,9 @@ pub fn trapezoids(targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Trapezoid> {
             ways.push(w);
         }
     }
+    let trends = trends(&ways);
     let mut entry: Vec<f64> =
-        (0..ways.len()).map(|i| if i == 0 { 0.0 } else { corner(&ways[i - 1], &ways[i], s) }).collect();
+        (0..ways.len()).map(|i| if i == 0 { 0.0 } else { corner(&ways[i - 1], &ways[i], &trends[i], s) }).collect();
     entry.push(0.0);
     for i in (0..ways.len()).rev() {
         entry[i] = entry[i].min((entry[i + 1].powi(2) + 2.0 * ways[i].a * ways[i].length).sqrt());
@@ -193,7 +223,11 @@ pub fn trapezoids(targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Trapezoid> {
     ways.iter()
         .enumerate()
         .map(|(i, w)| {
-            let meet = ((entry[i].powi(2) + entry[i + 1].powi(2)) / 2.0 + w.a * w.length).sqrt();
+            // Both ramps together are at most so long, if the ends allow it; the extruder alone need not cruise.
+            let cruise = if w.unit == [0.0; 3] { 0.0 } else { s.minimum_cruise_ratio.to_num::<f64>() };
+            let ramps = w.length * (1.0 - cruise);
+            let meet = ((entry[i].powi(2) + entry[i + 1].powi(2)) / 2.0 + w.a * ramps).sqrt();
+            let meet = meet.max(entry[i]).max(entry[i + 1]);
             Trapezoid {
                 from: w.from,
                 to: w.to,

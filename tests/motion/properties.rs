@@ -1,10 +1,12 @@
 //! Properties of any path: limits are kept, every prefix can stop, positions are exact.
 
+use super::corners::machine;
+use super::dice::Dice;
 use super::line::{Step, generate, plan, target};
 use corehbot::kinematics::{BeltSteps, residual};
 use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner, WHOLE};
 use corehbot::motors::Motor;
-use corehbot::settings::Settings;
+use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, Steps};
 use proptest::prelude::*;
 
@@ -64,13 +66,35 @@ fn counts(steps: &[Step]) -> [i64; 7] {
     counts
 }
 
-/// What a chain of moves must be: continuous in speed, within the limits, at rest at its end.
+fn tool_jump([x, y, z, _]: [f64; 4]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// The greatest jump of the tool's velocity in any corner: `2 v cos t` with `v^2 = a d s / (1 - s)`, s being the sine of
+/// half the angle t between the moves, is at most `sqrt(8 a d)`.
+fn most_jump(s: &Settings) -> f64 {
+    match s.corner {
+        CornerRule::JunctionDeviation(d) => {
+            let a = s.print_acceleration.max(s.travel_acceleration).to_num::<f64>();
+            (8.0 * a * d.to_num::<f64>()).sqrt()
+        }
+        CornerRule::SquareCorner(w) => w.to_num::<f64>() * (8.0 * (2f64.sqrt() - 1.0)).sqrt(),
+    }
+}
+
+/// What a chain of moves must be: continuous in speed but for corners, which jump no more than they may; within the limits
+/// of axes and belt motors; at rest at its end.
 fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
     let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
-    let most_speed = s.axes.map(|a| a.max_speed.to_num::<f64>()).to_array();
-    let most_acceleration = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
+    let [motor_speed, motor_acceleration] =
+        [s.motor_max_speed.to_num::<f64>(), s.motor_max_acceleration.to_num::<f64>()];
+    let [ax, ay, az, ae] = s.axes.map(|a| a.max_speed.to_num::<f64>()).to_array();
+    let most_speed = [ax, ay, az, ae, motor_speed, motor_speed];
+    let [ax, ay, az, ae] = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
+    let most_acceleration = [ax, ay, az, ae, motor_acceleration, motor_acceleration];
     let mut from = [Steps::ZERO; 4];
     let mut carried = 0.0;
+    let mut velocity = [0.0; 4];
     for (i, m) in moves.iter().enumerate() {
         let d: [f64; 4] = std::array::from_fn(|i| m.end[i].wrapping_sub(from[i]).to_num::<f64>() / pitch[i]);
         let tool = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
@@ -83,9 +107,16 @@ fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
             entry * length
         );
         carried = exit * length;
+        let jump: [f64; 4] = std::array::from_fn(|i| d[i] * entry - velocity[i]);
+        velocity = d.map(|d| d * exit);
+        prop_assert!(tool_jump(jump) <= most_jump(s) * 1.001 + 1e-3, "move {i} begins with a jump of {jump:?} mm/s");
+        let jerk = s.extruder_jerk.to_num::<f64>();
+        prop_assert!(jump[3].abs() <= jerk * 1.001 + 1e-3, "move {i} begins with a jump of {jump:?} mm/s");
+        // The belt motors' coordinates stand behind the axes.
+        let d = [d[0], d[1], d[2], d[3], d[0] + d[1], d[0] - d[1]];
         let a = if m.accelerate > 0 { (peak - entry) / (m.accelerate as f64 / 65536.0 / 1e7) } else { 0.0 };
         let b = if m.decelerate > 0 { (peak - exit) / (m.decelerate as f64 / 65536.0 / 1e7) } else { 0.0 };
-        for axis in 0..4 {
+        for axis in 0..6 {
             let v = peak * d[axis].abs();
             prop_assert!(v <= most_speed[axis] * 1.0001 + 1e-3, "move {i}, axis {axis}: {v} mm/s");
             // Ramps shorter than 10 ticks are all rounding.
@@ -107,6 +138,12 @@ proptest! {
     #[test]
     fn limits_are_never_exceeded(path in paths()) {
         let settings = Settings::prototype();
+        check_chain(&plan(&path, &settings), &settings)?;
+    }
+
+    #[test]
+    fn no_machine_is_asked_for_more_than_it_bears(path in paths(), seed in 1..u64::MAX) {
+        let settings = machine(&mut Dice(seed));
         check_chain(&plan(&path, &settings), &settings)?;
     }
 

@@ -71,6 +71,7 @@ const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..LENGTH };
 const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..LENGTH };
 const FREQUENCY: Kind<Hertz> = Kind { range: ranges::FREQUENCY, convert: Hertz::saturating_from_num::<f64> };
 const DAMPING: Kind<Ratio> = Kind { range: ranges::DAMPING, convert: Ratio::saturating_from_num::<f64> };
+const CRUISE_RATIO: Kind<Ratio> = Kind { range: ranges::CRUISE_RATIO, ..DAMPING };
 const ADVANCE: Kind<Seconds> = Kind { range: ranges::ADVANCE, convert: Seconds::saturating_from_num::<f64> };
 const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::WINDOW, ..ADVANCE };
 const PATIENCE: Kind<u16> = Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
@@ -102,6 +103,7 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     put(&mut s.arc_tolerance, "arc_tolerance", file.arc_tolerance, &TOLERANCE)?;
     put(&mut s.keepalive_s, "keepalive_s", file.keepalive_s, &KEEPALIVE)?;
     put(&mut s.patience_ms, "patience_ms", file.patience_ms, &PATIENCE)?;
+    put(&mut s.minimum_cruise_ratio, "minimum_cruise_ratio", file.minimum_cruise_ratio, &CRUISE_RATIO)?;
     s.advanced_ok = file.advanced_ok.unwrap_or(s.advanced_ok);
     s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
     s.corner = corner(s.corner, &file.corner)?;
@@ -214,7 +216,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 66);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 67);
     }
 
     #[test]
@@ -235,6 +237,7 @@ mod tests {
         assert_eq!(error("[axes.x]\nmax_speed = 5000"), "axes.x.max_speed = 5000 is outside 0.01 to 3000");
         assert_eq!(error("keepalive_s = 61"), "keepalive_s = 61 is outside 0 to 60");
         assert_eq!(error("patience_ms = 60001"), "patience_ms = 60001 is outside 0 to 60000");
+        assert_eq!(error("minimum_cruise_ratio = 1"), "minimum_cruise_ratio = 1 is outside 0 to 0.9");
         assert!(error("patience_ms = 99").contains("patience_ms"));
         assert!(error("print_acceleration = nan").contains("is outside 1 to 100000"));
         assert!(error("extruder_jerk = -1").contains("extruder_jerk = -1"));

@@ -212,7 +212,7 @@ impl<'w> World<'w> {
             ticks: self.stepper.tick(),
             moves: status.planned().0,
             path_um: self.odometer.um(),
-            underruns: status.underruns() + status.overload().0,
+            underruns: status.overload().underruns + status.overload().starved,
             low_water: status.low_water(),
             counts: motor_counts(status.counts()),
             halted: status.is_halted(),

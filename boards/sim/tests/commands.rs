@@ -153,6 +153,8 @@ const ROWS: &[Row] = &[
     ("M900", &["echo:Advance K=0"]),
     ("SET_PRESSURE_ADVANCE ADVANCE=0.05", SILENCE),
     ("SET_PRESSURE_ADVANCE", &["echo:Advance K=0"]),
+    ("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.3", SILENCE),
+    ("SET_VELOCITY_LIMIT", &["echo:  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.5"]),
     // The host's own.
     ("M105", &[]),
     ("M110 N5", SILENCE),

@@ -149,6 +149,7 @@ fn settings_that_are_reported_read_back() {
         "M208 S0.05 F600",
         "M211 S0",
         "M113 S5",
+        "SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.37",
         "M569 S1 X",
         "M906 Y905 E650",
         "M913 X120.5 Z20",
@@ -157,7 +158,7 @@ fn settings_that_are_reported_read_back() {
     ];
     let (heard, ..) = talk(&changes);
     let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
-    assert_eq!(report.len(), 20, "{heard:?}");
+    assert_eq!(report.len(), 21, "{heard:?}");
     assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
     again.push("M503");

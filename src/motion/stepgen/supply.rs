@@ -21,7 +21,12 @@ impl<W: Pend> StepGenerator<'_, W> {
     /// Lays the next span of the trajectory.
     pub(super) fn lay_more(&mut self) -> Supply {
         loop {
-            if matches!(self.task, Task::Move | Task::Brake(_)) && self.course.lay_next(&mut self.trajectory) {
+            if matches!(self.task, Task::Move | Task::Brake(_))
+                && let Some(added) = self.course.lay_next(&mut self.trajectory)
+            {
+                if added > 0 {
+                    self.status.count_squeezed((added >> 16) as u32);
+                }
                 return Supply::Laid;
             }
             match self.task {

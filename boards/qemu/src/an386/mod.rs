@@ -42,13 +42,13 @@ fn main() -> ! {
     stack::forget();
     idle::run(status);
     contexts::finish();
-    let (starved, stretched) = status.overload();
+    let overload = status.overload();
     defmt::info!(
         "{} moves; times the host was too slow: {}, the generator: {}, the stepper: {}",
         status.planned().0,
-        status.underruns(),
-        starved,
-        stretched
+        overload.underruns,
+        overload.starved,
+        overload.events.count
     );
     defmt::info!("last byte at tick {}, last step at tick {}", serial::last_byte(), trace::last_step());
     defmt::info!("stack: {} of {} bytes used", stack::used(), stack::size());

@@ -20,6 +20,7 @@ pub(super) struct MachineToml {
     pub keepalive_s: Option<f64>,
     pub patience_ms: Option<f64>,
     pub advanced_ok: Option<bool>,
+    pub minimum_cruise_ratio: Option<f64>,
     pub corner: CornerToml,
     pub shaper: ShapersToml,
     pub advance: AdvanceToml,

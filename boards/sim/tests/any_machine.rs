@@ -1,0 +1,111 @@
+//! Any machine, any path, any shaping: the steps keep the limits of axes and motors, no two pulses of a motor are too
+//! close, speeds jump no more than corners may, and the end is met to the step.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::settings::{CornerRule, Settings, Shaper, ShaperKind};
+use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds};
+use corehbot_sim::check::{Checker, Findings};
+use corehbot_sim::host::FileHost;
+use corehbot_sim::limits::Limits;
+use corehbot_sim::world::{Sink, run};
+use proptest::prelude::*;
+
+/// Checks what is played, and counts it.
+struct Steps {
+    checker: Checker,
+    counts: [i64; 7],
+}
+
+impl Sink for Steps {
+    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.checker.event(tick, steps, forward);
+        for (count, motor) in self.counts.iter_mut().zip(Motor::ALL) {
+            if steps.has(motor) {
+                *count += if forward.has(motor) { 1 } else { -1 };
+            }
+        }
+    }
+}
+
+fn shapers() -> impl Strategy<Value = Shaper> {
+    let kinds = [ShaperKind::None, ShaperKind::Zv, ShaperKind::Zvd, ShaperKind::Mzv, ShaperKind::Ei];
+    let kind = proptest::sample::select(kinds.into_iter().chain([ShaperKind::TwoHumpEi]).collect::<Vec<_>>());
+    (kind, 30.0..200.0f64, 0.0..0.2f64).prop_map(|(kind, frequency, damping)| Shaper {
+        kind,
+        frequency: Hertz::from_num(frequency),
+        damping: Ratio::from_num(damping),
+    })
+}
+
+fn machines() -> impl Strategy<Value = Settings> {
+    let accelerations = (500.0..10_000.0f64, 500.0..10_000.0f64, 500.0..10_000.0f64, 300.0..10_000.0f64);
+    let corner = prop_oneof![
+        (0.002..0.2f64).prop_map(|d| CornerRule::JunctionDeviation(Mm::from_num(d))),
+        (1.0..20.0f64).prop_map(|w| CornerRule::SquareCorner(MmPerSec::from_num(w))),
+    ];
+    let speeds = (100.0..400.0f64, 100.0..600.0f64);
+    let shaped = (shapers(), proptest::option::of(shapers()));
+    let advance = prop_oneof![Just((0.0, 0.04)), (0.0..0.1f64, 0.01..0.06f64)];
+    (accelerations, corner, speeds, shaped, advance, 0.0..0.9f64).prop_map(
+        |((x, y, motor, print), corner, (speed, belt), (shaper, other), (time, window), cruise)| {
+            let mut s = Settings::prototype();
+            s.axes.x.max_acceleration = MmPerSec2::from_num(x);
+            s.axes.y.max_acceleration = MmPerSec2::from_num(y);
+            s.motor_max_acceleration = MmPerSec2::from_num(motor);
+            s.print_acceleration = MmPerSec2::from_num(print);
+            (s.axes.x.max_speed, s.axes.y.max_speed) = (MmPerSec::from_num(speed), MmPerSec::from_num(speed * 0.9));
+            s.motor_max_speed = MmPerSec::from_num(belt);
+            s.corner = corner;
+            (s.shapers.x, s.shapers.y) = (shaper, other.unwrap_or(shaper));
+            (s.advance.time, s.advance.window) = (Seconds::from_num(time), Seconds::from_num(window));
+            s.minimum_cruise_ratio = Ratio::from_num(cruise);
+            s
+        },
+    )
+}
+
+/// What the checker holds these settings to. Where x and y are shaped differently, a belt motor runs the sum of an x and
+/// a y of different moments, which the planner does not limit.
+fn limits(s: &Settings) -> Limits {
+    let mut limits = Limits::new(s, None, "");
+    if s.shapers.x != s.shapers.y {
+        let [x, y, _, _, belts @ ..] = &mut limits.of;
+        for belt in belts {
+            (belt.speed, belt.acceleration) = (x.speed + y.speed, x.acceleration + y.acceleration);
+            belt.jump = x.jump + y.jump;
+        }
+    }
+    limits
+}
+
+/// Prints moves from (100, 100, 10) to (50, 60, 12) and says what was found, and how far the motors have turned.
+fn print(s: &Settings, moves: &[(i32, i32, i32, i32, u32)], scale: f64) -> (Findings, [i64; 7]) {
+    let mut gcode = "M83\nG91\nM211 S0\n".to_owned();
+    for (x, y, z, e, f) in moves {
+        let [x, y, z, e] = [x, y, z, e].map(|v| f64::from(*v) * scale);
+        gcode += &format!("G1 X{x:.3} Y{y:.3} Z{:.3} E{:.4} F{f}\n", z / 20.0, e / 100.0);
+    }
+    gcode += "G90\nG1 X50 Y60 Z12 F9000\nM400\n";
+    let mut steps = Steps { checker: Checker::new(&limits(s)), counts: [0; 7] };
+    let start = Some([100, 100, 10].map(Mm::from_num));
+    let outcome = run(s, start, &mut FileHost::new(&gcode), &mut steps).unwrap();
+    (steps.checker.finish(Some(outcome.counts)), steps.counts)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_machine_is_asked_for_more_than_it_bears(
+        s in machines(),
+        moves in proptest::collection::vec((-300i32..300, -300i32..300, -6i32..6, 0i32..200, 600u32..18000), 3..80),
+        scale in prop_oneof![Just(0.1), Just(0.02), Just(0.005)],
+    ) {
+        let (findings, counts) = print(&s, &moves, scale);
+        prop_assert_eq!(findings.total, 0, "{:?} {:?}", findings.first, s);
+        // u = x + y drives 11 and 4, v = x - y drives 8 and 1: -50 mm and -40 mm at 80 steps/mm.
+        let [m1, m4, m8, m11, z1, z2, _] = counts;
+        prop_assert_eq!([m1, m4, m8, m11, z1, z2], [800, 7200, -800, -7200, 1600, 1600]);
+    }
+}
