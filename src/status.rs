@@ -114,7 +114,7 @@ impl Status {
     /// An event is played at motion time `tick`: the groups that step in the upper half of `pattern`, those whose
     /// coordinate grows in the lower. The Stepper is the only writer.
     #[inline(always)]
-    pub(crate) fn step_done(&self, pattern: u8, tick: u32) {
+    pub(crate) fn step_done(&self, pattern: u16, tick: u32) {
         self.played.count(pattern);
         self.time_passed(tick);
     }

@@ -242,7 +242,7 @@ fn slots_take_turns_and_unchanged_settings_cost_nothing() {
 #[test]
 fn a_record_of_another_format_is_left_until_its_turn() {
     let mut eeprom = Eeprom::with(&[variant(0)]);
-    // Format 6 instead of 4, at first without and then with the right checksum.
+    // Format 7 instead of 5, at first without and then with the right checksum.
     eeprom.cells[4] ^= 2;
     assert_eq!(now(storage::survey(&mut eeprom)).unwrap().rejected[0], (Slot::A, Some(Rejected::Damaged)));
     let used = 16 + usize::from(u16::from_le_bytes([eeprom.cells[6], eeprom.cells[7]]));
@@ -252,7 +252,7 @@ fn a_record_of_another_format_is_left_until_its_turn() {
     }
     eeprom.cells[12..16].copy_from_slice(&(!crc).to_le_bytes());
     let survey = now(storage::survey(&mut eeprom)).unwrap();
-    assert_eq!((survey.newest, survey.rejected[0].1), (None, Some(Rejected::Format(6))));
+    assert_eq!((survey.newest, survey.rejected[0].1), (None, Some(Rejected::Format(7))));
     now(storage::save(&mut eeprom, &variant(1))).unwrap();
     assert_eq!(newest(&mut eeprom), Some(variant(1)));
 }

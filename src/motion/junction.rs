@@ -12,7 +12,7 @@
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
-use super::geometry::{Bounds, Geometry, UNIT, acceleration, speed};
+use super::geometry::{Belts, Bounds, Geometry, UNIT, acceleration, speed};
 use super::number::{from_bits, root, to_bits};
 use crate::settings::{CornerRule, Settings};
 use crate::units::MmPerSec2;
@@ -22,7 +22,7 @@ use core::f32::consts::SQRT_2;
 const LEAST_SINE: f32 = 1e-7;
 
 /// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`.
-pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2, s: &Settings) -> u64 {
+pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2, belts: &Belts, s: &Settings) -> u64 {
     if before.is_extruder_only() || after.is_extruder_only() {
         // The tool stands still in one of the two.
         return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
@@ -35,7 +35,7 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, a: MmPerSec2,
     if sine < LEAST_SINE {
         return 0;
     }
-    let bears = bears(turn, turn_length, a, s);
+    let bears = bears(turn, turn_length, a, belts, s);
     let base = match s.corner {
         CornerRule::JunctionDeviation(d) => bears * from_bits(d.to_bits().unsigned_abs()),
         CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
@@ -66,12 +66,15 @@ fn length([x, y, z]: [f32; 3]) -> f32 {
 }
 
 /// What axes and motors bear along a change of direction, at most `a`.
-fn bears([x, y, z]: [f32; 3], length: f32, a: MmPerSec2, s: &Settings) -> f32 {
+fn bears(turn: [f32; 3], length: f32, a: MmPerSec2, belts: &Belts, s: &Settings) -> f32 {
     let axes = s.axes.map(|a| acceleration(a.max_acceleration));
     let motor = acceleration(s.motor_max_acceleration);
     let mut bounds = Bounds::new(acceleration(a));
-    for (most, share) in [(axes.x, x), (axes.y, y), (axes.z, z), (motor, x + y), (motor, x - y)] {
+    for (most, share) in axes.to_array().into_iter().zip(turn) {
         bounds.bound(most, share, length);
+    }
+    for share in belts.shares(turn) {
+        bounds.bound(motor, share, length);
     }
     bounds.value()
 }
@@ -86,6 +89,10 @@ mod tests {
     use super::*;
     use crate::units::{Mm, MmPerSec};
 
+    fn belts(s: &Settings) -> Belts {
+        Belts::new(&crate::kinematics::Groups::new(&s.mechanism))
+    }
+
     fn heading(degrees: f64) -> Geometry {
         let (sin, cos) = degrees.to_radians().sin_cos();
         Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
@@ -93,7 +100,7 @@ mod tests {
 
     fn speed(turn: f64, s: &Settings) -> f64 {
         let a = MmPerSec2::from_num(3000);
-        (corner_speed_sq(&heading(20.0), &heading(20.0 + turn), a, s) as f64 / 2f64.powi(32)).sqrt()
+        (corner_speed_sq(&heading(20.0), &heading(20.0 + turn), a, &belts(s), s) as f64 / 2f64.powi(32)).sqrt()
     }
 
     #[test]
@@ -111,7 +118,7 @@ mod tests {
     fn a_corner_into_z_is_as_slow_as_z() {
         let s = Settings::prototype();
         let up = Geometry::new([0, 0, Mm::ONE.to_bits(), 0]);
-        let sq = corner_speed_sq(&heading(0.0), &up, MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
+        let sq = corner_speed_sq(&heading(0.0), &up, MmPerSec2::from_num(3000), &belts(&s), &s) as f64 / 2f64.powi(32);
         // Z bears 200 mm/s2 and has 0.707 of the change.
         let exact = 200.0 * 2f64.sqrt() * 0.013 * 0.5f64.sqrt() / (1.0 - 0.5f64.sqrt());
         assert!((sq / exact - 1.0).abs() < 1e-3, "{sq} {exact}");
@@ -126,7 +133,8 @@ mod tests {
             let (sin, cos) = angle.sin_cos();
             Geometry::new([Mm::from_num(0.1 * cos).to_bits(), Mm::from_num(0.1 * sin).to_bits(), 0, 0])
         };
-        let sq = corner_speed_sq(&chord(0.3), &chord(0.4), MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
+        let sq =
+            corner_speed_sq(&chord(0.3), &chord(0.4), MmPerSec2::from_num(3000), &belts(&s), &s) as f64 / 2f64.powi(32);
         assert!((sq / 3000.0 - 1.0).abs() < 2e-3, "{sq}");
     }
 
@@ -144,7 +152,7 @@ mod tests {
         let s = Settings::prototype();
         let mut printing = heading(0.0);
         printing.extrusion = 0.05;
-        let sq = corner_speed_sq(&printing, &heading(0.0), MmPerSec2::from_num(3000), &s);
+        let sq = corner_speed_sq(&printing, &heading(0.0), MmPerSec2::from_num(3000), &belts(&s), &s);
         let v = (sq as f64 / 2f64.powi(32)).sqrt();
         assert!((v - 100.0).abs() < 0.01, "5 mm/s of filament at 0.05 mm a mm: {v}");
     }

@@ -6,6 +6,7 @@
 //! made.
 
 use super::event::StepEvent;
+use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet};
 use core::sync::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
 
@@ -28,8 +29,15 @@ pub struct StepQueue {
     events: [[AtomicU32; 2]; LENGTH],
 }
 
-/// All of an event but its time: the groups in bits 0 to 7, steps above directions, then the endstops it watches, its
-/// epoch, and what is special about it. 0 is no event.
+/// A bit for each group.
+const GROUPS: u32 = (1 << MOST_GROUPS) - 1;
+
+/// Where the endstops to be watched begin; there are four.
+const WATCH_AT: usize = 2 * MOST_GROUPS;
+const _: () = assert!(WATCH_AT + 4 <= 16 && EndstopSet::PROBE.0 == 8);
+
+/// All of an event but its time: the groups in bits 0 to 9, steps above directions, then the endstops it watches in bits
+/// 10 to 13, its epoch from bit 16 on, and what is special about it. 0 is no event.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Word(pub u32);
 
@@ -44,12 +52,16 @@ impl Word {
     const REFILL: u32 = 1 << 25;
 
     /// What two plain events in a row have in common: directions, epoch, and that they are events.
-    const SETTING: u32 = 0xFFFF_000F;
+    const SETTING: u32 = 0xFFFF_0000 | GROUPS;
+
+    const STEPS: u32 = GROUPS << MOST_GROUPS;
+    const WATCH: u32 = 0xF << WATCH_AT;
 
     #[inline(always)]
     const fn new(event: &StepEvent) -> Self {
         let StepEvent { steps, forward, epoch, watch, .. } = event;
-        Self((steps.0 as u32) << 4 & 0xF0 | forward.0 as u32 & 0xF | (watch.0 as u32) << 8 | (*epoch as u32) << 16)
+        let groups = (steps.0 as u32) << MOST_GROUPS & Self::STEPS | forward.0 as u32 & GROUPS;
+        Self(groups | (watch.0 as u32) << WATCH_AT & Self::WATCH | (*epoch as u32) << 16)
     }
 
     /// Whether this is an event of `epoch` with nothing special about it.
@@ -61,7 +73,7 @@ impl Word {
     /// Whether there are steps, and no endstops to be watched.
     #[inline(always)]
     const fn has_only_steps(self) -> bool {
-        self.0 & 0xF0 != 0 && self.0 & 0xFF00 == 0
+        self.0 & Self::STEPS != 0 && self.0 & Self::WATCH == 0
     }
 
     /// The same, to be looked at closely.
@@ -71,21 +83,21 @@ impl Word {
 
     /// The groups that step and the groups whose coordinate grows, as [`Status`](crate::status::Status) counts them.
     #[inline(always)]
-    pub const fn pattern(self) -> u8 {
-        self.0 as u8
+    pub const fn pattern(self) -> u16 {
+        (self.0 & (Self::STEPS | GROUPS)) as u16
     }
 
     #[inline(always)]
     pub const fn steps(self) -> GroupSet {
-        GroupSet((self.0 >> 4 & 0xF) as u8)
+        GroupSet((self.0 >> MOST_GROUPS & GROUPS) as u8)
     }
 
     pub const fn forward(self) -> GroupSet {
-        GroupSet((self.0 & 0xF) as u8)
+        GroupSet((self.0 & GROUPS) as u8)
     }
 
     pub const fn watch(self) -> EndstopSet {
-        EndstopSet((self.0 >> 8) as u8)
+        EndstopSet((self.0 >> WATCH_AT & 0xF) as u8)
     }
 
     pub const fn epoch(self) -> u8 {

@@ -17,7 +17,8 @@ use super::moves::{Entry, Move};
 use super::queue::StepsIn;
 use super::track::{Next, Track};
 use super::trajectory::{Place, SpanMemory, Trajectory};
-use crate::kinematics::{GROUPS, forward_motors, is_unstrained, motors};
+use crate::kinematics::Groups;
+use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
 use brake::Braking;
@@ -46,11 +47,12 @@ pub struct StepGenerator<'m, W: Pend> {
     moves: Consumer<'m, Entry>,
     events: StepsIn<'m>,
     status: &'m Status,
+    mechanism: &'m Groups,
     pend: W,
     epoch: u8,
     task: Task,
     trajectory: Trajectory<'m>,
-    tracks: [Track; GROUPS.len()],
+    tracks: [Track; MOST_GROUPS],
     /// Tick of the last event.
     last: u64,
     /// The Stepper's tick when the epoch began.
@@ -69,19 +71,21 @@ pub struct StepGenerator<'m, W: Pend> {
 }
 
 impl<'m, W: Pend> StepGenerator<'m, W> {
-    /// The generator between the two queues, which remembers the trajectory in `spans`. It learns where the machine stands from the first
+    /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. It learns where the machine stands from the first
     /// [`Work::Position`](super::moves::Work::Position).
     pub fn new(
         moves: Consumer<'m, Entry>,
         events: StepsIn<'m>,
         spans: &'m mut SpanMemory,
         status: &'m Status,
+        mechanism: &'m Groups,
         pend: W,
     ) -> Self {
         Self {
             moves,
             events,
             status,
+            mechanism,
             pend,
             epoch: status.epoch(),
             task: Task::Nothing,
@@ -206,7 +210,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
 
     /// Lays out the next pieces of some groups; false if that must wait.
     fn lay_out(&mut self, groups: u8) -> bool {
-        for (i, group) in GROUPS.iter().enumerate().filter(|(i, _)| groups & 1 << i != 0) {
+        for (i, group) in self.mechanism.iter().enumerate().filter(|(i, _)| groups & 1 << i != 0) {
             let Some(track) = self.tracks.get_mut(i) else { continue };
             if track.go_back() {
                 continue;
@@ -236,7 +240,9 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     }
 
     fn emit(&mut self, interval: u32, steps: GroupSet) {
-        debug_assert!(is_unstrained(motors(steps), forward_motors(self.forward)), "the belt is strained");
+        let mechanism = self.mechanism;
+        let (motors, forward) = (mechanism.motors(steps), mechanism.forward_motors(self.forward));
+        debug_assert!(mechanism.mechanism().is_unstrained(motors, forward), "motors pull against each other");
         self.last += u64::from(interval);
         let event = StepEvent { interval, steps, forward: self.forward, epoch: self.epoch, watch: self.watch };
         if self.events.enqueue(event).is_ok() {

@@ -2,6 +2,7 @@
 //! would not do what the number says.
 
 use super::{AxisSettings, CornerRule, DriverSettings, Homing, Settings, Shaper};
+use crate::kinematics::MechanismError;
 use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 
 /// Least and greatest legal value.
@@ -81,8 +82,10 @@ pub enum SettingsError {
     OutOfRange(&'static str),
     /// Speed times resolution of this axis or motor is above [`ranges::STEP_RATE`].
     TooManySteps(&'static str),
-    /// X and Y share their belt, so they need the same steps a millimetre.
-    BeltResolutionsDiffer,
+    /// Two axes share motors, so they need the same steps a millimetre.
+    ResolutionsDiffer(&'static str),
+    /// The motors are those of no machine.
+    Mechanism(MechanismError),
     /// Microsteps of these drivers are no power of two.
     NoSuchMicrosteps(&'static str),
 }
@@ -94,7 +97,8 @@ impl core::fmt::Display for SettingsError {
             Self::TooManySteps(axis) => {
                 write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE)
             }
-            Self::BeltResolutionsDiffer => f.write_str("x and y share their belt: steps_per_mm must be equal"),
+            Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
+            Self::Mechanism(error) => error.fmt(f),
             Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
     }
@@ -148,11 +152,12 @@ impl Settings {
         axis(&self.axes.y, "axes.y")?;
         axis(&self.axes.z, "axes.z")?;
         axis(&self.axes.e, "axes.e")?;
-        if self.axes.x.steps_per_mm != self.axes.y.steps_per_mm {
-            return Err(SettingsError::BeltResolutionsDiffer);
-        }
+        self.mechanism.check().map_err(SettingsError::Mechanism)?;
+        self.check_shared_motors()?;
         within(ranges::SPEED, self.motor_max_speed, "motor_max_speed")?;
-        step_rate(self.motor_max_speed, self.axes.x.steps_per_mm, "motor_max_speed")?;
+        for a in [self.axes.x, self.axes.y] {
+            step_rate(self.motor_max_speed, a.steps_per_mm, "motor_max_speed")?;
+        }
         within(ranges::ACCELERATION, self.motor_max_acceleration, "motor_max_acceleration")?;
         within(ranges::ACCELERATION, self.print_acceleration, "print_acceleration")?;
         within(ranges::ACCELERATION, self.retract_acceleration, "retract_acceleration")?;
@@ -183,6 +188,21 @@ impl Settings {
         driver(&self.drivers.belt, "drivers.belt")?;
         driver(&self.drivers.z, "drivers.z")?;
         driver(&self.drivers.e, "drivers.e")
+    }
+
+    /// Checks that axes which share motors have the same resolution: a motor has one.
+    ///
+    /// # Errors
+    /// Two axes that have not.
+    pub fn check_shared_motors(&self) -> Result<(), SettingsError> {
+        let [x, y, z] = [self.axes.x, self.axes.y, self.axes.z].map(|a| a.steps_per_mm);
+        for (axes, a, b, is_equal) in [("x and y", 0, 1, x == y), ("x and z", 0, 2, x == z), ("y and z", 1, 2, y == z)]
+        {
+            if !is_equal && self.mechanism.share(a, b) {
+                return Err(SettingsError::ResolutionsDiffer(axes));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -220,10 +240,10 @@ mod tests {
     }
 
     #[test]
-    fn a_resolution_that_the_belt_cannot_have_is_named() {
+    fn a_resolution_that_shared_motors_cannot_have_is_named() {
         let mut s = Settings::prototype();
         s.axes.y.steps_per_mm = StepsPerMm::const_from_int(160);
-        assert_eq!(s.check(), Err(SettingsError::BeltResolutionsDiffer));
+        assert_eq!(s.check(), Err(SettingsError::ResolutionsDiffer("x and y")));
         s.axes.y.steps_per_mm = StepsPerMm::const_from_int(25_600);
         assert_eq!(s.check(), Err(SettingsError::TooManySteps("axes.y")));
     }

@@ -11,6 +11,8 @@ pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 
+use crate::kinematics::Mechanism;
+use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +67,8 @@ pub struct Settings {
     pub advanced_ok: bool,
     /// What the motor drivers are told, where they can be talked to.
     pub drivers: DriverGroups,
+    /// How far each motor turns for a step of each axis. A machine keeps it from start to end.
+    pub mechanism: Mechanism,
 }
 
 impl Settings {
@@ -110,6 +114,20 @@ impl Settings {
             patience_ms: 500,
             advanced_ok: false,
             drivers: DriverGroups::prototype(),
+            mechanism: Mechanism::corehbot(),
         }
+    }
+
+    /// Resolution of a motor: that of the axes that it moves, or of the extruder if it moves none.
+    #[must_use]
+    pub fn steps_per_mm(&self, motor: Motor) -> StepsPerMm {
+        let Axes { x, y, z, e } = self.axes;
+        let axis = match self.mechanism.axis_of(motor) {
+            Some(0) => x,
+            Some(1) => y,
+            Some(2) => z,
+            _ => e,
+        };
+        axis.steps_per_mm
     }
 }

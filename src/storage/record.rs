@@ -16,7 +16,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 4;
+pub const FORMAT: u16 = 5;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -39,6 +39,8 @@ pub enum Rejected {
     Format(u16),
     /// The record is whole, but this firmware forbids a value in it.
     Illegal(SettingsError),
+    /// The record is that of a machine with other motors.
+    Mechanism,
 }
 
 impl core::fmt::Display for Rejected {
@@ -49,6 +51,7 @@ impl core::fmt::Display for Rejected {
             Self::Format(format) => write!(f, "format V{format}, this firmware has V{FORMAT}"),
             // Not the error itself: setting names hold `_max`, which OctoPrint takes for an endstop report.
             Self::Illegal(_) => f.write_str("a value is outside its legal range"),
+            Self::Mechanism => f.write_str("for a machine with another mechanism"),
         }
     }
 }
@@ -161,6 +164,7 @@ mod tests {
     extern crate std;
 
     use super::*;
+    use crate::kinematics::Mechanism;
     use crate::settings::{Advance, AxisSettings, CornerRule, DriverSettings, Homing, Shaper, ShaperKind};
     use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
     use proptest::prelude::*;
@@ -229,8 +233,9 @@ mod tests {
                 stall_threshold: 70,
             };
         }
+        s.mechanism = Mechanism::corehbot();
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (4, Receipt { bytes: 203, crc: 4_062_137_646 }));
+        assert_eq!((FORMAT, receipt), (5, Receipt { bytes: 231, crc: 3_839_559_938 }));
     }
 
     #[test]
@@ -276,7 +281,7 @@ mod tests {
         let mut s = Settings::prototype();
         s.axes.x.steps_per_mm = StepsPerMm::from_num(160);
         let record = forge(FORMAT, &payload(&s));
-        assert_eq!(decode(&record), Err(Rejected::Illegal(SettingsError::BeltResolutionsDiffer)));
+        assert_eq!(decode(&record), Err(Rejected::Illegal(SettingsError::ResolutionsDiffer("x and y"))));
     }
 
     #[test]

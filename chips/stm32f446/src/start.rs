@@ -1,6 +1,7 @@
 //! Start-up: safe levels first, then clocks, then the core.
 
 use corehbot::app::{self, Memory, StepPorts};
+use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
 use corehbot::settings::Settings;
@@ -69,7 +70,9 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         port
     });
     step_timer::start();
-    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed));
+    let settings = Settings::prototype();
+    let groups = Groups::new(&settings.mechanism);
+    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed, &groups));
     let ports = Ports {
         serial: lines,
         drivers: Drivers::start(board),
@@ -77,7 +80,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         storage: BoardStorage(find(board)),
         sensors: Thermistors::start(board.thermistors),
     };
-    let parts = assemble(StepPins::new(board, dirs), ports);
+    let parts = assemble(settings, StepPins::new(board, dirs, &groups), ports);
     contexts::start(parts, usb, Watchdog::new())
 }
 
@@ -123,10 +126,10 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
+fn assemble(settings: Settings, pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
     // In this form the parts are built in their place; they are too large to be carried about.
-    PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
+    PARTS.init_with(|| app::assemble(MEMORY.take(), settings, None, step_ports, ports, IrqPend))
 }
 
 /// Tells the hosts why the last reset happened, unless it was for a good reason.
