@@ -4,7 +4,7 @@
 //! groups, not motors, so a second ball screw or the second motor of a pair costs no time.
 
 use super::mechanism::{Mechanism, Row, mirrored};
-use super::way_back::{WayBack, greatest_divisor};
+use super::way_back::WayBack;
 use crate::motors::{GroupSet, MOST_GROUPS, Motor, MotorSet};
 use crate::units::Steps;
 
@@ -95,6 +95,7 @@ impl Groups {
 
     /// The groups of a mechanism that [`Mechanism::check`] finds sound.
     #[must_use]
+    #[inline(never)]
     pub fn new(mechanism: &Mechanism) -> Self {
         let fitted = mechanism.fitted();
         let mut groups = Self { mechanism: *mechanism, fitted, ..Self::NONE };
@@ -117,7 +118,7 @@ impl Groups {
                 *group = Group { row, with, against, lead };
             }
         }
-        groups.back = WayBack::new(&groups.groups.map(|group| group.row)).unwrap_or(WayBack::NONE);
+        groups.back = WayBack::new(groups.groups.map(|group| group.row)).unwrap_or(WayBack::NONE);
         groups
     }
 
@@ -140,8 +141,9 @@ impl Groups {
 
     /// Whether more coordinates than axes hold the tool, so that their counts must agree: five of them hold four axes.
     #[must_use]
-    pub fn is_redundant(&self) -> bool {
-        self.iter().all(|group| !group.motors().is_empty())
+    pub const fn is_redundant(&self) -> bool {
+        let [.., last] = &self.groups;
+        !last.motors().is_empty()
     }
 
     /// Where x, y, z and e are, in steps, given the counts of the groups: exactly where these say, or as near to all of
@@ -207,6 +209,15 @@ impl Groups {
             set.with(if groups.0 >> number & 1 == 1 { group.with } else { group.against })
         })
     }
+}
+
+/// The greatest number that divides both, never negative (Euclid, Elements, VII.2).
+const fn greatest_divisor(a: i32, b: i32) -> i32 {
+    let (mut a, mut b) = (a.abs(), b.abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
 }
 
 /// The volume that three rows span.

@@ -4,7 +4,7 @@
 //! its motors must do is rows times position, and everything else follows from the rows ([`Groups`](super::Groups)).
 //! A row of zeros is a motor that is not fitted.
 
-use super::way_back::WayBack;
+use super::way_back::{WayBack, is_held};
 use crate::motors::{MOST_GROUPS, Motor, MotorSet};
 use serde::{Deserialize, Serialize};
 
@@ -17,11 +17,32 @@ const NOT_FITTED: Row = [0; 4];
 /// Names of the axes.
 const AXES: [&str; 4] = ["x", "y", "z", "e"];
 
-/// One row a motor, in the order of [`Motor::ALL`].
+/// One row a motor, in the order of [`Motor::ALL`]. Stored as one number, two bits an entry.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[serde(from = "i64", into = "i64")]
 pub struct Mechanism {
     /// The rows; [`check`](Self::check) says what is legal.
     pub rows: [Row; Motor::ALL.len()],
+}
+
+/// Bits of an entry: -2, which is no legal one, to 1.
+const ENTRY: u32 = 2;
+
+impl From<i64> for Mechanism {
+    fn from(packed: i64) -> Self {
+        let mut mechanism = Self { rows: [NOT_FITTED; Motor::ALL.len()] };
+        for (place, entry) in (0..).zip(mechanism.rows.as_flattened_mut()) {
+            *entry = (packed << (i64::BITS - ENTRY * (place + 1)) >> (i64::BITS - ENTRY)) as i8;
+        }
+        mechanism
+    }
+}
+
+impl From<Mechanism> for i64 {
+    fn from(mechanism: Mechanism) -> Self {
+        let entries = (0..).zip(mechanism.rows.as_flattened());
+        entries.fold(0, |packed, (place, entry)| packed | (Self::from(*entry) & 3) << (ENTRY * place))
+    }
 }
 
 /// Why rows are no machine.
@@ -89,6 +110,7 @@ impl Mechanism {
 
     /// The motors that an axis needs to move, by its number.
     #[must_use]
+    #[inline(never)]
     pub fn motors_of(&self, axis: usize) -> MotorSet {
         self.motors_with(|row| row.get(axis).is_some_and(|times| *times != 0))
     }
@@ -101,6 +123,7 @@ impl Mechanism {
 
     /// Whether two axes need a motor together.
     #[must_use]
+    #[inline(never)]
     pub fn share(&self, a: usize, b: usize) -> bool {
         let Self { rows } = self;
         rows.iter().any(|row| [a, b].iter().all(|axis| row.get(*axis).is_some_and(|times| *times != 0)))
@@ -115,7 +138,7 @@ impl Mechanism {
     /// The way back from what the motors have turned; `None` if they do not hold the tool.
     #[must_use]
     pub fn way_back(&self) -> Option<WayBack<{ Motor::ALL.len() }>> {
-        WayBack::new(&self.rows)
+        WayBack::new(self.rows)
     }
 
     /// Whether these are the rows of a machine.
@@ -132,19 +155,15 @@ impl Mechanism {
                 return Err(MechanismError::Mixed(motor));
             }
         }
-        for (axis, name) in AXES.into_iter().enumerate() {
-            if self.motors_of(axis).is_empty() {
-                return Err(MechanismError::NotDriven(name));
-            }
+        if let Some((_, axis)) = (0..).zip(AXES).find(|(axis, _)| self.motors_of(*axis).is_empty()) {
+            return Err(MechanismError::NotDriven(axis));
         }
-        let is_first = |number: usize, row: Row| {
-            !self.rows.iter().take(number).any(|before| *before == row || *before == mirrored(row))
-        };
-        let different = |(number, row): &(usize, Row)| *row != NOT_FITTED && is_first(*number, *row);
-        if self.rows.into_iter().enumerate().filter(different).count() > MOST_GROUPS {
-            return Err(MechanismError::TooManyGroups);
+        let mut different: [Row; MOST_GROUPS] = [NOT_FITTED; MOST_GROUPS];
+        for row in self.rows.into_iter().filter(|row| *row != NOT_FITTED) {
+            let place = |slot: &&mut Row| [NOT_FITTED, row, mirrored(row)].contains(*slot);
+            *different.iter_mut().find(place).ok_or(MechanismError::TooManyGroups)? = row;
         }
-        if self.way_back().is_none() { Err(MechanismError::Loose) } else { Ok(()) }
+        if is_held(&different) { Ok(()) } else { Err(MechanismError::Loose) }
     }
 
     /// Whether steps taken in one instant strain nothing: motors that one coordinate drives step together, those whose

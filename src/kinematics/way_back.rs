@@ -1,95 +1,101 @@
 //! The way back: from what motors have turned to where the tool is, in whole numbers.
 //!
 //! With as many coordinates as axes this is the inverse of their rows; with more, the position that fits best (least
-//! squares), `(R^T R)^-1 R^T`. Rows are small integers, so each axis is a sum of counts over one small number, and for
-//! counts that belong to a position it is that position exactly.
+//! squares): `(R^T R)^-1 R^T n`, with the adjugate over the determinant for the inverse. Rows are small integers, so each
+//! axis is a sum of counts over one small number, and for counts that belong to a position it is that position exactly.
 
 use super::mechanism::Row;
 use crate::units::Steps;
 
-/// Sums of counts that are the axes, of counts with these rows.
+/// The inverse of `R^T R`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Weights {
+    /// Of x, y and z.
+    adjugate: [[i16; 3]; 3],
+    determinant: i16,
+    /// Coordinates that are the filament's.
+    filament: i16,
+}
+
+impl Weights {
+    /// One copy of it, and no loop unrolled: it is needed once.
+    #[inline(never)]
+    fn new(rows: &[Row]) -> Option<Self> {
+        let mut square = [[0i16; 3]; 3];
+        let mut filament = 0;
+        for &[x, y, z, e] in rows {
+            let row = [x, y, z].map(i16::from);
+            for (sums, a) in square.iter_mut().zip(row) {
+                for (sum, b) in sums.iter_mut().zip(row) {
+                    *sum += a * b;
+                }
+            }
+            filament += i16::from(e).abs();
+        }
+        let [[a, b, c], [_, d, e], [.., f]] = square;
+        // Symmetric, so six numbers are all.
+        let (bc, ac, ab) = (c * e - b * f, b * e - c * d, b * c - a * e);
+        let adjugate = [[d * f - e * e, bc, ac], [bc, a * f - c * c, ab], [ac, ab, a * d - b * b]];
+        let determinant = a * adjugate[0][0] + b * bc + c * ac;
+        (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant, filament })
+    }
+
+    /// Each axis as a sum, and what it is to be divided by.
+    fn fractions(&self, rows: &[Row], counts: &[i64]) -> [(i64, i64); 4] {
+        let [x, y, z] = self.adjugate.map(|[a, b, c]| (sum([a, b, c, 0], rows, counts), i64::from(self.determinant)));
+        [x, y, z, (sum([0, 0, 0, 1], rows, counts), i64::from(self.filament))]
+    }
+}
+
+/// The sum of counts, each as often as its row has these weights.
+#[inline(never)]
+fn sum([a, b, c, d]: [i16; 4], rows: &[Row], counts: &[i64]) -> i64 {
+    let mut sum = 0;
+    for ([x, y, z, e], count) in rows.iter().map(|row| row.map(i16::from)).zip(counts) {
+        sum += i64::from(a * x + b * y + c * z + d * e) * count;
+    }
+    sum
+}
+
+/// A sum divided, in steps.
+#[inline(never)]
+fn steps((sum, over): (i64, i64)) -> Steps {
+    let (whole, rest) = (sum.div_euclid(over), sum.rem_euclid(over));
+    Steps::from_bits((whole << 32).wrapping_add((rest << 32) / over))
+}
+
+/// Whether counts with these rows hold every axis.
+pub(super) fn is_held(rows: &[Row]) -> bool {
+    Weights::new(rows).is_some()
+}
+
+/// From N counts to x, y, z and e.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct WayBack<const N: usize> {
-    /// How many times each count is taken, by axis.
-    times: [[i16; N]; 4],
-    /// What the sum of each axis is to be divided by.
-    over: [i16; 4],
+    rows: [Row; N],
+    weights: Weights,
 }
 
 impl<const N: usize> WayBack<N> {
     /// Of counts that say nothing: all axes are 0.
-    pub const NONE: Self = Self { times: [[0; N]; 4], over: [0; 4] };
+    pub const NONE: Self =
+        Self { rows: [[0; 4]; N], weights: Weights { adjugate: [[0; 3]; 3], determinant: 0, filament: 0 } };
 
     /// Of counts with these rows; `None` if they do not hold every axis.
     #[must_use]
-    pub fn new(rows: &[Row; N]) -> Option<Self> {
-        let tool = |row: &Row| [i32::from(row[0]), i32::from(row[1]), i32::from(row[2])];
-        let mut square = [[0; 3]; 3];
-        for row in rows.iter().map(tool) {
-            for i in 0..3 {
-                for j in 0..3 {
-                    square[i][j] += row[i] * row[j];
-                }
-            }
-        }
-        let mut adjugate = [[0; 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                let (a, b, c, d) = ((j + 1) % 3, (j + 2) % 3, (i + 1) % 3, (i + 2) % 3);
-                adjugate[i][j] = square[a][c] * square[b][d] - square[a][d] * square[b][c];
-            }
-        }
-        let determinant = dot(square[0], adjugate[0]);
-        let filament = rows.iter().map(|row| i32::from(row[3]) * i32::from(row[3])).sum();
-        if determinant == 0 || filament == 0 {
-            return None;
-        }
-        let mut back = Self::NONE;
-        for (axis, (times, over)) in back.times.iter_mut().zip(&mut back.over).enumerate() {
-            let weight = |row: &Row| match adjugate.get(axis) {
-                Some(weights) => dot(*weights, tool(row)),
-                None => i32::from(row[3]),
-            };
-            let whole = if axis < 3 { determinant } else { filament };
-            let common = rows.iter().fold(whole, |common, row| greatest_divisor(common, weight(row)));
-            for (times, row) in times.iter_mut().zip(rows) {
-                *times = (weight(row) / common) as i16;
-            }
-            *over = (whole / common) as i16;
-        }
-        Some(back)
+    pub fn new(rows: [Row; N]) -> Option<Self> {
+        Weights::new(&rows).map(|weights| Self { rows, weights })
     }
 
-    /// The sum of each axis, and what it is to be divided by.
+    /// Each axis as a sum, and what it is to be divided by.
     #[must_use]
     pub fn fractions(&self, counts: &[i64; N]) -> [(i64, i64); 4] {
-        let mut fractions = [(0, 1); 4];
-        for ((fraction, times), over) in fractions.iter_mut().zip(&self.times).zip(self.over) {
-            let sum = times.iter().zip(counts).map(|(times, count)| i64::from(*times) * count).sum();
-            *fraction = (sum, i64::from(over).max(1));
-        }
-        fractions
+        self.weights.fractions(&self.rows, counts).map(|(sum, over)| (sum, over.max(1)))
     }
 
     /// x, y, z and e in steps; exact unless the number that a sum is divided by is no power of two.
     #[must_use]
     pub fn position(&self, counts: &[i64; N]) -> [Steps; 4] {
-        self.fractions(counts).map(|(sum, over)| {
-            let (whole, rest) = (sum.div_euclid(over), sum.rem_euclid(over));
-            Steps::from_bits((whole << 32).wrapping_add((rest << 32) / over))
-        })
+        self.fractions(counts).map(steps)
     }
-}
-
-const fn dot(a: [i32; 3], b: [i32; 3]) -> i32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The greatest number that divides both, never negative (Euclid, Elements, VII.2).
-pub(super) const fn greatest_divisor(a: i32, b: i32) -> i32 {
-    let (mut a, mut b) = (a.abs(), b.abs());
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }

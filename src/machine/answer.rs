@@ -16,7 +16,7 @@ use crate::driver::Fault;
 use crate::gcode::Form;
 use crate::port::{EndstopSet, Pend};
 use crate::protocol::{NoRoom, Replies, ResendReason};
-use crate::settings::{SettingsError, ranges};
+use crate::settings::ranges;
 use core::fmt;
 
 /// What there is to say. Numbers that the Console knows are looked up when they are written.
@@ -61,7 +61,7 @@ pub(super) enum Answer<'a> {
     /// A command whose X and Y differ.
     OneBelt(&'static str),
     /// M92 would give axes that share motors different steps.
-    SharedMotors(SettingsError),
+    SharedMotors(&'static str),
     LoweredSpeeds,
     TooMuchFilament,
     DriverValues(DriverValue),
@@ -200,7 +200,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Answer::OneBelt(code) => {
                 self.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
             }
-            Answer::SharedMotors(error) => self.say(format_args!("echo:M92 ignored: {error}")),
+            Answer::SharedMotors(axes) => {
+                self.say(format_args!("echo:M92 ignored: {axes} share motors and need the same value"));
+            }
             Answer::LoweredSpeeds => {
                 let most = ranges::STEP_RATE;
                 self.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));

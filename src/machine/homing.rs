@@ -48,9 +48,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.finish().await?;
         // Without power no axis forgets where it is.
         self.power(self.groups.fitted()).await?;
-        if self.groups.is_redundant() {
-            self.stand_on_whole_steps().await?;
-        }
         let all = !(flags.x || flags.y || flags.z);
         let (axes, homing) = (self.settings.axes, self.settings.homing);
         let x = Axis { index: 0, name: 'X', endstop: EndstopSet::X, homing: homing.x, length: axes.x.length };
@@ -106,23 +103,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(met)
     }
 
-    /// Moves one axis, and waits until it is there or has met what it watches for.
+    /// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
+    /// it takes them to whole steps, where all counts agree: from there an axis alone takes all its motors along at once,
+    /// and the counts agree wherever a switch ends it.
     async fn travel(&mut self, axis: &Axis, way: Mm, speed: MmPerSec, watch: EndstopSet) -> Result<(), Interrupt> {
-        let mut position = self.planner.mm(self.planner.end());
+        let mut end = self.planner.end();
+        if self.groups.is_redundant() {
+            end = end.map(Steps::wrapping_round);
+        }
+        let mut position = self.planner.mm(end);
         if let Some(at) = position.get_mut(axis.index) {
             *at = at.saturating_add(way);
         }
         self.plan(Target { position, speed, has_overrides: false, watch }).await?;
-        self.finish().await
-    }
-
-    /// Moves by less than a step to where all counts agree; from there an axis alone takes all its motors along at once,
-    /// so they agree wherever an endstop ends it.
-    async fn stand_on_whole_steps(&mut self) -> Result<(), Interrupt> {
-        let [x, y, z, e] = self.planner.end();
-        let whole = [x.wrapping_round(), y.wrapping_round(), z.wrapping_round(), e];
-        let (position, speed) = (self.planner.mm(whole), self.settings.homing.z.slow);
-        self.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
         self.finish().await
     }
 

@@ -63,8 +63,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             axis.steps_per_mm = ranges::STEPS_PER_MM.clamp(StepsPerMm::saturating_from_num(number.value()));
             axis.max_speed = axis.max_speed.min(fastest(axis.steps_per_mm));
         }
-        if let Err(error) = wanted.check_shared_motors() {
-            return Ok(Answer::SharedMotors(error));
+        if let Err(axes) = wanted.check_shared_motors() {
+            return Ok(Answer::SharedMotors(axes));
         }
         let belt = fastest(wanted.axes.x.steps_per_mm.max(wanted.axes.y.steps_per_mm));
         wanted.motor_max_speed = wanted.motor_max_speed.min(belt);

@@ -7,6 +7,7 @@ use crate::kinematics::Groups;
 use crate::motors::MOST_GROUPS;
 use crate::settings::Settings;
 use crate::units::{MmPerSec, MmPerSec2, Steps, StepsPerMm};
+use heapless::Vec;
 
 /// One in the fixed point of unit vectors.
 pub(super) const UNIT: i32 = 1 << 30;
@@ -50,23 +51,24 @@ impl Bounds {
 }
 
 /// The belt motors' coordinates: how much of a way of x, y and z each of them makes. One group is the extruder's.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Belts([[f32; 3]; MOST_GROUPS - 1]);
+#[derive(Clone, Debug)]
+pub(super) struct Belts(Vec<[f32; 3], { MOST_GROUPS - 1 }>);
 
 impl Belts {
     /// Those of a mechanism.
+    #[inline(never)]
     pub fn new(groups: &Groups) -> Self {
-        let mut belts = Self([[0.0; 3]; MOST_GROUPS - 1]);
-        for (belt, group) in belts.0.iter_mut().zip(groups.iter().filter(|group| group.is_belt())) {
-            let [x, y, z, _] = group.row.map(f32::from);
-            *belt = [x, y, z];
-        }
-        belts
+        let belts = groups.iter().filter(|group| group.is_belt());
+        Self(belts.map(|belt| [belt.row[0], belt.row[1], belt.row[2]].map(f32::from)).take(MOST_GROUPS - 1).collect())
     }
 
-    /// The share of each in a way.
-    pub fn shares(&self, [x, y, z]: [f32; 3]) -> [f32; MOST_GROUPS - 1] {
-        self.0.map(|[a, b, c]| a * x + b * y + c * z)
+    /// No belt motor bears more than `most` along a way of length `one`. Not inlined in each of its three places.
+    #[inline(never)]
+    pub fn bound(&self, bounds: &mut Bounds, most: f32, way: [f32; 3], one: f32) {
+        let [x, y, z] = way;
+        for [a, b, c] in &self.0 {
+            bounds.bound(most, a * x + b * y + c * z, one);
+        }
     }
 }
 
@@ -132,9 +134,7 @@ impl Geometry {
         for (most, share) in axes.into_iter().zip([x, y, z, self.extrusion]) {
             bounds.bound(most, share, 1.0);
         }
-        for share in belts.shares([x, y, z]) {
-            bounds.bound(motor, share, 1.0);
-        }
+        belts.bound(&mut bounds, motor, [x, y, z], 1.0);
         bounds
     }
 }

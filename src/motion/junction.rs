@@ -73,9 +73,7 @@ fn bears(turn: [f32; 3], length: f32, a: MmPerSec2, belts: &Belts, s: &Settings)
     for (most, share) in axes.to_array().into_iter().zip(turn) {
         bounds.bound(most, share, length);
     }
-    for share in belts.shares(turn) {
-        bounds.bound(motor, share, length);
-    }
+    belts.bound(&mut bounds, motor, turn, length);
     bounds.value()
 }
 

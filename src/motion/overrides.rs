@@ -24,10 +24,10 @@ impl Planner<'_> {
         if core::mem::replace(&mut self.feed_percent, percent) == percent {
             return;
         }
-        let belts = self.belts;
+        let belts = &self.belts;
         self.window.change(|planned| {
             if planned.feed > MmPerSec::ZERO {
-                planned.set_nominal(percent_of(planned.feed, percent), &belts, settings);
+                planned.set_nominal(percent_of(planned.feed, percent), belts, settings);
             }
         });
         self.waiting = self.window.time();

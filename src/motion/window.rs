@@ -83,6 +83,7 @@ impl Planned {
     }
 
     /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
+    #[inline(never)]
     pub fn set_nominal(&mut self, wanted: MmPerSec, belts: &Belts, settings: &Settings) {
         self.nominal = self.vector.speed_limit(wanted, belts, settings);
         let seconds = from_bits(self.vector.length) / speed(self.nominal);

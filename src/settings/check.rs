@@ -143,7 +143,17 @@ fn driver(d: &DriverSettings, name: &'static str) -> Result<(), SettingsError> {
 }
 
 impl Settings {
-    /// Checks every value against its range.
+    /// The same as [`check`](Self::check), and whether the mechanism is one: for whoever makes a machine. Stored settings
+    /// are taken only for the mechanism that a machine has already.
+    ///
+    /// # Errors
+    /// The first thing found to be wrong.
+    pub fn check_machine(&self) -> Result<(), SettingsError> {
+        self.mechanism.check().map_err(SettingsError::Mechanism)?;
+        self.check()
+    }
+
+    /// Checks every value against its range, but for the mechanism.
     ///
     /// # Errors
     /// The first setting found to be illegal.
@@ -152,8 +162,7 @@ impl Settings {
         axis(&self.axes.y, "axes.y")?;
         axis(&self.axes.z, "axes.z")?;
         axis(&self.axes.e, "axes.e")?;
-        self.mechanism.check().map_err(SettingsError::Mechanism)?;
-        self.check_shared_motors()?;
+        self.check_shared_motors().map_err(SettingsError::ResolutionsDiffer)?;
         within(ranges::SPEED, self.motor_max_speed, "motor_max_speed")?;
         for a in [self.axes.x, self.axes.y] {
             step_rate(self.motor_max_speed, a.steps_per_mm, "motor_max_speed")?;
@@ -194,12 +203,12 @@ impl Settings {
     ///
     /// # Errors
     /// Two axes that have not.
-    pub fn check_shared_motors(&self) -> Result<(), SettingsError> {
+    pub fn check_shared_motors(&self) -> Result<(), &'static str> {
         let [x, y, z] = [self.axes.x, self.axes.y, self.axes.z].map(|a| a.steps_per_mm);
         for (axes, a, b, is_equal) in [("x and y", 0, 1, x == y), ("x and z", 0, 2, x == z), ("y and z", 1, 2, y == z)]
         {
             if !is_equal && self.mechanism.share(a, b) {
-                return Err(SettingsError::ResolutionsDiffer(axes));
+                return Err(axes);
             }
         }
         Ok(())
@@ -212,7 +221,7 @@ mod tests {
 
     #[test]
     fn the_prototype_is_legal() {
-        assert_eq!(Settings::prototype().check(), Ok(()));
+        assert_eq!(Settings::prototype().check_machine(), Ok(()));
     }
 
     #[test]

@@ -134,7 +134,7 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
     driver(&mut s.drivers.z, "drivers.z", &file.drivers.z)?;
     driver(&mut s.drivers.e, "drivers.e", &file.drivers.e)?;
-    s.check().map_err(MachineFileError::Settings)?;
+    s.check_machine().map_err(MachineFileError::Settings)?;
     Ok(Machine { name: file.name, settings: s })
 }
 

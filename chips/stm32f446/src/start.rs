@@ -31,6 +31,9 @@ static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
 static PARTS: StaticCell<BoardParts> = StaticCell::new();
 static DIR_WORDS: StaticCell<Words> = StaticCell::new();
 
+/// The machine, until its storage says more of it.
+const SETTINGS: Settings = Settings::prototype();
+
 /// Cycles of 16 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and some 100
 /// pF has settled, with a margin of ten.
 const SETTLE: u32 = 1000;
@@ -70,8 +73,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         port
     });
     step_timer::start();
-    let settings = Settings::prototype();
-    let groups = Groups::new(&settings.mechanism);
+    let groups = Groups::new(&SETTINGS.mechanism);
     let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed, &groups));
     let ports = Ports {
         serial: lines,
@@ -80,7 +82,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         storage: BoardStorage(find(board)),
         sensors: Thermistors::start(board.thermistors),
     };
-    let parts = assemble(settings, StepPins::new(board, dirs, &groups), ports);
+    let parts = assemble(StepPins::new(board, dirs, &groups), ports);
     contexts::start(parts, usb, Watchdog::new())
 }
 
@@ -126,10 +128,10 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(settings: Settings, pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
+fn assemble(pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
     // In this form the parts are built in their place; they are too large to be carried about.
-    PARTS.init_with(|| app::assemble(MEMORY.take(), settings, None, step_ports, ports, IrqPend))
+    PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, ports, IrqPend))
 }
 
 /// Tells the hosts why the last reset happened, unless it was for a good reason.
