@@ -3,7 +3,7 @@
 
 use corehbot::kinematics::Mechanism;
 use corehbot::motors::{Motor, MotorSet};
-use corehbot::settings::Settings;
+use corehbot::settings::{Cartesian, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::check::{Checker, Findings};
 use corehbot_sim::drivers::Drivers;
@@ -11,6 +11,8 @@ use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::Limits;
 use corehbot_sim::machine_file;
 use corehbot_sim::world::{Host, Outcome, Sink, run};
+use std::cell::Cell;
+use std::collections::VecDeque;
 use std::path::Path;
 
 /// Every machine file, by name.
@@ -119,10 +121,9 @@ fn every_axis_of_every_machine_finds_its_switch() {
     }
 }
 
-/// A quick stop in a slanted move leaves the motors between positions; what is counted after it is exact all the same, and
-/// homing finds the same zero however often.
+/// Homing from between two steps finds the same zero however often, and the motors never come to rest against each other.
 #[test]
-fn stops_and_homing_add_up_to_nothing() {
+fn homing_again_and_again_adds_up_to_nothing() {
     for (name, s) in machines() {
         let mut gcode = "G28\n".to_owned();
         for i in 0..12 {
@@ -141,6 +142,148 @@ fn stops_and_homing_add_up_to_nothing() {
         let wanted = s.mechanism.way_back().unwrap().fractions(&to).map(|(sum, over)| sum as f64 / over as f64);
         for axis in 0..3 {
             assert!((way[axis] - wanted[axis]).abs() <= 2.0, "{name}: axis {axis} {way:?} {wanted:?}");
+        }
+    }
+}
+
+/// Keeps the motors of every event.
+#[derive(Default)]
+struct Motors(Vec<MotorSet>);
+
+impl Sink for Motors {
+    fn event(&mut self, _tick: u64, steps: MotorSet, _forward: MotorSet) {
+        self.0.push(steps);
+    }
+}
+
+/// Homing one axis puts all that share motors with it on whole steps; from there a move of an axis takes all its motors
+/// along at once, without zig-zag.
+#[test]
+fn behind_homing_an_axis_moves_alone() {
+    for (name, mut s) in machines() {
+        for (axis, back_off) in [(0, 5.0), (1, 5.0), (2, 5.0), (0, 0.4), (1, 0.4), (2, 0.4)] {
+            // Ways of less than a millimetre end where they are sent, on no whole step.
+            let Cartesian { x, y, z } = &mut s.homing;
+            [x, y, z].map(|homing| homing.back_off = Mm::from_num(back_off));
+            if !(0..3).any(|other| other != axis && s.mechanism.share(axis, other)) {
+                continue;
+            }
+            let letter = ["X", "Y", "Z"][axis];
+            let gcode = format!("G1 X10.006 Y20.012 Z5.0042 F600\nG28 {letter}\nG1 {letter}5 F600\n");
+            let mut motors = Motors::default();
+            let mut host = FileHost::new(&gcode);
+            run(&s, Some([10, 20, 5].map(Mm::from_num)), &mut host, &mut motors).unwrap();
+            let last = &motors.0[motors.0.len() - 390..];
+            assert!(last.iter().all(|steps| *steps == s.mechanism.motors_of(axis)), "{name}: {letter} {last:?}");
+        }
+    }
+}
+
+/// M92 gives a place between new steps its name; the motors must not come to pull against each other, each time by a step
+/// more.
+#[test]
+fn other_resolutions_strain_nothing() {
+    for (name, s) in machines() {
+        let mut gcode = String::new();
+        for i in 1..40 {
+            let per_mm = 80.0 - f64::from(i) * 0.137;
+            gcode +=
+                &format!("M92 X{per_mm} Y{per_mm} Z{per_mm}\nG1 X{} Y{} Z{} F3000\n", 10 + i, 20 + 2 * i, 5 + i % 7);
+        }
+        assert_eq!(print(&s, Some([10, 20, 5].map(Mm::from_num)), &gcode).findings, Findings::default(), "{name}");
+    }
+}
+
+/// Stops slanted moves by M410 wherever they are, and asks for the position each time.
+struct Stopper<'t> {
+    lines: VecDeque<String>,
+    /// Events so far, and at how many the next stop comes.
+    events: &'t Cell<u64>,
+    stop: u64,
+    stops: u64,
+    is_under_way: bool,
+    awaiting: u32,
+    heard: Vec<String>,
+}
+
+impl Host for Stopper<'_> {
+    fn send(&mut self, out: &mut Vec<u8>) {
+        if self.awaiting > 0 {
+            return;
+        }
+        if let Some(line) = self.lines.pop_front() {
+            if line.starts_with("G1 X1") || line.starts_with("G1 X3") {
+                self.stops += 1;
+                (self.stop, self.is_under_way) = (self.events.get() + 700 + 97 * self.stops, true);
+            }
+            out.extend(line.bytes());
+            out.push(b'\n');
+            self.awaiting += 1;
+        }
+    }
+
+    fn interject(&mut self, out: &mut Vec<u8>) {
+        if self.is_under_way && self.events.get() >= self.stop {
+            self.is_under_way = false;
+            self.awaiting += 1;
+            out.extend(b"M410\n");
+        }
+    }
+
+    fn hear(&mut self, line: &str) {
+        self.awaiting -= u32::from(line.starts_with("ok"));
+        self.heard.push(line.to_owned());
+    }
+
+    fn is_done(&self) -> bool {
+        self.lines.is_empty() && self.awaiting == 0
+    }
+}
+
+/// A sink that tells how many events there were.
+struct Told<'t>(Steps, &'t Cell<u64>);
+
+impl Sink for Told<'_> {
+    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.0.event(tick, steps, forward);
+        self.1.set(self.0.events);
+    }
+}
+
+/// After a quick stop the motors of a slanted move stand between positions. What is told is where they really are, and
+/// nothing adds up over many stops.
+#[test]
+fn quick_stops_leave_the_position_true() {
+    for (name, s) in machines() {
+        let mut limits = Limits::new(&s, None, "");
+        limits.of.iter_mut().for_each(|limit| (limit.hard_stop, limit.hard_stop_up) = (0.0, 0.0));
+        let events = Cell::new(0);
+        let mut told = Told(Steps { checker: Checker::new(&s, &limits), counts: [0; 7], events: 0 }, &events);
+        let mut lines = VecDeque::new();
+        for i in 0..20 {
+            let slanted = if i % 2 == 0 { "G1 X150 Y170.37 Z9.123 F6000" } else { "G1 X31 Y12.37 Z2.123 F6000" };
+            lines.extend([slanted, "M400", "M114 R"].map(str::to_owned));
+        }
+        // An axis alone counts from wherever the last stop was.
+        lines.extend(["G91", "G1 Y7 F3000", "M400", "M114 R"].map(str::to_owned));
+        let heard = Vec::new();
+        let mut host = Stopper { lines, events: &events, stop: 0, stops: 0, is_under_way: false, awaiting: 0, heard };
+        let start = [60.0, 60.0, 5.0];
+        let outcome = run(&s, Some(start.map(Mm::from_num)), &mut host, &mut told).unwrap();
+        let Told(Steps { checker, counts, .. }, _) = told;
+        assert_eq!(checker.finish(Some(outcome.counts)), Findings::default(), "{name}");
+        let positions: Vec<&String> = host.heard.iter().filter(|line| line.starts_with("X:")).collect();
+        assert_eq!(positions.len(), 21, "{name}");
+        let stopped = positions.iter().filter(|line| !line.contains("X:150.0 ") && !line.contains("X:31.00 ")).count();
+        assert!(stopped > 15, "{name}: {positions:?}");
+        let back = s.mechanism.way_back().unwrap().fractions(&counts).map(|(sum, over)| sum as f64 / over as f64);
+        let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
+        let mut last = positions[20].split([' ', ':']);
+        for (axis, letter) in ["X", "Y", "Z"].into_iter().enumerate() {
+            assert_eq!(last.next(), Some(letter), "{name}");
+            let said: f64 = last.next().unwrap().parse().unwrap();
+            let real = start[axis] + back[axis] / pitch[axis];
+            assert!((said - real).abs() < 0.00501, "{name}: {letter}{said} is told, the motors say {real}");
         }
     }
 }
