@@ -251,7 +251,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 66);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 73);
     }
 
     #[test]
