@@ -1,5 +1,5 @@
-//! Firmware core for a CoreH-bot 3D printer: bytes of G-code go in, step events of four belt motors, Z and
-//! the extruder come out.
+//! Firmware core for a CoreH-bot 3D printer, and for any other linear machine that a matrix describes: bytes of G-code go
+//! in, step events of the motors come out.
 //!
 //! The core knows no hardware, no clock and no executor: a board gives it bytes and time and takes step
 //! events. The same code therefore runs on the host, in QEMU and on a controller, and gives the same steps.
@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A room (module) may use only the rooms to its left in
-//! `units <- motors <- status <- port <- {protocol, gcode, settings, kinematics} <- {motion, driver, storage} <- machine <- app`;
+//! `units <- motors <- status <- port <- {protocol, gcode, kinematics <- settings} <- {motion, driver, storage} <- machine <- app`;
 //! `tests/layers.rs` holds every `use` to that.
 #![no_std]
 #![forbid(unsafe_code)]

@@ -89,10 +89,10 @@ impl MotorSet {
     }
 }
 
-/// Groups of motors that always step together; there are no more.
-pub const MOST_GROUPS: usize = 4;
+/// Groups of motors that always step together; no machine has more: four for x, y and z, and the extruder.
+pub const MOST_GROUPS: usize = 5;
 
-/// A set of groups of motors, one bit each, in the order of [`GROUPS`](crate::kinematics::GROUPS).
+/// A set of groups of motors, one bit each, in the order of [`Groups`](crate::kinematics::Groups).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct GroupSet(pub u8);
 

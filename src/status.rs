@@ -18,9 +18,9 @@ use told::Told;
 const LOOKS: usize = 4;
 
 /// What the contexts know of each other.
+// In this order: the counters of events come last, for a short instruction reaches only 4 KiB.
+#[repr(C)]
 pub struct Status {
-    /// The events played; written by the Stepper.
-    played: Played,
     /// Work of another epoch is discarded; written by the Console.
     epoch: AtomicU8,
     /// Endstops that ended the present epoch's motion; written by the Stepper, cleared with the epoch.
@@ -64,6 +64,8 @@ pub struct Status {
     brake: AtomicU32,
     /// One more than the epoch whose motion has come to rest; 0 for none; written by the StepGenerator.
     stopped: AtomicU32,
+    /// The events played; written by the Stepper.
+    played: Played,
 }
 
 impl Default for Status {
@@ -120,7 +122,7 @@ impl Status {
     /// An event is played at motion time `tick`: the groups that step in the upper half of `pattern`, those whose
     /// coordinate grows in the lower. The Stepper is the only writer.
     #[inline(always)]
-    pub(crate) fn step_done(&self, pattern: u8, tick: u32) {
+    pub(crate) fn step_done(&self, pattern: u16, tick: u32) {
         self.played.count(pattern);
         self.time_passed(tick);
     }

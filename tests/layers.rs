@@ -13,11 +13,11 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("port", &["units", "motors"]),
     ("protocol", &["units", "port"]),
     ("gcode", &["units"]),
-    ("settings", &["units"]),
-    ("kinematics", &["units", "port", "motors"]),
+    ("kinematics", &["units", "motors"]),
+    ("settings", &["units", "motors", "kinematics"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
-    ("storage", &["units", "port", "settings"]),
+    ("storage", &["units", "port", "kinematics", "settings"]),
     (
         "machine",
         &[
@@ -34,7 +34,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
             "storage",
         ],
     ),
-    ("app", &["units", "motors", "status", "port", "settings", "motion", "machine"]),
+    ("app", &["units", "motors", "status", "port", "settings", "kinematics", "motion", "machine"]),
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -1,7 +1,7 @@
 //! The stepper on its pins: what it does to the lines, in which order, and when.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::kinematics::{forward_motors, motors};
+use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motion::{
     Entry, Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work,
 };
@@ -29,17 +29,21 @@ struct Bench {
 
 struct Pins<'b>(&'b Bench);
 
+fn machine() -> Groups {
+    Groups::new(&Mechanism::corehbot())
+}
+
 impl StepPort for Pins<'_> {
     fn dir(&mut self, forward: GroupSet) {
-        self.0.lines.borrow_mut().push(Line::Dir(forward_motors(forward).0));
+        self.0.lines.borrow_mut().push(Line::Dir(machine().forward_motors(forward).0));
     }
 
     fn rise(&mut self, steps: GroupSet, tick: u64) {
-        self.0.lines.borrow_mut().push(Line::Rise(motors(steps).0, tick, self.0.now.get()));
+        self.0.lines.borrow_mut().push(Line::Rise(machine().motors(steps).0, tick, self.0.now.get()));
     }
 
     fn fall(&mut self, steps: GroupSet) {
-        self.0.lines.borrow_mut().push(Line::Fall(motors(steps).0));
+        self.0.lines.borrow_mut().push(Line::Fall(machine().motors(steps).0));
     }
 
     fn endstops(&mut self) -> EndstopSet {
@@ -124,12 +128,12 @@ fn the_direction_is_set_before_the_step_and_every_pulse_ends() {
             Line::Fall(PAIR.0),
             Line::Rise(PAIR.0, 1500, 1500),
             Line::Fall(PAIR.0),
-            Line::Dir(forward_motors(UP).0),
+            Line::Dir(machine().forward_motors(UP).0),
             Line::Rise(PAIR.0, 2000, 2000),
             Line::Fall(PAIR.0),
         ]
     );
-    assert_eq!(status.counts(), [0, -1, 0, 0], "two steps back, one forward");
+    assert_eq!(status.counts(), [0, -1, 0, 0, 0], "two steps back, one forward");
 }
 
 #[test]
@@ -249,7 +253,8 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, mut steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, Nobody);
+    let groups = machine();
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups, Nobody);
     moves_in.enqueue(Entry { epoch: 0, work: Work::Move(planner.pop().unwrap()) }).unwrap();
     generator.run();
     assert!(steps_out.dequeue().is_some());

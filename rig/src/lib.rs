@@ -5,6 +5,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+use corehbot::kinematics::WayBack;
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -14,8 +15,10 @@ pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.
 
 /// The simulated machine. An endstop is pressed while its axis is at or below 0.
 pub struct Rig {
-    /// Belt travel of each motor in steps, signed, since power-up.
+    /// Steps of each motor, signed, since power-up.
     counts: [i32; Motor::ALL.len()],
+    /// Where they have brought the tool.
+    back: WayBack<{ Motor::ALL.len() }>,
     /// Tool at power-up, in steps of x, y and z.
     start: [i32; 3],
 }
@@ -30,7 +33,8 @@ impl Rig {
         for ((steps, mm), pitch) in steps.iter_mut().zip(start.unwrap_or(AT_POWER_UP)).zip(pitch) {
             *steps = ((i128::from(mm.to_bits()) * i128::from(pitch.to_bits())) >> 48) as i32;
         }
-        Self { counts: [0; Motor::ALL.len()], start: steps }
+        let back = settings.mechanism.way_back().unwrap_or(WayBack::NONE);
+        Self { counts: [0; Motor::ALL.len()], back, start: steps }
     }
 
     /// One step of each motor in `steps`, forward if it is in `forward`.
@@ -56,14 +60,12 @@ impl Rig {
     /// The endstops that are pressed.
     #[must_use]
     pub fn endstops(&self) -> EndstopSet {
-        let [n1, n4, n8, n11, z1, ..] = self.counts.map(i64::from);
-        let [x, y, z] = self.start.map(i64::from);
-        // Four times the tool's way, as the belt tells it (the transpose of the kinematics).
-        let way = corehbot::kinematics::forward(corehbot::kinematics::BeltSteps { n1, n4, n8, n11 });
+        let way = self.back.fractions(&self.counts.map(i64::from));
+        let switches = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
         let mut pressed = 0;
-        for (at, endstop) in [(4 * x + way.x, EndstopSet::X), (4 * y + way.y, EndstopSet::Y), (z + z1, EndstopSet::Z)] {
-            if at <= 0 {
-                pressed |= endstop.0;
+        for ((start, (sum, over)), switch) in self.start.into_iter().zip(way).zip(switches) {
+            if i64::from(start) * over + sum <= 0 {
+                pressed |= switch.0;
             }
         }
         EndstopSet(pressed)

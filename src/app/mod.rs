@@ -8,6 +8,7 @@
 //!
 //! Each lives in one context, and nobody else holds it.
 
+use crate::kinematics::Groups;
 use crate::machine::{Console, PortSet, Ports};
 use crate::motion::{Link, MoveMemory, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper};
 use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
@@ -16,12 +17,13 @@ use crate::status::Status;
 use crate::units::Mm;
 
 /// All memory that the handles share: 4 KiB of step events, 3 KiB of moves, 8 KiB of
-/// trajectory, 17 KiB of look-ahead, and the status.
+/// trajectory, 17 KiB of look-ahead, and the status with 4 KiB of counters.
 pub struct Memory {
     moves: MoveQueue,
     events: StepQueue,
     spans: SpanMemory,
     planned: MoveMemory,
+    groups: Groups,
     status: Status,
 }
 
@@ -40,6 +42,7 @@ impl Memory {
             events: StepQueue::new(),
             spans: SpanMemory::new(),
             planned: MoveMemory::new(),
+            groups: Groups::NONE,
             status: Status::new(),
         }
     }
@@ -66,7 +69,7 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, W: Pend> {
 }
 
 /// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its
-/// storage stand over `settings`.
+/// storage stand over `settings`, but for the mechanism, which a machine keeps.
 pub fn assemble<
     'm,
     P: StepPort,
@@ -85,14 +88,15 @@ pub fn assemble<
     ports: Ports<S, D, K, T, H>,
     pend: W,
 ) -> Parts<'m, P, C, Ports<S, D, K, T, H>, W> {
-    let Memory { moves, events, spans, planned, status } = memory;
-    let status: &'m Status = status;
+    let Memory { moves, events, spans, planned, groups, status } = memory;
+    *groups = Groups::new(&settings.mechanism);
+    let (groups, status): (&'m Groups, &'m Status) = (groups, status);
     let (moves_in, moves_out) = moves.split();
     let (events_in, events_out) = events.split();
     Parts {
         stepper: Stepper::new(events_out, status, step_ports.pins, step_ports.clock, pend),
-        generator: StepGenerator::new(moves_out, events_in, spans, status, pend),
-        console: Console::new(settings, start, planned, Link::new(moves_in, status, pend), ports),
+        generator: StepGenerator::new(moves_out, events_in, spans, status, groups, pend),
+        console: Console::new(settings, start, planned, groups, Link::new(moves_in, status, pend), ports),
         status,
     }
 }

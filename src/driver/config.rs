@@ -63,15 +63,15 @@ impl Config {
     /// What the driver of `motor` must hold.
     #[must_use]
     pub fn new(motor: Motor, settings: &Settings) -> Self {
-        let (drivers, axes) = (&settings.drivers, &settings.axes);
-        let set = MotorSet::of(motor);
-        if set.without(MotorSet::BELT).is_empty() {
-            Self::of(&drivers.belt, axes.x.steps_per_mm)
-        } else if set.without(MotorSet::Z).is_empty() {
-            Self::of(&drivers.z, axes.z.steps_per_mm)
+        let drivers = &settings.drivers;
+        let group = if MotorSet::BELT.has(motor) {
+            &drivers.belt
+        } else if MotorSet::Z.has(motor) {
+            &drivers.z
         } else {
-            Self::of(&drivers.e, axes.e.steps_per_mm)
-        }
+            &drivers.e
+        };
+        Self::of(group, settings.steps_per_mm(motor))
     }
 
     fn of(d: &DriverSettings, steps_per_mm: StepsPerMm) -> Self {

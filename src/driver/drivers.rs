@@ -51,7 +51,7 @@ pub struct Drivers {
 }
 
 impl Drivers {
-    /// Drivers of which those of `lines` can be talked to. Nothing is known of them, and no motor has power.
+    /// Drivers of which those of `lines` can be talked to, if their motor is fitted. Nothing is known of them, and no motor has power.
     #[must_use]
     pub fn new(lines: MotorSet, settings: &Settings) -> Self {
         let drivers = Motor::ALL.map(|motor| Driver {
@@ -61,8 +61,9 @@ impl Drivers {
             errors: 0,
             is_warned: false,
         });
+        let not_fitted = MotorSet::ALL.without(settings.mechanism.fitted());
         Self {
-            lines,
+            lines: lines.without(not_fitted),
             powered: MotorSet::NONE,
             drivers,
             run: None,

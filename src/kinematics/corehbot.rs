@@ -16,10 +16,6 @@
 //! (forward) and 1 (backward), u = x + y drives 11 (forward) and 4 (backward). In CoreXY's words A is 11
 //! and 4, B is 8 and 1.
 
-use crate::motors::MOST_GROUPS;
-use crate::port::{GroupSet, Motor, MotorSet};
-use crate::units::Steps;
-
 /// Belt travel of motors 1, 4, 8 and 11, in steps or any other unit of length.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct BeltSteps {
@@ -65,124 +61,13 @@ pub const fn residual(belt: BeltSteps) -> i64 {
     belt.n1 - belt.n4 + belt.n8 - belt.n11
 }
 
-/// Whether steps taken in one instant leave the belt as it was: motors 1 and 8 mirror each other, 4 and 11
-/// too, and the residual does not change.
-#[must_use]
-pub const fn is_unstrained(steps: MotorSet, forward: MotorSet) -> bool {
-    let belt = BeltSteps {
-        n1: signed_step(Motor::M1, steps, forward),
-        n4: signed_step(Motor::M4, steps, forward),
-        n8: signed_step(Motor::M8, steps, forward),
-        n11: signed_step(Motor::M11, steps, forward),
-    };
-    belt.n1 == -belt.n8 && belt.n4 == -belt.n11 && residual(belt) == 0
-}
-
-const fn signed_step(motor: Motor, steps: MotorSet, forward: MotorSet) -> i64 {
-    match (steps.has(motor), forward.has(motor)) {
-        (false, _) => 0,
-        (true, true) => 1,
-        (true, false) => -1,
-    }
-}
-
-/// Motors that always step in the same instant, because one coordinate drives them all.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Group {
-    /// The coordinate as a sum of x, y, z and e, each taken this many times.
-    pub row: [i8; 4],
-    /// Motors that turn forward when the coordinate grows.
-    pub with: MotorSet,
-    /// Motors that turn backward when the coordinate grows.
-    pub against: MotorSet,
-    /// The motor whose count is the coordinate.
-    pub lead: Motor,
-}
-
-impl Group {
-    /// The group's coordinate at a position in steps of x, y, z and e.
-    #[must_use]
-    pub fn coordinate(&self, position: [Steps; 4]) -> Steps {
-        let mut sum = Steps::ZERO;
-        for (times, steps) in self.row.iter().zip(position) {
-            sum = sum.wrapping_add(steps.wrapping_mul_int(i64::from(*times)));
-        }
-        sum
-    }
-}
-
-/// The count of steps of a group at a coordinate: the nearest whole step, halves upwards.
-#[must_use]
-pub const fn count_at(coordinate: Steps) -> i32 {
-    const HALF: i64 = 1 << 31;
-    (coordinate.to_bits().wrapping_add(HALF) >> 32) as i32
-}
-
-/// All motors of the machine: u = x + y, v = x - y, z and e.
-pub const GROUPS: [Group; MOST_GROUPS] = [
-    Group { row: [1, 1, 0, 0], with: MotorSet::of(Motor::M11), against: MotorSet::of(Motor::M4), lead: Motor::M11 },
-    Group { row: [1, -1, 0, 0], with: MotorSet::of(Motor::M8), against: MotorSet::of(Motor::M1), lead: Motor::M8 },
-    Group { row: [0, 0, 1, 0], with: MotorSet::Z, against: MotorSet::NONE, lead: Motor::Z1 },
-    Group { row: [0, 0, 0, 1], with: MotorSet::E, against: MotorSet::NONE, lead: Motor::E0 },
-];
-
-/// The steps of each motor, given those of the groups.
-#[must_use]
-pub fn motor_counts(groups: [i32; GROUPS.len()]) -> [i32; Motor::ALL.len()] {
-    Motor::ALL.map(|motor| {
-        let count = |(group, count): (&Group, i32)| match (group.with.has(motor), group.against.has(motor)) {
-            (true, _) => Some(count),
-            (_, true) => Some(count.wrapping_neg()),
-            _ => None,
-        };
-        GROUPS.iter().zip(groups).find_map(count).unwrap_or_default()
-    })
-}
-
-/// Sets of groups that there are.
-const SETS: usize = 1 << GROUPS.len();
-
-/// For every set of groups the motors that turn forward if these groups' coordinates grow and the others' fall; or
-/// with `all` the motors of these groups.
-const fn motors_of_sets(all: bool) -> [MotorSet; SETS] {
-    let mut sets = [MotorSet::NONE; SETS];
-    let mut set = 0;
-    while set < SETS {
-        let mut group = 0;
-        while group < GROUPS.len() {
-            let Group { with, against, .. } = GROUPS[group];
-            let is_in = set >> group & 1 == 1;
-            let motors = match (all, is_in) {
-                (true, true) => with.with(against),
-                (true, false) => MotorSet::NONE,
-                (false, true) => with,
-                (false, false) => against,
-            };
-            sets[set] = sets[set].with(motors);
-            group += 1;
-        }
-        set += 1;
-    }
-    sets
-}
-
-/// The motors of these groups.
-#[must_use]
-pub const fn motors(groups: GroupSet) -> MotorSet {
-    const MOTORS: [MotorSet; SETS] = motors_of_sets(true);
-    MOTORS[groups.0 as usize % SETS]
-}
-
-/// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
-#[must_use]
-pub const fn forward_motors(groups: GroupSet) -> MotorSet {
-    const FORWARD: [MotorSet; SETS] = motors_of_sets(false);
-    FORWARD[groups.0 as usize % SETS]
-}
-
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use crate::kinematics::{Group, Groups, Mechanism};
+    use crate::motors::{Motor, MotorSet};
 
     /// The paper's table of signs: +x turns 1 and 4 clockwise, 8 and 11 counter-clockwise; +y turns 1 and
     /// 11 counter-clockwise, 4 and 8 clockwise.
@@ -217,33 +102,37 @@ mod tests {
     }
 
     #[test]
+    fn the_mechanism_says_what_the_equations_say() {
+        let tool = ToolSteps { x: 7, y: 3, c: 0 };
+        let BeltSteps { n1, n4, n8, n11 } = inverse(tool);
+        assert_eq!(Mechanism::corehbot().inverse([tool.x, tool.y, 5, 2]), [n1, n4, n8, n11, 5, 5, 2]);
+        assert_eq!(Mechanism::corehbot().check(), Ok(()));
+    }
+
+    #[test]
     fn a_step_of_one_motor_alone_strains_the_belt() {
         let pair = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M8));
+        let is_unstrained = |steps, forward| Mechanism::corehbot().is_unstrained(steps, forward);
         assert!(is_unstrained(pair, MotorSet::of(Motor::M8)));
         assert!(!is_unstrained(pair, pair));
         assert!(!is_unstrained(MotorSet::of(Motor::M8), pair));
         assert!(is_unstrained(MotorSet::Z, MotorSet::NONE));
+        assert!(!is_unstrained(MotorSet::Z, MotorSet::of(Motor::Z1)));
     }
 
+    /// u = x + y leads with motor 11, v = x - y with motor 8.
     #[test]
-    fn the_groups_say_what_the_equations_say() {
-        let tool = ToolSteps { x: 7, y: 3, c: 0 };
-        let belt = inverse(tool);
-        let turned = |motor: Motor| {
-            GROUPS.iter().find_map(|g| {
-                let coordinate = i64::from(g.row[0]) * tool.x + i64::from(g.row[1]) * tool.y;
-                if g.with.has(motor) {
-                    Some(coordinate)
-                } else if g.against.has(motor) {
-                    Some(-coordinate)
-                } else {
-                    None
-                }
-            })
-        };
-        assert_eq!(turned(Motor::M1), Some(belt.n1));
-        assert_eq!(turned(Motor::M4), Some(belt.n4));
-        assert_eq!(turned(Motor::M8), Some(belt.n8));
-        assert_eq!(turned(Motor::M11), Some(belt.n11));
+    fn the_motors_come_in_two_pairs() {
+        let groups = Groups::new(&Mechanism::corehbot());
+        let of = |lead, row, with, against| Group { row, with, against, lead };
+        let one = MotorSet::of;
+        let expected = [
+            of(Motor::M11, [1, 1, 0, 0], one(Motor::M11), one(Motor::M4)),
+            of(Motor::M8, [1, -1, 0, 0], one(Motor::M8), one(Motor::M1)),
+            of(Motor::Z1, [0, 0, 1, 0], MotorSet::Z, MotorSet::NONE),
+            of(Motor::E0, [0, 0, 0, 1], MotorSet::E, MotorSet::NONE),
+        ];
+        assert_eq!(groups.iter().take(4).copied().collect::<std::vec::Vec<_>>(), expected);
+        assert!(!groups.is_redundant());
     }
 }

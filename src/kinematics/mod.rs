@@ -1,8 +1,11 @@
-//! Kinematics: between where the tool is and how far each belt motor has turned.
+//! Kinematics: between where the tool is and how far each motor has turned.
 
 mod corehbot;
+mod groups;
+mod mechanism;
+mod way_back;
 
-pub use corehbot::{
-    BeltSteps, GROUPS, Group, ToolSteps, count_at, forward, forward_motors, inverse, is_unstrained, motor_counts,
-    motors, residual,
-};
+pub use corehbot::{BeltSteps, ToolSteps, forward, inverse, residual};
+pub use groups::{Group, Groups, MotorTable, SETS, count_at};
+pub use mechanism::{Mechanism, MechanismError, Row};
+pub use way_back::WayBack;

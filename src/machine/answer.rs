@@ -62,6 +62,8 @@ pub(super) enum Answer<'a> {
     Settings,
     /// A command whose X and Y differ.
     OneBelt(&'static str),
+    /// M92 would give axes that share motors different steps.
+    SharedMotors(&'static str),
     LoweredSpeeds,
     TooMuchFilament,
     DriverValues(DriverValue),
@@ -200,6 +202,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Answer::Settings => self.say_settings(),
             Answer::OneBelt(code) => {
                 self.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
+            }
+            Answer::SharedMotors(axes) => {
+                self.say(format_args!("echo:M92 ignored: {axes} share motors and need the same value"));
             }
             Answer::LoweredSpeeds => {
                 let most = ranges::STEP_RATE;

@@ -11,7 +11,9 @@ pub use super::ports::{PortSet, Ports};
 use super::retraction::Retraction;
 use crate::driver::{Drivers, Fault};
 use crate::gcode;
+use crate::kinematics::Groups;
 use crate::motion::{Link, MoveMemory, Planner};
+use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
 use crate::protocol::{NoRoom, Replies};
 use crate::settings::Settings;
@@ -50,8 +52,10 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) modal: Modal,
     pub(super) retraction: Retraction,
     pub(super) homed: Homed,
-    /// Position of each motor group at count 0, in steps.
-    pub(super) origin: [i32; 4],
+    /// The motor groups.
+    pub(super) groups: &'m Groups,
+    /// Position of each of them at count 0, in steps.
+    pub(super) origin: [i32; MOST_GROUPS],
     /// What the motor drivers hold, and which of them have power.
     pub(super) drivers: Drivers,
     /// Seconds without motion until they lose it; 0 is never.
@@ -73,11 +77,12 @@ pub struct Console<'m, P: PortSet, W: Pend> {
 }
 
 impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend> Console<'m, Ports<S, D, K, T, H>, W> {
-    /// A Console of a machine that stands at `start` if that is known, as if homed.
+    /// A Console of a machine with these motor groups that stands at `start` if that is known, as if homed.
     pub fn new(
         settings: Settings,
         start: Option<[Mm; 3]>,
         memory: &'m mut MoveMemory,
+        groups: &'m Groups,
         link: Link<'m, W>,
         ports: Ports<S, D, K, T, H>,
     ) -> Self {
@@ -97,7 +102,8 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             modal: Modal::new([x, y, z]),
             retraction: Retraction::new(),
             homed: Homed([start.is_some(); 3]),
-            origin: [0; 4],
+            groups,
+            origin: [0; MOST_GROUPS],
             drivers,
             idle_timeout_s: IDLE_TIMEOUT_S,
             last_motion: now,

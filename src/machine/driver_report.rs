@@ -4,7 +4,7 @@ use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use super::report::Hundredths;
 use crate::driver::{Config, DriverError, Job, Name, Reading};
-use crate::port::{Motor, MotorSet, Pend};
+use crate::port::{Motor, Pend};
 use crate::units::Mm;
 use core::fmt;
 
@@ -58,7 +58,8 @@ impl fmt::Display for Health<'_> {
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M122.
     pub(super) async fn report_drivers(&mut self) -> Result<(), Interrupt> {
-        for motor in Motor::ALL {
+        let fitted = self.groups.fitted();
+        for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
             let has_uart = self.drivers.lines().has(motor);
             let reading = if has_uart { Some(self.ask_driver(Job::Read, motor).await?) } else { None };
             self.tell(Answer::Driver(DriverReport { motor, reading })).await?;
@@ -86,13 +87,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// How far a turn of a motor of 200 full steps goes, which shows whether microsteps and steps/mm agree.
     fn turn_of(&self, motor: Motor, microsteps: u32) -> Hundredths {
-        let (axes, set) = (&self.settings.axes, MotorSet::of(motor));
-        let axis = match set {
-            s if s.without(MotorSet::BELT).is_empty() => axes.x,
-            s if s.without(MotorSet::Z).is_empty() => axes.z,
-            _ => axes.e,
-        };
         let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
-        Hundredths(Mm::from_bits((steps / u64::from(axis.steps_per_mm.to_bits().max(1))) as i64))
+        Hundredths(Mm::from_bits((steps / u64::from(self.settings.steps_per_mm(motor).to_bits().max(1))) as i64))
     }
 }

@@ -10,21 +10,6 @@ use crate::motion::Work;
 use crate::port::{MotorSet, Pend};
 use crate::units::{Mm, TICKS_PER_MS, part_of};
 
-/// The motors that move the named axes; all if none is named.
-fn motors(flags: AxisFlags) -> MotorSet {
-    let mut set = MotorSet::NONE;
-    if flags.x || flags.y {
-        set = set.with(MotorSet::BELT);
-    }
-    if flags.z {
-        set = set.with(MotorSet::Z);
-    }
-    if flags.e {
-        set = set.with(MotorSet::E);
-    }
-    if set.is_empty() { MotorSet::ALL } else { set }
-}
-
 /// The arguments of G2 and G3.
 struct ArcWords {
     clockwise: bool,
@@ -34,6 +19,15 @@ struct ArcWords {
 }
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// The motors that move the named axes; all if none is named.
+    fn motors_of(&self, flags: AxisFlags) -> MotorSet {
+        let AxisFlags { x, y, z, e, .. } = flags;
+        let mechanism = self.groups.mechanism();
+        let named = [x, y, z, e].into_iter().enumerate().filter(|(_, named)| *named);
+        let set = named.fold(MotorSet::NONE, |set, (axis, _)| set.with(mechanism.motors_of(axis)));
+        if set.is_empty() { self.groups.fitted() } else { set }
+    }
+
     /// Carries out a command, and returns what there is to say before its `ok`.
     pub(super) async fn execute<'a>(&mut self, command: &Command<'a>) -> Result<Answer<'a>, Interrupt> {
         match *command {
@@ -52,10 +46,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::Home(flags) => self.home(flags).await?,
             Command::Finish => self.finish().await?,
             Command::EmergencyStop => return Err(Interrupt::Halt),
-            Command::EnableMotors(flags) => self.power(motors(flags)).await?,
+            Command::EnableMotors(flags) => self.power(self.motors_of(flags)).await?,
             Command::DisableMotors(flags) => {
                 self.finish().await?;
-                self.unpower(motors(flags));
+                self.unpower(self.motors_of(flags));
                 self.told_of_edge = false;
             }
             Command::StepsPerMm(words) => return self.set_resolution(&words).await,

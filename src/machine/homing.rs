@@ -4,7 +4,7 @@ use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use crate::gcode::AxisFlags;
 use crate::motion::Target;
-use crate::port::{EndstopSet, MotorSet, Pend};
+use crate::port::{EndstopSet, Pend};
 use crate::settings::Homing;
 use crate::units::{Mm, MmPerSec, Steps};
 
@@ -47,7 +47,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
         self.finish().await?;
         // Without power no axis forgets where it is.
-        self.power(MotorSet::ALL).await?;
+        self.power(self.groups.fitted()).await?;
         let all = !(flags.x || flags.y || flags.z);
         let (axes, homing) = (self.settings.axes, self.settings.homing);
         let x = Axis { index: 0, name: 'X', endstop: EndstopSet::X, homing: homing.x, length: axes.x.length };
@@ -103,9 +103,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(met)
     }
 
-    /// Moves one axis, and waits until it is there or has met what it watches for.
+    /// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
+    /// it takes them to whole steps, where all counts agree: from there an axis alone takes all its motors along at once,
+    /// and the counts agree wherever a switch ends it.
     async fn travel(&mut self, axis: &Axis, way: Mm, speed: MmPerSec, watch: EndstopSet) -> Result<(), Interrupt> {
-        let mut position = self.planner.mm(self.planner.end());
+        let mut end = self.planner.end();
+        if self.groups.is_redundant() {
+            end = end.map(Steps::wrapping_round);
+        }
+        let mut position = self.planner.mm(end);
         if let Some(at) = position.get_mut(axis.index) {
             *at = at.saturating_add(way);
         }
@@ -113,17 +119,17 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.finish().await
     }
 
-    /// The axis stands at 0. Belt motors stand on whole steps, so the sum and difference of x and y do too.
+    /// The axis stands at 0. Motors stand on whole steps, so an axis that shares them with this one may lie between two
+    /// steps of its own; it moves to a whole one, 6 um beside.
     async fn call_it_zero(&mut self, index: usize) -> Result<(), Interrupt> {
-        let [u, v, ..] = self.real_counts();
+        let mechanism = self.groups.mechanism();
         let mut position = self.real_steps();
-        if let Some(at) = position.get_mut(index) {
-            *at = Steps::ZERO;
-        }
-        if index < 2 && u.wrapping_add(v) & 1 != 0 {
-            // The other axis lies on a half step; it moves to the whole one, 6 um beside.
-            let [x, y, ..] = &mut position;
-            (*x, *y) = (x.wrapping_round(), y.wrapping_round());
+        for (axis, at) in position.iter_mut().enumerate() {
+            if axis == index {
+                *at = Steps::ZERO;
+            } else if mechanism.share(axis, index) {
+                *at = at.wrapping_round();
+            }
         }
         self.adopt_position(position).await?;
         if index == 2 {

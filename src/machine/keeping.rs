@@ -98,7 +98,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let mut paced = Paced::new(self);
         let survey = storage::survey(&mut paced).await;
         paced.end()?;
-        Ok(survey)
+        Ok(survey.map(|survey| survey.on(&self.defaults.mechanism)))
     }
 
     /// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a

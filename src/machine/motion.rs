@@ -6,9 +6,10 @@ use super::flow::{GATHERED, Release};
 use super::limits::clamp;
 use super::modal::FARTHEST;
 use super::slowdown;
-use crate::kinematics::{GROUPS, count_at};
+use crate::kinematics::count_at;
 use crate::motion::{Target, Work};
-use crate::port::{Clock, EndstopSet, MotorSet, Pend};
+use crate::motors::MOST_GROUPS;
+use crate::port::{Clock, EndstopSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// Moves handed on in one turn: some 10,000 instructions, after which bytes and emergencies are looked at again. The
@@ -38,8 +39,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Plans a move as soon as there is room for it.
     pub(super) async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
-        if !self.has_power(MotorSet::ALL) && self.planner.is_move(target.position) {
-            self.power(MotorSet::ALL).await?;
+        let motors = self.groups.fitted();
+        if !self.has_power(motors) && self.planner.is_move(target.position) {
+            self.power(motors).await?;
         }
         while !self.planner.has_room() {
             self.flow.fill();
@@ -190,9 +192,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
     /// have been dropped with the motion. Motion rests.
     pub(super) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
+        let position = if self.groups.is_redundant() { self.whole_steps_away(position) } else { position };
         self.planner.stand_at(position);
         let counts = self.link.status().counts();
-        for ((origin, group), count) in self.origin.iter_mut().zip(&GROUPS).zip(counts) {
+        for ((origin, group), count) in self.origin.iter_mut().zip(self.groups.iter()).zip(counts) {
             *origin = count_at(group.coordinate(position)).wrapping_sub(count);
         }
         self.until(|c| c.link.has_room()).await?;
@@ -200,8 +203,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.follow().await
     }
 
+    /// The position nearest to this one that is whole steps from where the machine really is. Where four coordinates hold
+    /// three axes, their counts agree only so: a name for a place that lies between whole steps would have them strain
+    /// each other by a step, and the next one by another.
+    fn whole_steps_away(&self, position: [Steps; 4]) -> [Steps; 4] {
+        let mut near = self.real_steps();
+        for (near, wanted) in near.iter_mut().zip(position) {
+            *near = near.wrapping_add(wanted.wrapping_sub(*near).wrapping_round());
+        }
+        let ([x, y, z, _], [.., e]) = (near, position);
+        [x, y, z, e]
+    }
+
     /// Steps of each motor group, from the steps really emitted.
-    pub(super) fn real_counts(&self) -> [i32; 4] {
+    pub(super) fn real_counts(&self) -> [i32; MOST_GROUPS] {
         let mut real = self.origin;
         for (real, count) in real.iter_mut().zip(self.link.status().counts()) {
             *real = real.wrapping_add(count);
@@ -211,8 +226,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Where the machine really is, in steps of x, y, z and e.
     pub(super) fn real_steps(&self) -> [Steps; 4] {
-        let [u, v, z, e] = self.real_counts().map(|n| i64::from(n) << 32);
-        // u = x + y and v = x - y; half a step is what an odd sum leaves.
-        [Steps::from_bits((u + v) / 2), Steps::from_bits((u - v) / 2), Steps::from_bits(z), Steps::from_bits(e)]
+        self.groups.position(self.real_counts())
     }
 }

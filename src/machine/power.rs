@@ -49,10 +49,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let on = self.drivers.powered().without(motors);
         // Nobody gets power that had none, so nobody has anything to prove.
         let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
-        let Homed([x, y, z]) = self.homed;
-        let lost = |set: MotorSet| !motors.without(MotorSet::ALL.without(set)).is_empty();
-        let (belt, screws) = (lost(MotorSet::BELT), lost(MotorSet::Z));
-        self.homed = Homed([x && !belt, y && !belt, z && !screws]);
+        let mechanism = self.groups.mechanism();
+        let Homed(homed) = &mut self.homed;
+        for (axis, is_homed) in homed.iter_mut().enumerate() {
+            let own = mechanism.motors_of(axis);
+            *is_homed &= own.without(motors) == own;
+        }
     }
 
     /// Has a job done with one driver.

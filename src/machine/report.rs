@@ -2,6 +2,8 @@
 
 use super::console::{Console, PortSet};
 use super::limits::Homed;
+use crate::kinematics::Groups;
+use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, Pend};
 use crate::status::{Late, Overload};
 use crate::storage;
@@ -43,25 +45,38 @@ impl fmt::Display for Temperatures {
     }
 }
 
-/// A position, and the counts of the motor groups.
-pub(super) struct Position {
+/// A position, and the counts of the motor groups that move the tool.
+pub(super) struct Position<'m> {
     at: [Mm; 4],
-    counts: [i32; 4],
+    counts: [i32; MOST_GROUPS],
+    groups: &'m Groups,
 }
 
-impl fmt::Display for Position {
+/// The letters of axes, and of coordinates that are a sum of axes.
+const LETTERS: ([char; 4], [char; MOST_GROUPS]) = (['X', 'Y', 'Z', 'E'], ['A', 'B', 'C', 'D', 'E']);
+
+impl fmt::Display for Position<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z, e] = self.at.map(Hundredths);
-        let [a, b, c, _] = self.counts;
-        write!(f, "X:{x} Y:{y} Z:{z} E:{e} Count A:{a} B:{b} Z:{c}")
+        write!(f, "X:{x} Y:{y} Z:{z} E:{e} Count")?;
+        let (axes, sums) = LETTERS;
+        let mut sums = sums.into_iter();
+        for (group, count) in self.groups.iter().zip(self.counts).filter(|(group, _)| group.is_tool()) {
+            let letter = match group.axis() {
+                Some(axis) => axes.get(axis).copied(),
+                None => sums.next(),
+            };
+            write!(f, " {}:{count}", letter.unwrap_or_default())?;
+        }
+        Ok(())
     }
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     /// Where the program is, or with `real` where the tool is.
-    pub(super) fn position(&self, real: bool) -> Position {
+    pub(super) fn position(&self, real: bool) -> Position<'m> {
         let position = if real { self.planner.mm(self.real_steps()) } else { self.modal.position };
-        Position { at: self.modal.named_position(position), counts: self.real_counts() }
+        Position { at: self.modal.named_position(position), counts: self.real_counts(), groups: self.groups }
     }
 
     /// M115.

@@ -64,10 +64,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             axis.steps_per_mm = ranges::STEPS_PER_MM.clamp(StepsPerMm::saturating_from_num(number.value()));
             axis.max_speed = axis.max_speed.min(fastest(axis.steps_per_mm));
         }
-        if wanted.axes.x.steps_per_mm != wanted.axes.y.steps_per_mm {
-            return Ok(Answer::OneBelt("M92"));
+        if let Err(axes) = wanted.check_shared_motors() {
+            return Ok(Answer::SharedMotors(axes));
         }
-        let belt = fastest(wanted.axes.x.steps_per_mm);
+        let belt = fastest(wanted.axes.x.steps_per_mm.max(wanted.axes.y.steps_per_mm));
         wanted.motor_max_speed = wanted.motor_max_speed.min(belt);
         let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
         if speeds(&wanted) != speeds(&before) {

@@ -3,8 +3,11 @@
 //! Lengths are exact to a bit; what is a limit or a ratio is in single precision (see [`number`](super::number)).
 
 use super::number::{from_bits, root_of};
+use crate::kinematics::Groups;
+use crate::motors::MOST_GROUPS;
 use crate::settings::Settings;
 use crate::units::{MmPerSec, MmPerSec2, Steps, StepsPerMm};
+use heapless::Vec;
 
 /// One in the fixed point of unit vectors.
 pub(super) const UNIT: i32 = 1 << 30;
@@ -47,6 +50,28 @@ impl Bounds {
     }
 }
 
+/// The belt motors' coordinates: how much of a way of x, y and z each of them makes. One group is the extruder's.
+#[derive(Clone, Debug)]
+pub(super) struct Belts(Vec<[f32; 3], { MOST_GROUPS - 1 }>);
+
+impl Belts {
+    /// Those of a mechanism.
+    #[inline(never)]
+    pub fn new(groups: &Groups) -> Self {
+        let belts = groups.iter().filter(|group| group.is_belt());
+        Self(belts.map(|belt| [belt.row[0], belt.row[1], belt.row[2]].map(f32::from)).take(MOST_GROUPS - 1).collect())
+    }
+
+    /// No belt motor bears more than `most` along a way of length `one`. Not inlined in each of its three places.
+    #[inline(never)]
+    pub fn bound(&self, bounds: &mut Bounds, most: f32, way: [f32; 3], one: f32) {
+        let [x, y, z] = way;
+        for [a, b, c] in &self.0 {
+            bounds.bound(most, a * x + b * y + c * z, one);
+        }
+    }
+}
+
 /// A speed in mm/s.
 pub(super) fn speed(v: MmPerSec) -> f32 {
     v.to_bits() as f32 * const { 1.0 / 65536.0 }
@@ -86,31 +111,30 @@ impl Geometry {
     }
 
     /// The fastest that no axis and no belt motor forbids, at most `wanted`.
-    pub fn speed_limit(&self, wanted: MmPerSec, s: &Settings) -> MmPerSec {
-        let bounds =
-            self.bounds(speed(wanted), s.axes.map(|a| speed(a.max_speed)).to_array(), speed(s.motor_max_speed));
+    pub fn speed_limit(&self, wanted: MmPerSec, belts: &Belts, s: &Settings) -> MmPerSec {
+        let axes = s.axes.map(|a| speed(a.max_speed)).to_array();
+        let bounds = self.bounds(speed(wanted), axes, belts, speed(s.motor_max_speed));
         let most = if bounds.is_bound { MmPerSec::from_bits((bounds.value * 65536.0) as u32) } else { wanted };
         // Nothing stands still that was asked to move.
         most.max(MmPerSec::DELTA)
     }
 
     /// The greatest acceleration that no axis and no belt motor forbids, at most `wanted`.
-    pub fn acceleration_limit(&self, wanted: MmPerSec2, s: &Settings) -> MmPerSec2 {
+    pub fn acceleration_limit(&self, wanted: MmPerSec2, belts: &Belts, s: &Settings) -> MmPerSec2 {
         let axes = s.axes.map(|a| acceleration(a.max_acceleration)).to_array();
-        let bounds = self.bounds(acceleration(wanted), axes, acceleration(s.motor_max_acceleration));
+        let bounds = self.bounds(acceleration(wanted), axes, belts, acceleration(s.motor_max_acceleration));
         let most = if bounds.is_bound { MmPerSec2::from_bits((bounds.value * 256.0) as u32) } else { wanted };
         most.max(MmPerSec2::DELTA)
     }
 
     /// What every axis and motor allows along the path.
-    fn bounds(&self, wanted: f32, axes: [f32; 4], motor: f32) -> Bounds {
+    fn bounds(&self, wanted: f32, axes: [f32; 4], belts: &Belts, motor: f32) -> Bounds {
         let [x, y, z] = self.unit.map(|u| u as f32 * const { 1.0 / UNIT as f32 });
         let mut bounds = Bounds::new(wanted);
         for (most, share) in axes.into_iter().zip([x, y, z, self.extrusion]) {
             bounds.bound(most, share, 1.0);
         }
-        bounds.bound(motor, x + y, 1.0);
-        bounds.bound(motor, x - y, 1.0);
+        belts.bound(&mut bounds, motor, [x, y, z], 1.0);
         bounds
     }
 }
@@ -175,6 +199,10 @@ mod tests {
     use super::*;
     use crate::units::Mm;
 
+    fn belts(s: &Settings) -> Belts {
+        Belts::new(&Groups::new(&s.mechanism))
+    }
+
     fn mm(v: f64) -> i64 {
         Mm::from_num(v).to_bits()
     }
@@ -203,7 +231,7 @@ mod tests {
     fn a_diagonal_is_as_fast_as_its_motors() {
         let s = Settings::prototype();
         let g = Geometry::new([mm(10.0), mm(10.0), 0, 0]);
-        let v = g.speed_limit(MmPerSec::from_num(1000), &s).to_num::<f64>();
+        let v = g.speed_limit(MmPerSec::from_num(1000), &belts(&s), &s).to_num::<f64>();
         // u = x + y runs sqrt(2) times as fast as the tool: 450 / 1.414, below the axes' 300 * 1.414.
         assert!((v - 318.198).abs() < 0.01, "{v}");
     }
@@ -212,7 +240,7 @@ mod tests {
     fn a_dense_extrusion_is_as_fast_as_the_extruder() {
         let s = Settings::prototype();
         let g = Geometry::new([mm(0.001), 0, 0, mm(10.0)]);
-        let v = g.speed_limit(MmPerSec::from_num(100), &s).to_num::<f64>();
+        let v = g.speed_limit(MmPerSec::from_num(100), &belts(&s), &s).to_num::<f64>();
         assert!((v - 0.008).abs() < 2e-5, "{v}");
     }
 

@@ -15,7 +15,7 @@
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
-use super::geometry::{Bounds, Geometry, UNIT, acceleration, speed};
+use super::geometry::{Belts, Bounds, Geometry, UNIT, acceleration, speed};
 use super::number::{from_bits, root, to_bits};
 use super::trend::Trend;
 use crate::settings::{CornerRule, Settings};
@@ -32,7 +32,14 @@ const ROUNDING: f32 = 0.0016;
 
 /// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`, with which the path has
 /// got the trend `trend`.
-pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, trend: &Trend, a: MmPerSec2, s: &Settings) -> u64 {
+pub(super) fn corner_speed_sq(
+    before: &Geometry,
+    after: &Geometry,
+    trend: &Trend,
+    a: MmPerSec2,
+    belts: &Belts,
+    s: &Settings,
+) -> u64 {
     if before.is_extruder_only() || after.is_extruder_only() {
         // The tool stands still in one of the two.
         return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
@@ -45,7 +52,7 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, trend: &Trend
     if sine < LEAST_SINE {
         return 0;
     }
-    let bears = bears(turn, turn_length, a, s);
+    let bears = bears(turn, turn_length, a, belts, s);
     let base = match s.corner {
         CornerRule::JunctionDeviation(d) => bears * from_bits(d.to_bits().unsigned_abs()),
         CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
@@ -54,16 +61,16 @@ pub(super) fn corner_speed_sq(before: &Geometry, after: &Geometry, trend: &Trend
     let sharpness = sine * (1.0 + sine) / (cosine * cosine);
     let bend = base * sharpness;
     let curve = 0.5 * from_bits(before.length.min(after.length)) * bears * sine / cosine;
-    let curve = greatest(curve, least(average(trend, a, s), bears * ROUNDING * sharpness));
+    let curve = greatest(curve, least(average(trend, a, belts, s), bears * ROUNDING * sharpness));
     let jump = (before.extrusion - after.extrusion).abs();
     let jerk = speed(s.extruder_jerk) / jump;
     to_bits(least(least(bend, curve), jerk * jerk))
 }
 
 /// What a curve allows that bends as the path does on average.
-fn average(trend: &Trend, a: MmPerSec2, s: &Settings) -> f32 {
+fn average(trend: &Trend, a: MmPerSec2, belts: &Belts, s: &Settings) -> f32 {
     let (turn, length, radius) = trend.bend();
-    bears(turn, length, a, s) * radius
+    bears(turn, length, a, belts, s) * radius
 }
 
 /// The lesser of two limits; one over nothing is none.
@@ -89,13 +96,14 @@ fn length([x, y, z]: [f32; 3]) -> f32 {
 }
 
 /// What axes and motors bear along a change of direction, at most `a`.
-fn bears([x, y, z]: [f32; 3], length: f32, a: MmPerSec2, s: &Settings) -> f32 {
+fn bears(turn: [f32; 3], length: f32, a: MmPerSec2, belts: &Belts, s: &Settings) -> f32 {
     let axes = s.axes.map(|a| acceleration(a.max_acceleration));
     let motor = acceleration(s.motor_max_acceleration);
     let mut bounds = Bounds::new(acceleration(a));
-    for (most, share) in [(axes.x, x), (axes.y, y), (axes.z, z), (motor, x + y), (motor, x - y)] {
+    for (most, share) in axes.to_array().into_iter().zip(turn) {
         bounds.bound(most, share, length);
     }
+    belts.bound(&mut bounds, motor, turn, length);
     bounds.value()
 }
 
@@ -109,6 +117,10 @@ mod tests {
     use super::*;
     use crate::units::{Mm, MmPerSec};
 
+    fn belts(s: &Settings) -> Belts {
+        Belts::new(&crate::kinematics::Groups::new(&s.mechanism))
+    }
+
     fn heading(degrees: f64) -> Geometry {
         let (sin, cos) = degrees.to_radians().sin_cos();
         Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
@@ -120,7 +132,7 @@ mod tests {
         for way in [before, before, after] {
             trend.follow(way);
         }
-        corner_speed_sq(before, after, &trend, a, s)
+        corner_speed_sq(before, after, &trend, a, &belts(s), s)
     }
 
     fn speed(turn: f64, s: &Settings) -> f64 {
@@ -166,10 +178,10 @@ mod tests {
             trend.follow(&chord(0.01 * f64::from(i)));
         }
         let a = MmPerSec2::from_num(3000);
-        let sq = corner_speed_sq(&chord(0.37), &chord(0.39), &trend, a, &s) as f64 / 2f64.powi(32);
+        let sq = corner_speed_sq(&chord(0.37), &chord(0.39), &trend, a, &belts(&s), &s) as f64 / 2f64.powi(32);
         assert!((sq / 30_000.0 - 1.0).abs() < 1e-2, "{sq}");
         // Three times as great on a circle of 1 mm is none that rounding makes.
-        let sq = corner_speed_sq(&chord(0.1), &chord(0.4), &trend, a, &s) as f64 / 2f64.powi(32);
+        let sq = corner_speed_sq(&chord(0.1), &chord(0.4), &trend, a, &belts(&s), &s) as f64 / 2f64.powi(32);
         assert!((sq / 1000.0 - 1.0).abs() < 1e-2, "{sq}");
     }
 

@@ -51,9 +51,10 @@ impl Planner<'_> {
         if core::mem::replace(&mut self.wanted, wanted) == wanted {
             return;
         }
+        let belts = &self.belts;
         self.window.change(|planned| {
             if planned.feed > MmPerSec::ZERO {
-                planned.set_nominal(wanted.of(planned.feed), settings);
+                planned.set_nominal(wanted.of(planned.feed), belts, settings);
             }
         });
         self.waiting = self.window.time();

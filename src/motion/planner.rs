@@ -3,13 +3,14 @@
 //! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
 //! the geometry of a move is taken between its real ends.
 
-use super::geometry::{Geometry, Pitch};
+use super::geometry::{Belts, Geometry, Pitch};
 use super::junction::corner_speed_sq;
 use super::moves::Move;
 use super::overrides::Override;
 use super::profile::ramps_of;
 use super::trend::Trend;
 use super::window::{FORCED_BATCH, MoveMemory, Planned, WINDOW, Window};
+use crate::kinematics::Groups;
 use crate::port::EndstopSet;
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, Steps};
@@ -31,9 +32,9 @@ pub struct Target {
 /// step of the belt, and its time would be lost between two ticks.
 const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 
-/// Ends of moves at least this long are put on whole steps of x and y. Then an axis-parallel move steps all
-/// four belt motors in the same events, and the half step by which the end may be off bends the path by less
-/// than 0.4 degrees. Shorter moves keep their fractions of a step, or the speed along a finely cut curve
+/// Ends of moves at least this long are put on whole steps of x and y, and of z where it shares motors with them. Then an
+/// axis-parallel move steps all motors that it needs in the same events, and the half step by which the end may be off
+/// bends the path by less than 0.4 degrees. Shorter moves keep their fractions of a step, or the speed along a finely cut curve
 /// would ripple.
 const SNAP_LENGTH: u64 = 1 << 32;
 
@@ -41,6 +42,9 @@ const SNAP_LENGTH: u64 = 1 << 32;
 pub struct Planner<'m> {
     pub(super) window: Window<'m>,
     pub(super) pitch: [Pitch; 4],
+    pub(super) belts: Belts,
+    /// Motors of x or y move z too.
+    is_z_shared: bool,
     /// Where the last move ends.
     pub(super) end: [Steps; 4],
     /// Where it was asked to end: an axis that is asked for the same again stays where it is.
@@ -67,6 +71,8 @@ impl<'m> Planner<'m> {
         let mut planner = Self {
             window: Window::new(memory),
             pitch: settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array(),
+            belts: Belts::new(&Groups::new(&settings.mechanism)),
+            is_z_shared: settings.mechanism.share(0, 2) || settings.mechanism.share(1, 2),
             end: [Steps::ZERO; 4],
             asked: position,
             last: (Geometry::new([0; 4]), 0),
@@ -143,7 +149,7 @@ impl<'m> Planner<'m> {
         self.asked = if vector.is_extruder_only() { [x, y, z, e] } else { target.position };
         let (least, acceleration) = purpose(&vector, settings);
         let feed = target.speed.max(least);
-        let acceleration = vector.acceleration_limit(acceleration, settings);
+        let acceleration = vector.acceleration_limit(acceleration, &self.belts, settings);
         let (before, passed_on) = self.last;
         self.trend.follow(&vector);
         let mut planned = Planned {
@@ -157,7 +163,7 @@ impl<'m> Planner<'m> {
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
             nominal: feed,
             acceleration,
-            corner: corner_speed_sq(&before, &vector, &self.trend, acceleration, settings),
+            corner: corner_speed_sq(&before, &vector, &self.trend, acceleration, &self.belts, settings),
             cap: 0,
             before: 0,
             exit: None,
@@ -169,7 +175,8 @@ impl<'m> Planner<'m> {
                 Seconds::ZERO
             },
         };
-        planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed }, settings);
+        let wanted = if target.has_overrides { self.wanted.of(feed) } else { feed };
+        planned.set_nominal(wanted, &self.belts, settings);
         planned.limit_entry(passed_on);
         self.waiting += u64::from(planned.nominal_ticks);
         self.last = (vector, planned.passed_on());
@@ -203,9 +210,11 @@ impl<'m> Planner<'m> {
             }
         }
         let way = self.way_to(end);
-        let [dx, dy, _, de] = way;
-        if dx.unsigned_abs().max(dy.unsigned_abs()) >= SNAP_LENGTH {
+        let [dx, dy, dz, de] = way;
+        let dz = if self.is_z_shared { dz } else { 0 };
+        if dx.unsigned_abs().max(dy.unsigned_abs()).max(dz.unsigned_abs()) >= SNAP_LENGTH {
             let [x, y, z, e] = end;
+            let z = if self.is_z_shared { z.wrapping_round() } else { z };
             let end = [x.wrapping_round(), y.wrapping_round(), z, e];
             return Some((end, Geometry::new(self.way_to(end))));
         }

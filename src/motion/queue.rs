@@ -6,6 +6,7 @@
 //! made.
 
 use super::event::StepEvent;
+use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet};
 use core::sync::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
 
@@ -28,8 +29,15 @@ pub struct StepQueue {
     events: [[AtomicU32; 2]; LENGTH],
 }
 
-/// All of an event but its time: the groups in bits 0 to 7, steps above directions, then the endstops it watches, its
-/// epoch, and what is special about it. 0 is no event.
+/// A bit for each group.
+const GROUPS: u32 = (1 << MOST_GROUPS) - 1;
+
+/// Where the endstops to be watched begin; there are four.
+const WATCH_AT: usize = 2 * MOST_GROUPS;
+const _: () = assert!(WATCH_AT + 4 <= 16 && EndstopSet::PROBE.0 == 8);
+
+/// All of an event but its time: the groups in bits 0 to 9, steps above directions, then the endstops it watches in bits
+/// 10 to 13, its epoch from bit 16 on, and what is special about it. 0 is no event.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) struct Word(pub u32);
 
@@ -44,28 +52,35 @@ impl Word {
     const REFILL: u32 = 1 << 25;
 
     /// What two plain events in a row have in common: directions, epoch, and that they are events.
-    const SETTING: u32 = 0xFFFF_000F;
+    const SETTING: u32 = 0xFFFF_0000 | GROUPS;
+
+    const STEPS: u32 = GROUPS << MOST_GROUPS;
+    const WATCH: u32 = 0xF << WATCH_AT;
 
     /// An event of `epoch` that watches endstops, without steps.
     pub const fn waiting(epoch: u8, watch: EndstopSet) -> Self {
-        Self((watch.0 as u32) << 8 | (epoch as u32) << 16)
+        Self((watch.0 as u32) << WATCH_AT & Self::WATCH | (epoch as u32) << 16)
     }
 
     /// The same with steps, in directions that stay with it.
     pub const fn stepping(self, steps: GroupSet, forward: GroupSet) -> Self {
-        Self(self.0 & !0xFF | (steps.0 as u32) << 4 & 0xF0 | forward.0 as u32 & 0xF)
+        Self(
+            self.0 & !(Self::STEPS | GROUPS)
+                | (steps.0 as u32) << MOST_GROUPS & Self::STEPS
+                | forward.0 as u32 & GROUPS,
+        )
     }
 
     /// The same with a step of one more group.
     #[inline(always)]
     pub const fn step(self, group: usize, is_forward: bool) -> Self {
-        Self(self.0 & !(1 << group) | 1 << (4 + group) | (is_forward as u32) << group)
+        Self(self.0 & !(1 << group) | 1 << (MOST_GROUPS + group) | (is_forward as u32) << group)
     }
 
     /// The same without steps.
     #[inline(always)]
     pub const fn still(self) -> Self {
-        Self(self.0 & !0xF0)
+        Self(self.0 & !Self::STEPS)
     }
 
     /// Whether this is an event of `epoch` with nothing special about it.
@@ -77,7 +92,7 @@ impl Word {
     /// Whether there are steps, and no endstops to be watched.
     #[inline(always)]
     const fn has_only_steps(self) -> bool {
-        self.0 & 0xF0 != 0 && self.0 & 0xFF00 == 0
+        self.0 & Self::STEPS != 0 && self.0 & Self::WATCH == 0
     }
 
     /// The same, to be looked at closely.
@@ -87,21 +102,21 @@ impl Word {
 
     /// The groups that step and the groups whose coordinate grows, as [`Status`](crate::status::Status) counts them.
     #[inline(always)]
-    pub const fn pattern(self) -> u8 {
-        self.0 as u8
+    pub const fn pattern(self) -> u16 {
+        (self.0 & (Self::STEPS | GROUPS)) as u16
     }
 
     #[inline(always)]
     pub const fn steps(self) -> GroupSet {
-        GroupSet((self.0 >> 4 & 0xF) as u8)
+        GroupSet((self.0 >> MOST_GROUPS & GROUPS) as u8)
     }
 
     pub const fn forward(self) -> GroupSet {
-        GroupSet((self.0 & 0xF) as u8)
+        GroupSet((self.0 & GROUPS) as u8)
     }
 
     pub const fn watch(self) -> EndstopSet {
-        EndstopSet((self.0 >> 8) as u8)
+        EndstopSet((self.0 >> WATCH_AT & 0xF) as u8)
     }
 
     pub const fn epoch(self) -> u8 {

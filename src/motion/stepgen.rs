@@ -18,7 +18,8 @@ use super::queue::{StepsIn, Word};
 use super::track::Track;
 use super::trajectory::{Place, SpanMemory, Trajectory};
 use super::turn::{Next, Turn};
-use crate::kinematics::{GROUPS, forward_motors, is_unstrained, motors};
+use crate::kinematics::Groups;
+use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
 use brake::Braking;
@@ -47,12 +48,13 @@ pub struct StepGenerator<'m, W: Pend> {
     moves: Consumer<'m, Entry>,
     events: StepsIn<'m>,
     status: &'m Status,
+    mechanism: &'m Groups,
     pend: W,
     epoch: u8,
     task: Task,
     course: Course,
     trajectory: Trajectory<'m>,
-    tracks: [Track; GROUPS.len()],
+    tracks: [Track; MOST_GROUPS],
     /// Tick of the last event.
     last: u64,
     /// The Stepper's tick when the epoch began.
@@ -67,19 +69,21 @@ pub struct StepGenerator<'m, W: Pend> {
 }
 
 impl<'m, W: Pend> StepGenerator<'m, W> {
-    /// The generator between the two queues, which remembers the trajectory in `spans`. It learns where the machine stands from the first
+    /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. It learns where the machine stands from the first
     /// [`Work::Position`](super::moves::Work::Position).
     pub fn new(
         moves: Consumer<'m, Entry>,
         events: StepsIn<'m>,
         spans: &'m mut SpanMemory,
         status: &'m Status,
+        mechanism: &'m Groups,
         pend: W,
     ) -> Self {
         Self {
             moves,
             events,
             status,
+            mechanism,
             pend,
             epoch: status.epoch(),
             task: Task::Nothing,
@@ -197,7 +201,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
                     break;
                 }
             }
-            debug_assert!(is_unstrained(motors(word.steps()), forward_motors(word.forward())), "the belt is strained");
+            debug_assert!(self.is_unstrained(word), "motors pull against each other");
             self.events.put(interval, word);
             if turn.next() != Next::Step || (now.wrapping_sub(enough) as i32) > 0 {
                 break;
@@ -210,7 +214,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     /// Lays out the next pieces of all groups that change in the tick of `turn`; false if that must wait. One round for
     /// all, for an axis that one group has followed further than its next piece is lost for the others.
     fn lay_out(&mut self, now: u32, turn: Turn) -> bool {
-        for (number, group) in GROUPS.iter().enumerate() {
+        for (number, group) in self.mechanism.iter().enumerate() {
             let Some(track) = self.tracks.get_mut(number) else { continue };
             if !track.turn(now).is_together(turn) || track.go_back() {
                 continue;
@@ -239,6 +243,13 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         left <= u64::from(LONGEST_INTERVAL)
     }
 
+    /// Whether the steps of an event leave no motor pulling against another of its group.
+    fn is_unstrained(&self, word: Word) -> bool {
+        let mechanism = self.mechanism;
+        let (motors, forward) = (mechanism.motors(word.steps()), mechanism.forward_motors(word.forward()));
+        mechanism.mechanism().is_unstrained(motors, forward)
+    }
+
     /// Lets so much time pass in an event without steps.
     fn wait(&mut self, interval: u32) {
         self.last += u64::from(interval);
@@ -249,7 +260,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
 
 /// The turn that comes first.
 #[inline(always)]
-fn nearest(tracks: &[Track; GROUPS.len()], now: u32) -> Turn {
+fn nearest(tracks: &[Track; MOST_GROUPS], now: u32) -> Turn {
     // Not `min`, which takes a call.
     tracks.iter().fold(Turn::LAST, |first, track| {
         let turn = track.turn(now);

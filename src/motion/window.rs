@@ -16,7 +16,7 @@
 //! leave that is not final, the outcome would depend on when; so that happens only where the stream of commands itself
 //! says so (the window is full of unfinished moves, or a command waits for the motion), or when the stream is dry.
 
-use crate::motion::geometry::{Geometry, speed};
+use crate::motion::geometry::{Belts, Geometry, speed};
 use crate::motion::moves::Move;
 use crate::motion::number::from_bits;
 use crate::motion::profile::{Speeds, gain, profile};
@@ -85,8 +85,9 @@ impl Planned {
     }
 
     /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
-    pub fn set_nominal(&mut self, wanted: MmPerSec, settings: &Settings) {
-        self.nominal = self.vector.speed_limit(wanted, settings);
+    #[inline(never)]
+    pub fn set_nominal(&mut self, wanted: MmPerSec, belts: &Belts, settings: &Settings) {
+        self.nominal = self.vector.speed_limit(wanted, belts, settings);
         let seconds = from_bits(self.vector.length) / speed(self.nominal);
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }

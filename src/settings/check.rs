@@ -2,6 +2,7 @@
 //! would not do what the number says.
 
 use super::{AxisSettings, CornerRule, DriverSettings, Homing, Settings, Shaper};
+use crate::kinematics::MechanismError;
 use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 
 /// Least and greatest legal value.
@@ -83,8 +84,10 @@ pub enum SettingsError {
     OutOfRange(&'static str),
     /// Speed times resolution of this axis or motor is above [`ranges::STEP_RATE`].
     TooManySteps(&'static str),
-    /// X and Y share their belt, so they need the same steps a millimetre.
-    BeltResolutionsDiffer,
+    /// Two axes share motors, so they need the same steps a millimetre.
+    ResolutionsDiffer(&'static str),
+    /// The motors are those of no machine.
+    Mechanism(MechanismError),
     /// Microsteps of these drivers are no power of two.
     NoSuchMicrosteps(&'static str),
 }
@@ -96,7 +99,8 @@ impl core::fmt::Display for SettingsError {
             Self::TooManySteps(axis) => {
                 write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE)
             }
-            Self::BeltResolutionsDiffer => f.write_str("x and y share their belt: steps_per_mm must be equal"),
+            Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
+            Self::Mechanism(error) => error.fmt(f),
             Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
     }
@@ -141,7 +145,17 @@ fn driver(d: &DriverSettings, name: &'static str) -> Result<(), SettingsError> {
 }
 
 impl Settings {
-    /// Checks every value against its range.
+    /// The same as [`check`](Self::check), and whether the mechanism is one: for whoever makes a machine. Stored settings
+    /// are taken only for the mechanism that a machine has already.
+    ///
+    /// # Errors
+    /// The first thing found to be wrong.
+    pub fn check_machine(&self) -> Result<(), SettingsError> {
+        self.mechanism.check().map_err(SettingsError::Mechanism)?;
+        self.check()
+    }
+
+    /// Checks every value against its range, but for the mechanism.
     ///
     /// # Errors
     /// The first setting found to be illegal.
@@ -150,11 +164,11 @@ impl Settings {
         axis(&self.axes.y, "axes.y")?;
         axis(&self.axes.z, "axes.z")?;
         axis(&self.axes.e, "axes.e")?;
-        if self.axes.x.steps_per_mm != self.axes.y.steps_per_mm {
-            return Err(SettingsError::BeltResolutionsDiffer);
-        }
+        self.check_shared_motors().map_err(SettingsError::ResolutionsDiffer)?;
         within(ranges::SPEED, self.motor_max_speed, "motor_max_speed")?;
-        step_rate(self.motor_max_speed, self.axes.x.steps_per_mm, "motor_max_speed")?;
+        for a in [self.axes.x, self.axes.y] {
+            step_rate(self.motor_max_speed, a.steps_per_mm, "motor_max_speed")?;
+        }
         within(ranges::ACCELERATION, self.motor_max_acceleration, "motor_max_acceleration")?;
         within(ranges::ACCELERATION, self.print_acceleration, "print_acceleration")?;
         within(ranges::ACCELERATION, self.retract_acceleration, "retract_acceleration")?;
@@ -187,6 +201,21 @@ impl Settings {
         driver(&self.drivers.e, "drivers.e")?;
         within(ranges::CRUISE_RATIO, self.minimum_cruise_ratio, "minimum_cruise_ratio")
     }
+
+    /// Checks that axes which share motors have the same resolution: a motor has one.
+    ///
+    /// # Errors
+    /// Two axes that have not.
+    pub fn check_shared_motors(&self) -> Result<(), &'static str> {
+        let [x, y, z] = [self.axes.x, self.axes.y, self.axes.z].map(|a| a.steps_per_mm);
+        for (axes, a, b, is_equal) in [("x and y", 0, 1, x == y), ("x and z", 0, 2, x == z), ("y and z", 1, 2, y == z)]
+        {
+            if !is_equal && self.mechanism.share(a, b) {
+                return Err(axes);
+            }
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -195,7 +224,7 @@ mod tests {
 
     #[test]
     fn the_prototype_is_legal() {
-        assert_eq!(Settings::prototype().check(), Ok(()));
+        assert_eq!(Settings::prototype().check_machine(), Ok(()));
     }
 
     #[test]
@@ -224,10 +253,10 @@ mod tests {
     }
 
     #[test]
-    fn a_resolution_that_the_belt_cannot_have_is_named() {
+    fn a_resolution_that_shared_motors_cannot_have_is_named() {
         let mut s = Settings::prototype();
         s.axes.y.steps_per_mm = StepsPerMm::const_from_int(160);
-        assert_eq!(s.check(), Err(SettingsError::BeltResolutionsDiffer));
+        assert_eq!(s.check(), Err(SettingsError::ResolutionsDiffer("x and y")));
         s.axes.y.steps_per_mm = StepsPerMm::const_from_int(25_600);
         assert_eq!(s.check(), Err(SettingsError::TooManySteps("axes.y")));
     }

@@ -11,6 +11,8 @@ pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 
+use crate::kinematics::Mechanism;
+use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
@@ -68,6 +70,8 @@ pub struct Settings {
     /// The part of a move over which its speed holds at least, if it does not accelerate or brake all along
     /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
     pub minimum_cruise_ratio: Ratio,
+    /// How far each motor turns for a step of each axis. A machine keeps it from start to end.
+    pub mechanism: Mechanism,
 }
 
 impl Settings {
@@ -114,6 +118,20 @@ impl Settings {
             advanced_ok: false,
             drivers: DriverGroups::prototype(),
             minimum_cruise_ratio: const { Ratio::lit("0.5") },
+            mechanism: Mechanism::corehbot(),
         }
+    }
+
+    /// Resolution of a motor: that of the axes that it moves, or of the extruder if it moves none.
+    #[must_use]
+    pub fn steps_per_mm(&self, motor: Motor) -> StepsPerMm {
+        let Axes { x, y, z, e } = self.axes;
+        let axis = match self.mechanism.axis_of(motor) {
+            Some(0) => x,
+            Some(1) => y,
+            Some(2) => z,
+            _ => e,
+        };
+        axis.steps_per_mm
     }
 }

@@ -6,7 +6,6 @@ use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// Sets of groups that step, times sets of groups whose coordinate grows.
 const PATTERNS: usize = 1 << (2 * MOST_GROUPS);
-const _: () = assert!(PATTERNS == 1 << u8::BITS);
 
 /// Events by the groups that stepped (upper half of the index) and those whose coordinate grew (lower), wrapping.
 pub(super) struct Played([AtomicU32; PATTERNS]);
@@ -18,8 +17,8 @@ impl Played {
 
     /// One more.
     #[inline(always)]
-    pub fn count(&self, pattern: u8) {
-        let played = &self.0[pattern as usize];
+    pub fn count(&self, pattern: u16) {
+        let played = &self.0[pattern as usize % PATTERNS];
         played.store(played.load(Relaxed).wrapping_add(1), Relaxed);
     }
 

@@ -39,6 +39,8 @@ pub enum Rejected {
     Format(u16),
     /// The record is whole, but this firmware forbids a value in it.
     Illegal(SettingsError),
+    /// The record is that of a machine with other motors.
+    Mechanism,
 }
 
 impl core::fmt::Display for Rejected {
@@ -49,6 +51,7 @@ impl core::fmt::Display for Rejected {
             Self::Format(format) => write!(f, "format V{format}, this firmware has V{FORMAT}"),
             // Not the error itself: setting names hold `_max`, which OctoPrint takes for an endstop report.
             Self::Illegal(_) => f.write_str("a value is outside its legal range"),
+            Self::Mechanism => f.write_str("for a machine with another mechanism"),
         }
     }
 }
@@ -161,6 +164,7 @@ mod tests {
     extern crate std;
 
     use super::*;
+    use crate::kinematics::Mechanism;
     use crate::settings::{Advance, AxisSettings, CornerRule, DriverSettings, Homing, Shaper, ShaperKind};
     use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
     use proptest::prelude::*;
@@ -230,8 +234,9 @@ mod tests {
                 stall_threshold: 70,
             };
         }
+        s.mechanism = Mechanism::corehbot();
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (5, Receipt { bytes: 206, crc: 355_837_764 }));
+        assert_eq!((FORMAT, receipt), (5, Receipt { bytes: 211, crc: 179_939_971 }));
     }
 
     #[test]
@@ -277,7 +282,7 @@ mod tests {
         let mut s = Settings::prototype();
         s.axes.x.steps_per_mm = StepsPerMm::from_num(160);
         let record = forge(FORMAT, &payload(&s));
-        assert_eq!(decode(&record), Err(Rejected::Illegal(SettingsError::BeltResolutionsDiffer)));
+        assert_eq!(decode(&record), Err(Rejected::Illegal(SettingsError::ResolutionsDiffer("x and y"))));
     }
 
     #[test]

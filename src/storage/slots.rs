@@ -5,6 +5,7 @@
 //! between.
 
 use super::record::{LONGEST, Receipt, Record, Rejected, decode, encode, length};
+use crate::kinematics::Mechanism;
 use crate::port::{Storage, StorageError};
 use crate::settings::Settings;
 
@@ -79,6 +80,20 @@ pub struct Survey {
     pub newest: Option<Stored>,
     /// Why the content of slot A and of slot B is not used, where it is not valid.
     pub rejected: [(Slot, Option<Rejected>); 2],
+}
+
+impl Survey {
+    /// The same for a machine with this mechanism: the newest settings are none if they are for another, for its
+    /// resolutions and lengths would be wrong too.
+    #[must_use]
+    pub fn on(mut self, mechanism: &Mechanism) -> Self {
+        if let Some(other) = self.newest.take_if(|newest| newest.settings.mechanism != *mechanism) {
+            for (_, why) in self.rejected.iter_mut().filter(|(slot, _)| *slot == other.slot) {
+                *why = Some(Rejected::Mechanism);
+            }
+        }
+        self
+    }
 }
 
 /// Why settings were not saved. What was stored before is still there.

@@ -1,6 +1,6 @@
 //! A production line for the tests: planner, step generator and Stepper, without Console.
 
-use corehbot::kinematics::{forward_motors, motors};
+use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::motion::{
     Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work, taps,
 };
@@ -8,7 +8,8 @@ use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::units::{Mm, MmPerSec, Seconds, Tick};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
 
 #[derive(Clone, Copy)]
 struct Nobody;
@@ -27,19 +28,19 @@ pub struct Step {
 }
 
 /// Keeps every step.
-#[derive(Default)]
 struct Pins {
+    table: MotorTable,
     forward: MotorSet,
-    steps: std::rc::Rc<std::cell::RefCell<Vec<Step>>>,
+    steps: Rc<RefCell<Vec<Step>>>,
 }
 
 impl StepPort for Pins {
     fn dir(&mut self, forward: GroupSet) {
-        self.forward = forward_motors(forward);
+        self.forward = self.table.forward_motors(forward);
     }
 
     fn rise(&mut self, steps: GroupSet, tick: u64) {
-        let steps = motors(steps);
+        let steps = self.table.motors(steps);
         self.steps.borrow_mut().push(Step { tick, steps, forward: self.forward });
     }
 
@@ -93,7 +94,12 @@ pub fn target(position: [f64; 4], speed: f64) -> Target {
 
 /// All steps that moves from the origin become.
 pub fn generate(moves: &[Move]) -> Vec<Step> {
-    generate_from(moves.iter().map(|m| Work::Move(*m)))
+    generate_on(moves, &Settings::prototype())
+}
+
+/// The same on the mechanism of `settings`.
+pub fn generate_on(moves: &[Move], settings: &Settings) -> Vec<Step> {
+    generate_from(moves.iter().map(|m| Work::Move(*m)), settings)
 }
 
 /// All steps that moves from the origin become with the input shapers and the pressure advance of `settings`.
@@ -101,17 +107,18 @@ pub fn generate_shaped(moves: &[Move], settings: &Settings) -> Vec<Step> {
     let window = (settings.advance.time > Seconds::ZERO).then_some(settings.advance.window);
     let follow =
         taps(&settings.shapers, window).into_iter().enumerate().map(|(axis, taps)| Work::Follow(axis as u8, taps));
-    generate_from(follow.chain(moves.iter().map(|m| Work::Move(*m))))
+    generate_from(follow.chain(moves.iter().map(|m| Work::Move(*m))), settings)
 }
 
-fn generate_from(work: impl Iterator<Item = Work>) -> Vec<Step> {
-    let status = Status::new();
+fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {
+    let (status, groups) = (Status::new(), Groups::new(&settings.mechanism));
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, Nobody);
-    let (pins, alarm) = (Pins::default(), Cell::new(None));
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups, Nobody);
+    let pins = Pins { table: MotorTable::new(&groups), forward: MotorSet::NONE, steps: Rc::default() };
+    let alarm = Cell::new(None);
     let steps = pins.steps.clone();
     let mut stepper = Stepper::new(steps_out, &status, pins, Hurry(&alarm, 0), Nobody);
     let mut left = work;

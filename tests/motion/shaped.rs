@@ -2,8 +2,7 @@
 
 use super::line::{generate_shaped, plan};
 use super::model::{Trapezoid, trapezoids};
-use super::timing::{steps_of, wander};
-use corehbot::kinematics::GROUPS;
+use super::timing::{groups, steps_of, wander};
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Ratio, Seconds};
 use std::f64::consts::{PI, SQRT_2};
@@ -109,7 +108,7 @@ fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
     let follow = Follow::new(s);
     let steps = generate_shaped(&moves, s);
     let (mut count, mut worst) = (0, 0f64);
-    for (g, group) in GROUPS.iter().enumerate() {
+    for (g, group) in groups().iter().enumerate() {
         let row = group.row.map(f64::from);
         let value = |t: f64| -> f64 { follow.at(&motion, t).iter().zip(row).map(|(p, r)| p * r).sum() };
         let mut at = 0i64;

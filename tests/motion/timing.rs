@@ -3,7 +3,7 @@
 use super::dice::Dice;
 use super::line::{Step, generate, plan};
 use super::model::{crossings, trapezoids};
-use corehbot::kinematics::GROUPS;
+use corehbot::kinematics::{Group, Groups, Mechanism};
 use corehbot::settings::Settings;
 
 /// A wandering path with long and short moves, corners of all angles, hops and retractions.
@@ -32,9 +32,14 @@ pub fn wander(count: usize, seed: u64) -> Vec<([f64; 4], f64)> {
     targets
 }
 
+/// The groups of the CoreH-bot: u, v, z and e.
+pub fn groups() -> Vec<Group> {
+    Groups::new(&Mechanism::corehbot()).iter().take(4).copied().collect()
+}
+
 /// The steps of one group, with their signs.
 pub fn steps_of(steps: &[Step], group: usize) -> Vec<(u64, i8)> {
-    let lead = GROUPS[group].lead;
+    let lead = groups()[group].lead;
     steps.iter().filter(|s| s.steps.has(lead)).map(|s| (s.tick, if s.forward.has(lead) { 1 } else { -1 })).collect()
 }
 
@@ -46,7 +51,7 @@ fn errors(targets: &[([f64; 4], f64)], begin: impl Fn(usize) -> f64) -> (usize, 
     assert_eq!(moves.len(), model.len());
     let steps = generate(&moves);
     let (mut count, mut worst) = (0, 0f64);
-    for (g, group) in GROUPS.iter().enumerate() {
+    for (g, group) in groups().iter().enumerate() {
         let row = group.row.map(f64::from);
         let ideal: Vec<(f64, i8)> = model
             .iter()

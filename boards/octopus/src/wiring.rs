@@ -87,7 +87,7 @@ const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> Thermistor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::kinematics::motors;
+    use corehbot::kinematics::{Groups, Mechanism};
     use corehbot::port::{GroupSet, Motor};
     use corehbot_stm32f446::words::Words;
 
@@ -103,10 +103,11 @@ mod tests {
 
     #[test]
     fn each_pair_steps_by_one_store() {
-        let words = Words::pulses(BOARD.step_pins());
+        let machine = Groups::new(&Mechanism::corehbot());
+        let words = Words::pulses(BOARD.step_pins(), &machine);
         for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
-            let groups =
-                (0..16).map(GroupSet).find(|groups| motors(*groups).0 == pair.map(|m| 1 << m as u8).iter().sum::<u8>());
+            let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
+            let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
             let words_of = words.of(groups.unwrap());
             let used: Vec<_> = words.ports.iter().zip(words_of).filter(|(_, word)| **word != 0).collect();
             assert_eq!(used.len(), 1);

@@ -1,8 +1,11 @@
 //! Checker: holds every step of a run to physics and to the mechanism.
 //!
-//! At every event: time does not fall; two pulses of a motor are at least [`MIN_STEP_INTERVAL`] apart; motors
-//! 1 and 8 mirror each other, 4 and 11 too, so the belt is not strained (`n1 - n4 + n8 - n11 = 0`); the two
-//! ball screws stand equally high. At the end: the counts are the expected ones.
+//! At every event: time does not fall; two pulses of a motor are at least [`MIN_STEP_INTERVAL`] apart; motors with equal
+//! rows in the mechanism stand alike and those with opposite rows mirror each other (on the CoreH-bot, 1 and 8, 4 and 11,
+//! so that the belt is not strained, and both ball screws). Where four coordinates hold three axes, the sum of counts
+//! that should be 0 (A - B + C - D of a CoreXYZ) is what rounding makes of it: each count is within half a step of its
+//! coordinate, so the sum is below two steps, and two at most for the tick to which a step is rounded. At the end it is
+//! below two, and the counts are the expected ones.
 //!
 //! Speeds and accelerations are measured on positions sampled every 0.5 ms. With window T and step q:
 //!
@@ -17,10 +20,12 @@
 //! as fast as its speed limit; a short one (T = sqrt(2Q / A)), where the three terms are least together, finds a jump: for
 //! 80 steps/mm, 5 m/s2 and d = 0.013 mm any jump above 65 mm/s.
 
-use crate::limits::{Limit, Limits};
-use crate::sampler::{Counts, LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
+use crate::limits::{Limit, Limits, belts};
+use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
+use corehbot::kinematics::{Group, Groups, WayBack};
 use corehbot::motion::MIN_STEP_INTERVAL;
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{MOST_GROUPS, Motor, MotorSet};
+use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use std::f64::consts::SQRT_2;
 
@@ -30,9 +35,11 @@ const KEPT: usize = 10;
 /// Steps that quantisation can fake in a position difference: one, and a half for uneven rounding.
 const QUANTISATION: f64 = 1.5;
 
-/// The factor of the acceleration limit in the order of [`Limits::of`]. Only x, y and the belt see curves; the
-/// others get five percent for the rounding of times to whole ticks.
-const BEND: [f64; 6] = [SQRT_2, SQRT_2, 1.05, 1.05, SQRT_2, SQRT_2];
+/// The factor of the acceleration limit of a coordinate by its place in [`Limits::of`]. Only x, y and the belts see curves;
+/// z and e get five percent for the rounding of times to whole ticks.
+const fn bend(coordinate: usize) -> f64 {
+    if matches!(coordinate, 2 | 3) { 1.05 } else { SQRT_2 }
+}
 
 /// A line of violations that follow each other within this many samples is one violation.
 const EPISODE: u32 = SAMPLES_PER_SECOND / 10;
@@ -73,8 +80,11 @@ impl Findings {
 /// Checks a run event by event.
 pub struct Checker {
     sampler: Sampler,
-    coordinates: Vec<Coordinate>,
+    groups: Groups,
+    gauge: Gauge,
     last_tick: u64,
+    /// What [`Groups::constraint`] says.
+    constraint: Option<[i32; MOST_GROUPS]>,
     /// Tick of each motor's last pulse.
     last_pulse: [Option<u64>; Motor::ALL.len()],
     is_consistent: bool,
@@ -82,13 +92,14 @@ pub struct Checker {
 }
 
 impl Checker {
-    /// A checker for a machine with these limits, which stands still.
+    /// A checker for a machine with these settings and limits, which stands still.
     #[must_use]
-    pub fn new(limits: &Limits) -> Self {
-        let judged = if limits.is_judged { &limits.of[..] } else { &[] };
+    pub fn new(s: &Settings, limits: &Limits) -> Self {
         Self {
             sampler: Sampler::default(),
-            coordinates: judged.iter().zip(BEND).map(|(&limit, bend)| Coordinate::new(limit, bend)).collect(),
+            groups: Groups::new(&s.mechanism),
+            gauge: Gauge::new(s, limits),
+            constraint: Groups::new(&s.mechanism).constraint(),
             last_tick: 0,
             last_pulse: [None; Motor::ALL.len()],
             is_consistent: true,
@@ -104,17 +115,23 @@ impl Checker {
         }
         self.last_tick = tick;
         self.check_spacing(tick, steps);
-        let Self { sampler, coordinates, findings, .. } = self;
-        sampler.event(tick, steps, forward, |sample| measure(coordinates, findings, sample));
+        let Self { sampler, gauge, findings, .. } = self;
+        sampler.event(tick, steps, forward, |sample| gauge.measure(findings, sample));
         self.check_mechanism(tick);
     }
 
     /// Ends the run, which should have made `expected` steps.
     #[must_use]
     pub fn finish(mut self, expected: Option<[i32; Motor::ALL.len()]>) -> Findings {
-        let Self { sampler, coordinates, findings, last_tick, .. } = &mut self;
+        let strain = self.strain();
+        let Self { sampler, gauge, findings, last_tick, .. } = &mut self;
         let rest = *last_tick + LONGEST_WINDOW as u64 * SAMPLE_TICKS;
-        sampler.advance(rest, |sample| measure(coordinates, findings, sample));
+        sampler.advance(rest, |sample| gauge.measure(findings, sample));
+        if let Some((sum, most)) = strain
+            && sum.abs() >= most
+        {
+            findings.add(*last_tick, || format!("motors rest {sum} steps against each other"));
+        }
         let expected = expected.map(|counts| counts.map(i64::from));
         for (i, motor) in Motor::ALL.iter().enumerate() {
             let counted = sampler.counts()[i];
@@ -146,35 +163,63 @@ impl Checker {
     }
 
     fn check_mechanism(&mut self, tick: u64) {
-        let &[m1, m4, m8, m11, z1, z2, _] = self.sampler.counts();
-        let is_consistent = m1 == -m8 && m4 == -m11 && m1 - m4 + m8 - m11 == 0 && z1 == z2;
-        // Once per episode: a lost step strains the belt until the end.
+        let counts = self.sampler.counts();
+        let stands = |group: &Group| {
+            let at = counts[group.lead as usize];
+            Motor::ALL.into_iter().zip(counts).all(|(motor, count)| {
+                (!group.with.has(motor) || *count == at) && (!group.against.has(motor) || *count == -at)
+            })
+        };
+        let is_fitted = |group: &&Group| !group.motors().is_empty();
+        let is_strained = self.strain().is_some_and(|(sum, most)| sum.abs() > most);
+        let is_consistent = !is_strained && self.groups.iter().filter(is_fitted).all(stands);
+        // Once per episode: a lost step strains the machine until the end.
         if self.is_consistent && !is_consistent {
-            self.findings
-                .add(tick, || format!("motors out of step: m1 {m1} m8 {m8}, m4 {m4} m11 {m11}, z1 {z1} z2 {z2}"));
+            let counts = Motor::ALL.iter().zip(counts).map(|(motor, count)| format!(" {} {count}", motor.name()));
+            let counts: String = counts.collect();
+            self.findings.add(tick, || format!("motors out of step:{counts}"));
         }
         self.is_consistent = is_consistent;
     }
-}
 
-fn measure(coordinates: &mut [Coordinate], findings: &mut Findings, sample: &Sample) {
-    for (i, coordinate) in coordinates.iter_mut().enumerate() {
-        if let Some(excess) = coordinate.measure(half_steps(&sample.counts, i)) {
-            findings.add(sample.tick, || excess.to_string());
-        }
+    /// The sum of counts that no position changes, if the mechanism has one, and what rounding keeps it below.
+    fn strain(&self) -> Option<(i64, i64)> {
+        let constraint = self.constraint?;
+        let counts = self.sampler.counts();
+        let parts =
+            self.groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead as usize]);
+        let most = constraint.iter().map(|times| i64::from(times.abs())).sum::<i64>() / 2;
+        Some((parts.sum(), most))
     }
 }
 
-/// Twice a coordinate in steps, in the order of [`Limits::of`]; twice, because x is half of u + v.
-fn half_steps(counts: &Counts, coordinate: usize) -> i64 {
-    let &[_, _, v, u, z, _, e] = counts;
-    match coordinate {
-        0 => u + v,
-        1 => u - v,
-        2 => 2 * z,
-        3 => 2 * e,
-        4 => 2 * u,
-        _ => 2 * v,
+/// What measures the coordinates.
+struct Gauge {
+    back: WayBack<{ Motor::ALL.len() }>,
+    belts: Vec<Group>,
+    /// In the order of [`Limits::of`]; none if there is nothing to judge.
+    coordinates: Vec<Coordinate>,
+}
+
+impl Gauge {
+    fn new(s: &Settings, limits: &Limits) -> Self {
+        let back = s.mechanism.way_back().unwrap_or(WayBack::NONE);
+        let parts = back.fractions(&[0; Motor::ALL.len()]).map(|(_, over)| over);
+        let parts = parts.into_iter().chain(std::iter::repeat(1));
+        let judged = if limits.is_judged { &limits.of[..] } else { &[] };
+        let both = judged.iter().zip(parts).enumerate();
+        let coordinates = both.map(|(i, (limit, parts))| Coordinate::new(limit.clone(), bend(i), parts)).collect();
+        Self { back, belts: belts(s), coordinates }
+    }
+
+    fn measure(&mut self, findings: &mut Findings, sample: &Sample) {
+        let axes = self.back.fractions(&sample.counts).map(|(sum, _)| sum);
+        let belts = self.belts.iter().map(|belt| sample.counts[belt.lead as usize]);
+        for (coordinate, at) in self.coordinates.iter_mut().zip(axes.into_iter().chain(belts)) {
+            if let Some(excess) = coordinate.measure(at) {
+                findings.add(sample.tick, || excess.to_string());
+            }
+        }
     }
 }
 
@@ -210,7 +255,9 @@ struct Coordinate {
     limit: Limit,
     /// How much the acceleration limit is exceeded by braking in a curve.
     bend: f64,
-    /// The last [`LONGEST_WINDOW`] positions in half steps; `next` is the oldest.
+    /// mm of a unit of its positions: an axis may be a part of a sum of counts.
+    unit: f64,
+    /// The last [`LONGEST_WINDOW`] positions; `next` is the oldest.
     past: [i64; LONGEST_WINDOW],
     next: usize,
     long: usize,
@@ -220,17 +267,19 @@ struct Coordinate {
 }
 
 impl Coordinate {
-    fn new(limit: Limit, bend: f64) -> Self {
+    /// A coordinate whose positions are known in so many parts of a step.
+    fn new(limit: Limit, bend: f64, parts: i64) -> Self {
         let samples =
             |seconds: f64| ((seconds * f64::from(SAMPLES_PER_SECOND)) as usize).clamp(2, LONGEST_WINDOW / 2 - 1);
         let long = samples(limit.speed / (5.0 * limit.acceleration));
         let short = samples((2.0 * QUANTISATION * limit.step / limit.acceleration).sqrt()).min(long);
-        Self { limit, bend, past: [0; LONGEST_WINDOW], next: 0, long, short, quiet: 0 }
+        let unit = limit.step / parts as f64;
+        Self { limit, bend, unit, past: [0; LONGEST_WINDOW], next: 0, long, short, quiet: 0 }
     }
 
     /// Takes in the next position and says what is newly wrong with the recent ones.
-    fn measure(&mut self, half_steps: i64) -> Option<Excess> {
-        self.past[self.next] = half_steps;
+    fn measure(&mut self, at: i64) -> Option<Excess> {
+        self.past[self.next] = at;
         self.next = (self.next + 1) % LONGEST_WINDOW;
         let excess = self.speed().or_else(|| self.acceleration(self.short)).or_else(|| self.acceleration(self.long));
         let is_new = self.quiet == 0;
@@ -239,30 +288,41 @@ impl Coordinate {
     }
 
     fn speed(&self) -> Option<Excess> {
-        let limit = self.limit;
+        let limit = &self.limit;
         let window = self.seconds(self.long);
         let way = self.travel(0, self.long).abs();
         // Half a percent for the rounding of a move's times to whole ticks.
         let is_over = way > limit.speed * window * 1.005 + QUANTISATION * limit.step;
-        is_over.then(|| Excess { limit, kind: Kind::Speed, value: way / window, window })
+        is_over.then(|| Excess { limit: limit.clone(), kind: Kind::Speed, value: way / window, window })
     }
 
     fn acceleration(&self, samples: usize) -> Option<Excess> {
-        let limit = self.limit;
+        let limit = &self.limit;
         let window = self.seconds(samples);
         let (before, after) = (self.travel(samples, 2 * samples), self.travel(0, samples));
         // An endstop at the low end stops a motion towards it.
-        let hits_endstop = limit.hard_stop > 0.0 && (before < 0.0 && after > before || limit.hard_stop.is_infinite());
-        let jump = if hits_endstop { limit.jump + limit.hard_stop } else { limit.jump };
+        let stop = if limit.hard_stop.is_infinite() || (before < 0.0 && after > before) {
+            limit.hard_stop
+        } else if before > 0.0 && after < before {
+            limit.hard_stop_up
+        } else {
+            0.0
+        };
+        let jump = limit.jump + stop;
         let most = self.bend * limit.acceleration * window * window + jump * window + 2.0 * QUANTISATION * limit.step;
         let change = (after - before).abs();
-        (change > most).then(|| Excess { limit, kind: Kind::Acceleration, value: change / (window * window), window })
+        (change > most).then(|| Excess {
+            limit: limit.clone(),
+            kind: Kind::Acceleration,
+            value: change / (window * window),
+            window,
+        })
     }
 
     /// The way in mm from `from` samples ago to `to` samples ago.
     fn travel(&self, to: usize, from: usize) -> f64 {
         let at = |ago: usize| self.past[(self.next + LONGEST_WINDOW - 1 - ago) % LONGEST_WINDOW];
-        (at(to) - at(from)) as f64 * 0.5 * self.limit.step
+        (at(to) - at(from)) as f64 * self.unit
     }
 
     fn seconds(&self, samples: usize) -> f64 {

@@ -20,14 +20,16 @@
 
 use crate::host::{strip_comment, words};
 use corehbot::gcode::{Command, parse};
+use corehbot::kinematics::{Group, Groups};
+use corehbot::motors::Motor;
 use corehbot::settings::{AxisSettings, CornerRule, Settings, ranges};
 use std::f64::consts::SQRT_2;
 
 /// What one coordinate may do, in mm and s.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Limit {
     /// The coordinate's name in messages.
-    pub name: &'static str,
+    pub name: String,
     /// Length of one step.
     pub step: f64,
     /// Greatest speed.
@@ -36,15 +38,17 @@ pub struct Limit {
     pub acceleration: f64,
     /// Greatest sudden change of speed in a corner.
     pub jump: f64,
-    /// Greatest speed from which an endstop may stop the motion at once; 0 if nothing does.
+    /// Greatest speed at which it may fall when an endstop stops the motion at once; 0 if nothing does.
     pub hard_stop: f64,
+    /// The same if it grows: only where an axis is taken backward, for all endstops are at low ends.
+    pub hard_stop_up: f64,
 }
 
-/// The limits of x, y, z, e and of the two belt coordinates u = x + y and v = x - y, in this order.
-#[derive(Clone, Copy, PartialEq, Debug)]
+/// The limits of x, y, z, e and of the coordinates of the belt motors, in this order.
+#[derive(Clone, PartialEq, Debug)]
 pub struct Limits {
     /// One limit a coordinate.
-    pub of: [Limit; 6],
+    pub of: Vec<Limit>,
     /// Whether speeds and accelerations can be judged: not if steps/mm change under way (M92, M501).
     pub is_judged: bool,
 }
@@ -91,22 +95,38 @@ impl Widest {
 }
 
 /// What the settings alone allow.
-fn limits_of(s: &Settings) -> [Limit; 6] {
-    let axis = |name, a: AxisSettings| Limit {
-        name,
+fn limits_of(s: &Settings) -> Vec<Limit> {
+    let axis = |name: &str, a: AxisSettings| Limit {
+        name: name.to_owned(),
         step: 1.0 / a.steps_per_mm.to_num::<f64>(),
         speed: a.max_speed.to_num(),
         acceleration: a.max_acceleration.to_num(),
         jump: 0.0,
         hard_stop: 0.0,
+        hard_stop_up: 0.0,
     };
-    let belt = |name| Limit {
+    let belt = |group: &Group| Limit {
+        step: 1.0 / s.steps_per_mm(group.lead).to_num::<f64>(),
         speed: s.motor_max_speed.to_num(),
         acceleration: s.motor_max_acceleration.to_num(),
-        ..axis(name, s.axes.x)
+        ..axis(&belt_name(group), s.axes.x)
     };
     let a = s.axes;
-    [axis("x", a.x), axis("y", a.y), axis("z", a.z), axis("e", a.e), belt("belt 4/11"), belt("belt 1/8")]
+    let mut limits = vec![axis("x", a.x), axis("y", a.y), axis("z", a.z), axis("e", a.e)];
+    limits.extend(belts(s).iter().map(belt));
+    limits
+}
+
+/// The groups for which the limits of a belt motor hold, in the order of [`Limits::of`] behind the axes.
+#[must_use]
+pub fn belts(s: &Settings) -> Vec<Group> {
+    Groups::new(&s.mechanism).iter().filter(|group| group.is_belt()).copied().collect()
+}
+
+/// `belt 4/11`: its motors by the numbers of their pulleys.
+fn belt_name(group: &Group) -> String {
+    let motors = Motor::ALL.into_iter().filter(|motor| group.motors().has(*motor));
+    format!("belt {}", motors.map(|motor| motor.name().trim_start_matches('m')).collect::<Vec<_>>().join("/"))
 }
 
 impl Limits {
@@ -114,6 +134,7 @@ impl Limits {
     #[must_use]
     pub fn new(s: &Settings, stored: Option<&Settings>, gcode: &str) -> Self {
         let mut limits = Self { of: limits_of(s), is_judged: true };
+        let belts = belts(s);
         let mut widest = Widest::NONE;
         widest.widen(s);
         if let Some(stored) = stored {
@@ -130,7 +151,7 @@ impl Limits {
                 limits.widen(&strip_comment(line), s, &mut widest, &mut unit);
             }
         }
-        limits.set_jumps(&widest);
+        limits.set_jumps(&widest, &belts);
         limits.add_advance(&widest);
         limits
     }
@@ -148,9 +169,16 @@ impl Limits {
             ('G', 21.0) => *unit = 1.0,
             ('G', 28.0) => {
                 let homing = [s.homing.x, s.homing.y, s.homing.z].map(|h| h.fast.to_num::<f64>());
-                let belt = homing[0].max(homing[1]);
-                let stops = [homing[0], homing[1], homing[2], 0.0, belt, belt];
-                self.of.iter_mut().zip(stops).for_each(|(l, v)| wide(&mut l.hard_stop, v));
+                self.of.iter_mut().zip(homing).for_each(|(l, v)| wide(&mut l.hard_stop, v));
+                for (limit, belt) in self.of.iter_mut().skip(4).zip(belts(s)) {
+                    for (times, v) in belt.row.into_iter().zip(homing) {
+                        match times {
+                            1.. => wide(&mut limit.hard_stop, v),
+                            0 => {}
+                            ..0 => wide(&mut limit.hard_stop_up, v),
+                        }
+                    }
+                }
             }
             ('M', 112.0) => self.of.iter_mut().for_each(|l| l.hard_stop = f64::INFINITY),
             ('M', 92.0) => self.is_judged = false,
@@ -178,25 +206,24 @@ impl Limits {
         }
     }
 
-    fn set_jumps(&mut self, widest: &Widest) {
+    fn set_jumps(&mut self, widest: &Widest, belts: &[Group]) {
         let law = |reach: f64, acceleration: f64| {
             let deviation = (8.0 * reach * acceleration * widest.deviation).sqrt();
             let square = reach * widest.square * (8.0 * (SQRT_2 - 1.0)).sqrt();
             deviation.max(square)
         };
         for (i, limit) in self.of.iter_mut().enumerate() {
-            limit.jump = match i {
-                3 => widest.extruder,
-                // A belt coordinate sums two axes: a unit vector of the tool reaches sqrt 2 in it.
-                4 | 5 => law(SQRT_2, limit.acceleration),
-                _ => law(1.0, limit.acceleration),
-            };
+            // A unit vector of the tool reaches the length of the row in a belt coordinate: sqrt 2 if it sums two axes.
+            let belt = i.checked_sub(4).and_then(|i| belts.get(i));
+            let reach =
+                belt.map_or(1.0, |belt| belt.row.map(|times| f64::from(times).powi(2)).iter().sum::<f64>().sqrt());
+            limit.jump = if i == 3 { widest.extruder } else { law(reach, limit.acceleration) };
         }
     }
 
     /// Adds what pressure advance asks of the extruder.
     fn add_advance(&mut self, widest: &Widest) {
-        let [_, _, _, e, ..] = &mut self.of;
+        let e = &mut self.of[3];
         let share = widest.advance / widest.window;
         let change = if widest.advance_changes { share * e.speed } else { 0.0 };
         e.jump += 2.0 * share * e.jump + change;
@@ -212,7 +239,7 @@ mod tests {
     #[test]
     fn the_settings_are_the_limits() {
         let limits = Limits::new(&Settings::prototype(), None, "G1 X5 ; M203 X900\n");
-        let x = limits.of[0];
+        let x = &limits.of[0];
         assert_eq!((x.step, x.speed, x.acceleration, x.hard_stop), (0.0125, 300.0, 5000.0, 0.0));
         assert!((x.jump - (8.0 * 5000.0 * 0.013f64).sqrt()).abs() < 0.01);
         assert_eq!(limits.of[3].jump, 5.0);
@@ -232,12 +259,12 @@ mod tests {
     fn pressure_advance_asks_more_of_the_extruder_alone() {
         let limits = |gcode| Limits::new(&Settings::prototype(), None, gcode).of;
         let (plain, advanced) = (limits(""), limits("M900 K.02 ; M900 K1\n"));
-        let e = advanced[3];
+        let e = &advanced[3];
         assert!((e.speed - 120.0).abs() < 1e-4 && (e.acceleration - 10_000.0).abs() < 1e-2, "{e:?}");
         assert!((e.jump - 10.0).abs() < 1e-5, "{e:?}");
         assert_eq!(plain[..3], advanced[..3]);
         assert_eq!(plain[4..], advanced[4..]);
-        let changed = limits("M572 S.02\nSET_PRESSURE_ADVANCE ADVANCE=1e-2\n")[3];
+        let changed = limits("M572 S.02\nSET_PRESSURE_ADVANCE ADVANCE=1e-2\n")[3].clone();
         assert!((changed.jump - 50.0).abs() < 1e-4, "{changed:?}");
     }
 

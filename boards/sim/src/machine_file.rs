@@ -1,15 +1,17 @@
 //! Machine file: settings as TOML that a person writes.
 //!
-//! Every key is optional and stands over the prototype's value; an unknown key or a value outside its legal
+//! Every key is optional and stands over the prototype's value, but for `[mechanism]`, which lists all motors or is left out; an unknown key or a value outside its legal
 //! range is an error that names both. `examples/machines/prototype.toml` shows every key.
 
 mod form;
 
+use corehbot::kinematics::{Mechanism, Row};
+use corehbot::motors::Motor;
 use corehbot::settings::{
     AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, SettingsError, Shaper, ShaperKind, ranges,
 };
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
-use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, ShaperToml};
+use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, MechanismToml, ShaperToml};
 use std::fmt::{self, Display};
 
 /// A machine as its file describes it.
@@ -37,6 +39,13 @@ pub enum MachineFileError {
     },
     /// `corner` names no rule, or both.
     Corner,
+    /// A row of `mechanism` that is none.
+    Row {
+        /// The key with its table.
+        key: String,
+        /// The row in the file.
+        row: Vec<f64>,
+    },
     /// The values do not go together.
     Settings(SettingsError),
 }
@@ -47,6 +56,9 @@ impl Display for MachineFileError {
             Self::Syntax(error) => f.write_str(error.to_string().trim_end()),
             Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
             Self::Corner => f.write_str("corner wants either junction_deviation or square_corner"),
+            Self::Row { key, row } => {
+                write!(f, "{key} = {row:?} is no row: -1, 0 or 1 for x, y, z and, if not 0, for e")
+            }
             Self::Settings(error) => error.fmt(f),
         }
     }
@@ -106,6 +118,9 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     put(&mut s.minimum_cruise_ratio, "minimum_cruise_ratio", file.minimum_cruise_ratio, &CRUISE_RATIO)?;
     s.advanced_ok = file.advanced_ok.unwrap_or(s.advanced_ok);
     s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
+    if let Some(file) = file.mechanism {
+        s.mechanism = mechanism(file)?;
+    }
     s.corner = corner(s.corner, &file.corner)?;
     shaper(&mut s.shapers.x, "shaper.x", &file.shaper.x)?;
     shaper(&mut s.shapers.y, "shaper.y", &file.shaper.y)?;
@@ -121,8 +136,30 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
     driver(&mut s.drivers.z, "drivers.z", &file.drivers.z)?;
     driver(&mut s.drivers.e, "drivers.e", &file.drivers.e)?;
-    s.check().map_err(MachineFileError::Settings)?;
+    s.check_machine().map_err(MachineFileError::Settings)?;
     Ok(Machine { name: file.name, settings: s })
+}
+
+/// The rows of the motors that the file lists; the others are not fitted.
+fn mechanism(file: MechanismToml) -> Result<Mechanism, MachineFileError> {
+    let MechanismToml { m1, m4, m8, m11, z1, z2, e0 } = file;
+    let mut mechanism = Mechanism { rows: [[0; 4]; Motor::ALL.len()] };
+    for ((motor, slot), listed) in Motor::ALL.into_iter().zip(&mut mechanism.rows).zip([m1, m4, m8, m11, z1, z2, e0]) {
+        if let Some(listed) = listed {
+            let key = || format!("mechanism.{}", motor.name());
+            *slot = row(&listed).ok_or_else(|| MachineFileError::Row { key: key(), row: listed })?;
+        }
+    }
+    Ok(mechanism)
+}
+
+/// x, y, z and perhaps e.
+fn row(listed: &[f64]) -> Option<Row> {
+    let mut row = [0; 4];
+    for (slot, times) in row.iter_mut().zip(listed) {
+        *slot = [-1, 0, 1].into_iter().find(|legal| f64::from(*legal) == *times)?;
+    }
+    matches!(listed.len(), 3 | 4).then_some(row)
 }
 
 fn corner(default: CornerRule, file: &CornerToml) -> Result<CornerRule, MachineFileError> {
@@ -216,7 +253,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 67);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 74);
     }
 
     #[test]
@@ -229,6 +266,33 @@ mod tests {
         let s = load("[shaper.x]\nkind = \"2hump_ei\"\nfrequency = 42.5\n[advance]\ntime = 0.05").unwrap();
         assert_eq!((s.shapers.x.kind, s.shapers.x.frequency), (ShaperKind::TwoHumpEi, Hertz::from_num(42.5)));
         assert_eq!((s.shapers.y.kind, s.advance.time), (ShaperKind::None, Seconds::from_num(0.05)));
+    }
+
+    #[test]
+    fn a_mechanism_lists_the_motors_that_are_fitted() {
+        let xy = "m8 = [1, 0, 0]\nm11 = [0, 1, 0]\n";
+        let s = load(&format!("[mechanism]\n{xy}z1 = [0, 0, 1]\ne0 = [0, 0, 0, -1]\n[axes.y]\nsteps_per_mm = 100"))
+            .unwrap();
+        let none = [0; 4];
+        assert_eq!(s.mechanism.rows, [none, none, [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], none, [0, 0, 0, -1]]);
+        let error = |text: &str| load(&format!("[mechanism]\n{text}")).unwrap_err().to_string();
+        let illegal = "is no row: -1, 0 or 1 for x, y, z and, if not 0, for e";
+        assert_eq!(error("m1 = [2, 0, 0]"), format!("mechanism.m1 = [2.0, 0.0, 0.0] {illegal}"));
+        assert_eq!(error("z2 = [0, 0.5, 0]"), format!("mechanism.z2 = [0.0, 0.5, 0.0] {illegal}"));
+        for short in ["e0 = [0, 1]", "e0 = [0, 0, 0, 0, 1]", "e0 = []", "e0 = [nan, 0, 0]"] {
+            assert!(error(short).contains(illegal), "{short}");
+        }
+        assert_eq!(error(xy), "mechanism: no motor moves z");
+        assert_eq!(error(&format!("{xy}z1 = [0, 0, 1]")), "mechanism: no motor moves e");
+        let rest = "z1 = [0, 0, 1]\ne0 = [0, 0, 0, 1]";
+        assert!(error(&format!("m1 = [1, 1, 0]\nm4 = [-1, -1, 0]\n{rest}")).contains("do not hold"));
+        assert!(
+            error(&format!("{xy}z1 = [0, 0, 1, 1]")).contains("mechanism.z1: a motor moves the tool or the filament")
+        );
+        let many = "m1 = [1, 1, 0]\nm4 = [1, -1, 0]\nm8 = [1, 0, 0]\nm11 = [0, 1, 0]";
+        assert!(error(&format!("{many}\n{rest}")).contains("at most 5 motors may differ"));
+        assert!(error("m2 = [1, 0, 0]").contains("unknown field `m2`"));
+        assert!(error(&format!("m8 = [1, 0, 1]\nm11 = [0, 1, 0]\n{rest}")).contains("x and z share motors"));
     }
 
     #[test]
@@ -250,7 +314,7 @@ mod tests {
         assert!(error("[shaper.y]\nkind = \"zvdd\"").contains("`none`, `zv`, `zvd`, `mzv`, `ei`, `2hump_ei`"));
         assert_eq!(error("[advance]\nwindow = 0.3"), "advance.window = 0.3 is outside 0.005 to 0.2");
         assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));
-        assert!(error("[axes.y]\nsteps_per_mm = 100").contains("share their belt"));
+        assert!(error("[axes.y]\nsteps_per_mm = 100").contains("x and y share motors"));
         assert!(error("[corner]\nsquare_corner = 1\njunction_deviation = 0.1").contains("either"));
     }
 }

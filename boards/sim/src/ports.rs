@@ -3,7 +3,7 @@
 //! All of them look at one time, which only the world moves on.
 
 use crate::world::{Host, Sink};
-use corehbot::kinematics::{forward_motors, motors};
+use corehbot::kinematics::MotorTable;
 use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Sensor, Serial, StepClock, StepPort, ThermalPort};
 use corehbot::units::{Instant, Tick};
@@ -138,17 +138,18 @@ impl ThermalPort for Room {
 
 pub(crate) struct Pins<'w> {
     pub rig: Rig,
+    pub table: MotorTable,
     pub forward: MotorSet,
     pub sink: &'w mut dyn Sink,
 }
 
 impl StepPort for Pins<'_> {
     fn dir(&mut self, forward: GroupSet) {
-        self.forward = forward_motors(forward);
+        self.forward = self.table.forward_motors(forward);
     }
 
     fn rise(&mut self, steps: GroupSet, tick: u64) {
-        let steps = motors(steps);
+        let steps = self.table.motors(steps);
         self.rig.step(steps, self.forward);
         self.sink.event(tick, steps, self.forward);
     }

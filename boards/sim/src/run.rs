@@ -78,6 +78,7 @@ impl Prepared {
     pub fn run(mut self, args: &Run) -> Result<bool> {
         let settings = &self.machine.settings;
         let stored = self.eeprom.as_mut().and_then(Eeprom::settings);
+        let stored = stored.filter(|stored| stored.mechanism == settings.mechanism);
         let mut host = Watched { host: FileHost::new(&self.gcode), bar: ProgressBar::hidden() };
         if std::io::stderr().is_terminal() {
             host.bar = progress_bar(host.host.commands());
@@ -87,7 +88,7 @@ impl Prepared {
             trace: TraceWriter::new(self.trace, settings.into()),
             vcd: self.vcd,
             tally: Tally::new(settings, args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num)),
-            checker: Checker::new(&limits),
+            checker: Checker::new(settings, &limits),
         };
         let start = Instant::now();
         let outcome = match &mut self.eeprom {

@@ -7,6 +7,7 @@
 use crate::path::{Point, ToolPath};
 use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler};
 use crate::series::{Bin, Series};
+use corehbot::kinematics::WayBack;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 
@@ -32,10 +33,10 @@ pub struct Tally {
 
 /// What is measured on samples.
 struct Measure {
-    /// mm of x a step of u = x + y, or of v = x - y.
-    half_belt_step: f64,
-    /// mm a step of z.
-    z_step: f64,
+    /// Where motors bring the tool.
+    back: WayBack<{ Motor::ALL.len() }>,
+    /// mm a step of x, y and z.
+    step: [f64; 3],
     origin: [f64; 3],
     /// The last places, in a ring: `index` counts all samples.
     places: [Place; SPEED_WINDOW + 1],
@@ -80,8 +81,8 @@ impl Tally {
     #[must_use]
     pub fn new(s: &Settings, origin: [f64; 3]) -> Self {
         let measure = Measure {
-            half_belt_step: 0.5 / s.axes.x.steps_per_mm.to_num::<f64>(),
-            z_step: 1.0 / s.axes.z.steps_per_mm.to_num::<f64>(),
+            back: s.mechanism.way_back().unwrap_or(WayBack::NONE),
+            step: [s.axes.x, s.axes.y, s.axes.z].map(|a| 1.0 / a.steps_per_mm.to_num::<f64>()),
             origin,
             places: [Place { at: origin, ..Place::default() }; SPEED_WINDOW + 1],
             index: 0,
@@ -156,14 +157,12 @@ impl Measure {
     }
 
     fn place(&self, sample: &Sample) -> Place {
-        let &[_, _, v, u, z, _, e] = &sample.counts;
-        let [x0, y0, z0] = self.origin;
-        let at = [
-            x0 + (u + v) as f64 * self.half_belt_step,
-            y0 + (u - v) as f64 * self.half_belt_step,
-            z0 + z as f64 * self.z_step,
-        ];
-        Place { at, e, tick: sample.tick }
+        let way = self.back.fractions(&sample.counts);
+        let at = std::array::from_fn(|i| {
+            let (sum, over) = way[i];
+            self.origin[i] + sum as f64 * (self.step[i] / over as f64)
+        });
+        Place { at, e: way[3].0, tick: sample.tick }
     }
 }
 

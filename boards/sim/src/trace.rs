@@ -8,6 +8,7 @@
 //! A print has tens of millions of rows, so rows are put together from prepared pieces instead of being
 //! formatted.
 
+use corehbot::kinematics::Mechanism;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::{StepsPerMm, TICKS_PER_SECOND};
@@ -23,17 +24,15 @@ const LONGEST_ROW: usize = 64;
 /// What the first comment of a trace says of the machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Header {
-    /// Resolution of the belt motors.
-    pub belt: StepsPerMm,
-    /// Resolution of the ball screws.
-    pub z: StepsPerMm,
-    /// Resolution of the extruder.
-    pub e: StepsPerMm,
+    /// How far each motor turns for a step of each axis.
+    pub mechanism: Mechanism,
+    /// Resolution of x, y, z and e.
+    pub steps_per_mm: [StepsPerMm; 4],
 }
 
 impl From<&Settings> for Header {
     fn from(s: &Settings) -> Self {
-        Self { belt: s.axes.x.steps_per_mm, z: s.axes.z.steps_per_mm, e: s.axes.e.steps_per_mm }
+        Self { mechanism: s.mechanism, steps_per_mm: s.axes.map(|a| a.steps_per_mm).to_array() }
     }
 }
 
@@ -41,12 +40,32 @@ impl Header {
     /// The comment and the header row.
     fn text(&self) -> String {
         let names = Motor::ALL.map(Motor::name).join(",");
+        let (kinematics, resolutions) = (self.kinematics(), self.resolutions());
         format!(
-            "# corehbot-trace v1 tick_hz={TICKS_PER_SECOND} kinematics=corehbot steps_per_mm={}/{}/{}\ntick,{names}\n",
-            exact(self.belt),
-            exact(self.z),
-            exact(self.e)
+            "# corehbot-trace v1 tick_hz={TICKS_PER_SECOND} kinematics={kinematics} steps_per_mm={resolutions}\ntick,{names}\n"
         )
+    }
+
+    fn is_corehbot(&self) -> bool {
+        self.mechanism == Mechanism::corehbot()
+    }
+
+    /// The mechanism in one word: the CoreH-bot by its name, others by the row of each motor.
+    fn kinematics(&self) -> String {
+        if self.is_corehbot() {
+            return "corehbot".to_owned();
+        }
+        let fitted = self.mechanism.fitted();
+        let motors = self.mechanism.motors().filter(|(motor, _)| fitted.has(*motor));
+        let rows =
+            motors.map(|(motor, row)| format!("{}({})", motor.name(), row.map(|times| times.to_string()).join(",")));
+        rows.collect::<Vec<_>>().join(";")
+    }
+
+    /// Steps/mm of the belt, of z and of e for the CoreH-bot; of x, y, z and e for others.
+    fn resolutions(&self) -> String {
+        let [x, y, z, e] = self.steps_per_mm.map(exact);
+        if self.is_corehbot() { format!("{x}/{z}/{e}") } else { format!("{x}/{y}/{z}/{e}") }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Pends, Pins, Room, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
-use corehbot::kinematics::motor_counts;
+use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
 use corehbot::motion::{StepGenerator, Stepper};
 use corehbot::motors::MotorSet;
@@ -109,6 +109,7 @@ impl Desk {
 pub struct World<'w> {
     shared: &'w Shared,
     wires: &'w [Wire],
+    groups: Groups,
     status: &'w Status,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
     generator: StepGenerator<'w, Pends<'w>>,
@@ -128,7 +129,9 @@ impl<'w> World<'w> {
     ) -> Self {
         let Desk { memory, shared, wires } = desk;
         let (shared, wires): (&'w Shared, &'w [Wire]) = (shared, wires);
-        let pins = Pins { rig: Rig::new(settings, start), forward: MotorSet::NONE, sink };
+        let groups = Groups::new(&settings.mechanism);
+        let (rig, table) = (Rig::new(settings, start), MotorTable::new(&groups));
+        let pins = Pins { rig, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),
@@ -140,7 +143,7 @@ impl<'w> World<'w> {
         let Parts { stepper, generator, mut console, status } =
             assemble(memory, *settings, start, step_ports, ports, Pends(shared));
         let console = Box::pin(async move { console.run().await });
-        Self { shared, wires, status, stepper, generator, console, odometer: Odometer::default() }
+        Self { shared, wires, groups, status, stepper, generator, console, odometer: Odometer::default() }
     }
 
     /// The Console has its turn.
@@ -214,7 +217,7 @@ impl<'w> World<'w> {
             path_um: self.odometer.um(),
             underruns: status.overload().underruns + status.overload().starved,
             low_water: status.low_water(),
-            counts: motor_counts(status.counts()),
+            counts: self.groups.motor_counts(status.counts()),
             halted: status.is_halted(),
         }
     }

@@ -70,7 +70,8 @@ fn machines() -> impl Strategy<Value = Settings> {
 fn limits(s: &Settings) -> Limits {
     let mut limits = Limits::new(s, None, "");
     if s.shapers.x != s.shapers.y {
-        let [x, y, _, _, belts @ ..] = &mut limits.of;
+        let (axes, belts) = limits.of.split_at_mut(4);
+        let (x, y) = (&axes[0], &axes[1]);
         for belt in belts {
             (belt.speed, belt.acceleration) = (x.speed + y.speed, x.acceleration + y.acceleration);
             belt.jump = x.jump + y.jump;
@@ -87,7 +88,7 @@ fn print(s: &Settings, moves: &[(i32, i32, i32, i32, u32)], scale: f64) -> (Find
         gcode += &format!("G1 X{x:.3} Y{y:.3} Z{:.3} E{:.4} F{f}\n", z / 20.0, e / 100.0);
     }
     gcode += "G90\nG1 X50 Y60 Z12 F9000\nM400\n";
-    let mut steps = Steps { checker: Checker::new(&limits(s)), counts: [0; 7] };
+    let mut steps = Steps { checker: Checker::new(s, &limits(s)), counts: [0; 7] };
     let start = Some([100, 100, 10].map(Mm::from_num));
     let outcome = run(s, start, &mut FileHost::new(&gcode), &mut steps).unwrap();
     (steps.checker.finish(Some(outcome.counts)), steps.counts)

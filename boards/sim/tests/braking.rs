@@ -142,7 +142,7 @@ fn stop(word: &'static str, lines: &[String], at_ms: f64, after: &[&str]) -> Sto
     // No switch stops anything here.
     limits.of.iter_mut().for_each(|limit| limit.hard_stop = 0.0);
     let counts = [16000, 0, 8000, 0];
-    let bench = Bench { checker: Checker::new(&limits), tick: 0, counts, path: 0.0 };
+    let bench = Bench { checker: Checker::new(&settings, &limits), tick: 0, counts, path: 0.0 };
     let mut steps = Steps(Rc::new(RefCell::new(bench)));
     let mut host = Stopper {
         steps: steps.clone(),

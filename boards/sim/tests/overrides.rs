@@ -172,7 +172,7 @@ fn print(lines: Vec<String>, words: Vec<(u64, String)>) -> Print {
     let mut limits = Limits::new(&settings, None, "");
     limits.of.iter_mut().for_each(|limit| limit.hard_stop = 0.0);
     let tick = Cell::new(0);
-    let mut steps = Steps { checker: Checker::new(&limits), tick: &tick, counts: [0; 7] };
+    let mut steps = Steps { checker: Checker::new(&settings, &limits), tick: &tick, counts: [0; 7] };
     let (lines, words) = (lines.into_iter(), words.into_iter().peekable());
     let mut host = Fiddler { lines, words, tick: &tick, awaiting: 0, heard: Vec::new() };
     let outcome = run(&settings, Some([100, 100, 10].map(Mm::from_num)), &mut host, &mut steps).unwrap();

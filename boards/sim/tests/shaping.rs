@@ -82,7 +82,8 @@ struct Print {
 fn play(settings: &Settings, storage: impl Storage, gcode: &str, stop_at: Option<u64>) -> Print {
     let tick = Cell::new(0);
     let mut host = Printer { lines: gcode.lines(), tick: &tick, stop_at, awaiting: 0, heard: Vec::new() };
-    let mut steps = Steps { checker: Checker::new(&Limits::new(settings, None, gcode)), tick: &tick, counts: [0; 4] };
+    let mut steps =
+        Steps { checker: Checker::new(settings, &Limits::new(settings, None, gcode)), tick: &tick, counts: [0; 4] };
     let start = Some([100, 100, 10].map(Mm::from_num));
     let outcome = run_with(settings, start, storage, &mut [&mut host], &mut steps).unwrap();
     let [u, v, z, e] = steps.counts;

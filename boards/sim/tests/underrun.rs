@@ -32,7 +32,7 @@ impl Sink for Steps {
 
 impl Steps {
     fn new(settings: &Settings) -> Self {
-        Self { checker: Checker::new(&Limits::new(settings, None, "")), at: [0; 2], all: Vec::new() }
+        Self { checker: Checker::new(settings, &Limits::new(settings, None, "")), at: [0; 2], all: Vec::new() }
     }
 
     /// The speed along x in mm/s, over windows of so many ms.

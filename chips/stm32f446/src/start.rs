@@ -1,6 +1,7 @@
 //! Start-up: safe levels first, then clocks, then the core.
 
 use corehbot::app::{self, Memory, StepPorts};
+use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
 use corehbot::settings::Settings;
@@ -29,6 +30,9 @@ defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
 static PARTS: StaticCell<BoardParts> = StaticCell::new();
 static DIR_WORDS: StaticCell<Words> = StaticCell::new();
+
+/// The machine, until its storage says more of it.
+const SETTINGS: Settings = Settings::prototype();
 
 /// Cycles of 16 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and some 100
 /// pF has settled, with a margin of ten.
@@ -69,7 +73,8 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         port
     });
     step_timer::start();
-    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed));
+    let groups = Groups::new(&SETTINGS.mechanism);
+    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed, &groups));
     let ports = Ports {
         serial: lines,
         drivers: Drivers::start(board),
@@ -77,7 +82,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         storage: BoardStorage(find(board)),
         sensors: Thermistors::start(board.thermistors),
     };
-    let parts = assemble(StepPins::new(board, dirs), ports);
+    let parts = assemble(StepPins::new(board, dirs, &groups), ports);
     contexts::start(parts, usb, Watchdog::new())
 }
 
@@ -126,7 +131,7 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 fn assemble(pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
     let step_ports = StepPorts { pins, clock: StepTimer };
     // In this form the parts are built in their place; they are too large to be carried about.
-    PARTS.init_with(|| app::assemble(MEMORY.take(), Settings::prototype(), None, step_ports, ports, IrqPend))
+    PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, ports, IrqPend))
 }
 
 /// Tells the hosts why the last reset happened, unless it was for a good reason.

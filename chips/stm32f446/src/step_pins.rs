@@ -4,7 +4,7 @@
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
-use corehbot::kinematics::motors;
+use corehbot::kinematics::Groups;
 use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 
@@ -41,13 +41,13 @@ pub struct StepPins {
 }
 
 impl StepPins {
-    /// The pins of `board`, which are outputs already.
-    pub fn new(board: &Board, dirs: &'static Words) -> Self {
-        let steps = Words::pulses(board.step_pins());
+    /// The pins of `board`, which are outputs already, for these groups of motors.
+    pub fn new(board: &Board, dirs: &'static Words, groups: &Groups) -> Self {
+        let steps = Words::pulses(board.step_pins(), groups);
         Self {
             step_ports: steps.ports.map(ports::registers),
             low: steps.of(ALL).map(|word| word << 16),
-            slow: groups_of(board.slow),
+            slow: groups_of(board.slow, groups),
             steps,
             dirs,
             dir_ports: dirs.ports.map(ports::registers),
@@ -70,9 +70,9 @@ fn store(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
 }
 
 /// The groups that any of `slow` belongs to.
-fn groups_of(slow: MotorSet) -> GroupSet {
-    let groups = (0..MOST_GROUPS).map(|group| 1 << group);
-    GroupSet(groups.filter(|group| motors(GroupSet(*group)).0 & slow.0 != 0).sum())
+fn groups_of(slow: MotorSet, groups: &Groups) -> GroupSet {
+    let each = (0..MOST_GROUPS).map(|group| 1 << group);
+    GroupSet(each.filter(|group| groups.motors(GroupSet(*group)).0 & slow.0 != 0).sum())
 }
 
 impl StepPort for StepPins {

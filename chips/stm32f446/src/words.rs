@@ -1,16 +1,12 @@
 //! Words for the step and direction pins: what a set of motor groups is in the registers of the ports.
 
-use corehbot::kinematics::{forward_motors, motors};
-use corehbot::motors::MOST_GROUPS;
+use corehbot::kinematics::{Groups, SETS};
 use corehbot::port::{GroupSet, Motor, MotorSet};
 
 use crate::wiring::{Pin, Port};
 
 /// Ports that the step pins, or the direction pins, of all motors may be spread over.
 pub const PORTS: usize = 4;
-
-/// Sets of groups of motors.
-pub const SETS: usize = 1 << MOST_GROUPS;
 
 /// For every set of groups, the word to be written to each port's BSRR: one load of neighbouring words and one store a
 /// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
@@ -32,15 +28,15 @@ impl Words {
     /// Words that set the step pins of the motors of the groups and leave the others. Pins beyond [`PORTS`] ports have
     /// none, which [`can_hold`](Self::can_hold) tells.
     #[must_use]
-    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()]) -> Self {
-        Self::new(pins, motors, |pin, is_in| if is_in { pin.mask() } else { 0 })
+    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], groups: &Groups) -> Self {
+        Self::new(pins, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
     }
 
     /// Words for the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
     /// motor that turns forward, or backward if it is `reversed`.
     #[must_use]
-    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet) -> Self {
-        let high = |groups| MotorSet(forward_motors(groups).0 ^ reversed.0);
+    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, groups: &Groups) -> Self {
+        let high = |set| MotorSet(groups.forward_motors(set).0 ^ reversed.0);
         Self::new(pins, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
     }
 
@@ -93,6 +89,7 @@ fn ports_of(pins: &[Option<Pin>]) -> ([Port; PORTS], usize) {
 mod tests {
     use super::*;
     use crate::wiring::bits;
+    use corehbot::kinematics::Mechanism;
 
     #[test]
     fn words_hold_the_bits_of_exactly_the_motors_asked_for() {
@@ -100,7 +97,9 @@ mod tests {
             [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
         let pins = pins.map(|(port, number)| Pin::new(port, number));
         let reversed = MotorSet::of(Motor::M4);
-        let (pulses, levels) = (Words::pulses(pins.map(Some)), Words::levels(pins.map(Some), reversed));
+        let machine = Groups::new(&Mechanism::corehbot());
+        let pins_of = pins.map(Some);
+        let (pulses, levels) = (Words::pulses(pins_of, &machine), Words::levels(pins_of, reversed, &machine));
         for groups in (0..SETS).map(|set| GroupSet(set as u8)) {
             for port in Port::ALL {
                 let written = |words: &Words| -> u32 {
@@ -110,8 +109,8 @@ mod tests {
                     let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor));
                     bits(chosen.map(|(_, pin)| pin), port)
                 };
-                let high = MotorSet(forward_motors(groups).0 ^ reversed.0);
-                assert_eq!(written(&pulses), of(motors(groups)), "{groups:?} {port:?}");
+                let high = MotorSet(machine.forward_motors(groups).0 ^ reversed.0);
+                assert_eq!(written(&pulses), of(machine.motors(groups)), "{groups:?} {port:?}");
                 assert_eq!(written(&levels), of(high) | of(MotorSet::ALL.without(high)) << 16, "{groups:?} {port:?}");
             }
         }
@@ -121,7 +120,7 @@ mod tests {
     fn ports_without_a_motor_get_no_bits() {
         let mut pins = [None; 7];
         pins[0] = Some(Pin::new(Port::B, 3));
-        let words = Words::pulses(pins);
+        let words = Words::pulses(pins, &Groups::new(&Mechanism::corehbot()));
         assert_eq!(words.ports, [Port::B; PORTS]);
         assert_eq!(words.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
     }

@@ -2,7 +2,6 @@
 
 use super::brake::{Braking, Moment};
 use super::{StepGenerator, Task};
-use crate::kinematics::GROUPS;
 use crate::motion::moves::Work;
 use crate::port::{EndstopSet, Pend};
 use crate::units::Steps;
@@ -97,7 +96,7 @@ impl<W: Pend> StepGenerator<'_, W> {
             }
             Work::Position([x, y, z, e]) => {
                 self.place = [*x, *y, *z, *e, Steps::ZERO];
-                for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
+                for (track, group) in self.tracks.iter_mut().zip(self.mechanism.iter()) {
                     track.stand_at(group.coordinate([*x, *y, *z, *e]));
                 }
                 true

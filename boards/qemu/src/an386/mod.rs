@@ -22,6 +22,7 @@ mod trace;
 mod vectors;
 
 use corehbot::app::{self, Memory, StepPorts};
+use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, NoSensors, NoStorage};
 use corehbot::status::Status;
@@ -61,7 +62,8 @@ fn main() -> ! {
 fn start_up() -> &'static Status {
     let job = job::read();
     let rig = Rig::new(&job.settings, job.start);
-    let step_ports = StepPorts { pins: trace::TracePort::new(rig, job.trace), clock: time::StepTimer };
+    let table = MotorTable::new(&Groups::new(&job.settings.mechanism));
+    let step_ports = StepPorts { pins: trace::TracePort::new(rig, table, job.trace), clock: time::StepTimer };
     let ports = Ports {
         serial: Lines::from_array([serial::UartSerial::new()]),
         drivers: contexts::NoDrivers,

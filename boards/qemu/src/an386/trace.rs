@@ -5,8 +5,7 @@
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
-use corehbot::kinematics::{forward_motors, motors};
-use corehbot::motors::MOST_GROUPS;
+use corehbot::kinematics::{MotorTable, SETS};
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::Rig;
@@ -22,15 +21,13 @@ type Record = [u8; 8];
 /// Records between two writes, each of which costs the emulator some microseconds of wall time.
 const BUFFERED: usize = 512;
 
-/// Sets of groups of motors.
-const SETS: usize = 1 << MOST_GROUPS;
-
 /// The file, what is not in it yet, and the machine.
 struct Trace {
     file: File,
     records: Vec<Record, BUFFERED>,
     /// Steps that the machine has not felt yet, by the groups that made them.
     unfelt: [i32; SETS],
+    table: MotorTable,
     rig: Rig,
 }
 
@@ -48,7 +45,7 @@ impl Trace {
     /// Has the machine make the steps recorded, which went `forward`; nobody has looked at it since.
     fn feel(&mut self, forward: MotorSet) {
         for (groups, times) in (0..).zip(&mut self.unfelt) {
-            self.rig.step_often(motors(GroupSet(groups)), forward, core::mem::take(times));
+            self.rig.step_often(self.table.motors(GroupSet(groups)), forward, core::mem::take(times));
         }
     }
 
@@ -77,27 +74,28 @@ pub fn finish() {
 
 /// Step and direction lines that end in a file, and endstops as the rig has them.
 pub struct TracePort {
+    table: MotorTable,
     forward: MotorSet,
 }
 
 impl TracePort {
-    /// The port of the one machine.
-    pub fn new(rig: Rig, file: File) -> Self {
-        TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], rig });
-        Self { forward: MotorSet::NONE }
+    /// The port of the one machine, whose motors are grouped as in `table`.
+    pub fn new(rig: Rig, table: MotorTable, file: File) -> Self {
+        TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], table, rig });
+        Self { table, forward: MotorSet::NONE }
     }
 }
 
 impl StepPort for TracePort {
     fn dir(&mut self, forward: GroupSet) {
-        let before = core::mem::replace(&mut self.forward, forward_motors(forward));
+        let before = core::mem::replace(&mut self.forward, self.table.forward_motors(forward));
         TRACE.with(|trace| trace.feel(before));
     }
 
     #[inline(always)]
     fn rise(&mut self, steps: GroupSet, tick: u64) {
         let mut record = tick.to_le_bytes();
-        [record[6], record[7]] = [motors(steps).0, self.forward.0];
+        [record[6], record[7]] = [self.table.motors(steps).0, self.forward.0];
         LAST_STEP.store(time::raw(), Ordering::Relaxed);
         // SAFETY: `new` fills the place, and besides the step interrupt, which does not interrupt itself, only `finish`
         // uses it, when that interrupt is off.

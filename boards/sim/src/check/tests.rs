@@ -13,7 +13,7 @@ struct Motion {
 
 impl Motion {
     fn new(gcode: &str) -> Self {
-        let checker = Checker::new(&Limits::new(&Settings::prototype(), None, gcode));
+        let checker = Checker::new(&Settings::prototype(), &Limits::new(&Settings::prototype(), None, gcode));
         Self { checker, stands: [0; 4], time: 0, pulses: [0; 7] }
     }
 

@@ -21,12 +21,26 @@ pub(super) struct MachineToml {
     pub patience_ms: Option<f64>,
     pub advanced_ok: Option<bool>,
     pub minimum_cruise_ratio: Option<f64>,
+    pub mechanism: Option<MechanismToml>,
     pub corner: CornerToml,
     pub shaper: ShapersToml,
     pub advance: AdvanceToml,
     pub axes: AxesToml,
     pub homing: HomingsToml,
     pub drivers: DriversToml,
+}
+
+/// A row a motor that is fitted.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct MechanismToml {
+    pub m1: Option<Vec<f64>>,
+    pub m4: Option<Vec<f64>>,
+    pub m8: Option<Vec<f64>>,
+    pub m11: Option<Vec<f64>>,
+    pub z1: Option<Vec<f64>>,
+    pub z2: Option<Vec<f64>>,
+    pub e0: Option<Vec<f64>>,
 }
 
 #[derive(Deserialize, Default)]

@@ -1,8 +1,8 @@
 //! The screen: one line on a terminal that tells how the printer is.
 
 use crate::world::World;
-use corehbot::kinematics::motor_counts;
-use corehbot::kinematics::{BeltSteps, forward};
+use corehbot::kinematics::WayBack;
+use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -23,6 +23,8 @@ pub(crate) struct Screen {
     spoken: String,
     /// What the printer has said of temperatures last.
     temperatures: String,
+    /// Where motors bring the tool.
+    back: WayBack<{ Motor::ALL.len() }>,
     /// Where the tool stood at power-up, in mm.
     start: [f64; 3],
     /// Steps a mm of x, y and z.
@@ -45,6 +47,7 @@ impl Screen {
             seen_tick: 0,
             spoken: String::new(),
             temperatures: "no temperatures yet".to_owned(),
+            back: settings.mechanism.way_back().unwrap_or(WayBack::NONE),
             start: start.map(Mm::to_num),
             pitch: [a.x.steps_per_mm, a.y.steps_per_mm, a.z.steps_per_mm].map(|pitch| pitch.to_num()),
         }
@@ -78,7 +81,7 @@ impl Screen {
             (_, _, true) => "ready",
             _ => "busy",
         };
-        let [x, y, z] = self.place(motor_counts(status.counts()));
+        let [x, y, z] = self.place(world.outcome().counts);
         let level = status.level();
         let temperatures = &self.temperatures;
         let seconds = world.now() / u64::from(TICKS_PER_SECOND);
@@ -96,9 +99,7 @@ impl Screen {
 
     /// Where the tool is, from the steps that the motors made.
     fn place(&self, counts: [i32; 7]) -> [f64; 3] {
-        let [n1, n4, n8, n11, z, ..] = counts.map(i64::from);
-        let tool = forward(BeltSteps { n1, n4, n8, n11 });
-        let way = [tool.x as f64 / 4.0, tool.y as f64 / 4.0, z as f64];
+        let way = self.back.fractions(&counts.map(i64::from)).map(|(sum, over)| sum as f64 / over as f64);
         std::array::from_fn(|i| self.start[i] + way[i] / self.pitch[i])
     }
 }
@@ -126,7 +127,7 @@ mod tests {
         let screen = Screen::new(&Settings::prototype(), [1, 2, 3].map(Mm::from_num));
         let n = screen.pitch[0] as i32;
         // To the right by a millimetre, and up by two.
-        let [x, y, z] = screen.place([-n, -n, n, n, 2 * screen.pitch[2] as i32, 0, 0]);
+        let [x, y, z] = screen.place([-n, -n, n, n, 2 * screen.pitch[2] as i32, 2 * screen.pitch[2] as i32, 0]);
         assert_eq!([x, y, z], [2.0, 2.0, 5.0]);
     }
 }

@@ -1,0 +1,265 @@
+//! Groups: motors that always step in the same instant, because one coordinate drives them all.
+//!
+//! They follow from the [`Mechanism`]: motors whose rows are equal or opposite are a group. Everything in motion counts
+//! groups, not motors, so a second ball screw or the second motor of a pair costs no time.
+
+use super::mechanism::{Mechanism, Row, mirrored};
+use super::way_back::WayBack;
+use crate::motors::{GroupSet, MOST_GROUPS, Motor, MotorSet};
+use crate::units::Steps;
+
+/// The motor of a group that comes first here leads it, and so the groups are ordered. Thus u = x + y, which motor 11
+/// turns forward, comes before v = x - y of motor 8: A and B of a CoreXY.
+const LEADERS: [Motor; Motor::ALL.len()] =
+    [Motor::M11, Motor::M8, Motor::M4, Motor::M1, Motor::Z1, Motor::Z2, Motor::E0];
+
+/// One coordinate and the motors that it drives.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Group {
+    /// The coordinate as a sum of x, y, z and e, each taken this many times.
+    pub row: Row,
+    /// Motors that turn forward when the coordinate grows.
+    pub with: MotorSet,
+    /// Motors that turn backward when the coordinate grows.
+    pub against: MotorSet,
+    /// The motor whose count is the coordinate.
+    pub lead: Motor,
+}
+
+impl Group {
+    /// Without motors. (All zeros, like everything here that is not known yet: such memory costs no flash.)
+    const NONE: Self = Self { row: [0; 4], with: MotorSet::NONE, against: MotorSet::NONE, lead: Motor::M1 };
+
+    /// The group's coordinate at a position in steps of x, y, z and e.
+    #[must_use]
+    pub fn coordinate(&self, position: [Steps; 4]) -> Steps {
+        let mut sum = Steps::ZERO;
+        for (times, steps) in self.row.iter().zip(position) {
+            sum = sum.wrapping_add(steps.wrapping_mul_int(i64::from(*times)));
+        }
+        sum
+    }
+
+    /// All its motors.
+    #[must_use]
+    pub const fn motors(&self) -> MotorSet {
+        self.with.with(self.against)
+    }
+
+    /// Whether it has motors, and they move the tool.
+    #[must_use]
+    pub const fn is_tool(&self) -> bool {
+        let [x, y, z, _] = self.row;
+        x != 0 || y != 0 || z != 0
+    }
+
+    /// Whether the limits of a belt motor hold for it: it moves x or y.
+    #[must_use]
+    pub const fn is_belt(&self) -> bool {
+        let [x, y, ..] = self.row;
+        x != 0 || y != 0
+    }
+
+    /// The axis that its coordinate is, if it is a single one.
+    #[must_use]
+    pub fn axis(&self) -> Option<usize> {
+        let mut axes = self.row.iter().enumerate().filter(|(_, times)| **times != 0).map(|(axis, _)| axis);
+        axes.next().filter(|_| axes.next().is_none())
+    }
+}
+
+/// The count of steps of a group at a coordinate: the nearest whole step, halves upwards.
+#[must_use]
+pub const fn count_at(coordinate: Steps) -> i32 {
+    const HALF: i64 = 1 << 31;
+    (coordinate.to_bits().wrapping_add(HALF) >> 32) as i32
+}
+
+/// A mechanism, sorted by groups.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Groups {
+    mechanism: Mechanism,
+    fitted: MotorSet,
+    groups: [Group; MOST_GROUPS],
+    back: WayBack<MOST_GROUPS>,
+}
+
+impl Groups {
+    /// No motors at all.
+    pub const NONE: Self = Self {
+        mechanism: Mechanism { rows: [[0; 4]; Motor::ALL.len()] },
+        fitted: MotorSet::NONE,
+        groups: [Group::NONE; MOST_GROUPS],
+        back: WayBack::NONE,
+    };
+
+    /// The groups of a mechanism that [`Mechanism::check`] finds sound.
+    #[must_use]
+    #[inline(never)]
+    pub fn new(mechanism: &Mechanism) -> Self {
+        let fitted = mechanism.fitted();
+        let mut groups = Self { mechanism: *mechanism, fitted, ..Self::NONE };
+        let mut taken = MotorSet::NONE;
+        for lead in LEADERS {
+            if taken.has(lead) || !fitted.has(lead) {
+                continue;
+            }
+            let Some(&row) = mechanism.rows.get(lead as usize) else { continue };
+            let (mut with, mut against) = (MotorSet::NONE, MotorSet::NONE);
+            for (motor, its_row) in mechanism.motors() {
+                if its_row == row {
+                    with = with.with(MotorSet::of(motor));
+                } else if its_row == mirrored(row) {
+                    against = against.with(MotorSet::of(motor));
+                }
+            }
+            taken = taken.with(with).with(against);
+            if let Some(group) = groups.groups.iter_mut().find(|group| group.motors().is_empty()) {
+                *group = Group { row, with, against, lead };
+            }
+        }
+        groups.back = WayBack::new(groups.groups.map(|group| group.row)).unwrap_or(WayBack::NONE);
+        groups
+    }
+
+    /// The mechanism that they sort.
+    #[must_use]
+    pub const fn mechanism(&self) -> &Mechanism {
+        &self.mechanism
+    }
+
+    /// The motors that there are.
+    #[must_use]
+    pub const fn fitted(&self) -> MotorSet {
+        self.fitted
+    }
+
+    /// The groups in their order; behind those that there are come empty ones.
+    pub fn iter(&self) -> core::slice::Iter<'_, Group> {
+        self.groups.iter()
+    }
+
+    /// Whether more coordinates than axes hold the tool, so that their counts must agree: five of them hold four axes.
+    #[must_use]
+    pub const fn is_redundant(&self) -> bool {
+        let [.., last] = &self.groups;
+        !last.motors().is_empty()
+    }
+
+    /// Where x, y, z and e are, in steps, given the counts of the groups: exactly where these say, or as near to all of
+    /// them as can be if no position has such counts.
+    #[must_use]
+    pub fn position(&self, counts: [i32; MOST_GROUPS]) -> [Steps; 4] {
+        self.back.position(&counts.map(i64::from))
+    }
+
+    /// The steps of each motor, given those of the groups.
+    #[must_use]
+    pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
+        Motor::ALL.map(|motor| {
+            let count = |(group, count): (&Group, i32)| match (group.with.has(motor), group.against.has(motor)) {
+                (true, _) => Some(count),
+                (_, true) => Some(count.wrapping_neg()),
+                _ => None,
+            };
+            self.iter().zip(counts).find_map(count).unwrap_or_default()
+        })
+    }
+
+    /// How often each group's count is taken in the one sum that no position changes: 0 at rest to within a step. `None`
+    /// if there is no such sum, for all counts are possible.
+    #[must_use]
+    pub fn constraint(&self) -> Option<[i32; MOST_GROUPS]> {
+        if !self.is_redundant() {
+            return None;
+        }
+        // Four rows of three: each is taken as often as the other three span, with signs in turns (Cramer).
+        let mut tool = [(0, [0; 3]); 4];
+        for (slot, (number, group)) in tool.iter_mut().zip(self.iter().enumerate().filter(|(_, group)| group.is_tool()))
+        {
+            let [x, y, z, _] = group.row.map(i32::from);
+            *slot = (number, [x, y, z]);
+        }
+        let [(i, a), (j, b), (k, c), (l, d)] = tool;
+        let weights = [(i, span(b, c, d)), (j, -span(a, c, d)), (k, span(a, b, d)), (l, -span(a, b, c))];
+        let common = weights.iter().fold(0, |common, (_, weight)| greatest_divisor(common, *weight)).max(1);
+        let mut constraint = [0; MOST_GROUPS];
+        for (number, weight) in weights {
+            if let Some(slot) = constraint.get_mut(number) {
+                *slot = weight / common;
+            }
+        }
+        Some(constraint)
+    }
+
+    /// The motors of these groups.
+    #[must_use]
+    pub fn motors(&self, groups: GroupSet) -> MotorSet {
+        let is_in = |number: usize| groups.0 >> number & 1 == 1;
+        self.iter()
+            .enumerate()
+            .filter(|(number, _)| is_in(*number))
+            .fold(MotorSet::NONE, |set, (_, g)| set.with(g.motors()))
+    }
+
+    /// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
+    #[must_use]
+    pub fn forward_motors(&self, groups: GroupSet) -> MotorSet {
+        self.iter().enumerate().fold(MotorSet::NONE, |set, (number, group)| {
+            set.with(if groups.0 >> number & 1 == 1 { group.with } else { group.against })
+        })
+    }
+}
+
+/// The greatest number that divides both, never negative (Euclid, Elements, VII.2).
+const fn greatest_divisor(a: i32, b: i32) -> i32 {
+    let (mut a, mut b) = (a.abs(), b.abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// The volume that three rows span.
+const fn span(a: [i32; 3], b: [i32; 3], c: [i32; 3]) -> i32 {
+    a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+}
+
+/// Sets of groups that there are.
+pub const SETS: usize = 1 << MOST_GROUPS;
+
+/// [`Groups::motors`] and [`Groups::forward_motors`] of every set, for those who have no time to gather them.
+#[derive(Clone, Copy, Debug)]
+pub struct MotorTable {
+    motors: [MotorSet; SETS],
+    forward: [MotorSet; SETS],
+}
+
+impl MotorTable {
+    /// The table of these groups.
+    #[must_use]
+    pub fn new(groups: &Groups) -> Self {
+        let of = |motors: fn(&Groups, GroupSet) -> MotorSet| {
+            let mut sets = [MotorSet::NONE; SETS];
+            for (number, set) in sets.iter_mut().enumerate() {
+                *set = motors(groups, GroupSet(number as u8));
+            }
+            sets
+        };
+        Self { motors: of(Groups::motors), forward: of(Groups::forward_motors) }
+    }
+
+    /// The motors of these groups.
+    #[must_use]
+    #[inline(always)]
+    pub const fn motors(&self, groups: GroupSet) -> MotorSet {
+        self.motors[groups.0 as usize % SETS]
+    }
+
+    /// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
+    #[must_use]
+    #[inline(always)]
+    pub const fn forward_motors(&self, groups: GroupSet) -> MotorSet {
+        self.forward[groups.0 as usize % SETS]
+    }
+}

@@ -1,0 +1,101 @@
+//! The way back: from what motors have turned to where the tool is, in whole numbers.
+//!
+//! With as many coordinates as axes this is the inverse of their rows; with more, the position that fits best (least
+//! squares): `(R^T R)^-1 R^T n`, with the adjugate over the determinant for the inverse. Rows are small integers, so each
+//! axis is a sum of counts over one small number, and for counts that belong to a position it is that position exactly.
+
+use super::mechanism::Row;
+use crate::units::Steps;
+
+/// The inverse of `R^T R`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Weights {
+    /// Of x, y and z.
+    adjugate: [[i16; 3]; 3],
+    determinant: i16,
+    /// Coordinates that are the filament's.
+    filament: i16,
+}
+
+impl Weights {
+    /// One copy of it, and no loop unrolled: it is needed once.
+    #[inline(never)]
+    fn new(rows: &[Row]) -> Option<Self> {
+        let mut square = [[0i16; 3]; 3];
+        let mut filament = 0;
+        for &[x, y, z, e] in rows {
+            let row = [x, y, z].map(i16::from);
+            for (sums, a) in square.iter_mut().zip(row) {
+                for (sum, b) in sums.iter_mut().zip(row) {
+                    *sum += a * b;
+                }
+            }
+            filament += i16::from(e).abs();
+        }
+        let [[a, b, c], [_, d, e], [.., f]] = square;
+        // Symmetric, so six numbers are all.
+        let (bc, ac, ab) = (c * e - b * f, b * e - c * d, b * c - a * e);
+        let adjugate = [[d * f - e * e, bc, ac], [bc, a * f - c * c, ab], [ac, ab, a * d - b * b]];
+        let determinant = a * adjugate[0][0] + b * bc + c * ac;
+        (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant, filament })
+    }
+
+    /// Each axis as a sum, and what it is to be divided by.
+    fn fractions(&self, rows: &[Row], counts: &[i64]) -> [(i64, i64); 4] {
+        let [x, y, z] = self.adjugate.map(|[a, b, c]| (sum([a, b, c, 0], rows, counts), i64::from(self.determinant)));
+        [x, y, z, (sum([0, 0, 0, 1], rows, counts), i64::from(self.filament))]
+    }
+}
+
+/// The sum of counts, each as often as its row has these weights.
+#[inline(never)]
+fn sum([a, b, c, d]: [i16; 4], rows: &[Row], counts: &[i64]) -> i64 {
+    let mut sum = 0;
+    for ([x, y, z, e], count) in rows.iter().map(|row| row.map(i16::from)).zip(counts) {
+        sum += i64::from(a * x + b * y + c * z + d * e) * count;
+    }
+    sum
+}
+
+/// A sum divided, in steps.
+#[inline(never)]
+fn steps((sum, over): (i64, i64)) -> Steps {
+    let (whole, rest) = (sum.div_euclid(over), sum.rem_euclid(over));
+    Steps::from_bits((whole << 32).wrapping_add((rest << 32) / over))
+}
+
+/// Whether counts with these rows hold every axis.
+pub(super) fn is_held(rows: &[Row]) -> bool {
+    Weights::new(rows).is_some()
+}
+
+/// From N counts to x, y, z and e.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct WayBack<const N: usize> {
+    rows: [Row; N],
+    weights: Weights,
+}
+
+impl<const N: usize> WayBack<N> {
+    /// Of counts that say nothing: all axes are 0.
+    pub const NONE: Self =
+        Self { rows: [[0; 4]; N], weights: Weights { adjugate: [[0; 3]; 3], determinant: 0, filament: 0 } };
+
+    /// Of counts with these rows; `None` if they do not hold every axis.
+    #[must_use]
+    pub fn new(rows: [Row; N]) -> Option<Self> {
+        Weights::new(&rows).map(|weights| Self { rows, weights })
+    }
+
+    /// Each axis as a sum, and what it is to be divided by.
+    #[must_use]
+    pub fn fractions(&self, counts: &[i64; N]) -> [(i64, i64); 4] {
+        self.weights.fractions(&self.rows, counts).map(|(sum, over)| (sum, over.max(1)))
+    }
+
+    /// x, y, z and e in steps; exact unless the number that a sum is divided by is no power of two.
+    #[must_use]
+    pub fn position(&self, counts: &[i64; N]) -> [Steps; 4] {
+        self.fractions(counts).map(steps)
+    }
+}
