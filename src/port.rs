@@ -11,7 +11,7 @@ use crate::units::{Instant, Tick};
 /// no call may block, lock or loop without a constant bound.
 pub trait StepPort {
     /// Sets the direction lines so that the coordinates of the groups of `forward` grow with a step and those of the
-    /// others fall ([`forward_motors`](crate::kinematics::forward_motors) says what that is for a motor). Returns when a step may follow (TMC2209 datasheet rev 1.09,
+    /// others fall ([`Groups::forward_motors`](crate::kinematics::Groups::forward_motors) says what that is for a motor). Returns when a step may follow (TMC2209 datasheet rev 1.09,
     /// section 13.1: DIR to STEP set-up 20 ns).
     fn dir(&mut self, forward: GroupSet);
 

@@ -164,9 +164,7 @@ fn behind_homing_an_axis_moves_alone() {
         for (axis, back_off) in [(0, 5.0), (1, 5.0), (2, 5.0), (0, 0.4), (1, 0.4), (2, 0.4)] {
             // Ways of less than a millimetre end where they are sent, on no whole step.
             let Cartesian { x, y, z } = &mut s.homing;
-            for homing in [x, y, z] {
-                homing.back_off = Mm::from_num(back_off);
-            }
+            [x, y, z].into_iter().for_each(|homing| homing.back_off = Mm::from_num(back_off));
             if !(0..3).any(|other| other != axis && s.mechanism.share(axis, other)) {
                 continue;
             }
