@@ -214,7 +214,11 @@ mod tests {
         s.corner = CornerRule::SquareCorner(MmPerSec::from_num(9));
         s.extruder_jerk = MmPerSec::from_num(6);
         (s.min_feed, s.min_travel) = (MmPerSec::ONE, MmPerSec::ZERO);
-        let shaper = |kind, hertz| Shaper { kind, frequency: Hertz::from_num(hertz), damping: Ratio::lit("0.05") };
+        let shaper = |kind, hertz| Shaper {
+            span: Mm::from_num(800),
+            motor_frequency: Hertz::from_num(300),
+            ..Shaper::new(kind, Hertz::from_num(hertz), Ratio::lit("0.05"))
+        };
         (s.shapers.x, s.shapers.y) = (shaper(ShaperKind::Mzv, 61), shaper(ShaperKind::TwoHumpEi, 42));
         s.advance = Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") };
         (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
@@ -231,7 +235,7 @@ mod tests {
             };
         }
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (5, Receipt { bytes: 206, crc: 355_837_764 }));
+        assert_eq!((FORMAT, receipt), (5, Receipt { bytes: 228, crc: 4_287_595_364 }));
     }
 
     #[test]
@@ -247,7 +251,11 @@ mod tests {
         let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
         (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
         s.corner = CornerRule::JunctionDeviation(Mm::MIN);
-        let shaper = Shaper { kind: ShaperKind::TwoHumpEi, frequency: Hertz::MAX, damping: Ratio::MAX };
+        let shaper = Shaper {
+            span: Mm::MIN,
+            motor_frequency: Hertz::MAX,
+            ..Shaper::new(ShaperKind::TwoHumpEi, Hertz::MAX, Ratio::MAX)
+        };
         (s.shapers.x, s.shapers.y) = (shaper, shaper);
         s.advance = Advance { time: Seconds::MAX, window: Seconds::MAX };
         let drivers = DriverSettings {

@@ -96,6 +96,10 @@ impl<W: Pend> StepGenerator<'_, W> {
                 self.trajectory.follow(usize::from(axis), &taps);
                 self.status.entry_done();
             }
+            Work::Stiffen(axis, stiffening) => {
+                self.trajectory.stiffen(usize::from(axis), stiffening);
+                self.status.entry_done();
+            }
             Work::Position([x, y, z, e]) => {
                 self.place = [x, y, z, e, Steps::ZERO];
                 for (track, group) in self.tracks.iter_mut().zip(&GROUPS) {
