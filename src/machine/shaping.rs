@@ -4,7 +4,7 @@ use super::answer::Answer;
 use super::console::{Console, Interrupt, PortSet};
 use super::setting::Setting;
 use crate::gcode::{AxisFlags, Number};
-use crate::motion::{Work, taps};
+use crate::motion::{Work, stiffenings, taps};
 use crate::port::Pend;
 use crate::settings::{Shaper, ShaperKind, ranges};
 use crate::units::Seconds;
@@ -133,6 +133,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) async fn follow(&mut self) -> Result<(), Interrupt> {
         self.has_advance |= self.settings.advance.time > Seconds::ZERO;
         let window = self.has_advance.then_some(self.settings.advance.window);
+        for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
+            self.until(|c| c.link.has_room()).await?;
+            self.link.send(Work::Stiffen(axis as u8, stiffening));
+        }
         for (axis, taps) in taps(&self.settings.shapers, window).into_iter().enumerate() {
             self.until(|c| c.link.has_room()).await?;
             self.link.send(Work::Follow(axis as u8, taps));

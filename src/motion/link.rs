@@ -60,7 +60,7 @@ impl<'m, W: Pend> Link<'m, W> {
         let time = match &work {
             Work::Move(m) => m.time(),
             Work::Dwell(time) => *time,
-            Work::Position(_) | Work::Follow(..) => 0,
+            Work::Position(_) | Work::Follow(..) | Work::Stiffen(..) => 0,
         };
         if self.queue.enqueue(Entry { epoch: self.epoch, work }).is_ok() {
             self.entries = self.entries.wrapping_add(1);

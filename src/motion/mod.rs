@@ -32,11 +32,11 @@ pub use moves::{Entry, Move, WHOLE, Work};
 pub use planner::{Planner, Target};
 pub use profile::{Speeds, profile};
 pub use queue::{StepQueue, StepsIn, StepsOut};
-pub use shaper::taps;
+pub use shaper::{stiffenings, taps};
 pub use stepgen::StepGenerator;
 pub use stepper::Stepper;
 pub use track::MIN_STEP_INTERVAL;
-pub use trajectory::{SpanMemory, TAPS, Tap, Taps};
+pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps};
 pub use window::{MoveMemory, WINDOW};
 
 /// Released moves between Console and StepGenerator. Full: the Console waits. Empty: motion rests.

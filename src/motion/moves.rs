@@ -1,6 +1,6 @@
 //! Moves: what the planner releases and the generator steps. A released move never changes.
 
-use super::trajectory::Taps;
+use super::trajectory::{Stiffening, Taps};
 use crate::port::EndstopSet;
 use crate::units::{MmPerSec2, Steps};
 
@@ -77,6 +77,8 @@ pub enum Work {
     Dwell(u64),
     /// At rest: from now on an axis follows these taps. The advance, axis 4, is what its taps differ by.
     Follow(u8, Taps),
+    /// At rest: from now on an axis rings like that.
+    Stiffen(u8, Stiffening),
     /// Without motion: here is where the machine stands, in steps of x, y, z and e.
     Position([Steps; 4]),
 }

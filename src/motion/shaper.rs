@@ -7,9 +7,9 @@
 //!
 //! All axes are delayed alike, by as much as the slowest shaper and the advance need, so that they stay together.
 
-use super::trajectory::{AXES, Tap, Taps};
-use crate::settings::{Shaper, ShaperKind, Shapers};
-use crate::units::{Seconds, TICKS_PER_SECOND};
+use super::trajectory::{AXES, Stiffening, Tap, Taps};
+use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers};
+use crate::units::{Mm, Seconds, Steps, TICKS_PER_SECOND};
 use heapless::Vec;
 
 /// An impulse: when, in s, and how much.
@@ -114,4 +114,24 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
         Taps::new()
     };
     [shaped(x), shaped(y), late.clone(), late, advance]
+}
+
+/// How x and y ring away from their middle: belts of the lengths l1 and l2 on both sides of the tool have the stiffness
+/// `EA (1/l1 + 1/l2)`, which is least in the middle and 1 / (1 - (2 d/L)^2) times as great at the distance d from it, L being
+/// their sum. The motors behind them are as soft everywhere: `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
+#[must_use]
+pub fn stiffenings(s: &Settings) -> [Stiffening; 2] {
+    [stiffening(&s.shapers.x, &s.axes.x), stiffening(&s.shapers.y, &s.axes.y)]
+}
+
+fn stiffening(shaper: &Shaper, axis: &AxisSettings) -> Stiffening {
+    if shaper.span == Mm::ZERO {
+        return Stiffening::NONE;
+    }
+    let (frequency, motor): (f32, f32) = (shaper.frequency.to_num(), shaper.motor_frequency.to_num());
+    let (span, steps_per_mm): (f32, f32) = (shaper.span.to_num(), axis.steps_per_mm.to_num());
+    let softness = if motor > 0.0 { frequency / motor } else { 0.0 };
+    let half = 0.5 * span * steps_per_mm;
+    let centre = (i128::from(axis.length.to_bits()) * i128::from(axis.steps_per_mm.to_bits())) >> 17;
+    Stiffening { centre: Steps::from_bits(centre as i64), rate: (1.0 - softness * softness) / (half * half) }
 }

@@ -65,6 +65,10 @@ pub mod ranges {
     /// Frequency of an input shaper: below 10 Hz a shaper takes longer than the trajectory remembers, above 500 it takes
     /// no more than a few steps.
     pub const FREQUENCY: Range<Hertz> = Range { least: Hertz::const_from_int(10), most: Hertz::const_from_int(500) };
+    /// Length of the belts on both sides of the tool.
+    pub const BELT_SPAN: Range<Mm> = Range { least: Mm::const_from_int(100), most: Mm::const_from_int(10_000) };
+    /// Frequency at which the tool would ring on the motors alone; 0 for stiff ones.
+    pub const MOTOR_FREQUENCY: Range<Hertz> = Range { least: Hertz::ZERO, most: Hertz::const_from_int(2000) };
     /// Damping of an axis, as a ratio; a frame has 0.02 to 0.2.
     pub const DAMPING: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.5") };
     /// Minimum cruise ratio: with more than 0.9, short moves would take twice as long.
@@ -133,7 +137,11 @@ fn homing(h: &Homing, name: &'static str) -> Result<(), SettingsError> {
 
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::FREQUENCY, s.frequency, name)?;
-    within(ranges::DAMPING, s.damping, name)
+    within(ranges::DAMPING, s.damping, name)?;
+    if s.span > Mm::ZERO {
+        within(ranges::BELT_SPAN, s.span, name)?;
+    }
+    within(ranges::MOTOR_FREQUENCY, s.motor_frequency, name)
 }
 
 fn driver(d: &DriverSettings, name: &'static str) -> Result<(), SettingsError> {

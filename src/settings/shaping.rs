@@ -1,6 +1,6 @@
 //! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag.
 
-use crate::units::{Hertz, Ratio, Seconds};
+use crate::units::{Hertz, Mm, Ratio, Seconds};
 use serde::{Deserialize, Serialize};
 
 /// Input shapers, by their usual names.
@@ -29,6 +29,11 @@ pub struct Shaper {
     pub frequency: Hertz,
     /// How much of the critical damping that has.
     pub damping: Ratio,
+    /// Length of the belts that pull along the axis, both sides together; the frequency is that in the middle of the axis
+    /// then, and rises away from it. 0 if it is the same everywhere.
+    pub span: Mm,
+    /// The frequency at which the axis would ring if its belts were stiff; 0 if only its belts are soft.
+    pub motor_frequency: Hertz,
 }
 
 /// The input shapers of the bed plane.
@@ -49,6 +54,14 @@ pub struct Advance {
     pub window: Seconds,
 }
 
+impl Shaper {
+    /// A shaper for an axis that rings alike everywhere.
+    #[must_use]
+    pub const fn new(kind: ShaperKind, frequency: Hertz, damping: Ratio) -> Self {
+        Self { kind, frequency, damping, span: Mm::ZERO, motor_frequency: Hertz::ZERO }
+    }
+}
+
 impl Shapers {
     /// Off. The frequencies are those of the paper's machine at the centre of its bed (docs/kinematics.md), 1.06 times:
     /// so a fixed shaper is best over the whole of it.
@@ -57,8 +70,8 @@ impl Shapers {
         let damping = const { Ratio::lit("0.1") };
         let kind = ShaperKind::None;
         Self {
-            x: Shaper { kind, frequency: const { Hertz::lit("107.5") }, damping },
-            y: Shaper { kind, frequency: const { Hertz::lit("61.1") }, damping },
+            x: Shaper::new(kind, const { Hertz::lit("107.5") }, damping),
+            y: Shaper::new(kind, const { Hertz::lit("61.1") }, damping),
         }
     }
 }

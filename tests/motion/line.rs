@@ -2,7 +2,8 @@
 
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::motion::{
-    Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work, taps,
+    Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work,
+    stiffenings, taps,
 };
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
@@ -107,7 +108,8 @@ pub fn generate_shaped(moves: &[Move], settings: &Settings) -> Vec<Step> {
     let window = (settings.advance.time > Seconds::ZERO).then_some(settings.advance.window);
     let follow =
         taps(&settings.shapers, window).into_iter().enumerate().map(|(axis, taps)| Work::Follow(axis as u8, taps));
-    generate_from(follow.chain(moves.iter().map(|m| Work::Move(*m))), settings)
+    let stiffen = stiffenings(settings).into_iter().enumerate().map(|(axis, law)| Work::Stiffen(axis as u8, law));
+    generate_from(stiffen.chain(follow).chain(moves.iter().map(|m| Work::Move(*m))), settings)
 }
 
 fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// The impulses of a shaper: when, in s, and how much.
 fn impulses(kind: ShaperKind, frequency: f64, damping: f64) -> Vec<(f64, f64)> {
-    let shaper = |kind| Shaper { kind, frequency: Hertz::from_num(frequency), damping: Ratio::from_num(damping) };
+    let shaper = |kind| Shaper::new(kind, Hertz::from_num(frequency), Ratio::from_num(damping));
     let [x, ..] = taps(&Shapers { x: shaper(kind), y: shaper(ShaperKind::None) }, None);
     let first = x[0].delay;
     x.iter().map(|tap| (f64::from(tap.delay - first) / 256.0 / 1e7, f64::from(tap.weight))).collect()

@@ -82,6 +82,8 @@ const LENGTH: Kind<Mm> = Kind { range: ranges::LENGTH, convert: Mm::saturating_f
 const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..LENGTH };
 const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..LENGTH };
 const FREQUENCY: Kind<Hertz> = Kind { range: ranges::FREQUENCY, convert: Hertz::saturating_from_num::<f64> };
+const BELT_SPAN: Kind<Mm> = Kind { range: Range { least: Mm::ZERO, most: ranges::BELT_SPAN.most }, ..LENGTH };
+const MOTOR_FREQUENCY: Kind<Hertz> = Kind { range: ranges::MOTOR_FREQUENCY, ..FREQUENCY };
 const DAMPING: Kind<Ratio> = Kind { range: ranges::DAMPING, convert: Ratio::saturating_from_num::<f64> };
 const CRUISE_RATIO: Kind<Ratio> = Kind { range: ranges::CRUISE_RATIO, ..DAMPING };
 const ADVANCE: Kind<Seconds> = Kind { range: ranges::ADVANCE, convert: Seconds::saturating_from_num::<f64> };
@@ -181,7 +183,9 @@ fn axis(a: &mut AxisSettings, table: &str, file: &AxisToml) -> Result<(), Machin
 fn shaper(s: &mut Shaper, table: &str, file: &ShaperToml) -> Result<(), MachineFileError> {
     s.kind = file.kind.map_or(s.kind, ShaperKind::from);
     put(&mut s.frequency, &format!("{table}.frequency"), file.frequency, &FREQUENCY)?;
-    put(&mut s.damping, &format!("{table}.damping"), file.damping, &DAMPING)
+    put(&mut s.damping, &format!("{table}.damping"), file.damping, &DAMPING)?;
+    put(&mut s.span, &format!("{table}.span"), file.span, &BELT_SPAN)?;
+    put(&mut s.motor_frequency, &format!("{table}.motor_frequency"), file.motor_frequency, &MOTOR_FREQUENCY)
 }
 
 fn homing(h: &mut Homing, table: &str, file: &HomingToml) -> Result<(), MachineFileError> {
@@ -253,7 +257,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 74);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 78);
     }
 
     #[test]
@@ -265,6 +269,8 @@ mod tests {
         assert!(!s.soft_endstops);
         let s = load("[shaper.x]\nkind = \"2hump_ei\"\nfrequency = 42.5\n[advance]\ntime = 0.05").unwrap();
         assert_eq!((s.shapers.x.kind, s.shapers.x.frequency), (ShaperKind::TwoHumpEi, Hertz::from_num(42.5)));
+        let s2 = load("[shaper.y]\nspan = 862.2\nmotor_frequency = 167").unwrap();
+        assert_eq!((s2.shapers.y.span, s2.shapers.y.motor_frequency), (Mm::from_num(862.2), Hertz::from_num(167)));
         assert_eq!((s.shapers.y.kind, s.advance.time), (ShaperKind::None, Seconds::from_num(0.05)));
     }
 
@@ -311,6 +317,8 @@ mod tests {
         assert!(error("[drivers.belt]\nmicrosteps = 16.5").contains("whole"));
         assert!(error("[drivers.belt]\nmicrosteps = 24").contains("1, 2, 4"));
         assert_eq!(error("[shaper.x]\nfrequency = 9"), "shaper.x.frequency = 9 is outside 10 to 500");
+        assert_eq!(error("[shaper.x]\nspan = 10001"), "shaper.x.span = 10001 is outside 0 to 10000");
+        assert!(error("[shaper.x]\nspan = 99").contains("shaper.x"));
         assert!(error("[shaper.y]\nkind = \"zvdd\"").contains("`none`, `zv`, `zvd`, `mzv`, `ei`, `2hump_ei`"));
         assert_eq!(error("[advance]\nwindow = 0.3"), "advance.window = 0.3 is outside 0.005 to 0.2");
         assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));

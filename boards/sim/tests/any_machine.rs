@@ -31,10 +31,12 @@ impl Sink for Steps {
 fn shapers() -> impl Strategy<Value = Shaper> {
     let kinds = [ShaperKind::None, ShaperKind::Zv, ShaperKind::Zvd, ShaperKind::Mzv, ShaperKind::Ei];
     let kind = proptest::sample::select(kinds.into_iter().chain([ShaperKind::TwoHumpEi]).collect::<Vec<_>>());
-    (kind, 30.0..200.0f64, 0.0..0.2f64).prop_map(|(kind, frequency, damping)| Shaper {
-        kind,
-        frequency: Hertz::from_num(frequency),
-        damping: Ratio::from_num(damping),
+    let span = prop_oneof![Just(0.0), 500.0..1000.0f64];
+    let motor = prop_oneof![Just(0.0), 100.0..400.0f64];
+    (kind, 30.0..200.0f64, 0.0..0.2f64, span, motor).prop_map(|(kind, frequency, damping, span, motor)| Shaper {
+        span: Mm::from_num(span),
+        motor_frequency: Hertz::from_num(motor),
+        ..Shaper::new(kind, Hertz::from_num(frequency), Ratio::from_num(damping))
     })
 }
 

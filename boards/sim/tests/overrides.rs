@@ -93,7 +93,7 @@ fn delay(length: f64, settings: &Settings) -> f64 {
 fn an_override_reaches_the_tool_within_100_ms() {
     let plain = Settings::prototype();
     let mut shaped = plain;
-    shaped.shapers.x = Shaper { kind: ShaperKind::Mzv, frequency: Hertz::from_num(60), damping: Ratio::from_num(0.1) };
+    shaped.shapers.x = Shaper::new(ShaperKind::Mzv, Hertz::from_num(60), Ratio::from_num(0.1));
     for length in [0.1, 0.2, 0.5, 1.0, 1.5] {
         let [plain, shaped] = [plain, shaped].map(|settings| delay(length, &settings));
         println!("moves of {length} mm: {plain:.0} ms, shaped {shaped:.0} ms");

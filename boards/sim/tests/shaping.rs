@@ -151,9 +151,9 @@ fn an_advance_that_changes_does_not_wait_for_the_motion() {
 }
 
 /// Brakes at a time, in ms of motion, and goes back to where the print began.
-fn brake_at(setup: &str, at: u64) {
+fn brake_at(settings: &Settings, setup: &str, at: u64) {
     let gcode = format!("{setup}\n{}", rounds(|_| String::new()));
-    let print = play(&Settings::prototype(), NoStorage, &gcode, Some(at * 10_000));
+    let print = play(settings, NoStorage, &gcode, Some(at * 10_000));
     let told: Vec<_> = print.heard.iter().filter(|line| line.starts_with("X:")).collect();
     let [x, y, z, e] = print.way;
     assert_eq!([x, y, z], [0; 3], "{setup} {at}: the way back is not that which was told");
@@ -169,8 +169,27 @@ fn brake_at(setup: &str, at: u64) {
 fn a_brake_ends_at_a_true_position() {
     for setup in ["M593 F60 T2\nM900 K.05", "M900 K.05", "M593 X F107.5 T3\nM593 Y F61.1 T4\nM572 S.3 W.02"] {
         for at in (0..1500).step_by(61) {
-            brake_at(setup, at);
+            brake_at(&Settings::prototype(), setup, at);
+            brake_at(&stiffening(), setup, at);
         }
+    }
+}
+
+/// Belts that are much stiffer at the ends of an axis, where these prints are, than in its middle.
+fn stiffening() -> Settings {
+    let mut s = Settings::prototype();
+    (s.shapers.x.span, s.shapers.y.span) = (Mm::from_num(500), Mm::from_num(600));
+    s
+}
+
+#[test]
+fn taps_that_stand_closer_off_the_middle_change_no_end_and_no_limit() {
+    for shaper in ["M593 F40 T0", "M593 F60 T1", "M593 F20 T2", "M593 F40 T3", "M593 F30 T4"] {
+        let gcode = format!("{shaper}\nM900 K.03\n{}", rounds(|_| String::new()));
+        let [even, closer] = [Settings::prototype(), stiffening()].map(|s| play(&s, NoStorage, &gcode, None));
+        assert_eq!((even.way, closer.way), (WAY, WAY), "{shaper}");
+        assert_eq!(even.time, closer.time, "{shaper}: the mean of the taps is as late as before");
+        assert_eq!(closer.findings.total, 0, "{shaper}: {:?}", closer.findings.first);
     }
 }
 

@@ -94,6 +94,10 @@ impl<W: Pend> StepGenerator<'_, W> {
                 self.trajectory.follow(usize::from(*axis), taps);
                 true
             }
+            Work::Stiffen(axis, stiffening) => {
+                self.trajectory.stiffen(usize::from(*axis), *stiffening);
+                true
+            }
             Work::Position([x, y, z, e]) => {
                 self.place = [*x, *y, *z, *e, Steps::ZERO];
                 for (track, group) in self.tracks.iter_mut().zip(self.mechanism.iter()) {

@@ -1,6 +1,7 @@
 //! An axis of the trajectory: the taps that it follows, and how far each has got.
 
-use super::span::{End, Span, State};
+use super::span::{End, ONE, Span, State};
+use super::stiffening::Stiffening;
 use super::taps::{TAPS, Tap, Taps};
 use crate::motion::number::{from_f32, to_f32};
 use crate::units::Steps;
@@ -29,18 +30,66 @@ pub(super) struct Axis {
     cursors: [Cursor; TAPS],
     /// Whether the copies make up a position; otherwise what they have in common does not count.
     is_position: bool,
+    stiffening: Stiffening,
+    /// How late its taps are on the whole, in ticks times 2^8; only what they differ from that by is scaled.
+    mean: i64,
 }
 
 impl Axis {
     /// An axis that follows the spans at once.
     pub const fn new(index: usize) -> Self {
-        Self { index, taps: Taps::new(), cursors: [Cursor { span: 0, is_inside: false }; TAPS], is_position: true }
+        Self {
+            index,
+            taps: Taps::new(),
+            cursors: [Cursor { span: 0, is_inside: false }; TAPS],
+            is_position: true,
+            stiffening: Stiffening::NONE,
+            mean: 0,
+        }
     }
 
     /// Follows other taps from now on; the axis is at rest.
     pub fn follow(&mut self, taps: &[Tap], is_position: bool) {
         self.taps = taps.iter().copied().take(TAPS).collect();
         self.is_position = is_position;
+        let first = self.taps.first().map_or(0, |tap| tap.delay);
+        let behind: f32 = self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
+        self.mean = i64::from(first) + behind as i64;
+    }
+
+    /// Rings like that from now on; the axis is at rest.
+    pub const fn stiffen(&mut self, stiffening: Stiffening) {
+        self.stiffening = stiffening;
+    }
+
+    /// Whether its taps do not stand alike everywhere.
+    fn is_stiffening(&self) -> bool {
+        self.stiffening.rate > 0.0 && self.taps.len() > 1 && self.index < 2
+    }
+
+    /// How close its taps stand at a place; going there from where they stand at `before` within `time`, so that no tap
+    /// runs more than a quarter faster or slower.
+    pub fn scale(&self, at: Steps, before: Option<(u32, u64)>) -> u32 {
+        if !self.is_stiffening() {
+            return ONE;
+        }
+        let scale = self.stiffening.scale(at);
+        let Some((before, time)) = before else { return scale };
+        let farthest = self.taps.iter().map(|tap| (i64::from(tap.delay) - self.mean).unsigned_abs()).max();
+        let most = (time >> 2).min(1 << 32) * (1 << 22) / farthest.unwrap_or_default().max(1);
+        let most = most.min(u64::from(ONE)) as u32;
+        scale.clamp(before.saturating_sub(most), before.saturating_add(most))
+    }
+
+    /// How late a tap is at an end of a span, in ticks times 2^16.
+    #[inline]
+    fn late(&self, tap: &Tap, at: &End) -> u64 {
+        if !self.is_stiffening() {
+            return tap.late();
+        }
+        let scale = i64::from(at.scale.get(self.index).copied().unwrap_or(ONE));
+        let own = ((i64::from(tap.delay) - self.mean) * scale) >> 22;
+        ((self.mean << 8) + own).max(0) as u64
     }
 
     /// How late its taps are, in ticks times 2^16.
@@ -61,16 +110,17 @@ impl Axis {
 
     /// Goes on to `time`; false if a tap needs a span that is not laid yet.
     pub fn advance(&mut self, spans: &impl Spans, time: u64) -> bool {
-        for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
+        let mut cursors = self.cursors;
+        for (tap, cursor) in self.taps.iter().zip(&mut cursors) {
             while cursor.span != spans.laid() {
                 let (span, end) = spans.get(cursor.span);
                 if !cursor.is_inside {
-                    if time < span.begin.time + tap.late() {
+                    if time < span.begin.time + self.late(tap, &span.begin) {
                         break;
                     }
                     cursor.is_inside = true;
                 }
-                if time < end.time + tap.late() {
+                if time < end.time + self.late(tap, end) {
                     break;
                 }
                 cursor.span = cursor.span.wrapping_add(1);
@@ -78,6 +128,7 @@ impl Axis {
                 cursor.is_inside = false;
             }
         }
+        self.cursors = cursors;
         self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
     }
 
@@ -88,7 +139,8 @@ impl Axis {
                 return u64::MAX;
             }
             let (span, end) = spans.get(cursor.span);
-            tap.late() + if cursor.is_inside { end.time } else { span.begin.time }
+            let edge = if cursor.is_inside { end } else { &span.begin };
+            edge.time + self.late(tap, edge)
         };
         self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(u64::MAX)
     }
@@ -115,7 +167,10 @@ impl Axis {
                 return State::rest(spans.end().at(self.index));
             }
             let (span, end) = spans.get(cursor.span);
-            if cursor.is_inside {
+            if cursor.is_inside && self.is_stiffening() {
+                let edges = (span.begin.time + self.late(tap, &span.begin), end.time + self.late(tap, end));
+                span.warped(self.index, end, edges, time)
+            } else if cursor.is_inside {
                 span.state(self.index, end, time.saturating_sub(tap.late()))
             } else {
                 State::rest(span.begin.at(self.index))

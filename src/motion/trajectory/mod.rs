@@ -5,14 +5,17 @@
 
 mod axis;
 mod span;
+mod stiffening;
 mod taps;
 
 pub(crate) use span::{ADVANCE, AXES, End, LONGEST, Place, Span, State};
+pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
 use crate::motion::phase::{Phase, point};
 use crate::units::Steps;
 use axis::{Axis, Spans};
+use span::ONE;
 
 /// Spans that are remembered; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
 /// shaper of 60 Hz with two humps takes 25. Longer ones stretch the time of so short moves.
@@ -63,22 +66,31 @@ impl Spans for Ring<'_> {
     }
 }
 
+/// The value that goes evenly from `from` to `to` in `whole`, after `part` of it.
+fn between(from: u32, to: u32, part: u64, whole: u64) -> u32 {
+    let way = i128::from(i64::from(to) - i64::from(from)) * i128::from(part.min(whole)) / i128::from(whole.max(1));
+    (i64::from(from) + way as i64) as u32
+}
+
 /// The spans, and how far each axis has got in them.
 pub(crate) struct Trajectory<'m> {
     ring: Ring<'m>,
     axes: [Axis; AXES],
+    /// The last span was taken back, and is to be laid anew as far as it has passed: how close the taps would have stood
+    /// at its end, and how long it would have taken.
+    cut: Option<([u32; 2], u64)>,
 }
 
 impl<'m> Trajectory<'m> {
     /// At rest at time 0; every axis follows at once.
     pub fn new(spans: &'m mut SpanMemory) -> Self {
-        let end = End { time: 0, place: [Steps::ZERO; AXES] };
+        let end = End::new(0, [Steps::ZERO; AXES]);
         let ring = Ring { spans, laid: 0, end };
         let mut axes = core::array::from_fn(Axis::new);
         for axis in axes.iter_mut().take(ADVANCE) {
             axis.follow(&[Tap::IDENTITY], true);
         }
-        Self { ring, axes }
+        Self { ring, axes, cut: None }
     }
 
     /// Has an axis follow other taps; all rest. The advance is only what its taps differ by.
@@ -90,9 +102,25 @@ impl<'m> Trajectory<'m> {
         }
     }
 
+    /// Has an axis ring like that; all rest.
+    pub fn stiffen(&mut self, axis: usize, stiffening: Stiffening) {
+        if let Some(axis) = self.axes.get_mut(axis) {
+            axis.stiffen(stiffening);
+        }
+    }
+
+    /// How close the taps of x and y stand at a place, to which a span of so much `time` leads from another one.
+    fn scales(&self, place: &Place, from: Option<(&End, u64)>) -> [u32; 2] {
+        let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, place);
+        let before = |axis: usize| from.map(|(end, time)| (end.scale.get(axis).copied().unwrap_or(ONE), time));
+        [x.scale(*at_x, before(0)), y.scale(*at_y, before(1))]
+    }
+
     /// Rests at a place from `time` on.
     pub fn settle(&mut self, place: Place, time: u64) {
-        self.ring.end = End { time: time.saturating_sub(self.shortest_delay()), place };
+        let scale = self.scales(&place, None);
+        self.ring.end = End { time: time.saturating_sub(self.shortest_delay()), place, scale };
+        self.cut = None;
         for axis in &mut self.axes {
             axis.settle(self.ring.laid);
         }
@@ -136,12 +164,20 @@ impl<'m> Trajectory<'m> {
             (Some(first), Some(last)) => point(*first, *last, phase.end),
             _ => Steps::ZERO,
         });
-        self.ring.end = End { time: begin.time + phase.time, place };
+        let scale = match self.cut.take() {
+            None => self.scales(&place, Some((&begin, phase.time))),
+            // What has passed of it stays as it was: the taps move evenly within a span.
+            Some((scale, time)) => core::array::from_fn(|i| match (begin.scale.get(i), scale.get(i)) {
+                (Some(from), Some(to)) => between(*from, *to, phase.time, time),
+                _ => ONE,
+            }),
+        };
+        self.ring.end = End { time: begin.time + phase.time, place, scale };
     }
 
     /// Has an axis go on to `time`; false if it needs a span that is not laid yet.
     pub fn advance(&mut self, axis: usize, time: u64) -> bool {
-        let Self { ring, axes } = self;
+        let Self { ring, axes, .. } = self;
         axes.get_mut(axis).is_none_or(|axis| axis.advance(ring, time))
     }
 
@@ -176,7 +212,10 @@ impl<'m> Trajectory<'m> {
             return None;
         }
         self.ring.laid -= 1;
-        self.ring.end = self.ring.span(self.ring.laid).begin;
-        Some(time.saturating_sub(self.ring.end.time))
+        let begin = self.ring.span(self.ring.laid).begin;
+        let was = core::mem::replace(&mut self.ring.end, begin);
+        let passed = time.saturating_sub(self.ring.end.time);
+        self.cut = (passed > 0).then_some((was.scale, was.time - self.ring.end.time));
+        Some(passed)
     }
 }

@@ -19,6 +19,9 @@ pub(crate) const ADVANCE: usize = 4;
 /// Longest span, in ticks times 2^16: single precision is finer than a 20th of a tick in it.
 pub(crate) const LONGEST: u64 = (1 << 19) << 16;
 
+/// One in the fixed point of scales.
+pub(crate) const ONE: u32 = 1 << 30;
+
 /// Where all axes are.
 pub(crate) type Place = [Steps; AXES];
 
@@ -42,9 +45,16 @@ pub(crate) struct End {
     /// In ticks times 2^16.
     pub time: u64,
     pub place: Place,
+    /// By how much the taps of x and y stand closer here.
+    pub scale: [u32; 2],
 }
 
 impl End {
+    /// At a place where taps stand as they were given.
+    pub const fn new(time: u64, place: Place) -> Self {
+        Self { time, place, scale: [ONE; 2] }
+    }
+
     /// Where an axis is.
     pub fn at(&self, axis: usize) -> Steps {
         self.place.get(axis).copied().unwrap_or_default()
@@ -64,8 +74,12 @@ pub(crate) struct Span {
 
 impl Span {
     /// No span; of zeros, which take no flash where they are static.
-    pub const EMPTY: Self =
-        Self { begin: End { time: 0, place: [Steps::ZERO; AXES] }, rate: 0.0, slow_share: 0.0, curve: Curve::Steady };
+    pub const EMPTY: Self = Self {
+        begin: End { time: 0, place: [Steps::ZERO; AXES], scale: [0; 2] },
+        rate: 0.0,
+        slow_share: 0.0,
+        curve: Curve::Steady,
+    };
 
     /// A span that takes `time`; its slow end's speed alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
     pub fn new(begin: End, time: u64, curve: Curve, slow_share: u32) -> Self {
@@ -75,27 +89,38 @@ impl Span {
 
     /// The state of an axis at `time` within the span, which ends at `end`.
     pub fn state(&self, axis: usize, end: &End, time: u64) -> State {
+        self.state_between(axis, end, (self.begin.time, end.time, self.rate), time)
+    }
+
+    /// The same for a copy that begins and ends at other times.
+    pub fn warped(&self, axis: usize, end: &End, (begins, ends): (u64, u64), time: u64) -> State {
+        let rate = 1.0 / ticks(ends.saturating_sub(begins)).max(1.0 / 256.0);
+        self.state_between(axis, end, (begins, ends, rate), time)
+    }
+
+    #[inline]
+    fn state_between(&self, axis: usize, end: &End, (begins, ends, rate): (u64, u64, f32), time: u64) -> State {
         let (from, to) = (self.begin.at(axis), end.at(axis));
         let way = to.wrapping_sub(from);
         if way == Steps::ZERO {
             return State::rest(from);
         }
         let way = to_f32(way);
-        let mean = way * self.rate;
-        let from_begin = ticks(time.saturating_sub(self.begin.time)) * self.rate;
+        let mean = way * rate;
+        let from_begin = ticks(time.saturating_sub(begins)) * rate;
         if self.curve == Curve::Steady {
-            let position = if time >= end.time { to } else { from.wrapping_add(from_f32(way * from_begin)) };
+            let position = if time >= ends { to } else { from.wrapping_add(from_f32(way * from_begin)) };
             return State { position, speed: mean };
         }
         let rest = 1.0 - self.slow_share;
         let is_slowing = self.curve == Curve::Slowing;
-        let x = if is_slowing { ticks(end.time.saturating_sub(time)) * self.rate } else { from_begin };
+        let x = if is_slowing { ticks(ends.saturating_sub(time)) * rate } else { from_begin };
         let x = x.min(1.0);
         let speed = mean * (self.slow_share + 2.0 * (rest * x));
         let gone = way * (x * (self.slow_share + rest * x));
-        let position = if time >= end.time {
+        let position = if time >= ends {
             to
-        } else if time <= self.begin.time {
+        } else if time <= begins {
             from
         } else if is_slowing {
             to.wrapping_sub(from_f32(gone))

@@ -57,8 +57,7 @@ impl Job {
     pub fn settings(self) -> Settings {
         let mut settings = Settings::prototype();
         if matches!(self, Self::Shaped | Self::Dense | Self::Axis) {
-            let shaper =
-                Shaper { kind: ShaperKind::Mzv, frequency: Hertz::from_num(60), damping: Ratio::from_num(0.1) };
+            let shaper = Shaper::new(ShaperKind::Mzv, Hertz::from_num(60), Ratio::from_num(0.1));
             (settings.shapers.x, settings.shapers.y) = (shaper, shaper);
             settings.advance.time = Seconds::from_num(0.05);
         }

@@ -63,6 +63,8 @@ pub(super) struct ShaperToml {
     pub kind: Option<KindToml>,
     pub frequency: Option<f64>,
     pub damping: Option<f64>,
+    pub span: Option<f64>,
+    pub motor_frequency: Option<f64>,
 }
 
 /// The shapers by the names that Klipper gives them.
