@@ -52,6 +52,9 @@ impl Slowdown {
     /// The share of the feed, in sixteenths, given the time of the moves that wait at that feed, and of those that have
     /// left the look-ahead, in ticks.
     pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
+        if self.floor == WHOLE {
+            return WHOLE;
+        }
         let lasts = waiting * u64::from(self.share) / u64::from(WHOLE) + queued;
         let share = (lasts * u64::from(WHOLE) / ENOUGH).min(u64::from(WHOLE)) as u8;
         self.share = share.max(self.floor);

@@ -182,13 +182,13 @@ fn taps_stand_closer_where_belts_are_stiffer() {
         if !stiff {
             (s.shapers.x.motor_frequency, s.shapers.y.motor_frequency) = (Hertz::from_num(289), Hertz::from_num(167));
         }
-        let (count, worst) = errors(&wander(400, 0x1234_5678_9ABC_DEF1), &s);
+        let (count, worst) = errors(&wander(150, 0x1234_5678_9ABC_DEF1), &s);
         println!("{kind:?}: {count} steps, worst {worst:.3} ticks");
         // A tap moves evenly within a span, while the tool speeds up by up to 50 ms: that is some us of the 6 ms between
         // taps.
-        assert!(count > 50_000 && worst <= 150.0, "{kind:?}: {worst} ticks");
+        assert!(count > 20_000 && worst <= 150.0, "{kind:?}: {worst} ticks");
         // It is another motion than with taps that stand alike everywhere.
-        let moves = plan(&wander(400, 0x1234_5678_9ABC_DEF1), &s);
+        let moves = plan(&wander(150, 0x1234_5678_9ABC_DEF1), &s);
         assert_ne!(generate_shaped(&moves, &s), generate_shaped(&moves, &settings(kind, kind, 0.0)));
     }
 }

@@ -31,8 +31,29 @@ pub(super) struct Axis {
     /// Whether the copies make up a position; otherwise what they have in common does not count.
     is_position: bool,
     stiffening: Stiffening,
-    /// How late its taps are on the whole, in ticks times 2^8; only what they differ from that by is scaled.
+    lateness: Lateness,
+}
+
+/// How late the taps of an axis are.
+#[derive(Clone, Copy)]
+struct Lateness {
+    /// The axis, if its taps do not stand alike everywhere.
+    stiffening: Option<usize>,
+    /// How late they are on the whole, in ticks times 2^8; only what they differ from that by is scaled.
     mean: i64,
+}
+
+impl Lateness {
+    /// How late a tap is at an end of a span, in ticks times 2^16.
+    #[inline]
+    fn of(self, tap: &Tap, at: &End) -> u64 {
+        let Some(axis) = self.stiffening else {
+            return tap.late();
+        };
+        let scale = i64::from(at.scale.get(axis).copied().unwrap_or(ONE));
+        let own = ((i64::from(tap.delay) - self.mean) * scale) >> 22;
+        ((self.mean << 8) + own).max(0) as u64
+    }
 }
 
 impl Axis {
@@ -44,7 +65,7 @@ impl Axis {
             cursors: [Cursor { span: 0, is_inside: false }; TAPS],
             is_position: true,
             stiffening: Stiffening::NONE,
-            mean: 0,
+            lateness: Lateness { stiffening: None, mean: 0 },
         }
     }
 
@@ -52,44 +73,36 @@ impl Axis {
     pub fn follow(&mut self, taps: &[Tap], is_position: bool) {
         self.taps = taps.iter().copied().take(TAPS).collect();
         self.is_position = is_position;
-        let first = self.taps.first().map_or(0, |tap| tap.delay);
-        let behind: f32 = self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
-        self.mean = i64::from(first) + behind as i64;
+        self.judge();
     }
 
     /// Rings like that from now on; the axis is at rest.
-    pub const fn stiffen(&mut self, stiffening: Stiffening) {
+    pub fn stiffen(&mut self, stiffening: Stiffening) {
         self.stiffening = stiffening;
+        self.judge();
     }
 
-    /// Whether its taps do not stand alike everywhere.
-    fn is_stiffening(&self) -> bool {
-        self.stiffening.rate > 0.0 && self.taps.len() > 1 && self.index < 2
+    /// Finds out how late its taps are.
+    fn judge(&mut self) {
+        let first = self.taps.first().map_or(0, |tap| tap.delay);
+        let behind: f32 = self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
+        let is_stiffening = self.stiffening.rate > 0.0 && self.taps.len() > 1;
+        self.lateness =
+            Lateness { stiffening: is_stiffening.then_some(self.index), mean: i64::from(first) + behind as i64 };
     }
 
     /// How close its taps stand at a place; going there from where they stand at `before` within `time`, so that no tap
     /// runs more than a quarter faster or slower.
     pub fn scale(&self, at: Steps, before: Option<(u32, u64)>) -> u32 {
-        if !self.is_stiffening() {
+        if self.lateness.stiffening.is_none() {
             return ONE;
         }
         let scale = self.stiffening.scale(at);
         let Some((before, time)) = before else { return scale };
-        let farthest = self.taps.iter().map(|tap| (i64::from(tap.delay) - self.mean).unsigned_abs()).max();
+        let farthest = self.taps.iter().map(|tap| (i64::from(tap.delay) - self.lateness.mean).unsigned_abs()).max();
         let most = (time >> 2).min(1 << 32) * (1 << 22) / farthest.unwrap_or_default().max(1);
         let most = most.min(u64::from(ONE)) as u32;
         scale.clamp(before.saturating_sub(most), before.saturating_add(most))
-    }
-
-    /// How late a tap is at an end of a span, in ticks times 2^16.
-    #[inline]
-    fn late(&self, tap: &Tap, at: &End) -> u64 {
-        if !self.is_stiffening() {
-            return tap.late();
-        }
-        let scale = i64::from(at.scale.get(self.index).copied().unwrap_or(ONE));
-        let own = ((i64::from(tap.delay) - self.mean) * scale) >> 22;
-        ((self.mean << 8) + own).max(0) as u64
     }
 
     /// How late its taps are, in ticks times 2^16.
@@ -110,17 +123,17 @@ impl Axis {
 
     /// Goes on to `time`; false if a tap needs a span that is not laid yet.
     pub fn advance(&mut self, spans: &impl Spans, time: u64) -> bool {
-        let mut cursors = self.cursors;
-        for (tap, cursor) in self.taps.iter().zip(&mut cursors) {
+        let late = self.lateness;
+        for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
             while cursor.span != spans.laid() {
                 let (span, end) = spans.get(cursor.span);
                 if !cursor.is_inside {
-                    if time < span.begin.time + self.late(tap, &span.begin) {
+                    if time < span.begin.time + late.of(tap, &span.begin) {
                         break;
                     }
                     cursor.is_inside = true;
                 }
-                if time < end.time + self.late(tap, end) {
+                if time < end.time + late.of(tap, end) {
                     break;
                 }
                 cursor.span = cursor.span.wrapping_add(1);
@@ -128,7 +141,6 @@ impl Axis {
                 cursor.is_inside = false;
             }
         }
-        self.cursors = cursors;
         self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
     }
 
@@ -140,7 +152,7 @@ impl Axis {
             }
             let (span, end) = spans.get(cursor.span);
             let edge = if cursor.is_inside { end } else { &span.begin };
-            edge.time + self.late(tap, edge)
+            edge.time + self.lateness.of(tap, edge)
         };
         self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(u64::MAX)
     }
@@ -167,8 +179,9 @@ impl Axis {
                 return State::rest(spans.end().at(self.index));
             }
             let (span, end) = spans.get(cursor.span);
-            if cursor.is_inside && self.is_stiffening() {
-                let edges = (span.begin.time + self.late(tap, &span.begin), end.time + self.late(tap, end));
+            if cursor.is_inside && self.lateness.stiffening.is_some() {
+                let late = self.lateness;
+                let edges = (span.begin.time + late.of(tap, &span.begin), end.time + late.of(tap, end));
                 span.warped(self.index, end, edges, time)
             } else if cursor.is_inside {
                 span.state(self.index, end, time.saturating_sub(tap.late()))
