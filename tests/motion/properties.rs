@@ -40,7 +40,8 @@ fn speeds(m: &Move) -> (f64, f64, f64) {
     let whole = f64::from(WHOLE);
     let (rise, fall) = (f64::from(m.accelerated) / whole, 1.0 - f64::from(m.cruised) / whole);
     let level = 1.0 - rise - fall;
-    let peak = if m.cruise > 0 && level > 1e-6 {
+    // The longest of the three tells it best.
+    let peak = if level > rise.max(fall) {
         level / seconds(m.cruise)
     } else if m.accelerate > 0 && rise >= fall {
         rise / seconds(m.accelerate) * (2.0 - f64::from(m.entry_share) / whole)
