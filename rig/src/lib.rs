@@ -17,10 +17,10 @@ pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.
 pub struct Rig {
     /// Steps of each motor, signed, since power-up.
     counts: [i32; Motor::ALL.len()],
-    /// Where they have brought the tool.
-    back: WayBack<{ Motor::ALL.len() }>,
-    /// Tool at power-up, in steps of x, y and z.
-    start: [i32; 3],
+    /// Where they have brought the tool: x, y and z as sums of their counts, ready for the step interrupt.
+    weights: [[i32; Motor::ALL.len()]; 3],
+    /// Tool at power-up, in units of these sums.
+    start: [i64; 3],
 }
 
 impl Rig {
@@ -34,7 +34,17 @@ impl Rig {
             *steps = ((i128::from(mm.to_bits()) * i128::from(pitch.to_bits())) >> 48) as i32;
         }
         let back = settings.mechanism.way_back().unwrap_or(WayBack::NONE);
-        Self { counts: [0; Motor::ALL.len()], back, start: steps }
+        let mut rig = Self { counts: [0; Motor::ALL.len()], weights: [[0; Motor::ALL.len()]; 3], start: [0; 3] };
+        for motor in 0..Motor::ALL.len() {
+            let mut one = [0; Motor::ALL.len()];
+            one[motor] = 1;
+            for ((weights, start), ((weight, over), steps)) in
+                rig.weights.iter_mut().zip(&mut rig.start).zip(back.fractions(&one).into_iter().zip(steps))
+            {
+                (weights[motor], *start) = (weight as i32, over * i64::from(steps));
+            }
+        }
+        rig
     }
 
     /// One step of each motor in `steps`, forward if it is in `forward`.
@@ -60,11 +70,11 @@ impl Rig {
     /// The endstops that are pressed.
     #[must_use]
     pub fn endstops(&self) -> EndstopSet {
-        let way = self.back.fractions(&self.counts.map(i64::from));
         let switches = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
         let mut pressed = 0;
-        for ((start, (sum, over)), switch) in self.start.into_iter().zip(way).zip(switches) {
-            if i64::from(start) * over + sum <= 0 {
+        for ((start, weights), switch) in self.start.into_iter().zip(&self.weights).zip(switches) {
+            let way = weights.iter().zip(&self.counts).map(|(weight, count)| i64::from(*weight) * i64::from(*count));
+            if start + way.sum::<i64>() <= 0 {
                 pressed |= switch.0;
             }
         }

@@ -29,19 +29,23 @@ pub struct Mechanism {
 const ENTRY: u32 = 2;
 
 impl From<i64> for Mechanism {
-    fn from(packed: i64) -> Self {
+    // Not inlined in every encoder and decoder.
+    #[inline(never)]
+    fn from(mut packed: i64) -> Self {
         let mut mechanism = Self { rows: [NOT_FITTED; Motor::ALL.len()] };
-        for (place, entry) in (0..).zip(mechanism.rows.as_flattened_mut()) {
-            *entry = (packed << (i64::BITS - ENTRY * (place + 1)) >> (i64::BITS - ENTRY)) as i8;
+        for entry in mechanism.rows.as_flattened_mut() {
+            *entry = (packed as i8) << (i8::BITS - ENTRY) >> (i8::BITS - ENTRY);
+            packed >>= ENTRY;
         }
         mechanism
     }
 }
 
 impl From<Mechanism> for i64 {
+    #[inline(never)]
     fn from(mechanism: Mechanism) -> Self {
-        let entries = (0..).zip(mechanism.rows.as_flattened());
-        entries.fold(0, |packed, (place, entry)| packed | (Self::from(*entry) & 3) << (ENTRY * place))
+        let entries = mechanism.rows.as_flattened().iter();
+        entries.rfold(0, |packed, entry| packed << ENTRY | (Self::from(*entry) & 3))
     }
 }
 
