@@ -25,9 +25,12 @@ pub fn host_program(name: &str) -> Result<PathBuf> {
     Ok(target_dir()?.join("release").join(name).with_extension(std::env::consts::EXE_EXTENSION))
 }
 
+/// The profile that images are built with.
+pub const FIRMWARE: &str = "firmware";
+
 /// A board's image.
 pub fn image(package: &str) -> Result<PathBuf> {
-    Ok(target_dir()?.join(TARGET).join("release").join(package))
+    Ok(target_dir()?.join(TARGET).join(FIRMWARE).join(package))
 }
 
 /// Packages of the boards that have a processor of their own, which is said in their `.cargo/config.toml`.
@@ -46,7 +49,7 @@ pub fn boards() -> Result<Vec<String>> {
 
 /// Builds the image of a board and says where it is.
 pub fn build_image(package: &str) -> Result<PathBuf> {
-    run(cargo(["build", "--release", "--target", TARGET, "--package", package]))?;
+    run(cargo(["build", "--profile", FIRMWARE, "--target", TARGET, "--package", package]))?;
     image(package)
 }
 

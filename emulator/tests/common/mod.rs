@@ -16,7 +16,7 @@ pub const MS: u64 = 1_000_000;
 
 /// The image that `COREHBOT_ELF` names, or the one in the checkout's own target directory.
 pub fn firmware() -> Firmware {
-    let default = || root().join("target/thumbv7em-none-eabihf/release/corehbot-octopus");
+    let default = || root().join("target/thumbv7em-none-eabihf/firmware/corehbot-octopus");
     let path = std::env::var_os("COREHBOT_ELF").map_or_else(default, PathBuf::from);
     Firmware::read(&path).unwrap_or_else(|e| panic!("build the image first or set COREHBOT_ELF: {e:#}"))
 }

@@ -87,8 +87,10 @@ impl Axis {
         let first = self.taps.first().map_or(0, |tap| tap.delay);
         let behind: f32 = self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
         let is_stiffening = self.stiffening.rate > 0.0 && self.taps.len() > 1;
-        self.lateness =
-            Lateness { stiffening: is_stiffening.then_some(self.index), mean: i64::from(first) + behind as i64 };
+        self.lateness = Lateness {
+            stiffening: is_stiffening.then_some(self.index),
+            mean: i64::from(first) + i64::from(behind as i32),
+        };
     }
 
     /// How close its taps stand at a place; going there from where they stand at `before` within `time`, so that no tap
