@@ -61,11 +61,13 @@ impl Iterator for Words<'_> {
     fn next(&mut self) -> Option<Word> {
         let letter = loop {
             let (&byte, tail) = self.rest.split_first()?;
+            // Small letters differ from capitals by this bit.
+            let capital = byte & !0x20;
+            if capital.is_ascii_uppercase() {
+                self.rest = tail;
+                break capital;
+            }
             self.rest = match byte {
-                b'A'..=b'Z' | b'a'..=b'z' => {
-                    self.rest = tail;
-                    break byte.to_ascii_uppercase();
-                }
                 b' ' | b'\t' => tail,
                 b';' => &[],
                 b'(' => skip_past(tail, b')'),

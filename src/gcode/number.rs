@@ -45,29 +45,7 @@ impl Number {
             [b'+', rest @ ..] => (false, rest),
             _ => (false, text),
         };
-        let mut integer = 0u32;
-        let mut rest = text;
-        while let [digit @ b'0'..=b'9', tail @ ..] = rest {
-            integer = match integer {
-                0..TOO_LARGE => integer * 10 + u32::from(digit - b'0'),
-                _ => u32::MAX,
-            };
-            rest = tail;
-        }
-        let has_integer = rest.len() < text.len();
-        let mut fraction = 0;
-        if let [b'.', decimals @ ..] = rest {
-            let (value, tail) = read_fraction(decimals);
-            if !has_integer && tail.len() == decimals.len() {
-                return None;
-            }
-            fraction = value;
-            rest = tail;
-        } else if !has_integer {
-            return None;
-        }
-        let magnitude = (u64::from(integer.min(Self::LIMIT as u32)) << 32) + fraction;
-        let magnitude = magnitude.min((Self::LIMIT as u64) << 32) as i64;
+        let (magnitude, rest) = read_short(text).or_else(|| read_long(text))?;
         let bits = if is_negative { -magnitude } else { magnitude };
         Some((Self(I32F32::from_bits(bits)), rest))
     }
@@ -110,10 +88,7 @@ impl From<i32> for Number {
     }
 }
 
-/// Ten times this and a digit might not fit 32 bits.
-const TOO_LARGE: u32 = u32::MAX / 10;
-
-/// Decimals that the quick path takes; slicers write 3 for positions and 5 for the extruder.
+/// Digits that the quick path takes, which fit 32 bits; slicers write 3 decimals of positions and 5 of the extruder.
 const QUICK: usize = 9;
 
 /// 10^n, and floor(2^63 / 10^n), which spares the quick path a 64-bit division.
@@ -129,24 +104,60 @@ const POWERS: [(u32, u64); QUICK + 1] = {
     table
 };
 
-/// Reads the decimals that `text` begins with: their value in units of 2^-32, and the text behind them.
-fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
-    let mut decimals = 0u32;
-    let mut rest = text;
-    for &(power, reciprocal) in &POWERS {
-        let [digit @ b'0'..=b'9', tail @ ..] = rest else {
-            return (scale(decimals, power, reciprocal), rest);
-        };
-        if power == POWERS_END {
-            break;
+/// Reads up to [`QUICK`] digits and the point among them: their value in units of 2^-32, and the text behind them. `None`
+/// if there are none, or more.
+fn read_short(text: &[u8]) -> Option<(i64, &[u8])> {
+    let (mut digits, mut behind_point) = (0u32, None);
+    let mut bytes = text.iter();
+    let rest = loop {
+        let rest = bytes.as_slice();
+        let Some(&byte) = bytes.next() else { break rest };
+        let digit = u32::from(byte).wrapping_sub(u32::from(b'0'));
+        if digit < 10 {
+            digits = digits.wrapping_mul(10).wrapping_add(digit);
+        } else if byte == b'.' && behind_point.is_none() {
+            behind_point = Some(bytes.len());
+        } else {
+            break rest;
         }
-        decimals = decimals * 10 + u32::from(digit - b'0');
-        rest = tail;
+    };
+    let decimals = behind_point.map_or(0, |length| length - rest.len());
+    let count = text.len() - rest.len() - usize::from(behind_point.is_some());
+    if count == 0 || count > QUICK {
+        return None;
     }
-    read_long_fraction(text)
+    let &(power, reciprocal) = POWERS.get(decimals)?;
+    let whole = digits / power;
+    let magnitude = (u64::from(whole) << 32) + scale(digits - whole * power, power, reciprocal);
+    Some((magnitude.cast_signed(), rest))
 }
 
-/// The last power of the table, up to which `decimals` fits 32 bits.
+/// As [`read_short`], for any number of digits; `None` only if there is none.
+#[cold]
+fn read_long(text: &[u8]) -> Option<(i64, &[u8])> {
+    let mut integer = 0u32;
+    let mut rest = text;
+    while let [digit @ b'0'..=b'9', tail @ ..] = rest {
+        integer = integer.saturating_mul(10).saturating_add(u32::from(digit - b'0'));
+        rest = tail;
+    }
+    let has_integer = rest.len() < text.len();
+    let mut fraction = 0;
+    if let [b'.', decimals @ ..] = rest {
+        let (value, tail) = read_fraction(decimals);
+        if !has_integer && tail.len() == decimals.len() {
+            return None;
+        }
+        fraction = value;
+        rest = tail;
+    } else if !has_integer {
+        return None;
+    }
+    let magnitude = (u64::from(integer.min(Number::LIMIT as u32)) << 32) + fraction;
+    Some((magnitude.min((Number::LIMIT as u64) << 32) as i64, rest))
+}
+
+/// The last power of the table.
 const POWERS_END: u32 = 1_000_000_000;
 
 /// `decimals / power` in units of 2^-32, rounded to the nearest; `decimals` must be below `power`.
@@ -161,11 +172,11 @@ fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
     quotient + u64::from(2 * remainder >= power) + u64::from(2 * remainder >= 3 * power)
 }
 
-/// As [`read_fraction`], for any number of decimals: long multiplication by 2^32 in base 10^9.
+/// Reads the decimals that `text` begins with, any number of them: long multiplication by 2^32 in base 10^9.
 ///
 /// Four limbs hold 36 decimals. What is cut off behind them cannot lift a value to a tie, because ties
 /// are whole multiples of 10^-33.
-fn read_long_fraction(text: &[u8]) -> (u64, &[u8]) {
+fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
     let mut limbs = [0u32; 4];
     let mut rest = text;
     for limb in &mut limbs {

@@ -16,15 +16,20 @@ use super::number::Number;
 /// Never fails: what is not understood is [`Command::Unknown`].
 #[must_use]
 pub fn parse(line: &[u8]) -> Command<'_> {
-    parse_known(line).unwrap_or_else(|| Command::Unknown(trim(line)))
+    let text = skip_comments(line);
+    let known = match Code::read(text) {
+        // Most lines are moves: they are put where the answer goes, for a command is large.
+        Some((Code { letter: b'G', subcode: 0, number: 0 }, words)) => return self::line(true, words),
+        Some((Code { letter: b'G', subcode: 0, number: 1 }, words)) => return self::line(false, words),
+        Some((code, words)) => parse_code(code, words),
+        None => parse_named(text),
+    };
+    known.unwrap_or_else(|| Command::Unknown(trim(line)))
 }
 
-/// The command, or `None` for one that is not understood.
-fn parse_known(line: &[u8]) -> Option<Command<'_>> {
-    let line = skip_comments(line);
-    let Some((code, text)) = Code::read(line) else {
-        return parse_named(line);
-    };
+/// The command of a code, or `None` for one that is not understood.
+#[inline(never)]
+fn parse_code(code: Code, text: &[u8]) -> Option<Command<'_>> {
     match (code.letter, code.subcode) {
         (b'G', 0) => parse_g(code, text),
         (b'T', 0) => u8::try_from(code.number).ok().map(Command::Tool),
@@ -32,11 +37,9 @@ fn parse_known(line: &[u8]) -> Option<Command<'_>> {
     }
 }
 
-/// G-codes without a subcode.
+/// G-codes without a subcode, but for G0 and G1.
 fn parse_g(code: Code, text: &[u8]) -> Option<Command<'static>> {
     Some(match code.number {
-        0 => line(true, text),
-        1 => line(false, text),
         2 => arc(true, text),
         3 => arc(false, text),
         4 => dwell(text),

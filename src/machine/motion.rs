@@ -60,8 +60,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Slows down for a stream that has run dry and goes on.
     fn follow_stream(&mut self) {
-        let share = self.flow.share(self.planner.waiting(), self.link.left());
-        self.planner.take_share(share, slowdown::WHOLE, &self.settings);
+        if let Some(share) = self.flow.new_share(self.planner.waiting(), self.link.left()) {
+            self.planner.take_share(share, slowdown::WHOLE, &self.settings);
+        }
     }
 
     /// M220: from now on, and for the moves that wait.

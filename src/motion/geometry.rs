@@ -107,7 +107,9 @@ impl Geometry {
 
     /// Whether the tool stands still and only filament moves.
     pub fn is_extruder_only(&self) -> bool {
-        self.unit == [0; 3]
+        // Not a comparison of arrays, which is a call.
+        let [x, y, z] = self.unit;
+        x | y | z == 0
     }
 
     /// The fastest that no axis and no belt motor forbids, at most `wanted`.
