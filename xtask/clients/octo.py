@@ -23,6 +23,10 @@ PATIENCE_S = 60
 # A connection that lasts so long stays.
 STAYS_S = 2
 
+# What it says of a connection last, and for how long that is waited for.
+LAST_WORD = "Connection closed, closing down monitor"
+LAST_WORD_S = 10
+
 # No wizard, no look into the network, a global API key. Keys as in octoprint/schema/config of 1.11.
 CONFIG = """
 accessControl: {{autologinLocal: true, autologinAs: admin, salt: {salt}}}
@@ -119,10 +123,13 @@ class OctoPrint:
         raise Failure("no connection stays")
 
     def wait_until_gone(self):
-        """Waits for the end of the connection. OctoPrint takes leave of it more than once (on_comm_state_change), and of one
-        that is made in between as well."""
-        last_word = "Connection closed, closing down monitor"
-        self.wait(last_word, lambda: self.state() == "Closed" and last_word in self.log("octoprint.log"))
+        """Waits for the end of the connection, and for OctoPrint's last word on it, which it now and then leaves out. It takes
+        leave more than once (on_comm_state_change), and of a connection that is made in between as well."""
+        self.wait_for_state("Closed")
+        said_by = time.monotonic() + LAST_WORD_S
+        while LAST_WORD not in self.log("octoprint.log") and time.monotonic() < said_by:
+            time.sleep(0.05)
+        self.wait_for_state("Closed")
 
     def begin(self, name, commands):
         """Uploads commands as a file, and begins to print it."""
