@@ -35,14 +35,32 @@ pub enum Meaning {
 pub fn meaning(board: &mut Emulated, at: VirtualNanos, address: u64, value: u64) -> Option<Meaning> {
     match address.checked_sub(TIM2)? {
         CCR1..=CCR4 => {
-            let now = board.mcu.peek(at, TIM2 + CNT, Width::W32).ok()? as u32;
+            let now = count(board, at)?;
             let ticks = value as u32;
             let wait = i64::from(ticks.wrapping_sub(now) as i32);
-            // The counter changes somewhere within a tick; the alarm rings at most one tick later than this.
-            let due = at.0 as i64 + wait * NS_PER_TICK as i64;
+            let due = next_tick(board, at, now).0 as i64 + (wait - 1) * NS_PER_TICK as i64;
             Some(Meaning::Alarm(Alarm { ticks, due }))
         }
         DIER if value & COMPARE == 0 => Some(Meaning::Silence),
         _ => None,
     }
+}
+
+/// What the counter reads at a time.
+fn count(board: &mut Emulated, at: VirtualNanos) -> Option<u32> {
+    board.mcu.peek(at, TIM2 + CNT, Width::W32).ok().map(|count| count as u32)
+}
+
+/// When the counter, which reads `now` at `at`, next changes, to the nanosecond.
+fn next_tick(board: &mut Emulated, at: VirtualNanos, now: u32) -> VirtualNanos {
+    let (mut before, mut by) = (at.0, at.0 + NS_PER_TICK);
+    while by - before > 1 {
+        let middle = before.midpoint(by);
+        if count(board, VirtualNanos(middle)) == Some(now) {
+            before = middle;
+        } else {
+            by = middle;
+        }
+    }
+    VirtualNanos(by)
 }
