@@ -195,6 +195,7 @@ impl Status {
     pub(crate) fn entry_done(&self) {
         self.entries_done.store(self.entries_done.load(Relaxed).wrapping_add(1), Release);
     }
+
     pub(crate) fn set_events_made(&self, made: u32) {
         self.events_made.store(made, Release);
     }

@@ -4,7 +4,7 @@
 //! when the host's bytes arrived, so only final moves leave by themselves (see `motion::window`). Time has
 //! a say in two cases alone: when motion begins, which changes no speed, and when the stream is dry.
 
-use super::slowdown::{self, Slowdown};
+use super::slowdown::Slowdown;
 use crate::units::{Instant, TICKS_PER_MS};
 
 /// Motion begins when this much of it is final: sixteen lines of a host behind an USB adapter whose latency
@@ -55,22 +55,12 @@ pub(super) struct Flow {
     /// Moves planned when it was last asked whether motion begins.
     judged: u32,
     slowdown: Slowdown,
-    /// The share of the feed that was last asked for.
-    share: u8,
 }
 
 impl Flow {
     pub const fn new() -> Self {
         let slowdown = Slowdown::new();
-        Self {
-            gathering: true,
-            added: Instant(0),
-            counted: false,
-            was_full: false,
-            judged: 0,
-            slowdown,
-            share: slowdown::WHOLE,
-        }
+        Self { gathering: true, added: Instant(0), counted: false, was_full: false, judged: 0, slowdown }
     }
 
     /// A move was added.
@@ -79,11 +69,10 @@ impl Flow {
         self.slowdown.add();
     }
 
-    /// The share of the feed that the stream allows, in sixteenths, if it is another than when this was last asked; given
-    /// the nominal time of the moves that wait and the time of those that are queued, in ticks.
-    pub fn new_share(&mut self, waiting: u64, queued: u64) -> Option<u8> {
-        let share = self.slowdown.share(waiting, queued);
-        (core::mem::replace(&mut self.share, share) != share).then_some(share)
+    /// The share of the feed that the stream allows, given the nominal time of the moves that wait and the time of those
+    /// that are queued, in ticks.
+    pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
+        self.slowdown.share(waiting, queued)
     }
 
     /// The look-ahead is full.

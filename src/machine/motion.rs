@@ -5,7 +5,6 @@ use super::console::{Console, Interrupt, PortSet};
 use super::flow::{GATHERED, Release};
 use super::limits::clamp;
 use super::modal::FARTHEST;
-use super::slowdown;
 use crate::kinematics::count_at;
 use crate::motion::{Target, Work};
 use crate::motors::MOST_GROUPS;
@@ -60,9 +59,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Slows down for a stream that has run dry and goes on.
     fn follow_stream(&mut self) {
-        if let Some(share) = self.flow.new_share(self.planner.waiting(), self.link.left()) {
-            self.planner.take_share(share, slowdown::WHOLE, &self.settings);
-        }
+        let share = self.flow.share(self.planner.waiting(), self.link.left());
+        self.planner.take_share(share, &self.settings);
     }
 
     /// M220: from now on, and for the moves that wait.

@@ -8,10 +8,8 @@
 //! While the stream has not run dry nothing of this happens, for it depends on when lines arrive. It ends when the
 //! look-ahead is full, so that the host is known to be faster, or when a command waits for the motion.
 
+use crate::motion::WHOLE_SHARE as WHOLE;
 use crate::units::TICKS_PER_MS;
-
-/// A whole share of the feed.
-pub(super) const WHOLE: u8 = 16;
 
 /// With moves for so long nothing is slowed down; less than what motion begins with.
 const ENOUGH: u64 = 200 * TICKS_PER_MS as u64;

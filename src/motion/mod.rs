@@ -29,6 +29,7 @@ mod window;
 pub use event::{LONGEST_INTERVAL, StepEvent};
 pub use link::Link;
 pub use moves::{Entry, Move, WHOLE, Work};
+pub use overrides::WHOLE_SHARE;
 pub use planner::{Planner, Target};
 pub use profile::{Speeds, profile};
 pub use queue::{StepQueue, StepsIn, StepsOut};

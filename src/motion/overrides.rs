@@ -7,24 +7,26 @@ use super::planner::Planner;
 use crate::settings::Settings;
 use crate::units::MmPerSec;
 
+/// All of the feed, as a share of it.
+pub const WHOLE_SHARE: u8 = 16;
+
 /// How much of the commanded feed is wanted.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Override {
     /// By M220.
     pub percent: u16,
-    /// By how fast the stream of commands comes: so many parts of so many.
-    pub share: (u8, u8),
+    /// By how fast the stream of commands comes, in parts of [`WHOLE_SHARE`].
+    pub share: u8,
 }
 
 impl Override {
     /// As commanded.
-    pub const NONE: Self = Self { percent: 100, share: (1, 1) };
+    pub const NONE: Self = Self { percent: 100, share: WHOLE_SHARE };
 
     /// A commanded speed under the override.
     pub fn of(self, speed: MmPerSec) -> MmPerSec {
         let bits = u64::from(speed.to_bits()) * u64::from(self.percent) / 100;
-        let (share, whole) = self.share;
-        let bits = if share == whole { bits } else { bits * u64::from(share) / u64::from(whole.max(1)) };
+        let bits = bits * u64::from(self.share) / u64::from(WHOLE_SHARE);
         MmPerSec::from_bits(bits.min(u64::from(u32::MAX)) as u32)
     }
 }
@@ -41,10 +43,11 @@ impl Planner<'_> {
         self.want(Override { percent, ..self.wanted }, settings);
     }
 
-    /// Takes `share` parts of `whole` of the feed, also for the moves that wait.
-    pub fn take_share(&mut self, share: u8, whole: u8, settings: &Settings) {
-        let share = if share == whole { (1, 1) } else { (share, whole) };
-        self.want(Override { share, ..self.wanted }, settings);
+    /// Takes a share of the feed, in parts of [`WHOLE_SHARE`], also for the moves that wait.
+    pub fn take_share(&mut self, share: u8, settings: &Settings) {
+        if share != self.wanted.share {
+            self.want(Override { share, ..self.wanted }, settings);
+        }
     }
 
     fn want(&mut self, wanted: Override, settings: &Settings) {

@@ -136,10 +136,9 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
 
     /// Tells what is made.
     fn publish(&mut self) {
-        let made = self.events.made();
-        self.status.set_events_made(made);
+        self.status.set_events_made(self.events.made());
         // A stepper that rests at what it has done last needs to be told of more.
-        if self.status.rested_at() == self.events.done() && self.events.done() != made {
+        if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
             self.pend.pend_stepper();
         }
     }
@@ -188,7 +187,7 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     fn step(&mut self, mut turn: Turn, most: u32, enough: u32) {
         let begin = self.last as u32;
         let mut now = begin;
-        let mut word = Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward);
+        let mut word = self.waiting();
         for _ in 0..most {
             let interval = turn.wait();
             now = now.wrapping_add(interval);
@@ -253,8 +252,12 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     /// Lets so much time pass in an event without steps.
     fn wait(&mut self, interval: u32) {
         self.last += u64::from(interval);
-        let word = Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward);
-        self.events.put(interval, word);
+        self.events.put(interval, self.waiting());
+    }
+
+    /// An event without steps.
+    fn waiting(&self) -> Word {
+        Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward)
     }
 }
 

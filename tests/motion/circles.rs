@@ -1,7 +1,7 @@
 //! Circles of chords, as slicers write them: the tool runs round them at one speed.
 
 use super::line::plan;
-use corehbot::motion::{Move, WHOLE};
+use super::speeds::speeds;
 use corehbot::settings::Settings;
 use std::f64::consts::TAU;
 
@@ -20,24 +20,6 @@ fn circle(radius: f64, chord: f64, decimals: i32, feed: f64) -> Vec<([f64; 4], f
         ([at[0], at[1], 5.0, rounded(0.033 * chord * i as f64, 5)], feed)
     };
     (0..=(2.5 * chords) as usize).map(point).collect()
-}
-
-/// The speeds of a move in mm/s: at its begin, the greatest, and at its end.
-fn speeds(m: &Move, length: f64) -> [f64; 3] {
-    let mean = |way: f64, time: u64| way * length / (time as f64 / 65536.0 / 1e7);
-    let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);
-    let (rise, fall) = (part(m.accelerated), 1.0 - part(m.cruised));
-    let level = 1.0 - rise - fall;
-    let peak = if level > rise.max(fall) {
-        mean(level, m.cruise)
-    } else if rise > fall {
-        mean(rise, m.accelerate) * (2.0 - part(m.entry_share))
-    } else {
-        mean(fall, m.decelerate) * (2.0 - part(m.exit_share))
-    };
-    let end = |share: u32| peak * part(share) / (2.0 - part(share));
-    let entry = if m.accelerate == 0 { peak } else { end(m.entry_share) };
-    [entry, peak, if m.decelerate == 0 { peak } else { end(m.exit_share) }]
 }
 
 /// The least and the greatest speed in the second turn.

@@ -8,7 +8,8 @@
 
 use super::dice::Dice;
 use super::line::plan;
-use corehbot::motion::{Move, WHOLE};
+use super::speeds::speeds;
+use corehbot::motion::Move;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, Ratio, Steps};
 
@@ -96,22 +97,6 @@ fn reference(p: &Way, q: &Way, feed: f64, s: &Settings) -> f64 {
     [bend.sqrt(), curve.sqrt(), jerk, fast(p), fast(q), reach, rest].into_iter().fold(feed, f64::min)
 }
 
-/// The speed at which a move is entered, in mm/s: the longest of its phases tells its greatest speed.
-fn entry(m: &Move, length: f64) -> f64 {
-    let mean = |way: f64, time: u64| way * length / (time as f64 / 65536.0 / 1e7);
-    let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);
-    let (rise, fall) = (part(m.accelerated), 1.0 - part(m.cruised));
-    let level = 1.0 - rise - fall;
-    let peak = if level > rise.max(fall) {
-        mean(level, m.cruise)
-    } else if rise > fall {
-        mean(rise, m.accelerate) * (2.0 - part(m.entry_share))
-    } else {
-        mean(fall, m.decelerate) * (2.0 - part(m.exit_share))
-    };
-    if m.accelerate == 0 { peak } else { peak * part(m.entry_share) / (2.0 - part(m.entry_share)) }
-}
-
 fn direction(dice: &mut Dice) -> Vector {
     loop {
         let v: Vector = std::array::from_fn(|_| 2.0 * dice.roll() - 1.0);
@@ -173,7 +158,7 @@ fn corners_in_space_are_passed_at_the_speed_of_the_geometry() {
         let moves = plan(&[([p[0], p[1], p[2], ep], feed), ([end[0], end[1], end[2], ep + eq], feed)], &s);
         let [before, after] = moves.as_slice() else { panic!("{} moves", moves.len()) };
         let (p, q) = (way([Steps::ZERO; 4], before, &s), way(before.end, after, &s));
-        let (real, exact) = (entry(after, q.length), reference(&p, &q, feed, &s));
+        let ([real, ..], exact) = (speeds(after, q.length), reference(&p, &q, feed, &s));
         // Of a way straight back the directions, which have 30 bits, say that it is one.
         if exact < 0.05 {
             assert!(real < 0.06, "{real} mm/s, {exact}");

@@ -8,5 +8,6 @@ mod model;
 mod properties;
 mod shaped;
 mod shapers;
+mod speeds;
 mod timing;
 mod zigzag;

@@ -3,8 +3,9 @@
 use super::corners::machine;
 use super::dice::Dice;
 use super::line::{Step, generate, plan, target};
+use super::speeds::speeds;
 use corehbot::kinematics::{BeltSteps, residual};
-use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner, WHOLE};
+use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner};
 use corehbot::motors::Motor;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, Steps};
@@ -32,27 +33,6 @@ fn paths() -> impl Strategy<Value = Path> {
         }
         path
     })
-}
-
-/// Entry, peak and exit speed of a move in its own unit: fractions of the path a second.
-fn speeds(m: &Move) -> (f64, f64, f64) {
-    let seconds = |t: u64| t as f64 / 65536.0 / 1e7;
-    let whole = f64::from(WHOLE);
-    let (rise, fall) = (f64::from(m.accelerated) / whole, 1.0 - f64::from(m.cruised) / whole);
-    let level = 1.0 - rise - fall;
-    // The longest of the three tells it best.
-    let peak = if level > rise.max(fall) {
-        level / seconds(m.cruise)
-    } else if m.accelerate > 0 && rise >= fall {
-        rise / seconds(m.accelerate) * (2.0 - f64::from(m.entry_share) / whole)
-    } else {
-        fall / seconds(m.decelerate) * (2.0 - f64::from(m.exit_share) / whole)
-    };
-    let end = |share: u32| {
-        let share = f64::from(share) / whole;
-        peak * share / (2.0 - share)
-    };
-    (end(m.entry_share), peak, end(m.exit_share))
 }
 
 fn counts(steps: &[Step]) -> [i64; 7] {
@@ -100,7 +80,7 @@ fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
         let d: [f64; 4] = std::array::from_fn(|i| m.end[i].wrapping_sub(from[i]).to_num::<f64>() / pitch[i]);
         let tool = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
         let length = if tool > 0.0 { tool } else { d[3].abs() };
-        let (entry, peak, exit) = speeds(m);
+        let [entry, peak, exit] = speeds(m, 1.0);
         let slack = 1e-3 + 1e-4 * peak * length;
         prop_assert!(
             (entry * length - carried).abs() <= slack,
