@@ -68,11 +68,14 @@ impl Group {
     }
 }
 
-/// The count of steps of a group at a coordinate: the nearest whole step, halves upwards.
+/// The count of steps of a group at a coordinate: the nearest whole step, and of two the even one. So groups that mirror each
+/// other about any whole step are at counts that do, and step together.
 #[must_use]
 pub const fn count_at(coordinate: Steps) -> i32 {
     const HALF: i64 = 1 << 31;
-    (coordinate.to_bits().wrapping_add(HALF) >> 32) as i32
+    let bits = coordinate.to_bits();
+    let is_odd = bits >> 32 & 1;
+    (bits.wrapping_add(HALF - 1 + is_odd) >> 32) as i32
 }
 
 /// A mechanism, sorted by groups.
