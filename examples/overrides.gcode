@@ -1,14 +1,18 @@
 ; SPDX-License-Identifier: MIT OR Apache-2.0
-; Overrides and limits, changed between moves without a stop.
+; Overrides and limits, changed between moves without a stop; but for M220: it reaches moves that wait, and how many do is
+; a matter of time, so that the steps would not be the same everywhere.
 G28
 G90
 M83
 G1 X20 Y20 Z1 F6000
 G1 X60 F3000
+M400
 M220 S150
 G1 X20
+M400
 M220 S50
 G1 X60
+M400
 M220 S100
 M221 S120
 G1 X20 E1.5 F2400

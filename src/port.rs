@@ -20,9 +20,25 @@ pub trait StepPort {
     fn rise(&mut self, steps: GroupSet, tick: u64);
 
     /// Lowers the step lines of `steps`, at least 100 ns after `rise` (TMC2209 datasheet rev 1.09,
-    /// section 13.1: minimum STEP high time). In between lie the counting of the steps and a call of
-    /// [`StepClock::alarm_again`].
+    /// section 13.1: minimum STEP high time). In between lies a call of [`StepClock::alarm_again`].
     fn fall(&mut self, steps: GroupSet);
+
+    /// Groups whose step lines take longer than the others': theirs is [`rise`](Self::rise) alone.
+    fn slow_groups(&self) -> GroupSet {
+        GroupSet::NONE
+    }
+
+    /// [`rise`](Self::rise) without slow groups.
+    #[inline(always)]
+    fn rise_quick(&mut self, steps: GroupSet, tick: u64) {
+        self.rise(steps, tick);
+    }
+
+    /// [`fall`](Self::fall) behind [`rise_quick`](Self::rise_quick).
+    #[inline(always)]
+    fn fall_quick(&mut self, steps: GroupSet) {
+        self.fall(steps);
+    }
 
     /// All endstop inputs, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;

@@ -3,22 +3,18 @@
 //! Single atomics, each with one writer (`epoch` apart, which the Console writes). A count that both sides
 //! keep tells idleness without a race: nothing is under way when as much was finished as was begun.
 
+mod counted;
 mod overload;
-mod played;
 mod told;
 
-use crate::motors::{EndstopSet, MOST_GROUPS};
+use crate::motors::{EndstopSet, GroupSet, MOST_GROUPS};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
+use counted::Counted;
 use overload::Lateness;
 pub use overload::{Late, Overload};
-use played::Played;
 use told::Told;
 
-/// How often all counts are read at most, to get those of one moment.
-const LOOKS: usize = 4;
-
 /// What the contexts know of each other.
-// In this order: the counters of events come last, for a short instruction reaches only 4 KiB.
 #[repr(C)]
 pub struct Status {
     /// Work of another epoch is discarded; written by the Console.
@@ -29,8 +25,12 @@ pub struct Status {
     endstops: AtomicU8,
     /// The endstops that there are; written when the Stepper is made.
     inputs: AtomicU8,
-    /// Motion time executed, low 32 bits of ticks; written by the Stepper.
-    tick: AtomicU32,
+    /// Groups whose step lines take longer; written when the Stepper is made.
+    slow: AtomicU8,
+    /// When the last event was due, by the step timer; written by the Stepper.
+    due: AtomicU32,
+    /// How far motion time is behind the step timer; written by the Stepper.
+    behind: AtomicU32,
     /// Entries of the MoveQueue finished; written by the StepGenerator.
     entries_done: AtomicU32,
     /// Events put into the StepQueue; written by the StepGenerator.
@@ -64,8 +64,8 @@ pub struct Status {
     brake: AtomicU32,
     /// One more than the epoch whose motion has come to rest; 0 for none; written by the StepGenerator.
     stopped: AtomicU32,
-    /// The events played; written by the Stepper.
-    played: Played,
+    /// Steps of the events put into the StepQueue; written by the StepGenerator.
+    made: Counted,
 }
 
 impl Default for Status {
@@ -79,12 +79,13 @@ impl Status {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            played: Played::new(),
             epoch: AtomicU8::new(0),
             triggered: AtomicU8::new(0),
             endstops: AtomicU8::new(0),
             inputs: AtomicU8::new(0),
-            tick: AtomicU32::new(0),
+            slow: AtomicU8::new(0),
+            due: AtomicU32::new(0),
+            behind: AtomicU32::new(0),
             entries_done: AtomicU32::new(0),
             events_made: AtomicU32::new(0),
             rested: AtomicU32::new(0),
@@ -101,36 +102,35 @@ impl Status {
             told: Told::new(),
             brake: AtomicU32::new(0),
             stopped: AtomicU32::new(0),
+            made: Counted::new(),
         }
     }
 
-    /// Steps emitted by each group of motors, signed. Of one moment, unless steps follow each other so closely that
-    /// there is no moment to look at all of them.
-    #[must_use]
-    pub fn counts(&self) -> [i32; MOST_GROUPS] {
-        let mut counts = [0; MOST_GROUPS];
-        for _ in 0..LOOKS {
-            let tick = self.tick();
-            counts = self.played.steps();
-            if self.tick() == tick {
-                break;
-            }
-        }
-        counts
+    /// Steps of all events put into the StepQueue and not taken back.
+    pub(crate) fn steps_made(&self) -> [i32; MOST_GROUPS] {
+        self.made.read()
     }
 
-    /// An event is played at motion time `tick`: the groups that step in the upper half of `pattern`, those whose
-    /// coordinate grows in the lower. The Stepper is the only writer.
-    #[inline(always)]
-    pub(crate) fn step_done(&self, pattern: u16, tick: u32) {
-        self.played.count(pattern);
-        self.time_passed(tick);
+    /// So many more steps of each group are in the StepQueue. The StepGenerator is the only writer.
+    pub(crate) fn add_steps_made(&self, steps: [i32; MOST_GROUPS]) {
+        self.made.add(steps);
     }
 
-    /// Motion time is `tick` now.
+    /// An event that was due at this tick of the step timer is played. The Stepper is the only writer.
     #[inline(always)]
-    pub(crate) fn time_passed(&self, tick: u32) {
-        self.tick.store(tick, Relaxed);
+    pub(crate) fn event_played(&self, due: u32) {
+        self.due.store(due, Relaxed);
+    }
+
+    /// When the last event was due; for the Stepper.
+    pub(crate) fn played_at(&self) -> u32 {
+        self.due.load(Relaxed)
+    }
+
+    /// Motion time is behind the step timer by so many ticks, and is what it was: the last event is now dated `due`.
+    pub(crate) fn set_behind(&self, ticks: u32, due: u32) {
+        self.behind.store(ticks, Relaxed);
+        self.event_played(due);
     }
 
     /// The present epoch.
@@ -162,8 +162,9 @@ impl Status {
         self.triggered.store(0, Release);
     }
 
+    /// For the Stepper, whom nobody sees half-way.
     pub(crate) fn set_triggered(&self, set: EndstopSet) {
-        self.triggered.store(set.0, Release);
+        self.triggered.store(set.0, Relaxed);
     }
 
     /// Endstop inputs as last seen.
@@ -189,7 +190,22 @@ impl Status {
     /// Motion time executed, low 32 bits, in ticks.
     #[must_use]
     pub fn tick(&self) -> u32 {
-        self.tick.load(Acquire)
+        loop {
+            let behind = self.behind.load(Acquire);
+            let tick = self.due.load(Acquire).wrapping_sub(behind);
+            if self.behind.load(Acquire) == behind {
+                return tick;
+            }
+        }
+    }
+
+    /// Groups whose steps the Stepper looks at closely.
+    pub(crate) fn slow_groups(&self) -> GroupSet {
+        GroupSet(self.slow.load(Relaxed))
+    }
+
+    pub(crate) fn set_slow_groups(&self, groups: GroupSet) {
+        self.slow.store(groups.0, Relaxed);
     }
 
     pub(crate) fn entry_done(&self) {
@@ -200,9 +216,14 @@ impl Status {
         self.events_made.store(made, Release);
     }
 
-    /// The Stepper has come to rest when so many events were taken out of the StepQueue.
+    /// Events put into the StepQueue, as of the last turn of the StepGenerator.
+    pub(crate) fn events_made(&self) -> u32 {
+        self.events_made.load(Acquire)
+    }
+
+    /// The Stepper, whom nobody sees half-way, has come to rest when so many events were taken out of the StepQueue.
     pub(crate) fn set_rested(&self, done: u32) {
-        self.rested.store(done, Release);
+        self.rested.store(done, Relaxed);
     }
 
     /// Events that the Stepper had taken when it last rested.

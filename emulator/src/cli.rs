@@ -2,7 +2,7 @@
 //!
 //! 0: the image printed the file with the host's steps. 1: it did not. 2: nothing was run.
 
-use crate::compare::{self, Timing};
+use crate::compare::{self, Lateness, Timing};
 use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
@@ -158,18 +158,24 @@ fn print_run(cli: &Cli, seen: &Seen) {
     }
 }
 
-fn print_timing(timing: &Timing, seen: &Seen) {
-    let us = |ns: i64| ns as f64 / 1000.0;
+fn print_lateness(name: &str, late: &Lateness) {
+    let us = |share: f64| late.quantile(share) as f64 / 1000.0;
     println!(
-        "lateness  min {:.3}, median {:.3}, 99 % {:.3}, 99.99 % {:.3}, max {:.3} us; {} starts, {} stretched",
-        us(timing.quantile(0.0)),
-        us(timing.quantile(0.5)),
-        us(timing.quantile(0.99)),
-        us(timing.quantile(0.9999)),
-        us(timing.max()),
-        timing.starts,
-        timing.stretched,
+        "{name:<9} {} events: min {:.3}, median {:.3}, 90 % {:.3}, 99 % {:.3}, 99.9 % {:.3}, max {:.3} us",
+        late.0.len(),
+        us(0.0),
+        us(0.5),
+        us(0.9),
+        us(0.99),
+        us(0.999),
+        us(1.0),
     );
+}
+
+fn print_timing(timing: &Timing, seen: &Seen) {
+    print_lateness("lateness", &timing.late);
+    print_lateness("longest", &timing.longest);
+    println!("starts    {}, {} events stretched time", timing.starts, timing.stretched);
     println!(
         "schedule  {} alarms are the host's tick, {} are not, {} events without an alarm",
         timing.exact_alarms, timing.other_alarms, timing.no_alarm

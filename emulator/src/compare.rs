@@ -88,11 +88,32 @@ pub fn difference(pins: &[StepEvent], host: &[Scheduled]) -> Option<Difference> 
     Some(Difference { event, pins: pins.get(event).copied(), host: host.get(event).copied() })
 }
 
+/// Lateness of events in ns, sorted.
+#[derive(Clone, PartialEq, Eq, Default, Debug)]
+pub struct Lateness(pub Vec<i64>);
+
+impl Lateness {
+    /// The lateness that `share` of the events does not exceed, in ns.
+    #[must_use]
+    pub fn quantile(&self, share: f64) -> i64 {
+        let last = self.0.len().saturating_sub(1);
+        self.0.get((last as f64 * share).round() as usize).copied().unwrap_or(0)
+    }
+
+    /// The greatest lateness in ns.
+    #[must_use]
+    pub fn max(&self) -> i64 {
+        self.quantile(1.0)
+    }
+}
+
 /// How the edges keep to the schedule.
 #[derive(Clone, PartialEq, Eq, Default, Debug)]
 pub struct Timing {
-    /// Lateness of every event in ns, sorted.
-    pub late: Vec<i64>,
+    /// Of every event.
+    pub late: Lateness,
+    /// Of the events of the longest motion without a rest.
+    pub longest: Lateness,
     /// Starts of motion.
     pub starts: u64,
     /// Events so late that the firmware moved all that follow.
@@ -108,17 +129,12 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// The lateness that `share` of the events does not exceed, in ns.
-    #[must_use]
-    pub fn quantile(&self, share: f64) -> i64 {
-        let last = self.late.len().saturating_sub(1);
-        self.late.get((last as f64 * share).round() as usize).copied().unwrap_or(0)
-    }
-
-    /// The greatest lateness in ns.
-    #[must_use]
-    pub fn max(&self) -> i64 {
-        self.quantile(1.0)
+    /// A motion has ended.
+    fn keep_longest(&mut self, motion: &mut Vec<i64>) {
+        let motion = std::mem::take(motion);
+        if motion.len() > self.longest.0.len() {
+            self.longest = Lateness(motion);
+        }
     }
 }
 
@@ -129,6 +145,7 @@ pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
     // Real time in ns, alarm and motion time of one and the same instant.
     let mut base: Option<(i64, Option<u32>, u64)> = None;
     let mut last = None;
+    let mut motion = Vec::new();
     for (event, planned) in pins.iter().zip(host) {
         let at = event.at as i64;
         timing.spread = timing.spread.max(event.spread);
@@ -140,7 +157,9 @@ pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
         let Some(start) = start else {
             timing.starts += 1;
             let due = event.alarm.map_or(at, |a| a.due);
-            timing.late.push(at - due);
+            timing.late.0.push(at - due);
+            timing.keep_longest(&mut motion);
+            motion.push(at - due);
             base = Some((due, event.alarm.map(|a| a.ticks), planned.tick));
             continue;
         };
@@ -154,14 +173,17 @@ pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
             _ => timing.no_alarm += 1,
         }
         let late = at - due(start);
-        timing.late.push(late);
+        timing.late.0.push(late);
+        motion.push(late);
         if late > GRACE_NS {
             timing.stretched += 1;
             // From here on the schedule counts from the moment at which the event was played.
             base = Some((at, None, planned.tick));
         }
     }
-    timing.late.sort_unstable();
+    timing.keep_longest(&mut motion);
+    timing.late.0.sort_unstable();
+    timing.longest.0.sort_unstable();
     timing
 }
 
@@ -190,8 +212,9 @@ mod tests {
         let host = [planned(50), planned(150), planned(160), planned(260)];
         assert_eq!(difference(&pins, &host), None);
         let timing = timing(&pins, &host);
-        assert_eq!(timing.late, [300, 400, 500, 700]);
-        assert_eq!((timing.starts, timing.exact_alarms, timing.other_alarms, timing.max()), (2, 2, 0, 700));
+        assert_eq!(timing.late.0, [300, 400, 500, 700]);
+        assert_eq!(timing.longest.0, [300, 700], "the first of two alike");
+        assert_eq!((timing.starts, timing.exact_alarms, timing.other_alarms, timing.late.max()), (2, 2, 0, 700));
     }
 
     #[test]

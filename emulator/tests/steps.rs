@@ -33,19 +33,19 @@ fn check_file(path: &Path) {
     println!(
         "{name}: {} events, late {} to {} ns (50 %: {}, 90 %: {}, 99 %: {}, 99.9 %: {}), {} alarms exact, {} without, image {}",
         pins.len(),
-        timing.quantile(0.0),
-        timing.max(),
-        timing.quantile(0.5),
-        timing.quantile(0.9),
-        timing.quantile(0.99),
-        timing.quantile(0.999),
+        timing.late.quantile(0.0),
+        timing.late.max(),
+        timing.late.quantile(0.5),
+        timing.late.quantile(0.9),
+        timing.late.quantile(0.99),
+        timing.late.quantile(0.999),
         timing.exact_alarms,
         timing.no_alarm,
         firmware.sha256
     );
     assert_eq!(timing.other_alarms, 0, "{name}: scheduled ticks");
     assert_eq!(timing.stretched, 0, "{name}");
-    assert!(timing.quantile(0.0) >= 0 && timing.max() <= LATE_NS, "{name}: lateness");
+    assert!(timing.late.quantile(0.0) >= 0 && timing.late.max() <= LATE_NS, "{name}: lateness");
     assert_eq!((seen.recorder.split_pairs, seen.recorder.unpowered), (0, 0), "{name}");
     // TMC2209 datasheet rev 1.09, section 13.1: 100 ns high and low, 20 ns from dir to step.
     let pulse = seen.recorder.pulse;

@@ -10,14 +10,14 @@
 
 use crate::kinematics::Groups;
 use crate::machine::{Console, PortSet, Ports};
-use crate::motion::{Link, MoveMemory, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper};
+use crate::motion::{Link, MoveMemory, MoveQueue, SpanMemory, StepCounts, StepGenerator, StepQueue, Stepper};
 use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::Mm;
 
 /// All memory that the handles share: 4 KiB of step events, 3 KiB of moves, 8 KiB of
-/// trajectory, 17 KiB of look-ahead, and the status with 4 KiB of counters.
+/// trajectory, and 16 KiB of look-ahead.
 pub struct Memory {
     moves: MoveQueue,
     events: StepQueue,
@@ -61,11 +61,13 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, W: Pend> {
     /// For the step interrupt.
     pub stepper: Stepper<'m, P, C, W>,
     /// For the generator's interrupt.
-    pub generator: StepGenerator<'m, W>,
+    pub generator: StepGenerator<'m>,
     /// For the Console's task.
     pub console: Console<'m, Q, W>,
     /// For everybody, to look at.
     pub status: &'m Status,
+    /// What the motors have done.
+    pub counts: StepCounts<'m>,
 }
 
 /// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its
@@ -93,10 +95,13 @@ pub fn assemble<
     let (groups, status): (&'m Groups, &'m Status) = (groups, status);
     let (moves_in, moves_out) = moves.split();
     let (events_in, events_out) = events.split();
+    let counts = events_out.counts(status);
+    let link = Link::new(moves_in, status, counts, pend);
     Parts {
         stepper: Stepper::new(events_out, status, step_ports.pins, step_ports.clock, pend),
-        generator: StepGenerator::new(moves_out, events_in, spans, status, groups, pend),
-        console: Console::new(settings, start, planned, groups, Link::new(moves_in, status, pend), ports),
+        generator: StepGenerator::new(moves_out, events_in, spans, status, groups),
+        console: Console::new(settings, start, planned, groups, link, ports),
         status,
+        counts,
     }
 }

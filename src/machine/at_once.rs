@@ -72,9 +72,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::RelativeExtrusion => self.modal.absolute_extrusion = false,
             Command::SetPosition(words) => self.modal.rename(&words),
             Command::SoftEndstops(Some(on)) => self.settings.soft_endstops = on,
-            Command::FeedPercent(Some(number)) => self.override_feed(Modal::percent(number)),
             Command::BackUpFeedPercent => self.modal.kept_feed_percent = self.planner.feed_percent(),
-            Command::RestoreFeedPercent => self.override_feed(self.modal.kept_feed_percent),
             Command::Debug(Some(bits)) => self.modal.dry_run = bits.to_u32() & DRY_RUN != 0,
             Command::Progress { percent, minutes } => {
                 self.link.status().told.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));

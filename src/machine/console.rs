@@ -44,6 +44,8 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) link: Link<'m, W>,
     pub(super) planner: Planner<'m>,
     pub(super) flow: Flow,
+    /// There is more to do at once: the next turn is wanted before anything happens.
+    pub(super) comes_again: bool,
     /// How far the present answer has been written.
     pub(super) telling: Progress,
     pub(super) settings: Settings,
@@ -96,6 +98,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
             flow: Flow::new(),
+            comes_again: false,
             telling: Progress::default(),
             settings,
             defaults: settings,
@@ -196,9 +199,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
+    /// Lets the world go round once, without waiting for anything to happen.
+    pub(super) async fn turn_again(&mut self) -> Result<(), Interrupt> {
+        self.comes_again = true;
+        self.turn().await
+    }
+
     /// Lets the world go round once.
     pub(super) async fn turn(&mut self) -> Result<(), Interrupt> {
-        yield_once().await;
+        let comes_again = core::mem::take(&mut self.comes_again);
+        yield_once(comes_again).await;
+        if !comes_again {
+            // Time has passed.
+            self.follow_stream();
+        }
         self.crank()
     }
 
@@ -261,7 +275,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         loop {
             self.hosts.greet(|replies| say_killed(replies, fault));
             self.hosts.send();
-            yield_once().await;
+            yield_once(false).await;
             self.hosts.receive();
             let now = self.ports.clock.now();
             while self.hosts.next_line(now, 0, &mut text).is_some() {
@@ -279,8 +293,17 @@ fn say_killed(replies: &mut Replies, fault: Option<Fault>) -> Result<(), NoRoom>
     }
 }
 
-/// Gives the rest of the world a turn.
-async fn yield_once() {
+/// Gives the rest of the world a turn; has itself woken if it wants the next one at once.
+async fn yield_once(comes_again: bool) {
     let mut yielded = false;
-    poll_fn(|_| if core::mem::replace(&mut yielded, true) { Poll::Ready(()) } else { Poll::Pending }).await;
+    poll_fn(|context| {
+        if core::mem::replace(&mut yielded, true) {
+            return Poll::Ready(());
+        }
+        if comes_again {
+            context.waker().wake_by_ref();
+        }
+        Poll::Pending
+    })
+    .await;
 }

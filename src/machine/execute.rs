@@ -3,7 +3,7 @@
 use super::answer::Answer;
 use super::arc::{Arc, Shape};
 use super::console::{Console, Interrupt, PortSet};
-use super::modal::Wanted;
+use super::modal::{Modal, Wanted};
 use super::shaping::ShaperWords;
 use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::motion::Work;
@@ -45,6 +45,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Command::Home(flags) => self.home(flags).await?,
             Command::Finish => self.finish().await?,
+            Command::FeedPercent(Some(number)) => self.override_feed(Modal::percent(number)).await?,
+            Command::RestoreFeedPercent => self.override_feed(self.modal.kept_feed_percent).await?,
             Command::EmergencyStop => return Err(Interrupt::Halt),
             Command::EnableMotors(flags) => self.power(self.motors_of(flags)).await?,
             Command::DisableMotors(flags) => {

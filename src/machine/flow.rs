@@ -52,15 +52,15 @@ pub(super) struct Flow {
     counted: bool,
     /// Whether the look-ahead has been full since the last rest.
     was_full: bool,
-    /// Moves planned when it was last asked whether motion begins.
-    judged: u32,
+    /// There are moves that nobody knew of when it was last asked whether motion begins.
+    is_news: bool,
     slowdown: Slowdown,
 }
 
 impl Flow {
     pub const fn new() -> Self {
         let slowdown = Slowdown::new();
-        Self { gathering: true, added: Instant(0), counted: false, was_full: false, judged: 0, slowdown }
+        Self { gathering: true, added: Instant(0), counted: false, was_full: false, is_news: false, slowdown }
     }
 
     /// A move was added.
@@ -75,11 +75,16 @@ impl Flow {
         self.slowdown.share(waiting, queued)
     }
 
+    /// Whether the stream allows all of the feed, and did when it was last asked.
+    pub const fn is_steady(&self) -> bool {
+        self.slowdown.is_steady()
+    }
+
     /// The look-ahead is full.
     pub const fn fill(&mut self) {
         self.gathering = false;
         self.was_full = true;
-        self.slowdown = Slowdown::new();
+        self.slowdown.end();
     }
 
     /// Whether the look-ahead has once been full, so that its level says something of the host.
@@ -91,7 +96,7 @@ impl Flow {
     pub const fn drain(&mut self) {
         self.gathering = false;
         self.was_full = false;
-        self.slowdown = Slowdown::new();
+        self.slowdown.end();
     }
 
     /// Motion rests, and begins anew with the next move.
@@ -106,14 +111,23 @@ impl Flow {
         self.gathering
     }
 
-    /// Whether other moves are planned than when this was last asked.
-    pub const fn is_news(&mut self, moves: u32) -> bool {
-        core::mem::replace(&mut self.judged, moves) != moves
+    /// There is more to know of what is planned.
+    pub const fn note_news(&mut self) {
+        self.is_news = true;
+    }
+
+    /// Whether motion may begin now though it could not when this was last asked.
+    pub fn is_worth_asking(&mut self, now: Instant) -> bool {
+        core::mem::replace(&mut self.is_news, false) || self.is_paused(now)
+    }
+
+    fn is_paused(&self, now: Instant) -> bool {
+        now >= self.added.after_ms(PAUSE_MS)
     }
 
     /// What may leave to begin with, given the nominal time of final moves, in ticks.
     pub fn begin(&mut self, final_time: u64, now: Instant) -> Release {
-        let paused = now >= self.added.after_ms(PAUSE_MS);
+        let paused = self.is_paused(now);
         self.gathering = !paused && final_time < GATHERED;
         match (paused, self.gathering) {
             (true, _) => Release::All,

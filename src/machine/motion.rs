@@ -11,9 +11,9 @@ use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, EndstopSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
 
-/// Moves handed on in one turn: some 10,000 instructions, after which bytes and emergencies are looked at again. The
-/// generator, which is called for each of them, wakes the Console for the next turn.
-const IN_ONE_GO: usize = 8;
+/// Moves handed on in one turn: some 1,000 instructions, after which bytes and emergencies are looked at again. The Console
+/// comes round again at once for the next ones.
+const IN_ONE_GO: usize = 2;
 
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
 fn fence(position: [Mm; 4]) -> [Mm; 4] {
@@ -44,28 +44,43 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         while !self.planner.has_room() {
             self.flow.fill();
-            self.planner.release_some();
-            self.feed_motion();
-            if !self.planner.has_room() {
-                self.turn().await?;
+            if !self.planner.plan_anew() || !self.planner.has_ready() {
+                self.comes_again = true;
+                self.planner.release_some();
             }
+            self.turn().await?;
         }
         self.flow.add(self.ports.clock.now());
         self.follow_stream();
+        while !self.planner.prepare() {
+            self.turn_again().await?;
+        }
         self.planner.push(&target, &self.settings);
+        self.flow.note_news();
         self.note_path();
         Ok(())
     }
 
-    /// Slows down for a stream that has run dry and goes on.
-    fn follow_stream(&mut self) {
-        let share = self.flow.share(self.planner.waiting(), self.link.left());
-        self.planner.take_share(share, &self.settings);
+    /// Slows down for a stream that has run dry and goes on. How long moves last is known when all of them are planned.
+    pub(super) fn follow_stream(&mut self) {
+        if !self.flow.is_steady() && self.planner.is_planned() {
+            let share = self.flow.share(self.planner.waiting(), self.link.left());
+            self.planner.take_share(share);
+        }
     }
 
-    /// M220: from now on, and for the moves that wait.
-    pub(super) fn override_feed(&mut self, percent: u16) {
-        self.planner.override_feed(percent, &self.settings);
+    /// M220: from now on, and for the moves that wait. A change that is still being carried out comes first, and moves
+    /// leave before the next: a host that changes the feed all the time would keep them all back.
+    pub(super) async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
+        if !self.planner.is_planned() {
+            while !self.planner.plan_anew() {
+                self.turn_again().await?;
+            }
+            self.turn_again().await?;
+        }
+        self.planner.override_feed(percent);
+        self.flow.note_news();
+        Ok(())
     }
 
     fn note_path(&self) {
@@ -75,51 +90,72 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Hands released moves on, and releases more when it is time.
     pub(super) fn feed_motion(&mut self) {
-        // Asks how much is left at every turn, because that counts up what was stepped.
-        self.follow_stream();
+        // Asked at every turn, because that counts up what was stepped.
+        self.link.left();
         let level = (self.planner.len() + self.link.level()) as u32;
         self.link.status().set_level(level);
         if self.flow.is_level_telling() {
             self.link.status().note_level(level);
         }
+        if self.flow.is_gathering() {
+            self.comes_again |= self.begin_motion();
+            return;
+        }
         for _ in 0..IN_ONE_GO {
-            if !self.link.has_room() || (self.flow.is_gathering() && !self.begin_motion()) {
+            if !self.hand_on() {
                 return;
-            }
-            if self.planner.is_empty() {
-                if self.link.is_idle() {
-                    self.flow.rest();
-                }
-                return;
-            }
-            let release = self.flow.release(self.link.level(), self.link.left());
-            if release == Release::Nothing {
-                return;
-            }
-            if let Some(released) = self.planner.pop() {
-                self.link.send(Work::Move(released));
-                continue;
-            }
-            if release == Release::Final {
-                return;
-            }
-            self.planner.release_next();
-            if self.flow.note_drought() {
-                self.link.status().count_underrun();
             }
         }
+        self.comes_again = true;
+    }
+
+    /// Hands a move on, or lets one go, if it is time.
+    fn hand_on(&mut self) -> bool {
+        if !self.link.has_room() {
+            return false;
+        }
+        let release = self.flow.release(self.link.level(), self.link.left());
+        if release == Release::Nothing {
+            return false;
+        }
+        if self.planner.is_empty() {
+            if self.link.is_idle() {
+                self.flow.rest();
+            }
+            return false;
+        }
+        if !self.planner.plan_anew() {
+            self.comes_again = true;
+            return false;
+        }
+        if let Some(released) = self.planner.pop() {
+            self.link.send(Work::Move(released));
+            return true;
+        }
+        if release == Release::Final {
+            return false;
+        }
+        self.planner.release_next();
+        if self.flow.note_drought() {
+            self.link.status().count_underrun();
+        }
+        true
     }
 
     /// Whether motion begins now.
     fn begin_motion(&mut self) -> bool {
-        if self.planner.is_empty() {
+        let now = self.ports.clock.now();
+        // Nothing can be final that is not even planned, or was not when as much was planned.
+        if !self.flow.is_worth_asking(now) || self.planner.is_empty() {
             return false;
         }
-        // Nothing can be final that is not even planned, or was not when as much was planned.
-        let (moves, _) = self.planner.planned();
-        let is_enough = self.planner.waiting() >= GATHERED && self.flow.is_news(moves);
-        let final_time = if is_enough { self.planner.final_time() } else { 0 };
-        match self.flow.begin(final_time, self.ports.clock.now()) {
+        let is_due = !self.planner.is_planned() || self.planner.waiting() >= GATHERED;
+        let (final_time, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
+        if !is_all {
+            self.flow.note_news();
+            self.comes_again = true;
+        }
+        match self.flow.begin(final_time, now) {
             Release::All => self.planner.release_all(),
             Release::Nothing => return false,
             Release::Final | Release::Next => {}
@@ -134,10 +170,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Waits until everything planned has been stepped.
     pub(super) async fn finish(&mut self) -> Result<(), Interrupt> {
+        self.comes_again = true;
         self.until(|c| {
             c.flow.drain();
             c.planner.release_all();
-            c.feed_motion();
             !c.has_motion()
         })
         .await?;
@@ -193,7 +229,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
         let position = if self.groups.is_redundant() { self.whole_steps_away(position) } else { position };
         self.planner.stand_at(position);
-        let counts = self.link.status().counts();
+        let counts = self.link.counts();
         for ((origin, group), count) in self.origin.iter_mut().zip(self.groups.iter()).zip(counts) {
             *origin = count_at(group.coordinate(position)).wrapping_sub(count);
         }
@@ -217,7 +253,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Steps of each motor group, from the steps really emitted.
     pub(super) fn real_counts(&self) -> [i32; MOST_GROUPS] {
         let mut real = self.origin;
-        for (real, count) in real.iter_mut().zip(self.link.status().counts()) {
+        for (real, count) in real.iter_mut().zip(self.link.counts()) {
             *real = real.wrapping_add(count);
         }
         real

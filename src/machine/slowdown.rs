@@ -33,6 +33,16 @@ impl Slowdown {
         Self { floor: WHOLE, share: WHOLE, is_dry: false }
     }
 
+    /// Nothing is slowed down any more.
+    pub const fn end(&mut self) {
+        (self.floor, self.is_dry) = (WHOLE, false);
+    }
+
+    /// Whether all of the feed is allowed, and was when last asked.
+    pub const fn is_steady(&self) -> bool {
+        self.floor == WHOLE && self.share == WHOLE
+    }
+
     /// The stream has run dry. If nothing follows, that was its end.
     pub const fn note_drought(&mut self) {
         self.is_dry = true;
@@ -51,6 +61,7 @@ impl Slowdown {
     /// left the look-ahead, in ticks.
     pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
         if self.floor == WHOLE {
+            self.share = WHOLE;
             return WHOLE;
         }
         let lasts = waiting * u64::from(self.share) / u64::from(WHOLE) + queued;

@@ -1,52 +1,87 @@
 //! Geometry of one move: how long it is, which way it points, and how fast its axes let it be.
 //!
-//! Lengths are exact to a bit; what is a limit or a ratio is in single precision (see [`number`](super::number)).
+//! Length and direction have 30 bits, for times and corners are made of them; what is a limit or a ratio is in single
+//! precision (see [`number`](super::number)).
 
-use super::number::{from_bits, root_of};
+use super::number::{from_bits, large_root};
 use crate::kinematics::Groups;
 use crate::motors::MOST_GROUPS;
-use crate::settings::Settings;
-use crate::units::{MmPerSec, MmPerSec2, Steps, StepsPerMm};
+use crate::settings::{Axes, AxisSettings, Settings};
+use crate::units::{MmPerSec, MmPerSec2};
 use heapless::Vec;
 
 /// One in the fixed point of unit vectors.
 pub(super) const UNIT: i32 = 1 << 30;
 
-/// A move as a vector. Lengths are raw `Mm` bits (2^-32 mm).
+/// A move as a vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Geometry {
-    /// Length of the path of the tool; of the filament if the tool does not move.
+    /// Length of the path of the tool, in raw `Mm` bits (2^-32 mm); of the filament if the tool does not move.
     pub length: u64,
+    /// The same in mm.
+    pub size: f32,
     /// Direction of the tool in x, y, z, scaled by [`UNIT`]; zero if only the extruder moves.
     pub unit: [i32; 3],
+    /// Direction of the tool.
+    pub direction: [f32; 3],
     /// Filament a length of path, signed.
     pub extrusion: f32,
 }
 
-/// Shares of a way that axes and motors have, and the greatest value along the way by what each of them bears.
-pub(super) struct Bounds {
-    value: f32,
-    is_bound: bool,
+/// How much of a way each axis, and the belt motor that has most of it, must go; without signs.
+#[derive(Clone, Copy)]
+pub(super) struct Shares {
+    axes: [f32; 4],
+    belt: f32,
 }
 
-impl Bounds {
-    /// No bound but what is wanted.
-    pub const fn new(wanted: f32) -> Self {
-        Self { value: wanted, is_bound: false }
+/// What axes and belt motors bear: speeds in mm/s, or accelerations in mm/s2.
+#[derive(Clone, Copy)]
+pub(super) struct Limits {
+    pub axes: [f32; 4],
+    pub belt: f32,
+}
+
+impl Shares {
+    /// Those of a way of the length 1 in that direction, with so much filament.
+    #[inline(always)]
+    pub fn new([x, y, z]: [f32; 3], extrusion: f32, belts: &Belts) -> Self {
+        Self { axes: [x.abs(), y.abs(), z.abs(), extrusion.abs()], belt: belts.most_of([x, y, z]) }
     }
 
-    /// An axis or motor of which a way of `one` asks `share` bears no more than `most`.
-    pub fn bound(&mut self, most: f32, share: f32, one: f32) {
-        let share = share.abs();
-        if self.value * share > most * one {
-            self.value = most * one / share;
-            self.is_bound = true;
-        }
+    /// The greatest value along the way that neither axes nor motors forbid, at most `wanted`.
+    #[inline(always)]
+    pub fn bound(&self, wanted: f32, limits: &Limits) -> f32 {
+        // Written out: firmware is made for size, which leaves loops as they are.
+        let ([x, y, z, e], [most_x, most_y, most_z, most_e]) = (self.axes, limits.axes);
+        let value = bounded(wanted, x, most_x);
+        let value = bounded(value, y, most_y);
+        let value = bounded(value, z, most_z);
+        let value = bounded(value, e, most_e);
+        bounded(value, self.belt, limits.belt)
+    }
+}
+
+#[inline(always)]
+fn bounded(value: f32, share: f32, most: f32) -> f32 {
+    if value * share > most { most / share } else { value }
+}
+
+impl Limits {
+    /// Those of speed.
+    #[inline(always)]
+    pub fn of_speed(s: &Settings) -> Self {
+        let Axes { x, y, z, e } = &s.axes;
+        let axes = [speed(x.max_speed), speed(y.max_speed), speed(z.max_speed), speed(e.max_speed)];
+        Self { axes, belt: speed(s.motor_max_speed) }
     }
 
-    /// The greatest value.
-    pub const fn value(&self) -> f32 {
-        self.value
+    /// Those of acceleration.
+    #[inline(always)]
+    pub fn of_acceleration(s: &Settings) -> Self {
+        let Axes { x, y, z, e } = &s.axes;
+        let bears = |axis: &AxisSettings| acceleration(axis.max_acceleration);
+        Self { axes: [bears(x), bears(y), bears(z), bears(e)], belt: acceleration(s.motor_max_acceleration) }
     }
 }
 
@@ -62,13 +97,17 @@ impl Belts {
         Self(belts.map(|belt| [belt.row[0], belt.row[1], belt.row[2]].map(f32::from)).take(MOST_GROUPS - 1).collect())
     }
 
-    /// No belt motor bears more than `most` along a way of length `one`. Not inlined in each of its three places.
-    #[inline(never)]
-    pub fn bound(&self, bounds: &mut Bounds, most: f32, way: [f32; 3], one: f32) {
-        let [x, y, z] = way;
+    /// The way of the motor that goes farthest.
+    #[inline(always)]
+    fn most_of(&self, [x, y, z]: [f32; 3]) -> f32 {
+        let mut most = 0.0;
         for [a, b, c] in &self.0 {
-            bounds.bound(most, a * x + b * y + c * z, one);
+            let way = (a * x + b * y + c * z).abs();
+            if way > most {
+                most = way;
+            }
         }
+        most
     }
 }
 
@@ -84,25 +123,39 @@ pub(super) fn acceleration(a: MmPerSec2) -> f32 {
 
 impl Geometry {
     /// The vector `delta` (x, y, z, e in raw `Mm` bits).
-    pub fn new(delta: [i64; 4]) -> Self {
-        let [x, y, z, e] = delta;
-        let sign = if e < 0 { -1.0 } else { 1.0 };
-        let largest = x.unsigned_abs().max(y.unsigned_abs()).max(z.unsigned_abs());
+    #[inline(always)]
+    pub fn new([x, y, z, e]: [i64; 4]) -> Self {
+        let filament = from_bits(e.unsigned_abs());
+        let largest = x.unsigned_abs() | y.unsigned_abs() | z.unsigned_abs();
         if largest == 0 {
-            let extrusion = if e == 0 { 0.0 } else { sign };
-            return Self { length: e.unsigned_abs(), unit: [0; 3], extrusion };
+            let extrusion = if e == 0 { 0.0 } else { sign(e) };
+            return Self { length: e.unsigned_abs(), size: filament, unit: [0; 3], direction: [0.0; 3], extrusion };
         }
         // With the largest component scaled to 31 bits, the squares of all three fit 64.
         let shift = largest.leading_zeros() as i32 - 33;
-        let scaled = [x, y, z].map(|d| scale(d.unsigned_abs(), shift));
-        let root = u64::from(root_of(scaled.iter().map(|s| s * s).sum::<u64>()));
-        // One division for all three.
-        let part = reciprocal(root);
-        let component = |d: i64, s: u64| ((s * part) >> 32) as i32 * d.signum() as i32;
-        let unit = [component(x, scaled[0]), component(y, scaled[1]), component(z, scaled[2])];
-        let length = scale(root, -shift);
-        let extrusion = if e == 0 { 0.0 } else { sign * (from_bits(e.unsigned_abs()) / from_bits(length)) };
-        Self { length, unit, extrusion }
+        let (x, y, z) = if shift >= 0 {
+            ((x as i32) << shift, (y as i32) << shift, (z as i32) << shift)
+        } else {
+            let down = shift.unsigned_abs();
+            ((x >> down) as i32, (y >> down) as i32, (z >> down) as i32)
+        };
+        let square = |d: i32| (i64::from(d) * i64::from(d)).cast_unsigned();
+        let root = large_root(square(x) + square(y) + square(z));
+        let (inverse, part) = (1.0 / root as f32, reciprocal(root));
+        let component = |d: i32| ((i64::from(d) * i64::from(part) + (1 << 30)) >> 31) as i32;
+        let unit = [component(x), component(y), component(z)];
+        let direction = [x as f32 * inverse, y as f32 * inverse, z as f32 * inverse];
+        let (length, root) = (u64::from(root), root as f32);
+        let length = if shift >= 0 {
+            // Rounded: a length that is always cut short would run ahead of the clock in the long run.
+            (length + (1 << shift >> 1)) >> shift
+        } else {
+            length << shift.unsigned_abs()
+        };
+        // 2^(-32 - shift), of which the shift is -33 to 30.
+        let size = root * f32::from_bits(((127 - 32 - shift) as u32) << 23);
+        let extrusion = if e == 0 { 0.0 } else { sign(e) * (filament / size) };
+        Self { length, size, unit, direction, extrusion }
     }
 
     /// Whether the tool stands still and only filament moves.
@@ -111,89 +164,20 @@ impl Geometry {
         let [x, y, z] = self.unit;
         x | y | z == 0
     }
-
-    /// The fastest that no axis and no belt motor forbids, at most `wanted`.
-    pub fn speed_limit(&self, wanted: MmPerSec, belts: &Belts, s: &Settings) -> MmPerSec {
-        let axes = s.axes.map(|a| speed(a.max_speed)).to_array();
-        let bounds = self.bounds(speed(wanted), axes, belts, speed(s.motor_max_speed));
-        let most = if bounds.is_bound { MmPerSec::from_bits((bounds.value * 65536.0) as u32) } else { wanted };
-        // Nothing stands still that was asked to move.
-        most.max(MmPerSec::DELTA)
-    }
-
-    /// The greatest acceleration that no axis and no belt motor forbids, at most `wanted`.
-    pub fn acceleration_limit(&self, wanted: MmPerSec2, belts: &Belts, s: &Settings) -> MmPerSec2 {
-        let axes = s.axes.map(|a| acceleration(a.max_acceleration)).to_array();
-        let bounds = self.bounds(acceleration(wanted), axes, belts, acceleration(s.motor_max_acceleration));
-        let most = if bounds.is_bound { MmPerSec2::from_bits((bounds.value * 256.0) as u32) } else { wanted };
-        most.max(MmPerSec2::DELTA)
-    }
-
-    /// What every axis and motor allows along the path.
-    fn bounds(&self, wanted: f32, axes: [f32; 4], belts: &Belts, motor: f32) -> Bounds {
-        let [x, y, z] = self.unit.map(|u| u as f32 * const { 1.0 / UNIT as f32 });
-        let mut bounds = Bounds::new(wanted);
-        for (most, share) in axes.into_iter().zip([x, y, z, self.extrusion]) {
-            bounds.bound(most, share, 1.0);
-        }
-        belts.bound(&mut bounds, motor, [x, y, z], 1.0);
-        bounds
-    }
 }
 
-/// `2^62 / root`, rounded down, for a root of 31 or 32 bits. Single precision knows 24 bits of it, one of Newton's steps
-/// the others but for a last one: a division of 64 bits takes four times as long.
-fn reciprocal(root: u64) -> u64 {
-    let guess = ((1u64 << 62) as f32 / (root as u32) as f32) as u32;
-    let rest = (1u64 << 62).wrapping_sub(u64::from(guess).wrapping_mul(root)).cast_signed();
-    let correction = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 / (root as u32) as f32;
-    let near = i64::from(guess) + i64::from(correction as i32);
-    let mut rest = (1i64 << 62) - near * root.cast_signed();
-    let (root, mut near) = (root.cast_signed(), near);
-    while rest < 0 {
-        (rest, near) = (rest + root, near - 1);
-    }
-    while rest >= root {
-        (rest, near) = (rest - root, near + 1);
-    }
-    near.cast_unsigned()
+fn sign(value: i64) -> f32 {
+    if value < 0 { -1.0 } else { 1.0 }
 }
 
-fn scale(value: u64, shift: i32) -> u64 {
-    if shift >= 0 {
-        value << shift
-    } else {
-        // Rounded: a length that is always cut short would run ahead of the clock in the long run.
-        let down = shift.unsigned_abs();
-        (value + (1 << (down - 1))) >> down
-    }
-}
-
-/// Between millimetres and steps of one axis.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pitch {
-    steps_per_mm: u32,
-    /// Raw `Mm` bits a raw `Steps` bit, times 2^48.
-    mm_per_step: u64,
-}
-
-impl Pitch {
-    pub fn new(steps_per_mm: StepsPerMm) -> Self {
-        let raw = steps_per_mm.to_bits().max(1);
-        Self { steps_per_mm: raw, mm_per_step: (u64::MAX / u64::from(raw)).max(1) }
-    }
-
-    /// The position in steps; wraps with the step counters.
-    pub fn steps(self, mm: crate::units::Mm) -> Steps {
-        let wide = i128::from(mm.to_bits()) * i128::from(self.steps_per_mm);
-        Steps::from_bits((wide >> 16) as i64)
-    }
-
-    /// A distance of `steps` in raw `Mm` bits.
-    pub fn mm_bits(self, steps: Steps) -> i64 {
-        let wide = i128::from(steps.to_bits()) * i128::from(self.mm_per_step);
-        ((wide + (1 << 47)) >> 48) as i64
-    }
+/// `2^61 / root` to within two, at most `i32::MAX`, for a root of 31 or 32 bits. Single precision knows 24 bits of it, one of
+/// Newton's steps the others: a division of 64 bits takes four times as long.
+fn reciprocal(root: u32) -> i32 {
+    let one = const { (1u64 << 61) as f32 };
+    let guess = (one / root as f32) as i32;
+    let rest = (1i64 << 61) - i64::from(guess) * i64::from(root);
+    let correction = ((rest >> 8) as i32) as f32 * 256.0 / root as f32;
+    guess.saturating_add(correction as i32)
 }
 
 #[cfg(test)]
@@ -219,21 +203,44 @@ mod tests {
     }
 
     #[test]
-    fn reciprocals_are_exact() {
+    fn reciprocals_are_right_to_two() {
         let mut root = 1u64 << 30;
         while root <= u64::from(u32::MAX) {
             for root in [root, (root + root / 3).min(u64::from(u32::MAX)), u64::from(u32::MAX) - root / 5] {
-                assert_eq!(reciprocal(root), (1 << 62) / root, "{root}");
+                let exact = ((1 << 61) / root).min(i32::MAX.unsigned_abs().into());
+                assert!((i64::from(reciprocal(root as u32)) - exact as i64).abs() <= 2, "{root}");
             }
             root += root / 1000;
         }
     }
 
     #[test]
+    fn directions_have_thirty_bits() {
+        for scale in [1e-4, 0.2, 0.7, 50.0, 3000.0] {
+            for d in [[0.6, -0.64, 0.48], [-1.0, 0.0, 0.0], [0.0, 0.8, -0.6], [1e-4, 1.0, 0.0]] {
+                let raw = d.map(|d: f64| mm(d * scale));
+                let [x, y, z] = raw;
+                let size = raw.iter().map(|d| (*d as f64).powi(2)).sum::<f64>().sqrt();
+                let g = Geometry::new([x, y, z, 0]);
+                for ((unit, direction), d) in g.unit.into_iter().zip(g.direction).zip(raw) {
+                    let exact = d as f64 / size;
+                    assert!((f64::from(unit) / f64::from(UNIT) - exact).abs() < 4e-9, "{d} of {scale}: {unit}");
+                    assert!((f64::from(direction) - exact).abs() < 2e-7, "{d} of {scale}: {direction}");
+                }
+                assert!((f64::from(g.size) / (size / 2f64.powi(32)) - 1.0).abs() < 1.3e-7);
+            }
+        }
+    }
+
+    fn speed_limit(g: &Geometry, wanted: f32, s: &Settings) -> f32 {
+        Shares::new(g.direction, g.extrusion, &belts(s)).bound(wanted, &Limits::of_speed(s))
+    }
+
+    #[test]
     fn a_diagonal_is_as_fast_as_its_motors() {
         let s = Settings::prototype();
         let g = Geometry::new([mm(10.0), mm(10.0), 0, 0]);
-        let v = g.speed_limit(MmPerSec::from_num(1000), &belts(&s), &s).to_num::<f64>();
+        let v = speed_limit(&g, 1000.0, &s);
         // u = x + y runs sqrt(2) times as fast as the tool: 450 / 1.414, below the axes' 300 * 1.414.
         assert!((v - 318.198).abs() < 0.01, "{v}");
     }
@@ -242,17 +249,7 @@ mod tests {
     fn a_dense_extrusion_is_as_fast_as_the_extruder() {
         let s = Settings::prototype();
         let g = Geometry::new([mm(0.001), 0, 0, mm(10.0)]);
-        let v = g.speed_limit(MmPerSec::from_num(100), &belts(&s), &s).to_num::<f64>();
+        let v = speed_limit(&g, 100.0, &s);
         assert!((v - 0.008).abs() < 2e-5, "{v}");
-    }
-
-    #[test]
-    fn steps_and_millimetres_agree() {
-        let pitch = Pitch::new(StepsPerMm::from_num(80));
-        for v in [-417.6, -1.0, 0.0125, 0.3, 390.0] {
-            let steps = pitch.steps(Mm::from_num(v));
-            assert!((steps.to_num::<f64>() - 80.0 * v).abs() < 1e-6);
-            assert!((pitch.mm_bits(steps) - mm(v)).abs() <= 1);
-        }
     }
 }

@@ -15,44 +15,85 @@
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
-use super::geometry::{Belts, Bounds, Geometry, UNIT, acceleration, speed};
+use super::geometry::{Belts, Geometry, Limits, Shares, UNIT, speed};
 use super::number::{from_bits, root, to_bits};
 use super::trend::Trend;
 use crate::settings::{CornerRule, Settings};
-use crate::units::MmPerSec2;
 use core::f32::consts::SQRT_2;
 
 /// Half an angle with less than this is that of a way back: directions have 30 bits.
 const LEAST_SINE: f32 = 1e-7;
+
+/// The square of a turn that is none: by less than a millionth the coordinates' own digits turn moves of a metre. At 1 m/s the
+/// tool's speed jumps by a thousandth of a mm/s.
+const LEAST_TURN_SQ: f32 = 1e-12;
 
 /// A corner from which the tool keeps within so many mm may be due to rounded coordinates: thousandths of a millimetre put a
 /// corner up to 0.0014 mm off the line between its neighbours. At 3 m/s2 the direction may jump by 6 mm/s then: by 0.03 at
 /// 200 mm/s, the greatest angle that they make of chords of 0.1 mm.
 const ROUNDING: f32 = 0.0016;
 
+/// What a corner depends on beside its two moves.
+pub(super) struct Bearing<'a> {
+    /// Acceleration of the second move, in mm/s2.
+    pub acceleration: f32,
+    /// What axes and motors bear of it.
+    pub limits: &'a Limits,
+    /// The belt motors.
+    pub belts: &'a Belts,
+}
+
+impl Bearing<'_> {
+    /// What axes and motors bear along a change of direction of that length.
+    fn along(&self, [x, y, z]: [f32; 3], length: f32) -> f32 {
+        let part = 1.0 / length;
+        Shares::new([x * part, y * part, z * part], 0.0, self.belts).bound(self.acceleration, self.limits)
+    }
+}
+
 /// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`, with which the path has
 /// got the trend `trend`.
+#[inline(always)]
 pub(super) fn corner_speed_sq(
     before: &Geometry,
     after: &Geometry,
     trend: &Trend,
-    a: MmPerSec2,
-    belts: &Belts,
+    bearing: &Bearing<'_>,
     s: &Settings,
 ) -> u64 {
     if before.is_extruder_only() || after.is_extruder_only() {
         // The tool stands still in one of the two.
         return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
     }
+    let turn = difference(before, after);
+    let turn_sq = square(turn);
+    let mut most = if turn_sq < LEAST_TURN_SQ { f32::INFINITY } else { bend(before, after, turn, trend, bearing, s) };
+    let jump = (before.extrusion - after.extrusion).abs();
+    if jump > 0.0 {
+        let jerk = speed(s.extruder_jerk) / jump;
+        most = least(most, jerk * jerk);
+    }
+    to_bits(most)
+}
+
+/// The greatest speed squared, in mm2/s2, at which the direction of the tool may change by `turn`.
+fn bend(
+    before: &Geometry,
+    after: &Geometry,
+    turn: [f32; 3],
+    trend: &Trend,
+    bearing: &Bearing<'_>,
+    s: &Settings,
+) -> f32 {
     // The angle between the moves is pi minus the change of direction: its half has the cosine and the sine of half
     // the difference and half the sum of the two directions.
-    let turn = combine(before, after, |p, q| q - p);
-    let (turn_length, sum_length) = (length(turn), length(combine(before, after, |p, q| q + p)));
-    let (cosine, sine) = (0.5 * turn_length, 0.5 * sum_length);
+    let turn_length = root(square(turn));
+    let cosine = 0.5 * turn_length;
+    let sine = 0.5 * root(square(sum(before, after)));
     if sine < LEAST_SINE {
-        return 0;
+        return 0.0;
     }
-    let bears = bears(turn, turn_length, a, belts, s);
+    let bears = bearing.along(turn, turn_length);
     let base = match s.corner {
         CornerRule::JunctionDeviation(d) => bears * from_bits(d.to_bits().unsigned_abs()),
         CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
@@ -60,17 +101,19 @@ pub(super) fn corner_speed_sq(
     // 1 - sine without its cancellation.
     let sharpness = sine * (1.0 + sine) / (cosine * cosine);
     let bend = base * sharpness;
-    let curve = 0.5 * from_bits(before.length.min(after.length)) * bears * sine / cosine;
-    let curve = greatest(curve, least(average(trend, a, belts, s), bears * ROUNDING * sharpness));
-    let jump = (before.extrusion - after.extrusion).abs();
-    let jerk = speed(s.extruder_jerk) / jump;
-    to_bits(least(least(bend, curve), jerk * jerk))
+    let curve = 0.5 * least(before.size, after.size) * bears * sine / cosine;
+    if bend < curve {
+        return bend;
+    }
+    let rounding = bears * ROUNDING * sharpness;
+    // The average is asked for only where it matters.
+    if rounding < curve { curve } else { least(bend, greatest(curve, least(average(trend, bearing), rounding))) }
 }
 
 /// What a curve allows that bends as the path does on average.
-fn average(trend: &Trend, a: MmPerSec2, belts: &Belts, s: &Settings) -> f32 {
+fn average(trend: &Trend, bearing: &Bearing<'_>) -> f32 {
     let (turn, length, radius) = trend.bend();
-    bears(turn, length, a, belts, s) * radius
+    if length > 0.0 { bearing.along(turn, length) * radius } else { f32::INFINITY }
 }
 
 /// The lesser of two limits; one over nothing is none.
@@ -83,28 +126,22 @@ fn greatest(a: f32, b: f32) -> f32 {
     if a < b { b } else { a }
 }
 
-/// Two directions, combined.
-fn combine(before: &Geometry, after: &Geometry, combine: impl Fn(i64, i64) -> i64) -> [f32; 3] {
+/// The change of direction. It has 30 bits, which single precision would not leave of it.
+fn difference(before: &Geometry, after: &Geometry) -> [f32; 3] {
     let ([px, py, pz], [qx, qy, qz]) = (before.unit, after.unit);
-    // Half of it fits 32 bits.
-    let axis = |p: i32, q: i32| ((combine(p.into(), q.into()) >> 1) as i32) as f32 * const { 2.0 / UNIT as f32 };
+    let axis = |p: i32, q: i32| q.saturating_sub(p) as f32 * const { 1.0 / UNIT as f32 };
     [axis(px, qx), axis(py, qy), axis(pz, qz)]
 }
 
-fn length([x, y, z]: [f32; 3]) -> f32 {
-    root(x * x + y * y + z * z)
+/// The sum of the two directions.
+fn sum(before: &Geometry, after: &Geometry) -> [f32; 3] {
+    let ([px, py, pz], [qx, qy, qz]) = (before.unit, after.unit);
+    let axis = |p: i32, q: i32| q.saturating_add(p) as f32 * const { 1.0 / UNIT as f32 };
+    [axis(px, qx), axis(py, qy), axis(pz, qz)]
 }
 
-/// What axes and motors bear along a change of direction, at most `a`.
-fn bears(turn: [f32; 3], length: f32, a: MmPerSec2, belts: &Belts, s: &Settings) -> f32 {
-    let axes = s.axes.map(|a| acceleration(a.max_acceleration));
-    let motor = acceleration(s.motor_max_acceleration);
-    let mut bounds = Bounds::new(acceleration(a));
-    for (most, share) in axes.to_array().into_iter().zip(turn) {
-        bounds.bound(most, share, length);
-    }
-    belts.bound(&mut bounds, motor, turn, length);
-    bounds.value()
+fn square([x, y, z]: [f32; 3]) -> f32 {
+    x * x + y * y + z * z
 }
 
 /// Two retractions in a row are one if they go the same way.
@@ -115,10 +152,16 @@ fn extruder_only(before: &Geometry, after: &Geometry) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::{Mm, MmPerSec};
+    use crate::motion::geometry::acceleration;
+    use crate::units::{Mm, MmPerSec, MmPerSec2};
 
     fn belts(s: &Settings) -> Belts {
         Belts::new(&crate::kinematics::Groups::new(&s.mechanism))
+    }
+
+    fn at_corner(before: &Geometry, after: &Geometry, trend: &Trend, a: MmPerSec2, s: &Settings) -> u64 {
+        let bearing = Bearing { acceleration: acceleration(a), limits: &Limits::of_acceleration(s), belts: &belts(s) };
+        corner_speed_sq(before, after, trend, &bearing, s)
     }
 
     fn heading(degrees: f64) -> Geometry {
@@ -132,7 +175,7 @@ mod tests {
         for way in [before, before, after] {
             trend.follow(way);
         }
-        corner_speed_sq(before, after, &trend, a, &belts(s), s)
+        at_corner(before, after, &trend, a, s)
     }
 
     fn speed(turn: f64, s: &Settings) -> f64 {
@@ -178,10 +221,10 @@ mod tests {
             trend.follow(&chord(0.01 * f64::from(i)));
         }
         let a = MmPerSec2::from_num(3000);
-        let sq = corner_speed_sq(&chord(0.37), &chord(0.39), &trend, a, &belts(&s), &s) as f64 / 2f64.powi(32);
+        let sq = at_corner(&chord(0.37), &chord(0.39), &trend, a, &s) as f64 / 2f64.powi(32);
         assert!((sq / 30_000.0 - 1.0).abs() < 1e-2, "{sq}");
         // Three times as great on a circle of 1 mm is none that rounding makes.
-        let sq = corner_speed_sq(&chord(0.1), &chord(0.4), &trend, a, &belts(&s), &s) as f64 / 2f64.powi(32);
+        let sq = at_corner(&chord(0.1), &chord(0.4), &trend, a, &s) as f64 / 2f64.powi(32);
         assert!((sq / 1000.0 - 1.0).abs() < 1e-2, "{sq}");
     }
 

@@ -1,6 +1,8 @@
 //! The Console's end of the motion: puts work into the MoveQueue and knows how much of it is left.
 
 use super::moves::{Entry, Work};
+use super::step_counts::StepCounts;
+use crate::motors::MOST_GROUPS;
 use crate::port::Pend;
 use crate::status::Status;
 use heapless::spsc::Producer;
@@ -9,6 +11,7 @@ use heapless::spsc::Producer;
 pub struct Link<'m, W: Pend> {
     queue: Producer<'m, Entry>,
     status: &'m Status,
+    counts: StepCounts<'m>,
     pend: W,
     epoch: u8,
     /// Entries ever queued, wrapping.
@@ -21,13 +24,18 @@ pub struct Link<'m, W: Pend> {
 
 impl<'m, W: Pend> Link<'m, W> {
     /// The end `queue` of the MoveQueue.
-    pub fn new(queue: Producer<'m, Entry>, status: &'m Status, pend: W) -> Self {
-        Self { queue, status, pend, epoch: status.epoch(), entries: 0, left: 0, seen: status.tick() }
+    pub fn new(queue: Producer<'m, Entry>, status: &'m Status, counts: StepCounts<'m>, pend: W) -> Self {
+        Self { queue, status, counts, pend, epoch: status.epoch(), entries: 0, left: 0, seen: status.tick() }
     }
 
     /// What the contexts know of each other.
     pub const fn status(&self) -> &'m Status {
         self.status
+    }
+
+    /// Steps that each group of motors has really made, signed.
+    pub fn counts(&self) -> [i32; MOST_GROUPS] {
+        self.counts.read()
     }
 
     /// Whether the queue takes another entry.

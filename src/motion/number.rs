@@ -37,26 +37,29 @@ pub(crate) fn root(square: f32) -> f32 {
     if square <= 0.0 {
         return 0.0;
     }
-    let mut root = f32::from_bits((square.to_bits() >> 1) + 0x1FBD_1DF5);
-    for _ in 0..3 {
-        root = 0.5 * (root + square / root);
-    }
-    root
+    // Written out: firmware is made for size, which leaves loops as they are.
+    let root = f32::from_bits((square.to_bits() >> 1) + 0x1FBD_1DF5);
+    let root = 0.5 * (root + square / root);
+    let root = 0.5 * (root + square / root);
+    0.5 * (root + square / root)
 }
 
-/// The square root of a 64-bit square in 32 bits, wrong by at most one in the last. What single precision leaves is made
-/// up by one of Newton's steps in integers.
+/// The square root of a 64-bit square in 32 bits, wrong by at most one in the last.
 pub(crate) fn root_of(square: u64) -> u32 {
     if square == 0 {
         return 0;
     }
     let shift = square.leading_zeros() & !1;
-    let scaled = square << shift;
-    let guess = root(((scaled >> 32) as u32) as f32);
+    large_root(square << shift) >> (shift / 2)
+}
+
+/// The same of a square of at least 2^60. What single precision leaves is made up by one of Newton's steps in integers.
+pub(crate) fn large_root(square: u64) -> u32 {
+    let guess = root(((square >> 32) as u32) as f32);
     let whole = (guess * 65536.0) as u32;
-    let rest = scaled.wrapping_sub(u64::from(whole) * u64::from(whole)) as i64;
+    let rest = square.wrapping_sub(u64::from(whole) * u64::from(whole)) as i64;
     let correction = ((rest >> 16) as i32) as f32 / (guess + guess);
-    whole.saturating_add_signed(correction as i32) >> (shift / 2)
+    whole.saturating_add_signed(correction as i32)
 }
 
 /// A number with 32 fractional bits, as a number.
@@ -64,16 +67,15 @@ pub(crate) fn from_bits(bits: u64) -> f32 {
     ((bits >> 32) as u32) as f32 + ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 }
 }
 
-/// A number from 0 on with 32 fractional bits; saturates.
+/// A number from 0 on with 32 fractional bits; saturates, and so does what is no number.
 pub(crate) fn to_bits(number: f32) -> u64 {
-    let raw = number.to_bits();
-    let (exponent, mantissa) = ((raw >> 23) as i32 - 127, u64::from(raw & 0x7F_FFFF | 0x80_0000));
-    match exponent + 32 - 23 {
-        _ if number <= 0.0 => 0,
-        shift if shift >= 40 => u64::MAX,
-        shift if shift >= 0 => mantissa << shift,
-        shift if shift > -24 => mantissa >> -shift,
-        _ => 0,
+    const MOST: f32 = 4_294_967_296.0;
+    if number < MOST {
+        // Both differences and products are exact.
+        let whole = number as u32;
+        u64::from(whole) << 32 | u64::from(((number - whole as f32) * MOST) as u32)
+    } else {
+        u64::MAX
     }
 }
 

@@ -3,13 +3,15 @@
 //! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
 //! the geometry of a move is taken between its real ends.
 
-use super::geometry::{Belts, Geometry, Pitch};
-use super::junction::corner_speed_sq;
+use super::geometry::{Belts, Geometry, Limits, Shares, acceleration};
+use super::junction::{Bearing, corner_speed_sq};
 use super::moves::Move;
 use super::overrides::Override;
-use super::profile::ramps_of;
+use super::pitch::Pitch;
+use super::planned::{FORCED_BATCH, MoveMemory, OPEN, Planned, WINDOW};
+use super::profile::{Way, ramps_of};
 use super::trend::Trend;
-use super::window::{FORCED_BATCH, MoveMemory, Planned, WINDOW, Window};
+use super::window::Window;
 use crate::kinematics::Groups;
 use crate::port::EndstopSet;
 use crate::settings::Settings;
@@ -35,8 +37,8 @@ const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 /// Ends of moves at least this long are put on whole steps of x and y, and of z where it shares motors with them. Then an
 /// axis-parallel move steps all motors that it needs in the same events, and the half step by which the end may be off
 /// bends the path by less than 0.4 degrees. Shorter moves keep their fractions of a step, or the speed along a finely cut curve
-/// would ripple.
-const SNAP_LENGTH: u64 = 1 << 32;
+/// would ripple. (A millimetre, of which a way has 32 bits.)
+const SNAP_LENGTH: u64 = (1 << 32) - 8;
 
 /// Looks ahead over targets and releases moves.
 pub struct Planner<'m> {
@@ -49,8 +51,10 @@ pub struct Planner<'m> {
     pub(super) end: [Steps; 4],
     /// Where it was asked to end: an axis that is asked for the same again stays where it is.
     pub(super) asked: [Mm; 4],
-    /// The last move and its nominal speed squared, for the corner to the next.
-    pub(super) last: (Geometry, u64),
+    /// The last move, for the corner to the next.
+    last: Geometry,
+    /// The speed squared that it passes on.
+    pub(super) passed_on: u64,
     /// How much the path bends there.
     trend: Trend,
     /// Nominal time of the moves in the window, in ticks.
@@ -75,7 +79,8 @@ impl<'m> Planner<'m> {
             is_z_shared: settings.mechanism.share(0, 2) || settings.mechanism.share(1, 2),
             end: [Steps::ZERO; 4],
             asked: position,
-            last: (Geometry::new([0; 4]), 0),
+            last: Geometry::new([0; 4]),
+            passed_on: 0,
             trend: Trend::default(),
             waiting: 0,
             wanted: Override::NONE,
@@ -104,22 +109,17 @@ impl<'m> Planner<'m> {
     /// A position in mm.
     #[must_use]
     pub fn mm(&self, steps: [Steps; 4]) -> [Mm; 4] {
-        self.mm_bits(steps).map(Mm::from_bits)
-    }
-
-    fn mm_bits(&self, steps: [Steps; 4]) -> [i64; 4] {
         let [x, y, z, e] = self.pitch;
         let [sx, sy, sz, se] = steps;
-        [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz), e.mm_bits(se)]
+        [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz), e.mm_bits(se)].map(Mm::from_bits)
     }
 
-    /// The way from the end of the last move to `end`, in raw `Mm` bits.
-    fn way_to(&self, end: [Steps; 4]) -> [i64; 4] {
-        let mut way = end;
-        for (to, from) in way.iter_mut().zip(self.end) {
-            *to = to.wrapping_sub(from);
-        }
-        self.mm_bits(way)
+    /// The way from the end of the last move to `end`.
+    #[inline(never)]
+    fn geometry_to(&self, [x, y, z, e]: [Steps; 4]) -> Geometry {
+        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.pitch, self.end);
+        let (x, y) = (px.way(x.wrapping_sub(from_x)), py.way(y.wrapping_sub(from_y)));
+        Geometry::new([x, y, pz.way(z.wrapping_sub(from_z)), pe.way(e.wrapping_sub(from_e))])
     }
 
     /// Forgets all moves: the machine stands at `position` in steps.
@@ -141,91 +141,110 @@ impl<'m> Planner<'m> {
     /// Plans a move to `target`; false if it has no length and is none. The caller has asked
     /// [`has_room`](Self::has_room).
     pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
+        while !self.prepare() {}
         let Some((end, vector)) = self.lay_out(target.position) else {
             return false;
         };
+        let is_extruder_only = vector.is_extruder_only();
         let [x, y, z, _] = self.asked;
         let e = target.position[3];
-        self.asked = if vector.is_extruder_only() { [x, y, z, e] } else { target.position };
-        let (least, acceleration) = purpose(&vector, settings);
+        self.asked = if is_extruder_only { [x, y, z, e] } else { target.position };
+        let (least, most) = purpose(&vector, settings);
         let feed = target.speed.max(least);
-        let acceleration = vector.acceleration_limit(acceleration, &self.belts, settings);
-        let (before, passed_on) = self.last;
+        let shares = Shares::new(vector.direction, vector.extrusion, &self.belts);
+        let limits = Limits::of_acceleration(settings);
+        let bears = shares.bound(acceleration(most), &limits);
+        let bearing = Bearing { acceleration: bears, limits: &limits, belts: &self.belts };
         self.trend.follow(&vector);
+        let corner = corner_speed_sq(&self.last, &vector, &self.trend, &bearing, settings);
+        let fastest = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
         let mut planned = Planned {
-            end,
-            vector,
-            ramps: if vector.is_extruder_only() {
-                vector.length
-            } else {
-                ramps_of(vector.length, settings.minimum_cruise_ratio)
+            way: Way {
+                length: vector.length,
+                ramps: if is_extruder_only {
+                    vector.length
+                } else {
+                    ramps_of(vector.length, settings.minimum_cruise_ratio)
+                },
+                acceleration: MmPerSec2::from_bits((bears * 256.0) as u32).max(MmPerSec2::DELTA),
+                nominal: feed,
+                end,
+                watch: target.watch,
             },
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
-            nominal: feed,
-            acceleration,
-            corner: corner_speed_sq(&before, &vector, &self.trend, acceleration, &self.belts, settings),
+            most: MmPerSec::from_bits((fastest * 65536.0) as u32),
+            corner,
             cap: 0,
-            before: 0,
-            exit: None,
+            before: self.window.sum(),
+            exit: OPEN,
             nominal_ticks: 0,
-            watch: target.watch,
-            advance: if vector.extrusion > 0.0 && !vector.is_extruder_only() {
-                settings.advance.time
-            } else {
-                Seconds::ZERO
-            },
+            advance: if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO },
         };
-        let wanted = if target.has_overrides { self.wanted.of(feed) } else { feed };
-        planned.set_nominal(wanted, &self.belts, settings);
-        planned.limit_entry(passed_on);
+        planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed });
         self.waiting += u64::from(planned.nominal_ticks);
-        self.last = (vector, planned.passed_on());
+        planned.limit_entry(self.passed_on);
+        self.passed_on = planned.passed_on();
+        self.last = vector;
         self.window.push(planned);
         self.end = end;
         self.moves = self.moves.wrapping_add(1);
-        if !vector.is_extruder_only() {
+        if !is_extruder_only {
             self.path = self.path.wrapping_add(vector.length);
         }
         true
     }
 
+    /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been done.
+    /// Without it [`push`](Self::push) does all of it.
+    #[inline(always)]
+    pub fn prepare(&mut self) -> bool {
+        if self.plan_anew() && self.window.is_settled() {
+            return true;
+        }
+        if self.is_planned() {
+            self.window.settle();
+        }
+        false
+    }
+
     /// Whether a target at `position` would be a move.
     #[must_use]
+    #[inline(never)]
     pub fn is_move(&self, position: [Mm; 4]) -> bool {
         self.lay_out(position).is_some()
     }
 
     /// The last move ended early, at `position`: takes back the path that was not made.
     pub fn fall_short(&mut self, position: [Steps; 4]) {
-        let [x, y, z, _] = self.way_to(position);
-        self.path = self.path.wrapping_sub(Geometry::new([x, y, z, 0]).length);
+        let way = self.geometry_to(position);
+        if !way.is_extruder_only() {
+            self.path = self.path.wrapping_sub(way.length);
+        }
     }
 
     /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
+    #[inline(always)]
     fn lay_out(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
-        let mut end = self.steps(position);
-        for (i, end) in end.iter_mut().enumerate() {
-            if position.get(i) == self.asked.get(i) {
-                *end = self.end.get(i).copied().unwrap_or(*end);
-            }
-        }
-        let way = self.way_to(end);
-        let [dx, dy, dz, de] = way;
-        let dz = if self.is_z_shared { dz } else { 0 };
-        if dx.unsigned_abs().max(dy.unsigned_abs()).max(dz.unsigned_abs()) >= SNAP_LENGTH {
-            let [x, y, z, e] = end;
+        // Written out: firmware is made for size, which leaves loops and arrays as they are.
+        let ([x, y, z, e], [asked_x, asked_y, asked_z, asked_e]) = (position, self.asked);
+        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.pitch, self.end);
+        let (x, dx) = px.lay_out(x, asked_x, from_x);
+        let (y, dy) = py.lay_out(y, asked_y, from_y);
+        let (z, dz) = pz.lay_out(z, asked_z, from_z);
+        let (e, de) = pe.lay_out(e, asked_e, from_e);
+        let is_long = |way: i64| way.unsigned_abs() >= SNAP_LENGTH;
+        if is_long(dx) || is_long(dy) || (self.is_z_shared && is_long(dz)) {
             let z = if self.is_z_shared { z.wrapping_round() } else { z };
             let end = [x.wrapping_round(), y.wrapping_round(), z, e];
-            return Some((end, Geometry::new(self.way_to(end))));
+            return Some((end, self.geometry_to(end)));
         }
-        let vector = Geometry::new(way);
+        let vector = Geometry::new([dx, dy, dz, de]);
         if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
             // What the tool still lacks is part of the next target.
-            let [x, y, z, _] = self.end;
             let extrusion = Geometry::new([0, 0, 0, de]);
-            return (extrusion.length >= LEAST_LENGTH).then_some(([x, y, z, end[3]], extrusion));
+            return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
         }
-        Some((end, vector))
+        Some(([x, y, z, e], vector))
     }
 
     /// Whether another move can be planned.
@@ -243,7 +262,7 @@ impl<'m> Planner<'m> {
     /// Whether [`pop`](Self::pop) would give a move.
     #[must_use]
     pub fn has_ready(&self) -> bool {
-        self.window.has_ready()
+        self.window.is_planned() && self.window.has_ready()
     }
 
     /// Whether no move waits.
@@ -270,10 +289,10 @@ impl<'m> Planner<'m> {
         (self.moves, ((self.path as u128 * 1000) >> 32) as u32)
     }
 
-    /// Nominal time of the moves that are final, in ticks.
-    #[must_use]
-    pub fn final_time(&self) -> u64 {
-        self.window.final_time()
+    /// Looks at a few more moves whether they are final. Gives the nominal time of those that are known to be, in ticks, and
+    /// whether that is all of them.
+    pub fn final_time(&mut self) -> (u64, bool) {
+        if self.plan_anew() { self.window.judge() } else { (0, false) }
     }
 
     /// Lets the first move leave, final or not.
@@ -281,9 +300,9 @@ impl<'m> Planner<'m> {
         self.window.force(1);
     }
 
-    /// Lets a few moves leave, unless the first is final: the window is full.
+    /// Lets a few moves leave, unless the first is final or not [planned](Self::is_planned): the window is full.
     pub fn release_some(&mut self) {
-        if !self.window.has_ready() {
+        if self.is_planned() && !self.has_ready() {
             self.window.force(FORCED_BATCH);
         }
     }
@@ -293,8 +312,12 @@ impl<'m> Planner<'m> {
         self.window.force(usize::MAX);
     }
 
-    /// Takes the next move that may leave.
+    /// Takes the next move that may leave; none does while moves are [planned anew](Self::plan_anew).
+    #[inline(always)]
     pub fn pop(&mut self) -> Option<Move> {
+        if !self.window.is_planned() {
+            return None;
+        }
         let (released, ticks) = self.window.pop(self.gone)?;
         self.waiting = self.waiting.saturating_sub(u64::from(ticks));
         self.gone = released.end[3];

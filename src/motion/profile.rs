@@ -9,20 +9,9 @@
 
 use super::geometry::acceleration;
 use super::moves::{Move, WHOLE};
-use super::number::{from_bits, root_of, to_bits};
+use super::number::{from_bits, root, root_of, to_bits};
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec2, Ratio, Steps, TICKS_PER_SECOND, mul_div};
-
-/// The speeds of a move, squared, in raw bits of 2^-32 mm2/s2.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Speeds {
-    /// At its begin.
-    pub entry: u64,
-    /// Not to be exceeded.
-    pub nominal: u64,
-    /// At its end.
-    pub exit: u64,
-}
+use crate::units::{MmPerSec, MmPerSec2, Ratio, Steps, TICKS_PER_SECOND};
 
 /// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
 #[must_use]
@@ -40,22 +29,22 @@ pub(super) fn speed(square: u64) -> u64 {
     if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
 }
 
-/// Time in ticks times 2^16 to change the speed by `change` (2^-32 mm/s).
-fn ramp_time(change: u64, a: MmPerSec2) -> u64 {
-    let ticks = from_bits(change) / acceleration(a) * const { TICKS_PER_SECOND as f32 };
-    to_bits(ticks) >> 16
+/// Ticks as a time in ticks times 2^16.
+fn to_time(ticks: f32) -> u64 {
+    to_bits(ticks * const { 1.0 / 65536.0 })
 }
 
-/// Time in ticks times 2^16 over `length` at a nominal speed, which has 16 fractional bits. It may be long, so every bit
-/// counts.
-fn cruise_time(length: u64, speed: u64) -> u64 {
-    if length == 0 { 0 } else { mul_div(length, u64::from(TICKS_PER_SECOND), (speed >> 16).max(1)) }
-}
-
-/// The same at any speed, for a cruise between two ramps that do not reach the nominal speed.
-fn short_time(length: u64, speed: u64) -> u64 {
-    let ticks = from_bits(length) / from_bits(speed) * const { TICKS_PER_SECOND as f32 };
-    to_bits(ticks) >> 16
+/// Time in ticks times 2^16 over `level` (raw `Mm` bits) at a nominal speed (raw `MmPerSec` bits). It may be long, so
+/// every bit counts: what single precision leaves is made up by one of Newton's steps, to 2^-16 of a tick in three
+/// minutes and to a thousandth of one in hours.
+fn cruise_time(level: u64, nominal: u32) -> u64 {
+    let speed = nominal as f32 * const { 1.0 / 65536.0 };
+    let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 });
+    // Both products may wrap; their difference fits 63 bits.
+    let product = level.wrapping_mul(TICKS_PER_SECOND.into());
+    let rest = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
+    let rest = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 + (rest as u32) as f32;
+    guess.saturating_add_signed(i64::from((rest / nominal as f32) as i32))
 }
 
 /// `part / whole`, scaled by [`WHOLE`].
@@ -76,51 +65,116 @@ pub(super) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
 
 /// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
 #[must_use]
-pub fn ramps_of(length: u64, cruise: Ratio) -> u64 {
+pub(super) fn ramps_of(length: u64, cruise: Ratio) -> u64 {
+    const WIDTH: u32 = Ratio::FRAC_NBITS;
     let part = u64::from((Ratio::ONE.saturating_sub(cruise)).to_bits());
-    mul_div(length, part, const { Ratio::ONE.to_bits() as u64 })
+    (((length >> 32) * part) << (32 - WIDTH)) + (((length & 0xFFFF_FFFF) * part) >> WIDTH)
 }
 
-/// A move over `length` raw `Mm` bits to `end`, of which `ramps` are for accelerating and braking if entry and exit allow
-/// it. The entry and exit speed must be possible: `|exit - entry| <= gain(a, length)` but for rounding.
+/// What a trapezoid is made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    /// Its length in raw `Mm` bits.
+    pub length: u64,
+    /// So much of that is for accelerating and braking, if entry and exit allow it.
+    pub ramps: u64,
+    /// Acceleration of the ramps.
+    pub acceleration: MmPerSec2,
+    /// Speed not to be exceeded.
+    pub nominal: MmPerSec,
+    /// Where it ends, in steps of x, y, z and e.
+    pub end: [Steps; 4],
+    /// Endstops that end it early.
+    pub watch: EndstopSet,
+}
+
+impl Way {
+    /// None.
+    pub const NONE: Self = Self {
+        length: 0,
+        ramps: 0,
+        acceleration: MmPerSec2::ZERO,
+        nominal: MmPerSec::ZERO,
+        end: [Steps::ZERO; 4],
+        watch: EndstopSet::NONE,
+    };
+}
+
+/// The move over a way that is entered and left with these speeds squared, in raw bits of 2^-32 mm2/s2, and its exit speed
+/// in mm/s; that of the entry is known. They must be possible: `|exit - entry| <= gain(a, length)` but for rounding.
 #[must_use]
-pub fn profile((length, ramps): (u64, u64), a: MmPerSec2, speeds: Speeds, end: [Steps; 4], watch: EndstopSet) -> Move {
-    let meet = speeds.entry / 2 + speeds.exit / 2 + gain(a, ramps) / 2;
-    let brakes_first = speeds.entry > speeds.nominal;
-    let least = if brakes_first { 1 } else { speeds.entry.max(1) };
-    let peak = speeds.nominal.min(meet).max(speeds.exit).max(least);
-    let (entry_speed, exit_speed) = (speed(speeds.entry), speed(speeds.exit));
+#[inline(always)]
+pub(super) fn profile(way: &Way, (entry, entry_speed): (u64, f32), exit: u64) -> (Move, f32) {
+    let Way { length, ramps, acceleration: a, nominal, end, watch } = *way;
+    let nominal_sq = u64::from(nominal.to_bits()) * u64::from(nominal.to_bits());
+    let meet = entry / 2 + exit / 2 + gain(a, ramps) / 2;
+    let brakes_first = entry > nominal_sq;
+    let least = if brakes_first { 1 } else { entry.max(1) };
+    let peak = nominal_sq.min(meet).max(exit).max(least);
+    let size = from_bits(length);
+    let twice_a = acceleration(a) * 2.0;
+    let exit_speed = if exit == entry { entry_speed } else { root(from_bits(exit)) };
     // In the middle of a long ramp the peak is one of the ends, and its root known.
     let peak_speed = match peak {
-        _ if peak == speeds.exit => exit_speed,
-        _ if peak == speeds.entry => entry_speed,
-        _ => speed(peak),
+        _ if peak == exit => exit_speed,
+        _ if peak == entry => entry_speed,
+        _ => root(from_bits(peak)),
     };
-
-    let rise = ramp_length(peak.abs_diff(speeds.entry), a).min(length);
-    let fall = ramp_length(peak - speeds.exit, a).min(length - rise);
-    let level = length - rise - fall;
-    // A ramp's length is its time times the mean of its two speeds.
-    let share = |one: u64, other: u64| {
-        let (one, other) = (from_bits(one), from_bits(other));
-        let slow = if one < other { one } else { other };
-        ((slow + slow) / (one + other) * const { WHOLE as f32 }) as u32
+    let rise = Ramp::new(peak.abs_diff(entry), twice_a, entry_speed, peak_speed);
+    let fall = Ramp::new(peak - exit, twice_a, exit_speed, peak_speed);
+    // In integers, for a cruise may be long.
+    let level = length.saturating_sub(to_bits(rise.length)).saturating_sub(to_bits(fall.length));
+    let scale = const { WHOLE as f32 } / size;
+    let accelerated = ((rise.length * scale) as u32).min(WHOLE);
+    let cruised = (WHOLE - ((fall.length * scale) as u32).min(WHOLE)).max(accelerated);
+    // What rounding leaves of a move that only ramps fill is no cruise: it would have time, but no way.
+    let cruise = match level {
+        _ if cruised == accelerated => 0,
+        _ if peak == nominal_sq => cruise_time(level, nominal.to_bits()),
+        _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };
-    Move {
+    let planned = Move {
         end,
-        accelerated: if rise == 0 { 0 } else { fraction(rise, length) },
-        cruised: if fall == 0 { WHOLE } else { fraction(length - fall, length) },
-        entry_share: share(entry_speed, peak_speed),
-        exit_share: share(exit_speed, peak_speed),
-        accelerate: ramp_time(peak_speed.abs_diff(entry_speed), a),
-        cruise: if peak == speeds.nominal { cruise_time(level, peak_speed) } else { short_time(level, peak_speed) },
-        decelerate: ramp_time(peak_speed - exit_speed, a),
+        accelerated,
+        cruised,
+        entry_share: rise.share,
+        exit_share: fall.share,
+        accelerate: rise.time,
+        cruise,
+        decelerate: fall.time,
         length,
         acceleration: a,
         advance: Steps::ZERO,
         brakes_first,
-        rests: speeds.exit == 0,
+        rests: exit == 0,
         watch,
+    };
+    (planned, exit_speed)
+}
+
+/// A phase in which the speed changes.
+struct Ramp {
+    /// In mm.
+    length: f32,
+    /// In ticks times 2^16.
+    time: u64,
+    /// The part of it that its lower speed alone would cover in its time, scaled by [`WHOLE`].
+    share: u32,
+}
+
+impl Ramp {
+    /// One on which the squared speed changes by `change`, given twice the acceleration and the speeds at both ends. Its
+    /// time is its length over the mean of the two, in which nothing cancels; the difference of two roots would.
+    #[inline(always)]
+    fn new(change: u64, twice_a: f32, end: f32, peak: f32) -> Self {
+        let sum = end + peak;
+        let slow = if end < peak { end } else { peak };
+        let share = ((slow + slow) / sum * const { WHOLE as f32 }) as u32;
+        if change == 0 {
+            return Self { length: 0.0, time: 0, share };
+        }
+        let length = from_bits(change) / twice_a;
+        Self { length, time: to_time(length / sum * const { 2.0 * TICKS_PER_SECOND as f32 }), share }
     }
 }
 
@@ -142,10 +196,18 @@ mod tests {
     }
 
     fn cruising(ratio: f64, length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
-        let speeds = Speeds { entry: sq(entry), nominal: sq(nominal), exit: sq(exit) };
         let length = Mm::from_num(length).to_bits() as u64;
-        let ramps = ramps_of(length, Ratio::from_num(ratio));
-        profile((length, ramps), MmPerSec2::from_num(a), speeds, [Steps::ZERO; 4], EndstopSet::NONE)
+        let way = Way {
+            length,
+            ramps: ramps_of(length, Ratio::from_num(ratio)),
+            acceleration: MmPerSec2::from_num(a),
+            nominal: MmPerSec::from_num(nominal),
+            end: [Steps::ZERO; 4],
+            watch: EndstopSet::NONE,
+        };
+        let (planned, exit_speed) = profile(&way, (sq(entry), entry as f32), sq(exit));
+        assert!((f64::from(exit_speed) - exit).abs() <= 1e-7 * exit);
+        planned
     }
 
     #[test]
@@ -155,6 +217,15 @@ mod tests {
         assert!((seconds(m.cruise) - (60.0 - 100.0 / 30.0) / 100.0).abs() < 1e-7);
         assert_eq!(m.entry_share, 0);
         assert!(m.rests);
+    }
+
+    #[test]
+    fn a_cruise_is_right_to_the_tick_however_long() {
+        for (length, nominal) in [(468.0, 0.5), (4000.0, 0.25), (300.0, 33.5), (20.0, 20.0), (2.0, 255.0)] {
+            let m = run(length, 3000.0, nominal, nominal, nominal);
+            let error = m.cruise as f64 / 65536.0 - length / nominal * 1e7;
+            assert!(error.abs() < 0.01, "{length} mm at {nominal} mm/s: off by {error} ticks");
+        }
     }
 
     #[test]

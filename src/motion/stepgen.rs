@@ -1,23 +1,24 @@
 //! The step generator: from released moves to step events.
 //!
 //! Moves are laid out as a [`Trajectory`], which every motor group follows in pieces in which its position is a
-//! quadratic in time. The next event is the earliest next step of any group, with all groups that step in the same
-//! tick. A group's count is always the position rounded to the nearest step, a step being due where the position
-//! crosses a half.
+//! quadratic in time. A group's count is always the position rounded to the nearest step, a step being due where the
+//! position crosses a half. Each group's next steps are found some at a time, as long as its piece lasts; then the steps
+//! of all groups are merged to events, up to where one of the groups must look further.
 //!
 //! Time is counted in ticks times 2^16 from the start of the epoch; only the instant of a step is rounded to a whole
 //! tick.
 
 mod brake;
+mod merge;
 mod supply;
 
+use super::ahead::earlier;
 use super::course::{Course, Tail};
 use super::event::LONGEST_INTERVAL;
 use super::moves::Entry;
 use super::queue::{StepsIn, Word};
-use super::track::Track;
+use super::track::{NEAR, Track};
 use super::trajectory::{Place, SpanMemory, Trajectory};
-use super::turn::{Next, Turn};
 use crate::kinematics::Groups;
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
@@ -26,9 +27,9 @@ use brake::Braking;
 use heapless::spsc::Consumer;
 use supply::Supply;
 
-/// Events made in one call of [`StepGenerator::run`]: about a third of a millisecond on a Cortex-M4, after which the
-/// interrupts of the same priority get their turn.
-const BATCH: u32 = 64;
+/// Events made in one call of [`StepGenerator::run`]: some 10,000 instructions, 0.1 ms at 125 million a second, after which
+/// the interrupts of the same priority get their turn.
+const BATCH: u32 = 128;
 
 /// What is being done.
 enum Task {
@@ -44,17 +45,18 @@ enum Task {
 }
 
 /// Turns moves into step events.
-pub struct StepGenerator<'m, W: Pend> {
+pub struct StepGenerator<'m> {
     moves: Consumer<'m, Entry>,
     events: StepsIn<'m>,
     status: &'m Status,
     mechanism: &'m Groups,
-    pend: W,
     epoch: u8,
     task: Task,
     course: Course,
     trajectory: Trajectory<'m>,
     tracks: [Track; MOST_GROUPS],
+    /// Their counts when they were last told.
+    told: [i32; MOST_GROUPS],
     /// Tick of the last event.
     last: u64,
     /// The Stepper's tick when the epoch began.
@@ -68,28 +70,29 @@ pub struct StepGenerator<'m, W: Pend> {
     watch: EndstopSet,
 }
 
-impl<'m, W: Pend> StepGenerator<'m, W> {
-    /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. It learns where the machine stands from the first
+impl<'m> StepGenerator<'m> {
+    /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. The
+    /// Stepper is there already. It learns where the machine stands from the first
     /// [`Work::Position`](super::moves::Work::Position).
     pub fn new(
         moves: Consumer<'m, Entry>,
-        events: StepsIn<'m>,
+        mut events: StepsIn<'m>,
         spans: &'m mut SpanMemory,
         status: &'m Status,
         mechanism: &'m Groups,
-        pend: W,
     ) -> Self {
+        events.set_slow_groups(status.slow_groups());
         Self {
             moves,
             events,
             status,
             mechanism,
-            pend,
             epoch: status.epoch(),
             task: Task::Nothing,
             course: Course::NONE,
             trajectory: Trajectory::new(spans),
-            tracks: core::array::from_fn(Track::still),
+            tracks: [Track::STILL; MOST_GROUPS],
+            told: [0; MOST_GROUPS],
             last: 0,
             base: status.tick(),
             braking: Braking::No,
@@ -102,11 +105,23 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
 
     /// Makes step events until they reach far enough ahead, nothing is left to do, or a bounded amount of work is
     /// done; in the last case it pends itself. Call it whenever either queue may have moved.
-    pub fn run(&mut self) {
+    pub fn run(&mut self, pend: &impl Pend) {
+        let is_more_to_do = self.make_events();
+        // A stepper that rests at what it has done last needs to be told of more.
+        if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
+            pend.pend_stepper();
+        }
+        if is_more_to_do {
+            pend.pend_generator();
+        }
+    }
+
+    /// Makes as many as one call may; whether there is more to do at once.
+    fn make_events(&mut self) -> bool {
         if self.status.epoch() != self.epoch || self.has_met_endstop() {
             self.begin_epoch();
         }
-        if self.braking == Braking::No && self.status.is_braking(self.epoch) {
+        if self.braking == Braking::No && self.status.is_braking(self.epoch) && !self.has_met_endstop() {
             self.begin_brake();
         }
         let enough = self.enough();
@@ -114,44 +129,40 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         loop {
             let made = self.events.made().wrapping_sub(begin);
             if made >= BATCH {
-                break;
+                self.publish();
+                return true;
             }
             let room = self.events.room();
             if room == 0 || self.is_ahead(enough) {
                 self.publish();
-                if self.events.mark(self.events.len() / 2) {
-                    return;
-                }
-                break;
+                return !self.events.mark(self.events.len() / 2);
             }
             if !self.advance((BATCH - made).min(room as u32), enough) {
                 self.publish();
                 self.events.mark(0);
-                return;
+                return false;
             }
         }
-        self.publish();
-        self.pend.pend_generator();
     }
 
     /// Tells what is made.
     fn publish(&mut self) {
+        let counts = self.tracks.each_ref().map(Track::count);
+        let before = core::mem::replace(&mut self.told, counts);
+        self.status.add_steps_made(core::array::from_fn(|group| counts[group].wrapping_sub(before[group])));
         self.status.set_events_made(self.events.made());
-        // A stepper that rests at what it has done last needs to be told of more.
-        if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
-            self.pend.pend_stepper();
-        }
     }
 
-    /// Whether an endstop has ended this epoch's motion. The Stepper would discard whatever is left of it, and
-    /// until it has, nobody below us would run: over a second for a long move of Z.
+    /// Whether an endstop has ended this epoch's motion: the Stepper plays nothing of what is left of it.
     fn has_met_endstop(&self) -> bool {
         !self.status.triggered().is_empty()
     }
 
-    /// Drops the task of an epoch that is over.
+    /// Drops the task of an epoch that is over, and all its events that are not played.
     fn begin_epoch(&mut self) {
         self.epoch = self.status.epoch();
+        let unplayed = self.events.take_back();
+        self.status.add_steps_made(unplayed.map(i32::wrapping_neg));
         let is_under_way = !matches!(self.task, Task::Nothing | Task::Settling(false));
         self.task = Task::Nothing;
         if is_under_way {
@@ -163,59 +174,40 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
         self.behind = None;
         self.status.set_stopped(None);
         for track in &mut self.tracks {
-            track.stop();
+            track.stop(0);
         }
     }
 
     /// Some steps, a piece or an entry further; false if there is nothing to do.
     fn advance(&mut self, most: u32, enough: u32) -> bool {
         let now = self.last as u32;
-        self.tracks.iter_mut().for_each(|track| track.rest_on(now));
-        let turn = nearest(&self.tracks, now);
-        match turn.next() {
-            Next::Step => {
-                self.step(turn, most, enough);
-                true
-            }
-            Next::Change => self.lay_out(now, turn),
-            Next::Nothing => self.rest(),
+        // Up to there all groups' ways are known.
+        let mut until = now.wrapping_add(NEAR);
+        for track in &mut self.tracks {
+            track.look_ahead(now);
+            until = earlier(until, track.ahead.until());
         }
+        if self.merge(until, most, enough) {
+            return true;
+        }
+        // So slow that the next piece is too far from the last event.
+        if until == now.wrapping_add(NEAR) && self.tracks.iter().any(|track| track.end.time != u64::MAX) {
+            self.wait(NEAR);
+            return true;
+        }
+        if self.tracks.iter().any(|track| track.changes_at(until)) { self.lay_out(until) } else { self.rest() }
     }
 
-    /// Makes up to `most` events, and at least one, as long as there is nothing but steps and they are not far enough
-    /// ahead. All groups that step in one tick step in one event.
-    fn step(&mut self, mut turn: Turn, most: u32, enough: u32) {
-        let begin = self.last as u32;
-        let mut now = begin;
-        let mut word = self.waiting();
-        for _ in 0..most {
-            let interval = turn.wait();
-            now = now.wrapping_add(interval);
-            word = word.still();
-            while let Some(track) = self.tracks.get_mut(turn.group()) {
-                word = word.step(turn.group(), track.is_forward());
-                track.step();
-                turn = nearest(&self.tracks, now);
-                if turn.wait() != 0 || turn.next() != Next::Step {
-                    break;
-                }
-            }
-            debug_assert!(self.is_unstrained(word), "motors pull against each other");
-            self.events.put(interval, word);
-            if turn.next() != Next::Step || (now.wrapping_sub(enough) as i32) > 0 {
-                break;
-            }
-        }
-        self.forward = word.forward();
-        self.last += u64::from(now.wrapping_sub(begin));
-    }
-
-    /// Lays out the next pieces of all groups that change in the tick of `turn`; false if that must wait. One round for
-    /// all, for an axis that one group has followed further than its next piece is lost for the others.
-    fn lay_out(&mut self, now: u32, turn: Turn) -> bool {
+    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. One round for all, for an
+    /// axis that one group has followed further than its next piece is lost for the others.
+    fn lay_out(&mut self, tick: u32) -> bool {
         for (number, group) in self.mechanism.iter().enumerate() {
             let Some(track) = self.tracks.get_mut(number) else { continue };
-            if !track.turn(now).is_together(turn) || track.go_back() {
+            if !track.changes_at(tick) {
+                continue;
+            }
+            if track.go_back() {
+                self.turn(number);
                 continue;
             }
             let time = track.end.time;
@@ -228,9 +220,18 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             }
             if let Some(track) = self.tracks.get_mut(number) {
                 track.go_on(group, &self.trajectory, time);
+                self.turn(number);
             }
         }
         true
+    }
+
+    /// Sets the direction in which a group's steps lead now.
+    fn turn(&mut self, number: usize) {
+        if let Some(is_forward) = self.tracks.get(number).and_then(Track::direction) {
+            let group = 1 << number;
+            self.forward.0 = if is_forward { self.forward.0 | group } else { self.forward.0 & !group };
+        }
     }
 
     /// Lets time pass; true when `time` is reached.
@@ -240,13 +241,6 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
             self.wait(left.min(u64::from(LONGEST_INTERVAL)) as u32);
         }
         left <= u64::from(LONGEST_INTERVAL)
-    }
-
-    /// Whether the steps of an event leave no motor pulling against another of its group.
-    fn is_unstrained(&self, word: Word) -> bool {
-        let mechanism = self.mechanism;
-        let (motors, forward) = (mechanism.motors(word.steps()), mechanism.forward_motors(word.forward()));
-        mechanism.mechanism().is_unstrained(motors, forward)
     }
 
     /// Lets so much time pass in an event without steps.
@@ -259,14 +253,4 @@ impl<'m, W: Pend> StepGenerator<'m, W> {
     fn waiting(&self) -> Word {
         Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward)
     }
-}
-
-/// The turn that comes first.
-#[inline(always)]
-fn nearest(tracks: &[Track; MOST_GROUPS], now: u32) -> Turn {
-    // Not `min`, which takes a call.
-    tracks.iter().fold(Turn::LAST, |first, track| {
-        let turn = track.turn(now);
-        if turn < first { turn } else { first }
-    })
 }

@@ -5,28 +5,28 @@
 //! start after a rest, real time is taken anew, so a pause of the host never shows in the motion.
 //!
 //! Nearly every event is a plain one, which comes in time and has nothing but steps; [`Stepper::on_alarm`] plays it in
-//! a straight line. Whatever else there may be is [`Stepper::examine`]'s.
+//! a straight line. Whatever else there may be is [`Stepper::play_closely`]'s.
 
 use super::queue::{StepsOut, Word};
 use crate::port::{GroupSet, Pend, StepClock, StepPort};
 use crate::status::Status;
 use crate::units::Tick;
 
-/// Events discarded in one interrupt, or played in interrupts one right after the other: few enough to stay below 10 us at 1 us an event, so that the
-/// timer is looked at again in time.
+/// Events played in one interrupt, one right behind the other: few enough to stay below 10 us at 1 us an event.
 const BURST: u32 = 8;
 
-/// Behind that: 5 us for the others that wait. Discarding a full queue would otherwise keep them
-/// waiting for a third of a millisecond.
+/// Behind that: 5 us for the others that wait.
 const BREATH: u32 = 50;
 
 /// An event that comes later than this moves all that follow: 10 us, half of the closest spacing at the
 /// greatest speed of one motor. Steps are late then, but never too close to each other, and none is lost.
 const GRACE: u32 = 100;
 
-/// Between the first event's arrival and its alarm: 20 us, in which the generator makes a handful of events
-/// (some 600 instructions each in QEMU) before the first one is due.
+/// Between the first event's arrival and its alarm: 20 us, in which the generator goes on making events.
 const LEAD: u32 = 200;
+
+/// None of the epochs.
+const NO_EPOCH: u16 = 1 << 8;
 
 /// Plays step events.
 // In this order: what every event needs is in front, within reach of short instructions.
@@ -44,11 +44,8 @@ pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
     pend: W,
     /// Direction lines as they are.
     forward: GroupSet,
-    /// An epoch whose motion an endstop has ended.
-    ended: Option<u8>,
-    /// Events in a row that were due at once, and how many were done then.
-    hurried: u32,
-    hurried_to: u32,
+    /// An epoch whose motion an endstop has ended, or [`NO_EPOCH`].
+    ended: u16,
     /// Motion time up to the last event that was looked at closely.
     time: u64,
     port: P,
@@ -59,6 +56,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     pub fn new(events: StepsOut<'m>, status: &'m Status, mut port: P, clock: C, pend: W) -> Self {
         port.dir(GroupSet::NONE);
         status.set_inputs(port.inputs());
+        status.set_slow_groups(port.slow_groups());
         status.set_endstops(port.endstops());
         Self {
             due: Tick(0),
@@ -71,76 +69,132 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             pend,
             time: 0,
             forward: GroupSet::NONE,
-            ended: None,
-            hurried: 0,
-            hurried_to: 0,
+            ended: NO_EPOCH,
         }
     }
 
-    /// Call it when the alarm rings and when it is pended. Bounded: plays one event, or discards a few.
+    /// Call it when the alarm rings and when it is pended. Bounded: plays one event, and those that are due right behind
+    /// it.
     #[inline(always)]
     pub fn on_alarm(&mut self) {
-        let is_plain = self.next.is_plain(self.status.epoch_in_interrupt());
-        if (!is_plain || self.clock.now().since(self.due) > GRACE) && !self.examine() {
-            return;
+        if !self.is_plain() {
+            return self.play_closely();
         }
         let (word, due) = (self.next, self.due);
-        let tick = due.since(Tick(self.behind));
-        self.port.rise(word.steps(), self.extended(tick));
-        // The pulse is as long as what follows takes, and the port sees to it that this is enough.
-        self.status.step_done(word.pattern(), tick);
+        self.port.rise_quick(word.steps(), self.dated(due));
+        let rings = self.done();
+        self.port.fall_quick(word.steps());
+        if !rings {
+            self.play_closely();
+        }
+    }
+
+    /// Whether the next event is due, in time, and has nothing but steps.
+    #[inline(always)]
+    fn is_plain(&self) -> bool {
+        self.next.is_plain(self.status.epoch_in_interrupt()) && self.clock.now().since(self.due) <= GRACE
+    }
+
+    /// Goes on from an event whose step lines are high to the next; false if no alarm will bring that. The pulse is as
+    /// long as this takes, and the port sees to it that this is enough.
+    #[inline(always)]
+    fn done(&mut self) -> bool {
+        let due = self.due;
+        self.status.event_played(due.0);
         let (interval, next) = self.events.advance();
         let due = due.after(interval);
         (self.due, self.next) = (due, next);
-        let rings = self.clock.alarm_again(due);
-        self.port.fall(word.steps());
-        if !rings || next == Word::NONE {
-            self.go_on_at_once();
+        self.clock.alarm_again(due)
+    }
+
+    /// Plays the next event if that is to be played, and those that are due right behind it; the next one soon if these
+    /// were many.
+    #[cold]
+    #[inline(never)]
+    fn play_closely(&mut self) {
+        for _ in 0..BURST {
+            if !self.is_ready() && !self.examine() {
+                return;
+            }
+            let word = self.next;
+            let rings = self.play();
+            self.settle(word);
+            if rings {
+                return;
+            }
+        }
+        self.breathe();
+    }
+
+    /// Whether the next event is due, in time, and has nothing but steps, as far as that matters before it is played.
+    #[inline(always)]
+    fn is_ready(&self) -> bool {
+        self.next.is_step_of(self.status.epoch_in_interrupt(), self.forward)
+            && self.clock.now().since(self.due) <= GRACE
+    }
+
+    /// What is left to do when an event has been played.
+    fn settle(&mut self, event: Word) {
+        self.time = self.tick();
+        if event.wants_refill() {
+            self.pend.pend_generator();
         }
     }
 
+    /// Plays the next event, whatever its groups; false if no alarm will bring the one behind.
+    #[inline(always)]
+    fn play(&mut self) -> bool {
+        let word = self.next;
+        self.port.rise(word.steps(), self.dated(self.due));
+        let rings = self.done();
+        self.port.fall(word.steps());
+        rings
+    }
+
     /// Looks closely at an event that is not plain, or not in time. True if it is to be played.
-    #[cold]
     #[inline(never)]
     fn examine(&mut self) -> bool {
         // Nobody who could begin another epoch runs until we are done.
-        let epoch = self.status.epoch();
-        if self.ended.is_some_and(|ended| ended != epoch) {
-            self.ended = None;
+        let mut epoch = u16::from(self.status.epoch_in_interrupt());
+        if self.ended == epoch {
+            epoch = NO_EPOCH;
+        } else {
+            self.ended = NO_EPOCH;
         }
-        self.time = self.tick();
+        if self.next == Word::NONE {
+            // It may have been on its way, with its time already there.
+            self.next = self.events.peek().1;
+            if self.next == Word::NONE {
+                self.status.count_starved();
+                self.next = Word::RESTING;
+            }
+        } else if !self.next.is_of(epoch) {
+            self.next = Word::RESTING;
+        }
         for _ in 0..BURST {
-            if self.next == Word::RESTING && !self.begin() {
-                self.rest();
-                return false;
-            }
-            if self.next.wants_refill() {
-                self.next = self.next.filled();
-                self.pend.pend_generator();
-            }
-            if self.next.epoch() != epoch || self.ended.is_some() {
-                self.discard();
-                continue;
+            if self.next == Word::RESTING && !self.begin(epoch) {
+                self.status.set_rested(self.events.done());
+                self.clock.silence();
+                return self.wait();
             }
             let late = self.clock.now().since(self.due);
             if late.cast_signed() < 0 && self.clock.alarm(self.due) {
-                self.look_at_endstops();
-                return false;
+                return self.wait();
             }
-            let watch = self.next.watch();
-            if !watch.is_empty() {
-                let pressed = self.port.endstops().and(watch);
+            if !self.next.watch().is_empty() {
+                let pressed = self.port.endstops().and(self.next.watch());
                 if !pressed.is_empty() {
                     self.status.set_triggered(pressed);
-                    self.ended = Some(epoch);
-                    self.discard();
+                    (self.ended, epoch) = (epoch, NO_EPOCH);
+                    self.next = Word::RESTING;
+                    self.pend.pend_generator();
                     continue;
                 }
             }
             if late.cast_signed() > GRACE.cast_signed() {
                 self.status.count_late(late);
                 self.due = self.due.after(late);
-                self.behind = self.behind.wrapping_add(late);
+                self.set_behind(self.behind.wrapping_add(late), self.due);
             }
             if !self.next.steps().is_empty() {
                 if self.next.forward() != self.forward {
@@ -155,64 +209,40 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         false
     }
 
-    /// Takes up the first event after a rest and dates it; false if there is none.
-    fn begin(&mut self) -> bool {
+    /// Takes up the first event after a rest and dates it; false if there is none of `epoch`. The generator takes back
+    /// those of an epoch that is over, or whose motion an endstop has ended, and all events in the queue are of one epoch.
+    fn begin(&mut self, epoch: u16) -> bool {
         let (interval, next) = self.events.peek();
-        if next == Word::NONE {
+        if !next.is_of(epoch) {
             return false;
         }
-        self.next = if self.ended.is_some() { next.special() } else { next };
+        self.next = next;
         self.due = self.clock.now().after(interval.max(LEAD));
-        self.behind = self.due.0.wrapping_sub(self.time as u32).wrapping_sub(interval);
+        let begun = self.due.0.wrapping_sub(interval);
+        let stood = self.status.played_at().wrapping_sub(self.behind);
+        self.set_behind(begun.wrapping_sub(stood), Tick(begun));
         true
     }
 
-    /// Nothing is left to do.
-    #[inline(never)]
-    fn rest(&mut self) {
-        self.status.set_rested(self.events.done());
-        self.clock.silence();
-        self.look_at_endstops();
+    /// Motion time is behind real time by so much, and was, or will be, up to date at `due`.
+    fn set_behind(&mut self, ticks: u32, due: Tick) {
+        self.behind = ticks;
+        self.status.set_behind(ticks, due.0);
     }
 
-    /// Where nothing was due somebody wants to know.
-    fn look_at_endstops(&mut self) {
+    /// Nothing is due, but somebody may want to know of the endstops.
+    fn wait(&mut self) -> bool {
         self.status.set_endstops(self.port.endstops());
-    }
-
-    /// Drops the event that comes next. Motion time stands still.
-    fn discard(&mut self) {
-        self.next = Word::RESTING;
-        self.events.advance();
+        false
     }
 
     /// Passes over an event without steps.
     fn go_on(&mut self) {
-        self.status.time_passed(self.due.since(Tick(self.behind)));
+        self.status.event_played(self.due.0);
+        self.settle(self.next);
         let (interval, next) = self.events.advance();
         self.next = if next == Word::NONE { Word::RESTING } else { next };
         self.due = self.due.after(interval);
-    }
-
-    /// No alarm brings the next event: it is due already and comes at once, or soon if there were many like it; or there
-    /// is none, the queue has run dry in mid-motion.
-    #[cold]
-    #[inline(never)]
-    fn go_on_at_once(&mut self) {
-        if self.next == Word::NONE {
-            self.next = Word::RESTING;
-            self.status.count_starved();
-            return self.rest();
-        }
-        let done = self.events.done();
-        self.hurried = if self.hurried_to == done.wrapping_sub(1) { self.hurried + 1 } else { 1 };
-        self.hurried_to = done;
-        if self.hurried < BURST {
-            self.pend.pend_stepper();
-        } else {
-            self.hurried = 0;
-            self.breathe();
-        }
     }
 
     /// Leaves the processor to the others for a while.
@@ -225,7 +255,13 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
 
     /// Motion time so far, in ticks.
     pub fn tick(&self) -> u64 {
-        self.extended(self.status.tick())
+        self.dated(Tick(self.status.played_at()))
+    }
+
+    /// Motion time at a tick of the step timer, with all its bits.
+    #[inline(always)]
+    fn dated(&self, due: Tick) -> u64 {
+        self.extended(due.since(Tick(self.behind)))
     }
 
     /// Motion time with all its bits.

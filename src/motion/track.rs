@@ -1,10 +1,10 @@
 //! Tracks: the way of one motor group along the trajectory, step by step.
 
+use super::ahead::{Ahead, is_before};
 use super::crossing::{Crossings, Edge};
 use super::number::{from_f32, ticks, time};
 use super::phase::Curve;
 use super::trajectory::{State, Trajectory};
-use super::turn::{Next, Rank, Turn};
 use crate::kinematics::{Group, count_at};
 use crate::units::Steps;
 
@@ -16,24 +16,23 @@ pub const MIN_STEP_INTERVAL: u64 = 10;
 /// Half a step.
 const HALF: i64 = 1 << 31;
 
-/// What rests, and what comes at a time unknown, is due so long from now: 3 s, far longer than the longest span.
+/// What rests is known to rest for so many ticks from now: 3 s, far longer than the longest span.
 const FAR: u32 = 1 << 25;
+
+/// Less than that: until when a group rests is only looked at when it is so near. Time passes in events of so many ticks
+/// where motors are under way for longer without a step.
+pub(super) const NEAR: u32 = FAR / 2;
 
 /// A reversal this near to an end of a piece is none, in ticks.
 const LEAST_TIME: f32 = 2.0;
 
 /// One motor group.
-// In this order: what every step needs is in front, within reach of short instructions.
-#[repr(C)]
 pub(super) struct Track {
-    /// The tick at which it does what it does next.
-    due: u32,
-    /// What that is, and the group's number, as in [`Turn`].
-    rank: Rank,
-    /// When its next step may come at the earliest.
-    free: u32,
-    /// Steps left in its present piece.
+    /// Its next steps.
+    pub ahead: Ahead,
+    /// Steps of its present piece that are not among them, and whether none of these comes before the piece ends.
     left: u32,
+    is_over: bool,
     /// The tick at which it ends.
     ends: u32,
     crossings: Crossings,
@@ -71,50 +70,65 @@ fn sum(group: &Group, trajectory: &Trajectory, at: u64) -> State {
 }
 
 impl Track {
-    /// The group with this number, at rest at 0.
-    pub fn still(group: usize) -> Self {
-        Self {
-            due: 0,
-            rank: Rank::new(group, Next::Nothing),
-            free: 0,
-            left: 0,
-            ends: 0,
-            crossings: Crossings::NONE,
-            is_forward: true,
-            goal: 0,
-            start: 0,
-            end: Edge { time: u64::MAX, position: Steps::ZERO, speed: 0.0 },
-            beyond: None,
-        }
-    }
+    /// At rest at 0.
+    pub const STILL: Self = Self {
+        ahead: Ahead::NONE,
+        left: 0,
+        is_over: true,
+        ends: 0,
+        crossings: Crossings::NONE,
+        is_forward: true,
+        goal: 0,
+        start: 0,
+        end: Edge { time: u64::MAX, position: Steps::ZERO, speed: 0.0 },
+        beyond: None,
+    };
 
-    /// When its turn is, seen from `now`.
+    /// Finds its next steps, if all were made that were known, and it does not end there. If it rests, it goes on resting
+    /// from `now`.
     #[inline(always)]
-    pub const fn turn(&self, now: u32) -> Turn {
-        Turn::new(self.due.wrapping_sub(now), self.rank)
-    }
-
-    /// Has a group that rests wait on, from `now`.
-    pub fn rest_on(&mut self, now: u32) {
-        if self.rank.next() == Next::Nothing {
-            self.due = now.wrapping_add(FAR);
+    pub fn look_ahead(&mut self, now: u32) {
+        if self.ahead.left() == 0 {
+            if !self.is_over {
+                self.find_steps();
+            } else if is_before(self.ahead.until(), now.wrapping_add(NEAR)) {
+                self.rest_on(now);
+            }
         }
     }
 
-    /// Rests where it is.
-    pub fn stop(&mut self) {
-        self.rank = self.rank.with(Next::Nothing);
+    #[inline(never)]
+    fn rest_on(&mut self, now: u32) {
+        if self.end.time == u64::MAX {
+            self.ahead.begin(now);
+            self.ahead.clear(now.wrapping_add(FAR));
+        }
+    }
+
+    /// Whether its way goes on otherwise at a tick, up to which it is known.
+    pub const fn changes_at(&self, tick: u32) -> bool {
+        self.is_over && self.ahead.left() == 0 && self.ends == tick && self.end.time != u64::MAX
+    }
+
+    /// Whether its coordinate grows with the steps of its present piece, if there are any.
+    pub fn direction(&self) -> Option<bool> {
+        (self.left > 0 || self.ahead.left() > 0).then_some(self.is_forward)
+    }
+
+    /// Rests where it is from a tick on.
+    pub fn stop(&mut self, now: u32) {
         self.goal = self.count();
         self.left = 0;
-        self.free = 0;
+        self.is_over = true;
+        self.ahead = Ahead::at(now);
         self.start = 0;
         self.end.time = u64::MAX;
         self.beyond = None;
     }
 
-    /// Rests at a position.
-    pub fn stand_at(&mut self, position: Steps) {
-        self.stop();
+    /// Rests at a position from a tick on.
+    pub fn stand_at(&mut self, position: Steps, now: u32) {
+        self.stop(now);
         self.goal = count_at(position);
     }
 
@@ -122,10 +136,11 @@ impl Track {
     pub fn break_off(&mut self, time: u64) {
         self.goal = self.count();
         self.left = 0;
+        self.is_over = true;
         self.end.time = time;
         self.ends = whole(time);
         self.beyond = None;
-        self.plan_next();
+        self.ahead.clear(self.ends);
     }
 
     /// Whether the trajectory is known as far as the group needs it at `time`.
@@ -185,7 +200,7 @@ impl Track {
         } else {
             self.lead_to(count, count);
         }
-        self.plan_next();
+        self.find_steps();
     }
 
     /// Its steps lead from one count to another.
@@ -195,16 +210,13 @@ impl Track {
     }
 
     /// Its count of steps.
-    const fn count(&self) -> i32 {
-        let left = self.left.cast_signed();
+    pub const fn count(&self) -> i32 {
+        let left = self.left.cast_signed().wrapping_add(self.ahead.left() as i32);
         self.goal.wrapping_sub(if self.is_forward { left } else { left.wrapping_neg() })
     }
 
     fn begin(&mut self, start: u64, end: Edge) {
-        let tick = whole(start);
-        if is_before(self.free, tick) {
-            self.free = tick;
-        }
+        self.ahead.begin(whole(start));
         self.start = start;
         self.end = end;
         self.ends = whole(end.time);
@@ -217,37 +229,14 @@ impl Track {
         self.ends = whole(at.time).wrapping_add(FAR);
         self.lead_to(count_at(at.position), self.count());
         self.crossings = Crossings::at_once(at.time);
-        self.plan_next();
+        self.find_steps();
     }
 
-    /// Whether its coordinate grows with its steps.
-    #[inline(always)]
-    pub const fn is_forward(&self) -> bool {
-        self.is_forward
-    }
-
-    /// The next step was made, at its tick.
-    #[inline(always)]
-    pub fn step(&mut self) {
-        self.free = self.due.wrapping_add(MIN_STEP_INTERVAL as u32);
-        self.left -= 1;
-        self.plan_next();
-    }
-
-    #[inline(always)]
-    fn plan_next(&mut self) {
-        if self.left > 0 {
-            let due = self.crossings.next();
-            let due = if is_before(due, self.free) { self.free } else { due };
-            if is_before(due, self.ends) {
-                self.due = due;
-                self.rank = self.rank.with(Next::Step);
-                return;
-            }
-        }
-        // Steps on the boundary between two pieces belong to the later one, where they meet those of other groups.
-        self.rank = self.rank.with(if self.end.time == u64::MAX { Next::Nothing } else { Next::Change });
-        self.due = self.ends;
+    /// Finds its next steps.
+    fn find_steps(&mut self) {
+        let (found, is_over) = self.ahead.fill(&mut self.crossings, self.left, self.ends);
+        self.left -= found;
+        self.is_over = is_over;
     }
 }
 
@@ -259,9 +248,4 @@ fn edge(count: i32, is_forward: bool) -> Steps {
 /// The tick nearest to a time.
 const fn whole(time: u64) -> u32 {
     (time.saturating_add(1 << 15) >> 16) as u32
-}
-
-/// Whether a tick comes before another; they wrap.
-const fn is_before(a: u32, b: u32) -> bool {
-    (a.wrapping_sub(b) as i32) < 0
 }

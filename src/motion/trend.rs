@@ -7,8 +7,8 @@
 //! averaged once more. On a circle of the radius r both lag behind the direction and behind each other such that their
 //! difference is l/r of the second one, whatever the chords.
 
-use super::geometry::{Geometry, UNIT};
-use super::number::{from_bits, root};
+use super::geometry::Geometry;
+use super::number::root;
 
 /// l in mm. The curvature is wrong by what coordinates are rounded by, over l^2: by 0.003 to 0.01 a mm for a thousandth of a
 /// millimetre. At 200 mm/s and 3 m/s2 a circle may have 0.075 a mm. A longer l would see it later where a curve begins.
@@ -23,15 +23,15 @@ pub(super) struct Trend {
 
 impl Trend {
     /// The path goes on along `way`.
+    #[inline(always)]
     pub fn follow(&mut self, way: &Geometry) {
         if way.is_extruder_only() {
             return;
         }
-        let x = from_bits(way.length) * const { 1.0 / REACH };
+        let x = way.size * const { 1.0 / REACH };
         // e to the power of -x, so far as it matters.
         let left = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x * (const { 1.0 / 6.0 } + x * const { 1.0 / 24.0 }))));
-        for ((once, twice), unit) in self.once.iter_mut().zip(&mut self.twice).zip(way.unit) {
-            let direction = unit as f32 * const { 1.0 / UNIT as f32 };
+        for ((once, twice), direction) in self.once.iter_mut().zip(&mut self.twice).zip(way.direction) {
             let lag = *once - direction;
             *twice = direction + (*twice - direction) * left + lag * (x * left);
             *once = direction + lag * left;

@@ -13,7 +13,7 @@ use corehbot::motion::Move;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, Ratio, Steps};
 
-/// Speeds are planned in single precision, from directions of 30 bits: over a million corners that made 3.6e-5 of the speed
+/// Speeds are planned in single precision, from directions of 30 bits: over 200,000 corners that makes 1e-5 of the speed
 /// at most.
 const TOLERANCE: f64 = 5e-5;
 

@@ -118,7 +118,7 @@ fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<S
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups, Nobody);
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
     let pins = Pins { table: MotorTable::new(&groups), forward: MotorSet::NONE, steps: Rc::default() };
     let alarm = Cell::new(None);
     let steps = pins.steps.clone();
@@ -134,7 +134,7 @@ fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<S
             }
             held = left.next();
         }
-        generator.run();
+        generator.run(&Nobody);
         idle += 1;
         stepper.on_alarm();
         while alarm.get().is_some() {

@@ -104,7 +104,7 @@ fn no_error_adds_up_over_ten_thousand_moves() {
     let (count, worst) = errors(&targets, |i| begins[i]);
     assert!(count > 1_000_000, "{count} steps");
     // Positions cannot drift: each step is one of the model's. Time is summed from roundings of a 2^-16th
-    // of a tick, of speeds to 31 bits, of ramps to 24 bits and of accelerations to 0.004 mm/s2. That makes up less than 3 us in
+    // of a tick, of speeds and ramps to 24 bits and of accelerations to 0.004 mm/s2. That makes up less than 3 us in
     // more than 400 s, a thousandth of what a crystal of 5 ppm strays.
     println!("worst of {count} steps: {worst} ticks");
     assert!(worst <= 32.0, "worst of {count} steps in {} moves: {worst} ticks", model.len());

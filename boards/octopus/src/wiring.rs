@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn each_pair_steps_by_one_store() {
         let machine = Groups::new(&Mechanism::corehbot());
-        let words = Words::pulses(BOARD.step_pins(), &machine);
+        let words = Words::pulses(BOARD.step_pins(), BOARD.slow, &machine);
         for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
             let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
             let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
@@ -113,6 +113,14 @@ mod tests {
             assert_eq!(used.len(), 1);
             assert_eq!((*used[0].0, used[0].1.count_ones()), (port, 2));
         }
+    }
+
+    #[test]
+    fn all_but_the_screws_step_quickly() {
+        let machine = Groups::new(&Mechanism::corehbot());
+        let words = Words::pulses(BOARD.step_pins(), BOARD.slow, &machine);
+        let slow = machine.motors(words.beyond_quick());
+        assert_eq!(slow.0, BOARD.slow.0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::ports::{Line, Pends, Pins, Room, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
-use corehbot::motion::{StepGenerator, Stepper};
+use corehbot::motion::{StepCounts, StepGenerator, Stepper};
 use corehbot::motors::MotorSet;
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
@@ -20,7 +20,9 @@ use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
 use std::convert::Infallible;
 use std::pin::Pin;
-use std::task::{Context, Waker};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::task::{Context, Wake, Waker};
 
 /// Who hears every step event, in order. `tick` is motion time (10 MHz) and never falls.
 pub trait Sink {
@@ -105,15 +107,27 @@ impl Desk {
     }
 }
 
+/// Whether the Console wants another turn at once.
+#[derive(Default)]
+struct Wakes(AtomicBool);
+
+impl Wake for Wakes {
+    fn wake(self: Arc<Self>) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
 /// The firmware and its machine.
 pub struct World<'w> {
     shared: &'w Shared,
     wires: &'w [Wire],
     groups: Groups,
     status: &'w Status,
+    counts: StepCounts<'w>,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
-    generator: StepGenerator<'w, Pends<'w>>,
+    generator: StepGenerator<'w>,
     console: Pin<Box<dyn Future<Output = Infallible> + 'w>>,
+    wakes: Arc<Wakes>,
     odometer: Odometer,
 }
 
@@ -140,15 +154,30 @@ impl<'w> World<'w> {
             storage,
             sensors: Room,
         };
-        let Parts { stepper, generator, mut console, status } =
+        let Parts { stepper, generator, mut console, status, counts } =
             assemble(memory, *settings, start, step_ports, ports, Pends(shared));
         let console = Box::pin(async move { console.run().await });
-        Self { shared, wires, groups, status, stepper, generator, console, odometer: Odometer::default() }
+        Self {
+            shared,
+            wires,
+            groups,
+            status,
+            counts,
+            stepper,
+            generator,
+            console,
+            wakes: Arc::default(),
+            odometer: Odometer::default(),
+        }
     }
 
-    /// The Console has its turn.
+    /// The Console has its turn, and another one as long as it wants one at once.
     pub fn poll(&mut self) {
-        let _ = self.console.as_mut().poll(&mut Context::from_waker(Waker::noop()));
+        let waker = Waker::from(self.wakes.clone());
+        while {
+            let _ = self.console.as_mut().poll(&mut Context::from_waker(&waker));
+            self.wakes.0.swap(false, Ordering::Relaxed)
+        } {}
         self.odometer.follow(self.status.planned().1);
     }
 
@@ -159,7 +188,7 @@ impl<'w> World<'w> {
         let end_of_turn = shared.now.get() + TURN;
         for _ in 0..EVENTS_A_TURN {
             while shared.generator.replace(false) {
-                self.generator.run();
+                self.generator.run(&Pends(shared));
             }
             if !shared.stepper.replace(false) {
                 let Some(alarm) = shared.alarm.get() else {
@@ -217,7 +246,7 @@ impl<'w> World<'w> {
             path_um: self.odometer.um(),
             underruns: status.overload().underruns + status.overload().starved,
             low_water: status.low_water(),
-            counts: self.groups.motor_counts(status.counts()),
+            counts: self.groups.motor_counts(self.counts.read()),
             halted: status.is_halted(),
         }
     }

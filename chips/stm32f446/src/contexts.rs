@@ -34,7 +34,7 @@ pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStora
 /// The core with the ports of a board.
 pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
-type StepGenerator = motion::StepGenerator<'static, IrqPend>;
+type StepGenerator = motion::StepGenerator<'static>;
 type Console = machine::Console<'static, BoardPorts, IrqPend>;
 
 static STEPPER: Handover<&'static mut Stepper> = Handover::new();
@@ -109,7 +109,7 @@ fn TIM2() {
 /// Software has a move to turn into steps, or room for steps.
 #[interrupt]
 fn CAN2_SCE() {
-    GENERATOR.with(|generator| generator.run());
+    GENERATOR.with(|generator| generator.run(&IrqPend));
     BEATS.store(BEATS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     wake_console();
 }

@@ -10,17 +10,17 @@ use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 
 use crate::ports::{self, Registers};
 use crate::wiring::{Board, Pin};
-use crate::words::{PORTS, Words};
+use crate::words::{PORTS, QUICK, Words};
 
 /// A step pulse has to be high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
 /// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest. What the
 /// Stepper does meanwhile takes longer: [`IN_BETWEEN`].
 const PULSE: u32 = 24;
 
-/// Cycles between the last store of a rise and the first of a fall, at the least: 27 instructions (docs/performance.md).
-/// Loads, and the step timer's alarm, which is written and its counter read on a bus of 45 MHz, make it more: the
-/// shortest pulse of the image in the emulator is 247 ns.
-const IN_BETWEEN: u32 = 27;
+/// Cycles between the last store of a rise and the first of a fall, at the least. The step timer's alarm is written and
+/// its counter read in between, one after the other, and each takes two clocks of a bus of 45 MHz (ARM IHI 0024C, 3.1 and
+/// 3.3), eight of the core's; so do a dozen other instructions (the next event is fetched), each a cycle or more.
+const IN_BETWEEN: u32 = 2 * 8 + 12;
 const _: () = assert!(IN_BETWEEN >= PULSE);
 
 /// What a pulse on a step pin on PC13, PC14 or PC15 takes beyond that, which is good for 2 MHz (STM32F446 datasheet, pin
@@ -28,13 +28,15 @@ const _: () = assert!(IN_BETWEEN >= PULSE);
 const SLOW_REST: u32 = 54 - IN_BETWEEN;
 
 /// Step and direction pins of all motors, and the endstop inputs.
+// In this order: what a quick step needs is in front.
+#[repr(C)]
 pub struct StepPins {
     step_ports: [Registers; PORTS],
     /// What lowers all step lines. Most are low, but sorting them out would take longer.
     low: [u32; PORTS],
-    /// Groups with a motor whose step pin is slow.
-    slow: GroupSet,
     steps: Words,
+    /// Groups with a motor whose step pin is slow.
+    held: GroupSet,
     dirs: &'static Words,
     dir_ports: [Registers; PORTS],
     endstops: Endstops,
@@ -43,12 +45,12 @@ pub struct StepPins {
 impl StepPins {
     /// The pins of `board`, which are outputs already, for these groups of motors.
     pub fn new(board: &Board, dirs: &'static Words, groups: &Groups) -> Self {
-        let steps = Words::pulses(board.step_pins(), groups);
+        let steps = Words::pulses(board.step_pins(), board.slow, groups);
         Self {
             step_ports: steps.ports.map(ports::registers),
             low: steps.of(ALL).map(|word| word << 16),
-            slow: groups_of(board.slow, groups),
             steps,
+            held: groups_of(board.slow, groups),
             dirs,
             dir_ports: dirs.ports.map(ports::registers),
             endstops: Endstops::new(board),
@@ -59,14 +61,20 @@ impl StepPins {
 /// All groups.
 const ALL: GroupSet = GroupSet((1 << MOST_GROUPS) - 1);
 
-/// One store a port, with nothing between them, however the compiler feels about loops.
-#[inline(always)]
+/// One store a port. Short rather than fast: directions and slow steps are rare.
+#[inline(never)]
 fn store(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
-    let ([a, b, c, d], [x, y, z, w]) = (*ports, *words);
+    ports.iter().zip(words).for_each(|(port, word)| ports::store(*port, *word));
+}
+
+/// The same for quick steps, with nothing between the stores, however the compiler feels about loops.
+#[inline(always)]
+fn store_quick(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
+    const { assert!(QUICK == 3) };
+    let ([a, b, c, _], [x, y, z, _]) = (*ports, *words);
     ports::store(a, x);
     ports::store(b, y);
     ports::store(c, z);
-    ports::store(d, w);
 }
 
 /// The groups that any of `slow` belongs to.
@@ -89,10 +97,24 @@ impl StepPort for StepPins {
 
     #[inline(always)]
     fn fall(&mut self, steps: GroupSet) {
-        if steps.0 & self.slow.0 != 0 {
+        if steps.0 & self.held.0 != 0 {
             cortex_m::asm::delay(SLOW_REST);
         }
         store(&self.step_ports, &self.low);
+    }
+
+    fn slow_groups(&self) -> GroupSet {
+        GroupSet(self.held.0 | self.steps.beyond_quick().0)
+    }
+
+    #[inline(always)]
+    fn rise_quick(&mut self, steps: GroupSet, _tick: u64) {
+        store_quick(&self.step_ports, self.steps.of(steps));
+    }
+
+    #[inline(always)]
+    fn fall_quick(&mut self, _steps: GroupSet) {
+        store_quick(&self.step_ports, &self.low);
     }
 
     #[inline]
@@ -105,62 +127,42 @@ impl StepPort for StepPins {
     }
 }
 
-const _: () = assert!(EndstopSet::X.0 == 1 && EndstopSet::Y.0 == 2 && EndstopSet::Z.0 == 4);
+const _: () = assert!(EndstopSet::X.0 == 1 && EndstopSet::Y.0 == 2 && EndstopSet::Z.0 == 4 && EndstopSet::PROBE.0 == 8);
 
-/// The switches of x, y and z, and the probe.
-struct Endstops {
-    ports: [Registers; 3],
-    masks: [u32; 3],
-    /// One read gets the switches.
-    is_one_port: bool,
-    probe: Option<ProbeInput>,
-}
-
-/// The probe's input.
-struct ProbeInput {
+/// An input: it has triggered when its port reads `triggered` in `mask`.
+#[derive(Clone, Copy)]
+struct Input {
     port: Registers,
     mask: u32,
-    /// What the port reads in `mask` when it has triggered.
     triggered: u32,
 }
 
+/// The switches of x, y and z, and the probe.
+struct Endstops([Input; 4]);
+
 impl Endstops {
     fn new(board: &Board) -> Self {
-        let pins = board.endstops;
-        Self {
-            ports: pins.map(|pin| ports::registers(pin.port)),
-            masks: pins.map(Pin::mask),
-            is_one_port: pins.iter().all(|pin| pin.port == pins[0].port),
-            probe: board.probe.map(|probe| ProbeInput {
-                port: ports::registers(probe.pin.port),
-                mask: probe.pin.mask(),
-                triggered: if probe.is_high { probe.pin.mask() } else { 0 },
-            }),
-        }
+        let input = |pin: Pin, is_high: bool| {
+            let mask = pin.mask();
+            Input { port: ports::registers(pin.port), mask, triggered: if is_high { mask } else { 0 } }
+        };
+        let [x, y, z] = board.endstops.map(|pin| input(pin, true));
+        // An input of no bits that would have to read 1 never triggers.
+        let none = Input { mask: 0, triggered: 1, ..x };
+        Self([x, y, z, board.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
     }
 
     /// A function of its own, to keep the step path below a KiB.
     #[inline(never)]
     fn read(&self) -> EndstopSet {
-        let [x, y, z] = self.ports;
-        let first = x.idr().read().0;
-        let (second, third) = if self.is_one_port { (first, first) } else { (y.idr().read().0, z.idr().read().0) };
-        let [x, y, z] = self.masks;
-        let mut set = u8::from(first & x != 0);
-        set |= u8::from(second & y != 0) << 1;
-        set |= u8::from(third & z != 0) << 2;
-        if let Some(probe) = &self.probe
-            && probe.port.idr().read().0 & probe.mask == probe.triggered
-        {
-            set |= EndstopSet::PROBE.0;
-        }
-        EndstopSet(set)
+        // From the last to the first, so that the first one's bit ends up lowest.
+        self.0.iter().rev().fold(EndstopSet(0), |set, input| {
+            EndstopSet(set.0 << 1 | u8::from(input.port.idr().read().0 & input.mask == input.triggered))
+        })
     }
 
     const fn all(&self) -> EndstopSet {
-        match self.probe {
-            Some(_) => EndstopSet::SWITCHES.with(EndstopSet::PROBE),
-            None => EndstopSet::SWITCHES,
-        }
+        let [.., probe] = &self.0;
+        if probe.mask == 0 { EndstopSet::SWITCHES } else { EndstopSet::SWITCHES.with(EndstopSet::PROBE) }
     }
 }

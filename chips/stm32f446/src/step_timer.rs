@@ -41,7 +41,7 @@ impl StepClock for StepTimer {
         Tick(TIM2.cnt().read())
     }
 
-    #[inline]
+    #[inline(never)]
     fn alarm(&mut self, at: Tick) -> bool {
         TIM2.dier().write(|w| w.set_ccie(0, true));
         self.alarm_again(at)

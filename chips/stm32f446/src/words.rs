@@ -1,12 +1,16 @@
 //! Words for the step and direction pins: what a set of motor groups is in the registers of the ports.
 
 use corehbot::kinematics::{Groups, SETS};
+use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{GroupSet, Motor, MotorSet};
 
 use crate::wiring::{Pin, Port};
 
 /// Ports that the step pins, or the direction pins, of all motors may be spread over.
 pub const PORTS: usize = 4;
+
+/// Ports that a quick step is stored to, the first of them.
+pub const QUICK: usize = 3;
 
 /// For every set of groups, the word to be written to each port's BSRR: one load of neighbouring words and one store a
 /// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
@@ -21,15 +25,27 @@ impl Words {
     /// Whether all of `pins` are on ports that there is room for.
     #[must_use]
     pub fn can_hold(pins: &[Option<Pin>; Motor::ALL.len()]) -> bool {
-        let (ports, used) = ports_of(pins);
-        pins.iter().flatten().all(|pin| ports[..used].contains(&pin.port))
+        let ports = Ports::of(pins);
+        pins.iter().flatten().all(|pin| ports.ports[..ports.used].contains(&pin.port))
     }
 
     /// Words that set the step pins of the motors of the groups and leave the others. Pins beyond [`PORTS`] ports have
-    /// none, which [`can_hold`](Self::can_hold) tells.
+    /// none, which [`can_hold`](Self::can_hold) tells. The ports of motors that are not `slow` come first.
     #[must_use]
-    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], groups: &Groups) -> Self {
-        Self::new(pins, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
+    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, groups: &Groups) -> Self {
+        let of = |are_slow| {
+            let motors = pins.iter().enumerate();
+            motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).map(|(_, pin)| pin)
+        };
+        let ports = Ports::of(of(false).chain(of(true)));
+        Self::new(pins, ports, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
+    }
+
+    /// Groups that have a word for a port behind the first [`QUICK`].
+    #[must_use]
+    pub fn beyond_quick(&self) -> GroupSet {
+        let is_beyond = |group: &usize| self.words[1 << group][QUICK..].iter().any(|word| *word != 0);
+        GroupSet((0..MOST_GROUPS).filter(is_beyond).map(|group| 1 << group).sum())
     }
 
     /// Words for the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
@@ -37,31 +53,32 @@ impl Words {
     #[must_use]
     pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, groups: &Groups) -> Self {
         let high = |set| MotorSet(groups.forward_motors(set).0 ^ reversed.0);
-        Self::new(pins, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
+        let ports = Ports::of(&pins);
+        Self::new(pins, ports, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
     }
 
     fn new(
         pins: [Option<Pin>; Motor::ALL.len()],
+        ports: Ports,
         motors: impl Fn(GroupSet) -> MotorSet,
         word: impl Fn(Pin, bool) -> u32,
     ) -> Self {
-        let mut ports = ports_of(&pins);
-        let used = ports.1;
+        let Ports { mut ports, used } = ports;
         for port in used..PORTS {
-            ports.0[port] = ports.0[0];
+            ports[port] = ports[0];
         }
         let mut words = [[0; PORTS]; SETS];
         for (set, words) in words.iter_mut().enumerate() {
             let motors = motors(GroupSet(set as u8));
             for (motor, pin) in pins.iter().enumerate() {
                 if let Some(pin) = *pin
-                    && let Some(column) = ports.0[..used].iter().position(|port| *port == pin.port)
+                    && let Some(column) = ports[..used].iter().position(|port| *port == pin.port)
                 {
                     words[column] |= word(pin, motors.0 & 1 << motor != 0);
                 }
             }
         }
-        Self { ports: ports.0, words }
+        Self { ports, words }
     }
 
     /// The word of each port for `groups`.
@@ -72,17 +89,24 @@ impl Words {
     }
 }
 
-/// The ports of `pins` in the order of the motors, and how many there are.
-fn ports_of(pins: &[Option<Pin>]) -> ([Port; PORTS], usize) {
-    let mut ports = [Port::A; PORTS];
-    let mut used = 0;
-    for pin in pins.iter().flatten() {
-        if !ports[..used].contains(&pin.port) && used < PORTS {
-            ports[used] = pin.port;
-            used += 1;
+/// Ports in the order in which they were met.
+struct Ports {
+    ports: [Port; PORTS],
+    used: usize,
+}
+
+impl Ports {
+    /// Those of `pins`, as far as there is room.
+    fn of<'p>(pins: impl IntoIterator<Item = &'p Option<Pin>>) -> Self {
+        let (mut ports, mut used) = ([Port::A; PORTS], 0);
+        for pin in pins.into_iter().flatten() {
+            if !ports[..used].contains(&pin.port) && used < PORTS {
+                ports[used] = pin.port;
+                used += 1;
+            }
         }
+        Self { ports, used }
     }
-    (ports, used)
 }
 
 #[cfg(test)]
@@ -99,7 +123,8 @@ mod tests {
         let reversed = MotorSet::of(Motor::M4);
         let machine = Groups::new(&Mechanism::corehbot());
         let pins_of = pins.map(Some);
-        let (pulses, levels) = (Words::pulses(pins_of, &machine), Words::levels(pins_of, reversed, &machine));
+        let (pulses, levels) =
+            (Words::pulses(pins_of, MotorSet::NONE, &machine), Words::levels(pins_of, reversed, &machine));
         for groups in (0..SETS).map(|set| GroupSet(set as u8)) {
             for port in Port::ALL {
                 let written = |words: &Words| -> u32 {
@@ -120,7 +145,7 @@ mod tests {
     fn ports_without_a_motor_get_no_bits() {
         let mut pins = [None; 7];
         pins[0] = Some(Pin::new(Port::B, 3));
-        let words = Words::pulses(pins, &Groups::new(&Mechanism::corehbot()));
+        let words = Words::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()));
         assert_eq!(words.ports, [Port::B; PORTS]);
         assert_eq!(words.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
     }

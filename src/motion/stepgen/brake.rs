@@ -9,7 +9,6 @@ use crate::motion::course::Tail;
 use crate::motion::moves::{Move, WHOLE};
 use crate::motion::phase::{Curve, Phase};
 use crate::motion::profile::{fraction, gain, ramp_length, speed};
-use crate::port::Pend;
 use crate::units::{TICKS_PER_SECOND, mul_div};
 
 /// Events are made this far ahead, in ticks, and no farther: 10 ms, as long as a full queue lasts at the greatest
@@ -80,7 +79,7 @@ impl Moment {
     }
 }
 
-impl<W: Pend> StepGenerator<'_, W> {
+impl StepGenerator<'_> {
     /// The tick up to which events are to be made.
     pub(super) fn enough(&self) -> u32 {
         self.status.tick().wrapping_sub(self.base).wrapping_add(AHEAD)

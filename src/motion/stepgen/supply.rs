@@ -3,7 +3,7 @@
 use super::brake::{Braking, Moment};
 use super::{StepGenerator, Task};
 use crate::motion::moves::Work;
-use crate::port::{EndstopSet, Pend};
+use crate::port::EndstopSet;
 use crate::units::Steps;
 
 /// Whether there was more to lay.
@@ -16,7 +16,7 @@ pub(super) enum Supply {
     Starved,
 }
 
-impl<W: Pend> StepGenerator<'_, W> {
+impl StepGenerator<'_> {
     /// Lays the next span of the trajectory.
     pub(super) fn lay_more(&mut self) -> Supply {
         loop {
@@ -100,8 +100,12 @@ impl<W: Pend> StepGenerator<'_, W> {
             }
             Work::Position([x, y, z, e]) => {
                 self.place = [*x, *y, *z, *e, Steps::ZERO];
-                for (track, group) in self.tracks.iter_mut().zip(self.mechanism.iter()) {
-                    track.stand_at(group.coordinate([*x, *y, *z, *e]));
+                let tracks = self.tracks.iter_mut().zip(&mut self.told);
+                for ((track, told), group) in tracks.zip(self.mechanism.iter()) {
+                    let before = track.count();
+                    track.stand_at(group.coordinate([*x, *y, *z, *e]), self.last as u32);
+                    // A new name for a place is no step.
+                    *told = told.wrapping_add(track.count().wrapping_sub(before));
                 }
                 true
             }

@@ -1,7 +1,9 @@
 //! The figures: what the jobs' counts come down to, beside what we aim at and what others take.
 
 use super::contexts::Context;
+use super::cycles::EXCEPTION;
 use super::jobs::Job;
+use super::octopus::PlainStep;
 use super::profile::Profile;
 use super::rooms::Room;
 use anyhow::{Context as _, Result};
@@ -33,15 +35,45 @@ const fn figure(name: &'static str, value: f64, goal: Option<f64>, peers: &'stat
     Figure { name, value, is_rate: false, is_steady: true, goal, peers }
 }
 
-/// All figures, from the profiles of all jobs.
-pub fn figures(profiles: &BTreeMap<Job, Profile>) -> Result<Vec<Figure>> {
+/// So many of something in a second of the STM32F446's, given how many there are in a cycle.
+fn rate(name: &'static str, per_cycle: f64, goal: Option<f64>, peers: &'static str) -> Figure {
+    let value = (CYCLES_PER_SECOND * per_cycle).round();
+    Figure { name, value, is_rate: true, is_steady: true, goal, peers }
+}
+
+/// All figures, from the profiles of all jobs and the way of a step on the Octopus.
+pub fn figures(profiles: &BTreeMap<Job, Profile>, octopus: &PlainStep) -> Result<Vec<Figure>> {
     let profile = |job| profiles.get(&job).with_context(|| format!("the job {job} was not run"));
-    let mut figures = of_steps(profile(Job::S)?);
+    let mut figures = of_octopus(octopus, profile(Job::S)?, profile(Job::Axis)?);
+    figures.extend(of_steps(profile(Job::S)?));
     figures.extend(of_shares(profile(Job::S)?, profile(Job::Shaped)?));
-    figures.extend(of_rates(profile(Job::Dense)?, profile(Job::Axis)?));
+    figures.extend(of_rates(octopus, profile(Job::Dense)?, profile(Job::Axis)?));
     figures.extend(of_planner(profile(Job::Planner)?, profile(Job::Gathered)?));
     figures.extend(of_lines(profile(Job::Parse)?, profile(Job::Plain)?));
     Ok(figures)
+}
+
+/// Others, all in.
+const ALL_IN: &str = "grblHAL 1.88 M without shaping, RRF 0.75 M, Prusa 0.13 M";
+
+/// Others' step code, instructions for a motor step of job S.
+const PEERS_ISR: &str = "grblHAL 52.7, Klipper 60.8, Marlin 84, RRF 126, Prusa 886";
+
+/// Others' step code, motor steps a second of job S.
+const PEERS_PEAK: &str = "Klipper 1.70 M, grblHAL 1.88 M, Marlin 1.19 M, RRF 0.75 M, Prusa 0.13 M";
+
+/// A plain event on the Octopus, and how many motor steps that is in two jobs.
+fn of_octopus(step: &PlainStep, s: &Profile, axis: &Profile) -> Vec<Figure> {
+    let instructions = step.instructions as f64;
+    let motor_steps = |job: &Profile| job.motor_steps as f64 / job.events as f64;
+    let peak = |name, job, goal, peers| rate(name, motor_steps(job) / step.cycles as f64, Some(goal), peers);
+    vec![
+        figure("octopus_isr_insn_per_event", instructions, Some(30.0), ""),
+        figure("octopus_isr_insn_per_motor_step", instructions / motor_steps(s), Some(17.0), PEERS_ISR),
+        figure("octopus_isr_cycles_per_event", step.cycles as f64, None, ""),
+        peak("octopus_peak_motor_steps_per_s", s, 3e6, PEERS_PEAK),
+        peak("octopus_peak_axis_motor_steps_per_s", axis, 5e6, ""),
+    ]
 }
 
 /// Job S.
@@ -52,12 +84,11 @@ fn of_steps(s: &Profile) -> Vec<Figure> {
     let generator = s.in_context(Context::Generator).instructions as f64;
     let all = s.work(|_| true).instructions as f64;
     let cycles = s.cycles(&[Context::Steps], |spot| spot.room != Some(Room::Rig)) as f64;
-    const PEERS: &str = "grblHAL 52.7, Klipper 60.8, Marlin 84, RRF 126, Prusa 886";
     vec![
         figure("isr_insn_per_event", isr / events, Some(30.0), ""),
-        figure("isr_insn_per_motor_step", isr / motor_steps, Some(17.0), PEERS),
+        figure("isr_insn_per_motor_step", isr / motor_steps, Some(17.0), PEERS_ISR),
         figure("isr_without_rig_insn_per_event", (isr - rig) / events, Some(30.0), ""),
-        figure("isr_without_rig_insn_per_motor_step", (isr - rig) / motor_steps, Some(17.0), PEERS),
+        figure("isr_without_rig_insn_per_motor_step", (isr - rig) / motor_steps, Some(17.0), PEERS_ISR),
         figure("isr_without_rig_cycles_per_motor_step", cycles / motor_steps, None, "grblHAL 95.6, Klipper 105.7"),
         figure("isr_insn_worst", s.longest(Context::Steps) as f64, None, ""),
         figure("isr_entries_per_event", s.entries(Context::Steps) as f64 / events, None, ""),
@@ -80,23 +111,29 @@ fn of_shares(plain: &Profile, shaped: &Profile) -> Vec<Figure> {
 }
 
 /// The dense jobs: how many steps fit into a second if this work is all there is.
-fn of_rates(dense: &Profile, axis: &Profile) -> Vec<Figure> {
-    let rate = |name, job: &Profile, contexts: &[Context], with_rig, goal, peers| {
+fn of_rates(octopus: &PlainStep, dense: &Profile, axis: &Profile) -> Vec<Figure> {
+    let in_qemu = |name, job: &Profile, contexts: &[Context], with_rig, goal, peers| {
         let cycles = job.cycles(contexts, |spot| with_rig || spot.room != Some(Room::Rig));
-        let value = (CYCLES_PER_SECOND * job.motor_steps as f64 / cycles as f64).round();
-        Figure { name, value, is_rate: true, is_steady: true, goal, peers }
+        rate(name, job.motor_steps as f64 / cycles as f64, goal, peers)
+    };
+    // All but the step interrupt, and that of the Octopus instead.
+    let on_octopus = |name, job: &Profile| {
+        let others = job.cycles(&Context::BUSY, |spot| spot.context != Context::Steps);
+        let exceptions = EXCEPTION * job.entries(Context::Steps);
+        let cycles = others.saturating_sub(exceptions) + octopus.cycles * job.events;
+        rate(name, job.motor_steps as f64 / cycles as f64, Some(2e6), ALL_IN)
     };
     let (all, isr) = (&Context::BUSY, &[Context::Steps]);
-    const ALL_IN: &str = "grblHAL 1.88 M without shaping, RRF 0.75 M, Prusa 0.13 M";
-    const PEAK: &str = "Klipper 1.70 M, grblHAL 1.88 M, Marlin 1.19 M, RRF 0.75 M, Prusa 0.13 M (job S)";
     vec![
-        rate("sustained_motor_steps_per_s", dense, all, true, Some(2e6), ALL_IN),
-        rate("sustained_without_rig_motor_steps_per_s", dense, all, false, Some(2e6), ALL_IN),
-        rate("sustained_axis_motor_steps_per_s", axis, all, true, Some(2e6), ALL_IN),
-        rate("peak_event_motor_steps_per_s", dense, isr, true, Some(3e6), PEAK),
-        rate("peak_event_without_rig_motor_steps_per_s", dense, isr, false, Some(3e6), PEAK),
-        rate("peak_event_axis_motor_steps_per_s", axis, isr, true, Some(5e6), ""),
-        rate("peak_event_axis_without_rig_motor_steps_per_s", axis, isr, false, Some(5e6), ""),
+        in_qemu("sustained_motor_steps_per_s", dense, all, true, Some(2e6), ALL_IN),
+        in_qemu("sustained_without_rig_motor_steps_per_s", dense, all, false, Some(2e6), ALL_IN),
+        in_qemu("sustained_axis_motor_steps_per_s", axis, all, true, Some(2e6), ALL_IN),
+        on_octopus("octopus_sustained_motor_steps_per_s", dense),
+        on_octopus("octopus_sustained_axis_motor_steps_per_s", axis),
+        in_qemu("peak_event_motor_steps_per_s", dense, isr, true, Some(3e6), PEERS_PEAK),
+        in_qemu("peak_event_without_rig_motor_steps_per_s", dense, isr, false, Some(3e6), PEERS_PEAK),
+        in_qemu("peak_event_axis_motor_steps_per_s", axis, isr, true, Some(5e6), ""),
+        in_qemu("peak_event_axis_without_rig_motor_steps_per_s", axis, isr, false, Some(5e6), ""),
     ]
 }
 

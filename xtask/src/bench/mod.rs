@@ -10,6 +10,7 @@ mod cycles;
 mod figures;
 mod host;
 mod jobs;
+mod octopus;
 mod plugin;
 mod profile;
 mod report;
@@ -22,10 +23,14 @@ use anyhow::{Context as _, Result};
 use code::Code;
 use figures::Figure;
 use jobs::Job;
+use octopus::PlainStep;
 use plugin::Plugin;
 use profile::Profile;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+
+/// The board whose step interrupt is counted too.
+const OCTOPUS: &str = "corehbot-octopus";
 
 /// What to measure.
 #[derive(clap::Args)]
@@ -107,6 +112,8 @@ impl Bench {
     fn figures(&self) -> Result<Vec<Figure>> {
         let profiles: BTreeMap<_, _> =
             Job::ALL.into_iter().map(|job| Ok((job, self.measure(job)?))).collect::<Result<_>>()?;
-        figures::figures(&profiles)
+        let octopus = checkout::build_image(OCTOPUS)?;
+        let octopus = std::fs::read(&octopus).with_context(|| format!("cannot open {}", octopus.display()))?;
+        figures::figures(&profiles, &PlainStep::of(&Code::read(&octopus)?)?)
     }
 }

@@ -53,9 +53,9 @@ impl Room {
             return Some(match file {
                 "stepper.rs" => Self::Stepper,
                 "number.rs" => return None,
-                "crossing.rs" | "course.rs" | "track.rs" | "turn.rs" | "event.rs" | "queue.rs" => Self::Stepgen,
-                _ if file.starts_with("stepgen") || file.starts_with("trajectory") => Self::Stepgen,
-                "link.rs" => Self::Machine,
+                "crossing.rs" | "course.rs" | "track.rs" | "ahead.rs" | "event.rs" => Self::Stepgen,
+                _ if ["stepgen", "trajectory", "queue"].iter().any(|begin| file.starts_with(begin)) => Self::Stepgen,
+                "link.rs" | "step_counts.rs" => Self::Machine,
                 _ => Self::Planner,
             });
         }

@@ -2,7 +2,7 @@
 
 mod binary;
 mod contents;
-mod instruction;
+pub mod instruction;
 mod step_path;
 
 use crate::checkout;

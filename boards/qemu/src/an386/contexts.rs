@@ -24,7 +24,7 @@ type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage, N
 /// The core with the ports of this board.
 pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, BoardPend>;
 type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;
-type StepGenerator = motion::StepGenerator<'static, BoardPend>;
+type StepGenerator = motion::StepGenerator<'static>;
 type Console = machine::Console<'static, BoardPorts, BoardPend>;
 
 static STEPPER: Handover<&'static mut Stepper> = Handover::new();
@@ -85,7 +85,7 @@ pub extern "C" fn on_step_timer() {
 
 /// Interrupt of software: there is a move to turn into steps, or room for steps.
 pub extern "C" fn on_generator() {
-    GENERATOR.with(|generator| generator.run());
+    GENERATOR.with(|generator| generator.run(&BoardPend));
     wake_console();
 }
 

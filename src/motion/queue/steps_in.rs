@@ -1,0 +1,276 @@
+//! The StepGenerator's end of the StepQueue.
+
+use super::word::Word;
+use super::{LENGTH, StepQueue};
+use crate::motion::event::StepEvent;
+use crate::motion::track::NEAR;
+use crate::motors::MOST_GROUPS;
+use crate::port::GroupSet;
+use core::sync::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
+
+/// A first event of a run that is this long, 0.4 s, is not a plain one; and neither is one of so many. The others of a run
+/// are within [`NEAR`] of its begin. Thus the plain ones between two others take less than the 429 s at which a tick of 32
+/// bits wraps.
+const LONG: u32 = 1 << 22;
+const REGULAR: u32 = 256;
+const _: () = assert!((LONG + NEAR) as u64 * (REGULAR as u64 / 2) < 1 << 32);
+
+/// The Stepper gets to see events when they are a quarter of those that it has left, but not before they are so many: it
+/// must not run dry while it waits for them.
+const SHORTEST_RUN: usize = 4;
+
+/// Events with steps that are put in one behind the other. The Stepper sees none of them before all are in: the first one
+/// comes into its place last.
+pub(in crate::motion) struct Run<'q> {
+    /// The tick of the last event.
+    now: u32,
+    word: Word,
+    /// Where the next events go, and those behind them.
+    places: &'q [[AtomicU32; 2]],
+    rest: &'q [[AtomicU32; 2]],
+}
+
+impl Run<'_> {
+    /// Whether there is no place left where events are to be put now.
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Puts an event in, if there is a place; its steps are those of [`Word::steps_of`].
+    #[inline(always)]
+    pub fn put(&mut self, tick: u32, steps: u32) {
+        if let [[time, place], behind @ ..] = self.places {
+            time.store(tick.wrapping_sub(self.now), Relaxed);
+            place.store(self.word.0 | steps, Relaxed);
+            self.now = tick;
+            self.places = behind;
+        }
+    }
+}
+
+/// The StepGenerator's end.
+pub struct StepsIn<'m> {
+    queue: &'m StepQueue,
+    /// Events ever put in, wrapping.
+    made: u32,
+    /// The event before; at first none, which none is like.
+    before: Word,
+    /// Groups whose steps the Stepper is to look at closely.
+    slow: GroupSet,
+    /// The event at which the Stepper asks for more.
+    marked: u32,
+}
+
+impl<'m> StepsIn<'m> {
+    pub(super) const fn new(queue: &'m StepQueue, made: u32) -> Self {
+        Self { queue, made, before: Word::NONE, slow: GroupSet::NONE, marked: made }
+    }
+
+    /// The groups that a run is made of; steps of others come in between.
+    const LED: u8 = 0b11;
+
+    /// What a step of a group in a run adds to its event, beyond the first two groups.
+    pub(in crate::motion) const fn step_of(&self, group: usize) -> u32 {
+        let is_slow = self.slow.0 >> group & 1 != 0;
+        Word::steps_of(group) | if is_slow { Word::SPECIAL } else { 0 }
+    }
+
+    /// Has the Stepper look closely at steps of these groups.
+    pub fn set_slow_groups(&mut self, groups: GroupSet) {
+        self.slow = groups;
+    }
+
+    /// Puts an event in.
+    ///
+    /// # Errors
+    /// The event, if there is no room.
+    #[inline]
+    pub fn enqueue(&mut self, event: StepEvent) -> Result<(), StepEvent> {
+        if self.len() >= LENGTH - 1 {
+            return Err(event);
+        }
+        let StepEvent { interval, steps, forward, epoch, watch } = event;
+        self.put(interval, Word::waiting(epoch, watch).stepping(steps, forward));
+        Ok(())
+    }
+
+    /// Puts an event in where there is room.
+    pub(in crate::motion) fn put(&mut self, interval: u32, word: Word) {
+        self.publish(interval, word, 1);
+    }
+
+    /// Puts in up to `most` events, for which there must be room, as long as `fill` has some for a [`Run`]; it says whether
+    /// there may be more. They are like `setting` but for their steps. `now` is the tick of the event before, and in the
+    /// end of the last one.
+    #[inline(always)]
+    pub(in crate::motion) fn put_runs(
+        &mut self,
+        setting: Word,
+        most: u32,
+        now: &mut u32,
+        mut fill: impl FnMut(&mut Run) -> bool,
+    ) {
+        let is_special = setting.has_watch() || self.slow.0 & Self::LED != 0;
+        let word = if is_special { setting.special() } else { setting };
+        let first = [[AtomicU32::new(0), AtomicU32::new(0)]];
+        let mut left = most as usize;
+        let mut has_more = true;
+        while has_more && left > 0 {
+            // The events behind the first are plain if they can be. So a run ends in front of one that may not be.
+            let longest = (self.len() / 4).max(SHORTEST_RUN);
+            let begin = self.made as usize % LENGTH;
+            let places = self.queue.events.get(begin + 1..begin - begin % REGULAR as usize + REGULAR as usize);
+            let places = places.unwrap_or_default();
+            let places = places.get(..left.min(longest) - 1).unwrap_or(places);
+            let mut run = Run { now: *now, word, places: &first, rest: places };
+            while has_more && !run.is_full() {
+                has_more = fill(&mut run);
+                if has_more {
+                    run.places = core::mem::take(&mut run.rest);
+                }
+            }
+            *now = run.now;
+            let made = 1 + places.len() - run.places.len() - run.rest.len();
+            if made == 0 {
+                return;
+            }
+            let [[interval, first]] = &first;
+            self.publish(interval.load(Relaxed), Word(setting.0 | first.load(Relaxed) & Word::STEPS), made as u32);
+            left -= made;
+        }
+    }
+
+    /// Shows the Stepper `count` events, of which all but the first stand in their places.
+    fn publish(&mut self, interval: u32, word: Word, count: u32) {
+        // A direction that is taken back with an epoch is set anew in the next.
+        let is_plain = word.has_only_steps(self.slow)
+            && (word.0 ^ self.before.0) & Word::SETTING == 0
+            && interval < LONG
+            && !self.made.is_multiple_of(REGULAR);
+        self.before = word;
+        let word = if is_plain { word } else { word.special() };
+        // Whoever sees the events must find the end of the queue behind them.
+        let end = self.made.wrapping_add(count);
+        self.queue.end_at(end);
+        compiler_fence(AcqRel);
+        let [time, place] = self.queue.place(self.made);
+        time.store(interval, Relaxed);
+        compiler_fence(AcqRel);
+        place.store(word.0, Relaxed);
+        compiler_fence(AcqRel);
+        self.made = end;
+    }
+
+    /// Takes back all events that the Stepper has not played, and says how many steps of each group they had. It will not
+    /// play the one in its hands either, for its epoch or its motion is over.
+    pub fn take_back(&mut self) -> [i32; MOST_GROUPS] {
+        let steps = self.queue.waiting(self.made);
+        self.made = self.done();
+        self.marked = self.made;
+        // Its direction may never have reached the pins.
+        self.before = Word::NONE;
+        self.queue.end_at(self.made);
+        steps
+    }
+
+    /// Events ever put in, wrapping.
+    pub(in crate::motion) const fn made(&self) -> u32 {
+        self.made
+    }
+
+    /// Events ever taken out, wrapping.
+    pub(in crate::motion) fn done(&self) -> u32 {
+        self.queue.done.load(Relaxed)
+    }
+
+    /// Events in the queue, the one in the Stepper's hands among them.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.made.wrapping_sub(self.queue.done.load(Relaxed)) as usize
+    }
+
+    /// Whether the Stepper has none left.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Events that there is room for.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        LENGTH - 1 - self.len()
+    }
+
+    /// Has the generator called when no more than `left` events are left; false if that is so already, or if there is
+    /// nothing to call it for, with 0.
+    pub(in crate::motion) fn mark(&mut self, left: usize) -> bool {
+        let is_waiting = |queue: &StepQueue, number: u32| {
+            number.wrapping_sub(queue.done.load(Relaxed)).wrapping_sub(1) < LENGTH as u32 - 1
+        };
+        let number = self.made.wrapping_sub(left as u32);
+        if self.marked != number {
+            let before = &self.queue.place(self.marked)[1];
+            if is_waiting(self.queue, self.marked) {
+                before.store(before.load(Relaxed) & !Word::REFILL, Relaxed);
+            }
+        }
+        if left == 0 {
+            return false;
+        }
+        let word = &self.queue.place(number)[1];
+        word.store(word.load(Relaxed) | Word::SPECIAL | Word::REFILL, Relaxed);
+        compiler_fence(AcqRel);
+        self.marked = number;
+        // The Stepper has looked at the event it holds before.
+        is_waiting(self.queue, number)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::port::EndstopSet;
+    use std::vec::Vec;
+
+    #[test]
+    fn a_run_is_shown_when_it_is_whole_and_nothing_is_behind_it() {
+        let mut queue = StepQueue::new();
+        for place in queue.events.iter().skip(1).flatten() {
+            place.store(7, Relaxed);
+        }
+        let (mut events_in, mut events_out) = queue.split();
+        let setting = Word::waiting(3, EndstopSet::NONE).stepping(GroupSet::NONE, GroupSet(1));
+        let (mut now, mut made, mut done) = (1000, 0, 0);
+        while done < 3 * LENGTH as u32 {
+            let most = (events_in.room() as u32).min(100);
+            let queue = events_out.queue;
+            let mut run = Vec::new();
+            events_in.put_runs(setting, most, &mut now, |places| {
+                while !places.is_full() {
+                    // The Stepper stops where nothing is, wherever it is until then.
+                    let shown = (0..LENGTH as u32).find(|i| queue.place(done + i)[1].load(Relaxed) == Word::NONE.0);
+                    let first = done + shown.unwrap_or(u32::MAX);
+                    assert!((made - run.len() as u32..=made).contains(&first), "{first} of {made}");
+                    assert_eq!(queue.place(first)[0].load(Relaxed), 0);
+                    places.put(1000 + 50 * (made + 1), Word::steps_of(0));
+                    run.push(made);
+                    made += 1;
+                }
+                true
+            });
+            assert_eq!((events_in.made(), now), (made, 1000 + 50 * made));
+            let end = queue.place(made).each_ref().map(|word| word.load(Relaxed));
+            assert_eq!(end, [0, Word::NONE.0], "nothing is behind the last");
+            for _ in 0..made - done {
+                let (interval, word) = events_out.peek();
+                let is_special = done == 0 || done.is_multiple_of(REGULAR);
+                assert_eq!((interval, word.is_plain(3)), (50, !is_special), "event {done}");
+                assert_eq!((word.steps(), word.forward()), (GroupSet(1), GroupSet(1)));
+                events_out.advance();
+                done += 1;
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Words: all of a step event but its time, in 32 bits.
+
+use crate::motors::MOST_GROUPS;
+use crate::port::{EndstopSet, GroupSet};
+
+/// A bit for each group.
+const GROUPS: u32 = (1 << MOST_GROUPS) - 1;
+
+/// Where the groups that step begin, behind four endstops, and where the directions do. (A port that has four words for
+/// each set of groups finds them so with one instruction less.)
+const STEPS_AT: usize = 4;
+const FORWARD_AT: usize = STEPS_AT + MOST_GROUPS;
+const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::PROBE.0 == 8);
+
+/// All of an event but its time: the endstops it watches in bits 0 to 3, then the groups, directions above steps, its
+/// epoch from bit 16 on, and what is special about it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(in crate::motion) struct Word(pub u32);
+
+impl Word {
+    /// No event, which is not a plain one either.
+    pub const NONE: Self = Self(1 << 27);
+    /// What a Stepper without an event holds.
+    pub const RESTING: Self = Self(1 << 26);
+    /// There is more to it than steps in directions that are set already.
+    pub const SPECIAL: u32 = 1 << 24;
+    /// The generator is to make more.
+    pub const REFILL: u32 = 1 << 25;
+
+    /// What two plain events in a row have in common: directions, epoch, and that they are events.
+    pub const SETTING: u32 = 0xFFFF_0000 | Self::FORWARD;
+
+    pub const STEPS: u32 = GROUPS << STEPS_AT;
+    const FORWARD: u32 = GROUPS << FORWARD_AT;
+    const WATCH: u32 = 0xF;
+
+    /// An event of `epoch` that watches endstops, without steps.
+    pub const fn waiting(epoch: u8, watch: EndstopSet) -> Self {
+        Self(watch.0 as u32 & Self::WATCH | (epoch as u32) << 16)
+    }
+
+    /// The same with steps, in directions that stay with it.
+    pub const fn stepping(self, steps: GroupSet, forward: GroupSet) -> Self {
+        Self(
+            self.0 & !(Self::STEPS | Self::FORWARD)
+                | (steps.0 as u32) << STEPS_AT & Self::STEPS
+                | (forward.0 as u32) << FORWARD_AT & Self::FORWARD,
+        )
+    }
+
+    /// What the step of a group adds to an event without.
+    #[inline(always)]
+    pub const fn steps_of(group: usize) -> u32 {
+        1 << (STEPS_AT + group)
+    }
+
+    /// Whether this is an event of `epoch` with nothing special about it.
+    #[inline(always)]
+    pub const fn is_plain(self, epoch: u8) -> bool {
+        self.0 >> 16 == epoch as u32
+    }
+
+    /// Whether there are steps, none of them of `slow` groups, and no endstops to be watched.
+    #[inline(always)]
+    pub const fn has_only_steps(self, slow: GroupSet) -> bool {
+        self.0 & Self::STEPS != 0 && self.0 & (slow.0 as u32) << STEPS_AT == 0 && !self.has_watch()
+    }
+
+    /// Whether endstops are to be watched.
+    pub const fn has_watch(self) -> bool {
+        self.0 & Self::WATCH != 0
+    }
+
+    /// Whether this is an event of `epoch` with steps in these directions and without endstops to be watched.
+    #[inline(always)]
+    pub const fn is_step_of(self, epoch: u8, forward: GroupSet) -> bool {
+        let setting = (epoch as u32) << 16 | (forward.0 as u32) << FORWARD_AT;
+        (self.0 ^ setting) & !(Self::STEPS | Self::SPECIAL | Self::REFILL) == 0 && self.0 & Self::STEPS != 0
+    }
+
+    /// The same, to be looked at closely.
+    pub const fn special(self) -> Self {
+        Self(self.0 | Self::SPECIAL)
+    }
+
+    #[inline(always)]
+    pub const fn steps(self) -> GroupSet {
+        GroupSet((self.0 >> STEPS_AT & GROUPS) as u8)
+    }
+
+    pub const fn forward(self) -> GroupSet {
+        GroupSet((self.0 >> FORWARD_AT & GROUPS) as u8)
+    }
+
+    pub const fn watch(self) -> EndstopSet {
+        EndstopSet((self.0 & Self::WATCH) as u8)
+    }
+
+    pub const fn epoch(self) -> u8 {
+        (self.0 >> 16) as u8
+    }
+
+    /// Whether this is an event of `epoch`.
+    pub const fn is_of(self, epoch: u16) -> bool {
+        (self.0 & !(Self::SPECIAL | Self::REFILL)) >> 16 == epoch as u32
+    }
+
+    pub const fn wants_refill(self) -> bool {
+        self.0 & Self::REFILL != 0
+    }
+}

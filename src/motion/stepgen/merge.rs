@@ -1,0 +1,128 @@
+//! Merging: the steps of all groups in the order of their ticks, as events.
+
+use super::StepGenerator;
+use crate::kinematics::Groups;
+use crate::motion::ahead::{earlier, is_before};
+use crate::motion::queue::Word;
+
+/// A step of the first and the second group.
+const OF_FIRST: u32 = Word::steps_of(0);
+const OF_SECOND: u32 = Word::steps_of(1);
+
+/// Whether the steps of an event leave no motor pulling against another of its group.
+fn is_unstrained(groups: &Groups, word: Word) -> bool {
+    let (motors, forward) = (groups.motors(word.steps()), groups.forward_motors(word.forward()));
+    groups.mechanism().is_unstrained(motors, forward)
+}
+
+impl StepGenerator<'_> {
+    /// Makes up to `most` events of the steps that come before the tick `until`, at least one, and no more when they are
+    /// far enough ahead; false if there are no steps. All groups that step in one tick step in one event.
+    ///
+    /// Three groups at once: the first two, which are the belts, and whichever of the others steps first. The others rest
+    /// or step seldom, and a step of theirs ends the round.
+    #[inline(never)]
+    pub(super) fn merge(&mut self, until: u32, most: u32, enough: u32) -> bool {
+        let (setting, mechanism) = (self.waiting(), self.mechanism);
+        let begin = self.last as u32;
+        let [first, second, others @ ..] = &mut self.tracks;
+        let (mut number, mut limit, mut tick) = (0, until, until);
+        for (i, track) in others.iter().enumerate() {
+            let own = track.ahead.tick();
+            if is_before(own, tick) {
+                (number, limit, tick) = (i, tick, own);
+            } else {
+                limit = earlier(limit, own);
+            }
+        }
+        let Some(third) = others.get_mut(number) else { return false };
+        let (mut a, mut b, mut c) = (first.ahead.steps(), second.ahead.steps(), third.ahead.steps());
+        let earliest = earlier(earlier(a.tick, b.tick), tick);
+        if !is_before(earliest, until) {
+            return false;
+        }
+        if !is_before(earliest, limit) {
+            self.step_together(earliest);
+            return true;
+        }
+        let most = if is_before(enough, earliest) { 1 } else { most };
+        if most > 1 {
+            limit = earlier(limit, enough.wrapping_add(1));
+        }
+        let of_third = self.events.step_of(number + 2);
+        let mut stop = earlier(c.tick, limit);
+        let mut now = begin;
+        let check = |steps| {
+            debug_assert!(is_unstrained(mechanism, Word(setting.0 | steps)), "motors pull against each other");
+        };
+        self.events.put_runs(setting, most, &mut now, |run| {
+            loop {
+                // What nearly every event is: the step of one of the first two groups, or both.
+                while !run.is_full() {
+                    let lead = a.tick.wrapping_sub(b.tick).cast_signed();
+                    if lead < 0 {
+                        if !is_before(a.tick, stop) {
+                            break;
+                        }
+                        check(OF_FIRST);
+                        run.put(a.tick, OF_FIRST);
+                        a.go_on();
+                    } else {
+                        if !is_before(b.tick, stop) {
+                            break;
+                        }
+                        check(OF_SECOND);
+                        run.put(b.tick, if lead == 0 { OF_FIRST | OF_SECOND } else { OF_SECOND });
+                        b.go_on();
+                        if lead == 0 {
+                            check(OF_FIRST);
+                            a.go_on();
+                        }
+                    }
+                }
+                if run.is_full() {
+                    return true;
+                }
+                let tick = stop;
+                if tick == limit {
+                    return false;
+                }
+                let mut steps = of_third;
+                c.go_on();
+                stop = earlier(c.tick, limit);
+                if a.tick == tick {
+                    a.go_on();
+                    steps |= OF_FIRST;
+                }
+                if b.tick == tick {
+                    b.go_on();
+                    steps |= OF_SECOND;
+                }
+                check(steps);
+                run.put(tick, steps);
+            }
+        });
+        let (a, b, c) = (a.reached(), b.reached(), c.reached());
+        first.ahead.go_on_to(a);
+        second.ahead.go_on_to(b);
+        third.ahead.go_on_to(c);
+        self.last += u64::from(now.wrapping_sub(begin));
+        true
+    }
+
+    /// Makes an event of all groups' steps at a tick.
+    #[cold]
+    fn step_together(&mut self, tick: u32) {
+        let mut word = self.waiting();
+        for (number, track) in self.tracks.iter_mut().enumerate() {
+            if track.ahead.left() > 0 && track.ahead.tick() == tick {
+                word = Word(word.0 | Word::steps_of(number));
+                let reached = track.ahead.steps().reached() + 1;
+                track.ahead.go_on_to(reached);
+            }
+        }
+        let interval = tick.wrapping_sub(self.last as u32);
+        self.events.put(interval, word);
+        self.last += u64::from(interval);
+    }
+}

@@ -1,0 +1,24 @@
+//! Steps that are counted where they are made, so that whoever plays them need not.
+
+use crate::motors::MOST_GROUPS;
+use core::sync::atomic::{AtomicI32, Ordering::Acquire, Ordering::Relaxed};
+
+/// Steps of each group of motors, signed and wrapping.
+pub(super) struct Counted([AtomicI32; MOST_GROUPS]);
+
+impl Counted {
+    pub const fn new() -> Self {
+        Self([const { AtomicI32::new(0) }; MOST_GROUPS])
+    }
+
+    /// So many more of each group. One context is the only writer.
+    pub fn add(&self, steps: [i32; MOST_GROUPS]) {
+        for (count, steps) in self.0.iter().zip(steps) {
+            count.store(count.load(Relaxed).wrapping_add(steps), Relaxed);
+        }
+    }
+
+    pub fn read(&self) -> [i32; MOST_GROUPS] {
+        self.0.each_ref().map(|count| count.load(Acquire))
+    }
+}

@@ -1,0 +1,37 @@
+//! A clock that is set by hand, and nobody who is called.
+
+use corehbot::port::{Pend, StepClock};
+use corehbot::units::Tick;
+use std::cell::Cell;
+
+/// What the clock shows, and when it is to ring.
+#[derive(Default)]
+pub struct Clock {
+    pub now: Cell<u32>,
+    pub alarm: Cell<Option<u32>>,
+}
+
+pub struct Timer<'c>(pub &'c Clock);
+
+impl StepClock for Timer<'_> {
+    fn now(&self) -> Tick {
+        Tick(self.0.now.get())
+    }
+
+    fn alarm(&mut self, at: Tick) -> bool {
+        self.0.alarm.set(Some(at.0));
+        self.now().is_before(at)
+    }
+
+    fn silence(&mut self) {
+        self.0.alarm.set(None);
+    }
+}
+
+#[derive(Clone, Copy)]
+pub struct Nobody;
+
+impl Pend for Nobody {
+    fn pend_generator(&self) {}
+    fn pend_stepper(&self) {}
+}
