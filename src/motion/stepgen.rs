@@ -31,6 +31,9 @@ use supply::Supply;
 /// the interrupts of the same priority get their turn.
 const BATCH: u32 = 128;
 
+/// With less room the queue is as good as full: whoever fills up every place as it gets free has no rest.
+const LEAST_ROOM: usize = 32;
+
 /// What is being done.
 enum Task {
     Nothing,
@@ -133,7 +136,7 @@ impl<'m> StepGenerator<'m> {
                 return true;
             }
             let room = self.events.room();
-            if room == 0 || self.is_ahead(enough) {
+            if room < LEAST_ROOM || self.is_ahead(enough) {
                 self.publish();
                 return !self.events.mark(self.events.len() / 2);
             }
@@ -252,5 +255,71 @@ impl<'m> StepGenerator<'m> {
     /// An event without steps.
     fn waiting(&self) -> Word {
         Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BATCH, LEAST_ROOM, StepGenerator};
+    use crate::kinematics::Groups;
+    use crate::motion::moves::{Entry, Work};
+    use crate::motion::planner::{Planner, Target};
+    use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
+    use crate::port::{EndstopSet, Pend};
+    use crate::settings::Settings;
+    use crate::status::Status;
+    use crate::units::{Mm, MmPerSec, StepsPerMm};
+
+    struct Nobody;
+
+    impl Pend for Nobody {
+        fn pend_generator(&self) {}
+        fn pend_stepper(&self) {}
+    }
+
+    /// Reproducer: at 300,000 events a second the generator filled every place as the Stepper freed it, one event a round,
+    /// which took four times as long as usual and left the Console nothing.
+    #[test]
+    fn a_queue_that_is_nearly_full_is_left_alone() {
+        let mut settings = Settings::prototype();
+        settings.axes.x.steps_per_mm = StepsPerMm::const_from_int(640);
+        settings.axes.y.steps_per_mm = StepsPerMm::const_from_int(640);
+        let mut memory = MoveMemory::new();
+        let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
+        let position = [Mm::const_from_int(60), Mm::const_from_int(25), Mm::ZERO, Mm::ZERO];
+        let speed = MmPerSec::const_from_int(300);
+        planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }, &settings);
+        planner.release_all();
+        let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+        let (mut moves_in, moves_out) = move_queue.split();
+        let (steps_in, mut steps_out) = step_queue.split();
+        let (mut spans, status, groups) = (SpanMemory::new(), Status::new(), Groups::new(&settings.mechanism));
+        let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+        if let Some(m) = planner.pop() {
+            assert!(moves_in.enqueue(Entry { epoch: 0, work: Work::Move(m) }).is_ok());
+        }
+        let mut tick = 0u32;
+        let mut play = |count: usize| {
+            for event in core::iter::from_fn(|| steps_out.dequeue()).take(count) {
+                tick = tick.wrapping_add(event.interval);
+                status.event_played(tick);
+            }
+        };
+        // Up to full speed, where the queue is full before it reaches far enough ahead.
+        for _ in 0..300 {
+            generator.run(&Nobody);
+            play(100);
+        }
+        for _ in 0..5 {
+            generator.run(&Nobody);
+        }
+        let full = generator.events.len();
+        assert!(generator.events.room() < LEAST_ROOM, "{full} events");
+        play(10);
+        generator.run(&Nobody);
+        assert_eq!(generator.events.len(), full - 10, "too few places to begin with");
+        play(200);
+        generator.run(&Nobody);
+        assert_eq!(generator.events.len(), full - 210 + BATCH as usize);
     }
 }
