@@ -36,13 +36,12 @@ pub(super) struct Edge {
     pub speed: f32,
 }
 
-/// Most crossings that are found at once.
-pub(super) const STRETCH: usize = 31;
+/// Lengths of a stretch in which speed changes. They get no longer at once, for the one that is too long by a little may
+/// well be too long by far.
+const LENGTHS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Stretches get no longer at once, for the one that is too long by a little may well be too long by far.
-const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, STRETCH];
-
-/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 20th.
+/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 15th: a stretch of 64 sums up twice what is
+/// rounded to half a bit of [`FINE`].
 const MOST_ERROR: f32 = 0.125;
 
 /// Of the formula above, squared.
@@ -52,6 +51,9 @@ const MOST_ROUGHNESS: f32 = (MOST_ERROR * 3072.0 / 15.0) * (MOST_ERROR * 3072.0 
 /// step's time is less than 1,000 ticks where a stretch is smooth and not too long.
 const FINE: u32 = 14;
 const FINER: u32 = 6;
+
+/// What makes of a shift by [`FINER`] bits a rounding.
+const HALF: i32 = 1 << (FINER - 1);
 
 /// A longer stretch than this, in ticks, would leave less than 32 bits can hold.
 const LONGEST_STRETCH: f32 = (1 << (31 - FINE)) as f32;
@@ -227,8 +229,10 @@ impl Crossings {
     /// The next stretch where all steps take the same time, and how long it is.
     fn steady(&mut self, most: usize) -> (Stretch, usize) {
         let at = self.offset + (self.whole as f32 + self.part) * self.slow;
-        let is_single = at < 0.0 || self.slow * const { STRETCH as f32 } >= LONGEST_STRETCH;
-        let count = if is_single { 1 } else { most };
+        let mut count = if at < 0.0 { 1 } else { most };
+        while count > 1 && self.slow * count as f32 >= LONGEST_STRETCH {
+            count /= 2;
+        }
         self.is_dense |= at < 0.0;
         self.whole += count as i32;
         (Stretch { pace: fine(self.slow), ..Stretch::at(self.base, at) }, count)
@@ -260,20 +264,26 @@ impl Crossings {
         let cube = change * gain * (share * share);
         let pace = mean + change * self.fast + (square + cube);
         let jerk = 6.0 * cube;
-        (Stretch { pace: fine(pace), bend: finer(square + square + jerk), jerk: finer(jerk), ..single }, count)
+        (Stretch { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
     }
 
     /// How long the next stretch can be, which begins at a distance from the slow end.
     fn length(&mut self, distance: f32, most: usize) -> usize {
-        let length = |level: u8| LENGTHS.get(usize::from(level)).copied().unwrap_or(1);
+        let length = |level: u8| LENGTHS.get(usize::from(level)).copied();
+        let mut long = length(self.level).unwrap_or(1);
         if self.curve == Curve::Slowing {
-            while self.level > 0 && !self.is_smooth(distance, most.min(length(self.level))) {
+            while self.level > 0 && !self.is_smooth(distance, most.min(long)) {
                 self.level -= 1;
+                long = length(self.level).unwrap_or(1);
             }
-        } else if length(self.level) < most && self.is_smooth(distance, length(self.level + 1)) {
+        } else if long < most
+            && let Some(longer) = length(self.level + 1)
+            && self.is_smooth(distance, longer)
+        {
             self.level += 1;
+            long = longer;
         }
-        most.min(length(self.level))
+        most.min(long)
     }
 
     /// Whether a cubic does for so many crossings.
@@ -309,7 +319,7 @@ mod tests {
         let mut crossings = Crossings::new(&from, &to, Steps::from_num(sign * 0.5), sign > 0.0, None);
         let count = (way + 0.5) as usize;
         let mut ticks = vec![0; count];
-        for ticks in ticks.chunks_mut(STRETCH) {
+        for ticks in ticks.chunks_mut(crate::motion::ahead::MOST) {
             crossings.fill(ticks);
         }
         let rise = 2.0 * (v1 - v0) / time;

@@ -145,13 +145,13 @@ impl Geometry {
         let component = |d: i32| ((i64::from(d) * i64::from(part) + (1 << 30)) >> 31) as i32;
         let unit = [component(x), component(y), component(z)];
         let direction = [x as f32 * inverse, y as f32 * inverse, z as f32 * inverse];
-        let (length, root) = (u64::from(root), root as f32);
-        let length = if shift >= 0 {
+        let length = if shift > 0 {
             // Rounded: a length that is always cut short would run ahead of the clock in the long run.
-            (length + (1 << shift >> 1)) >> shift
+            u64::from((root >> shift) + (root >> (shift - 1) & 1))
         } else {
-            length << shift.unsigned_abs()
+            u64::from(root) << shift.unsigned_abs()
         };
+        let root = root as f32;
         // 2^(-32 - shift), of which the shift is -33 to 30.
         let size = root * f32::from_bits(((127 - 32 - shift) as u32) << 23);
         let extrusion = if e == 0 { 0.0 } else { sign(e) * (filament / size) };

@@ -196,7 +196,6 @@ impl<'m> Planner<'m> {
 
     /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been done.
     /// Without it [`push`](Self::push) does all of it.
-    #[inline(always)]
     pub fn prepare(&mut self) -> bool {
         if self.plan_anew() && self.window.is_settled() {
             return true;
@@ -313,7 +312,6 @@ impl<'m> Planner<'m> {
     }
 
     /// Takes the next move that may leave; none does while moves are [planned anew](Self::plan_anew).
-    #[inline(always)]
     pub fn pop(&mut self) -> Option<Move> {
         if !self.window.is_planned() {
             return None;

@@ -2,6 +2,7 @@
 
 use super::word::Word;
 use super::{LENGTH, StepQueue};
+use crate::motion::ahead::{Steps, is_before};
 use crate::motion::event::StepEvent;
 use crate::motion::track::NEAR;
 use crate::motors::MOST_GROUPS;
@@ -45,6 +46,18 @@ impl Run<'_> {
             place.store(self.word.0 | steps, Relaxed);
             self.now = tick;
             self.places = behind;
+        }
+    }
+
+    /// Puts in the next step of a group, and those behind it up to a tick, as long as there are places.
+    #[inline(always)]
+    pub fn put_steps(&mut self, steps: &mut Steps, until: u32, word: u32) {
+        loop {
+            self.put(steps.tick, word);
+            steps.go_on();
+            if self.is_full() || !is_before(steps.tick, until) {
+                return;
+            }
         }
     }
 }

@@ -60,24 +60,20 @@ impl StepGenerator<'_> {
                 // What nearly every event is: the step of one of the first two groups, or both.
                 while !run.is_full() {
                     let lead = a.tick.wrapping_sub(b.tick).cast_signed();
+                    if !is_before(if lead < 0 { a.tick } else { b.tick }, stop) {
+                        break;
+                    }
                     if lead < 0 {
-                        if !is_before(a.tick, stop) {
-                            break;
-                        }
                         check(OF_FIRST);
-                        run.put(a.tick, OF_FIRST);
-                        a.go_on();
-                    } else {
-                        if !is_before(b.tick, stop) {
-                            break;
-                        }
+                        run.put_steps(&mut a, earlier(b.tick, stop), OF_FIRST);
+                    } else if lead > 0 {
                         check(OF_SECOND);
-                        run.put(b.tick, if lead == 0 { OF_FIRST | OF_SECOND } else { OF_SECOND });
+                        run.put_steps(&mut b, earlier(a.tick, stop), OF_SECOND);
+                    } else {
+                        check(OF_FIRST | OF_SECOND);
+                        run.put(a.tick, OF_FIRST | OF_SECOND);
+                        a.go_on();
                         b.go_on();
-                        if lead == 0 {
-                            check(OF_FIRST);
-                            a.go_on();
-                        }
                     }
                 }
                 if run.is_full() {
