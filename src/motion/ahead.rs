@@ -3,8 +3,8 @@
 use super::crossing::Crossings;
 use crate::motion::MIN_STEP_INTERVAL;
 
-/// Places for ticks, a power of two: 0.5 KiB a group. With 32 an event takes 6 instructions more at 100 mm/s, and 14 at
-/// 300,000 events a second, where rounds of events end most often because the steps known of one group do.
+/// Places for ticks, a power of two: 0.5 KiB a group. With 32 an event takes 13 instructions more, for rounds
+/// of events end most often because the steps known of one group do.
 const PLACES: usize = 128;
 const _: () = assert!(PLACES.is_power_of_two());
 

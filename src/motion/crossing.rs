@@ -38,10 +38,10 @@ pub(super) struct Edge {
 
 /// Lengths of a stretch in which speed changes. They get no longer at once, for the one that is too long by a little may
 /// well be too long by far.
-const LENGTHS: [usize; 7] = [1, 2, 4, 8, 16, 32, 64];
+const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 
-/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 15th: a stretch of 64 sums up twice what is
-/// rounded to half a bit of [`FINE`].
+/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a stretch of 32 sums up twice what is
+/// rounded to half a bit of [`FINE`], and three times what is cut to a bit of [`FINER`].
 const MOST_ERROR: f32 = 0.125;
 
 /// Of the formula above, squared.
