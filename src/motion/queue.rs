@@ -20,7 +20,7 @@ pub(super) use word::Word;
 /// Places in the ring, one of which stays empty.
 const LENGTH: usize = 512;
 
-/// Step events between StepGenerator and Stepper. Full: the generator waits. Empty: motion rests, or has
+/// Step events between StepGenerator and Stepper. As good as full: the generator waits. Empty: motion rests, or has
 /// starved, which is counted. 511 events are 5 ms at 100,000 events a second.
 #[repr(C)]
 pub struct StepQueue {

@@ -196,11 +196,11 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
                 self.due = self.due.after(late);
                 self.set_behind(self.behind.wrapping_add(late), self.due);
             }
+            if self.next.forward() != self.forward {
+                self.forward = self.next.forward();
+                self.port.dir(self.forward);
+            }
             if !self.next.steps().is_empty() {
-                if self.next.forward() != self.forward {
-                    self.forward = self.next.forward();
-                    self.port.dir(self.forward);
-                }
                 return true;
             }
             self.go_on();

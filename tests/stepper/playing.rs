@@ -266,3 +266,42 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     generator.run(&Nobody);
     assert!(steps_out.dequeue().is_none(), "nothing is made that would be discarded");
 }
+
+/// A step whose direction lines must be set before it would be a microsecond late.
+#[test]
+fn directions_are_set_ahead_of_the_step_that_needs_them() {
+    let (status, settings, groups) = (Status::new(), Settings::prototype(), machine());
+    let mut memory = MoveMemory::new();
+    let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
+    for (x, y) in [(3, 0), (3, 2), (-1, 2), (0, 0)] {
+        let position = [Mm::from_num(x), Mm::from_num(y), Mm::ZERO, Mm::ZERO];
+        let speed = MmPerSec::const_from_int(100);
+        planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }, &settings);
+    }
+    planner.release_all();
+    let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+    let (mut moves_in, moves_out) = move_queue.split();
+    let (steps_in, mut steps_out) = step_queue.split();
+    let mut spans = SpanMemory::new();
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+    while let Some(m) = planner.pop() {
+        moves_in.enqueue(Entry { epoch: 0, work: Work::Move(m) }).unwrap();
+    }
+    // Motion time stands, so events are made 10 ms ahead at the most, and a few at a time behind that.
+    let events = std::iter::from_fn(|| {
+        generator.run(&Nobody);
+        steps_out.dequeue()
+    });
+    let (mut forward, mut turns, mut since_turn) = (GroupSet::NONE, 0, u32::MAX);
+    for event in events {
+        since_turn = since_turn.saturating_add(event.interval);
+        if event.forward != forward {
+            assert_eq!(event.steps, GroupSet::NONE, "no step comes sooner than 6 us behind the last one here");
+            (forward, since_turn, turns) = (event.forward, 0, turns + 1);
+        } else if !event.steps.is_empty() {
+            assert!(since_turn >= 30, "3 us ahead, but was {since_turn}");
+            since_turn = u32::MAX;
+        }
+    }
+    assert_eq!(turns, 4, "u and v forward, v back, u back, v forward");
+}

@@ -89,6 +89,11 @@ impl<'m> StepsIn<'m> {
         Word::steps_of(group) | if is_slow { Word::SPECIAL } else { 0 }
     }
 
+    /// Whether an event would set directions that those before it did not.
+    pub(in crate::motion) const fn turns_with(&self, word: Word) -> bool {
+        !word.goes_as(self.before)
+    }
+
     /// Has the Stepper look closely at steps of these groups.
     pub fn set_slow_groups(&mut self, groups: GroupSet) {
         self.slow = groups;

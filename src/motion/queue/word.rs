@@ -92,6 +92,11 @@ impl Word {
         GroupSet((self.0 >> FORWARD_AT & GROUPS) as u8)
     }
 
+    /// Whether the directions are those of another.
+    pub const fn goes_as(self, other: Self) -> bool {
+        (self.0 ^ other.0) & Self::FORWARD == 0
+    }
+
     pub const fn watch(self) -> EndstopSet {
         EndstopSet((self.0 & Self::WATCH) as u8)
     }

@@ -9,6 +9,10 @@ use crate::motion::queue::Word;
 const OF_FIRST: u32 = Word::steps_of(0);
 const OF_SECOND: u32 = Word::steps_of(1);
 
+/// Directions are set so many ticks ahead of the step that needs them, if it comes no sooner than twice that behind the one
+/// before: 3 us, more than twice what the Stepper takes to set them.
+const TURN_AHEAD: u32 = 30;
+
 /// Whether the steps of an event leave no motor pulling against another of its group.
 fn is_unstrained(groups: &Groups, word: Word) -> bool {
     let (motors, forward) = (groups.motors(word.steps()), groups.forward_motors(word.forward()));
@@ -40,6 +44,12 @@ impl StepGenerator<'_> {
         let earliest = earlier(earlier(a.tick, b.tick), tick);
         if !is_before(earliest, until) {
             return false;
+        }
+        // An event of its own, so that no step is late because lines must be set before.
+        let interval = earliest.wrapping_sub(begin);
+        if interval >= 2 * TURN_AHEAD && self.events.turns_with(setting) {
+            self.wait(interval - TURN_AHEAD);
+            return true;
         }
         if !is_before(earliest, limit) {
             self.step_together(earliest);
