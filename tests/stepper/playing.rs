@@ -238,25 +238,33 @@ fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
     assert_eq!(rises(&bench).len(), 1);
 }
 
+/// The moves from the origin to these places (x, y, z in mm) one behind the other, and how fast, in mm/s.
+fn moves(places: &[[i32; 3]], speed: i32, watch: EndstopSet) -> Vec<Entry> {
+    let settings = Settings::prototype();
+    let mut memory = MoveMemory::new();
+    let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
+    for [x, y, z] in places {
+        let position = [Mm::from_num(*x), Mm::from_num(*y), Mm::from_num(*z), Mm::ZERO];
+        planner.push(&Target { position, speed: MmPerSec::from_num(speed), has_overrides: false, watch }, &settings);
+    }
+    planner.release_all();
+    std::iter::from_fn(|| planner.pop()).map(|m| Entry { epoch: 0, work: Work::Move(m) }).collect()
+}
+
 /// Reproducer: the generator made all 400,000 events of a long approach, the stepper discarded each, and for a second
 /// nothing of lower priority ran, the Console with its M112 among it.
 #[test]
 fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     let (bench, status) = (Bench::default(), Status::new());
-    let settings = Settings::prototype();
-    let mut memory = MoveMemory::new();
-    let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
-    let position = [Mm::ZERO, Mm::ZERO, Mm::const_from_int(-300), Mm::ZERO];
-    let speed = MmPerSec::const_from_int(10);
-    planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::Z }, &settings);
-    planner.release_all();
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, mut steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
     let groups = machine();
     let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
-    moves_in.enqueue(Entry { epoch: 0, work: Work::Move(planner.pop().unwrap()) }).unwrap();
+    for entry in moves(&[[0, 0, -300]], 10, EndstopSet::Z) {
+        moves_in.enqueue(entry).unwrap();
+    }
     generator.run(&Nobody);
     assert!(steps_out.dequeue().is_some());
     bench.pressed.set(EndstopSet::Z.0);
@@ -270,22 +278,14 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
 /// A step whose direction lines must be set before it would be a microsecond late.
 #[test]
 fn directions_are_set_ahead_of_the_step_that_needs_them() {
-    let (status, settings, groups) = (Status::new(), Settings::prototype(), machine());
-    let mut memory = MoveMemory::new();
-    let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
-    for (x, y) in [(3, 0), (3, 2), (-1, 2), (0, 0)] {
-        let position = [Mm::from_num(x), Mm::from_num(y), Mm::ZERO, Mm::ZERO];
-        let speed = MmPerSec::const_from_int(100);
-        planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }, &settings);
-    }
-    planner.release_all();
+    let (status, groups) = (Status::new(), machine());
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, mut steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
     let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
-    while let Some(m) = planner.pop() {
-        moves_in.enqueue(Entry { epoch: 0, work: Work::Move(m) }).unwrap();
+    for entry in moves(&[[3, 0, 0], [3, 2, 0], [-1, 2, 0], [0, 0, 0]], 100, EndstopSet::NONE) {
+        moves_in.enqueue(entry).unwrap();
     }
     // Motion time stands, so events are made 10 ms ahead at the most, and a few at a time behind that.
     let events = std::iter::from_fn(|| {
