@@ -164,16 +164,22 @@ struct Ramp {
 
 impl Ramp {
     /// One on which the squared speed changes by `change`, given twice the acceleration and the speeds at both ends. Its
-    /// time is its length over the mean of the two, in which nothing cancels; the difference of two roots would.
+    /// time is its length over the mean of the two, in which nothing cancels; the difference of two roots would. Neither
+    /// does it in its share: of two speeds that are nearly the same it is one less their difference.
     #[inline(always)]
     fn new(change: u64, twice_a: f32, end: f32, peak: f32) -> Self {
         let sum = end + peak;
         let slow = if end < peak { end } else { peak };
-        let share = ((slow + slow) / sum * const { WHOLE as f32 }) as u32;
+        let gain = from_bits(change);
+        let share = if slow * 3.0 <= sum {
+            ((slow + slow) / sum * const { WHOLE as f32 }) as u32
+        } else {
+            WHOLE.saturating_sub((gain / (sum * sum) * const { WHOLE as f32 }) as u32)
+        };
         if change == 0 {
             return Self { length: 0.0, time: 0, share };
         }
-        let length = from_bits(change) / twice_a;
+        let length = gain / twice_a;
         Self { length, time: to_time(length / sum * const { 2.0 * TICKS_PER_SECOND as f32 }), share }
     }
 }
@@ -217,6 +223,19 @@ mod tests {
         assert!((seconds(m.cruise) - (60.0 - 100.0 / 30.0) / 100.0).abs() < 1e-7);
         assert_eq!(m.entry_share, 0);
         assert!(m.rests);
+    }
+
+    /// Reproducer: shares of 24 bits made this ramp one of 758.9 mm/s2.
+    #[test]
+    fn a_ramp_between_nearly_equal_speeds_has_its_acceleration() {
+        for change in [0.0005, 0.0127, 0.3, 40.0, 290.0] {
+            let m = run(100.0, 757.0, 300.0, 300.0, 300.0 - change);
+            let part = 1.0 - f64::from(m.exit_share) / f64::from(WHOLE);
+            let found = 2.0 * part * (300.0 - change / 2.0) / seconds(m.decelerate);
+            // But for the last of the share's 31 bits.
+            let tolerance = 1e-5 + 1.0 / (part * f64::from(WHOLE));
+            assert!((found / 757.0 - 1.0).abs() < tolerance, "{change} mm/s: {found}");
+        }
     }
 
     #[test]
