@@ -11,10 +11,6 @@ use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, EndstopSet, Pend};
 use crate::units::{Mm, MmPerSec, Steps};
 
-/// Moves handed on in one turn: some 1,000 instructions, after which bytes and emergencies are looked at again. The Console
-/// comes round again at once for the next ones.
-const IN_ONE_GO: usize = 2;
-
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
 fn fence(position: [Mm; 4]) -> [Mm; 4] {
     let [x, y, z, e] = position;
@@ -101,12 +97,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.comes_again |= self.begin_motion();
             return;
         }
-        for _ in 0..IN_ONE_GO {
-            if !self.hand_on() {
-                return;
-            }
-        }
-        self.comes_again = true;
+        // One of them, after which bytes and emergencies are looked at again. The Console comes round at once for the next.
+        self.comes_again |= self.hand_on();
     }
 
     /// Hands a move on, or lets one go, if it is time.

@@ -59,23 +59,22 @@ impl Phase {
     }
 }
 
-/// The phases of a move; one without time is left out.
+/// The phases of a move; one without time is left out, and the last one ends where the move does.
 pub(crate) fn phases(m: &Move) -> Vec<Phase, 3> {
     let mut phases = Vec::new();
-    let first = if m.brakes_first { Curve::Slowing } else { Curve::Speeding };
-    let all = [
-        Phase { curve: first, end: m.accelerated, slow_share: m.entry_share, time: m.accelerate },
-        Phase { curve: Curve::Steady, end: m.cruised, slow_share: 0, time: m.cruise },
-        Phase { curve: Curve::Slowing, end: WHOLE, slow_share: m.exit_share, time: m.decelerate },
-    ];
-    for phase in all {
-        if phase.time > 0 {
-            let _ = phases.push(phase);
-        }
+    let end = |fraction: u32, behind: u64| if behind == 0 { WHOLE } else { fraction };
+    // Written out: firmware is made for size, which leaves loops and arrays as they are.
+    if m.accelerate > 0 {
+        let curve = if m.brakes_first { Curve::Slowing } else { Curve::Speeding };
+        let end = end(m.accelerated, m.cruise | m.decelerate);
+        let _ = phases.push(Phase { curve, end, slow_share: m.entry_share, time: m.accelerate });
     }
-    // The last phase ends where the move does.
-    if let Some(last) = phases.last_mut() {
-        last.end = WHOLE;
+    if m.cruise > 0 {
+        let end = end(m.cruised, m.decelerate);
+        let _ = phases.push(Phase { curve: Curve::Steady, end, slow_share: 0, time: m.cruise });
+    }
+    if m.decelerate > 0 {
+        let _ = phases.push(Phase { curve: Curve::Slowing, end: WHOLE, slow_share: m.exit_share, time: m.decelerate });
     }
     phases
 }
