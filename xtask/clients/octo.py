@@ -50,6 +50,7 @@ class OctoPrint:
         self.base = os.path.join(folder, "octoprint")
         self.port = port
         self.key = secrets.token_hex(16)
+        self.connections = 0
         # How much of the logs belongs to former connections.
         self.logged = {"serial.log": 0, "octoprint.log": 0}
         os.mkdir(self.base)
@@ -107,6 +108,7 @@ class OctoPrint:
 
     def connect(self):
         self.logged = {name: len(self.log(name)) + logged for name, logged in self.logged.items()}
+        self.connections += 1
         # Without a rate it would go looking for one, and a pty has them all.
         self.command("connection", command="connect", port=self.port, baudrate=115200)
         return self.wait_for_state("Operational")
@@ -132,7 +134,7 @@ class OctoPrint:
         self.wait_for_state("Closed")
 
     def begin(self, name, commands):
-        """Uploads commands as a file, and begins to print it."""
+        """Uploads commands as a file, and begins to print it; again if its leave of a former connection comes between."""
         boundary = uuid.uuid4().hex
         parts = [
             f'--{boundary}\r\nContent-Disposition: form-data; name="print"\r\n\r\ntrue\r\n',
@@ -140,8 +142,16 @@ class OctoPrint:
             "\n".join(commands),
             f"\r\n--{boundary}--\r\n",
         ]
-        self.ask("files/local", "".join(parts).encode(), f"multipart/form-data; boundary={boundary}")
-        self.wait_for_state("Printing", "Starting print from SD", "Starting")
+        begun = ["Printing", "Starting print from SD", "Starting"]
+        ended = ["Closed"] if self.connections > 1 else []
+        for _ in range(3):
+            self.ask("files/local", "".join(parts).encode(), f"multipart/form-data; boundary={boundary}")
+            seen = []
+            self.wait("Printing", lambda seen=seen: seen.append(self.state()) or seen[-1] in begun + ended)
+            if seen[-1] in begun:
+                return
+            self.reconnect()
+        raise Failure("no connection stays")
 
     def log(self, name):
         """What a log says of the present connection."""
