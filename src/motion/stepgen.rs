@@ -265,17 +265,10 @@ mod tests {
     use crate::motion::moves::{Entry, Work};
     use crate::motion::planner::{Planner, Target};
     use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
-    use crate::port::{EndstopSet, Pend};
+    use crate::port::EndstopSet;
     use crate::settings::Settings;
     use crate::status::Status;
     use crate::units::{Mm, MmPerSec, StepsPerMm};
-
-    struct Nobody;
-
-    impl Pend for Nobody {
-        fn pend_generator(&self) {}
-        fn pend_stepper(&self) {}
-    }
 
     /// Reproducer: at 300,000 events a second the generator filled every place as the Stepper freed it, one event a round,
     /// which took four times as long as usual and left the Console nothing.
@@ -307,19 +300,19 @@ mod tests {
         };
         // Up to full speed, where the queue is full before it reaches far enough ahead.
         for _ in 0..300 {
-            generator.run(&Nobody);
+            generator.make_events();
             play(100);
         }
         for _ in 0..5 {
-            generator.run(&Nobody);
+            generator.make_events();
         }
         let full = generator.events.len();
         assert!(generator.events.room() < LEAST_ROOM, "{full} events");
         play(10);
-        generator.run(&Nobody);
+        generator.make_events();
         assert_eq!(generator.events.len(), full - 10, "too few places to begin with");
         play(200);
-        generator.run(&Nobody);
+        generator.make_events();
         assert_eq!(generator.events.len(), full - 210 + BATCH as usize);
     }
 }
