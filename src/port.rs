@@ -54,11 +54,19 @@ pub trait StepClock {
     /// The counter.
     fn now(&self) -> Tick;
 
+    /// Whether `at` has come, no more than `ticks` ago. For an `at` that is at most some seconds ahead.
+    #[inline(always)]
+    fn is_due(&self, at: Tick, ticks: u32) -> bool {
+        self.now().since(at) <= ticks
+    }
+
     /// Asks for the step interrupt at `at`; false if that has passed already, and then none need come.
     #[must_use]
     fn alarm(&mut self, at: Tick) -> bool;
 
-    /// The same from within the step interrupt that an alarm has brought about.
+    /// The same from within the step interrupt that an alarm has brought about. It may be false as well for an `at` that
+    /// is too near, or too far away, to be done with at once; then [`alarm`](Self::alarm) or [`silence`](Self::silence) has
+    /// to follow.
     #[must_use]
     #[inline(always)]
     fn alarm_again(&mut self, at: Tick) -> bool {
@@ -132,6 +140,11 @@ pub trait DriverBus {
     /// bounded time.
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         Some(Err(BusError::Silent))
+    }
+
+    /// What M122 has to say of how this board keeps its outputs safe, if something is amiss.
+    fn warning(&self) -> Option<&'static str> {
+        None
     }
 }
 

@@ -56,7 +56,7 @@ pub struct Status {
     /// One more than the fewest moves in the look-ahead while the stream ran; 0 if it never did. (A status of
     /// zeros costs no flash.)
     low_water: AtomicU32,
-    /// Whether an emergency stop holds until reset.
+    /// Whether an emergency stop holds until M999 or a reset.
     halted: AtomicBool,
     /// What the print has told of itself.
     pub(crate) told: Told,

@@ -235,6 +235,44 @@ fn other_settings_reach_a_motor_with_power_and_other_microsteps_forbid_driving_u
 }
 
 #[test]
+fn a_motor_with_power_that_does_not_take_its_new_settings_is_a_fault() {
+    let mut bench = Bench::new();
+    let mut settings = Settings::prototype();
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.power(Z1), Ok(()));
+    bench.bus.lost = Some(Register::IholdIrun as usize);
+    settings.drivers.z.current_ma = 500;
+    bench.drivers.want(&settings);
+    bench.run(300);
+    let fault = Fault { motor: Motor::Z1, error: DriverError::NotTaken };
+    assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[News::Stopped(fault)][..], Some(fault)));
+    assert_eq!((bench.bus.powered, bench.drivers.powered()), (MotorSet::NONE, MotorSet::NONE));
+}
+
+#[test]
+fn a_driver_that_is_being_written_has_proved_nothing() {
+    let mut bench = Bench::new();
+    let old = Settings::prototype();
+    let mut new = old;
+    new.drivers.z.current_ma = 500;
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.power(Z1), Ok(()));
+    // A change under power proves what it has written; the next one is on its way when it is taken back.
+    bench.drivers.want(&new);
+    bench.run(60);
+    assert!(bench.drivers.is_settled());
+    bench.drivers.want(&old);
+    let is_written = |bench: &Bench| bench.bus.requests.iter().filter(|(_, bytes)| bytes[2] == 0x90).count() == 3;
+    while !is_written(&bench) {
+        bench.run(1);
+    }
+    bench.drivers.want(&new);
+    bench.drivers.cut(&mut bench.bus);
+    assert_eq!(bench.drivers.known(Motor::Z1).0, Some(Config::new(Motor::Z1, &new)), "held as far as is known");
+    assert_eq!(bench.power(Z1), Err(Motor::Z1), "but the old current is on its way");
+}
+
+#[test]
 fn an_answer_goes_to_the_last_who_asked() {
     let mut bench = Bench::new();
     bench.drivers.ask(Job::Verify, Motor::M1);

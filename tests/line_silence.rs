@@ -3,6 +3,7 @@
 mod support;
 
 use corehbot::port::Received;
+use corehbot::protocol::Activity;
 use support::machine::{Machine, PATIENCE_MS, numbered};
 
 /// A machine that has taken lines 1 to `last` of a stream.
@@ -24,31 +25,102 @@ fn wait(machine: &mut Machine, ms: u32) -> String {
     machine.take_replies()
 }
 
+/// A machine whose line has lost something before it took lines 1 to `last` of a stream.
+fn streaming_badly(last: i32) -> Machine {
+    let mut machine = Machine::new();
+    assert!(machine.say("N1 G1 X1*1\n").starts_with("Error:checksum mismatch"));
+    for number in 1..=last {
+        assert_eq!(machine.say(numbered(number, "G1 X1")), "ok\n");
+    }
+    machine.commands.clear();
+    machine
+}
+
 const PROBE: &str = "Resend: 8\nok\n";
 const MISMATCH: &str = "Error:checksum mismatch, Last Line: 7\nResend: 8\nok\n";
 
+/// The host hears an `ok`, goes on with the line after the lost one, and so shows that there was one.
 #[test]
-fn a_line_that_is_lost_whole_is_asked_for() {
+fn a_line_that_is_lost_whole_is_missed() {
     let mut machine = streaming(7);
+    assert_eq!(wait(&mut machine, PATIENCE_MS - 1), "");
+    assert_eq!(wait(&mut machine, 1), "ok\n");
+    let missed = "Error:Line Number is not Last Line Number+1, Last Line: 7\nResend: 8\nok\n";
+    assert_eq!(machine.say(numbered(9, "G1 X9")), missed);
+    assert_eq!(machine.say(numbered(8, "G1 X8") + &numbered(9, "G1 X9")), "ok\nok\n");
+    // From then on it is a line that loses something.
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 10\nok\n");
+    assert_eq!(machine.commands, ["G1 X8", "G1 X9"]);
+}
+
+#[test]
+fn an_answer_that_is_lost_is_given_again() {
+    let mut machine = streaming(7);
+    assert_eq!(wait(&mut machine, PATIENCE_MS), "ok\n");
+    assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
+    assert_eq!(machine.commands, ["G1 X8"]);
+}
+
+#[test]
+fn a_line_that_is_lost_whole_on_a_bad_line_is_asked_for() {
+    let mut machine = streaming_badly(7);
     assert_eq!(wait(&mut machine, PATIENCE_MS - 1), "");
     assert_eq!(wait(&mut machine, 1), PROBE);
     assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
     assert_eq!(machine.commands, ["G1 X8"]);
 }
 
+/// Pronsole says nothing when it pauses, so it cannot be told from a host that waits. It does not show an `ok`.
 #[test]
-fn five_questions_and_the_stream_is_over() {
-    let mut machine = streaming(7);
-    assert_eq!(wait(&mut machine, 600_000), PROBE.repeat(5));
+fn whoever_pauses_on_a_good_line_is_asked_for_nothing() {
+    for activity in [Activity::Moving, Activity::Resting] {
+        let mut machine = streaming(7);
+        machine.activity = activity;
+        assert_eq!(wait(&mut machine, 600_000), "ok\n".repeat(8));
+        assert_eq!(machine.say("M105\n".to_owned() + &numbered(8, "G1 X8")), "ok\nok\n");
+    }
+}
+
+/// OctoPrint has the printer wait for its motion, and then tell where it is.
+#[test]
+fn whoever_has_waited_for_the_motion_hears_nothing() {
+    for mut machine in [streaming(5), streaming_badly(5)] {
+        machine.activity = Activity::Waited;
+        assert_eq!(machine.say(numbered(6, "M400") + &numbered(7, "M114")), "ok\nok\n");
+        assert_eq!(wait(&mut machine, 600_000), "");
+        machine.activity = Activity::Paused;
+        assert_eq!(wait(&mut machine, 600_000), "");
+    }
+    // But printcore would wait for ever.
+    let mut machine = Machine::new();
+    machine.say("N-1 M110 N-1*125\n".to_owned() + &numbered(0, "G28"));
+    machine.activity = Activity::Waited;
+    assert_eq!(wait(&mut machine, 600_000), "ok\n".repeat(8));
+    machine.activity = Activity::Paused;
+    assert_eq!(machine.say(numbered(1, "M25")), "ok\n");
+    assert_eq!(wait(&mut machine, 600_000), "");
+}
+
+#[test]
+fn nobody_is_asked_for_lines_once_the_motion_has_ended() {
+    let mut machine = streaming_badly(7);
+    machine.activity = Activity::Resting;
+    assert_eq!(wait(&mut machine, 600_000), "ok\n".repeat(8));
+}
+
+#[test]
+fn eight_prompts_and_the_stream_is_over() {
+    let mut machine = streaming_badly(7);
+    assert_eq!(wait(&mut machine, 600_000), PROBE.repeat(2) + &"ok\n".repeat(6));
     // Whoever types now may take his time, and needs no numbers.
     assert_eq!(machine.say("M1"), "");
     assert_eq!(wait(&mut machine, 10_000), "");
     assert_eq!(machine.say("05\n"), "ok\n");
     // The stream goes on where it paused, and may lose lines again.
     assert_eq!(machine.say(numbered(8, "G1 X8") + &numbered(9, "G1 X9")), "ok\nok\n");
-    assert_eq!(wait(&mut machine, 600_000), "Resend: 10\nok\n".repeat(5));
+    assert_eq!(wait(&mut machine, 600_000), "Resend: 10\nok\n".repeat(2) + &"ok\n".repeat(6));
     assert_eq!(machine.commands, ["M105", "G1 X8", "G1 X9"]);
-    // The fifth question may be the one that is heard, and the very next line be lost.
+    // The eighth prompt may be the one that is heard, and the very next line be lost.
     assert_eq!(machine.say(numbered(10, "G1 X10")), "ok\n");
     assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 11\nok\n");
 }
@@ -91,34 +163,40 @@ fn an_octoprint_that_does_not_print_is_left_in_peace() {
 
 /// Pronterface polls while it prints: printcore has its unnumbered M105 between two lines of the stream.
 #[test]
-fn a_line_that_is_lost_behind_an_unnumbered_one_is_asked_for() {
+fn a_line_that_is_lost_behind_an_unnumbered_one_is_missed() {
     let mut machine = streaming(7);
     for _ in 0..3 {
         assert_eq!(machine.say("M105\n"), "ok\n");
     }
-    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
+    assert!(machine.say(numbered(9, "G1 X9")).ends_with(PROBE));
     assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
     let mut machine = Machine::new();
     machine.say("N-1 M110 N-1*125\nM105\n");
-    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 0\nok\n");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
 }
 
 #[test]
 fn the_first_line_of_a_print_may_be_lost_as_well() {
     let mut machine = Machine::new();
     machine.say("N-1 M110 N-1*125\n");
-    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 0\nok\n");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
+    assert!(machine.say(numbered(1, "G1 X1")).ends_with("Resend: 0\nok\n"));
     assert_eq!(machine.say(numbered(0, "G28")), "ok\n");
 }
 
 #[test]
 fn a_host_that_was_only_slow_hears_no_more_than_oks() {
-    // The question and line 8 cross, so it is sent twice; then nothing is out of step.
+    // The `ok` and line 8 cross, so line 9 follows at once; then two lines are under way, and nothing is out of step.
     let mut machine = streaming(7);
-    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
-    assert_eq!(machine.say(numbered(8, "G1 X8").repeat(2)), "ok\nok\n");
-    assert_eq!(machine.say(numbered(9, "G1 X9")), "ok\n");
-    assert_eq!(machine.commands, ["G1 X8", "G1 X9"]);
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
+    assert_eq!(machine.say(numbered(8, "G1 X8") + &numbered(9, "G1 X9")), "ok\nok\n");
+    // A question and line 10 cross, so it is sent twice.
+    let mut machine = streaming_badly(9);
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "Resend: 10\nok\n");
+    assert_eq!(machine.say(numbered(10, "G1 X10").repeat(2)), "ok\nok\n");
+    assert_eq!(machine.say(numbered(11, "G1 X11")), "ok\n");
+    assert_eq!(machine.commands, ["G1 X10", "G1 X11"]);
 }
 
 #[test]
@@ -173,10 +251,12 @@ fn a_piece_between_two_false_line_ends_is_not_carried_out() {
 
 #[test]
 fn a_piece_of_a_line_number_is_damage() {
-    for piece in ["N\n", "8\n", "-\n", "\u{7f}\n", "n x\n"] {
+    for (piece, outside) in
+        [("N\n", "ok\n"), ("8\n", "ok\n"), ("-\n", "ok\n"), ("\u{1}\n", "ok\n"), ("n x\n", "ok\n"), ("\u{7f}\n", "")]
+    {
         let mut machine = streaming(7);
         assert_eq!(machine.say(format!("{piece}G28\n")), MISMATCH, "{piece}");
-        assert_eq!(Machine::new().say(piece), "ok\n", "outside of a stream it is only unknown");
+        assert_eq!(Machine::new().say(piece), outside, "outside of a stream it is only unknown, or was erased");
     }
 }
 
@@ -205,7 +285,7 @@ fn an_emergency_is_never_doubted() {
 fn whoever_comes_after_a_host_that_vanished_in_a_line_is_heard() {
     let mut machine = streaming(7);
     assert_eq!(machine.say("N8 G1 X"), "");
-    assert_eq!(wait(&mut machine, 60_000), MISMATCH.to_owned() + &PROBE.repeat(5));
+    assert_eq!(wait(&mut machine, 600_000), MISMATCH.to_owned() + &PROBE.repeat(2) + &"ok\n".repeat(6));
     assert_eq!(machine.say("N0 M110 N0*125\nN1 M115*39\n"), "ok\nok\n");
     assert_eq!(machine.commands, ["M115"]);
 }
@@ -216,8 +296,9 @@ fn at_the_end_of_the_numbers_only_m110_helps() {
     machine.say(format!("M110 N{}\n", i32::MAX - 2));
     machine.say(numbered(i32::MAX - 1, "G1 X1") + &numbered(i32::MAX, "G1 X2"));
     let asked = "Resend: 2147483648\nok\n";
-    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), asked);
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
     assert!(machine.say("N2147483648 G1 X3*1\n").ends_with(asked));
+    assert_eq!(wait(&mut machine, PATIENCE_MS * 2 + 1), asked);
     assert_eq!(machine.say(numbered(0, "M110 N0") + &numbered(1, "G1 X3")), "ok\nok\n");
     assert_eq!(machine.commands, ["G1 X1", "G1 X2", "G1 X3"]);
 }

@@ -115,7 +115,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
 
     /// Any path on any machine: motors of a group step together, what four coordinates of three axes must not do stays below
-    /// two steps, and the end is met to the step.
+    /// two steps, and the end is met to half a step.
     #[test]
     fn a_path_is_stepped_as_the_rows_say(
         path in prop::collection::vec(((0.0..30.0f64, 0.0..30.0f64, 0.0..3.0f64), 5.0..200.0f64), 1..8),
@@ -135,10 +135,12 @@ proptest! {
             }
             prop_assert!(strain(&groups, &counts).abs() < 2, "{}", name);
             let end = moves.last().map_or([Steps::ZERO; 4], |m| m.end);
-            for group in groups.iter().filter(|group| !group.motors().is_empty()) {
-                let exact = (group.coordinate(end) + Steps::from_num(0.5)).floor().to_num::<i64>();
-                prop_assert_eq!(counts[group.lead as usize], exact, "{} {:?}", name, group);
+            // Motors half a step beside leave the tool half a step beside; more of it where thirds hold it.
+            let most = if name == "skew" { 0.67 } else { 0.501 };
+            for (at, end) in tool(&mechanism, &counts).into_iter().zip(end) {
+                prop_assert!((at - end.to_num::<f64>()).abs() <= most, "{}: {} instead of {} steps", name, at, end);
             }
+            prop_assert!((counts[6] as f64 - end[3].to_num::<f64>()).abs() <= 0.501);
         }
     }
 }

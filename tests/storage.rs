@@ -242,8 +242,9 @@ fn slots_take_turns_and_unchanged_settings_cost_nothing() {
 #[test]
 fn a_record_of_another_format_is_left_until_its_turn() {
     let mut eeprom = Eeprom::with(&[variant(0)]);
-    // Format 7 instead of 5, at first without and then with the right checksum.
-    eeprom.cells[4] ^= 2;
+    // The next format, at first without and then with the right checksum.
+    let next = storage::FORMAT + 1;
+    eeprom.cells[4..6].copy_from_slice(&next.to_le_bytes());
     assert_eq!(now(storage::survey(&mut eeprom)).unwrap().rejected[0], (Slot::A, Some(Rejected::Damaged)));
     let used = 16 + usize::from(u16::from_le_bytes([eeprom.cells[6], eeprom.cells[7]]));
     let mut crc = !0u32;
@@ -252,7 +253,7 @@ fn a_record_of_another_format_is_left_until_its_turn() {
     }
     eeprom.cells[12..16].copy_from_slice(&(!crc).to_le_bytes());
     let survey = now(storage::survey(&mut eeprom)).unwrap();
-    assert_eq!((survey.newest, survey.rejected[0].1), (None, Some(Rejected::Format(7))));
+    assert_eq!((survey.newest, survey.rejected[0].1), (None, Some(Rejected::Format(next))));
     now(storage::save(&mut eeprom, &variant(1))).unwrap();
     assert_eq!(newest(&mut eeprom), Some(variant(1)));
 }

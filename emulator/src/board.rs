@@ -4,6 +4,7 @@
 //! [`Firmware`](crate::firmware::Firmware) sees to it that nothing is placed in memory that the F446 has not.
 
 use crate::chip::Chip;
+use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
 use crate::line::HostLine;
 use crate::wiring::{HostPort, Pin, Wiring};
@@ -33,7 +34,7 @@ const SYSTICK_DIVIDER: NonZeroU32 = NonZeroU32::new(8).unwrap();
 const PRIORITY_BITS: u8 = 4;
 
 /// The board's rail in mV.
-const RAIL: u32 = 3300;
+pub const RAIL: u32 = 3300;
 
 /// The board.
 #[derive(Debug)]
@@ -75,7 +76,7 @@ impl Emulated {
     /// If the model contradicts itself.
     pub fn new(wiring: &'static Wiring, hosts: Vec<HostLine>, eeprom: At24c32) -> Result<Self> {
         let mut mcu = Chip::new().context("the model of the chip")?;
-        mcu.rcc.attach_crystals(wiring.crystal, 0);
+        mcu.fit(wiring.crystal, Defect::None);
         mcu.set_supply(RAIL);
         for converter in &mut mcu.adc {
             converter.set_reference(RAIL);
@@ -92,6 +93,11 @@ impl Emulated {
             board.drive(VirtualNanos(0), pin, high);
         }
         Ok(board)
+    }
+
+    /// Breaks something of the clocks.
+    pub fn weaken(&mut self, defect: Defect) {
+        self.mcu.fit(self.wiring.crystal, defect);
     }
 
     /// Gives channels of ADC3 voltages in mV.
@@ -149,8 +155,8 @@ impl Emulated {
 
     /// Clock of the bus that `port` is on.
     pub fn bus_hz(&mut self, port: &HostPort) -> u64 {
-        let (clocks, registers) = self.mcu.clocks();
-        if port.is_on_apb2 { clocks.pclk2(registers) } else { clocks.pclk1(registers) }
+        let [_, apb1, apb2] = self.mcu.rates();
+        if port.is_on_apb2 { apb2 } else { apb1 }
     }
 
     /// The far ends of the serial ports that have one.

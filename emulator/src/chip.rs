@@ -1,13 +1,19 @@
-//! The chip: the STM32F427 model, and a USB port with nothing plugged in.
+//! The chip: the STM32F427 model with a clock tree of its own, a USB port with nothing plugged in, and the lines of EXTI.
 //!
 //! The crate's own model of OTG_FS answers for the reset register; all others only keep what is written. A firmware
 //! that clears the interrupt flags by writing ones would find all of them set, and believe in a host for ever.
+//!
+//! EXTI has no model in the crate, whose table does not connect it with the interrupt of the supply's detector either. Here it
+//! keeps what is written, and nothing is ever pending; a test that lets the supply fall looks whether the line is armed, and
+//! pends the interrupt itself.
 
+use crate::board::RAIL;
+use crate::clock_tree::{ClockTree, Defect, Supply};
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
 use rigless::mcu::Mcu;
 use rigless::soc::stm32f427::Stm32f427;
-use rigless::soc::stm32f427::generated::otg_fs_device;
 use rigless::soc::stm32f427::generated::otg_fs_global::Register;
+use rigless::soc::stm32f427::generated::{exti, otg_fs_device};
 use rigless::soc::stm32f427::peripherals::otg::Otg;
 use rigless::soc::{Bus, Error};
 use rigless::time::VirtualNanos;
@@ -22,8 +28,11 @@ pub struct Chip {
     part: Stm32f427,
     core: Core,
     device: Block,
-    /// Where the bus has the two.
-    slots: [Option<usize>; 2],
+    clock_tree: ClockTree,
+    supply: Supply,
+    lines: Lines,
+    /// Where the bus has the five.
+    slots: [Option<usize>; 5],
 }
 
 /// The global registers of OTG_FS.
@@ -51,6 +60,21 @@ impl Device for Block {
     type Register = otg_fs_device::Register;
 }
 
+/// The lines of EXTI, on which nothing happens.
+#[derive(Debug, Default)]
+struct Lines;
+
+impl Device for Lines {
+    type Register = exti::Register;
+
+    fn write(&mut self, register: exti::Register, _: u64, registers: &mut RegisterFile, _: &mut DeviceContext<'_>) {
+        if register == exti::Register::Pr {
+            // Ones take back what is pending (RM0390 rev 6, section 10.3.6).
+            registers.set(exti::Register::Pr, 0);
+        }
+    }
+}
+
 impl Chip {
     /// A chip out of reset.
     ///
@@ -58,9 +82,39 @@ impl Chip {
     /// If the model contradicts itself.
     pub fn new() -> Result<Self, Error> {
         let part = Stm32f427::new()?;
-        let slots = ["OTG_FS_GLOBAL", "OTG_FS_DEVICE"]
+        let slots = ["OTG_FS_GLOBAL", "OTG_FS_DEVICE", "RCC", "PWR", "EXTI"]
             .map(|name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name));
-        Ok(Self { part, core: Core::default(), device: Block, slots })
+        Ok(Self {
+            part,
+            core: Core::default(),
+            device: Block,
+            clock_tree: ClockTree::new(),
+            supply: Supply::new(),
+            lines: Lines,
+            slots,
+        })
+    }
+
+    /// Fits a crystal of so many Hz, and breaks something of the clocks.
+    pub fn fit(&mut self, crystal: u64, defect: Defect) {
+        self.clock_tree.fit(crystal);
+        self.clock_tree.weaken(defect);
+        self.power();
+    }
+
+    /// Puts the board's rail on the supply that is broken, if it is in use.
+    fn power(&mut self) {
+        if let Some(slot) = self.slots[3].filter(|_| self.clock_tree.defect() == Defect::OverDrive) {
+            self.supply.power(RAIL, self.part.bus_mut().slot_mut(slot).registers_mut());
+        }
+    }
+
+    /// The rates of HCLK, PCLK1 and PCLK2 in Hz.
+    #[must_use]
+    pub fn rates(&self) -> [u64; 3] {
+        let Some(slot) = self.slots[2] else { return [0; 3] };
+        let (rates, registers) = (self.clock_tree.rates(), self.part.bus().slots()[slot].registers());
+        [rates.hclk(registers), rates.pclk1(registers), rates.pclk2(registers)]
     }
 }
 
@@ -91,14 +145,22 @@ impl Mcu for Chip {
     fn split(&mut self, slot: usize) -> (&mut Bus, Option<&mut dyn ErasedDevice>) {
         let model: &mut dyn ErasedDevice = match self.slots.iter().position(|mine| *mine == Some(slot)) {
             Some(0) => &mut self.core,
-            Some(_) => &mut self.device,
-            None => return self.part.split(slot),
+            Some(1) => &mut self.device,
+            Some(2) => &mut self.clock_tree,
+            Some(3) if self.clock_tree.defect() == Defect::OverDrive => &mut self.supply,
+            Some(4) => &mut self.lines,
+            _ => return self.part.split(slot),
         };
         (self.part.bus_mut(), Some(model))
     }
 
     fn reset(&mut self, at: VirtualNanos, cause: ResetCause) {
         self.part.reset(at, cause);
+        self.supply = Supply::new();
+        if let Some(slot) = self.slots[2] {
+            self.clock_tree.restarted(cause, self.part.bus_mut().slot_mut(slot).registers_mut());
+        }
+        self.power();
     }
 
     fn poll(&mut self, now: VirtualNanos) {

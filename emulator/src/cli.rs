@@ -2,6 +2,7 @@
 //!
 //! 0: the image printed the file with the host's steps. 1: it did not. 2: nothing was run.
 
+use crate::clock_tree::Defect;
 use crate::compare::{self, Lateness, Timing};
 use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
@@ -12,12 +13,15 @@ use crate::steps::StepEvent;
 use crate::timer::NS_PER_TICK;
 use crate::watch::{End, Patience};
 use crate::wiring::OCTOPUS;
-use anyhow::{Context, Result};
+use anyhow::{Result, bail, ensure};
 use clap::Parser;
 use corehbot::settings::Settings;
+use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::output::{Outputs, STANDARD, Stream};
+use corehbot_sim::stop::Stop;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
-use std::fs::File;
+use corehbot_sim::{input, machine_file, words};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -33,6 +37,10 @@ struct Cli {
     elf: PathBuf,
     /// G-code file to print.
     file: PathBuf,
+    /// The machine: stored in the EEPROM of the board, where it stands over the settings of the image. The mechanism is the
+    /// image's.
+    #[arg(long, value_name = "M.toml")]
+    settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins: ticks are real time in 0.1 us since reset.
     #[arg(long, value_name = "T.csv")]
     trace: Option<PathBuf>,
@@ -50,11 +58,23 @@ struct Cli {
     limit: u64,
 }
 
+/// What to print, on what.
+struct Prepared {
+    firmware: Firmware,
+    gcode: String,
+    /// The machine, and the EEPROM that holds it, if it is not that of the image.
+    settings: Settings,
+    eeprom: Eeprom,
+    outputs: Outputs,
+    trace: Option<BufWriter<Stream>>,
+    vcd: Option<BufWriter<Stream>>,
+}
+
 /// Runs the command that the process was called with.
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = Cli::parse();
-    match prepare(&cli).map(|(firmware, gcode)| execute(&cli, &firmware, &gcode)) {
+    match prepare(&cli).map(|prepared| execute(&cli, prepared)) {
         Ok(Ok(true)) => ExitCode::SUCCESS,
         Ok(Ok(false)) => ExitCode::from(1),
         Ok(Err(error)) => complain(&error, 1),
@@ -63,43 +83,74 @@ pub fn main() -> ExitCode {
 }
 
 fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
-    eprintln!("corehbot-emulator: {error:#}");
+    eprintln!("corehbot-emulator: {}", words::lines(&format!("{error:#}")));
     ExitCode::from(status)
 }
 
-fn prepare(cli: &Cli) -> Result<(Firmware, String)> {
+fn prepare(cli: &Cli) -> Result<Prepared> {
+    let mut eeprom = Eeprom::blank();
+    let made = Settings::prototype();
+    let settings = match &cli.settings {
+        Some(path) => {
+            let settings = machine_file::read(path)?.settings;
+            let other = "has another mechanism than the image, into which it is compiled; `corehbot run` and \
+                         `cargo xtask qemu` take it";
+            ensure!(settings.mechanism == made.mechanism, "{} {other}", path.display());
+            eeprom.save(&settings)?;
+            settings
+        }
+        None => made,
+    };
     let firmware = Firmware::read(&cli.elf)?;
-    let bytes = std::fs::read(&cli.file).with_context(|| format!("cannot open {}", cli.file.display()))?;
-    Ok((firmware, String::from_utf8_lossy(&bytes).into_owned()))
+    let gcode = input::read(&cli.file)?;
+    let inputs = [Some(&cli.elf), Some(&cli.file), cli.settings.as_ref()];
+    let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());
+    let mut open = |path: &Option<PathBuf>| match path.as_deref() {
+        Some(path) if path == Path::new(STANDARD) => {
+            bail!("standard output is for what was seen: a trace needs a file")
+        }
+        path => path.map(|path| outputs.open(path)).transpose(),
+    };
+    let (trace, vcd) = (open(&cli.trace)?, open(&cli.vcd)?);
+    Ok(Prepared { firmware, gcode, settings, eeprom, outputs, trace, vcd })
 }
 
-fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
+fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
+    let Prepared { firmware, gcode, settings, mut eeprom, outputs, trace, vcd } = prepared;
     println!("image     {}", firmware.path.display());
     println!("sha256    {}", firmware.sha256);
-    let settings = Settings::prototype();
+    if let Some(path) = &cli.settings {
+        println!("settings  {}, stored in the EEPROM", words::line(&path.to_string_lossy()));
+    }
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let (drivers, eeprom) = (DriverLines::new(&OCTOPUS), At24c32::default());
+    let (drivers, chip) = (DriverLines::new(&OCTOPUS), At24c32::holding(eeprom.cells().to_vec()));
     let request = Request {
-        firmware,
+        firmware: &firmware,
         wiring: &OCTOPUS,
         settings: &settings,
-        gcode,
+        gcode: &gcode,
         second: None,
         manner: Manner::default(),
         patience,
         injection: None,
         drivers: &drivers,
-        eeprom: &eeprom,
+        eeprom: &chip,
         thermistors: &[],
         stuck: None,
+        defect: Defect::None,
     };
     let seen = run(&request)?;
-    write_files(cli, &settings, &seen.recorder.events)?;
+    write_files(trace, vcd, &settings, &seen.recorder.events)?;
+    outputs.keep()?;
     print_run(cli, &seen);
-    let host = compare::scheduled(gcode, &settings)?;
+    let host = match &cli.settings {
+        Some(_) => compare::scheduled_with(&gcode, &Settings::prototype(), &mut eeprom)?,
+        None => compare::scheduled(&gcode, &settings)?,
+    };
     let pins = &seen.recorder.events;
     let mut ok = seen.end == End::Done && seen.line.failure.is_none() && seen.resets.is_empty();
     ok &= seen.safety.dangers.is_empty() && seen.gaps.found.is_empty();
+    ok &= seen.breaches.is_empty();
     ok &= seen.recorder.unpowered == 0 && seen.recorder.split_pairs == 0;
     match compare::difference(pins, &host) {
         None => {
@@ -123,7 +174,7 @@ fn execute(cli: &Cli, firmware: &Firmware, gcode: &str) -> Result<bool> {
 fn print_run(cli: &Cli, seen: &Seen) {
     if cli.talk {
         for line in &seen.line.said {
-            println!("said      {line}");
+            println!("said      {}", words::line(line));
         }
     }
     let ms = |ns: u64| ns as f64 / 1e6;
@@ -139,16 +190,19 @@ fn print_run(cli: &Cli, seen: &Seen) {
         seen.line.bytes[0], seen.line.bytes[1], seen.line.resends
     );
     for warning in &seen.line.warnings {
-        println!("odd       {warning}");
+        println!("odd       {}", words::line(warning));
     }
     if let Some(failure) = &seen.line.failure {
-        println!("FAILED    {failure}");
+        println!("FAILED    {}", words::line(failure));
     }
     for reset in &seen.resets {
         println!("RESET     {:.3} ms, {:?}", ms(reset.at.0), reset.cause);
     }
     for (at, danger) in &seen.safety.dangers {
         println!("DANGER    {:.3} ms, {danger:?}", ms(*at));
+    }
+    for breach in &seen.breaches {
+        println!("CLOCK     {breach}");
     }
     for gap in &seen.gaps.found {
         println!("GAP       {gap}");
@@ -176,10 +230,7 @@ fn print_timing(timing: &Timing, seen: &Seen) {
     print_lateness("lateness", &timing.late);
     print_lateness("longest", &timing.longest);
     println!("starts    {}, {} events stretched time", timing.starts, timing.stretched);
-    println!(
-        "schedule  {} alarms are the host's tick, {} are not, {} events without an alarm",
-        timing.exact_alarms, timing.other_alarms, timing.no_alarm
-    );
+    println!("schedule  {} events at the host's tick, {} at another", timing.exact, timing.inexact);
     let recorder = &seen.recorder;
     let shown = |ns: u64| if ns == u64::MAX { "-".to_owned() } else { format!("{ns}") };
     println!(
@@ -193,19 +244,21 @@ fn print_timing(timing: &Timing, seen: &Seen) {
     );
 }
 
-fn write_files(cli: &Cli, settings: &Settings, events: &[StepEvent]) -> Result<()> {
-    let create = |path: &Path| {
-        File::create(path).map(BufWriter::new).with_context(|| format!("cannot write {}", path.display()))
-    };
-    if let Some(path) = &cli.trace {
-        let mut trace = TraceWriter::new(Some(create(path)?), settings.into());
+fn write_files(
+    trace: Option<BufWriter<Stream>>,
+    vcd: Option<BufWriter<Stream>>,
+    settings: &Settings,
+    events: &[StepEvent],
+) -> Result<()> {
+    if let Some(out) = trace {
+        let mut trace = TraceWriter::new(Some(out), settings.into());
         for event in events {
             trace.event(event.at / NS_PER_TICK, event.steps, event.forward);
         }
         trace.finish()?;
     }
-    if let Some(path) = &cli.vcd {
-        let mut vcd = VcdWriter::new(create(path)?)?;
+    if let Some(out) = vcd {
+        let mut vcd = VcdWriter::new(out)?;
         for event in events {
             vcd.event(event.at / NS_PER_TICK, event.steps, event.forward);
         }

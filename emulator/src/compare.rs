@@ -1,23 +1,17 @@
 //! Compares the steps on the pins with those of the host simulator.
 //!
-//! The sequence, which motors step which way, has to be equal, without exception. Then each event of the
-//! pins has the host's tick as its schedule, and two things are looked at: whether the alarms that the
-//! firmware set agree with that schedule to the tick, and how late the edges are.
+//! The sequence, which motors step which way, has to be equal, without exception. Then two things are looked at: whether
+//! the firmware plays each event at the host's tick, and how late the edges are.
 
 use crate::steps::StepEvent;
-use crate::timer::NS_PER_TICK;
+use crate::timer::Schedule;
 use anyhow::Result;
 use corehbot::motors::{Motor, MotorSet};
+use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{self, Sink};
 use std::fmt;
-
-/// The firmware moves all that follow when an event is later than this (`motion::stepper`, GRACE).
-const GRACE_NS: i64 = 10_000;
-
-/// Without this much more time between two events than the schedule has, motion has not rested.
-const REST_NS: i64 = 1_000_000;
 
 /// A step event of the host simulator.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -35,6 +29,14 @@ pub struct Scheduled {
 /// # Errors
 /// If printer and host wait for each other.
 pub fn scheduled(gcode: &str, settings: &Settings) -> Result<Vec<Scheduled>> {
+    scheduled_with(gcode, settings, NoStorage)
+}
+
+/// The same with settings in a storage, which stand over those that the machine was made with.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn scheduled_with(gcode: &str, settings: &Settings, storage: impl Storage) -> Result<Vec<Scheduled>> {
     struct Steps(Vec<Scheduled>);
     impl Sink for Steps {
         fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
@@ -44,7 +46,7 @@ pub fn scheduled(gcode: &str, settings: &Settings) -> Result<Vec<Scheduled>> {
         }
     }
     let mut steps = Steps(Vec::new());
-    world::run(settings, None, &mut FileHost::new(gcode), &mut steps)?;
+    world::run_with(settings, None, storage, &mut [&mut FileHost::new(gcode)], &mut steps)?;
     Ok(steps.0)
 }
 
@@ -118,12 +120,10 @@ pub struct Timing {
     pub starts: u64,
     /// Events so late that the firmware moved all that follow.
     pub stretched: u64,
-    /// Events whose alarm is the scheduled tick exactly.
-    pub exact_alarms: u64,
-    /// Events whose alarm is another tick.
-    pub other_alarms: u64,
-    /// Events that followed another in one interrupt, without an alarm of their own.
-    pub no_alarm: u64,
+    /// Events that the firmware plays at the host's tick.
+    pub exact: u64,
+    /// Events that it plays at another, or whose schedule could not be read.
+    pub inexact: u64,
     /// Longest time from the first edge of an event to its last, in ns.
     pub spread: u32,
 }
@@ -138,48 +138,28 @@ impl Timing {
     }
 }
 
-/// Holds the edges of `pins` to the schedule of `host`; the sequences are equal.
+/// Holds the schedule of `pins` to that of `host`, whose sequence is equal, and the edges to the schedule.
 #[must_use]
 pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
     let mut timing = Timing::default();
-    // Real time in ns, alarm and motion time of one and the same instant.
-    let mut base: Option<(i64, Option<u32>, u64)> = None;
-    let mut last = None;
+    let mut last: Option<Schedule> = None;
     let mut motion = Vec::new();
     for (event, planned) in pins.iter().zip(host) {
-        let at = event.at as i64;
         timing.spread = timing.spread.max(event.spread);
-        let due = |(begin, _, tick): (i64, Option<u32>, u64)| begin + ((planned.tick - tick) * NS_PER_TICK) as i64;
-        let rested = event.rested
-            || last.is_none_or(|(then, tick)| at - then - (planned.tick - tick) as i64 * NS_PER_TICK as i64 > REST_NS);
-        last = Some((at, planned.tick));
-        let start = base.filter(|_| !rested);
-        let Some(start) = start else {
+        let is_exact = event.schedule.is_some_and(|schedule| schedule.tick() == planned.tick as u32);
+        timing.exact += u64::from(is_exact);
+        timing.inexact += u64::from(!is_exact);
+        let Some(schedule) = event.schedule else { continue };
+        let stretched = schedule.stretched.wrapping_sub(last.map_or(0, |last| last.stretched));
+        timing.stretched += u64::from(stretched);
+        // Motion time stands still at rest, and while time is stretched.
+        if stretched == 0 && last.is_none_or(|last| last.behind != schedule.behind) {
             timing.starts += 1;
-            let due = event.alarm.map_or(at, |a| a.due);
-            timing.late.0.push(at - due);
             timing.keep_longest(&mut motion);
-            motion.push(at - due);
-            base = Some((due, event.alarm.map(|a| a.ticks), planned.tick));
-            continue;
-        };
-        match (event.alarm, start.1) {
-            (Some(alarm), Some(begin)) => {
-                let scheduled = begin.wrapping_add((planned.tick - start.2) as u32);
-                let is_exact = alarm.ticks == scheduled;
-                timing.exact_alarms += u64::from(is_exact);
-                timing.other_alarms += u64::from(!is_exact);
-            }
-            _ => timing.no_alarm += 1,
         }
-        let late = at - due(start);
-        timing.late.0.push(late);
-        motion.push(late);
-        if late > GRACE_NS {
-            timing.stretched += 1;
-            // From here on the schedule counts from the moment at which the event was played.
-            base = Some((at, None, planned.tick));
-        }
+        timing.late.0.push(schedule.late);
+        motion.push(schedule.late);
+        last = Some(schedule);
     }
     timing.keep_longest(&mut motion);
     timing.late.0.sort_unstable();
@@ -190,11 +170,12 @@ pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::steps::Alarm;
+    use crate::timer::NS_PER_TICK;
 
-    fn event(at: u64, ticks: u32, due: i64, rested: bool) -> StepEvent {
-        let alarm = Some(Alarm { ticks, due });
-        StepEvent { at, steps: MotorSet::BELT, forward: MotorSet::NONE, spread: 8, alarm, rested }
+    fn event(due: u32, behind: u32, late: i64) -> StepEvent {
+        let schedule = Schedule { due, behind, stretched: 0, late };
+        let at = u64::from(due) * NS_PER_TICK + late as u64;
+        StepEvent { at, steps: MotorSet::BELT, forward: MotorSet::NONE, spread: 8, schedule: Some(schedule) }
     }
 
     fn planned(tick: u64) -> Scheduled {
@@ -202,33 +183,34 @@ mod tests {
     }
 
     #[test]
-    fn the_schedule_is_taken_anew_at_each_start_of_motion() {
-        let pins = [
-            event(1300, 10, 1000, true),
-            event(11_700, 110, 11_000, false),
-            event(900_400, 9000, 900_000, true),
-            event(910_500, 9100, 910_000, false),
-        ];
+    fn motion_time_stands_still_between_two_motions() {
+        let pins = [event(60, 10, 300), event(160, 10, 700), event(9160, 9000, 400), event(9260, 9000, 500)];
         let host = [planned(50), planned(150), planned(160), planned(260)];
         assert_eq!(difference(&pins, &host), None);
         let timing = timing(&pins, &host);
         assert_eq!(timing.late.0, [300, 400, 500, 700]);
         assert_eq!(timing.longest.0, [300, 700], "the first of two alike");
-        assert_eq!((timing.starts, timing.exact_alarms, timing.other_alarms, timing.late.max()), (2, 2, 0, 700));
+        assert_eq!((timing.starts, timing.exact, timing.inexact, timing.stretched), (2, 4, 0, 0));
     }
 
     #[test]
-    fn an_alarm_one_tick_off_is_seen() {
-        let pins = [event(1000, 10, 1000, true), event(11_000, 111, 11_000, false)];
-        let timing = timing(&pins, &[planned(0), planned(100)]);
-        assert_eq!((timing.exact_alarms, timing.other_alarms), (0, 1));
+    fn an_event_one_tick_off_is_seen() {
+        let timing = timing(&[event(10, 10, 0), event(111, 10, 0)], &[planned(0), planned(100)]);
+        assert_eq!((timing.exact, timing.inexact), (1, 1));
+    }
+
+    #[test]
+    fn stretched_time_is_no_start() {
+        let mut late = event(400, 250, 0);
+        late.schedule = late.schedule.map(|schedule| Schedule { stretched: 1, ..schedule });
+        let timing = timing(&[event(60, 10, 0), late], &[planned(50), planned(150)]);
+        assert_eq!((timing.starts, timing.stretched, timing.inexact), (1, 1, 0));
     }
 
     #[test]
     fn the_first_difference_is_named() {
-        let pins = [event(1000, 10, 1000, true)];
         let host = [planned(0), planned(100)];
-        let found = difference(&pins, &host).unwrap();
+        let found = difference(&[event(10, 10, 0)], &host).unwrap();
         assert_eq!(found.to_string(), "event 1: the pins are silent, the host steps -m1 -m4 -m8 -m11 at tick 100");
     }
 }

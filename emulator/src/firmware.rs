@@ -3,6 +3,7 @@
 //! A test may change single words of the copy in memory, to make a fault happen that a sound image has no
 //! way to; the file's digest is always that of the file.
 
+use crate::bootloader::{Bootloader, RESET};
 use crate::wiring::Wiring;
 use anyhow::{Context, Result, bail};
 use object::read::elf::ElfFile32;
@@ -15,9 +16,6 @@ use std::path::{Path, PathBuf};
 const FLASH: std::ops::Range<u64> = 0x0800_0000..0x0808_0000;
 const RAM: std::ops::Range<u64> = 0x2000_0000..0x2002_0000;
 
-/// Where the chip looks for its first vector table.
-const RESET: u32 = 0x0800_0000;
-
 /// An image ready to run.
 #[derive(Clone, Debug)]
 pub struct Firmware {
@@ -25,6 +23,8 @@ pub struct Firmware {
     pub path: PathBuf,
     /// Its SHA-256 in hexadecimal.
     pub sha256: String,
+    /// What runs before it.
+    pub bootloader: Bootloader,
     bytes: Vec<u8>,
     /// What lies beside the image.
     extra: Vec<(u32, Vec<u8>)>,
@@ -38,7 +38,7 @@ impl Firmware {
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).with_context(|| format!("cannot open {}", path.display()))?;
         let sha256 = Sha256::digest(&bytes).iter().map(|b| format!("{b:02x}")).collect();
-        let firmware = Self { path: path.to_owned(), sha256, bytes, extra: Vec::new() };
+        let firmware = Self { path: path.to_owned(), sha256, bootloader: Bootloader::Btt, bytes, extra: Vec::new() };
         for segment in firmware.file()?.segments() {
             let (start, end) = (segment.address(), segment.address() + segment.size());
             if !(inside(&FLASH, start, end) || inside(&RAM, start, end)) {
@@ -55,7 +55,11 @@ impl Firmware {
     pub fn images(&self, wiring: &Wiring) -> Result<Vec<Image>> {
         let mut images = vec![Image::new(&self.path, self.bytes.clone(), None)?];
         if wiring.application != RESET {
-            images.push(Image::new(Path::new("bootloader"), bootloader(wiring.application), Some(RESET.into()))?);
+            images.push(Image::new(
+                Path::new("bootloader"),
+                self.bootloader.image(wiring.application),
+                Some(RESET.into()),
+            )?);
         }
         for (address, bytes) in &self.extra {
             images.push(Image::new(Path::new("extra"), bytes.clone(), Some((*address).into()))?);
@@ -74,6 +78,17 @@ impl Firmware {
         let found = file.symbols().find(|s| s.name().is_ok_and(|n| n == name || n.contains(&mangled)));
         let address = found.with_context(|| format!("the image has no symbol {name}"))?.address();
         Ok(address as u32 & !1)
+    }
+
+    /// Where the code of the function `name` is.
+    ///
+    /// # Errors
+    /// If the image has no such function.
+    pub fn function(&self, name: &str) -> Result<std::ops::Range<u64>> {
+        let begin = u64::from(self.symbol(name)?);
+        let file = self.file()?;
+        let found = file.symbols().find(|s| s.name() == Ok(name));
+        Ok(begin..begin + found.with_context(|| format!("the image has no function {name}"))?.size())
     }
 
     /// Puts `halfwords` over the code at `address`: what runs is no longer what the file holds.
@@ -126,25 +141,6 @@ fn inside(memory: &std::ops::Range<u64>, start: u64, end: u64) -> bool {
     memory.contains(&start) && end <= memory.end
 }
 
-/// The last thing that a bootloader does: takes stack and entry from the application's vector table. It
-/// leaves VTOR alone, which is the harder case for the application.
-fn bootloader(application: u32) -> Vec<u8> {
-    let code: [u16; 6] = [
-        0x4802, // ldr r0, =application
-        0x6801, // ldr r1, [r0]
-        0x468D, // mov sp, r1
-        0x6841, // ldr r1, [r0, #4]
-        0x4708, // bx r1
-        0xBF00, // nop
-    ];
-    let mut bytes = Vec::new();
-    bytes.extend((RAM.end as u32).to_le_bytes());
-    bytes.extend((RESET + 8 + 1).to_le_bytes());
-    bytes.extend(code.iter().flat_map(|c| c.to_le_bytes()));
-    bytes.extend(application.to_le_bytes());
-    bytes
-}
-
 /// `B.W` from `from` to `to` (ARMv7-M manual, A7.7.12, encoding T4).
 #[must_use]
 pub const fn branch(from: u32, to: u32) -> [u16; 2] {
@@ -166,12 +162,5 @@ mod tests {
         // arm-none-eabi-as: `b.w .` is f7ff bffe, `b.w .+4` is f000 b800.
         assert_eq!(branch(0x0800_8000, 0x0800_8000), [0xF7FF, 0xBFFE]);
         assert_eq!(branch(0x0800_8000, 0x0800_8004), [0xF000, 0xB800]);
-    }
-
-    #[test]
-    fn the_bootloader_names_the_application_last() {
-        let bytes = bootloader(0x0800_8000);
-        assert_eq!(bytes.len(), 24);
-        assert_eq!(bytes[20..], [0x00, 0x80, 0x00, 0x08]);
     }
 }

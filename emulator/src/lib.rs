@@ -3,14 +3,17 @@
 //! A model of the chip (the `rigless` crate) executes the release ELF file instruction by instruction in
 //! virtual time. Around it stand the board ([`wiring`], [`board`]) with its motor drivers ([`driver_line`]),
 //! hosts on the serial lines ([`mod@line`]) and
-//! the simulated machine of the host simulator, whose endstops the firmware feels. The record ([`steps`],
-//! [`safety`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
+//! the simulated machine of the host simulator, whose endstops the firmware feels. Before the image runs what stands
+//! for its [`bootloader`]. The record ([`steps`], [`safety`], [`clock_rules`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
 //!
 //! What this cannot show stands in README.md.
 
 pub mod board;
+pub mod bootloader;
 pub mod chip;
 pub mod cli;
+pub mod clock_rules;
+pub mod clock_tree;
 pub mod compare;
 pub mod driver_line;
 pub mod eeprom;

@@ -4,6 +4,7 @@
 //! adapter think is no property of the image. The rate is the firmware's to set; [`crate::run`] holds it
 //! to the stated one.
 
+use crate::timer::NS_PER_TICK;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host;
 use rigless::chip::Timeline;
@@ -121,6 +122,8 @@ impl Peer for HostLine {
             if self.manner.is_impatient {
                 bytes.append(&mut std::mem::take(&mut self.text).into_bytes());
             } else {
+                self.host.clock(now.0 / NS_PER_TICK);
+                self.host.interject(&mut bytes);
                 self.host.send(&mut bytes);
             }
             self.to_board.extend(bytes);

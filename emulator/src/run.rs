@@ -1,6 +1,8 @@
 //! One run: an image, a file to print, and everything that was seen.
 
 use crate::board::Emulated;
+use crate::clock_rules::Breach;
+use crate::clock_tree::Defect;
 use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
@@ -23,6 +25,9 @@ use std::time::{Duration, Instant};
 /// A baud rate further than this from the stated one is another rate: 2 %, half of what a UART tolerates.
 const BAUD_TOLERANCE: f64 = 0.02;
 
+/// RCC_AHB1ENR, APB1ENR and APB2ENR (RM0390 rev 6, section 6.3.28).
+const CLOCKED: [u64; 3] = [0x4002_3830, 0x4002_3840, 0x4002_3844];
+
 /// What to run.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
@@ -30,7 +35,7 @@ pub struct Request<'a> {
     pub firmware: &'a Firmware,
     /// The board that it is for.
     pub wiring: &'static Wiring,
-    /// The machine, as the image's defaults have it.
+    /// The machine: as the image's defaults have it, or as it is stored in the EEPROM.
     pub settings: &'a Settings,
     /// The file to print.
     pub gcode: &'a str,
@@ -50,6 +55,8 @@ pub struct Request<'a> {
     pub thermistors: &'a [(u8, u32)],
     /// A pin that something holds high or low all the time.
     pub stuck: Option<(Pin, bool)>,
+    /// What of the clocks is broken.
+    pub defect: Defect,
 }
 
 /// Everything that was seen.
@@ -59,6 +66,8 @@ pub struct Seen {
     pub end: End,
     /// Step events.
     pub recorder: Recorder,
+    /// Accesses of the step interrupt to peripherals on APB.
+    pub slow_accesses: u64,
     /// Enable lines and heaters.
     pub safety: Safety,
     /// The firmware's clock.
@@ -67,8 +76,12 @@ pub struct Seen {
     pub drivers: DriverLines,
     /// What the model could not stand in for.
     pub gaps: Gaps,
+    /// Rules for clocks that were broken.
+    pub breaches: Vec<Breach>,
     /// Resets of the chip.
     pub resets: Vec<Reset>,
+    /// After a supply that fell, the firmware waited for it before it set its clocks.
+    pub has_waited: bool,
     /// When the injected fault happened, in ns.
     pub injected: Option<u64>,
     /// When the firmware greeted its host, in ns.
@@ -79,8 +92,12 @@ pub struct Seen {
     pub second: Option<LineSeen>,
     /// The EEPROM as it was left.
     pub eeprom: At24c32,
+    /// Pins of the debug port that are its own at the end: SWDIO and SWCLK (PA13, PA14), from the lowest bit.
+    pub debug_pins: u16,
     /// Core clock in Hz at the end.
     pub core_hz: u64,
+    /// RCC_AHB1ENR, APB1ENR and APB2ENR at the end.
+    pub clocked: [u64; 3],
     /// Virtual time in ns.
     pub virtual_ns: u64,
     /// Instructions.
@@ -116,12 +133,14 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let hosts = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
     let mut board = Emulated::new(request.wiring, hosts, request.eeprom.clone())?;
     board.heat(request.thermistors)?;
+    board.weaken(request.defect);
     if let Some((pin, high)) = request.stuck {
         board.drive(VirtualNanos(0), pin, high);
     }
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
     let watch = Watch::new(
         request.wiring,
+        (request.firmware.symbol("STEPPER")?, request.firmware.function("SysTick")?),
         request.settings,
         request.patience,
         request.injection,
@@ -139,8 +158,12 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let resets = session.resets().to_vec();
     let board = session.board_mut();
     let bauds = request.wiring.host_ports.iter().map(|port| baud(board, port, stop.at)).collect::<Result<Vec<_>>>()?;
-    let (clocks, registers) = board.mcu.clocks();
-    let core_hz = clocks.hclk(registers);
+    let [core_hz, ..] = board.mcu.rates();
+    let debug_pins = board.port(0).alternate >> 13 & 3;
+    let mut clocked = [0; 3];
+    for (enabled, address) in clocked.iter_mut().zip(CLOCKED) {
+        *enabled = board.mcu.peek(stop.at, address, Width::W32)?;
+    }
     let eeprom = board.eeprom().context("the EEPROM has gone")?.clone();
     let mut lines = board.hosts().zip(bauds).map(|(line, baud)| LineSeen::of(line, baud));
     let line = lines.next().context("the host has gone")?;
@@ -151,16 +174,21 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         end: watch.end,
         started,
         recorder: watch.recorder,
+        slow_accesses: watch.slow_accesses,
         safety: watch.safety,
         laps: watch.laps,
         drivers: watch.drivers,
         gaps,
+        breaches: watch.clock_rules.breaches,
         resets,
+        has_waited: watch.has_waited,
         injected: watch.injected,
         line,
         second,
         eeprom,
+        debug_pins,
         core_hz,
+        clocked,
         virtual_ns: stop.at.0,
         instructions: stop.instruction_count,
         wall: begin.elapsed(),

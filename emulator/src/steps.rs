@@ -5,6 +5,7 @@
 //! that is an event of its own, whatever the firmware meant.
 
 use crate::board::Port;
+use crate::timer::Schedule;
 use crate::wiring::{PORTS, Wiring};
 use corehbot::motors::{Motor, MotorSet};
 
@@ -22,19 +23,8 @@ pub struct StepEvent {
     pub forward: MotorSet,
     /// From the first rise to the last, in ns.
     pub spread: u32,
-    /// What the step timer's alarm was set to last, in its own ticks, if it was set since the event before.
-    pub alarm: Option<Alarm>,
-    /// The alarm was switched off since the event before: motion rested.
-    pub rested: bool,
-}
-
-/// An alarm of the step timer.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Alarm {
-    /// The compare register.
-    pub ticks: u32,
-    /// When the counter gets there, in ns since reset.
-    pub due: i64,
+    /// When the firmware meant it to be.
+    pub schedule: Option<Schedule>,
 }
 
 /// Shortest times seen, in ns.
@@ -68,7 +58,6 @@ pub struct Recorder {
     pub split_pairs: u64,
     /// Steps of motors without power.
     pub unpowered: u64,
-    pending: (Option<Alarm>, bool),
 }
 
 /// Pairs of motors that share a belt half, and must step in one store.
@@ -100,18 +89,7 @@ impl Recorder {
             pulse: Pulse { high: u64::MAX, low: u64::MAX, set_up: u64::MAX },
             split_pairs: 0,
             unpowered: 0,
-            pending: (None, true),
         }
-    }
-
-    /// The step timer's alarm was set.
-    pub const fn alarm(&mut self, alarm: Alarm) {
-        self.pending.0 = Some(alarm);
-    }
-
-    /// The step timer's alarm was switched off.
-    pub const fn silence(&mut self) {
-        self.pending.1 = true;
     }
 
     /// Port `n` was written to at `at`; returns the motors that stepped, and their directions.
@@ -171,8 +149,7 @@ impl Recorder {
                 event.spread = (at - event.at) as u32;
             }
             _ => {
-                let (alarm, rested) = std::mem::take(&mut self.pending);
-                self.events.push(StepEvent { at, steps: rises, forward, spread: 0, alarm, rested });
+                self.events.push(StepEvent { at, steps: rises, forward, spread: 0, schedule: None });
                 self.open = true;
             }
         }

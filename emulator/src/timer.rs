@@ -1,66 +1,62 @@
-//! The step timer as the bus shows it: TIM2, what its alarm is set to and when it is silenced.
+//! The schedule: when the firmware means to play the event that is on the pins.
 //!
-//! The alarm that the firmware writes is the scheduled tick of the next event. That is how the schedule is
-//! known although it is not on the pins, and without help from the image.
+//! Its time is the core's cycle counter, and its alarm the core's own timer, which no bus sees. So the schedule is read
+//! where the firmware keeps it: `STEPPER` in the image is the Stepper, the first words of which are laid out for the step
+//! interrupt (`motion::stepper`), and it leads to the status (`status`).
 
 use crate::board::Emulated;
-use crate::steps::Alarm;
+use rigless::emulator::Host;
 use rigless::mcu::Operate;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
 
-/// TIM2 (RM0390 rev 6, section 2.2.2).
-const TIM2: u64 = 0x4000_0000;
-const DIER: u64 = 0x0C;
-const CNT: u64 = 0x24;
-const CCR1: u64 = 0x34;
-const CCR4: u64 = 0x40;
+/// The cycle counter (ARM DDI 0403E, C1.8.8).
+const CYCCNT: u64 = 0xE000_1004;
 
-/// The four compare interrupts in DIER.
-const COMPARE: u64 = 0x1E;
+/// The Stepper's words: when the event is due, how far motion time is behind, the status.
+const DUE: u64 = 0;
+const BEHIND: u64 = 4;
+const STATUS: u64 = 16;
+
+/// In the status: events that came so late that time was stretched.
+const LATE: u64 = 32;
 
 /// A tick of the step timer.
 pub const NS_PER_TICK: u64 = 100;
 
-/// What a write to the step timer means.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Meaning {
-    /// The alarm was set.
-    Alarm(Alarm),
-    /// No alarm until the next one.
-    Silence,
+/// Cycles of 180 MHz in a tick.
+const CYCLES_PER_TICK: u32 = 18;
+
+/// What the firmware holds when the step lines of an event rise.
+#[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
+pub struct Schedule {
+    /// When the event is due, in ticks of the step timer.
+    pub due: u32,
+    /// How far motion time is behind the step timer.
+    pub behind: u32,
+    /// Events so far for which the firmware moved all that follow.
+    pub stretched: u32,
+    /// From the begin of the tick to the edge, in ns.
+    pub late: i64,
 }
 
-/// What a write of `value` to `address` at `at` means, if it went to the step timer.
-pub fn meaning(board: &mut Emulated, at: VirtualNanos, address: u64, value: u64) -> Option<Meaning> {
-    match address.checked_sub(TIM2)? {
-        CCR1..=CCR4 => {
-            let now = count(board, at)?;
-            let ticks = value as u32;
-            let wait = i64::from(ticks.wrapping_sub(now) as i32);
-            let due = next_tick(board, at, now).0 as i64 + (wait - 1) * NS_PER_TICK as i64;
-            Some(Meaning::Alarm(Alarm { ticks, due }))
-        }
-        DIER if value & COMPARE == 0 => Some(Meaning::Silence),
-        _ => None,
+impl Schedule {
+    /// Reads it while an edge is made at `at`; `stepper` is where the image keeps the Stepper.
+    pub fn read(board: &mut Emulated, host: &mut dyn Host, at: VirtualNanos, stepper: u32) -> Option<Self> {
+        let mut word = |address: u64| host.read(address, Width::W32).ok();
+        let place = u64::from(stepper);
+        let (due, behind) = (word(place + DUE)? as u32, word(place + BEHIND)? as u32);
+        let status = word(place + STATUS)?;
+        let stretched = word(status + LATE)? as u32;
+        let now = board.mcu.peek(at, CYCCNT, Width::W32).ok()? as u32;
+        let cycles = now.wrapping_sub(due.wrapping_mul(CYCLES_PER_TICK)).cast_signed();
+        let late = i64::from(cycles) * NS_PER_TICK as i64 / i64::from(CYCLES_PER_TICK);
+        Some(Self { due, behind, stretched, late })
     }
-}
 
-/// What the counter reads at a time.
-fn count(board: &mut Emulated, at: VirtualNanos) -> Option<u32> {
-    board.mcu.peek(at, TIM2 + CNT, Width::W32).ok().map(|count| count as u32)
-}
-
-/// When the counter, which reads `now` at `at`, next changes, to the nanosecond.
-fn next_tick(board: &mut Emulated, at: VirtualNanos, now: u32) -> VirtualNanos {
-    let (mut before, mut by) = (at.0, at.0 + NS_PER_TICK);
-    while by - before > 1 {
-        let middle = before.midpoint(by);
-        if count(board, VirtualNanos(middle)) == Some(now) {
-            before = middle;
-        } else {
-            by = middle;
-        }
+    /// The event's motion time, low 32 bits.
+    #[must_use]
+    pub const fn tick(&self) -> u32 {
+        self.due.wrapping_sub(self.behind)
     }
-    VirtualNanos(by)
 }

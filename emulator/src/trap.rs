@@ -19,6 +19,9 @@ const PANIC: &str = "panic_const_async_fn_resumed";
 /// Interrupt control and state register: bit 31 pends the NMI (ARM DDI 0403E, B3.2.4).
 const ICSR: u32 = 0xE000_ED04;
 
+/// Interrupt set-pending register 0 (ARM DDI 0403E, B3.4.5): the supply's detector is interrupt 1 (RM0390, vector table).
+const ISPR: u32 = 0xE000_E200;
+
 /// What happens in the step interrupt.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Trap {
@@ -33,6 +36,9 @@ pub enum Trap {
     /// The exception by which the chip tells that its crystal has stopped (RM0390 rev 6, section 6.2.7). The model
     /// falls back to its own oscillator, but raises no exception, so the code pends it.
     ClockFailure,
+    /// The supply falls below the level of its detector. The model has the detector, but no line from it to the processor,
+    /// so the code pends the interrupt, if [`crate::watch`] has found detector and line armed.
+    SupplyFalls,
 }
 
 /// What the first instructions of `handler` become, and what goes to [`PLACE`].
@@ -59,6 +65,11 @@ fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], V
             code.extend([0x4802, 0x2101, 0x07C9, 0x6001, 0xE7FE, 0xBF00]);
             word(&mut code, ICSR);
         }
+        Trap::SupplyFalls => {
+            // ldr r0, =ISPR; movs r1, #2; str r1, [r0]; b to the pop; nop; nop: an interrupt of the same priority waits.
+            code.extend([0x4802, 0x2102, 0x6001, 0xE7F3, 0xBF00, 0xBF00]);
+            word(&mut code, ISPR);
+        }
         Trap::Panic => {
             // ldr r0, =location; nop; nop; nop
             code.extend([0x4802, 0xBF00, 0xBF00, 0xBF00]);
@@ -80,13 +91,13 @@ impl Firmware {
     /// # Errors
     /// If the image has no such interrupt, or one that begins unexpectedly.
     pub fn lay(&mut self, trap: Trap) -> Result<()> {
-        let handler = self.symbol("TIM2")?;
+        let handler = self.symbol("SysTick")?;
         let panic = if trap == Trap::Panic { self.symbol(PANIC)? } else { 0 };
         let first = [self.halfword(handler)?, self.halfword(handler + 2)?];
         // Only instructions that do the same elsewhere: `push` and `add r7, sp`, or the long `push`.
         let is_movable = first[0] == 0xE92D || (first[0] >> 8 == 0xB5 && first[1] >> 8 == 0xAF);
         if !is_movable {
-            bail!("TIM2 begins with {first:04x?}");
+            bail!("SysTick begins with {first:04x?}");
         }
         let (begin, code) = detour(trap, handler, panic, first);
         self.patch(handler, &begin)?;
@@ -107,5 +118,7 @@ mod tests {
         assert_eq!(word(56).to_le_bytes(), *b"trap");
         let (_, code) = detour(Trap::ClockFailure, 0x0801_0000, 0, [0xB5F0, 0xAF03]);
         assert_eq!(u32::from(code[18]) | u32::from(code[19]) << 16, ICSR);
+        let (_, code) = detour(Trap::SupplyFalls, 0x0801_0000, 0, [0xB5F0, 0xAF03]);
+        assert_eq!(u32::from(code[18]) | u32::from(code[19]) << 16, ISPR);
     }
 }

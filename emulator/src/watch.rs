@@ -1,11 +1,12 @@
 //! The watch: sees every access of the firmware, moves the simulated machine and keeps the record.
 
-use crate::board::{Emulated, Port};
+use crate::board::{Emulated, Port, RAIL};
+use crate::clock_rules::ClockRules;
 use crate::driver_line::DriverLines;
 use crate::laps::Laps;
 use crate::safety::Safety;
 use crate::steps::Recorder;
-use crate::timer::{self, Meaning};
+use crate::timer::Schedule;
 use crate::trap::TRIGGER;
 use crate::wiring::{BRR, PORTS, Wiring};
 use corehbot::motors::{EndstopSet, Motor};
@@ -16,16 +17,26 @@ use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
+use std::ops::Range;
 
 /// GPIOA; the ports follow each other every 1 KiB (RM0390 rev 6, section 2.2.2).
 const GPIO: u64 = 0x4002_0000;
 const PORT_SIZE: u64 = 0x400;
 
-/// What lies below RAM is reserved up to the option bytes (RM0390 rev 6, section 3.3) and answers with a bus error,
-/// where the model answers 0. So many accesses are made to fail: those of an overflowing stack and of the
-/// exception that it raises.
-const BELOW_RAM: (u64, u64) = (0x1FFF_C010, 0x2000_0000);
-const FAILING: usize = 64;
+/// A supply that has fallen, in mV, as long as it lasts after the reset that it brings about: 10 ms.
+const LOW_SUPPLY: u32 = 2900;
+const LOW_NS: u64 = 10_000_000;
+
+/// Where a supply that falls must have been armed for: PVDO in PWR_CSR, and line 16 in EXTI_IMR and EXTI_RTSR (RM0390 rev 6,
+/// sections 5.5.2, 10.3.1 and 10.3.3).
+const DETECTOR: [(u64, u64); 3] = [(0x4000_7004, 1 << 2), (0x4001_3C00, 1 << 16), (0x4001_3C08, 1 << 16)];
+
+/// RCC_CR, and PLLON in it (RM0390 rev 6, section 6.3.1).
+const RCC_CR: u64 = 0x4002_3800;
+const PLLON: u64 = 1 << 24;
+
+/// Peripherals on both APB (RM0390 rev 6, section 2.2.2).
+const APB: Range<u64> = 0x4000_0000..0x4002_0000;
 
 /// How often the run is looked at: every ms.
 const LOOK_NS: u64 = 1_000_000;
@@ -67,6 +78,11 @@ pub enum Injection {
         /// Events before it.
         after: usize,
     },
+    /// The same, and the supply of the processor falls at that instant.
+    SupplyFalls {
+        /// Events before it.
+        after: usize,
+    },
 }
 
 /// Why a run ended.
@@ -98,6 +114,8 @@ pub struct Patience {
 /// The watch.
 pub struct Watch {
     wiring: &'static Wiring,
+    stepper: u32,
+    step_interrupt: Range<u64>,
     rig: Rig,
     endstops: Option<EndstopSet>,
     patience: Patience,
@@ -108,25 +126,34 @@ pub struct Watch {
     resets: usize,
     /// Step events.
     pub recorder: Recorder,
+    /// Accesses of the step interrupt to peripherals on APB, which make it wait for the bus.
+    pub slow_accesses: u64,
     /// Enable lines and heaters.
     pub safety: Safety,
     /// The firmware's clock.
     pub laps: Laps,
     /// The motor drivers.
     pub drivers: DriverLines,
+    /// The clocks.
+    pub clock_rules: ClockRules,
     /// Why the run ended.
     pub end: End,
     /// When the injected fault happened, in ns.
     pub injected: Option<u64>,
     /// The trap could be sprung.
     pub is_injectable: bool,
+    is_supply_low: bool,
+    /// When the supply came back after it had fallen, the processor was still at its own slow clock.
+    pub has_waited: bool,
 }
 
 impl Watch {
-    /// A watch over a board with `wiring` and a machine of `settings`.
+    /// A watch over a board with `wiring` and a machine of `settings`, whose image has the Stepper and the step
+    /// interrupt there.
     #[must_use]
     pub fn new(
         wiring: &'static Wiring,
+        (stepper, step_interrupt): (u32, Range<u64>),
         settings: &Settings,
         patience: Patience,
         injection: Option<Injection>,
@@ -135,6 +162,9 @@ impl Watch {
     ) -> Self {
         Self {
             wiring,
+            stepper,
+            step_interrupt,
+            slow_accesses: 0,
             drivers,
             rig: Rig::new(settings, None),
             endstops: None,
@@ -147,9 +177,12 @@ impl Watch {
             recorder: Recorder::new(wiring),
             safety: Safety::new(wiring),
             laps: Laps::default(),
+            clock_rules: ClockRules::new(wiring.crystal),
             end: End::Late,
             injected: None,
             is_injectable: true,
+            is_supply_low: false,
+            has_waited: false,
         }
     }
 
@@ -167,6 +200,9 @@ impl Watch {
         if steps.is_empty() {
             return;
         }
+        if let Some(event) = self.recorder.events.last_mut().filter(|event| event.schedule.is_none()) {
+            event.schedule = Schedule::read(session.board_mut(), host, at, self.stepper);
+        }
         self.rig.step(steps, forward);
         self.press(session, at);
         self.inject(session, host, at);
@@ -183,16 +219,37 @@ impl Watch {
             Some(Injection::SupplyLost { after }) if events >= after => {
                 Motor::ALL.into_iter().for_each(|motor| self.drivers.of(motor).chip.power_off());
             }
-            Some(Injection::Trap { after }) if events >= after => {
-                for _ in 0..FAILING {
-                    session.fail_next(BELOW_RAM.0, BELOW_RAM.1);
-                }
-                self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
+            Some(Injection::Trap { after }) if events >= after => self.spring(host),
+            Some(Injection::SupplyFalls { after }) if events >= after => {
+                let mcu = &mut session.board_mut().mcu;
+                mcu.set_supply(LOW_SUPPLY);
+                let mut has = |(register, bit)| mcu.peek(at, register, Width::W32).is_ok_and(|value| value & bit != 0);
+                let is_armed = DETECTOR.into_iter().all(&mut has);
+                self.is_supply_low = true;
+                self.spring(host);
+                self.is_injectable &= is_armed;
             }
             _ => return,
         }
         self.injection = None;
         self.injected = Some(at.0);
+    }
+
+    fn spring(&mut self, host: &mut dyn rigless::emulator::Host) {
+        self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
+    }
+
+    /// Has the supply come back some time after the reset, and sees whether the firmware has waited for it.
+    fn restore_supply(&mut self, session: &mut Session<Emulated>, at: u64) {
+        let reset_at = session.resets().first().map(|r| r.at.0);
+        if !self.is_supply_low || reset_at.is_none_or(|reset| at < reset + LOW_NS) {
+            return;
+        }
+        let mcu = &mut session.board_mut().mcu;
+        let control = mcu.peek(VirtualNanos(at), RCC_CR, Width::W32);
+        self.has_waited = control.is_ok_and(|control| control & PLLON == 0);
+        mcu.set_supply(RAIL);
+        self.is_supply_low = false;
     }
 
     /// Has the serial ports run at the rate that the hosts want, whatever the image has just written.
@@ -222,6 +279,7 @@ impl Watch {
 
     /// Whether the run is over at `at`.
     fn look(&mut self, session: &mut Session<Emulated>, at: u64) -> bool {
+        self.restore_supply(session, at);
         let reset_at = session.resets().first().map(|r| r.at.0);
         let steps_at = self.recorder.events.last().map_or(0, |e| e.at);
         if session.board_mut().eeprom().is_some_and(|eeprom| eeprom.is_cut()) {
@@ -278,6 +336,7 @@ impl Driver<Emulated> for Watch {
             self.resets = session.resets().len();
             let at = session.resets().last().map_or(0, |r| r.at.0);
             self.safety.reset(at);
+            self.clock_rules.reset();
             for n in 0..PORTS {
                 self.drivers.store(at, n, Port::default(), |_| true);
                 self.recorder.store(at, n, Port::default(), self.safety.powered);
@@ -288,22 +347,18 @@ impl Driver<Emulated> for Watch {
             }
             self.press(session, access.virtual_time);
         }
+        let is_stepping = access.program_counter.is_some_and(|pc| self.step_interrupt.contains(&pc));
+        self.slow_accesses += u64::from(is_stepping && APB.contains(&access.address));
         if access.kind != AccessKind::Write {
             return;
         }
+        self.clock_rules.written(session.board_mut(), &access);
         self.set_rate(session.board_mut(), access.virtual_time, access.address);
         self.laps.written(session.board_mut(), access.virtual_time, access.address, access.value);
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
         if (port as usize) < PORTS {
             self.port_written(session, host, access.virtual_time, port as usize);
             session.pause_at(self.drivers.next.map(VirtualNanos));
-        } else if let Some(meaning) =
-            timer::meaning(session.board_mut(), access.virtual_time, access.address, access.value)
-        {
-            match meaning {
-                Meaning::Alarm(alarm) => self.recorder.alarm(alarm),
-                Meaning::Silence => self.recorder.silence(),
-            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! Codes: the letter and the number that a command begins with.
 
-use super::lexer::skip_blanks;
+use super::lexer::{is_blank, skip_blanks};
 
 /// A command's name, such as G1 or M862.3.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -34,12 +34,8 @@ impl Code {
         if let [b'.', tail @ ..] = rest {
             (subcode, rest) = read_digits(tail);
         }
-        match rest {
-            [] | [b'A'..=b'Z' | b'a'..=b'z' | b' ' | b'\t' | b';' | b'(' | b'"', ..] => {
-                Some((Self { letter, number, subcode }, rest))
-            }
-            _ => None,
-        }
+        let ends = |byte: u8| is_blank(byte) || byte.is_ascii_alphabetic() || matches!(byte, b';' | b'(' | b'"');
+        rest.first().is_none_or(|byte| ends(*byte)).then_some((Self { letter, number, subcode }, rest))
     }
 }
 

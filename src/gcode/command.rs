@@ -42,17 +42,62 @@ pub enum Form {
 /// Where the centre of an arc lies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ArcShape {
-    /// Centre relative to the start (I, J).
+    /// Centre relative to the start (I, J, K).
     Centre {
         /// Offset in X.
         i: Number,
         /// Offset in Y.
         j: Number,
+        /// Offset in Z.
+        k: Number,
     },
     /// Radius (R); a negative one takes the longer way round.
     Radius(Number),
-    /// Neither I, J nor R was given.
+    /// Neither I, J, K nor R was given.
     Missing,
+}
+
+/// The plane in which an arc lies.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Plane {
+    /// G17: x and y.
+    Xy,
+    /// G18: z and x.
+    Zx,
+    /// G19: y and z.
+    Yz,
+}
+
+/// Why a line is not carried out although its command is known.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Flaw<'a> {
+    /// This is no letter with a number.
+    NoWord(&'a [u8]),
+    /// This is no name with `=` and the number that it needs.
+    NoPair(&'a [u8]),
+    /// This letter needs a number.
+    NoNumber(u8),
+    /// This number is out of range.
+    OutOfRange(&'a [u8]),
+    /// There is no such axis.
+    NoAxis(u8),
+    /// A second command stands on the line.
+    SecondCommand(&'a [u8]),
+}
+
+/// The words of SET_VELOCITY_LIMIT.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct VelocityWords<'a> {
+    /// ACCEL, mm/s2.
+    pub acceleration: Option<Number>,
+    /// ACCEL_TO_DECEL, mm/s2.
+    pub to_deceleration: Option<Number>,
+    /// MINIMUM_CRUISE_RATIO.
+    pub cruise_ratio: Option<Number>,
+    /// SQUARE_CORNER_VELOCITY, mm/s.
+    pub square_corner: Option<Number>,
+    /// The name of the first of the other words.
+    pub other: Option<&'a [u8]>,
 }
 
 /// A command; every variant is answered with one `ok`. Lengths are in the units that G20/G21 chose.
@@ -67,7 +112,7 @@ pub enum Command<'a> {
         /// F, per minute.
         feed: Option<Number>,
     },
-    /// G2, G3: arc or helix in the XY plane.
+    /// G2, G3: arc or helix.
     Arc {
         /// G2 runs clockwise, G3 counter-clockwise.
         clockwise: bool,
@@ -75,7 +120,7 @@ pub enum Command<'a> {
         to: AxisWords,
         /// F, per minute.
         feed: Option<Number>,
-        /// I, J or R.
+        /// I, J, K or R.
         shape: ArcShape,
         /// P: total number of turns, at least 1 (RS-274/NGC section 3.5.3).
         turns: u16,
@@ -105,8 +150,8 @@ pub enum Command<'a> {
         /// F, per minute.
         feed: Option<Number>,
     },
-    /// G17: the XY plane, the only one there is.
-    PlaneXy,
+    /// G17, G18, G19: the plane of arcs.
+    Plane(Plane),
     /// G20: lengths are inches.
     Inches,
     /// G21: lengths are millimetres.
@@ -162,7 +207,7 @@ pub enum Command<'a> {
     Continue,
     /// M110: set or, without a number, report the line number. The protocol room acts on it.
     LineNumber,
-    /// M112: stop everything until reset.
+    /// M112: stop everything until M999 or a reset.
     EmergencyStop,
     /// M113: seconds between busy messages, or report them.
     Keepalive(Option<Number>),
@@ -213,6 +258,8 @@ pub enum Command<'a> {
         min_feed: Option<Number>,
         /// T: least speed of a travelling move, units/s.
         min_travel: Option<Number>,
+        /// B: least time of a segment in us, which this firmware does not know.
+        min_segment: Option<Number>,
     },
     /// M211: keep moves inside the reachable space, or report.
     SoftEndstops(Option<bool>),
@@ -275,18 +322,34 @@ pub enum Command<'a> {
         /// W: over how long the speed is averaged, in s.
         window: Option<Number>,
     },
-    /// SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO: the part of a move over which its speed holds at least, or report.
-    CruiseRatio(Option<Number>),
+    /// SET_VELOCITY_LIMIT: acceleration, corner speed and the part of a move over which its speed holds at least, or
+    /// report.
+    VelocityLimit(VelocityWords<'a>),
     /// T: choose a tool.
     Tool(u8),
     /// A command for heaters or fans, of which this firmware has none yet.
     Heater,
-    /// M302: report on cold extrusion, which cannot be forbidden without heaters.
-    ColdExtrusion,
+    /// M301, M303, M304: how heaters are controlled, of which this firmware has none yet.
+    HeaterTuning,
+    /// M302: cold extrusion, which cannot be forbidden without heaters; or report.
+    ColdExtrusion {
+        /// Whether it is to be forbidden.
+        forbid: bool,
+    },
+    /// M81: switch the power supply off, which this firmware cannot.
+    PowerOff,
+    /// M413: recovery from a loss of power, which this firmware cannot; or report.
+    PowerLossRecovery(Option<bool>),
+    /// M622, M623, `if`, `while` and the like: which lines run depends on it, and this firmware runs them all.
+    Conditional,
     /// G29 and its relatives: a command for a probe with which nothing is measured.
     Probing,
     /// A command that hosts and slicers send and that needs no answer but `ok`.
     Silent,
+    /// M999: begin anew after a stop. The receive path acts on it if the machine is halted.
+    Restart,
+    /// A command that is known, on a line that is not in order.
+    Malformed(Flaw<'a>),
     /// Anything else, as it came.
     Unknown(&'a [u8]),
 }

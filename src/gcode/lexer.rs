@@ -2,35 +2,49 @@
 //!
 //! Spaces are optional everywhere, also between a letter and its number. A word keeps the characters of
 //! numbers that are glued to it (`U6.2.6+8948` is U6.2), other glued characters are skipped up to the next
-//! blank. Comments are `;` to the end and `( )`.
+//! blank. That something was skipped is noted, and most commands are then not carried out (`grammar.rs`).
+//! Comments are `;` to the end and `( )`.
 
 use super::number::Number;
 
 /// One word of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Word {
+pub(super) struct Word<'a> {
     /// The letter in upper case.
     pub letter: u8,
     /// The number, if the word is more than a flag.
     pub number: Option<Number>,
+    /// The text in quotes that stands where a number might.
+    pub quoted: Option<&'a [u8]>,
 }
 
 /// The words of a text, in order.
 #[derive(Clone, Debug)]
 pub(super) struct Words<'a> {
     rest: &'a [u8],
+    has_skipped: bool,
 }
 
 impl<'a> Words<'a> {
     /// The words of `text`, which begins behind the command's code.
     pub(super) const fn new(text: &'a [u8]) -> Self {
-        Self { rest: text }
+        Self { rest: text, has_skipped: false }
+    }
+
+    /// Whether something among the words so far was neither a word nor a comment.
+    pub(super) const fn has_skipped(&self) -> bool {
+        self.has_skipped
+    }
+
+    /// The text behind the words so far.
+    pub(super) const fn rest(&self) -> &'a [u8] {
+        self.rest
     }
 }
 
-/// Space or tab.
+/// Space, tab, or a byte of a no-break space (U+00A0), which people copy from web pages.
 pub(super) const fn is_blank(byte: u8) -> bool {
-    matches!(byte, b' ' | b'\t')
+    matches!(byte, b' ' | b'\t' | 0xC2 | 0xA0)
 }
 
 /// `text` without the blanks it begins with.
@@ -55,10 +69,15 @@ pub(super) fn skip_past(text: &[u8], end: u8) -> &[u8] {
     rest.get(1..).unwrap_or_default()
 }
 
-impl Iterator for Words<'_> {
-    type Item = Word;
+/// Whether a byte may stand directly behind a number: a blank, or what begins something else.
+const fn may_follow(byte: u8) -> bool {
+    is_blank(byte) || byte.is_ascii_alphabetic() || matches!(byte, b';' | b'(' | b'"')
+}
 
-    fn next(&mut self) -> Option<Word> {
+impl<'a> Iterator for Words<'a> {
+    type Item = Word<'a>;
+
+    fn next(&mut self) -> Option<Word<'a>> {
         let letter = loop {
             let (&byte, tail) = self.rest.split_first()?;
             // Small letters differ from capitals by this bit.
@@ -68,19 +87,40 @@ impl Iterator for Words<'_> {
                 break capital;
             }
             self.rest = match byte {
-                b' ' | b'\t' => tail,
+                byte if is_blank(byte) => tail,
                 b';' => &[],
                 b'(' => skip_past(tail, b')'),
-                b'"' => skip_past(tail, b'"'),
-                _ => skip_until(tail, |byte| matches!(byte, b' ' | b'\t' | b';' | b'(' | b'"')),
+                b'"' => self.skip_quoted(tail).1,
+                _ => {
+                    self.has_skipped = true;
+                    skip_until(tail, |byte| is_blank(byte) || matches!(byte, b';' | b'(' | b'"'))
+                }
             };
         };
-        let Some((number, rest)) = Number::read(skip_blanks(self.rest)) else {
-            self.rest = behind_number(self.rest);
-            return Some(Word { letter, number: None });
-        };
-        self.rest = behind_number(rest);
-        Some(Word { letter, number: Some(number) })
+        let value = skip_blanks(self.rest);
+        if let Some((number, rest)) = Number::read(value) {
+            self.has_skipped |= rest.first().is_some_and(|byte| !may_follow(*byte));
+            self.rest = behind_number(rest);
+            return Some(Word { letter, number: Some(number), quoted: None });
+        }
+        if let [b'"', tail @ ..] = value {
+            let (quoted, rest) = self.skip_quoted(tail);
+            self.rest = rest;
+            return Some(Word { letter, number: None, quoted: Some(quoted) });
+        }
+        let rest = behind_number(self.rest);
+        self.has_skipped |= rest.len() < self.rest.len() || rest.first().is_some_and(|byte| !may_follow(*byte));
+        self.rest = rest;
+        Some(Word { letter, number: None, quoted: None })
+    }
+}
+
+impl<'a> Words<'a> {
+    /// The text up to the quotes that end it, and the text behind them.
+    fn skip_quoted(&mut self, text: &'a [u8]) -> (&'a [u8], &'a [u8]) {
+        let quoted = text.split(|byte| *byte == b'"').next().unwrap_or_default();
+        self.has_skipped |= quoted.len() == text.len();
+        (quoted, text.get(quoted.len() + 1..).unwrap_or_default())
     }
 }
 
@@ -140,6 +180,26 @@ mod tests {
         assert_eq!(words("X=5 Y6"), ["X", "Y6"]);
         assert_eq!(words("%*# \u{fc}X5 Y6"), ["Y6"]);
         assert_eq!(words("X - 5 Y6"), ["X", "Y6"]);
+    }
+
+    #[test]
+    fn what_is_skipped_is_noted() {
+        let has_skipped = |text: &str| {
+            let mut words = Words::new(text.as_bytes());
+            words.by_ref().for_each(drop);
+            words.has_skipped()
+        };
+        for text in
+            ["X1,5", "X1.2.3", "X--5", "X-", "X.", "X1\x01", "\x07X1", "X1*Y2", "X=5", "% X5", "A\"open", "X1\u{e4}"]
+        {
+            assert!(has_skipped(text), "{text:?}");
+        }
+        for text in ["", "X1Y2", "X 1\tY-.5", "X1\u{a0}Y2\u{a0}", "X1 (,) Y2;,", "P\"a,b\" S1", "X1E5", "XY", "X+5 Y5."]
+        {
+            assert!(!has_skipped(text), "{text:?}");
+        }
+        assert_eq!(words("X\u{a0}1\u{a0}Y2"), ["X1", "Y2"]);
+        assert_eq!(Words::new(b"P \"mzv\" F60").next().and_then(|word| word.quoted), Some(&b"mzv"[..]));
     }
 
     #[test]

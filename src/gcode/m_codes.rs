@@ -28,6 +28,7 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         25 => Command::Pause,
         48 | 290 | 851 => Command::Probing,
         73 => Command::Progress { percent: number(text, b'P'), minutes: number(text, b'R') },
+        81 => Command::PowerOff,
         82 => Command::AbsoluteExtrusion,
         83 => Command::RelativeExtrusion,
         92 => Command::StepsPerMm(axis_words(text)),
@@ -58,9 +59,11 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         211 => Command::SoftEndstops(switch(text)),
         220 => feed_percent(text),
         221 => Command::FlowPercent(number(text, b'S')),
-        302 => Command::ColdExtrusion,
+        301 | 303 | 304 => Command::HeaterTuning,
+        302 => Command::ColdExtrusion { forbid: forbids_cold(text) },
         400 => Command::Finish,
         410 => Command::QuickStop,
+        413 => Command::PowerLossRecovery(switch(text)),
         420 => Command::ReportLevelling,
         486 => object(text),
         500 => Command::SaveSettings,
@@ -72,17 +75,19 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         569 if last(text, b'P').is_none() => stealth(text),
         572 => pressure_advance(text),
         593 => shaper(text),
+        622 | 623 => Command::Conditional,
         876 => Command::Answer,
         900 => linear_advance(text),
         906 => Command::DriverCurrent(axis_words(text)),
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
+        999 => Command::Restart,
         _ => return None,
     })
 }
 
 /// The last word of that letter.
-fn last(text: &[u8], letter: u8) -> Option<Word> {
+fn last(text: &[u8], letter: u8) -> Option<Word<'_>> {
     Words::new(text).filter(|word| word.letter == letter).last()
 }
 
@@ -94,6 +99,11 @@ fn number(text: &[u8], letter: u8) -> Option<Number> {
 /// S0 is off, any other S is on.
 fn switch(text: &[u8]) -> Option<bool> {
     last(text, b'S').map(|word| word.number != Some(Number::ZERO))
+}
+
+/// Whether M302 forbids to extrude below a temperature: S above 0, or P0.
+fn forbids_cold(text: &[u8]) -> bool {
+    number(text, b'S').is_some_and(|least| least > Number::ZERO) || number(text, b'P') == Some(Number::ZERO)
 }
 
 /// M569; a report is of all axes.
@@ -138,16 +148,17 @@ fn acceleration(text: &[u8]) -> Command<'static> {
 /// M205.
 fn corners(text: &[u8]) -> Command<'static> {
     let mut jerk = AxisWords::default();
-    let (mut deviation, mut min_feed, mut min_travel) = (None, None, None);
+    let (mut deviation, mut min_feed, mut min_travel, mut min_segment) = (None, None, None, None);
     for word in Words::new(text) {
         match word.letter {
+            b'B' => min_segment = word.number,
             b'J' => deviation = word.number,
             b'S' => min_feed = word.number,
             b'T' => min_travel = word.number,
             _ => take_axis(&mut jerk, word),
         }
     }
-    Command::Corners { deviation, jerk, min_feed, min_travel }
+    Command::Corners { deviation, jerk, min_feed, min_travel, min_segment }
 }
 
 /// M220. B and R stand alone in practice; beside them S is ignored.
@@ -215,6 +226,25 @@ mod tests {
     }
 
     #[test]
+    fn what_cannot_be_done_has_a_name() {
+        assert_eq!(parse(b"M303 E0 S200"), Command::HeaterTuning);
+        assert_eq!(parse(b"M81"), Command::PowerOff);
+        assert_eq!(parse(b"M413 S1"), Command::PowerLossRecovery(Some(true)));
+        assert_eq!(parse(b"M413"), Command::PowerLossRecovery(None));
+        for (line, forbid) in
+            [("M302", false), ("M302 S0", false), ("M302 P1", false), ("M302 P0", true), ("M302 S170", true)]
+        {
+            assert_eq!(parse(line.as_bytes()), Command::ColdExtrusion { forbid }, "{line}");
+        }
+        for line in ["M622 J1", "M623", "if {x > 1}", "while true", "  ELSE", "break", "{if layer}"] {
+            assert_eq!(parse(line.as_bytes()), Command::Conditional, "{line}");
+        }
+        for line in ["iffy", "elsewhere X", "O100 sub", "whilefoo"] {
+            assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()), "{line}");
+        }
+    }
+
+    #[test]
     fn keeping_settings() {
         assert_eq!(parse(b"M500"), Command::SaveSettings);
         assert_eq!(parse(b"M501 ; as stored"), Command::LoadSettings);
@@ -245,7 +275,7 @@ mod tests {
 
     #[test]
     fn quiet_commands_swallow_any_text() {
-        for line in ["M74 W5", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M20", "M999"] {
+        for line in ["M74 W5", "M486 ACube (1)*", "M862.3 P \"MK4S\"", "M300", "M20"] {
             assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
         }
         assert_eq!(parse(b"M117 E5 * ; x"), Command::Message);

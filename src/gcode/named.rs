@@ -1,4 +1,5 @@
-//! Named commands: the few words of Klipper that slicers write for any firmware.
+//! Named commands: the few words of Klipper that slicers write for any firmware, and those of programs with a flow of
+//! their own.
 
 use super::command::Command;
 use super::lexer::skip_blanks;
@@ -7,9 +8,17 @@ use super::shaping::{set_pressure_advance, set_velocity_limit};
 /// What the objects of a print are called, and where each begins and ends. Nothing here depends on it.
 const SILENT: [&[u8]; 3] = [b"EXCLUDE_OBJECT_DEFINE", b"EXCLUDE_OBJECT_START", b"EXCLUDE_OBJECT_END"];
 
+/// What decides in RepRapFirmware which lines run.
+const CONDITIONALS: [&[u8]; 7] = [b"if", b"elif", b"else", b"while", b"break", b"continue", b"abort"];
+
 /// The command that a name stands for, or `None` if it is not known. `text` is the whole line.
-pub(super) fn parse_named(text: &[u8]) -> Option<Command<'static>> {
+pub(super) fn parse_named(text: &[u8]) -> Option<Command<'_>> {
     let text = skip_blanks(text);
+    // A condition that a slicer should have worked out. The subroutines and loops of LinuxCNC (`O100`) are unknown: a line
+    // number with one wrong bit looks like that.
+    if matches!(text, [b'{', b'i' | b'e', ..]) {
+        return Some(Command::Conditional);
+    }
     let end = text.iter().position(|byte| !(byte.is_ascii_alphabetic() || *byte == b'_')).unwrap_or(text.len());
     let (name, rest) = text.split_at_checked(end)?;
     let is = |other: &[u8]| name.eq_ignore_ascii_case(other);
@@ -25,7 +34,10 @@ pub(super) fn parse_named(text: &[u8]) -> Option<Command<'static>> {
         return Some(set_pressure_advance(rest));
     }
     if is(b"SET_VELOCITY_LIMIT") {
-        return set_velocity_limit(rest);
+        return Some(set_velocity_limit(rest));
+    }
+    if CONDITIONALS.iter().any(|conditional| is(conditional)) && !matches!(rest, [b'0'..=b'9', ..]) {
+        return Some(Command::Conditional);
     }
     // A multi-material unit's loading, cutting and choosing: Tx, Tc and T?.
     matches!((name, rest), (b"Tx" | b"Tc", _) | (b"T", b"?")).then_some(Command::Silent)

@@ -162,14 +162,13 @@ const POWERS_END: u32 = 1_000_000_000;
 
 /// `decimals / power` in units of 2^-32, rounded to the nearest; `decimals` must be below `power`.
 ///
-/// The reciprocal is too small by less than 1, so the estimate is too small by less than
-/// decimals / 2^31 < 1/2 before its own decimals are cut off: the quotient or one less. The remainder
-/// then says what is missing.
+/// The reciprocal is too small by less than 1, so the estimate is too small by less than decimals / 2^31 < 0.47 before its
+/// own decimals are cut off: the remainder is less than 1.47 `power`, and rounding adds 1 at the most.
 fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
     let quotient = (u64::from(decimals) * reciprocal) >> 31;
     let power = u64::from(power);
     let remainder = (u64::from(decimals) << 32).wrapping_sub(quotient * power);
-    quotient + u64::from(2 * remainder >= power) + u64::from(2 * remainder >= 3 * power)
+    quotient + u64::from(2 * remainder >= power)
 }
 
 /// Reads the decimals that `text` begins with, any number of them: long multiplication by 2^32 in base 10^9.

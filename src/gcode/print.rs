@@ -2,11 +2,11 @@
 
 use core::fmt::{self, Display, Formatter, Write};
 
-use super::command::{ArcShape, AxisFlags, AxisWords, Command, Form};
+use super::command::{ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, Plane, VelocityWords};
 use super::number::Number;
 
 /// Commands that stand for a whole family are printed as one of it: M107 for heaters and fans, M74 for
-/// silent ones. A text is printed with `?` for what is neither printable ASCII nor a tab.
+/// silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is neither printable ASCII nor a tab.
 impl Display for Command<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match *self {
@@ -38,7 +38,9 @@ impl Display for Command<'_> {
                 word(f, 'S', extra)?;
                 word(f, 'F', feed)
             }
-            Self::PlaneXy => f.write_str("G17"),
+            Self::Plane(Plane::Xy) => f.write_str("G17"),
+            Self::Plane(Plane::Zx) => f.write_str("G18"),
+            Self::Plane(Plane::Yz) => f.write_str("G19"),
             Self::Inches => f.write_str("G20"),
             Self::Millimetres => f.write_str("G21"),
             Self::Home(named) => flags(f, "G28", named),
@@ -70,11 +72,12 @@ impl Display for Command<'_> {
                 word(f, 'R', retract)?;
                 word(f, 'T', travel)
             }
-            Self::Corners { deviation, jerk, min_feed, min_travel } => {
+            Self::Corners { deviation, jerk, min_feed, min_travel, min_segment } => {
                 axis_line(f, "M205", jerk)?;
                 word(f, 'J', deviation)?;
                 word(f, 'S', min_feed)?;
-                word(f, 'T', min_travel)
+                word(f, 'T', min_travel)?;
+                word(f, 'B', min_segment)
             }
             Self::SoftEndstops(on) => switch(f, "M211", on.map(|on| Number::from(i32::from(on)))),
             Self::FeedPercent(percent) => switch(f, "M220", percent),
@@ -104,13 +107,16 @@ impl Display for Command<'_> {
                 word(f, 'S', time)?;
                 word(f, 'W', window)
             }
-            Self::CruiseRatio(ratio) => {
-                f.write_str("SET_VELOCITY_LIMIT")?;
-                ratio.map_or(Ok(()), |ratio| write!(f, " MINIMUM_CRUISE_RATIO={ratio}"))
-            }
+            Self::VelocityLimit(limit) => velocity_limit(f, limit),
             Self::Tool(tool) => write!(f, "T{tool}"),
             Self::Heater => f.write_str("M107"),
-            Self::ColdExtrusion => f.write_str("M302"),
+            Self::HeaterTuning => f.write_str("M303"),
+            Self::ColdExtrusion { forbid } => f.write_str(if forbid { "M302 P0" } else { "M302" }),
+            Self::PowerOff => f.write_str("M81"),
+            Self::PowerLossRecovery(on) => switch(f, "M413", on.map(|on| Number::from(i32::from(on)))),
+            Self::Conditional => f.write_str("M622"),
+            Self::Restart => f.write_str("M999"),
+            Self::Malformed(flaw) => malformed(f, flaw),
             Self::Silent => f.write_str("M74"),
             Self::AwaitUser { filament: true, .. } => f.write_str("M600"),
             Self::AwaitUser { ms: 0, .. } => f.write_str("M0"),
@@ -151,6 +157,52 @@ fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
             _ => '?',
         })
     })
+}
+
+/// A line with that flaw.
+fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
+    match flaw {
+        Flaw::NoWord(text) | Flaw::SecondCommand(text) => {
+            f.write_str("G1 ")?;
+            write_text(f, text)
+        }
+        Flaw::OutOfRange(text) => {
+            f.write_str(if matches!(text, [b'f' | b'F', ..]) { "M593 " } else { "G4 " })?;
+            write_text(f, text)
+        }
+        Flaw::NoPair(_) => f.write_str("SET_VELOCITY_LIMIT ACCEL="),
+        Flaw::NoNumber(letter) => {
+            f.write_str(match letter {
+                b'S' | b'T' | b'B' => "M205 ",
+                b'D' => "M593 ",
+                b'W' => "M572 ",
+                _ => "G2 ",
+            })?;
+            f.write_char(letter as char)
+        }
+        Flaw::NoAxis(letter) => write!(f, "G1 {}0", letter as char),
+    }
+}
+
+/// SET_VELOCITY_LIMIT with its words.
+fn velocity_limit(f: &mut Formatter<'_>, limit: VelocityWords<'_>) -> fmt::Result {
+    f.write_str("SET_VELOCITY_LIMIT")?;
+    for (name, number) in [
+        ("ACCEL", limit.acceleration),
+        ("ACCEL_TO_DECEL", limit.to_deceleration),
+        ("MINIMUM_CRUISE_RATIO", limit.cruise_ratio),
+        ("SQUARE_CORNER_VELOCITY", limit.square_corner),
+    ] {
+        if let Some(number) = number {
+            write!(f, " {name}={number}")?;
+        }
+    }
+    if let Some(name) = limit.other {
+        f.write_str(" ")?;
+        write_text(f, name)?;
+        f.write_str("=0")?;
+    }
+    Ok(())
 }
 
 /// One word, if it has a value.
@@ -195,7 +247,10 @@ fn flags(f: &mut Formatter<'_>, code: &str, named: AxisFlags) -> fmt::Result {
 /// The centre or radius of an arc.
 fn arc(f: &mut Formatter<'_>, shape: ArcShape) -> fmt::Result {
     match shape {
-        ArcShape::Centre { i, j } => write!(f, " I{i} J{j}"),
+        ArcShape::Centre { i, j, k } => {
+            write!(f, " I{i} J{j}")?;
+            word(f, 'K', Some(k).filter(|k| *k != Number::ZERO))
+        }
         ArcShape::Radius(radius) => write!(f, " R{radius}"),
         ArcShape::Missing => Ok(()),
     }

@@ -20,7 +20,7 @@ const CHECKS: u16 = 862;
 
 /// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
 /// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
-const SILENT: [u16; 27] = [
+const SILENT: [u16; 24] = [
     2,   // end of program: the line itself is the end
     20,  // list files: Repetier-Host sends it when it connects
     21,  // look for a card: OctoPrint and Repetier-Host send it when they connect
@@ -29,7 +29,6 @@ const SILENT: [u16; 27] = [
     76,  // job timer, on the host
     77,  // job timer, on the host
     80,  // power supply on
-    81,  // power supply off
     141, // chamber temperature
     142, // heatbreak temperature (Prusa)
     150, // lamps
@@ -40,21 +39,17 @@ const SILENT: [u16; 27] = [
     300, // beep
     355, // lamps
     403, // filament of an MMU
-    413, // power-loss recovery
     425, // backlash compensation
     530, // print mode (Repetier)
     532, // progress (Repetier)
     555, // print area (Prusa)
     870, // Prusa
     907, // motor current, which the board's settings fix
-    999, // begin anew after a stop: there is none to end here, and M112 holds until reset
 ];
 
 /// A command for heaters or fans.
 pub(super) fn is_heater(code: Code) -> bool {
-    code.letter == b'M'
-        && code.subcode == 0
-        && matches!(code.number, 104 | 106 | 107 | 109 | 116 | 140 | 190 | 301 | 303 | 304)
+    code.letter == b'M' && code.subcode == 0 && matches!(code.number, 104 | 106 | 107 | 109 | 116 | 140 | 190)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! answer is written once more, without the parts that were said before. So a report is a plain function, and an
 //! answer has one place to wait in, not one for every line.
 
+use super::clamps::Clamp;
 use super::console::{Console, Interrupt, PortSet};
 use super::driver_report::DriverReport;
 use super::drivers::DriverValue;
@@ -13,9 +14,9 @@ use super::report::Temperatures;
 use super::setting::Setting;
 use super::shaping::shortest;
 use crate::driver::Fault;
-use crate::gcode::Form;
+use crate::gcode::{Flaw, Form};
 use crate::port::{EndstopSet, Pend};
-use crate::protocol::{NoRoom, Replies, ResendReason};
+use crate::protocol::{Echo, NoRoom, Replies, ResendReason};
 use crate::settings::ranges;
 use core::fmt;
 
@@ -32,6 +33,14 @@ pub(super) enum Answer<'a> {
     Probe(i32),
     Resend(ResendReason, i32),
     Unknown(&'a [u8]),
+    /// A line that is not in order.
+    Malformed(Flaw<'a>),
+    /// A command, and the name of a word of it that is not obeyed.
+    NotObeyed(&'static str, &'a [u8]),
+    /// A value that was out of range.
+    Clamp(Clamp),
+    /// A move that must not be made before G28.
+    NotHomed,
     /// M105, in the line of the `ok`.
     Temperatures,
     /// The first lines after a reset.
@@ -105,7 +114,7 @@ pub(super) struct Progress {
 
 impl Progress {
     /// Begins at the first part again.
-    const fn begin(&mut self) {
+    pub const fn begin(&mut self) {
         self.seen = 0;
     }
 
@@ -121,7 +130,7 @@ impl Progress {
     }
 
     /// Whether all parts looked at have been said.
-    const fn is_complete(&self) -> bool {
+    pub const fn is_complete(&self) -> bool {
         self.said == self.seen
     }
 }
@@ -155,7 +164,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
-    fn write(&mut self, answer: &Answer<'_>) {
+    pub(super) fn write(&mut self, answer: &Answer<'_>) {
         match *answer {
             Answer::Nothing => {}
             Answer::Ok => self.say_ok(),
@@ -164,6 +173,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Answer::Probe(last) => self.put(&|replies| replies.probe(last)),
             Answer::Resend(reason, last) => self.put(&|replies| replies.resend(reason, last)),
             Answer::Unknown(text) => self.put(&|replies| replies.unknown(text)),
+            Answer::Malformed(flaw) => self.say_malformed(flaw),
+            Answer::NotObeyed(command, word) => {
+                self.say(format_args!("echo:{command} {} is not obeyed by this firmware", Echo(word)));
+            }
+            Answer::Clamp(clamp) => self.say(format_args!("echo:{clamp}")),
+            Answer::NotHomed => self.say(format_args!("echo:move ignored: home its axes first (G28)")),
             Answer::Temperatures => self.say(format_args!("ok {Temperatures}")),
             Answer::Start => {
                 self.put(&Replies::start);
@@ -226,13 +241,31 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
+    /// Says why a line was not carried out.
+    fn say_malformed(&mut self, flaw: Flaw<'_>) {
+        match flaw {
+            Flaw::NoWord(text) => {
+                self.say(format_args!("echo:line ignored: \"{}\" is no letter with a number", Echo(text)));
+            }
+            Flaw::NoPair(text) => {
+                self.say(format_args!("echo:line ignored: \"{}\" is no name with = and a number", Echo(text)));
+            }
+            Flaw::NoNumber(letter) => self.say(format_args!("echo:line ignored: {} needs a number", letter as char)),
+            Flaw::OutOfRange(text) => self.say(format_args!("echo:line ignored: {} is out of range", Echo(text))),
+            Flaw::NoAxis(letter) => self.say(format_args!("echo:line ignored: there is no axis {}", letter as char)),
+            Flaw::SecondCommand(text) => {
+                self.say(format_args!("echo:line ignored: {} is a second command on it", Echo(text)));
+            }
+        }
+    }
+
     /// Says `ok`, with what a host that fills a window wants to know if it is to be told.
     fn say_ok(&mut self) {
         if !self.settings.advanced_ok {
             return self.put(&Replies::ok);
         }
         let (line, bytes) = self.hosts.progress();
-        let moves = self.planner.room();
+        let moves = if self.has_room() { self.planner.room() } else { 0 };
         self.put(&|replies| replies.advanced_ok(line, moves, bytes));
     }
 }

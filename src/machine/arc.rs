@@ -5,14 +5,16 @@
 //! evenly along the arc, and the end is met exactly.
 
 use super::angle::{TURN, cos_sin, direction};
-use crate::gcode::ArcShape;
+use crate::gcode::{ArcShape, Plane};
 use crate::units::{Mm, mul_div, part_of};
 
 /// Why there is no such arc.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum ArcError {
-    /// Neither I, J nor R was given.
+    /// Neither I, J, K nor R was given.
     MissingCentre,
+    /// The centre lies beside the plane.
+    OffPlane,
     /// The start is the centre.
     ZeroRadius,
     /// The centre is farther away than any machine reaches, or there are too many turns.
@@ -26,6 +28,7 @@ impl ArcError {
     pub const fn text(self) -> &'static str {
         match self {
             Self::MissingCentre => "echo:arc ignored: give I and J, or R",
+            Self::OffPlane => "echo:arc ignored: its centre is not in its plane (G17: I J, G18: I K, G19: J K)",
             Self::ZeroRadius => "echo:arc ignored: its radius is 0",
             Self::TooLarge => "echo:arc ignored: too large, or too many turns",
             Self::NoSuchCircle => "echo:arc ignored: no circle of that R passes through both ends",
@@ -43,7 +46,27 @@ const FARTHEST_CENTRE: Mm = Mm::const_from_int(100_000);
 /// radius, which is within any tolerance that would allow fewer chords.
 const LEAST_CHORDS_A_TURN: i64 = 8;
 
-/// An arc in the XY plane, seen from its centre.
+/// A position as its part in a plane, and the rest: the axis across it, and the extruder. The first axis of a plane turns
+/// counter-clockwise into the second, seen from where the third points to (RS-274/NGC, section 3.5.3).
+pub(super) fn split<T>(plane: Plane, position: [T; 4]) -> ([T; 2], [T; 2]) {
+    let [x, y, z, e] = position;
+    match plane {
+        Plane::Xy => ([x, y], [z, e]),
+        Plane::Zx => ([z, x], [y, e]),
+        Plane::Yz => ([y, z], [x, e]),
+    }
+}
+
+/// The position of which these are the parts.
+pub(super) fn join<T>(plane: Plane, [first, second]: [T; 2], [across, e]: [T; 2]) -> [T; 4] {
+    match plane {
+        Plane::Xy => [first, second, across, e],
+        Plane::Zx => [second, across, first, e],
+        Plane::Yz => [across, first, second, e],
+    }
+}
+
+/// An arc in its plane, seen from its centre.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Arc {
     centre: [i64; 2],
@@ -126,9 +149,12 @@ pub(super) enum Shape {
 
 impl Shape {
     /// The shape in mm, by way of `length`.
-    pub fn new(shape: ArcShape, length: impl Fn(crate::gcode::Number) -> Mm) -> Result<Self, ArcError> {
+    pub fn new(shape: ArcShape, plane: Plane, length: impl Fn(crate::gcode::Number) -> Mm) -> Result<Self, ArcError> {
         match shape {
-            ArcShape::Centre { i, j } => Ok(Self::Centre([length(i), length(j)])),
+            ArcShape::Centre { i, j, k } => {
+                let (centre, [across, _]) = split(plane, [length(i), length(j), length(k), Mm::ZERO]);
+                if across == Mm::ZERO { Ok(Self::Centre(centre)) } else { Err(ArcError::OffPlane) }
+            }
             ArcShape::Radius(r) => Ok(Self::Radius(length(r))),
             ArcShape::Missing => Err(ArcError::MissingCentre),
         }
@@ -243,6 +269,57 @@ mod tests {
         let turns = Arc::new(mm(1.0, 0.0), mm(1.0, 0.0), Shape::Centre(mm(-1.0, 0.0)), false, 60_000, Mm::ONE);
         assert_eq!(turns.err(), Some(ArcError::TooLarge));
         assert_eq!(new(mm(50.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoSuchCircle));
+    }
+
+    #[test]
+    fn a_position_is_split_and_joined() {
+        for plane in [Plane::Xy, Plane::Zx, Plane::Yz] {
+            let (inside, across) = split(plane, ['x', 'y', 'z', 'e']);
+            assert_eq!(join(plane, inside, across), ['x', 'y', 'z', 'e']);
+        }
+        let centre = |plane| {
+            let [i, j, k] = [1, 2, 0].map(crate::gcode::Number::from);
+            Shape::new(ArcShape::Centre { i, j, k }, plane, |n| n.value())
+        };
+        assert!(matches!(centre(Plane::Xy), Ok(Shape::Centre(offset)) if offset == mm(1.0, 2.0)));
+        assert!(matches!(centre(Plane::Zx), Err(ArcError::OffPlane)));
+    }
+
+    /// RS-274/NGC, section 3.5.3: clockwise as seen from the positive end of the axis across the plane.
+    #[test]
+    fn arcs_of_every_plane_against_circles_in_floating_point() {
+        for (plane, across) in [(Plane::Xy, 2), (Plane::Zx, 1), (Plane::Yz, 0)] {
+            for (clockwise, sense) in [(true, -1.0), (false, 1.0)] {
+                let start = [3.0, -7.0, 12.0, 0.0].map(Mm::from_num);
+                let offset = [6.0, 2.0, -5.0].map(|v| if v == [6.0, 2.0, -5.0][across] { 0.0 } else { v });
+                let centre = [0, 1, 2].map(|axis| start[axis].to_num::<f64>() + offset[axis]);
+                let radius = offset.iter().map(|v| v * v).sum::<f64>().sqrt();
+                // A third of a turn on, by rotation about the axis across.
+                let angle = sense * core::f64::consts::TAU / 3.0;
+                let (a, b) = ((across + 1) % 3, (across + 2) % 3);
+                let mut end = start;
+                end[a] = Mm::from_num(centre[a] - offset[a] * angle.cos() + offset[b] * angle.sin());
+                end[b] = Mm::from_num(centre[b] - offset[a] * angle.sin() - offset[b] * angle.cos());
+                let given = ArcShape::Centre {
+                    i: crate::gcode::Number::saturating(Mm::from_num(offset[0])),
+                    j: crate::gcode::Number::saturating(Mm::from_num(offset[1])),
+                    k: crate::gcode::Number::saturating(Mm::from_num(offset[2])),
+                };
+                let shape = Shape::new(given, plane, |n| n.value()).unwrap();
+                let (from, rest) = split(plane, start);
+                let arc = Arc::new(from, split(plane, end).0, shape, clockwise, 1, Mm::from_num(0.005)).unwrap();
+                assert!((arc.sweep as f64 / TURN as f64 - sense / 3.0).abs() < 1e-6, "{plane:?} {clockwise}");
+                let mut at = start.map(|v| v.to_num::<f64>());
+                for chord in 1..=arc.chords() {
+                    let to = join(plane, arc.point(chord), rest).map(|v| v.to_num::<f64>());
+                    let spoke = |p: [f64; 4]| [p[a] - centre[a], p[b] - centre[b]];
+                    let ([ua, ub], [va, vb]) = (spoke(at), spoke(to));
+                    assert!((va.hypot(vb) - radius).abs() < 1e-5, "{plane:?}: {to:?}");
+                    assert!((ua * vb - ub * va) * sense > 0.0 && to[across] == at[across], "{plane:?} {clockwise}");
+                    at = to;
+                }
+            }
+        }
     }
 
     #[test]

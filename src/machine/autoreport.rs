@@ -8,11 +8,12 @@ use super::hosts::Hosts;
 use super::report::Temperatures;
 use crate::gcode::Number;
 use crate::port::{Clock, Pend, Serial};
+use crate::settings::Range;
 use crate::units::Instant;
 use core::fmt;
 
 /// The longest time between two reports; Marlin's is as long.
-const LONGEST_S: u32 = 60;
+const LONGEST_S: u16 = 60;
 
 /// What a host may have told by itself.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -76,8 +77,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M154, M155. Without S nothing changes.
     pub(super) fn report_every(&mut self, report: Report, seconds: Option<Number>) {
         if let Some(seconds) = seconds {
-            let now = self.ports.clock.now();
-            self.hosts.schedule(report, seconds.to_u32().min(LONGEST_S) as u8, now);
+            let code = match report {
+                Report::Position => "M154",
+                Report::Temperatures => "M155",
+            };
+            let seconds = self.clamps.whole([code, "S"], seconds, Range { least: 0, most: LONGEST_S });
+            self.hosts.schedule(report, seconds as u8, self.ports.clock.now());
         }
     }
 

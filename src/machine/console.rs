@@ -1,7 +1,9 @@
 //! The console: lines in, replies out, one command after the other.
 
 use super::answer::{Answer, Progress};
+use super::clamps::Clamps;
 use super::flow::Flow;
+pub use super::halted::Restart;
 use super::hosts::{Asked, Hosts, Text};
 use super::limits::Homed;
 use super::modal::Modal;
@@ -9,13 +11,13 @@ use super::pause::Wait;
 use super::ports::Devices;
 pub use super::ports::{PortSet, Ports};
 use super::retraction::Retraction;
-use crate::driver::{Drivers, Fault};
+use crate::driver::Drivers;
 use crate::gcode;
 use crate::kinematics::Groups;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
-use crate::protocol::{NoRoom, Replies};
+use crate::protocol::{Activity, Replies};
 use crate::settings::Settings;
 use crate::units::{Instant, Mm};
 use core::convert::Infallible;
@@ -72,10 +74,18 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) has_advance: bool,
     /// An axis is being homed.
     pub(super) is_homing: bool,
+    /// M999 came after M112.
+    pub(super) is_to_restart: bool,
     /// The host was told of a target beyond the edge.
     pub(super) told_of_edge: bool,
     /// The host was told that there are no heaters.
     pub(super) told_of_heaters: bool,
+    /// The host was told of motion before homing.
+    pub(super) told_of_homing: bool,
+    /// The host was told of words of M205 that do not count.
+    pub(super) told_of_corners: bool,
+    /// Values of the present command that were out of range.
+    pub(super) clamps: Clamps,
 }
 
 impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend> Console<'m, Ports<S, D, K, T, H>, W> {
@@ -114,8 +124,12 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             is_paused: false,
             has_advance: false,
             is_homing: false,
+            is_to_restart: false,
             told_of_edge: false,
             told_of_heaters: false,
+            told_of_homing: false,
+            told_of_corners: false,
+            clamps: Clamps::new(),
         }
     }
 }
@@ -126,8 +140,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         &self.settings
     }
 
-    /// Serves the host for ever. Poll it when bytes arrived, when a queue moved, and every millisecond.
-    pub async fn run(&mut self) -> Infallible {
+    /// Serves the hosts. Poll it when bytes arrived, when a queue moved, and every millisecond.
+    /// It ends when the machine is to begin anew, after a stop: have the board reset then.
+    pub async fn run(&mut self) -> Restart {
         self.ports.drivers.enable(MotorSet::NONE);
         loop {
             let mut stopped = match self.start_and_serve().await {
@@ -138,7 +153,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 stopped = self.quick_stop().await;
             }
             if stopped.is_err() {
-                self.stay_halted().await;
+                return self.stay_halted().await;
             }
         }
     }
@@ -166,7 +181,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let mut text = Text::new();
         loop {
             let now = self.ports.clock.now();
-            let Some(asked) = self.hosts.next_line(now, u32::from(self.settings.patience_ms), &mut text) else {
+            let patience = (u32::from(self.settings.patience_ms), self.activity());
+            let Some(asked) = self.hosts.next_line(now, patience, &mut text) else {
                 self.link.status().set_awaiting_input(true);
                 self.turn().await?;
                 continue;
@@ -177,6 +193,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 Asked::Nothing => Answer::Nothing,
                 Asked::LineNumber(number) => {
                     self.told_of_edge = false;
+                    self.told_of_homing = false;
+                    self.told_of_corners = false;
                     Answer::LineNumber(number)
                 }
                 Asked::TooLong => Answer::TooLong,
@@ -192,10 +210,25 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
+    /// What the machine is about while a host is silent.
+    fn activity(&self) -> Activity {
+        if self.has_motion() {
+            Activity::Moving
+        } else if !self.flow.has_waited() {
+            Activity::Resting
+        } else if self.is_paused {
+            Activity::Paused
+        } else {
+            Activity::Waited
+        }
+    }
+
     async fn carry_out<'a>(&mut self, text: &'a [u8]) -> Result<Answer<'a>, Interrupt> {
+        self.clamps.clear();
         match self.execute(&gcode::parse(text)).await {
             Err(Interrupt::NoPower) => Ok(Answer::Nothing),
-            result => result,
+            Ok(answer) => self.tell_clamps().await.map(|()| answer),
+            Err(interrupt) => Err(interrupt),
         }
     }
 
@@ -246,6 +279,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.wait.is_over |= urgent.go_on || (urgent.resume && self.wait.is_for_user);
         self.wait.is_answered |= urgent.resume;
         if urgent.stop {
+            self.is_to_restart = urgent.restart;
             return Some(Interrupt::Halt);
         }
         urgent.quick_stop.then_some(Interrupt::QuickStop)
@@ -262,39 +296,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.unpower(MotorSet::ALL);
         }
     }
-
-    /// The Console after M112: it answers, but nothing else, until a reset.
-    async fn stay_halted(&mut self) -> Infallible {
-        self.link.status().set_halted();
-        self.drivers.cut(&mut self.ports.drivers);
-        self.link.abort();
-        self.link.status().set_awaiting_input(true);
-        self.hosts.count_as_new();
-        let fault = self.drivers.fault();
-        let mut text = Text::new();
-        loop {
-            self.hosts.greet(|replies| say_killed(replies, fault));
-            self.hosts.send();
-            yield_once(false).await;
-            self.hosts.receive();
-            let now = self.ports.clock.now();
-            while self.hosts.next_line(now, 0, &mut text).is_some() {
-                let _ = self.hosts.replies().map(|replies| say_killed(replies, fault));
-            }
-        }
-    }
-}
-
-/// Says that only a reset helps, and why if that was not the host's own wish.
-fn say_killed(replies: &mut Replies, fault: Option<Fault>) -> Result<(), NoRoom> {
-    match fault {
-        Some(fault) => replies.killed_by(fault),
-        None => replies.killed(),
-    }
 }
 
 /// Gives the rest of the world a turn; has itself woken if it wants the next one at once.
-async fn yield_once(comes_again: bool) {
+pub(super) async fn yield_once(comes_again: bool) {
     let mut yielded = false;
     poll_fn(|context| {
         if core::mem::replace(&mut yielded, true) {

@@ -8,7 +8,7 @@ use super::console::{Console, Interrupt, PortSet};
 use super::setting::exact;
 use crate::gcode::{AxisFlags, AxisWords, Number};
 use crate::port::Pend;
-use crate::settings::{DriverGroups, DriverSettings, ranges};
+use crate::settings::{DriverGroups, DriverSettings, Range, ranges};
 use crate::units::MmPerSec;
 use core::fmt;
 
@@ -79,9 +79,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let mut wanted = self.settings.drivers;
         let DriverGroups { belt, z, e } = &mut wanted;
         let mut is_legal = true;
-        for (group, number) in [(belt, words.x.or(words.y)), (z, words.z), (e, words.e)] {
+        let xy = if words.x.is_some() { "X" } else { "Y" };
+        for (group, axis, number) in [(belt, xy, words.x.or(words.y)), (z, "Z", words.z), (e, "E", words.e)] {
             if let Some(number) = number {
-                is_legal &= self.change(group, value, number);
+                is_legal &= self.change(group, value, axis, number);
             }
         }
         if !is_legal {
@@ -102,17 +103,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Changes one value; false if it is illegal.
-    fn change(&self, group: &mut DriverSettings, value: DriverValue, number: Number) -> bool {
+    fn change(&mut self, group: &mut DriverSettings, value: DriverValue, axis: &'static str, number: Number) -> bool {
         match value {
             DriverValue::Current => {
                 group.current_ma = u16::try_from(number.to_u32()).unwrap_or(u16::MAX);
                 return ranges::CURRENT_MA.holds(group.current_ma);
             }
             DriverValue::HybridThreshold => {
-                let wanted = MmPerSec::saturating_from_num(self.modal.length(number));
-                group.hybrid_threshold = wanted.min(ranges::SPEED.most);
+                let range = Range { least: MmPerSec::ZERO, ..ranges::SPEED };
+                group.hybrid_threshold = self.clamps.length(&self.modal, [value.code(), axis], number, range);
             }
-            DriverValue::StallThreshold => group.stall_threshold = u8::try_from(number.to_u32()).unwrap_or(u8::MAX),
+            DriverValue::StallThreshold => {
+                let range = Range { least: 0, most: u16::from(u8::MAX) };
+                group.stall_threshold = self.clamps.whole([value.code(), axis], number, range) as u8;
+            }
             DriverValue::Mode => group.stealth = number != Number::ZERO,
         }
         true

@@ -2,7 +2,9 @@
 //!
 //! Moves leave for good: their speeds never change after. Which speeds they leave with must not depend on
 //! when the host's bytes arrived, so only final moves leave by themselves (see `motion::window`). Time has
-//! a say in two cases alone: when motion begins, which changes no speed, and when the stream is dry.
+//! a say in two cases alone: when motion begins, which changes no speed, and when the stream is dry. A dry stream
+//! is an underrun if a move follows that no command has waited for; otherwise it was the end of the stream, where
+//! the tool rests in any case.
 
 use super::slowdown::Slowdown;
 use crate::units::{Instant, TICKS_PER_MS};
@@ -14,6 +16,10 @@ pub(super) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
 /// Motion begins, whatever is planned, when no move has been added for this long. Marlin waits as long for
 /// a second block (BLOCK_DELAY_FOR_1ST_MOVE).
 const PAUSE_MS: u32 = 100;
+
+/// A host that sends nothing for this long after the motion has come to rest was not too slow: it paused, or somebody
+/// jogs. Ten times the pause after which motion begins.
+const LONG_REST_MS: u32 = 1000;
 
 /// With more than this queued, nothing leaves the look-ahead: what has left is out of reach of the overrides, which
 /// are to count within 100 ms. Fifty turns of a Console that is polled every millisecond, and three lines of a host
@@ -37,8 +43,6 @@ pub(super) enum Release {
     Final,
     /// The next move, final or not.
     Next,
-    /// Every move; the last ends at rest.
-    All,
 }
 
 /// Decides when moves leave.
@@ -48,6 +52,12 @@ pub(super) struct Flow {
     gathering: bool,
     /// When the last move was added.
     added: Instant,
+    /// When motion came to rest by itself, if it does rest.
+    rested: Option<Instant>,
+    /// A move left before it was final, and nothing has been added since.
+    is_dry: bool,
+    /// A command has waited for the end of the motion, and nothing has been added since.
+    has_waited: bool,
     /// Whether the present drought was counted.
     counted: bool,
     /// Whether the look-ahead has been full since the last rest.
@@ -60,13 +70,32 @@ pub(super) struct Flow {
 impl Flow {
     pub const fn new() -> Self {
         let slowdown = Slowdown::new();
-        Self { gathering: true, added: Instant(0), counted: false, was_full: false, is_news: false, slowdown }
+        let (added, rested) = (Instant(0), None);
+        Self {
+            gathering: true,
+            added,
+            rested,
+            is_dry: false,
+            has_waited: false,
+            counted: false,
+            was_full: false,
+            is_news: false,
+            slowdown,
+        }
     }
 
-    /// A move was added.
-    pub const fn add(&mut self, now: Instant) {
-        self.added = now;
-        self.slowdown.add();
+    /// A move is about to be added; true if the stream had run dry, which is not counted yet.
+    pub fn add(&mut self, now: Instant) -> bool {
+        (self.added, self.has_waited) = (now, false);
+        if !core::mem::replace(&mut self.is_dry, false) {
+            return false;
+        }
+        if self.rested.is_some_and(|rested| now >= rested.after_ms(LONG_REST_MS)) {
+            self.slowdown.end();
+        } else {
+            self.slowdown.slow_down();
+        }
+        !core::mem::replace(&mut self.counted, true)
     }
 
     /// The share of the feed that the stream allows, given the nominal time of the moves that wait and the time of those
@@ -82,7 +111,7 @@ impl Flow {
 
     /// The look-ahead is full.
     pub const fn fill(&mut self) {
-        self.gathering = false;
+        self.set_out();
         self.was_full = true;
         self.slowdown.end();
     }
@@ -92,15 +121,22 @@ impl Flow {
         self.was_full
     }
 
-    /// Everything leaves now, because a command waits for it.
+    /// Everything leaves now, because a command waits for it. What has left before was followed by nothing.
     pub const fn drain(&mut self) {
-        self.gathering = false;
+        self.set_out();
         self.was_full = false;
+        (self.is_dry, self.has_waited) = (false, true);
         self.slowdown.end();
     }
 
+    /// Whether a command has waited for the end of the motion, and nothing was added since.
+    pub const fn has_waited(&self) -> bool {
+        self.has_waited
+    }
+
     /// Motion rests, and begins anew with the next move.
-    pub const fn rest(&mut self) {
+    pub const fn rest(&mut self, now: Instant) {
+        self.rested = Some(now);
         self.gathering = true;
         self.was_full = false;
         self.counted = false;
@@ -125,15 +161,19 @@ impl Flow {
         now >= self.added.after_ms(PAUSE_MS)
     }
 
-    /// What may leave to begin with, given the nominal time of final moves, in ticks.
-    pub fn begin(&mut self, final_time: u64, now: Instant) -> Release {
-        let paused = self.is_paused(now);
-        self.gathering = !paused && final_time < GATHERED;
-        match (paused, self.gathering) {
-            (true, _) => Release::All,
-            (false, true) => Release::Nothing,
-            (false, false) => Release::Final,
+    /// Begins the motion if it is time, given the nominal time of final moves, in ticks; true if it begins.
+    pub fn begin(&mut self, final_time: u64, now: Instant) -> bool {
+        let begins = self.is_paused(now) || final_time >= GATHERED;
+        if begins {
+            self.set_out();
         }
+        begins
+    }
+
+    /// Motion begins.
+    const fn set_out(&mut self) {
+        self.gathering = false;
+        self.rested = None;
     }
 
     /// What may leave under way, given the moves queued behind the look-ahead and their time, in ticks.
@@ -148,10 +188,9 @@ impl Flow {
         }
     }
 
-    /// A move left before it was final; true if that is a new drought.
-    pub const fn note_drought(&mut self) -> bool {
-        self.slowdown.note_drought();
-        !core::mem::replace(&mut self.counted, true)
+    /// A move left before it was final. If nothing follows, that was the end of the stream.
+    pub const fn note_drought(&mut self) {
+        self.is_dry = true;
     }
 }
 
@@ -163,12 +202,12 @@ mod tests {
     fn motion_begins_when_enough_is_gathered_or_the_host_pauses() {
         let mut flow = Flow::new();
         flow.add(Instant(0));
-        assert_eq!(flow.begin(GATHERED - 1, Instant(0).after_ms(99)), Release::Nothing);
+        assert!(!flow.begin(GATHERED - 1, Instant(0).after_ms(99)));
         assert!(flow.is_gathering());
-        assert_eq!(flow.begin(GATHERED, Instant(0).after_ms(99)), Release::Final);
+        assert!(flow.begin(GATHERED, Instant(0).after_ms(99)));
         assert!(!flow.is_gathering());
         let mut flow = Flow::new();
-        assert_eq!(flow.begin(1, Instant(0).after_ms(PAUSE_MS)), Release::All);
+        assert!(flow.begin(1, Instant(0).after_ms(PAUSE_MS)));
     }
 
     #[test]
@@ -179,7 +218,34 @@ mod tests {
         assert_eq!(flow.release(1, AMPLE), Release::Final);
         assert_eq!(flow.release(1, DRY), Release::Next);
         assert_eq!(flow.release(MANY, DRY), Release::Final);
-        assert!(flow.note_drought());
-        assert!(!flow.note_drought());
+    }
+
+    #[test]
+    fn a_drought_counts_once_and_when_the_stream_goes_on() {
+        let mut flow = Flow::new();
+        flow.note_drought();
+        assert!(flow.add(Instant(0)));
+        assert!(!flow.add(Instant(0)));
+        flow.note_drought();
+        assert!(!flow.add(Instant(0)), "the same drought");
+        flow.release(0, AMPLE + 1);
+        flow.note_drought();
+        assert!(flow.add(Instant(0)));
+        // A command that waits makes an end of it.
+        flow.note_drought();
+        flow.drain();
+        flow.rest(Instant(0));
+        assert!(!flow.add(Instant(0)));
+    }
+
+    #[test]
+    fn whoever_pauses_for_long_is_not_slow() {
+        for (ms, is_slow) in [(999, true), (1000, false)] {
+            let mut flow = Flow::new();
+            flow.note_drought();
+            flow.rest(Instant(0));
+            assert!(flow.add(Instant(0).after_ms(ms)), "counted in any case");
+            assert_eq!(flow.is_steady(), !is_slow);
+        }
     }
 }

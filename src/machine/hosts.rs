@@ -5,8 +5,8 @@
 
 use super::autoreport::{Report, Schedule};
 use crate::gcode::{self, Command};
-use crate::port::{Lines, Received, Serial};
-use crate::protocol::{Emergency, Incoming, NoRoom, Receiver, Replies, ResendReason};
+use crate::port::{LINES, Lines, Received, Serial};
+use crate::protocol::{Activity, Emergency, Incoming, NoRoom, Receiver, Replies, ResendReason};
 use crate::units::Instant;
 use core::fmt;
 use heapless::Vec;
@@ -73,6 +73,8 @@ pub(super) struct Urgent {
     pub go_on: bool,
     /// M24, M602, M876 S
     pub resume: bool,
+    /// M999, and no M112 since
+    pub restart: bool,
 }
 
 impl<S: Serial> Host<S> {
@@ -92,7 +94,8 @@ impl<S: Serial> Host<S> {
                 self.is_new = true;
             }
             match self.receiver.feed(received) {
-                Some(Emergency::Stop) => urgent.stop = true,
+                Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),
+                Some(Emergency::Restart) => urgent.restart = true,
                 Some(Emergency::QuickStop) => {
                     self.forgotten = Some(self.receiver.place());
                     self.has_stopped = true;
@@ -105,14 +108,14 @@ impl<S: Serial> Host<S> {
         }
     }
 
-    fn next_line(&mut self, now: Instant, patience_ms: u32, text: &mut Text) -> Option<Asked> {
+    fn next_line(&mut self, now: Instant, (patience_ms, activity): (u32, Activity), text: &mut Text) -> Option<Asked> {
         if !self.replies.pending().is_empty() {
             self.receiver.hold_silence();
         }
         let last = self.receiver.last_line();
         let mut incoming = self.receiver.next_line(now);
         if incoming.is_none() && patience_ms > 0 {
-            incoming = self.receiver.break_silence(now, patience_ms);
+            incoming = self.receiver.break_silence(now, patience_ms, activity);
         }
         let asked = match incoming? {
             Incoming::Command(line) => {
@@ -191,11 +194,12 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// The next line of a host, beginning with the one after the host served last. A command is put into `text`.
-    /// A host that has been silent for `patience_ms` in the middle of its lines is asked whether it waits; 0 is never.
-    pub(super) fn next_line(&mut self, now: Instant, patience_ms: u32, text: &mut Text) -> Option<Asked> {
+    /// A host that has been silent in the middle of its lines for so many ms, 0 being never, is prompted if it may be
+    /// waiting, while the machine is about that activity.
+    pub(super) fn next_line(&mut self, now: Instant, patience: (u32, Activity), text: &mut Text) -> Option<Asked> {
         let count = self.hosts.len();
         for place in (1..=count).map(|step| (self.serving + step) % count) {
-            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience_ms, text)) else {
+            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, text)) else {
                 continue;
             };
             self.turn_to(place);
@@ -203,6 +207,18 @@ impl<S: Serial> Hosts<S> {
             return Some(asked);
         }
         None
+    }
+
+    /// The host being served.
+    pub(super) const fn serving(&self) -> usize {
+        self.serving
+    }
+
+    /// Marks those that have opened their lines in what arrived last.
+    pub(super) fn note_opened(&self, are_new: &mut [bool; LINES]) {
+        for (is_new, host) in are_new.iter_mut().zip(&self.hosts) {
+            *is_new |= host.has_opened;
+        }
     }
 
     /// All of them.

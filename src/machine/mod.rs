@@ -7,13 +7,14 @@
 mod angle;
 mod answer;
 mod arc;
-mod at_once;
 mod autoreport;
+mod clamps;
 mod console;
 mod driver_report;
 mod drivers;
 mod execute;
 mod flow;
+mod halted;
 mod homing;
 mod hosts;
 mod keeping;
@@ -32,4 +33,4 @@ mod shaping;
 mod slowdown;
 mod tuning;
 
-pub use console::{Console, PortSet, Ports};
+pub use console::{Console, PortSet, Ports, Restart};

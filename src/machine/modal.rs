@@ -1,20 +1,26 @@
 //! Modal state: what earlier lines said that still holds, and what a line therefore means.
 
-use crate::gcode::{AxisWords, Number};
-use crate::settings::{Range, Settings, ranges};
+use crate::gcode::{AxisWords, Number, Plane};
+use crate::settings::{Range, Settings};
 use crate::units::{Mm, MmPerSec, part_of};
 
 /// Positions are kept within +-10 m, whatever a line says: no machine is larger, and no sum overflows.
 pub(super) const FARTHEST: Range<Mm> = Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
 
 /// Overrides in percent (M220, M221): a tenth to ten times, as Marlin accepts them.
-const PERCENT: Range<u16> = Range { least: 10, most: 999 };
+pub(super) const PERCENT: Range<u16> = Range { least: 10, most: 999 };
 
 /// The speed of moves before the first F: 50 mm/s suits any axis once its limit is applied.
 const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 
 /// Millimetres an inch, exactly 25.4, as the fraction 127/5.
 const INCH: (u64, u64) = (127, 5);
+
+/// The value to three decimals.
+pub(super) fn to_thousandth(value: Mm) -> Mm {
+    let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
+    Mm::from_bits((doubled + 1) >> 1)
+}
 
 /// What still holds.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +31,8 @@ pub(super) struct Modal {
     pub absolute_extrusion: bool,
     /// G20; cleared by G21.
     pub inches: bool,
+    /// G17, G18, G19.
+    pub plane: Plane,
     /// F, before the override.
     pub feed: MmPerSec,
     /// M220 B.
@@ -50,6 +58,8 @@ pub(super) struct Wanted {
     pub extrusion: Mm,
     /// Whether the filament asked for in one move was more than there may be; it is left out then.
     pub too_much: bool,
+    /// Whether the target was farther away than any machine reaches, and lies at the fence now.
+    pub is_fenced: bool,
 }
 
 impl Modal {
@@ -60,6 +70,7 @@ impl Modal {
             absolute: true,
             absolute_extrusion: true,
             inches: false,
+            plane: Plane::Xy,
             feed: FIRST_FEED,
             kept_feed_percent: 100,
             flow_percent: 100,
@@ -76,29 +87,24 @@ impl Modal {
         if self.inches { Mm::from_bits(part_of(value.to_bits(), INCH.0, INCH.1)) } else { value }
     }
 
-    /// A number of a line as a speed in units a second.
-    pub fn speed(&self, number: Number) -> MmPerSec {
-        ranges::SPEED.clamp(MmPerSec::saturating_from_num(self.length(number)))
-    }
-
-    /// Takes over F, in units a minute; 0 and less change nothing.
-    pub fn set_feed(&mut self, number: Option<Number>) {
-        if let Some(feed) = number.map(|n| self.length(n)).filter(|f| *f > Mm::ZERO) {
-            self.feed = ranges::SPEED.clamp(MmPerSec::saturating_from_num(feed / 60));
+    /// A length as lines give it, to a thousandth.
+    pub fn in_words(&self, length: Mm) -> Mm {
+        if !self.inches {
+            return length;
         }
-    }
-
-    /// A number of a line as an override.
-    pub fn percent(number: Number) -> u16 {
-        PERCENT.clamp(number.to_u32().min(u32::from(PERCENT.most)) as u16)
+        to_thousandth(Mm::from_bits(part_of(length.to_bits(), INCH.1, INCH.0)))
     }
 
     /// Where the words of a line lead.
     pub fn target(&self, words: &AxisWords, settings: &Settings) -> Wanted {
-        let axis = |word: Option<Number>, at: Mm, origin: Mm| match word.map(|n| self.length(n)) {
+        let mut is_fenced = false;
+        let mut axis = |word: Option<Number>, at: Mm, origin: Mm| match word.map(|n| self.length(n)) {
             None => at,
-            Some(v) if self.absolute => FARTHEST.clamp(origin.saturating_add(v)),
-            Some(v) => FARTHEST.clamp(at.saturating_add(v)),
+            Some(v) => {
+                let target = if self.absolute { origin.saturating_add(v) } else { at.saturating_add(v) };
+                is_fenced |= !FARTHEST.holds(target);
+                FARTHEST.clamp(target)
+            }
         };
         let [x, y, z, e] = self.position;
         let [ox, oy, oz] = self.origin;
@@ -120,6 +126,7 @@ impl Modal {
             ],
             extrusion,
             too_much,
+            is_fenced,
         }
     }
 
@@ -198,16 +205,8 @@ mod tests {
         m.inches = true;
         assert_eq!(m.target(&words("5", ""), &s).position[0], Mm::from_num(127));
         assert_eq!(m.target(&words("999999999999", ""), &s).position[0], Mm::from_num(10_000));
+        assert!(m.target(&words("999999999999", ""), &s).is_fenced);
         assert!(m.target(&words("1", "99999"), &s).too_much);
-    }
-
-    #[test]
-    fn feed_is_a_minute_and_an_override_a_percentage() {
-        let (mut m, _) = modal();
-        m.set_feed(number("6000"));
-        assert_eq!(m.feed, MmPerSec::from_num(100));
-        m.set_feed(number("0"));
-        m.set_feed(number("-5"));
-        assert_eq!(m.feed, MmPerSec::from_num(100));
+        assert!(!m.target(&words("1", "99999"), &s).is_fenced);
     }
 }

@@ -9,7 +9,7 @@ use crate::kinematics::count_at;
 use crate::motion::{Target, Work};
 use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, EndstopSet, Pend};
-use crate::units::{Mm, MmPerSec, Steps};
+use crate::units::{Mm, MmPerSec, Seconds, Steps, TICKS_PER_SECOND};
 
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
 fn fence(position: [Mm; 4]) -> [Mm; 4] {
@@ -22,14 +22,21 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Plans a move within the reachable space and takes it as the commanded position.
     pub(super) async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         let (inside, moved) = clamp(fence(position), self.homed, &self.settings);
-        if moved && !self.told_of_edge {
-            self.told_of_edge = true;
-            self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
+        if moved {
+            self.tell_of_edge().await?;
         }
         let position = self.retraction.away_from(inside);
         self.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
         self.modal.position = inside;
         Ok(())
+    }
+
+    /// Tells once that a target was beyond the edge.
+    pub(super) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
+        if core::mem::replace(&mut self.told_of_edge, true) {
+            return Ok(());
+        }
+        self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await
     }
 
     /// Plans a move as soon as there is room for it.
@@ -38,23 +45,44 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if !self.has_power(motors) && self.planner.is_move(target.position) {
             self.power(motors).await?;
         }
-        while !self.planner.has_room() {
+        while !self.has_room() {
             self.flow.fill();
-            if !self.planner.plan_anew() || !self.planner.has_ready() {
+            if !self.planner.plan_anew() {
+                self.comes_again = true;
+            } else if !self.planner.has_room() && !self.planner.has_ready() {
                 self.comes_again = true;
                 self.planner.release_some();
             }
             self.turn().await?;
         }
-        self.flow.add(self.ports.clock.now());
+        self.note_follower();
         self.follow_stream();
         while !self.planner.prepare() {
             self.turn_again().await?;
         }
+        // The stream may have run dry in these turns too.
+        self.note_follower();
         self.planner.push(&target, &self.settings);
         self.flow.note_news();
         self.note_path();
         Ok(())
+    }
+
+    /// Whether the look-ahead takes another move: there is a place for it, and what is queued does not last for too long. As
+    /// long as the first move that waits is not final, there are too few, however long they last. So this delays moves, and
+    /// changes no speed.
+    pub(super) fn has_room(&mut self) -> bool {
+        let most = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
+        let most = most >> Seconds::FRAC_NBITS;
+        let (waiting, left) = (self.planner.waiting(), self.link.left());
+        self.planner.has_room() && (waiting + left < most || self.planner.lacks_moves())
+    }
+
+    /// A move is about to be added. If one has left that would have been faster with it, the host was too slow.
+    fn note_follower(&mut self) {
+        if self.flow.add(self.ports.clock.now()) {
+            self.link.status().count_underrun();
+        }
     }
 
     /// Slows down for a stream that has run dry and goes on. How long moves last is known when all of them are planned.
@@ -112,7 +140,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         if self.planner.is_empty() {
             if self.link.is_idle() {
-                self.flow.rest();
+                self.flow.rest(self.ports.clock.now());
             }
             return false;
         }
@@ -128,9 +156,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return false;
         }
         self.planner.release_next();
-        if self.flow.note_drought() {
-            self.link.status().count_underrun();
-        }
+        self.flow.note_drought();
         true
     }
 
@@ -147,12 +173,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.flow.note_news();
             self.comes_again = true;
         }
-        match self.flow.begin(final_time, now) {
-            Release::All => self.planner.release_all(),
-            Release::Nothing => return false,
-            Release::Final | Release::Next => {}
-        }
-        true
+        self.flow.begin(final_time, now)
     }
 
     /// Whether anything planned has not been stepped yet.
@@ -169,7 +190,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             !c.has_motion()
         })
         .await?;
-        self.flow.rest();
+        self.flow.rest(self.ports.clock.now());
         Ok(())
     }
 
@@ -187,7 +208,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             halted?;
         }
         self.link.settle();
-        self.flow.rest();
+        self.flow.drain();
+        self.flow.rest(self.ports.clock.now());
         let real = self.real_steps();
         self.planner.fall_short(real);
         self.note_path();

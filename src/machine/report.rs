@@ -4,7 +4,7 @@ use super::console::{Console, PortSet};
 use super::limits::Homed;
 use crate::kinematics::Groups;
 use crate::motors::MOST_GROUPS;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{DriverBus as _, EndstopSet, Pend};
 use crate::status::{Late, Overload};
 use crate::storage;
 use crate::units::{Mm, TICKS_PER_MS};
@@ -41,7 +41,7 @@ pub(super) struct Temperatures;
 
 impl fmt::Display for Temperatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("T:0.00 /0.00 @:0")
+        f.write_str("T:0.00 /0.00 B:0.00 /0.00 @:0 B@:0")
     }
 }
 
@@ -117,6 +117,9 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             spans.count,
             us(spans)
         ));
+        if let Some(warning) = self.ports.drivers.warning() {
+            self.say(format_args!("echo:{warning}"));
+        }
     }
 
     /// M211 without S.

@@ -9,7 +9,7 @@ use super::setting::Setting;
 use crate::gcode::Number;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::settings::{Range, ranges};
+use crate::settings::Range;
 use crate::units::{Mm, MmPerSec};
 
 /// The longest retraction and the highest lift: bowden tubes ask for less than a tenth of it.
@@ -100,10 +100,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(())
     }
 
-    fn speed_a_minute(&self, number: Number) -> MmPerSec {
-        ranges::SPEED.clamp(MmPerSec::saturating_from_num(self.modal.length(number) / 60))
-    }
-
     /// M207. A filament that is retracted is recovered as far as it was retracted.
     pub(super) fn set_retraction(
         &mut self,
@@ -115,13 +111,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Setting::Retraction.answer();
         }
         if let Some(length) = length {
-            self.retraction.length = LENGTH.clamp(self.modal.length(length));
+            self.retraction.length = self.clamps.length(&self.modal, ["M207", "S"], length, LENGTH);
         }
         if let Some(feed) = feed {
-            self.retraction.speed = self.speed_a_minute(feed);
+            self.retraction.speed = self.clamps.speed_a_minute(&self.modal, ["M207", "F"], feed);
         }
         if let Some(lift) = lift {
-            self.retraction.lift = LENGTH.clamp(self.modal.length(lift));
+            self.retraction.lift = self.clamps.length(&self.modal, ["M207", "Z"], lift, LENGTH);
         }
         Answer::Nothing
     }
@@ -132,10 +128,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Setting::Recovery.answer();
         }
         if let Some(extra) = extra {
-            self.retraction.extra = LENGTH.clamp(self.modal.length(extra));
+            self.retraction.extra = self.clamps.length(&self.modal, ["M208", "S"], extra, LENGTH);
         }
         if let Some(feed) = feed {
-            self.retraction.recover_speed = self.speed_a_minute(feed);
+            self.retraction.recover_speed = self.clamps.speed_a_minute(&self.modal, ["M208", "F"], feed);
         }
         Answer::Nothing
     }

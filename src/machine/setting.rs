@@ -25,7 +25,7 @@ pub(super) enum Setting {
     /// M205.
     Corners,
     /// SET_VELOCITY_LIMIT.
-    CruiseRatio,
+    VelocityLimit,
     /// M593.
     Shapers,
     /// M900 and M572.
@@ -43,7 +43,7 @@ impl Setting {
         Self::MaxAccelerations,
         Self::Accelerations,
         Self::Corners,
-        Self::CruiseRatio,
+        Self::VelocityLimit,
         Self::Shapers,
         Self::Advance,
         Self::Retraction,
@@ -62,16 +62,19 @@ pub(super) fn exact(value: impl Into<I32F32>) -> Number {
 }
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// M503: every setting that G-code can set.
+    /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
     pub(super) fn say_settings(&mut self) {
         self.say(format_args!("echo:  G21"));
         for setting in Setting::ALL {
             self.say_setting(setting);
         }
         self.say_driver_settings();
+        self.say_space();
         let (soft, keepalive) = (u8::from(self.settings.soft_endstops), self.settings.keepalive_s);
         self.say(format_args!("echo:  M211 S{soft}"));
         self.say(format_args!("echo:  M113 S{keepalive}"));
+        let lookahead = shortest(self.settings.lookahead_time);
+        self.say(format_args!("echo:; Look-ahead: {lookahead} s"));
     }
 
     pub(super) fn say_setting(&mut self, setting: Setting) {
@@ -97,7 +100,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                     }
                 }
             }
-            Setting::CruiseRatio => {
+            Setting::VelocityLimit => {
                 let ratio = shortest(s.minimum_cruise_ratio);
                 self.say(format_args!("echo:  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
             }
@@ -128,6 +131,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     fn say_axes(&mut self, code: &str, values: [Number; 4]) {
         let [x, y, z, e] = values;
         self.say(format_args!("echo:  {code} X{x} Y{y} Z{z} E{e}"));
+    }
+
+    /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
+    fn say_space(&mut self) {
+        let [x, y, z, _] = self.settings.axes.map(|a| exact(a.length)).to_array();
+        self.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
+        let homing = self.settings.homing;
+        for (axis, homing) in [('X', homing.x), ('Y', homing.y), ('Z', homing.z)] {
+            let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
+            self.say(format_args!("echo:; homing {axis}: {fast} mm/s, {back} mm back, {slow} mm/s"));
+        }
+        let needed = if self.settings.require_homing { "needed before moves" } else { "not needed before moves" };
+        self.say(format_args!("echo:; homing is {needed}"));
     }
 
     /// M503, the part of the drivers.

@@ -1,13 +1,14 @@
 //! Shaping: input shapers and pressure advance as lines set them, and what the step generator is told of them.
 
 use super::answer::Answer;
+use super::clamps::Clamps;
 use super::console::{Console, Interrupt, PortSet};
 use super::setting::Setting;
 use crate::gcode::{AxisFlags, Number};
 use crate::motion::{Work, stiffenings, taps};
 use crate::port::Pend;
 use crate::settings::{Shaper, ShaperKind, ranges};
-use crate::units::Seconds;
+use crate::units::{Hertz, Ratio, Seconds};
 use fixed::traits::Fixed;
 use fixed::types::I32F32;
 
@@ -58,20 +59,36 @@ fn kind_of(number: Number) -> Option<ShaperKind> {
 }
 
 impl ShaperWords {
+    /// These words with values in range.
+    fn legal(&self, clamps: &mut Clamps) -> LegalWords {
+        // 0 is off.
+        let frequency = self
+            .frequency
+            .map(|number| (number > Number::ZERO).then(|| clamps.near(["M593", "F"], number, ranges::FREQUENCY)));
+        let damping = self.damping.map(|number| clamps.near(["M593", "D"], number, ranges::DAMPING));
+        LegalWords { frequency, damping }
+    }
+}
+
+/// [`ShaperWords`] as values.
+struct LegalWords {
+    frequency: Option<Option<Hertz>>,
+    damping: Option<Ratio>,
+}
+
+impl LegalWords {
     /// `shaper` as these words, which choose `kind` if any, want it.
     fn change(&self, shaper: Shaper, kind: Option<ShaperKind>) -> Shaper {
         let mut wanted = Shaper { kind: kind.unwrap_or(shaper.kind), ..shaper };
-        if let Some(damping) = self.damping {
-            wanted.damping = ranges::DAMPING.clamp(nearest(damping));
-        }
+        wanted.damping = self.damping.unwrap_or(wanted.damping);
         match self.frequency {
-            Some(frequency) if frequency > Number::ZERO => {
-                wanted.frequency = ranges::FREQUENCY.clamp(nearest(frequency));
+            Some(Some(frequency)) => {
+                wanted.frequency = frequency;
                 if wanted.kind == ShaperKind::None {
                     wanted.kind = ShaperKind::Zv;
                 }
             }
-            Some(_) => wanted.kind = ShaperKind::None,
+            Some(None) => wanted.kind = ShaperKind::None,
             None => {}
         }
         wanted
@@ -86,13 +103,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         let kind = words.kind.and_then(kind_of);
         if words.kind.is_some() && kind.is_none() {
-            return Ok(Answer::Line("echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI)"));
+            return Ok(Answer::Line(
+                "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names",
+            ));
         }
+        let words_in_range = words.legal(&mut self.clamps);
         let mut wanted = self.settings;
         let are_both = !words.axes.x && !words.axes.y;
         for (shaper, is_named) in [(&mut wanted.shapers.x, words.axes.x), (&mut wanted.shapers.y, words.axes.y)] {
             if is_named || are_both {
-                *shaper = words.change(*shaper, kind);
+                *shaper = words_in_range.change(*shaper, kind);
             }
         }
         if wanted.shapers != self.settings.shapers {
@@ -114,10 +134,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         let mut wanted = self.settings;
         if let Some(time) = time {
-            wanted.advance.time = ranges::ADVANCE.clamp(nearest(time));
+            wanted.advance.time = self.clamps.near(["M900", "K"], time, ranges::ADVANCE);
         }
         if let Some(window) = window {
-            wanted.advance.window = ranges::WINDOW.clamp(nearest(window));
+            wanted.advance.window = self.clamps.near(["M572", "W"], window, ranges::WINDOW);
         }
         let is_first = !self.has_advance && wanted.advance.time > Seconds::ZERO;
         if is_first || wanted.advance.window != self.settings.advance.window {
@@ -159,7 +179,6 @@ mod tests {
     extern crate std;
 
     use super::*;
-    use crate::units::Hertz;
     use std::string::{String, ToString};
 
     /// What is printed of a number that was read.

@@ -6,7 +6,8 @@
 //! no less than a half; every time the stream runs dry again that floor is halved.
 //!
 //! While the stream has not run dry nothing of this happens, for it depends on when lines arrive. It ends when the
-//! look-ahead is full, so that the host is known to be faster, or when a command waits for the motion.
+//! look-ahead is full, so that the host is known to be faster, when a command waits for the motion, or with a pause
+//! (see [`flow`](super::flow)).
 
 use crate::motion::WHOLE_SHARE as WHOLE;
 use crate::units::TICKS_PER_MS;
@@ -23,19 +24,17 @@ pub(super) struct Slowdown {
     /// The least share; [`WHOLE`] while nothing is slowed down.
     floor: u8,
     share: u8,
-    /// The stream has run dry since the last move was added.
-    is_dry: bool,
 }
 
 impl Slowdown {
     /// Nothing is slowed down.
     pub const fn new() -> Self {
-        Self { floor: WHOLE, share: WHOLE, is_dry: false }
+        Self { floor: WHOLE, share: WHOLE }
     }
 
     /// Nothing is slowed down any more.
     pub const fn end(&mut self) {
-        (self.floor, self.is_dry) = (WHOLE, false);
+        self.floor = WHOLE;
     }
 
     /// Whether all of the feed is allowed, and was when last asked.
@@ -43,18 +42,10 @@ impl Slowdown {
         self.floor == WHOLE && self.share == WHOLE
     }
 
-    /// The stream has run dry. If nothing follows, that was its end.
-    pub const fn note_drought(&mut self) {
-        self.is_dry = true;
-    }
-
-    /// A move was added: the stream goes on.
-    pub const fn add(&mut self) {
-        if core::mem::replace(&mut self.is_dry, false) {
-            let (first, least) = FLOORS;
-            self.floor = if self.floor > first { first } else { self.floor / 2 };
-            self.floor = if self.floor < least { least } else { self.floor };
-        }
+    /// The stream has run dry and goes on.
+    pub fn slow_down(&mut self) {
+        let (first, least) = FLOORS;
+        self.floor = (self.floor / 2).clamp(least, first);
     }
 
     /// The share of the feed, in sixteenths, given the time of the moves that wait at that feed, and of those that have
@@ -78,26 +69,22 @@ mod tests {
     #[test]
     fn a_stream_that_never_ran_dry_is_as_fast_as_commanded() {
         let mut slowdown = Slowdown::new();
-        slowdown.add();
         assert_eq!(slowdown.share(0, 0), WHOLE);
-        // The end of the stream is no slow host.
-        slowdown.note_drought();
+        slowdown.slow_down();
+        slowdown.end();
         assert_eq!(slowdown.share(0, 0), WHOLE);
     }
 
     #[test]
     fn a_stream_that_goes_on_after_a_drought_is_as_fast_as_it_comes() {
         let mut slowdown = Slowdown::new();
-        slowdown.note_drought();
-        slowdown.add();
+        slowdown.slow_down();
         assert_eq!(slowdown.share(ENOUGH / 4, 0), WHOLE / 2);
         // At half the speed, what waits lasts twice as long.
         assert_eq!(slowdown.share(ENOUGH * 3 / 2, 0), WHOLE * 3 / 4);
         assert_eq!(slowdown.share(ENOUGH * 4 / 3, ENOUGH / 4), WHOLE);
         for floor in [4, 2, 2] {
-            slowdown.note_drought();
-            slowdown.add();
-            slowdown.add();
+            slowdown.slow_down();
             assert_eq!(slowdown.share(0, 0), floor);
         }
     }

@@ -178,20 +178,20 @@ mod tests {
         let mut crossings = Crossings::at_once(1000 << 16);
         ahead.begin(1000);
         assert_eq!(ahead.fill(&mut crossings, 3, 5000), (3, true));
-        assert_eq!(all(&ahead), [1000, 1010, 1020, 5000]);
+        assert_eq!(all(&ahead), [1000, 1017, 1034, 5000]);
         // Two are made, the third is given up: the next pulse keeps its distance from the second one.
         ahead.go_on_to(2);
         ahead.begin(1012);
         assert_eq!(ahead.fill(&mut Crossings::at_once(1012 << 16), 1, 5000), (1, true));
-        assert_eq!(all(&ahead), [1020, 5000]);
+        assert_eq!(all(&ahead), [1034, 5000]);
     }
 
     #[test]
     fn steps_at_the_end_are_left_to_what_comes_behind() {
         let mut ahead = Ahead::NONE;
         ahead.begin(1000);
-        assert_eq!(ahead.fill(&mut Crossings::at_once(1000 << 16), 9, 1030), (3, true));
-        assert_eq!(all(&ahead), [1000, 1010, 1020, 1030]);
+        assert_eq!(ahead.fill(&mut Crossings::at_once(1000 << 16), 9, 1051), (3, true));
+        assert_eq!(all(&ahead), [1000, 1017, 1034, 1051]);
     }
 
     #[test]
@@ -200,9 +200,9 @@ mod tests {
         let mut crossings = Crossings::at_once(0);
         let most = MOST as u32;
         assert_eq!(ahead.fill(&mut crossings, most + 1, 5000), (most, false));
-        assert_eq!(ahead.until(), 10 * most - 9, "a tick behind the last");
+        assert_eq!(ahead.until(), 17 * most - 16, "a tick behind the last");
         ahead.go_on_to(MOST);
         assert_eq!(ahead.fill(&mut crossings, 1, 5000), (1, true));
-        assert_eq!(all(&ahead), [10 * most, 5000]);
+        assert_eq!(all(&ahead), [17 * most, 5000]);
     }
 }

@@ -3,10 +3,13 @@
 //! There is one, which takes up move after move where it stands: copies of it would cost as much as the move.
 
 use super::moves::Move;
-use super::phase::{Phase, phases};
+use super::phase::{Curve, Phase, phases};
 use super::trajectory::{AXES, LONGEST, Place, Trajectory};
 use crate::units::Steps;
 use heapless::Vec;
+
+/// From here on the 31 bits of a fraction of a move are too few for its time: 27 s, in ticks times 2^16.
+pub(super) const LONG: u64 = 1 << 44;
 
 /// What of a move is laid.
 pub(super) struct Course {
@@ -46,13 +49,10 @@ impl Course {
         laid: None,
     };
 
-    /// Takes up a move from where the last one ended; its first phase is to be laid.
-    pub fn take_up(&mut self, m: &Move, first: &Place) {
+    /// Takes up a move, which is laid between these places; its first phase is to be laid.
+    pub fn take_up(&mut self, m: &Move, (first, last): &(Place, Place)) {
         self.m = *m;
-        self.first = *first;
-        let [x, y, z, e] = m.end;
-        let [.., advance] = *first;
-        self.last = [x, y, z, e, advance.wrapping_add(m.advance)];
+        (self.first, self.last) = (*first, *last);
         self.phases = phases(m);
         (self.index, self.elapsed, self.begin, self.laid) = (0, 0, 0, None);
     }
@@ -72,11 +72,15 @@ impl Course {
         // The last two are alike, so that none is too short.
         let time = if left <= LONGEST { left } else { LONGEST.min(left / 2) };
         let from = self.elapsed;
-        let span = if time == phase.time { phase } else { phase.cut(self.begin, from, from + time) };
+        let span = match phase.curve {
+            _ if time == phase.time => phase,
+            Curve::Steady if phase.time >= LONG && time < left => phase.cut_evenly(self.begin, from, time),
+            _ => phase.cut(self.begin, from, from + time),
+        };
         let added = trajectory.least_time().saturating_sub(span.time);
         trajectory.lay(&self.first, &self.last, &Phase { time: span.time + added, ..span });
         self.laid = Some((phase, self.begin, from));
-        self.elapsed += time;
+        self.elapsed += span.time;
         if self.elapsed >= phase.time {
             (self.index, self.elapsed, self.begin) = (self.index + 1, 0, phase.end);
         }

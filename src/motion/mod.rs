@@ -30,6 +30,9 @@ mod trajectory;
 mod trend;
 mod window;
 
+// The queue's, by a name that a test can give to a memory of its own.
+use core::sync::atomic;
+
 pub use event::{LONGEST_INTERVAL, StepEvent};
 pub use link::Link;
 pub use moves::{Entry, Move, WHOLE, Work};

@@ -2,7 +2,7 @@
 
 use super::moves::{Move, WHOLE};
 use super::profile::fraction;
-use crate::units::Steps;
+use crate::units::{Steps, mul_div};
 use heapless::Vec;
 
 /// How speed changes in a phase.
@@ -44,6 +44,15 @@ impl Phase {
             Curve::Speeding => (way(x), pace(x)),
             Curve::Slowing => (whole - way(whole - x), pace(whole - x)),
         }
+    }
+
+    /// A part of a steady phase that begins with the fraction `begin` of the move behind and a time `from`, and takes about
+    /// so long: as long as the fraction behind at its end, which has 31 bits, says. In a move of minutes one of them is
+    /// ticks.
+    pub fn cut_evenly(&self, begin: u32, from: u64, time: u64) -> Self {
+        let (whole, part) = (u64::from(self.end.saturating_sub(begin)), self.cut(begin, from, from + time));
+        let to = mul_div(self.time, u64::from(part.end.saturating_sub(begin)), whole);
+        if part.end == self.end || to <= from { part } else { Self { time: to - from, ..part } }
     }
 
     /// Its part between two points of its time; it begins with the fraction `begin` of the move behind.

@@ -43,6 +43,12 @@ impl Pitch {
         Steps::from_bits((wide >> 16) as i64)
     }
 
+    /// The position in mm of a count of steps that has wrapped with the counters, as often as makes it the nearest to `near`.
+    pub fn mm_near(&self, steps: Steps, near: Mm) -> Mm {
+        let beside = self.mm_bits(steps.wrapping_sub(self.steps(near)));
+        Mm::from_bits(near.to_bits().wrapping_add(beside))
+    }
+
     /// A position or distance of `steps` in raw `Mm` bits, to the nearest.
     pub fn mm_bits(&self, steps: Steps) -> i64 {
         let wide = i128::from(steps.to_bits()) * i128::from(self.mm_per_step);
@@ -75,6 +81,19 @@ mod tests {
             let steps = pitch.steps(Mm::from_num(v));
             assert!((steps.to_num::<f64>() - 80.0 * v).abs() < 1e-6);
             assert!((pitch.mm_bits(steps) - mm(v)).abs() <= 1);
+        }
+    }
+
+    #[test]
+    fn counts_that_have_wrapped_are_read_beside_what_is_known() {
+        for (resolution, known) in [(400.0, 5_368_709.0), (25_600.0, 83_886.07), (25_600.0, 1e9), (1.0, -2e9)] {
+            let (pitch, near) = (Pitch::new(StepsPerMm::from_num(resolution)), Mm::from_num(known));
+            assert_eq!(pitch.mm_near(pitch.steps(near), near), near);
+            for way in [-150.0, -0.3, 0.01, 0.02, 70.0] {
+                let steps = pitch.steps(near + Mm::from_num(way));
+                let error = (pitch.mm_near(steps, near) - near).to_num::<f64>() - way;
+                assert!(error.abs() < 1e-7, "{known} mm of {resolution} steps and {way}: off by {error}");
+            }
         }
     }
 

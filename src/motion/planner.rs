@@ -1,7 +1,7 @@
 //! The planner: from targets to moves with speeds, looking ahead.
 //!
 //! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
-//! the geometry of a move is taken between its real ends.
+//! the geometry of a move is that of the commanded positions. Where its steps fall is the generator's business.
 
 use super::geometry::{Belts, Geometry, Limits, Shares, acceleration};
 use super::junction::{Bearing, corner_speed_sq};
@@ -34,28 +34,23 @@ pub struct Target {
 /// step of the belt, and its time would be lost between two ticks.
 const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 
-/// Ends of moves at least this long are put on whole steps of x and y, and of z where it shares motors with them. Then an
-/// axis-parallel move steps all motors that it needs in the same events, and the half step by which the end may be off
-/// bends the path by less than 0.4 degrees. Shorter moves keep their fractions of a step, or the speed along a finely cut curve
-/// would ripple. (A millimetre, of which a way has 32 bits.)
-const SNAP_LENGTH: u64 = (1 << 32) - 8;
+/// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
+const LONG_TICKS: u32 = 1 << 28;
 
 /// Looks ahead over targets and releases moves.
 pub struct Planner<'m> {
     pub(super) window: Window<'m>,
     pub(super) pitch: [Pitch; 4],
     pub(super) belts: Belts,
-    /// Motors of x or y move z too.
-    is_z_shared: bool,
     /// Where the last move ends.
     pub(super) end: [Steps; 4],
-    /// Where it was asked to end: an axis that is asked for the same again stays where it is.
+    /// The last target: an axis that is asked for the same again stays where it is.
     pub(super) asked: [Mm; 4],
     /// The last move, for the corner to the next.
     last: Geometry,
     /// The speed squared that it passes on.
     pub(super) passed_on: u64,
-    /// How much the path bends there.
+    /// How the path bends there.
     trend: Trend,
     /// Nominal time of the moves in the window, in ticks.
     pub(super) waiting: u64,
@@ -76,7 +71,6 @@ impl<'m> Planner<'m> {
             window: Window::new(memory),
             pitch: settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array(),
             belts: Belts::new(&Groups::new(&settings.mechanism)),
-            is_z_shared: settings.mechanism.share(0, 2) || settings.mechanism.share(1, 2),
             end: [Steps::ZERO; 4],
             asked: position,
             last: Geometry::new([0; 4]),
@@ -106,12 +100,13 @@ impl<'m> Planner<'m> {
         [x.steps(px), y.steps(py), z.steps(pz), e.steps(pe)]
     }
 
-    /// A position in mm.
+    /// A position in mm. Of e, whose counts wrap in a long print, the one that is nearest to the last target.
     #[must_use]
     pub fn mm(&self, steps: [Steps; 4]) -> [Mm; 4] {
-        let [x, y, z, e] = self.pitch;
+        let ([x, y, z, e], [.., asked]) = (self.pitch, self.asked);
         let [sx, sy, sz, se] = steps;
-        [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz), e.mm_bits(se)].map(Mm::from_bits)
+        let [x, y, z] = [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz)].map(Mm::from_bits);
+        [x, y, z, e.mm_near(se, asked)]
     }
 
     /// The way from the end of the last move to `end`.
@@ -125,7 +120,8 @@ impl<'m> Planner<'m> {
     /// Forgets all moves: the machine stands at `position` in steps.
     pub fn stand_at(&mut self, position: [Steps; 4]) {
         self.window.clear();
-        self.trend = Trend::default();
+        // Whatever way it came is of no account.
+        self.last = Geometry::new([0; 4]);
         self.waiting = 0;
         self.end = position;
         self.gone = position[3];
@@ -142,22 +138,20 @@ impl<'m> Planner<'m> {
     /// [`has_room`](Self::has_room).
     pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
         while !self.prepare() {}
-        let Some((end, vector)) = self.lay_out(target.position) else {
+        let laid_out = self.lay_out(target.position);
+        self.asked = target.position;
+        let Some((end, vector)) = laid_out else {
             return false;
         };
         let is_extruder_only = vector.is_extruder_only();
-        let [x, y, z, _] = self.asked;
-        let e = target.position[3];
-        self.asked = if is_extruder_only { [x, y, z, e] } else { target.position };
         let (least, most) = purpose(&vector, settings);
         let feed = target.speed.max(least);
         let shares = Shares::new(vector.direction, vector.extrusion, &self.belts);
         let limits = Limits::of_acceleration(settings);
         let bears = shares.bound(acceleration(most), &limits);
-        let bearing = Bearing { acceleration: bears, limits: &limits, belts: &self.belts };
-        self.trend.follow(&vector);
-        let corner = corner_speed_sq(&self.last, &vector, &self.trend, &bearing, settings);
         let fastest = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
+        let bearing = Bearing { acceleration: bears, fastest, limits: &limits, belts: &self.belts };
+        let corner = corner_speed_sq(&self.last, &vector, &mut self.trend, &bearing, settings);
         let mut planned = Planned {
             way: Way {
                 length: vector.length,
@@ -181,6 +175,9 @@ impl<'m> Planner<'m> {
             advance: if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO },
         };
         planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed });
+        if planned.nominal_ticks >= LONG_TICKS {
+            planned.way.length = self.exact_length(end, vector.length);
+        }
         self.waiting += u64::from(planned.nominal_ticks);
         planned.limit_entry(self.passed_on);
         self.passed_on = planned.passed_on();
@@ -231,19 +228,29 @@ impl<'m> Planner<'m> {
         let (y, dy) = py.lay_out(y, asked_y, from_y);
         let (z, dz) = pz.lay_out(z, asked_z, from_z);
         let (e, de) = pe.lay_out(e, asked_e, from_e);
-        let is_long = |way: i64| way.unsigned_abs() >= SNAP_LENGTH;
-        if is_long(dx) || is_long(dy) || (self.is_z_shared && is_long(dz)) {
-            let z = if self.is_z_shared { z.wrapping_round() } else { z };
-            let end = [x.wrapping_round(), y.wrapping_round(), z, e];
-            return Some((end, self.geometry_to(end)));
-        }
         let vector = Geometry::new([dx, dy, dz, de]);
         if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
-            // What the tool still lacks is part of the next target.
+            // What an axis still lacks is made up when it is next asked for another place.
             let extrusion = Geometry::new([0, 0, 0, de]);
             return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
         }
         Some(([x, y, z, e], vector))
+    }
+
+    /// The length of the way to `end` to the last bit, in raw `Mm` bits, given one that has 30.
+    #[cold]
+    #[inline(never)]
+    fn exact_length(&self, end: [Steps; 4], about: u64) -> u64 {
+        let mut ways = [0; 4];
+        for (((way, pitch), to), from) in ways.iter_mut().zip(&self.pitch).zip(end).zip(self.end) {
+            *way = pitch.mm_bits(to.wrapping_sub(from));
+        }
+        let [x, y, z, e] = ways;
+        let square = |way: i64| i128::from(way) * i128::from(way);
+        let sum = if x | y | z == 0 { square(e) } else { square(x) + square(y) + square(z) };
+        // One of Newton's steps.
+        let about = about.cast_signed();
+        about.saturating_add((sum - square(about)) as i64 / about.saturating_mul(2).max(1)).unsigned_abs()
     }
 
     /// Whether another move can be planned.
@@ -262,6 +269,13 @@ impl<'m> Planner<'m> {
     #[must_use]
     pub fn has_ready(&self) -> bool {
         self.window.is_planned() && self.window.has_ready()
+    }
+
+    /// Whether the first move waits for more moves, or there is none; as far as is known, it is not so while moves are
+    /// [planned anew](Self::plan_anew).
+    #[must_use]
+    pub fn lacks_moves(&self) -> bool {
+        self.window.is_planned() && !self.window.has_ready()
     }
 
     /// Whether no move waits.

@@ -7,6 +7,7 @@
 //! them (Klipper's minimum_cruise_ratio). A move that must accelerate or brake all along, because the next corner is that
 //! much faster or slower, still does. A move that is entered above its nominal speed brakes to it first.
 
+use super::course::LONG;
 use super::geometry::acceleration;
 use super::moves::{Move, WHOLE};
 use super::number::{from_bits, root, root_of, to_bits};
@@ -133,15 +134,19 @@ pub(super) fn profile(way: &Way, (entry, entry_speed): (u64, f32), exit: u64) ->
         _ if peak == nominal_sq => cruise_time(level, nominal.to_bits()),
         _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };
+    let times = match (rise.time, cruise, fall.time) {
+        long if cruise >= LONG => evened(long, (rise.length * scale, fall.length * scale)),
+        times => times,
+    };
     let planned = Move {
         end,
         accelerated,
         cruised,
         entry_share: rise.share,
         exit_share: fall.share,
-        accelerate: rise.time,
-        cruise,
-        decelerate: fall.time,
+        accelerate: times.0,
+        cruise: times.1,
+        decelerate: times.2,
         length,
         acceleration: a,
         advance: Steps::ZERO,
@@ -150,6 +155,20 @@ pub(super) fn profile(way: &Way, (entry, entry_speed): (u64, f32), exit: u64) ->
         watch,
     };
     (planned, exit_speed)
+}
+
+/// The times of a long move's phases, so that they are those of the fractions of its way at which they end. These are cut to
+/// whole ones, given the fractions of both ramps; what they lack of the ramps is cruised.
+#[cold]
+#[inline(never)]
+fn evened((rise, cruise, fall): (u64, u64, u64), (accelerated, decelerated): (f32, f32)) -> (u64, u64, u64) {
+    // A fraction of one takes so long at the speed of the cruise, in ticks times 2^16.
+    let ramps = u64::from(accelerated as u32) + u64::from(decelerated as u32);
+    let level = u64::from(WHOLE).saturating_sub(ramps).max(1);
+    let one = u32::try_from(cruise / level).unwrap_or(u32::MAX) as f32;
+    let lacking = |fraction: f32| u64::from(((fraction - (fraction as u32) as f32) * one) as u32);
+    let (begin, end) = (lacking(accelerated).min(rise), lacking(decelerated).min(fall));
+    (rise - begin, cruise + begin + end, fall - end)
 }
 
 /// A phase in which the speed changes.

@@ -8,6 +8,7 @@
 //! Time is counted in ticks times 2^16 from the start of the epoch; only the instant of a step is rounded to a whole
 //! tick.
 
+mod alignment;
 mod brake;
 mod merge;
 mod supply;
@@ -23,6 +24,7 @@ use crate::kinematics::Groups;
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
+use alignment::Alignment;
 use brake::Braking;
 use heapless::spsc::Consumer;
 use supply::Supply;
@@ -56,6 +58,7 @@ pub struct StepGenerator<'m> {
     epoch: u8,
     task: Task,
     course: Course,
+    alignment: Alignment,
     trajectory: Trajectory<'m>,
     tracks: [Track; MOST_GROUPS],
     /// Their counts when they were last told.
@@ -93,6 +96,7 @@ impl<'m> StepGenerator<'m> {
             epoch: status.epoch(),
             task: Task::Nothing,
             course: Course::NONE,
+            alignment: Alignment::new(mechanism),
             trajectory: Trajectory::new(spans),
             tracks: [Track::STILL; MOST_GROUPS],
             told: [0; MOST_GROUPS],

@@ -18,8 +18,7 @@ const BURST: u32 = 8;
 /// Behind that: 5 us for the others that wait.
 const BREATH: u32 = 50;
 
-/// An event that comes later than this moves all that follow: 10 us, half of the closest spacing at the
-/// greatest speed of one motor. Steps are late then, but never too close to each other, and none is lost.
+/// An event that comes later than this moves all that follow: 10 us. Steps are late then, and none is lost.
 const GRACE: u32 = 100;
 
 /// Between the first event's arrival and its alarm: 20 us, in which the generator goes on making events.
@@ -34,12 +33,13 @@ const NO_EPOCH: u16 = 1 << 8;
 pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
     /// When the event that comes next is due; at rest anything.
     due: Tick,
-    /// That event, which is still in the queue.
-    next: Word,
-    /// How far motion time is behind real time.
+    /// How far motion time is behind real time. (Between the other two, which the compiler would else store as a pair; that
+    /// takes longer, and so would next event and status.)
     behind: u32,
-    status: &'m Status,
+    /// The event that comes next, which is still in the queue.
+    next: Word,
     events: StepsOut<'m>,
+    status: &'m Status,
     clock: C,
     pend: W,
     /// Direction lines as they are.
@@ -81,8 +81,11 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             return self.play_closely();
         }
         let (word, due) = (self.next, self.due);
-        self.port.rise_quick(word.steps(), self.dated(due));
-        let rings = self.done();
+        let tick = self.dated(due);
+        // Nobody looks before the step is made, and then the status need not be remembered any longer.
+        self.status.event_played(due.0);
+        self.port.rise_quick(word.steps(), tick);
+        let rings = self.done(due);
         self.port.fall_quick(word.steps());
         if !rings {
             self.play_closely();
@@ -92,15 +95,13 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     /// Whether the next event is due, in time, and has nothing but steps.
     #[inline(always)]
     fn is_plain(&self) -> bool {
-        self.next.is_plain(self.status.epoch_in_interrupt()) && self.clock.now().since(self.due) <= GRACE
+        self.next.is_plain(self.status.epoch_in_interrupt()) && self.clock.is_due(self.due, GRACE)
     }
 
-    /// Goes on from an event whose step lines are high to the next; false if no alarm will bring that. The pulse is as
+    /// Goes on from an event that was due then and whose step lines are high to the next; false if no alarm is set for that. The pulse is as
     /// long as this takes, and the port sees to it that this is enough.
     #[inline(always)]
-    fn done(&mut self) -> bool {
-        let due = self.due;
-        self.status.event_played(due.0);
+    fn done(&mut self, due: Tick) -> bool {
         let (interval, next) = self.events.advance();
         let due = due.after(interval);
         (self.due, self.next) = (due, next);
@@ -141,12 +142,14 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         }
     }
 
-    /// Plays the next event, whatever its groups; false if no alarm will bring the one behind.
+    /// Plays the next event, whatever its groups; false if no alarm is set for the one behind.
     #[inline(always)]
     fn play(&mut self) -> bool {
-        let word = self.next;
-        self.port.rise(word.steps(), self.dated(self.due));
-        let rings = self.done();
+        let (word, due) = (self.next, self.due);
+        let tick = self.dated(due);
+        self.status.event_played(due.0);
+        self.port.rise(word.steps(), tick);
+        let rings = self.done(due);
         self.port.fall(word.steps());
         rings
     }
@@ -168,7 +171,8 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
                 self.status.count_starved();
                 self.next = Word::RESTING;
             }
-        } else if !self.next.is_of(epoch) {
+        }
+        if !self.next.is_of(epoch) {
             self.next = Word::RESTING;
         }
         for _ in 0..BURST {

@@ -8,10 +8,9 @@ use super::trajectory::{State, Trajectory};
 use crate::kinematics::{Group, count_at};
 use crate::units::Steps;
 
-/// Two pulses of a motor are at least this many ticks apart: 1 us, ten times what the driver asks for
-/// (TMC2209 datasheet rev 1.09, section 13.1: STEP high and low 100 ns each). Motion at legal speeds is at
-/// most half as dense; a motor that reverses within half a step can come near it.
-pub const MIN_STEP_INTERVAL: u64 = 10;
+/// Between the ticks of two pulses of a motor there are at least so many: 1.7 us. Motion at legal speeds is less dense
+/// (2 us); a motor that reverses within half a step can come near it.
+pub const MIN_STEP_INTERVAL: u64 = 17;
 
 /// Half a step.
 const HALF: i64 = 1 << 31;

@@ -1,4 +1,4 @@
-//! Emergency commands: M112, M108, M410 and the answers to a pause act as they arrive, even while another
+//! Emergency commands: M112, M108, M410, M999 and the answers to a pause act as they arrive, even while another
 //! command blocks.
 //!
 //! The scanner reads every byte beside the line layer (the idea is that of Marlin's emergency_parser.h).
@@ -6,13 +6,14 @@
 //! insists on the start of a line and on the end of the digits: M1125 and `M117 M112` are harmless.
 //! The line then also takes its turn in the queue and is answered there.
 
+use super::framing::is_erasing;
 use super::words::is_blank;
 
 /// A command that cannot wait for its turn.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Emergency {
-    /// M112: stop everything until reset.
+    /// M112: stop everything until M999 or a reset.
     Stop,
     /// M108: end the present wait.
     Continue,
@@ -20,6 +21,8 @@ pub enum Emergency {
     QuickStop,
     /// M24, M602, M876 S: the user is ready.
     Resume,
+    /// M999: begin anew, if the machine is halted.
+    Restart,
 }
 
 impl Emergency {
@@ -30,6 +33,7 @@ impl Emergency {
             112 => Some(Self::Stop),
             24 | 602 => Some(Self::Resume),
             410 => Some(Self::QuickStop),
+            999 => Some(Self::Restart),
             _ => None,
         }
     }
@@ -91,6 +95,9 @@ impl Scanner {
         }
         self.state = match (self.state, byte) {
             (state, 0) => state,
+            // What is erased may have been the emergency; the line then takes its turn like any other.
+            (State::Start, byte) if is_erasing(byte) => State::Start,
+            (_, byte) if is_erasing(byte) => State::Other,
             (State::Start | State::Numbered, b'M' | b'm') => State::Letter,
             (State::Start, b'N' | b'n') => State::Number,
             (State::Number, b'-' | b'+') => State::Number,
@@ -151,6 +158,7 @@ mod tests {
             assert_eq!(scan(text), [Emergency::Stop], "{text:?}");
         }
         assert_eq!(scan("N4 M108*46\nM410\n"), [Emergency::Continue, Emergency::QuickStop]);
+        assert_eq!(scan("M999\nN5 m999 S1*3\n"), [Emergency::Restart; 2]);
         for text in ["M24\n", "M602 ;go\n", "N7 M876 S0*12\n", "m876s1\n", "M876  S\n"] {
             assert_eq!(scan(text), [Emergency::Resume], "{text:?}");
         }
@@ -182,6 +190,10 @@ mod tests {
             "M876 P1 S0\n",
             "M8760 S0\n",
             "M240\n",
+            "M112\x08\x08\x0805\n",
+            "M112 \x7F\n",
+            "M9990\n",
+            "M99\n",
         ] {
             assert_eq!(scan(text), [], "{text:?}");
         }

@@ -4,12 +4,24 @@
 //! digits behind it are read as they come. A line of any length is therefore verified, although only its
 //! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that is told
 //! `checksum mismatch` would send it again for ever.
+//!
+//! A `;` begins a comment, but not within `( )`, which is a comment of its own that stays in the text: `(a;b)` is one
+//! (printcore's regular expression takes it so). Whether a parenthesis is closed is known at its end, so the `;` in it is
+//! noted until then.
+//!
+//! People who type may erase characters. Nothing is erased where a line begins with N, or in the middle of numbered lines:
+//! that is a host's line, and damaged.
 
 use super::star::{Checksum, Star};
 use super::words::{is_blank, line_number};
 
 /// Bytes of a line that are kept: 256 of payload and room for the line number.
 pub(super) const CAPACITY: usize = 288;
+
+/// What terminals send for the key that erases a character: backspace, or delete.
+pub(super) const fn is_erasing(byte: u8) -> bool {
+    matches!(byte, 0x08 | 0x7F)
+}
 
 /// Where in the text of a line the next byte stands.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -27,6 +39,12 @@ pub(super) struct Frame {
     sum: u8,
     star: Option<Star>,
     context: Context,
+    /// Bytes of the comment.
+    comment: usize,
+    /// Whether a parenthesis is open.
+    is_aside: bool,
+    /// Where the first `;` stands in it: a comment begins there if it is never closed.
+    semicolon: Option<usize>,
     is_escaped: bool,
     is_damaged: bool,
 }
@@ -40,6 +58,9 @@ impl Frame {
             sum: 0,
             star: None,
             context: Context::Plain,
+            comment: 0,
+            is_aside: false,
+            semicolon: None,
             is_escaped: false,
             is_damaged: false,
         }
@@ -51,6 +72,9 @@ impl Frame {
         self.sum = 0;
         self.star = None;
         self.context = Context::Plain;
+        self.comment = 0;
+        self.is_aside = false;
+        self.semicolon = None;
         self.is_escaped = false;
         self.is_damaged = false;
     }
@@ -75,7 +99,7 @@ impl Frame {
         let mut sum = self.sum;
         let mut count = 0;
         for (place, &byte) in self.text.iter_mut().skip(self.length).zip(bytes) {
-            if byte < b' ' || matches!(byte, b'*' | b';' | b'"' | b'\\') {
+            if byte < b' ' || matches!(byte, b'*' | b';' | b'"' | b'\\' | b'(' | b')' | 0x7F) {
                 break;
             }
             *place = byte;
@@ -90,6 +114,32 @@ impl Frame {
         count
     }
 
+    /// The same of a line that may have been typed, in which characters are erased.
+    pub(super) fn push_typed(&mut self, byte: u8) {
+        if is_erasing(byte) && !matches!(self.text().first(), Some(b'N' | b'n')) {
+            self.erase();
+        } else {
+            self.push(byte);
+        }
+    }
+
+    /// Forgets the byte that came last.
+    fn erase(&mut self) {
+        if self.context == Context::Comment {
+            self.comment = self.comment.saturating_sub(1);
+            if self.comment == 0 {
+                self.context = Context::Plain;
+            }
+        } else if self.length > CAPACITY {
+            self.length -= 1;
+        } else {
+            let (text, length, is_damaged) = (self.text, self.length.saturating_sub(1), self.is_damaged);
+            self.clear();
+            text.iter().take(length).for_each(|byte| self.push(*byte));
+            self.is_damaged = is_damaged;
+        }
+    }
+
     /// Takes a byte of the line; its end is not one of them.
     pub(super) fn push(&mut self, byte: u8) {
         // Blanks before the line are not part of it (Marlin queue.cpp), nor of its checksum.
@@ -102,7 +152,9 @@ impl Frame {
             star.read(byte);
         }
         self.sum ^= byte;
-        if !self.is_comment(byte) {
+        if self.is_comment(byte) {
+            self.comment += 1;
+        } else {
             self.keep(byte);
         }
     }
@@ -122,7 +174,18 @@ impl Frame {
             (Context::Comment, _) => return true,
             _ if is_literal => {}
             (_, b'\\') => self.is_escaped = true,
-            (Context::Plain, b'"') => self.context = Context::Quoted,
+            (Context::Plain, b'(') => {
+                // Within another one it says that the other is none.
+                if let Some(semicolon) = self.semicolon.take() {
+                    self.length = semicolon;
+                    self.context = Context::Comment;
+                    return true;
+                }
+                self.is_aside = true;
+            }
+            (Context::Plain, b')') => (self.is_aside, self.semicolon) = (false, None),
+            (Context::Plain, b';') if self.is_aside => self.semicolon = self.semicolon.or(Some(self.length)),
+            (Context::Plain, b'"') if !self.is_aside => self.context = Context::Quoted,
             (Context::Quoted, b'"') => self.context = Context::Plain,
             (Context::Plain, b';') => {
                 self.context = Context::Comment;
@@ -143,9 +206,14 @@ impl Frame {
         line_number(self.text()).is_some()
     }
 
+    /// Length of the line without comment.
+    fn length(&self) -> usize {
+        self.semicolon.unwrap_or(self.length)
+    }
+
     /// The line without comment, as far as it was kept.
     pub(super) fn text(&self) -> &[u8] {
-        self.text.get(..self.length).unwrap_or(&self.text)
+        self.text.get(..self.length()).unwrap_or(&self.text)
     }
 
     /// As [`text`](Self::text), up to the checksum.
@@ -155,13 +223,13 @@ impl Frame {
     }
 
     /// Whether the line was longer than what is kept of it.
-    pub(super) const fn is_too_long(&self) -> bool {
-        self.length > CAPACITY
+    pub(super) fn is_too_long(&self) -> bool {
+        self.length() > CAPACITY
     }
 
     /// Whether the part before the checksum was longer than what is kept of it.
     pub(super) fn is_too_long_before_checksum(&self) -> bool {
-        self.star.map_or(self.length, |star| star.length) > CAPACITY
+        self.star.map_or(self.length(), |star| star.length.min(self.length())) > CAPACITY
     }
 
     /// What the checksum says.
@@ -183,7 +251,7 @@ mod tests {
 
     fn frame(line: &str) -> Frame {
         let mut bytewise = Frame::new();
-        line.bytes().for_each(|byte| bytewise.push(byte));
+        line.bytes().for_each(|byte| bytewise.push_typed(byte));
         // The same in runs.
         let mut frame = Frame::new();
         let mut rest = line.as_bytes();
@@ -191,7 +259,7 @@ mod tests {
             let count = frame.push_plain(rest);
             rest = if count > 0 { &rest[count..] } else { tail };
             if count == 0 {
-                frame.push(*first);
+                frame.push_typed(*first);
             }
         }
         assert_eq!(
@@ -240,7 +308,51 @@ mod tests {
         assert_eq!(frame("; all of it").text(), b"");
         assert_eq!(frame("M862.3 P\"a;b\" ;c").text(), b"M862.3 P\"a;b\" ");
         assert_eq!(frame("M117 a\\;b;c").text(), b"M117 a\\;b");
+        // A backslash concerns the next byte alone.
+        assert_eq!(frame("M117 a\\b;c").text(), b"M117 a\\b");
         assert_eq!(frame("M117 5\" pipe ;b").text(), b"M117 5\" pipe ;b");
+    }
+
+    #[test]
+    fn a_semicolon_in_parentheses_begins_no_comment() {
+        for (line, text) in [
+            ("G1 X5 (a;b) Y6 ;c", "G1 X5 (a;b) Y6 "),
+            ("G1 (a) X5 ;b (c) d", "G1 (a) X5 "),
+            ("G1 X5 (a ; b", "G1 X5 (a "),
+            ("G1 X5 (a;(b) c", "G1 X5 (a"),
+            ("G1 X5 (a(b;c) Y6", "G1 X5 (a(b;c) Y6"),
+            ("G1 X5 (5\";b) Y6;c", "G1 X5 (5\";b) Y6"),
+            ("G1 X5 ) Y6;c", "G1 X5 ) Y6"),
+            ("M117 \"(\" ;c", "M117 \"(\" "),
+        ] {
+            assert_eq!(frame(line).text(), text.as_bytes(), "{line}");
+        }
+        let line = "N5 G1 X5 (a;b) Y6";
+        let sum = line.bytes().fold(0, |sum, byte| sum ^ byte);
+        let whole = frame(&std::format!("{line}*{sum}"));
+        assert!(is_good(&whole) && whole.before_checksum() == line.as_bytes());
+        assert!(!frame(&std::format!("G1 X5 (a;{}", "x".repeat(9000))).is_too_long());
+    }
+
+    #[test]
+    fn what_is_typed_can_be_erased_and_what_a_host_sends_cannot() {
+        for (line, text) in [
+            ("G1 X10\x08\x085", "G1 X5"),
+            ("\x08\x7FG28\x08\x7F1\x7F0", "G0"),
+            ("G1 X5 ;ab\x08\x08\x08Y6", "G1 X5 Y6"),
+            ("P\"a;\x08\x08b\";c", "P\"b\""),
+            ("G1 (;\x08\x08X5;c", "G1 X5"),
+            ("G1*34\x08\x08\x08 X5", "G1 X5"),
+            ("G28\x08\x08\x08\x08", ""),
+        ] {
+            assert_eq!(frame(line).text(), text.as_bytes(), "{line:?}");
+        }
+        assert_eq!(frame("G1*34\x08\x08\x08").checksum(), Checksum::Missing);
+        // A damaged line of a host keeps what was damaged, or it might pass: HH became H and a backspace.
+        let sum = "N5 M117 HH".bytes().fold(0, |sum, byte| sum ^ byte);
+        assert_eq!(frame(&std::format!("N5 M117 H\x08*{sum}")).checksum(), Checksum::Bad);
+        let long = std::format!("M117 {}{}", "x".repeat(9000), "\x08".repeat(9000));
+        assert_eq!(frame(&long).text(), b"M117 ");
     }
 
     #[test]

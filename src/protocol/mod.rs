@@ -22,4 +22,5 @@ mod words;
 pub use emergency::Emergency;
 pub use numbering::ResendReason;
 pub use receiver::{Incoming, Receiver};
-pub use reply::{NoRoom, Replies};
+pub use reply::{Echo, NoRoom, Replies};
+pub use silence::Activity;

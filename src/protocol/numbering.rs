@@ -74,6 +74,10 @@ pub(super) struct Numbering {
     taken: u8,
     /// The last thing in order that told a line number had a checksum: the host vouches for its lines.
     is_vouched: bool,
+    /// Something was damaged or lost since M110.
+    is_bad: bool,
+    /// The host is printcore, which waits for an answer for ever.
+    waits_for_ever: bool,
     /// No line number has been heard of since the connection was made.
     is_fresh: bool,
     request: Option<Request>,
@@ -82,7 +86,17 @@ pub(super) struct Numbering {
 impl Numbering {
     /// As after a reset: line 1 comes next.
     pub(super) const fn new() -> Self {
-        Self { last: 0, sums: [0; KNOWN], known: 0, taken: 0, is_vouched: false, is_fresh: true, request: None }
+        Self {
+            last: 0,
+            sums: [0; KNOWN],
+            known: 0,
+            taken: 0,
+            is_vouched: false,
+            is_bad: false,
+            waits_for_ever: false,
+            is_fresh: true,
+            request: None,
+        }
     }
 
     /// The last line that was in order.
@@ -93,6 +107,16 @@ impl Numbering {
     /// Whether the host is in the middle of numbered lines.
     pub(super) const fn is_stream(&self) -> bool {
         self.taken >= STREAM
+    }
+
+    /// Whether something was damaged or lost since M110.
+    pub(super) const fn is_bad(&self) -> bool {
+        self.is_bad
+    }
+
+    /// Whether the host would wait for an answer for ever.
+    pub(super) const fn waits_for_ever(&self) -> bool {
+        self.waits_for_ever
     }
 
     /// The stream is over, or pauses: then one numbered line is enough for it to go on.
@@ -146,7 +170,7 @@ impl Numbering {
                 // Below zero it is printcore's first word, and the print follows at once; behind a stream it is its last.
                 let taken = if new_number < 0 && !self.is_stream() { STREAM } else { 0 };
                 self.count_from(new_number);
-                (self.is_vouched, self.taken) = (true, taken);
+                (self.is_vouched, self.taken, self.waits_for_ever) = (true, taken, new_number < 0);
                 return Verdict::LineNumber { report: None };
             }
             (Checksum::Good(sum), None) => self.accept(number, sum),
@@ -216,7 +240,8 @@ impl Numbering {
             *place = sum;
         }
         let known = if self.known < KNOWN as u8 { self.known + 1 } else { self.known };
-        *self = Self { last: number, sums: self.sums, known, taken, is_vouched: true, is_fresh: false, request: None };
+        (self.last, self.known, self.taken, self.request) = (number, known, taken, None);
+        (self.is_vouched, self.is_fresh) = (true, false);
     }
 
     /// Counts on from `number`, as M110 wants it.
@@ -243,6 +268,7 @@ impl Numbering {
     /// Asks for the next line; `refused` is the number of the line that came instead.
     const fn ask(&mut self, reason: ResendReason, refused: i32, now: Instant) -> Verdict {
         self.request = Some(Request::new(refused, now));
+        self.is_bad = true;
         Verdict::Resend { reason, last: self.last }
     }
 }

@@ -4,7 +4,7 @@ use super::emergency::{Emergency, Scanner};
 use super::framing::Frame;
 use super::numbering::{Numbering, ResendReason, Verdict};
 use super::ring::Ring;
-use super::silence::Silence;
+use super::silence::{Activity, Prompt, Silence};
 use super::words::{line_number, skip_blanks};
 use crate::port::Received;
 use crate::units::Instant;
@@ -19,7 +19,8 @@ pub enum Incoming<'a> {
     /// A command to carry out: verified, or sent without number and checksum. Never empty, without
     /// blanks round it and without its `;` comment; any bytes but NUL, CR and LF.
     Command(&'a [u8]),
-    /// Nothing to carry out: an empty numbered line, or one that is stale while a request is open.
+    /// Nothing to carry out: an empty numbered line, or one that is stale while a request is open. Or nothing arrived at
+    /// all, and the host may be waiting for an answer that was lost, or to a line that was.
     Acknowledge,
     /// M110 was carried out.
     LineNumber {
@@ -138,9 +139,9 @@ impl Receiver {
         Some(self.incoming(verdict))
     }
 
-    /// What to do about a host that has said nothing for `patience_ms` or more. Call it when there is no
-    /// [`next_line`](Self::next_line) and everything is answered.
-    pub fn break_silence(&mut self, now: Instant, patience_ms: u32) -> Option<Incoming<'_>> {
+    /// What to do about a host that has said nothing for `patience_ms` or more while the machine was about that
+    /// `activity`. Call it when there is no [`next_line`](Self::next_line) and everything is answered.
+    pub fn break_silence(&mut self, now: Instant, patience_ms: u32, activity: Activity) -> Option<Incoming<'_>> {
         let is_begun = !self.is_frame_done && !self.frame.is_empty();
         if is_begun {
             let is_cut = self.frame.is_numbered() || self.numbering.is_stream();
@@ -154,9 +155,13 @@ impl Receiver {
         if !self.numbering.is_stream() {
             return None;
         }
-        let last = self.numbering.last();
-        match self.silence.asks_for(last, patience_ms, now) {
-            Some(is_time) => is_time.then_some(Incoming::Silence { last }),
+        let (last, is_bad) = (self.numbering.last(), self.numbering.is_bad());
+        let prompt = activity.prompt(is_bad, self.numbering.waits_for_ever())?;
+        match self.silence.is_over(last, patience_ms, now) {
+            Some(is_time) => is_time.then_some(match prompt {
+                Prompt::Question if self.silence.may_ask() => Incoming::Silence { last },
+                Prompt::Question | Prompt::Ok => Incoming::Acknowledge,
+            }),
             None => {
                 self.numbering.end_stream();
                 None
@@ -200,7 +205,8 @@ impl Receiver {
                         return Some(verdict);
                     }
                 }
-                Received::Byte(byte) => self.frame.push(byte),
+                Received::Byte(byte) if self.numbering.is_stream() => self.frame.push(byte),
+                Received::Byte(byte) => self.frame.push_typed(byte),
                 Received::Lost | Received::Opened => self.frame.damage(),
             }
         }

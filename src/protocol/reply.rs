@@ -200,7 +200,7 @@ impl Replies {
     /// # Errors
     /// [`NoRoom`]
     pub fn killed(&mut self) -> Result<(), NoRoom> {
-        self.line(format_args!("Error:Printer halted. kill() called!"))
+        self.line(format_args!("Error:Printer halted. kill() called! Send M999 or reset"))
     }
 
     /// The same after a fault, which is named.
@@ -208,7 +208,7 @@ impl Replies {
     /// # Errors
     /// [`NoRoom`]
     pub fn killed_by(&mut self, fault: impl fmt::Display) -> Result<(), NoRoom> {
-        self.line(format_args!("Error:Printer halted. kill() called! ({fault})"))
+        self.line(format_args!("Error:Printer halted. kill() called! ({fault}) Send M999 or reset"))
     }
 
     /// Runs `write`, and undoes it if it fails.
@@ -238,8 +238,10 @@ impl Write for Line<'_> {
     }
 }
 
-/// The beginning of a host's text, made harmless.
-struct Echo<'a>(&'a [u8]);
+/// The beginning of a host's text, made harmless: no colon or quotes, for ` T:` or `Cap:` would mean something to a
+/// host, and nothing but printable ASCII.
+#[derive(Clone, Copy, Debug)]
+pub struct Echo<'a>(pub &'a [u8]);
 
 impl fmt::Display for Echo<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -77,6 +77,9 @@ pub mod ranges {
     pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
     /// Window of the pressure advance.
     pub const WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
+    /// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
+    /// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.
+    pub const LOOKAHEAD_TIME: Range<Seconds> = Range { least: Seconds::lit("0.5"), most: Seconds::const_from_int(60) };
     /// Microsteps: MRES has every power of two in it (section 5.5.1).
     pub const MICROSTEPS: Range<u16> = Range { least: 1, most: 256 };
 }
@@ -138,7 +141,7 @@ fn homing(h: &Homing, name: &'static str) -> Result<(), SettingsError> {
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::FREQUENCY, s.frequency, name)?;
     within(ranges::DAMPING, s.damping, name)?;
-    if s.span > Mm::ZERO {
+    if s.span != Mm::ZERO {
         within(ranges::BELT_SPAN, s.span, name)?;
     }
     within(ranges::MOTOR_FREQUENCY, s.motor_frequency, name)
@@ -204,6 +207,7 @@ impl Settings {
         if self.patience_ms > 0 {
             within(ranges::PATIENCE_MS, self.patience_ms, "patience_ms")?;
         }
+        within(ranges::LOOKAHEAD_TIME, self.lookahead_time, "lookahead_time")?;
         driver(&self.drivers.belt, "drivers.belt")?;
         driver(&self.drivers.z, "drivers.z")?;
         driver(&self.drivers.e, "drivers.e")?;
@@ -258,6 +262,8 @@ mod tests {
         assert_eq!(error(|s| s.advance.window = Seconds::ZERO), illegal("advance.window"));
         assert_eq!(error(|s| s.advance.time = Seconds::lit("4")), Ok(()));
         assert_eq!(error(|s| s.minimum_cruise_ratio = Ratio::lit("0.91")), illegal("minimum_cruise_ratio"));
+        assert_eq!(error(|s| s.lookahead_time = Seconds::lit("0.49")), illegal("lookahead_time"));
+        assert_eq!(error(|s| s.lookahead_time = Seconds::const_from_int(61)), illegal("lookahead_time"));
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 
 use crate::kinematics::Mechanism;
 use crate::motors::Motor;
-use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, StepsPerMm};
+use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
 /// What limits the speed in a corner.
@@ -60,9 +60,11 @@ pub struct Settings {
     pub arc_tolerance: Mm,
     /// Seconds between two busy messages, 0 for none (M113).
     pub keepalive_s: u8,
-    /// Milliseconds of silence in the middle of numbered lines after which the host is asked for the next one; 0 for
+    /// Milliseconds of silence in the middle of numbered lines after which the host is prompted to go on; 0 for
     /// never.
     pub patience_ms: u16,
+    /// The look-ahead takes another move as long as what waits before it lasts for less than this at its nominal speeds.
+    pub lookahead_time: Seconds,
     /// Whether `ok` tells the line number and what is free, as Marlin's ADVANCED_OK.
     pub advanced_ok: bool,
     /// What the motor drivers are told, where they can be talked to.
@@ -72,6 +74,8 @@ pub struct Settings {
     pub minimum_cruise_ratio: Ratio,
     /// How far each motor turns for a step of each axis. A machine keeps it from start to end.
     pub mechanism: Mechanism,
+    /// Whether moves of an axis that was not homed are refused.
+    pub require_homing: bool,
 }
 
 impl Settings {
@@ -115,10 +119,12 @@ impl Settings {
             arc_tolerance: const { Mm::lit("0.005") },
             keepalive_s: 2,
             patience_ms: 500,
+            lookahead_time: Seconds::const_from_int(2),
             advanced_ok: false,
             drivers: DriverGroups::prototype(),
             minimum_cruise_ratio: const { Ratio::lit("0.5") },
             mechanism: Mechanism::corehbot(),
+            require_homing: false,
         }
     }
 

@@ -17,7 +17,7 @@ use crate::settings::{Settings, SettingsError};
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 5;
+pub const FORMAT: u16 = 6;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -228,6 +228,7 @@ mod tests {
         s.advance = Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") };
         (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
         (s.patience_ms, s.advanced_ok) = (700, true);
+        s.lookahead_time = Seconds::const_from_int(3);
         s.minimum_cruise_ratio = Ratio::lit("0.4");
         for (i, drivers) in [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e].into_iter().enumerate() {
             *drivers = DriverSettings {
@@ -240,8 +241,9 @@ mod tests {
             };
         }
         s.mechanism = Mechanism::corehbot();
+        s.require_homing = true;
         let receipt = encode(&s, 1).unwrap().receipt;
-        assert_eq!((FORMAT, receipt), (5, Receipt { bytes: 236, crc: 861_675_650 }));
+        assert_eq!((FORMAT, receipt), (6, Receipt { bytes: 241, crc: 2_079_842_538 }));
     }
 
     #[test]

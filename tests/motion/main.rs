@@ -1,9 +1,12 @@
 //! Motion, held to an independent model: steps on time, limits kept, every move able to stop.
 
+mod alignment;
 mod circles;
 mod corners;
+mod curves;
 mod dice;
 mod line;
+mod longest;
 mod model;
 mod properties;
 mod rounds;
@@ -11,5 +14,6 @@ mod shaped;
 mod shapers;
 mod speeds;
 mod timing;
+mod velocity;
 mod ways;
 mod zigzag;

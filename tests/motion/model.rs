@@ -1,8 +1,8 @@
 //! An independent model of look-ahead and trapezoids, in floating point and with the whole path known.
 //!
 //! It shares no code with the planner. What it takes from the firmware's documentation: moves of at least
-//! 1 mm in x or y end on whole steps of x and y, the junction-deviation law, the trend of the path, the minimum cruise
-//! ratio, and the limits.
+//! 1 mm along x or y go along the line on which the belt motors stand, the junction-deviation law, the trend of the path,
+//! the minimum cruise ratio, and the limits.
 
 use corehbot::settings::{CornerRule, Settings};
 
@@ -84,15 +84,10 @@ fn way(from: [f64; 4], asked: [f64; 4], target: [f64; 4], speed: f64, s: &Settin
     // An axis that is asked for the same again stays where it is.
     let mut to: [f64; 4] = std::array::from_fn(|i| if target[i] == asked[i] { from[i] } else { target[i] * pitch[i] });
     let mm = |to: [f64; 4]| -> [f64; 4] { std::array::from_fn(|i| (to[i] - from[i]) / pitch[i]) };
-    let d = mm(to);
-    if d[0].abs().max(d[1].abs()) >= 1.0 {
-        to[0] = to[0].round();
-        to[1] = to[1].round();
-    }
     let mut d = mm(to);
     let mut tool = dot([d[0], d[1], d[2]], [d[0], d[1], d[2]]).sqrt();
     if tool < 0.000_5 {
-        // Too short to be a move of the tool; the next target makes up for it.
+        // Too short to be a move of the tool.
         to = [from[0], from[1], from[2], to[3]];
         d = mm(to);
         tool = 0.0;
@@ -138,64 +133,109 @@ fn way(from: [f64; 4], asked: [f64; 4], target: [f64; 4], speed: f64, s: &Settin
     })
 }
 
-/// The direction of the path averaged over 0.3 mm, once and twice, behind each way: two low-passes in a row, of which a
-/// way is so much left as `1 / (1 + x + x^2/2 + x^3/6 + x^4/24)` says.
-fn trends(ways: &[Way]) -> Vec<[[f64; 3]; 2]> {
-    let mut trend = [[0.0; 3]; 2];
-    ways.iter()
-        .map(|w| {
-            if w.unit != [0.0; 3] {
-                let x = w.length / 0.3;
-                let left = 1.0 / (1.0 + x + x.powi(2) / 2.0 + x.powi(3) / 6.0 + x.powi(4) / 24.0);
-                let [once, twice] = trend;
-                let at = |i: usize| (once[i] - w.unit[i], twice[i] - w.unit[i]);
-                trend = [
-                    std::array::from_fn(|i| w.unit[i] + left * at(i).0),
-                    std::array::from_fn(|i| w.unit[i] + left * (at(i).1 + x * at(i).0)),
-                ];
-            }
-            trend
-        })
-        .collect()
+/// What is known of the path behind: by what its direction is ahead of its means over 0.08 to 1.28 mm, by what it leads a
+/// velocity that keeps to the acceleration, and the most of late.
+#[derive(Default)]
+struct Path {
+    ahead: [[f64; 3]; 5],
+    lead: [f64; 3],
+    greatest: f64,
 }
 
-/// The greatest speed through the corner from `p` to `q`, with which the path has got that trend.
-fn corner(p: &Way, q: &Way, trend: &[[f64; 3]; 2], s: &Settings) -> f64 {
+fn sum(p: [f64; 3], q: [f64; 3], times: f64) -> [f64; 3] {
+    std::array::from_fn(|i| p[i] + times * q[i])
+}
+
+fn size(p: [f64; 3]) -> f64 {
+    dot(p, p).sqrt()
+}
+
+/// The greatest speed through the corner from `p` to `q`, and the path goes on along `q`.
+fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
     let (still_p, still_q) = (p.unit == [0.0; 3], q.unit == [0.0; 3]);
     let most = p.speed.min(q.speed);
     if still_p || still_q {
+        *path = Path::default();
         return if still_p && still_q && p.ratio.signum() == q.ratio.signum() { most } else { 0.0 };
     }
     let half = ((1.0 + dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
     // The change of direction, and what the axes bear along it.
-    let turn: [f64; 3] = std::array::from_fn(|i| q.unit[i] - p.unit[i]);
-    let bears = |turn: [f64; 3]| {
-        let axes = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
-        let motor = s.motor_max_acceleration.to_num::<f64>();
+    let turn = sum(q.unit, p.unit, -1.0);
+    let along = |wanted: f64, turn: [f64; 3], axes: [f64; 4], motor: f64| {
         [turn[0], turn[1], turn[2], turn[0] + turn[1], turn[0] - turn[1]]
             .iter()
             .zip([axes[0], axes[1], axes[2], motor, motor])
-            .map(|(share, most)| most * dot(turn, turn).sqrt() / share.abs())
-            .fold(q.a, f64::min)
+            .map(|(share, most)| most * size(turn) / share.abs())
+            .fold(wanted, f64::min)
     };
-    let a = bears(turn);
-    let base = match s.corner {
-        CornerRule::JunctionDeviation(d) => a * d.to_num::<f64>(),
-        CornerRule::SquareCorner(w) => w.to_num::<f64>().powi(2) * (2f64.sqrt() - 1.0),
-    };
-    let bend = if half >= 1.0 { f64::INFINITY } else { base * half / (1.0 - half) };
-    // A row of chords is a circle: its radius is half a chord over the tangent of half the turn.
-    let other = ((1.0 - dot(p.unit, q.unit)) / 2.0).max(0.0).sqrt();
-    let curve = if other > 0.0 { a * p.length.min(q.length) / 2.0 * half / other } else { f64::INFINITY };
-    // Corners that leave the path by less than rounding does may be as fast as the path bends on average.
-    let [once, twice] = trend;
-    let lag: [f64; 3] = std::array::from_fn(|i| once[i] - twice[i]);
-    let radius = 0.3 * (dot(*twice, *twice) / dot(lag, lag)).sqrt();
-    let average = if dot(lag, lag) > 0.0 { bears(lag) * radius } else { f64::INFINITY };
-    let curve = curve.max(average.min(a * 0.0016 * half / (1.0 - half)));
+    let axes = s.axes.map(|a| a.max_acceleration.to_num::<f64>()).to_array();
+    let bears = |turn| along(q.a, turn, axes, s.motor_max_acceleration.to_num());
+    // By what two neighbouring means differ, less what rounding makes of it, the path turns over the shorter distance.
+    let mut curve = f64::INFINITY;
+    let x = q.length / 1.28;
+    let wide = 1.0 + x + x.powi(2) / 2.0 + x.powi(3) / 6.0 + x.powi(4) / 24.0;
+    let mut sharpest = 0.0;
+    for (i, ahead) in path.ahead.iter_mut().enumerate() {
+        *ahead = sum(*ahead, turn, 1.0).map(|v| v / wide.powi(1 << i));
+    }
+    for i in 1..5 {
+        let (bend, distance) = (sum(path.ahead[i - 1], path.ahead[i], -1.0), 1.28 / f64::from(1 << i));
+        let curvature = (size(bend) - 0.0006 / distance) / distance;
+        if curvature > sharpest {
+            sharpest = curvature;
+            curve = bears(bend) / curvature;
+        }
+    }
+    // All corners of a bend together are one, beside what time makes up for.
+    let (lead, past) = (sum(path.lead, turn, 1.0), path.greatest);
+    let greatest = size(lead).max(past);
+    let mut bend = curve;
+    if greatest > 1e-6 {
+        let a = bears(if size(lead) > size(turn) + 1e-12 { lead } else { turn });
+        let base = match s.corner {
+            CornerRule::JunctionDeviation(d) => a * d.to_num::<f64>(),
+            CornerRule::SquareCorner(w) => w.to_num::<f64>().powi(2) * (2f64.sqrt() - 1.0),
+        };
+        let jump = |turn: f64| 8.0 * base / turn.powi(2);
+        if size(turn) > 1e-6 {
+            bend = bend.min(jump(size(lead) + past)).min(base * half / (1.0 - half).max(1e-30));
+            // A row of long chords is a circle: its radius is half a chord over the tangent of half the turn.
+            let chord = p.length.min(q.length);
+            if chord >= 1.0 {
+                bend = bend.min(a * chord * half / size(turn));
+            }
+        }
+        let speeds = s.axes.map(|a| a.max_speed.to_num::<f64>()).to_array();
+        let fastest = along(f64::INFINITY, q.unit, speeds, s.motor_max_speed.to_num()).min(speeds[3] / q.ratio.abs());
+        let gain = a * q.length;
+        let made_up = 1.15 * gain / bend.min(jump(greatest)).min(fastest.powi(2)).max(gain);
+        path.lead = lead.map(|v| v * (1.0 - made_up / size(lead).max(1e-30)).max(0.0));
+        path.greatest = (greatest - made_up).max(0.0);
+    }
     let jump = (p.ratio - q.ratio).abs();
     let jerk = if jump > 0.0 { s.extruder_jerk.to_num::<f64>() / jump } else { f64::INFINITY };
-    most.min(bend.sqrt()).min(curve.sqrt()).min(jerk)
+    most.min(bend.sqrt()).min(jerk)
+}
+
+/// Between which places the ways are really gone. An axis that is not asked to move stays where it is. In a long move along x
+/// or y that is where the belt motors' counts say that it is, from the begin on.
+fn gone(ways: &[Way]) -> Vec<([f64; 4], [f64; 4])> {
+    let mut place = [0.0; 4];
+    ways.iter()
+        .map(|w| {
+            let moves = |i: usize| w.from[i] != w.to[i];
+            let mut from = place;
+            let mut to: [f64; 4] = std::array::from_fn(|i| if moves(i) { w.to[i] } else { place[i] });
+            if w.unit != [0.0; 3] && w.length >= 1.0 && moves(0) != moves(1) {
+                let (u, v) = ((place[0] + place[1]).round(), (place[0] - place[1]).round());
+                let other = usize::from(moves(0));
+                from[other] = if other == 0 { (u + v) / 2.0 } else { (u - v) / 2.0 };
+                to[other] = from[other];
+            }
+            place = to;
+            (from, to)
+        })
+        .collect()
 }
 
 /// The trapezoids of a path from the origin, planned with all of it in view.
@@ -206,13 +246,13 @@ pub fn trapezoids(targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Trapezoid> {
     for (target, speed) in targets {
         if let Some(w) = way(at, asked, *target, *speed, s) {
             at = w.to;
-            asked = if w.unit == [0.0; 3] { [asked[0], asked[1], asked[2], target[3]] } else { *target };
             ways.push(w);
         }
+        asked = *target;
     }
-    let trends = trends(&ways);
+    let mut path = Path::default();
     let mut entry: Vec<f64> =
-        (0..ways.len()).map(|i| if i == 0 { 0.0 } else { corner(&ways[i - 1], &ways[i], &trends[i], s) }).collect();
+        (0..ways.len()).map(|i| if i == 0 { 0.0 } else { corner(&ways[i - 1], &ways[i], &mut path, s) }).collect();
     entry.push(0.0);
     for i in (0..ways.len()).rev() {
         entry[i] = entry[i].min((entry[i + 1].powi(2) + 2.0 * ways[i].a * ways[i].length).sqrt());
@@ -220,17 +260,19 @@ pub fn trapezoids(targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Trapezoid> {
     for i in 0..ways.len() {
         entry[i + 1] = entry[i + 1].min((entry[i].powi(2) + 2.0 * ways[i].a * ways[i].length).sqrt());
     }
+    let gone = gone(&ways);
     ways.iter()
         .enumerate()
         .map(|(i, w)| {
+            let (from, to) = gone[i];
             // Both ramps together are at most so long, if the ends allow it; the extruder alone need not cruise.
             let cruise = if w.unit == [0.0; 3] { 0.0 } else { s.minimum_cruise_ratio.to_num::<f64>() };
             let ramps = w.length * (1.0 - cruise);
             let meet = ((entry[i].powi(2) + entry[i + 1].powi(2)) / 2.0 + w.a * ramps).sqrt();
             let meet = meet.max(entry[i]).max(entry[i + 1]);
             Trapezoid {
-                from: w.from,
-                to: w.to,
+                from,
+                to,
                 length: w.length,
                 entry: entry[i],
                 peak: w.speed.min(meet),

@@ -3,4 +3,6 @@
 
 mod clock;
 mod counts;
+mod cycles;
 mod playing;
+mod settling;

@@ -138,6 +138,50 @@ fn a_late_interrupt_stretches_time_and_is_counted() {
     assert_eq!(status.overload(), Overload { events: Late { count: 1, worst: 700 }, ..Overload::default() });
 }
 
+/// The bound is 10 us, to the tick.
+#[test]
+fn ten_microseconds_late_is_made_good_and_a_tick_more_is_not() {
+    for (late, shift, count) in [(100, 0, 0), (101, 101, 1)] {
+        let (bench, status) = (Bench::default(), Status::new());
+        let events: Vec<StepEvent> =
+            (0..10).map(|_| event(1000, V, DOWN)).chain([event(1, GroupSet::NONE, DOWN)]).collect();
+        play(&bench, &status, &events, 0, |ring| if ring == 4 { late } else { 0 });
+        let (tick, at) = rises(&bench)[9];
+        assert_eq!((tick, at), (10_000, 10_000 + shift), "{late} ticks late");
+        assert_eq!(status.overload().events, Late { count, worst: shift });
+    }
+}
+
+/// Whoever waits for the processor gets it between two events, however many are due.
+#[test]
+fn many_events_that_are_due_at_once_leave_the_processor_in_between() {
+    for (steps, most, pause) in [(V, 9, 50), (GroupSet::NONE, 9, 50)] {
+        let (bench, status) = (Bench::default(), Status::new());
+        let mut queue = StepQueue::new();
+        let (mut events_in, events_out) = queue.split();
+        let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), Nobody);
+        for _ in 0..90 {
+            events_in.enqueue(event(1, steps, DOWN)).unwrap();
+        }
+        stepper.on_alarm();
+        bench.clock.now.set(bench.clock.alarm.get().unwrap() + 90);
+        let mut breaks = 0;
+        while let Some(alarm) = bench.clock.alarm.get() {
+            let now = bench.clock.now.get().max(alarm);
+            bench.clock.now.set(now);
+            let before = events_in.len();
+            stepper.on_alarm();
+            let played = before - events_in.len();
+            assert!(played <= most, "{played} in one interrupt");
+            if let Some(next) = bench.clock.alarm.get().filter(|_| played >= most - 1) {
+                assert!(next >= now + pause, "{} ticks", next - now);
+                breaks += 1;
+            }
+        }
+        assert!(events_in.is_empty() && breaks > 0, "{breaks} breaks");
+    }
+}
+
 #[test]
 fn a_little_lateness_is_made_good() {
     let (bench, status) = (Bench::default(), Status::new());

@@ -1,7 +1,7 @@
 //! A machine that speaks the protocol and carries nothing out.
 
 use corehbot::port::Received;
-use corehbot::protocol::{Emergency, Incoming, Receiver, Replies};
+use corehbot::protocol::{Activity, Emergency, Incoming, Receiver, Replies};
 use corehbot::units::Instant;
 
 /// As the prototype has it.
@@ -14,6 +14,8 @@ pub struct Machine {
     pub commands: Vec<String>,
     pub emergencies: Vec<Emergency>,
     pub ms: u32,
+    /// What it is about, as far as the host's silence is concerned.
+    pub activity: Activity,
 }
 
 impl Machine {
@@ -24,6 +26,7 @@ impl Machine {
             commands: Vec::new(),
             emergencies: Vec::new(),
             ms: 0,
+            activity: Activity::Moving,
         }
     }
 
@@ -36,7 +39,7 @@ impl Machine {
         let now = Instant(0).after_ms(self.ms);
         let mut incoming = self.receiver.next_line(now);
         if incoming.is_none() {
-            incoming = self.receiver.break_silence(now, PATIENCE_MS);
+            incoming = self.receiver.break_silence(now, PATIENCE_MS, self.activity);
         }
         match incoming {
             None => return false,

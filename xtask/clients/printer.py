@@ -71,7 +71,9 @@ def simulate(program, file):
     with tempfile.NamedTemporaryFile(suffix=".json") as summary:
         command = [program, "run", file, "--json", summary.name]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)
-        return json.load(summary)
+        # It was written beside and renamed, so the open file is still the empty one.
+        with open(summary.name, encoding="utf-8") as written:
+            return json.load(written)
 
 
 def commands(file):

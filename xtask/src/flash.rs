@@ -23,16 +23,24 @@ pub struct Args {
 #[derive(clap::Args)]
 #[group(required = true, multiple = false)]
 struct Way {
-    /// By a debug probe on the SWD pins, with probe-rs. Afterwards the log can be read through the same probe.
+    /// By a debug probe on the SWD pins, with probe-rs; its reset wire (NRST) has to be connected. Afterwards the log
+    /// can be read through the same probe.
     #[arg(long)]
     probe: bool,
-    /// By USB, with dfu-util; the board has to be in its DFU bootloader (BOOT0 high at reset).
+    /// By USB, with dfu-util; the board has to be in the chip's own bootloader (BOOT0 high and BOOT1 low at reset), with
+    /// the heaters unplugged.
     #[arg(long)]
     dfu: bool,
     /// By an SD card whose folder this is; the board's bootloader takes the image at the next reset.
     #[arg(long, value_name = "DIR")]
     sd: Option<PathBuf>,
 }
+
+/// What has to be so before the chip's own bootloader runs. It looks for hosts on USART3 too, whose pins it pulls up: on
+/// the Octopus these are the gates of two heaters (AN2606, STM32F446xx configuration in system memory boot mode).
+const BEFORE_DFU: &str = "\
+before you set the BOOT0 jumper: unplug HE2 and HE3, for the chip's bootloader pulls their gates (PB10, PB11) up;
+BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground";
 
 /// What dfu-util 0.11 says when everything has arrived.
 const DOWNLOADED: &str = "File downloaded successfully";
@@ -55,6 +63,7 @@ pub fn main(args: &Args) -> Result<()> {
     } else if way.dfu {
         ensure!(board.has_usb(), "the {} has no USB socket of its own: use --probe", board.title());
         DFU_UTIL.find()?;
+        println!("{BEFORE_DFU}");
     } else if let Some(card) = &way.sd {
         ensure!(board.has_card_slot(), "the {} has no card slot: use --probe", board.title());
         ensure!(card.is_dir(), "{} is no folder: where is the card mounted?", card.display());
@@ -73,17 +82,18 @@ pub fn main(args: &Args) -> Result<()> {
 
 fn by_probe(board: Board, image: &Image) -> Result<()> {
     for command in probe_commands(board, image) {
-        run(command).context("no image was flashed; is the probe connected, and has the board power?")?;
+        run(command).context("no image was flashed; is the probe connected, its NRST too, and has the board power?")?;
     }
     println!("the log: probe-rs attach --chip {} {}", board.chip(), image.elf.display());
     Ok(())
 }
 
-/// Flashes and lets the board start.
+/// Flashes and lets the board start. Both connect while the chip is held in reset: BTT's bootloader makes an output of
+/// SWDIO (PA13, which has the board's LED), and with an image that has crashed early it stays one.
 fn probe_commands(board: Board, image: &Image) -> [Command; 2] {
     let command = |task: &str| {
         let mut command = Command::new(PROBE_RS.program);
-        command.args([task, "--chip", board.chip()]);
+        command.args([task, "--chip", board.chip(), "--connect-under-reset"]);
         command
     };
     let mut download = command("download");
@@ -119,9 +129,9 @@ fn by_dfu(mut command: Command) -> Result<()> {
     let is_there = String::from_utf8_lossy(&said).contains(DOWNLOADED);
     ensure!(
         status.success() || is_there,
-        "no image was flashed ({status}); is the board in its bootloader (BOOT0 jumper set, then reset)?"
+        "no image was flashed ({status}); is the board in its bootloader (BOOT0 jumper set, BOOT1 low, then reset)?"
     );
-    println!("flashed; take the BOOT0 jumper off and reset");
+    println!("flashed; take the BOOT0 jumper off and reset, then plug the heaters in again");
     Ok(())
 }
 
@@ -183,10 +193,22 @@ mod tests {
     }
 
     #[test]
-    fn a_probe_is_told_the_chip() {
-        let texts = probe_commands(Board::Octopus, &image()).map(|command| words(&command));
-        let wanted = ["probe-rs download --chip STM32F446ZETx octopus.elf", "probe-rs reset --chip STM32F446ZETx"];
-        assert_eq!(texts, wanted);
+    fn a_probe_is_told_the_chip_and_connects_while_it_is_held_in_reset() {
+        for (board, chip) in [(Board::Octopus, "STM32F446ZETx"), (Board::Nucleo, "STM32F446RETx")] {
+            let texts = probe_commands(board, &image()).map(|command| words(&command));
+            let wanted = [
+                format!("probe-rs download --chip {chip} --connect-under-reset octopus.elf"),
+                format!("probe-rs reset --chip {chip} --connect-under-reset"),
+            ];
+            assert_eq!(texts, wanted);
+        }
+    }
+
+    #[test]
+    fn whoever_flashes_by_usb_is_told_of_the_heaters_and_of_both_boot_pins() {
+        for word in ["HE2", "HE3", "PB10", "PB11", "BOOT0", "BOOT1", "PB2"] {
+            assert!(BEFORE_DFU.contains(word), "{word}");
+        }
     }
 
     #[test]

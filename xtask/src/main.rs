@@ -6,6 +6,7 @@ mod checkout;
 mod clients;
 mod emulate;
 mod flash;
+mod mutants;
 mod qemu;
 mod test;
 
@@ -34,6 +35,8 @@ enum Task {
     Equal(emulate::EqualArgs),
     /// Builds the image of a board and puts it there: by a debug probe, USB or SD card.
     Flash(flash::Args),
+    /// Puts faults into the core, one at a time, and counts those that its tests notice. Takes hours.
+    Mutants(mutants::Args),
     /// Prints a G-code file on the firmware in QEMU.
     Qemu(qemu::Args),
     /// Checks everything: format, lints, documentation, tests, sizes, and QEMU against the simulator.
@@ -48,6 +51,7 @@ fn main() -> ExitCode {
         Task::Emulate(args) => emulate::main(&args),
         Task::Equal(args) => emulate::equal(&args),
         Task::Flash(args) => flash::main(&args),
+        Task::Mutants(args) => mutants::main(&args),
         Task::Qemu(args) => qemu::main(&args),
         Task::Test(args) => test::main(&args),
     };

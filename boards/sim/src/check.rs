@@ -18,8 +18,10 @@
 //!
 //! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis is
 //! as fast as its speed limit; a short one (T = sqrt(2Q / A)), where the three terms are least together, finds a jump: for
-//! 80 steps/mm, 5 m/s2 and d = 0.013 mm any jump above 65 mm/s.
+//! 80 steps/mm, 5 m/s2 and d = 0.013 mm any jump above 65 mm/s. Within 4 ms the speeds of x and y are looked at step by step
+//! (`changes.rs`), which finds a wave that is too short for both windows.
 
+use self::changes::Changes;
 use crate::limits::{Limit, Limits, belts};
 use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
 use corehbot::kinematics::{Group, Groups, WayBack};
@@ -82,6 +84,7 @@ pub struct Checker {
     sampler: Sampler,
     groups: Groups,
     gauge: Gauge,
+    changes: Changes,
     last_tick: u64,
     /// What [`Groups::constraint`] says.
     constraint: Option<[i32; MOST_GROUPS]>,
@@ -99,6 +102,7 @@ impl Checker {
             sampler: Sampler::default(),
             groups: Groups::new(&s.mechanism),
             gauge: Gauge::new(s, limits),
+            changes: Changes::new(s, limits),
             constraint: Groups::new(&s.mechanism).constraint(),
             last_tick: 0,
             last_pulse: [None; Motor::ALL.len()],
@@ -115,7 +119,8 @@ impl Checker {
         }
         self.last_tick = tick;
         self.check_spacing(tick, steps);
-        let Self { sampler, gauge, findings, .. } = self;
+        let Self { sampler, gauge, changes, findings, .. } = self;
+        changes.event(findings, tick, steps, forward);
         sampler.event(tick, steps, forward, |sample| gauge.measure(findings, sample));
         self.check_mechanism(tick);
     }
@@ -124,8 +129,9 @@ impl Checker {
     #[must_use]
     pub fn finish(mut self, expected: Option<[i32; Motor::ALL.len()]>) -> Findings {
         let strain = self.strain();
-        let Self { sampler, gauge, findings, last_tick, .. } = &mut self;
+        let Self { sampler, gauge, changes, findings, last_tick, .. } = &mut self;
         let rest = *last_tick + LONGEST_WINDOW as u64 * SAMPLE_TICKS;
+        changes.advance(findings, rest);
         sampler.advance(rest, |sample| gauge.measure(findings, sample));
         if let Some((sum, most)) = strain
             && sum.abs() >= most
@@ -330,5 +336,6 @@ impl Coordinate {
     }
 }
 
+mod changes;
 #[cfg(test)]
 mod tests;

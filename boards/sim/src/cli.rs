@@ -1,26 +1,28 @@
 //! Command line: what `corehbot` understands, and with which status it ends.
 //!
-//! 0: the print was done and its steps are sound. 1: it was not. 2: nothing was printed, because the command
-//! line, a file or the settings are wrong.
+//! 0: the print was done and its steps are sound. 1: it was not, or nothing was printed. 2: nothing was begun, because
+//! the command line, a file or the settings are wrong. 130: Ctrl-C (128 and the number of the signal).
 
 use crate::eeprom::Eeprom;
 use crate::machine_file::{self, Machine};
 use crate::run::{self, Run};
 #[cfg(unix)]
 use crate::serve::{self, Serve};
-use anyhow::{Context, Result};
+use crate::words;
+use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use std::fs::File;
-use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The print failed.
-const FAILED: u8 = 1;
+/// All went well.
+pub(crate) const DONE: u8 = 0;
 
-/// Nothing was printed; clap ends with the same status.
+/// The print failed.
+pub(crate) const FAILED: u8 = 1;
+
+/// Nothing was begun; clap ends with the same status.
 const UNUSABLE: u8 = 2;
 
 /// The CoreH-bot firmware on this computer: prints G-code on a simulated machine.
@@ -51,17 +53,16 @@ pub fn main() -> ExitCode {
 }
 
 /// Does what was prepared, and says how it ended.
-fn end<T>(prepared: Result<T>, run: impl FnOnce(T) -> Result<bool>) -> ExitCode {
+fn end<T>(prepared: Result<T>, run: impl FnOnce(T) -> Result<u8>) -> ExitCode {
     match prepared.map(run) {
-        Ok(Ok(true)) => ExitCode::SUCCESS,
-        Ok(Ok(false)) => ExitCode::from(FAILED),
+        Ok(Ok(status)) => ExitCode::from(status),
         Ok(Err(error)) => complain(&error, FAILED),
         Err(error) => complain(&error, UNUSABLE),
     }
 }
 
 fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
-    eprintln!("corehbot: {error:#}");
+    eprintln!("corehbot: {}", words::lines(&format!("{error:#}")));
     ExitCode::from(status)
 }
 
@@ -85,6 +86,11 @@ impl Printer {
         read_machine(self.settings.as_deref())
     }
 
+    /// The files that it is made of.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        [&self.settings, &self.storage].into_iter().flatten().map(PathBuf::as_path)
+    }
+
     /// What keeps its settings.
     pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
         self.storage.as_deref().map(Eeprom::open).transpose()
@@ -106,18 +112,7 @@ fn read_machine(path: Option<&Path>) -> Result<Machine> {
     let Some(path) = path else {
         return Ok(Machine { name: Some("CoreH-bot prototype".to_owned()), settings: Settings::prototype() });
     };
-    let text = std::fs::read_to_string(path).with_context(|| cannot("open", path))?;
-    let mut machine = machine_file::parse(&text).with_context(|| format!("{}", path.display()))?;
-    machine.name = machine.name.or_else(|| path.file_stem().map(|s| s.to_string_lossy().into_owned()));
-    Ok(machine)
-}
-
-pub(crate) fn create(path: &Path) -> Result<BufWriter<File>> {
-    File::create(path).map(BufWriter::new).with_context(|| cannot("create", path))
-}
-
-pub(crate) fn cannot(what: &str, path: &Path) -> String {
-    format!("cannot {what} {}", path.display())
+    machine_file::read(path)
 }
 
 #[cfg(test)]

@@ -2,10 +2,10 @@
 //!
 //! Every write goes to the file at once, so a simulator that is killed has had its power cut.
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use corehbot::port::{Storage, StorageError};
 use corehbot::settings::Settings;
-use corehbot::storage::survey;
+use corehbot::storage::{save, survey};
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
@@ -65,6 +65,21 @@ impl Eeprom {
         // Nothing waits here, so the future is ready at once.
         let Poll::Ready(Ok(survey)) = survey else { return None };
         survey.newest.map(|stored| stored.settings)
+    }
+
+    /// Stores settings, as M500 does.
+    ///
+    /// # Errors
+    /// If they could not be kept.
+    pub fn save(&mut self, settings: &Settings) -> Result<()> {
+        let mut eeprom = self;
+        let save = pin!(save(&mut eeprom, settings)).poll(&mut Context::from_waker(Waker::noop()));
+        match save {
+            Poll::Ready(Ok(_)) => Ok(()),
+            Poll::Ready(Err(error)) => Err(anyhow!("the settings cannot be stored: {error:?}")),
+            // Nothing waits here, so the future is ready at once.
+            Poll::Pending => bail!("the settings cannot be stored"),
+        }
     }
 
     /// Its content, to look at and to damage.

@@ -1,12 +1,20 @@
 //! The host at the other end of the line: sends a G-code file the way printcore does.
 //!
-//! Comments and blank lines stay at home. `N-1 M110 N-1` resets the line number, then the commands follow as
+//! Comments and blank lines stay at home, and so do line numbers and checksums that stand in the file: they are verified,
+//! and an M110, which would be about them, is left out. `N-1 M110 N-1` resets the line number, then the commands follow as
 //! `N0`, `N1`, ... with a checksum, each when the one before was answered with `ok`. A `Resend` goes back.
 //! An `M400` is added, so that the last `ok` means that the motion is done. (Printrun, `printcore.py`.)
+//!
+//! Where the printer waits for a user (M0, M1, M600, M601), it goes on after [`USER_SECONDS`], as a user would have it do.
+//! The file is read as it is sent; only the last commands are kept, in case they are asked for again.
 
+use crate::input::{Lines, Survey, lines_of, survey};
 use crate::world::Host;
+use corehbot::units::TICKS_PER_SECOND;
 use std::borrow::Cow;
+use std::collections::VecDeque;
 use std::fmt;
+use std::io::BufRead;
 
 /// Remarks that are kept in words; the rest is counted.
 const KEPT: usize = 20;
@@ -14,11 +22,25 @@ const KEPT: usize = 20;
 /// Resends of one command after which something is wrong for good.
 const PATIENCE: u32 = 10;
 
+/// Commands that can be sent again: more than a printer of any kind has room for.
+const RECENT: usize = 256;
+
+/// How long a user takes to answer.
+pub const USER_SECONDS: u32 = 5;
+
+/// The same in ticks.
+const USER_TICKS: u64 = (USER_SECONDS * TICKS_PER_SECOND) as u64;
+
+/// What a user sends to have the printer go on.
+const GO_ON: &str = "M108";
+
 /// A command of the file.
 struct Command {
     text: String,
     /// Line in the file, from 1; 0 for what the host adds.
     line: u32,
+    /// Its checksum in the file is that of another text.
+    is_damaged: bool,
 }
 
 /// Something the printer said about a command.
@@ -43,11 +65,17 @@ impl fmt::Display for Remark {
 
 /// Sends a file and listens to the answers.
 pub struct FileHost {
-    commands: Vec<Command>,
-    lines: u32,
+    file: Lines<Box<dyn BufRead + Send>>,
+    survey: Survey,
+    /// Lines read so far.
+    read: u32,
+    /// The last commands that were read, and the index of the first of them.
+    recent: VecDeque<Command>,
+    first: i64,
     /// Index of the next command to send; -1 is the reset of the line number.
     next: i64,
-    is_awaiting_ok: bool,
+    /// Commands that were not answered yet, a user's among them.
+    awaiting: u32,
     sent: u64,
     resends: u32,
     /// The number that was asked for last, and how often in a row.
@@ -57,6 +85,12 @@ pub struct FileHost {
     error: Option<String>,
     warnings: Vec<Remark>,
     warnings_total: u32,
+    /// The time, in ticks.
+    now: u64,
+    /// Since when the printer has waited for a user who is not there.
+    paused: Option<u64>,
+    pauses: Vec<Remark>,
+    pauses_total: u32,
     failure: Option<Remark>,
 }
 
@@ -64,21 +98,22 @@ impl FileHost {
     /// A host that will send the commands of `gcode`.
     #[must_use]
     pub fn new(gcode: &str) -> Self {
-        let mut commands = Vec::new();
-        let mut lines = 0;
-        for line in gcode.lines() {
-            lines += 1;
-            let text = strip_comment(line);
-            if !text.is_empty() {
-                commands.push(Command { text: text.into_owned(), line: lines });
-            }
-        }
-        commands.push(Command { text: "M400".to_owned(), line: 0 });
+        // Memory can always be read.
+        let known = survey(&mut lines_of(gcode), |_, _, _| Ok(())).unwrap_or_default();
+        Self::reading(lines_of(gcode), known)
+    }
+
+    /// A host that will send the commands of `file`, which holds what `survey` says.
+    #[must_use]
+    pub const fn reading(file: Lines<Box<dyn BufRead + Send>>, survey: Survey) -> Self {
         Self {
-            commands,
-            lines,
+            file,
+            survey,
+            read: 0,
+            recent: VecDeque::new(),
+            first: 0,
             next: -1,
-            is_awaiting_ok: false,
+            awaiting: 0,
             sent: 0,
             resends: 0,
             repeated: -2,
@@ -86,26 +121,63 @@ impl FileHost {
             error: None,
             warnings: Vec::new(),
             warnings_total: 0,
+            now: 0,
+            paused: None,
+            pauses: Vec::new(),
+            pauses_total: 0,
             failure: None,
         }
+    }
+
+    /// Commands to send: those of the file and the one that is added.
+    const fn total(&self) -> i64 {
+        self.survey.commands as i64 + 1
+    }
+
+    /// A command by its index, if it is one of the last or the next; an error is the end of the print.
+    fn command(&mut self, index: i64) -> Result<&Command, &'static str> {
+        while self.first + self.recent.len() as i64 <= index {
+            let command = self.read_command()?;
+            self.recent.push_back(command);
+            if self.recent.len() > RECENT {
+                self.recent.pop_front();
+                self.first += 1;
+            }
+        }
+        let place = usize::try_from(index - self.first).ok();
+        place.and_then(|place| self.recent.get(place)).ok_or("asks for a line that was sent long ago")
+    }
+
+    fn read_command(&mut self) -> Result<Command, &'static str> {
+        while let Some(line) = self.file.next_line().map_err(|_| "the file cannot be read any further")? {
+            self.read += 1;
+            let (text, is_damaged) = command_of(&line);
+            if !text.is_empty() {
+                return Ok(Command { text: text.into_owned(), line: self.read, is_damaged });
+            }
+        }
+        if self.first + self.recent.len() as i64 != self.total() - 1 {
+            return Err("the file has become shorter");
+        }
+        Ok(Command { text: "M400".to_owned(), line: 0, is_damaged: false })
     }
 
     /// Lines of the file.
     #[must_use]
     pub const fn lines(&self) -> u32 {
-        self.lines
+        self.survey.lines
     }
 
     /// Commands of the file.
     #[must_use]
     pub const fn commands(&self) -> u64 {
-        self.commands.len() as u64 - 1
+        self.survey.commands
     }
 
     /// Commands answered so far.
     #[must_use]
     pub fn answered(&self) -> u64 {
-        (self.next - i64::from(self.is_awaiting_ok)).clamp(0, self.commands.len() as i64 - 1) as u64
+        (self.next - i64::from(self.awaiting > 0)).clamp(0, self.total() - 1) as u64
     }
 
     /// Commands that had to be sent again.
@@ -126,6 +198,18 @@ impl FileHost {
         self.warnings_total
     }
 
+    /// Where it went on instead of a user: the first few places.
+    #[must_use]
+    pub fn pauses(&self) -> &[Remark] {
+        &self.pauses
+    }
+
+    /// How often it went on instead of a user.
+    #[must_use]
+    pub const fn pauses_total(&self) -> u32 {
+        self.pauses_total
+    }
+
     /// Why the print failed, if it did.
     #[must_use]
     pub const fn failure(&self) -> Option<&Remark> {
@@ -134,8 +218,8 @@ impl FileHost {
 
     /// The command that was sent last.
     fn current(&self) -> Remark {
-        let index = usize::try_from(self.next - 1).ok();
-        let (line, command) = match index.and_then(|i| self.commands.get(i)) {
+        let place = usize::try_from(self.next - 1 - self.first).ok();
+        let (line, command) = match place.and_then(|place| self.recent.get(place)) {
             Some(command) => (command.line, command.text.clone()),
             None => (0, "M110 N-1".to_owned()),
         };
@@ -163,7 +247,7 @@ impl FileHost {
         };
         self.error = None;
         // After a silence the printer asks for the next line; what was never sent is not sent again.
-        if !self.is_awaiting_ok && number == self.next {
+        if self.awaiting == 0 && number == self.next {
             return;
         }
         self.resends += 1;
@@ -172,27 +256,58 @@ impl FileHost {
         if self.repeats > PATIENCE {
             self.fail("asks for the same line again and again");
         }
-        self.next = number.clamp(-1, self.commands.len() as i64);
+        self.next = number.clamp(-1, self.total());
+    }
+
+    /// The printer says what hosts show a user.
+    fn hear_action(&mut self, action: &str) {
+        match action {
+            // Waits that end by themselves need no user.
+            "prompt_show" if !is_timed(&self.current().command) => self.paused = Some(self.now),
+            "prompt_end" => self.paused = None,
+            _ => {}
+        }
     }
 }
 
 impl Host for FileHost {
     fn send(&mut self, out: &mut Vec<u8>) {
-        if self.is_awaiting_ok || self.is_done() {
+        if self.awaiting > 0 || self.is_done() {
             return;
         }
-        let text = match usize::try_from(self.next) {
-            Ok(index) => match self.commands.get(index) {
-                Some(command) => format!("N{index} {}", command.text),
-                None => return,
-            },
-            Err(_) => "N-1 M110 N-1".to_owned(),
+        let index = self.next;
+        let text = match self.command(index) {
+            _ if index < 0 => "N-1 M110 N-1".to_owned(),
+            Ok(Command { is_damaged: true, .. }) => {
+                self.next += 1;
+                return self.fail("its checksum is wrong, the file is damaged");
+            }
+            Ok(command) => format!("N{index} {}", command.text),
+            Err(why) => return self.fail(why),
         };
         let checksum = text.bytes().fold(0, |sum, b| sum ^ b);
         out.extend_from_slice(format!("{text}*{checksum}\n").as_bytes());
         self.next += 1;
         self.sent += 1;
-        self.is_awaiting_ok = true;
+        self.awaiting = 1;
+    }
+
+    fn clock(&mut self, tick: u64) {
+        self.now = tick;
+    }
+
+    fn interject(&mut self, out: &mut Vec<u8>) {
+        if self.paused.is_none_or(|since| self.now < since + USER_TICKS) {
+            return;
+        }
+        self.paused = None;
+        out.extend_from_slice(format!("{GO_ON}\n").as_bytes());
+        self.awaiting += 1;
+        self.pauses_total += 1;
+        if self.pauses.len() < KEPT {
+            let reply = format!("went on by itself after {USER_SECONDS} s ({GO_ON})");
+            self.pauses.push(Remark { reply, ..self.current() });
+        }
     }
 
     fn hear(&mut self, line: &str) {
@@ -201,7 +316,9 @@ impl Host for FileHost {
             if let Some(error) = self.error.take() {
                 self.fail(&error);
             }
-            self.is_awaiting_ok = false;
+            self.awaiting = self.awaiting.saturating_sub(1);
+        } else if let Some(action) = line.strip_prefix("// action:") {
+            self.hear_action(action);
         } else if let Some(number) = line.strip_prefix("Resend:") {
             self.resend(number);
         } else if line.starts_with("Error:Printer halted") || line.starts_with("!!") {
@@ -216,7 +333,7 @@ impl Host for FileHost {
     }
 
     fn is_done(&self) -> bool {
-        self.failure.is_some() || self.next >= self.commands.len() as i64 && !self.is_awaiting_ok
+        self.failure.is_some() || self.next >= self.total() && self.awaiting == 0
     }
 }
 
@@ -238,20 +355,66 @@ fn is_odd(reply: &str) -> bool {
     reply.strip_prefix("echo:").is_some_and(|text| !EXPECTED.iter().any(|begin| text.starts_with(begin)))
 }
 
-/// A line without its comments and outer blanks, in ASCII as the wire wants it.
+/// Whether a wait for the user ends by itself: with a time, in seconds (S) or milliseconds (P).
+fn is_timed(command: &str) -> bool {
+    let mut words = words(command);
+    matches!(words.next(), Some(('M', Some(0.0 | 1.0))))
+        && words.any(|(letter, value)| matches!(letter, 'S' | 'P') && value.is_some_and(|time| time > 0.0))
+}
+
+/// The command of a line of a file, empty if there is none for the printer, and whether the checksum there is wrong.
+#[must_use]
+pub fn command_of(line: &str) -> (Cow<'_, str>, bool) {
+    let (text, is_damaged) = verified(strip_comment(line));
+    if is_line_number(&text) { (Cow::Borrowed(""), is_damaged) } else { (text, is_damaged) }
+}
+
+/// A text without the line number and the checksum that it may have, and whether that checksum is wrong.
+fn verified(text: Cow<'_, str>) -> (Cow<'_, str>, bool) {
+    let Some(rest) = behind_number(&text) else { return (text, false) };
+    let (rest, is_damaged) = match text.rsplit_once('*') {
+        Some((body, sum)) => {
+            let expected = body.bytes().fold(0, |sum, byte| sum ^ byte);
+            (rest.rsplit_once('*').map_or(rest, |(rest, _)| rest), sum.trim().parse() != Ok(expected))
+        }
+        None => (rest, false),
+    };
+    (Cow::Owned(rest.trim().to_owned()), is_damaged)
+}
+
+/// The text behind the line number, if there is one.
+fn behind_number(text: &str) -> Option<&str> {
+    let number = text.strip_prefix(['N', 'n'])?.trim_start();
+    let digits = number.strip_prefix('-').unwrap_or(number);
+    let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit());
+    (rest.len() < digits.len()).then_some(rest)
+}
+
+/// Whether this is M110, which sets line numbers.
+fn is_line_number(text: &str) -> bool {
+    matches!(words(text).next(), Some(('M', Some(110.0))))
+}
+
+/// A line without its comments and outer blanks, in ASCII as the wire wants it. As printcore does it, `( )` is a comment
+/// if it is closed, whatever is in it.
 #[must_use]
 pub fn strip_comment(line: &str) -> Cow<'_, str> {
-    let line = line.split(';').next().unwrap_or_default().trim();
     if !line.contains('(') && line.is_ascii() {
-        return Cow::Borrowed(line);
+        return Cow::Borrowed(line.split(';').next().unwrap_or_default().trim());
     }
     let mut text = String::new();
-    let mut is_comment = false;
-    for c in line.chars() {
+    let mut rest = line;
+    while let Some(c) = rest.chars().next() {
+        rest = &rest[c.len_utf8()..];
         match c {
-            '(' => is_comment = true,
-            ')' => is_comment = false,
-            _ if is_comment => {}
+            ';' => break,
+            '(' => match rest.find(['(', ')']) {
+                Some(end) if rest[end..].starts_with(')') => rest = &rest[end + 1..],
+                _ => text.push(c),
+            },
+            // A no-break space, and the byte order mark that some editors begin a file with.
+            '\u{a0}' => text.push(' '),
+            '\u{feff}' => {}
             _ if c.is_ascii() => text.push(c),
             _ => text.push('?'),
         }
@@ -299,6 +462,35 @@ mod tests {
         host.hear("ok");
         assert!(host.is_done() && host.failure().is_none() && host.warnings().is_empty());
         assert_eq!(host.answered(), 2);
+    }
+
+    #[test]
+    fn comments_are_those_of_printcore() {
+        for (line, text) in [
+            ("G1 X5 (a;b) Y6 ; c", "G1 X5  Y6"),
+            ("(a)G1 X5(b)", "G1 X5"),
+            ("G1 X5 (a ; b", "G1 X5 (a"),
+            ("G1 X5 (a(b) Y6", "G1 X5 (a Y6"),
+            ("\u{feff}G1\u{a0}X5\u{a0}", "G1 X5"),
+            ("M117 50 \u{b0}C", "M117 50 ?C"),
+        ] {
+            assert_eq!(strip_comment(line), text, "{line}");
+        }
+    }
+
+    #[test]
+    fn numbers_and_checksums_of_a_file_are_verified_and_stay_at_home() {
+        let mut host = FileHost::new("N0 M110 N0*125\nN1 G28*18\nN2 G1 X5*103 ; right\nN3 G1 Y5\nN4 G1 X6*1\nG1 X7\n");
+        assert_eq!(host.commands(), 5);
+        for expected in ["N-1 M110", "N0 G28*", "N1 G1 X5*", "N2 G1 Y5*"] {
+            let line = sent(&mut host);
+            assert!(line.starts_with(expected), "{line}");
+            host.hear("ok");
+        }
+        assert_eq!(sent(&mut host), "");
+        let failure = host.failure().unwrap();
+        assert_eq!((failure.line, failure.command.as_str()), (5, "G1 X6"));
+        assert_eq!(command_of("NOZZLE*5"), ("NOZZLE*5".into(), false));
     }
 
     #[test]
@@ -353,6 +545,53 @@ mod tests {
         assert_eq!(host.warnings()[0].to_string(), "3: M9999: echo:Unknown command: \"M9999\"");
         assert_eq!(host.failure().unwrap().line, 4);
         assert!(host.is_done());
+    }
+
+    #[test]
+    fn a_user_who_is_not_there_answers_after_a_while() {
+        let mut host = FileHost::new("M600 ; change\nM0 S60\nG28\n");
+        let interjected = |host: &mut FileHost, seconds: u64| {
+            let mut out = Vec::new();
+            host.clock(seconds * u64::from(TICKS_PER_SECOND));
+            host.interject(&mut out);
+            String::from_utf8(out).unwrap()
+        };
+        let _ = sent(&mut host);
+        host.hear("ok");
+        assert!(sent(&mut host).starts_with("N0 M600"));
+        interjected(&mut host, 100);
+        host.hear("// action:prompt_show");
+        assert_eq!(interjected(&mut host, 104), "");
+        assert_eq!(interjected(&mut host, 105), "M108\n");
+        assert_eq!(interjected(&mut host, 300), "");
+        host.hear("// action:prompt_end");
+        host.hear("ok");
+        assert_eq!(sent(&mut host), "", "the answer to M108 is still to come");
+        host.hear("ok");
+        assert!(sent(&mut host).starts_with("N1 M0 S60"));
+        host.hear("// action:prompt_show");
+        assert_eq!(interjected(&mut host, 359), "", "this wait has an end");
+        host.hear("// action:prompt_end");
+        host.hear("ok");
+        assert_eq!(host.pauses_total(), 1);
+        assert_eq!(host.pauses()[0].to_string(), "1: M600: went on by itself after 5 s (M108)");
+    }
+
+    #[test]
+    fn only_the_last_commands_are_kept() {
+        let mut host = FileHost::new(&"G1 X5\n".repeat(5000));
+        for _ in 0..4000 {
+            let _ = sent(&mut host);
+            host.hear("ok");
+        }
+        assert!(host.recent.len() <= RECENT);
+        host.hear("Resend: 3990");
+        host.hear("ok");
+        assert!(sent(&mut host).starts_with("N3990 G1 X5*"));
+        host.hear("Resend: 17");
+        host.hear("ok");
+        assert_eq!(sent(&mut host), "");
+        assert!(host.is_done() && host.failure().is_some_and(|why| why.reply.contains("long ago")));
     }
 
     #[test]

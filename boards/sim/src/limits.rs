@@ -18,8 +18,8 @@
 //! acceleration, at most `2 K A / h`. A corner's jump enters the window and leaves it again, as a jump of K / h times as
 //! much, and so does a change of K: it is a jump from `K v` to another.
 
-use crate::host::{strip_comment, words};
-use corehbot::gcode::{Command, parse};
+use crate::host::{command_of, words};
+use corehbot::gcode::{Command, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups};
 use corehbot::motors::Motor;
 use corehbot::settings::{AxisSettings, CornerRule, Settings, ranges};
@@ -129,12 +129,20 @@ fn belt_name(group: &Group) -> String {
     format!("belt {}", motors.map(|motor| motor.name().trim_start_matches('m')).collect::<Vec<_>>().join("/"))
 }
 
-impl Limits {
-    /// The limits of a machine that was made with settings `s`, has others `stored`, and runs `gcode`.
+/// Limits that grow by what the commands of a print allow.
+pub struct Widening {
+    settings: [Option<Settings>; 2],
+    limits: Limits,
+    widest: Widest,
+    /// mm in the unit of the print.
+    unit: f64,
+}
+
+impl Widening {
+    /// The limits of a machine that was made with settings `s` and has others `stored`.
     #[must_use]
-    pub fn new(s: &Settings, stored: Option<&Settings>, gcode: &str) -> Self {
-        let mut limits = Self { of: limits_of(s), is_judged: true };
-        let belts = belts(s);
+    pub fn new(s: &Settings, stored: Option<&Settings>) -> Self {
+        let mut limits = Limits { of: limits_of(s), is_judged: true };
         let mut widest = Widest::NONE;
         widest.widen(s);
         if let Some(stored) = stored {
@@ -145,21 +153,47 @@ impl Limits {
                 limit.acceleration = limit.acceleration.max(other.acceleration);
             }
         }
-        let mut unit = 1.0;
-        for line in gcode.lines() {
-            for s in [Some(s), stored].into_iter().flatten() {
-                limits.widen(&strip_comment(line), s, &mut widest, &mut unit);
-            }
+        Self { settings: [Some(*s), stored.copied()], limits, widest, unit: 1.0 }
+    }
+
+    /// Takes in what a command of the print, without its comments, allows.
+    pub fn command(&mut self, command: &str) {
+        let Self { settings, limits, widest, unit } = self;
+        for s in settings.iter().flatten() {
+            limits.widen(command, s, widest, unit);
         }
+    }
+
+    /// The limits of the whole print.
+    #[must_use]
+    pub fn finish(self) -> Limits {
+        let Self { settings, mut limits, widest, .. } = self;
+        let belts = settings[0].as_ref().map(belts).unwrap_or_default();
         limits.set_jumps(&widest, &belts);
         limits.add_advance(&widest);
         limits
+    }
+}
+
+impl Limits {
+    /// The limits of a machine that was made with settings `s`, has others `stored`, and runs `gcode`.
+    #[must_use]
+    pub fn new(s: &Settings, stored: Option<&Settings>, gcode: &str) -> Self {
+        let mut limits = Widening::new(s, stored);
+        for line in gcode.lines() {
+            limits.command(&command_of(line).0);
+        }
+        limits.finish()
     }
 
     /// Takes in what one command allows.
     fn widen(&mut self, command: &str, s: &Settings, widest: &mut Widest, unit: &mut f64) {
         if let Command::Advance { time, window } = parse(command.as_bytes()) {
             return widest.widen_advance(time.map(|n| n.value().to_num()), window.map(|n| n.value().to_num()));
+        }
+        if let Command::VelocityLimit(VelocityWords { square_corner: Some(number), .. }) = parse(command.as_bytes()) {
+            widest.square = widest.square.max(number.value().to_num());
+            return;
         }
         let mut words = words(command);
         let Some((letter, Some(code))) = words.next() else { return };
@@ -253,6 +287,9 @@ mod tests {
         assert_eq!(limits.of[2].acceleration, 254.0);
         assert_eq!(limits.of[2].hard_stop, 8.0);
         assert!(limits.is_judged);
+        let squares = ["M205 X40\n", "SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=40\n"];
+        let [marlin, klipper] = squares.map(|gcode| Limits::new(&Settings::prototype(), None, gcode).of);
+        assert!(marlin == klipper && marlin[0].jump > 70.0);
     }
 
     #[test]

@@ -4,7 +4,9 @@
 //! range is an error that names both. `examples/machines/prototype.toml` shows every key.
 
 mod form;
+mod place;
 
+use anyhow::{Context as _, anyhow};
 use corehbot::kinematics::{Mechanism, Row};
 use corehbot::motors::Motor;
 use corehbot::settings::{
@@ -12,7 +14,9 @@ use corehbot::settings::{
 };
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, MechanismToml, ShaperToml};
+pub use place::Place;
 use std::fmt::{self, Display};
+use std::path::Path;
 
 /// A machine as its file describes it.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -53,7 +57,7 @@ pub enum MachineFileError {
 impl Display for MachineFileError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Syntax(error) => f.write_str(error.to_string().trim_end()),
+            Self::Syntax(error) => f.write_str(&place::words(error)),
             Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
             Self::Corner => f.write_str("corner wants either junction_deviation or square_corner"),
             Self::Row { key, row } => {
@@ -65,6 +69,42 @@ impl Display for MachineFileError {
 }
 
 impl std::error::Error for MachineFileError {}
+
+impl MachineFileError {
+    /// Where in the file it is, if it is at one place.
+    #[must_use]
+    pub fn place(&self, text: &str) -> Option<Place> {
+        let key = match self {
+            Self::Syntax(error) => return error.span().map(|span| Place::of_byte(text, span.start)),
+            Self::Range { key, .. } | Self::Row { key, .. } => key.clone(),
+            Self::Corner => "corner.square_corner".to_owned(),
+            Self::Settings(SettingsError::OutOfRange(key)) => (*key).to_owned(),
+            Self::Settings(SettingsError::TooManySteps(table)) => format!("{table}.max_speed"),
+            Self::Settings(SettingsError::NoSuchMicrosteps(table)) => format!("{table}.microsteps"),
+            Self::Settings(SettingsError::ResolutionsDiffer(axes)) => {
+                // Two axes by their names; the second one is as good a place as the first.
+                let axes = axes.split(" and ").map(|axis| format!("axes.{axis}.steps_per_mm"));
+                return axes.filter_map(|key| Place::of_key(text, &key)).last();
+            }
+            Self::Settings(SettingsError::Mechanism(_)) => "mechanism".to_owned(),
+        };
+        Place::of_key(text, &key)
+    }
+}
+
+/// The machine of the file at `path`, which is its name unless it says another.
+///
+/// # Errors
+/// What is wrong, with the file's name, line and column in front.
+pub fn read(path: &Path) -> anyhow::Result<Machine> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+    let mut machine = parse(&text).map_err(|error| match error.place(&text) {
+        Some(place) => anyhow!("{}:{place}: {error}", path.display()),
+        None => anyhow!("{}: {error}", path.display()),
+    })?;
+    machine.name = machine.name.or_else(|| path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+    Ok(machine)
+}
 
 /// A kind of quantity: its legal range, and how it comes from a number that is not NaN.
 struct Kind<T> {
@@ -88,6 +128,7 @@ const DAMPING: Kind<Ratio> = Kind { range: ranges::DAMPING, convert: Ratio::satu
 const CRUISE_RATIO: Kind<Ratio> = Kind { range: ranges::CRUISE_RATIO, ..DAMPING };
 const ADVANCE: Kind<Seconds> = Kind { range: ranges::ADVANCE, convert: Seconds::saturating_from_num::<f64> };
 const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::WINDOW, ..ADVANCE };
+const LOOKAHEAD_TIME: Kind<Seconds> = Kind { range: ranges::LOOKAHEAD_TIME, ..ADVANCE };
 const PATIENCE: Kind<u16> = Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
 const KEEPALIVE: Kind<u8> = Kind { range: Range { least: 0, most: 60 }, convert: |s| s as u8 };
 
@@ -118,8 +159,10 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     put(&mut s.keepalive_s, "keepalive_s", file.keepalive_s, &KEEPALIVE)?;
     put(&mut s.patience_ms, "patience_ms", file.patience_ms, &PATIENCE)?;
     put(&mut s.minimum_cruise_ratio, "minimum_cruise_ratio", file.minimum_cruise_ratio, &CRUISE_RATIO)?;
+    put(&mut s.lookahead_time, "lookahead_time", file.lookahead_time, &LOOKAHEAD_TIME)?;
     s.advanced_ok = file.advanced_ok.unwrap_or(s.advanced_ok);
     s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
+    s.require_homing = file.require_homing.unwrap_or(s.require_homing);
     if let Some(file) = file.mechanism {
         s.mechanism = mechanism(file)?;
     }
@@ -257,7 +300,7 @@ mod tests {
     fn the_example_is_the_prototype_with_every_key() {
         let text = include_str!("../../../examples/machines/prototype.toml");
         assert_eq!(load(text).unwrap(), Settings::prototype());
-        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 78);
+        assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 80);
     }
 
     #[test]
@@ -266,7 +309,8 @@ mod tests {
         assert_eq!(s.axes.x.max_speed, MmPerSec::from_num(250));
         assert_eq!(s.axes.x.length, Settings::prototype().axes.x.length);
         assert_eq!(s.corner, CornerRule::SquareCorner(MmPerSec::from_num(8.5)));
-        assert!(!s.soft_endstops);
+        assert!(!s.soft_endstops && !s.require_homing);
+        assert!(load("require_homing = true").unwrap().require_homing);
         let s = load("[shaper.x]\nkind = \"2hump_ei\"\nfrequency = 42.5\n[advance]\ntime = 0.05").unwrap();
         assert_eq!((s.shapers.x.kind, s.shapers.x.frequency), (ShaperKind::TwoHumpEi, Hertz::from_num(42.5)));
         let s2 = load("[shaper.y]\nspan = 862.2\nmotor_frequency = 167").unwrap();
@@ -302,6 +346,35 @@ mod tests {
     }
 
     #[test]
+    fn errors_have_a_place() {
+        let place = |text: &str| load(text).unwrap_err().place(text).map(|place| place.to_string());
+        for (text, expected) in [
+            ("\n[axes.x]\n max_speed = 5000", "3:14"),
+            ("[axes.x]\nmax_sped = 50", "2:1"),
+            ("[axes.x]\nmax_speed = 'fast'", "2:13"),
+            ("[axes.x]\nmax_speed = ", "2:13"),
+            ("[axes]\ny = { steps_per_mm = 100 }", "2:22"),
+            ("[mechanism]\nm1 = [2, 0, 0]", "2:6"),
+            ("[mechanism]\nm8 = [1, 0, 0]", "1:2"),
+            ("[drivers.belt]\nmicrosteps = 24", "2:14"),
+            ("[shaper.x]\nspan = 99", "1:9"),
+            ("[corner]\njunction_deviation = 0.1\nsquare_corner = 1", "3:17"),
+            ("motor_max_speed = 3000\n[axes.x]\nsteps_per_mm = 20000\n[axes.y]\nsteps_per_mm = 20000", "2:7"),
+        ] {
+            assert_eq!(place(text).as_deref(), Some(expected), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_misspelt_key_has_a_suggestion() {
+        let error = |text: &str| load(text).unwrap_err().to_string();
+        assert!(error("[axes.x]\nmax_sped = 1").ends_with("did you mean `max_speed`?"));
+        assert!(error("[axis.x]\nmax_speed = 1").ends_with("did you mean `axes`?"));
+        assert!(error("[shaper.x]\nkind = 'mvz'").ends_with("did you mean `mzv`?"));
+        assert!(!error("[axes.x]\ncolour = 1").contains("did you mean"));
+    }
+
+    #[test]
     fn errors_name_the_key_and_what_is_legal() {
         let error = |text: &str| load(text).unwrap_err().to_string();
         assert_eq!(error("[axes.x]\nmax_speed = 5000"), "axes.x.max_speed = 5000 is outside 0.01 to 3000");
@@ -309,6 +382,7 @@ mod tests {
         assert_eq!(error("patience_ms = 60001"), "patience_ms = 60001 is outside 0 to 60000");
         assert_eq!(error("minimum_cruise_ratio = 1"), "minimum_cruise_ratio = 1 is outside 0 to 0.9");
         assert!(error("patience_ms = 99").contains("patience_ms"));
+        assert_eq!(error("lookahead_time = 0.4"), "lookahead_time = 0.4 is outside 0.5 to 60");
         assert!(error("print_acceleration = nan").contains("is outside 1 to 100000"));
         assert!(error("extruder_jerk = -1").contains("extruder_jerk = -1"));
         let legal = "drivers.e.stall_threshold = 256 is outside the whole numbers 0 to 255";

@@ -1,185 +1,212 @@
-//! Tool path: where the tool went, when and how fast, in bounded memory.
+//! Tool path: where the tool went, exact to one step and of any length.
 //!
-//! Points that lie on the line between their neighbours, at about the same speed, are left out. When there
-//! are too many points all the same, the tolerance is doubled and the path thinned once more.
+//! The line is drawn through places at which the tool was, and no place is further from it than a step: each stretch of
+//! step events is cut where it is furthest from its chord, until nothing is (Douglas and Peucker, 1973). A straight move
+//! seen in whole steps is no further from its chord than that, so it becomes one line. Lines are cut, too, where the tool
+//! would not be there in time, so every line has its speed.
+//!
+//! The lines go to a temporary file as they come; what is kept here does not grow.
 
-/// Most points that are kept.
-const MOST_POINTS: usize = 40_000;
+mod filament;
+mod store;
 
-/// Points looked back upon when one is to be left out; bounds the work a point.
-const MOST_PENDING: usize = 40;
+pub use store::{Bounds, CHUNK, Chunk, Stored};
 
-/// A place on the path.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
-pub struct Point {
+use crate::sampler::Counts;
+use corehbot::kinematics::WayBack;
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::settings::Settings;
+use filament::Filament;
+use std::io;
+use store::Store;
+
+/// Step events that are looked at together.
+const BLOCK: usize = 1024;
+
+/// How far the tool may be ahead of or after its place on a line that is run at one speed, in mm.
+const AHEAD: f64 = 0.25;
+
+/// A stretch of a line that is printed, while the rest of it is not, counts from this length on, in mm.
+const SHORTEST_MIX: f64 = 0.3;
+
+/// Where the tool was after a step event.
+#[derive(Clone, Copy, PartialEq, Debug)]
+struct Place {
+    /// In mm.
+    at: [f64; 3],
+    /// In ticks of motion time.
+    tick: u64,
+    /// Whether filament was laid on the way here.
+    is_printing: bool,
+    /// Whether the filament turned here, so that a line ends.
+    is_turn: bool,
+}
+
+/// The end of a line.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Vertex {
     /// Position in mm.
-    pub at: [f32; 3],
-    /// Speed in mm/s.
-    pub speed: f32,
+    pub at: [f64; 3],
     /// When, in ticks of motion time.
     pub tick: u64,
-    /// Whether filament went forward on the way here.
+    /// Whether filament was laid on the way here.
     pub is_printing: bool,
 }
 
-/// A path that grows by points and forgets those that do not matter.
-#[derive(Clone, PartialEq, Debug)]
+/// Follows the steps and stores the lines.
 pub struct ToolPath {
-    kept: Vec<Point>,
-    pending: Vec<Point>,
-    tolerance: f32,
-}
-
-impl Default for ToolPath {
-    fn default() -> Self {
-        Self { kept: Vec::new(), pending: Vec::new(), tolerance: 0.02 }
-    }
+    back: WayBack<{ Motor::ALL.len() }>,
+    /// mm a step of x, y and z.
+    step: [f64; 3],
+    origin: [f64; 3],
+    /// How far a place may be from its line, in mm.
+    tolerance: f64,
+    counts: Counts,
+    filament: Filament,
+    /// Places since the last vertex; the first is the vertex.
+    places: Vec<Place>,
+    store: Store,
 }
 
 impl ToolPath {
-    /// The points that matter.
-    #[must_use]
-    pub fn points(&self) -> &[Point] {
-        &self.kept
+    /// The path of a tool that begins at `origin` (mm).
+    ///
+    /// # Errors
+    /// If there is no place for temporary files.
+    pub fn new(s: &Settings, origin: [f64; 3]) -> io::Result<Self> {
+        let step = [s.axes.x, s.axes.y, s.axes.z].map(|a| 1.0 / a.steps_per_mm.to_num::<f64>());
+        let begin = Place { at: origin, tick: 0, is_printing: false, is_turn: false };
+        let mut store = Store::new()?;
+        store.add(Vertex { at: begin.at, tick: 0, is_printing: false });
+        Ok(Self {
+            back: s.mechanism.way_back().unwrap_or(WayBack::NONE),
+            step,
+            origin,
+            tolerance: step[0].max(step[1]),
+            counts: [0; Motor::ALL.len()],
+            filament: Filament::new(origin),
+            places: vec![begin],
+            store,
+        })
     }
 
-    /// The next point.
-    pub fn add(&mut self, point: Point) {
-        let Some(&anchor) = self.kept.last() else {
-            self.kept.push(point);
-            return;
-        };
-        if let [.., before, last] = self.pending.as_mut_slice()
-            && stands(before, last)
-            && stands(last, &point)
-        {
-            // Only the time grows.
-            last.tick = point.tick;
-            return;
+    /// One instant in which `steps` move, each forward or backward.
+    pub fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        for (i, count) in self.counts.iter_mut().enumerate() {
+            let step = i64::from(steps.0 >> i & 1);
+            *count += step * (2 * i64::from(forward.0 >> i & 1) - 1);
         }
-        if !self.pending.is_empty() && !self.is_redundant(anchor, point) {
-            self.keep_pending();
-        }
-        self.pending.push(point);
-        if self.kept.len() > MOST_POINTS {
-            self.thin();
+        let way = self.back.fractions(&self.counts);
+        let at = std::array::from_fn(|i| {
+            let (sum, over) = way[i];
+            self.origin[i] + sum as f64 * (self.step[i] / over as f64)
+        });
+        let Self { filament, places, .. } = self;
+        filament.event(at, tick, way[3].0, |place| places.push(place));
+        if self.places.len() >= BLOCK {
+            self.cut(false);
         }
     }
 
-    /// Ends the path: its last point matters.
-    pub fn finish(&mut self) {
-        self.keep_pending();
+    /// The whole path.
+    ///
+    /// # Errors
+    /// If a line could not be stored.
+    pub fn finish(mut self) -> io::Result<Stored> {
+        let Self { filament, places, .. } = &mut self;
+        filament.finish(|place| places.push(place));
+        self.cut(true);
+        self.store.finish()
     }
 
-    /// Whether the pending points may go if `end` follows `anchor`.
-    fn is_redundant(&self, anchor: Point, end: Point) -> bool {
-        let speed_tolerance = (0.05 * end.speed.max(anchor.speed)).max(100.0 * self.tolerance);
-        self.pending.len() < MOST_PENDING
-            && self.pending.iter().all(|p| {
-                p.is_printing == end.is_printing
-                    && (p.speed - end.speed).abs() <= speed_tolerance
-                    && distance(anchor.at, end.at, p.at) <= self.tolerance
-            })
+    /// Makes lines of the places; the last line may still grow unless it is the end.
+    fn cut(&mut self, is_end: bool) {
+        let ends = self.ends();
+        let last = self.places.len() - 1;
+        // A last line that would be looked at again and again is ended as well.
+        let is_long = |begin: usize| last - begin > BLOCK / 2;
+        let mut begin = 0;
+        for end in ends {
+            if end == last && !is_end && !is_long(begin) {
+                break;
+            }
+            self.line(begin, end);
+            begin = end;
+        }
+        self.places.drain(..begin);
     }
 
-    fn keep_pending(&mut self) {
-        if let Some(last) = self.pending.last() {
-            self.kept.push(*last);
+    /// The places that are ends of lines, but for the first.
+    fn ends(&self) -> Vec<usize> {
+        let mut ends = Vec::new();
+        let mut pending = vec![(0, self.places.len() - 1)];
+        while let Some((begin, end)) = pending.pop() {
+            match self.furthest(begin, end) {
+                Some(between) => pending.extend([(between, end), (begin, between)]),
+                None if end > begin => ends.push(end),
+                None => {}
+            }
         }
-        self.pending.clear();
+        ends
     }
 
-    /// Doubles the tolerance and leaves out what has become redundant, and more if that is too little:
-    /// halving the path each time keeps the work a point constant.
-    fn thin(&mut self) {
-        let mut thinner = Self { tolerance: 2.0 * self.tolerance, ..Self::default() };
-        for point in self.kept.drain(..) {
-            thinner.add(point);
+    /// The place between two others that is furthest from the line between them, if it is too far.
+    fn furthest(&self, begin: usize, end: usize) -> Option<usize> {
+        let (a, b) = (self.places.get(begin)?, self.places.get(end)?);
+        let along: [f64; 3] = std::array::from_fn(|i| b.at[i] - a.at[i]);
+        let square = dot(along, along);
+        let length = square.sqrt();
+        let time = (b.tick - a.tick) as f64;
+        let mut found = (1.0, None);
+        for (index, place) in self.places.iter().enumerate().take(end).skip(begin + 1) {
+            let to: [f64; 3] = std::array::from_fn(|i| place.at[i] - a.at[i]);
+            let way = dot(along, to);
+            let share = if square > 0.0 { (way / square).clamp(0.0, 1.0) } else { 0.0 };
+            let off: [f64; 3] = std::array::from_fn(|i| to[i] - share * along[i]);
+            let due = if time > 0.0 { (place.tick - a.tick) as f64 / time } else { share };
+            let far = (dot(off, off).sqrt() / self.tolerance).max((share - due).abs() * length / AHEAD);
+            if place.is_turn {
+                return Some(index);
+            }
+            if far > found.0 {
+                found = (far, Some(index));
+            }
         }
-        thinner.keep_pending();
-        if thinner.kept.len() > MOST_POINTS / 2 {
-            let mut index = 0;
-            thinner.kept.retain(|_| {
-                index += 1;
-                index % 2 == 1
-            });
+        found.1
+    }
+
+    /// Stores the line from one place to another, in parts if only a part of it is printed.
+    fn line(&mut self, begin: usize, end: usize) {
+        let Some(places) = self.places.get(begin..=end) else { return };
+        let mut runs: Vec<(usize, f64, bool)> = Vec::new();
+        for (index, pair) in places.windows(2).enumerate() {
+            let length = distance(pair[0].at, pair[1].at);
+            match runs.last_mut() {
+                Some((last, sum, is_printing)) if *is_printing == pair[1].is_printing => {
+                    (*last, *sum) = (index + 1, *sum + length);
+                }
+                _ => runs.push((index + 1, length, pair[1].is_printing)),
+            }
         }
-        thinner.pending.append(&mut self.pending);
-        *self = thinner;
+        // Steps of the filament are few, so short runs are noise.
+        let printed: f64 = runs.iter().filter(|run| run.2).map(|run| run.1).sum();
+        let whole: f64 = runs.iter().map(|run| run.1).sum();
+        if printed.min(whole - printed) < SHORTEST_MIX {
+            runs = vec![(places.len() - 1, whole, printed > 0.5 * whole)];
+        }
+        for (last, _, is_printing) in runs {
+            if let Some(Place { at, tick, .. }) = places.get(last) {
+                self.store.add(Vertex { at: *at, tick: *tick, is_printing });
+            }
+        }
     }
 }
 
-/// Whether the tool did not move from one point to the next.
-fn stands(a: &Point, b: &Point) -> bool {
-    a.at == b.at && a.speed == b.speed && a.is_printing == b.is_printing
+fn dot(u: [f64; 3], v: [f64; 3]) -> f64 {
+    u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 }
 
-/// How far `p` is from the segment from `a` to `b`.
-fn distance(a: [f32; 3], b: [f32; 3], p: [f32; 3]) -> f32 {
-    let along = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-    let to = [p[0] - a[0], p[1] - a[1], p[2] - a[2]];
-    let dot = |u: [f32; 3], v: [f32; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-    let t = (dot(along, to) / dot(along, along).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-    let off = [to[0] - t * along[0], to[1] - t * along[1], to[2] - t * along[2]];
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let off = std::array::from_fn(|i| a[i] - b[i]);
     dot(off, off).sqrt()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_straight_line_is_two_points_and_a_corner_a_third() {
-        let mut path = ToolPath::default();
-        for i in 0..=60u64 {
-            let along = i as f32;
-            let at = if i <= 30 { [along, 0.0, 0.0] } else { [30.0, along - 30.0, 0.0] };
-            path.add(Point { at, speed: 100.0, tick: i, is_printing: true });
-        }
-        path.finish();
-        let places: Vec<_> = path.points().iter().map(|p| p.at).collect();
-        assert_eq!(places, [[0.0, 0.0, 0.0], [30.0, 0.0, 0.0], [30.0, 30.0, 0.0]]);
-    }
-
-    #[test]
-    fn a_long_print_stays_bounded() {
-        let mut path = ToolPath::default();
-        for i in 0..400_000u64 {
-            let angle = i as f32 * 0.3;
-            path.add(Point {
-                at: [50.0 * angle.cos(), 50.0 * angle.sin(), 0.0],
-                speed: 50.0,
-                tick: i,
-                is_printing: true,
-            });
-        }
-        assert!(path.points().len() <= MOST_POINTS + 1);
-    }
-
-    /// Nothing here is ever redundant: the thinning must not fall back to touching every point every time.
-    #[test]
-    fn a_path_without_any_straight_stays_bounded() {
-        let mut path = ToolPath::default();
-        for i in 0..400_000u64 {
-            let at = [(i % 2) as f32 * 300.0, (i % 3) as f32 * 100.0, 0.0];
-            path.add(Point { at, speed: (i % 5) as f32 * 60.0, tick: i, is_printing: i % 2 == 0 });
-        }
-        assert!(path.points().len() <= MOST_POINTS + 1);
-    }
-
-    #[test]
-    fn a_pause_is_two_points_however_long() {
-        let mut path = ToolPath::default();
-        for i in 0..10_000u64 {
-            path.add(Point {
-                at: [(i.min(20)) as f32, 0.0, 0.0],
-                speed: if i < 20 { 50.0 } else { 0.0 },
-                tick: i,
-                is_printing: false,
-            });
-        }
-        path.finish();
-        let ticks: Vec<_> = path.points().iter().map(|p| p.tick).collect();
-        assert_eq!((ticks.len(), ticks[ticks.len() - 1]), (3, 9999), "{ticks:?}");
-    }
 }

@@ -53,7 +53,7 @@ impl Wire {
     }
 
     /// The host opens its line.
-    pub(crate) fn open(&self) {
+    pub fn open(&self) {
         self.to_printer.borrow_mut().push_back(Received::Opened);
     }
 

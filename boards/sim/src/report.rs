@@ -1,36 +1,47 @@
 //! Report: one page that shows the tool path, speed and load of a print, without any network.
 //!
-//! The page is a template; what is drawn stands in it as one JSON object. The path, the bulk of it, is
-//! packed to 12 bytes a point and base64, so the page stays below 2 MB however long the print.
+//! The page is a template. The path stands in it in chunks of base64, which the page unpacks when it shows them, so a print
+//! of any length has all of its lines and is still opened at once; the rest is one JSON object.
 
-use crate::path::{Point, ToolPath};
+use crate::path::{Bounds, Chunk, Stored};
 use crate::summary::Summary;
 use crate::tally::Figures;
+use corehbot::kinematics::Row;
+use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use serde::Serialize;
+use std::io::{self, BufReader, Read, Seek, Write};
 
-/// The page; [`MARK`] stands where the data goes.
+/// The page.
 const TEMPLATE: &str = include_str!("report.html");
 
-/// Where the data goes.
-const MARK: &str = "/*DATA*/";
+/// Where the path goes, and where the data goes.
+const MARKS: [&str; 2] = ["<!--PATH-->", "/*DATA*/"];
 
-/// x, y and z as fractions of their range (u16), ms since the start (u32), speed as a fraction (u8), whether
-/// filament went forward (u8); little-endian.
-const POINT_BYTES: usize = 12;
+/// What a page shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Page<'a> {
+    /// The figures in one line each.
+    pub summary: &'a Summary,
+    /// Those over time.
+    pub figures: &'a Figures,
+    /// The machine.
+    pub settings: &'a Settings,
+}
 
 #[derive(Serialize)]
 struct Data<'a> {
     summary: &'a Summary,
     /// Reachable space in mm.
     size: [f64; 3],
-    /// Least and greatest value of each coordinate of the path.
-    range: [[f32; 2]; 3],
-    /// The speed that the fraction 255 means.
-    top_speed: f32,
-    /// Points of the path, packed.
-    path: String,
+    motors: Vec<MotorData>,
+    /// Heights of the layers in mm.
+    heights: Vec<f64>,
+    /// Layer, vertices, begin and end in 10 us of each chunk.
+    chunks: Vec<[u64; 4]>,
+    printed: Option<BoundsData>,
+    travelled: Option<BoundsData>,
     /// Seconds a bin of the curves.
     bin_s: f64,
     /// Mean and peak speed of each bin in mm/s, and events a second.
@@ -39,59 +50,122 @@ struct Data<'a> {
     rate: Vec<u64>,
 }
 
-/// The page.
-///
-/// # Errors
-/// None that is known: the data is numbers and text.
-pub fn render(summary: &Summary, figures: &Figures, settings: &Settings) -> serde_json::Result<String> {
-    let range = range(&figures.path);
-    let top_speed = figures.path.points().iter().map(|p| p.speed).fold(1.0, f32::max);
-    let bin_s = figures.series.bin_ticks() as f64 / f64::from(TICKS_PER_SECOND);
-    let bins = figures.series.bins();
-    let data = Data {
-        summary,
-        size: [settings.axes.x, settings.axes.y, settings.axes.z].map(|a| a.length.to_num()),
-        range,
-        top_speed,
-        path: base64(&pack(&figures.path, range, top_speed)),
-        bin_s,
-        speed: bins.iter().map(|b| tenth(f64::from(b.path) / bin_s)).collect(),
-        peak: bins.iter().map(|b| tenth(b.peak_speed.into())).collect(),
-        rate: bins.iter().map(|b| (f64::from(b.events) / bin_s).round() as u64).collect(),
+/// A motor that is fitted.
+#[derive(Serialize)]
+struct MotorData {
+    name: &'static str,
+    /// What it turns for.
+    drives: String,
+    steps: i64,
+    net: i64,
+}
+
+#[derive(Serialize)]
+struct BoundsData {
+    /// Left, front, right and back in mm.
+    area: [f64; 4],
+    /// Greatest speed in mm/s.
+    speed: f64,
+}
+
+impl BoundsData {
+    fn new(bounds: &Bounds) -> Option<Self> {
+        (!bounds.is_empty()).then_some(Self { area: bounds.area, speed: bounds.speed })
+    }
+}
+
+impl Page<'_> {
+    /// Writes the page with the path of `stored`.
+    ///
+    /// # Errors
+    /// What `out` or the file of the path reported.
+    pub fn write(&self, stored: Stored, out: &mut impl Write) -> io::Result<()> {
+        let cut = |text: &'static str, mark| text.split_once(mark).ok_or(io::ErrorKind::InvalidData);
+        let (head, rest) = cut(TEMPLATE, MARKS[0])?;
+        let (middle, end) = cut(rest, MARKS[1])?;
+        // A file name with "</script>" in it must not end the script.
+        let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
+        out.write_all(head.as_bytes())?;
+        write_path(stored, out)?;
+        for text in [middle, &json, end] {
+            out.write_all(text.as_bytes())?;
+        }
+        out.flush()
+    }
+
+    fn data(&self, stored: &Stored) -> Data<'_> {
+        let Self { summary, figures, settings } = *self;
+        let bin_s = figures.series.bin_ticks() as f64 / f64::from(TICKS_PER_SECOND);
+        let bins = figures.series.bins();
+        Data {
+            summary,
+            size: [settings.axes.x, settings.axes.y, settings.axes.z].map(|a| a.length.to_num()),
+            motors: motors(summary, settings),
+            heights: stored.heights.iter().map(|um| *um as f64 / 1000.0).collect(),
+            chunks: stored.chunks.iter().map(|chunk| row(chunk, &stored.heights)).collect(),
+            printed: BoundsData::new(&stored.printed),
+            travelled: BoundsData::new(&stored.travelled),
+            bin_s,
+            speed: bins.iter().map(|b| tenth(f64::from(b.path) / bin_s)).collect(),
+            peak: bins.iter().map(|b| tenth(b.peak_speed.into())).collect(),
+            rate: bins.iter().map(|b| (f64::from(b.events) / bin_s).round() as u64).collect(),
+        }
+    }
+}
+
+fn row(chunk: &Chunk, heights: &[i64]) -> [u64; 4] {
+    let layer = chunk.height.and_then(|height| heights.binary_search(&height).ok()).unwrap_or(0);
+    [layer as u64, chunk.vertices as u64, chunk.time[0], chunk.time[1]]
+}
+
+/// The motors that the machine has.
+fn motors(summary: &Summary, settings: &Settings) -> Vec<MotorData> {
+    let fitted = settings.mechanism.fitted();
+    let counts = summary.steps.to_array().into_iter().zip(summary.net_steps.to_array());
+    let motors = settings.mechanism.motors().zip(counts).filter(|((motor, _), _)| fitted.has(*motor));
+    let data = |((motor, row), (steps, net)): ((Motor, Row), (i64, i64))| MotorData {
+        name: motor.name(),
+        drives: drives(row),
+        steps,
+        net,
     };
-    // A file name with "</script>" in it must not end the script.
-    let json = serde_json::to_string(&data)?.replace('<', "\\u003c");
-    Ok(TEMPLATE.replacen(MARK, &json, 1))
+    motors.map(data).collect()
+}
+
+/// `x \u{2212} y`: for which axes a motor turns, and which way.
+fn drives(row: Row) -> String {
+    let mut text = String::new();
+    for (times, axis) in row.into_iter().zip(["x", "y", "z", "e"]) {
+        let sign = match (times, text.is_empty()) {
+            (0, _) | (1.., true) => "",
+            (1.., false) => " + ",
+            (..0, true) => "\u{2212}",
+            (..0, false) => " \u{2212} ",
+        };
+        if times != 0 {
+            text.push_str(sign);
+            text.push_str(axis);
+        }
+    }
+    text
+}
+
+/// Each chunk as a script that does nothing.
+fn write_path(stored: Stored, out: &mut impl Write) -> io::Result<()> {
+    let Stored { mut file, chunks, .. } = stored;
+    file.rewind()?;
+    let mut from = BufReader::new(file);
+    let mut bytes = Vec::new();
+    for chunk in chunks {
+        bytes.resize(chunk.bytes, 0);
+        from.read_exact(&mut bytes)?;
+        writeln!(out, "<script type=\"text/plain\" class=\"path\">{}</script>", base64(&bytes))?;
+    }
+    Ok(())
 }
 
 fn tenth(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
-}
-
-fn range(path: &ToolPath) -> [[f32; 2]; 3] {
-    let mut range = [[f32::INFINITY, f32::NEG_INFINITY]; 3];
-    for point in path.points() {
-        for ([least, most], value) in range.iter_mut().zip(point.at) {
-            *least = least.min(value);
-            *most = most.max(value);
-        }
-    }
-    if path.points().is_empty() { [[0.0, 0.0]; 3] } else { range }
-}
-
-fn pack(path: &ToolPath, range: [[f32; 2]; 3], top_speed: f32) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(path.points().len() * POINT_BYTES);
-    for &Point { at, speed, tick, is_printing } in path.points() {
-        for (value, [least, most]) in at.into_iter().zip(range) {
-            let fraction = if most > least { (value - least) / (most - least) } else { 0.0 };
-            bytes.extend_from_slice(&((fraction * 65535.0).round() as u16).to_le_bytes());
-        }
-        let ms = tick / u64::from(TICKS_PER_SECOND / 1000);
-        bytes.extend_from_slice(&u32::try_from(ms).unwrap_or(u32::MAX).to_le_bytes());
-        bytes.push((speed / top_speed * 255.0).round() as u8);
-        bytes.push(u8::from(is_printing));
-    }
-    bytes
 }
 
 /// RFC 4648, section 4.
@@ -120,8 +194,16 @@ mod tests {
     }
 
     #[test]
-    fn the_template_has_one_place_for_data_and_needs_no_network() {
-        assert_eq!(TEMPLATE.matches(MARK).count(), 1);
+    fn the_template_has_places_for_path_and_data_and_needs_no_network() {
+        assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
+        assert!(TEMPLATE.find(MARKS[0]) < TEMPLATE.find(MARKS[1]));
         assert!(!TEMPLATE.contains("http://") && !TEMPLATE.contains("https://"));
+    }
+
+    #[test]
+    fn a_motor_is_named_by_the_axes_that_it_turns_for() {
+        assert_eq!(drives([-1, 1, 0, 0]), "\u{2212}x + y");
+        assert_eq!(drives([1, -1, 0, 0]), "x \u{2212} y");
+        assert_eq!(drives([0, 0, 0, 1]), "e");
     }
 }

@@ -1,26 +1,29 @@
 //! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
 
 use crate::check::Checker;
-use crate::cli::{Printer, cannot, create};
+use crate::cli::{DONE, FAILED, Printer};
 use crate::eeprom::Eeprom;
 use crate::host::FileHost;
-use crate::limits::Limits;
+use crate::input::GcodeFile;
+use crate::limits::{Limits, Widening};
 use crate::machine_file::Machine;
+use crate::output::{Outputs, Stream};
+use crate::path::{Stored, ToolPath};
 use crate::report;
+use crate::stop::Stop;
 use crate::summary::{Names, Summary};
 use crate::tally::{Figures, Tally};
 use crate::trace::TraceWriter;
 use crate::vcd::VcdWriter;
+use crate::words;
 use crate::world::{self, Host, Outcome, Sink};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 use corehbot::motors::MotorSet;
-use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::fs::File;
-use std::io::{BufWriter, IsTerminal, Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::{BufWriter, IsTerminal, Write};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// Said of a file with M92, whose steps have two sizes.
@@ -31,7 +34,7 @@ const UNITS_CHANGED: &str = "M92 changes the steps: speeds and paths are shown i
 pub(crate) struct Run {
     /// G-code file, `-` for standard input.
     file: PathBuf,
-    /// Writes every step event as CSV.
+    /// Writes every step event as CSV; `-` is standard output, for any one of these.
     #[arg(long, value_name = "T.csv")]
     trace: Option<PathBuf>,
     /// Writes every step event as VCD, for GTKWave and PulseView.
@@ -47,93 +50,121 @@ pub(crate) struct Run {
     printer: Printer,
 }
 
+/// A file that is being written.
+type Out = BufWriter<Stream>;
+
 /// Everything that can be wrong before the print begins.
 pub(crate) struct Prepared {
     name: String,
-    gcode: String,
+    host: FileHost,
+    limits: Limits,
     machine: Machine,
     eeprom: Option<Eeprom>,
-    trace: Option<BufWriter<File>>,
-    vcd: Option<VcdWriter<BufWriter<File>>>,
+    stop: Stop,
+    outputs: Outputs,
+    trace: Option<Out>,
+    vcd: Option<VcdWriter<Out>>,
+    json: Option<Out>,
+    report: Option<Out>,
 }
 
 impl Prepared {
     pub fn new(args: &Run) -> Result<Self> {
         let machine = args.printer.machine()?;
-        let (name, gcode) = read_gcode(&args.file)?;
-        let eeprom = args.printer.eeprom()?;
-        let trace = args.trace.as_deref().map(create).transpose()?;
-        let vcd = match args.vcd.as_deref() {
-            Some(path) => Some(VcdWriter::new(create(path)?).with_context(|| cannot("write", path))?),
-            None => None,
-        };
-        // These are written at the end; a typing error should show now.
-        for path in [&args.json, &args.report].into_iter().flatten() {
-            create(path)?;
-        }
-        Ok(Self { name, gcode, machine, eeprom, trace, vcd })
+        // Until standard input has been read, Ctrl-C ends the process: there is nothing yet to be left in order.
+        let mut file = GcodeFile::open(&args.file)?;
+        let stop = Stop::at_signals()?;
+        let mut eeprom = args.printer.eeprom()?;
+        let mut outputs = Outputs::new(args.printer.files().chain([args.file.as_path()]), stop.clone());
+        let mut open = |path: &Option<PathBuf>| path.as_deref().map(|path| outputs.open(path)).transpose();
+        let (trace, vcd, json, report) = (open(&args.trace)?, open(&args.vcd)?, open(&args.json)?, open(&args.report)?);
+        let vcd = vcd.map(VcdWriter::new).transpose().context("cannot write the VCD file")?;
+        let settings = &machine.settings;
+        let stored = eeprom.as_mut().and_then(Eeprom::settings);
+        let stored = stored.filter(|stored| stored.mechanism == settings.mechanism);
+        let mut limits = Widening::new(settings, stored.as_ref());
+        let survey = file.survey(|command| {
+            if stop.is_set() {
+                bail!("interrupted before the print began");
+            }
+            limits.command(command);
+            Ok(())
+        })?;
+        let name = file.name.clone();
+        let host = FileHost::reading(file.into_lines()?, survey);
+        let limits = limits.finish();
+        Ok(Self { name, host, limits, machine, eeprom, stop, outputs, trace, vcd, json, report })
     }
 
-    /// Prints, and says whether all went well.
-    pub fn run(mut self, args: &Run) -> Result<bool> {
-        let settings = &self.machine.settings;
-        let stored = self.eeprom.as_mut().and_then(Eeprom::settings);
-        let stored = stored.filter(|stored| stored.mechanism == settings.mechanism);
-        let mut host = Watched { host: FileHost::new(&self.gcode), bar: ProgressBar::hidden() };
+    /// Prints, and says with which status it ended.
+    pub fn run(self, args: &Run) -> Result<u8> {
+        let Self { name, host, limits, machine, mut eeprom, stop, outputs, trace, vcd, json, report } = self;
+        let settings = &machine.settings;
+        let mut host = Watched { host, bar: ProgressBar::hidden(), stop: &stop };
         if std::io::stderr().is_terminal() {
             host.bar = progress_bar(host.host.commands());
         }
-        let limits = Limits::new(settings, stored.as_ref(), &self.gcode);
+        let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
+        let path = report.is_some().then(|| ToolPath::new(settings, begin)).transpose();
         let mut sinks = Sinks {
-            trace: TraceWriter::new(self.trace, settings.into()),
-            vcd: self.vcd,
-            tally: Tally::new(settings, args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num)),
+            trace: TraceWriter::new(trace, settings.into()),
+            vcd,
+            tally: Tally::new(settings, begin),
             checker: Checker::new(settings, &limits),
+            path: path.context("cannot keep the tool path in a temporary file")?,
         };
         let start = Instant::now();
-        let outcome = match &mut self.eeprom {
+        let outcome = match &mut eeprom {
             Some(eeprom) => world::run_with(settings, args.printer.assume_homed, eeprom, &mut [&mut host], &mut sinks),
             None => world::run(settings, args.printer.assume_homed, &mut host, &mut sinks),
         };
         host.bar.finish_and_clear();
-        let outcome = outcome.with_context(|| format!("{}: the simulation failed", self.name))?;
-        let names = Names { file: &self.name, machine: self.machine.name.as_deref().unwrap_or("CoreH-bot") };
-        let (mut summary, figures) = sinks.finish(names, &host.host, &outcome)?;
+        let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
+        let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
+        let (mut summary, figures, path) = sinks.finish(names, &host.host, &outcome)?;
         if !limits.is_judged {
-            summary.warnings.push(format!("{}: {UNITS_CHANGED}", self.name));
+            summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
             summary.warnings_total += 1;
         }
+        let interrupted = stop.status();
+        if interrupted.is_some() {
+            let (answered, commands) = (host.host.answered(), host.host.commands());
+            summary.ok = false;
+            summary.failure = Some(format!("{name}: interrupted after {answered} of {commands} commands"));
+        }
         summary.wall_time_s = start.elapsed().as_secs_f64();
-        write_results(args, &summary, &figures, settings)?;
-        Ok(summary.ok)
+        if let Some(json) = json {
+            write_all(json, &summary.to_json()?).context("cannot write the JSON")?;
+        }
+        if let (Some(mut report), Some(path)) = (report, path) {
+            let page = report::Page { summary: &summary, figures: &figures, settings };
+            page.write(path, &mut report).context("cannot write the report")?;
+        }
+        say(&summary, outputs.is_standard_taken())?;
+        if let Some(status) = interrupted {
+            for partial in outputs.leave() {
+                eprintln!("corehbot: what there is of it is in {}", words::line(&partial.to_string_lossy()));
+            }
+            return Ok(status);
+        }
+        outputs.keep()?;
+        Ok(if summary.ok { DONE } else { FAILED })
     }
 }
 
-/// The file's name for messages, and its text; what is no UTF-8 can only stand in comments.
-fn read_gcode(path: &Path) -> Result<(String, String)> {
-    let mut bytes = Vec::new();
-    let name = if path == Path::new("-") {
-        std::io::stdin().read_to_end(&mut bytes).context("cannot read standard input")?;
-        "stdin".to_owned()
-    } else {
-        bytes = std::fs::read(path).with_context(|| cannot("open", path))?;
-        path.display().to_string()
-    };
-    Ok((name, String::from_utf8_lossy(&bytes).into_owned()))
+fn write_all(mut out: Out, text: &str) -> Result<()> {
+    out.write_all(text.as_bytes())?;
+    Ok(out.flush()?)
 }
 
-fn write_results(args: &Run, summary: &Summary, figures: &Figures, settings: &Settings) -> Result<()> {
-    if let Some(path) = &args.json {
-        std::fs::write(path, summary.to_json()?).with_context(|| cannot("write", path))?;
-    }
-    if let Some(path) = &args.report {
-        let page = report::render(summary, figures, settings)?;
-        std::fs::write(path, page).with_context(|| cannot("write", path))?;
-    }
-    match write!(std::io::stdout(), "{summary}") {
+/// Says the summary, where there is no output of another kind.
+fn say(summary: &Summary, is_standard_taken: bool) -> Result<()> {
+    let written =
+        if is_standard_taken { write!(std::io::stderr(), "{summary}") } else { write!(std::io::stdout(), "{summary}") };
+    match written {
         // Whoever read it has read enough.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        written => written.context("cannot write to standard output"),
+        written => written.context("cannot write the summary"),
     }
 }
 
@@ -145,13 +176,14 @@ fn progress_bar(commands: u64) -> ProgressBar {
     bar
 }
 
-/// A host whose progress is shown.
-struct Watched {
+/// A host whose progress is shown, and that can be stopped.
+struct Watched<'s> {
     host: FileHost,
     bar: ProgressBar,
+    stop: &'s Stop,
 }
 
-impl Host for Watched {
+impl Host for Watched<'_> {
     fn send(&mut self, out: &mut Vec<u8>) {
         self.host.send(out);
         let answered = self.host.answered();
@@ -161,21 +193,30 @@ impl Host for Watched {
         }
     }
 
+    fn clock(&mut self, tick: u64) {
+        self.host.clock(tick);
+    }
+
+    fn interject(&mut self, out: &mut Vec<u8>) {
+        self.host.interject(out);
+    }
+
     fn hear(&mut self, line: &str) {
         self.host.hear(line);
     }
 
     fn is_done(&self) -> bool {
-        self.host.is_done()
+        self.host.is_done() || self.stop.is_set()
     }
 }
 
 /// All that listen to the steps.
 struct Sinks {
-    trace: TraceWriter<BufWriter<File>>,
-    vcd: Option<VcdWriter<BufWriter<File>>>,
+    trace: TraceWriter<Out>,
+    vcd: Option<VcdWriter<Out>>,
     tally: Tally,
     checker: Checker,
+    path: Option<ToolPath>,
 }
 
 impl Sink for Sinks {
@@ -186,17 +227,26 @@ impl Sink for Sinks {
         if let Some(vcd) = &mut self.vcd {
             vcd.event(tick, steps, forward);
         }
+        if let Some(path) = &mut self.path {
+            path.event(tick, steps, forward);
+        }
     }
 }
 
 impl Sinks {
-    fn finish(self, names: Names<'_>, host: &FileHost, outcome: &Outcome) -> Result<(Summary, Figures)> {
+    fn finish(
+        self,
+        names: Names<'_>,
+        host: &FileHost,
+        outcome: &Outcome,
+    ) -> Result<(Summary, Figures, Option<Stored>)> {
         if let Some(vcd) = self.vcd {
             vcd.finish().context("cannot write the VCD file")?;
         }
         let trace = self.trace.finish().context("cannot write the trace")?;
         let figures = self.tally.finish(outcome.ticks);
         let findings = self.checker.finish(Some(outcome.counts));
-        Ok((Summary::new(names, host, outcome, &figures, &findings, trace.sha256), figures))
+        let path = self.path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
+        Ok((Summary::new(names, host, outcome, &figures, &findings, trace.sha256), figures, path))
     }
 }

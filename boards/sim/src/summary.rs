@@ -3,6 +3,7 @@
 use crate::check::Findings;
 use crate::host::FileHost;
 use crate::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
+use crate::words::line;
 use crate::world::Outcome;
 use corehbot::motors::Motor;
 use corehbot::units::TICKS_PER_SECOND;
@@ -81,6 +82,10 @@ pub struct Summary {
     pub warnings: Vec<String>,
     /// All of the printer's remarks.
     pub warnings_total: u32,
+    /// Where the host went on instead of a user, the first few places.
+    pub pauses: Vec<String>,
+    /// How often it did.
+    pub pauses_total: u32,
     /// Why the print failed, if it did.
     pub failure: Option<String>,
     /// What the checker found, the first few.
@@ -117,6 +122,8 @@ impl Summary {
         let failure = match host.failure() {
             Some(remark) => Some(at(remark)),
             None if outcome.halted => Some("the printer halted".to_owned()),
+            None if host.commands() == 0 => Some("nothing was printed: the file holds no commands".to_owned()),
+            None if figures.events == 0 => Some("nothing was printed: no motor made a step".to_owned()),
             None => None,
         };
         Self {
@@ -138,6 +145,8 @@ impl Summary {
             resends: host.resends(),
             warnings: host.warnings().iter().map(|w| at(w)).collect(),
             warnings_total: host.warnings_total(),
+            pauses: host.pauses().iter().map(|pause| at(pause)).collect(),
+            pauses_total: host.pauses_total(),
             failure,
             violations: findings.first.iter().map(ToString::to_string).collect(),
             violations_total: findings.total,
@@ -162,7 +171,7 @@ fn rounded(value: f64) -> f64 {
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut row = |name: &str, value: String| writeln!(f, "{name:<18} {value}");
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<18} {}", line(&value));
         row("file", format!("{} ({} lines, {} commands)", self.file, self.lines, self.commands))?;
         row("machine", self.machine.clone())?;
         row("print time", format!("{} ({:.3} s)", clock(self.print_time_s), self.print_time_s))?;
@@ -190,6 +199,7 @@ impl fmt::Display for Summary {
 impl Summary {
     fn write_troubles(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let lists = [
+            ("pauses", &self.pauses, self.pauses_total.into()),
             ("warnings", &self.warnings, self.warnings_total.into()),
             ("violations", &self.violations, self.violations_total),
         ];
@@ -198,14 +208,14 @@ impl Summary {
                 writeln!(f, "\n{name}: {total}")?;
             }
             for item in list {
-                writeln!(f, "  {item}")?;
+                writeln!(f, "  {}", line(item))?;
             }
             if total > list.len() as u64 && !list.is_empty() {
                 writeln!(f, "  ...")?;
             }
         }
         if let Some(failure) = &self.failure {
-            writeln!(f, "\nfailed: {failure}")?;
+            writeln!(f, "\nfailed: {}", line(failure))?;
         }
         Ok(())
     }

@@ -4,7 +4,6 @@
 //! steps of 1/80 mm is wrong by up to one step, so 20 ms fake at most 0.6 mm/s; peaks that last less are
 //! shown lower than they are. The event rate counts the events of the last [`RATE_WINDOW_MS`].
 
-use crate::path::{Point, ToolPath};
 use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler};
 use crate::series::{Bin, Series};
 use corehbot::kinematics::WayBack;
@@ -19,9 +18,6 @@ pub const RATE_WINDOW_MS: u32 = 10;
 
 const SPEED_WINDOW: usize = (SPEED_WINDOW_MS * SAMPLES_PER_SECOND / 1000) as usize;
 const RATE_WINDOW: usize = (RATE_WINDOW_MS * SAMPLES_PER_SECOND / 1000) as usize;
-
-/// Samples between two points of the tool path.
-const PATH_STRIDE: u64 = 2;
 
 /// Counts and measures the events of a run.
 pub struct Tally {
@@ -46,14 +42,12 @@ struct Measure {
     peak_speed: f64,
     peak_rate: f64,
     series: Series,
-    path: ToolPath,
 }
 
 /// A sample in mm.
 #[derive(Clone, Copy, Default)]
 struct Place {
     at: [f64; 3],
-    e: i64,
     tick: u64,
 }
 
@@ -72,8 +66,6 @@ pub struct Figures {
     pub peak_rate: f64,
     /// Speed and event rate over time.
     pub series: Series,
-    /// Where the tool went.
-    pub path: ToolPath,
 }
 
 impl Tally {
@@ -90,7 +82,6 @@ impl Tally {
             peak_speed: 0.0,
             peak_rate: 0.0,
             series: Series::default(),
-            path: ToolPath::default(),
         };
         Self { sampler: Sampler::default(), measure, pulses: [0; Motor::ALL.len()], events: 0 }
     }
@@ -115,7 +106,6 @@ impl Tally {
         // The windows lag behind, so let the tool stand for one more.
         let end = ticks + SPEED_WINDOW as u64 * crate::sampler::SAMPLE_TICKS + 1;
         sampler.advance(end, |sample| measure.sample(sample, *events));
-        measure.path.finish();
         Figures {
             events: self.events,
             pulses: self.pulses,
@@ -123,7 +113,6 @@ impl Tally {
             peak_speed: self.measure.peak_speed,
             peak_rate: self.measure.peak_rate,
             series: self.measure.series,
-            path: self.measure.path,
         }
     }
 }
@@ -147,11 +136,6 @@ impl Measure {
         let path = distance(here.at, then.at) / SPEED_WINDOW as f64;
         self.series.add(centre.tick, Bin { path: path as f32, peak_speed: speed as f32, events: 0 });
         self.series.add(sample.tick, Bin { events: (events - before) as u32, ..Bin::default() });
-        if self.index.is_multiple_of(PATH_STRIDE) && self.index >= length / 2 {
-            let is_printing = here.e > then.e;
-            let at = centre.at.map(|v| v as f32);
-            self.path.add(Point { at, speed: speed as f32, tick: centre.tick, is_printing });
-        }
         self.places[slot(0)] = here;
         self.index += 1;
     }
@@ -162,7 +146,7 @@ impl Measure {
             let (sum, over) = way[i];
             self.origin[i] + sum as f64 * (self.step[i] / over as f64)
         });
-        Place { at, e: way[3].0, tick: sample.tick }
+        Place { at, tick: sample.tick }
     }
 }
 
@@ -194,15 +178,5 @@ mod tests {
         let way: f32 = figures.series.bins().iter().map(|b| b.path).sum();
         assert!((way - 100.0).abs() < 0.1, "{way}");
         assert_eq!(figures.series.bins().iter().map(|b| b.events).sum::<u32>(), 8000);
-    }
-
-    #[test]
-    fn the_path_goes_from_where_the_tool_was_to_where_it_is() {
-        let figures = run();
-        let points = figures.path.points();
-        assert_eq!(points[0].at, [10.0, 20.0, 0.0]);
-        let end = points[points.len() - 1].at;
-        assert!((end[0] - 110.0).abs() < 0.02 && (end[1] - 20.0).abs() < 0.02, "{end:?}");
-        assert!(points.len() < 100, "{}", points.len());
     }
 }

@@ -10,7 +10,7 @@ pub use crate::ports::Wire;
 use crate::ports::{Line, Pends, Pins, Room, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
 use corehbot::kinematics::{Groups, MotorTable};
-use corehbot::machine::Ports;
+use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
 use corehbot::motors::MotorSet;
 use corehbot::port::{NoStorage, Storage};
@@ -18,7 +18,6 @@ use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
-use std::convert::Infallible;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,6 +35,8 @@ pub trait Host {
     fn send(&mut self, out: &mut Vec<u8>);
     /// Bytes to put on the wire although the printer is busy, appended to `out`; called all the time.
     fn interject(&mut self, _out: &mut Vec<u8>) {}
+    /// How much time has passed since the printer was switched on, in ticks; told all the time.
+    fn clock(&mut self, _tick: u64) {}
     /// Whether it opens its line now, so that what came before was somebody else's; called all the time.
     fn opens(&mut self) -> bool {
         false
@@ -105,6 +106,14 @@ impl Desk {
         let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
         Box::new(Self { memory: Memory::new(), shared: Shared::default(), wires })
     }
+
+    /// The same at a time in ticks.
+    #[must_use]
+    pub fn at(lines: usize, now: u64) -> Box<Self> {
+        let desk = Self::new(lines);
+        desk.shared.now.set(now);
+        desk
+    }
 }
 
 /// Whether the Console wants another turn at once.
@@ -126,7 +135,8 @@ pub struct World<'w> {
     counts: StepCounts<'w>,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
     generator: StepGenerator<'w>,
-    console: Pin<Box<dyn Future<Output = Infallible> + 'w>>,
+    /// Until it wants to begin anew.
+    console: Option<Pin<Box<dyn Future<Output = Restart> + 'w>>>,
     wakes: Arc<Wakes>,
     odometer: Odometer,
 }
@@ -141,10 +151,23 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
+        Self::standing(desk, settings, start, start, storage, drivers, sink)
+    }
+
+    /// The same with a tool that stands at `place`, whatever the firmware knows of it.
+    pub fn standing(
+        desk: &'w mut Desk,
+        settings: &Settings,
+        place: Option<[Mm; 3]>,
+        start: Option<[Mm; 3]>,
+        storage: impl Storage + 'w,
+        drivers: &'w Drivers,
+        sink: &'w mut dyn Sink,
+    ) -> Self {
         let Desk { memory, shared, wires } = desk;
         let (shared, wires): (&'w Shared, &'w [Wire]) = (shared, wires);
         let groups = Groups::new(&settings.mechanism);
-        let (rig, table) = (Rig::new(settings, start), MotorTable::new(&groups));
+        let (rig, table) = (Rig::new(settings, place), MotorTable::new(&groups));
         let pins = Pins { rig, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
@@ -165,7 +188,7 @@ impl<'w> World<'w> {
             counts,
             stepper,
             generator,
-            console,
+            console: Some(console),
             wakes: Arc::default(),
             odometer: Odometer::default(),
         }
@@ -174,10 +197,14 @@ impl<'w> World<'w> {
     /// The Console has its turn, and another one as long as it wants one at once.
     pub fn poll(&mut self) {
         let waker = Waker::from(self.wakes.clone());
-        while {
-            let _ = self.console.as_mut().poll(&mut Context::from_waker(&waker));
-            self.wakes.0.swap(false, Ordering::Relaxed)
-        } {}
+        while let Some(console) = &mut self.console {
+            if console.as_mut().poll(&mut Context::from_waker(&waker)).is_ready() {
+                self.console = None;
+            }
+            if !self.wakes.0.swap(false, Ordering::Relaxed) {
+                break;
+            }
+        }
         self.odometer.follow(self.status.planned().1);
     }
 
@@ -216,6 +243,12 @@ impl<'w> World<'w> {
     #[must_use]
     pub fn is_awaiting_hosts(&self) -> bool {
         self.wires.iter().all(Wire::is_silent) && self.status.is_awaiting_input()
+    }
+
+    /// Whether it is to begin anew (M999 after a stop). Nothing happens in this world any more.
+    #[must_use]
+    pub const fn has_ended(&self) -> bool {
+        self.console.is_none()
     }
 
     /// Time since it was switched on, in ticks.
@@ -302,6 +335,7 @@ pub fn run_on(
             if host.opens() {
                 wire.open();
             }
+            host.clock(world.now());
             wire.take(|bytes| host.interject(bytes));
         }
         if world.is_awaiting_hosts() {

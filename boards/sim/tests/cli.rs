@@ -137,7 +137,7 @@ fn settings_survive_in_an_image_file() {
     let hurry = "G28\nG1 X300 F24000\n";
     let slow = run(hurry);
     assert_eq!(std::fs::metadata(&image).unwrap().len(), 4096);
-    run("M203 X400\nM500\n");
+    run("M203 X400\nM500\nG28\n");
     // The stored limit lets the same print go faster, and the checker knows it.
     let fast = run(hurry);
     assert_ne!(slow.lines().find(|l| l.contains("sha256")), fast.lines().find(|l| l.contains("sha256")));
@@ -172,7 +172,10 @@ fn what_cannot_be_printed_is_status_2_and_says_why() {
     let cases: [(&[&str], &str); 8] = [
         (&["run", "no-such.gcode"], "corehbot: cannot open no-such.gcode"),
         (&["run", axes, "--settings", "no-such.toml"], "corehbot: cannot open no-such.toml"),
-        (&["run", axes, "--settings", machine.to_str().unwrap()], "axes.x.max_speed = 5000 is outside 0.01 to 3000"),
+        (
+            &["run", axes, "--settings", machine.to_str().unwrap()],
+            "bad.toml:2:13: axes.x.max_speed = 5000 is outside 0.01 to 3000",
+        ),
         (&["run", axes, "--assume-homed", "1,2"], "three numbers"),
         (&["run", axes, "--storage", image.to_str().unwrap()], "is no image of an EEPROM"),
         (&["run", axes, "--storage", "/no/such/place.bin"], "corehbot: cannot create /no/such/place.bin"),

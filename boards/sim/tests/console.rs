@@ -210,7 +210,7 @@ fn a_missing_switch_halts_the_machine() {
     let (heard, outcome, _) = talk_to(&settings, Some([100.0, 0.0, 0.0]), &["G28 X", "G1 X5"]);
     assert!(outcome.halted);
     assert!(heard.contains(&"Error:Homing failed: X endstop not found".to_owned()), "{heard:?}");
-    assert!(heard.contains(&"Error:Printer halted. kill() called!".to_owned()), "{heard:?}");
+    assert!(heard.contains(&"Error:Printer halted. kill() called! Send M999 or reset".to_owned()), "{heard:?}");
     assert!(!heard.iter().any(|l| l.starts_with("ok")));
 }
 
@@ -218,7 +218,7 @@ fn a_missing_switch_halts_the_machine() {
 fn an_emergency_stop_stops_in_mid_move() {
     let (heard, outcome, steps) = talk(&["G1 X300 F3000", "!G1 X0", "!M112"]);
     assert!(outcome.halted);
-    assert!(heard.contains(&"Error:Printer halted. kill() called!".to_owned()), "{heard:?}");
+    assert!(heard.contains(&"Error:Printer halted. kill() called! Send M999 or reset".to_owned()), "{heard:?}");
     assert!(steps.count < 100, "{} steps after the stop", steps.count);
 }
 

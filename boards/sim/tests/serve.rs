@@ -96,7 +96,8 @@ fn hosts_come_and_go_and_find_the_same_printer() {
     client.say(b"M112\nM114\n");
     drop(client);
     let mut client = Client::open(&served.path);
-    assert!(client.hear().starts_with("Error:Printer halted"));
+    let told = client.hear();
+    assert!(told.starts_with("Error:Printer halted. kill() called!") && told.contains("M999"), "{told}");
     let (status, words) = served.interrupt();
     assert_eq!(status, Some(0));
     assert!(words.contains("moves        1, underruns 0"), "{words}");
@@ -150,4 +151,75 @@ fn a_link_replaces_a_stale_link_and_nothing_else() {
     assert_eq!(served.interrupt().0, Some(0));
     assert!(link.symlink_metadata().is_err(), "the link is left");
     std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// After M112 the next host gets far enough to ask for a new start, which is one: where the tool is is not known, the
+/// settings are those that were stored, and the line is the same.
+#[test]
+fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
+    let folder = folder("restart");
+    let (storage, trace) = (folder.join("eeprom.bin"), folder.join("trace.csv"));
+    let [storage, trace] = [&storage, &trace].map(|path| path.to_str().unwrap());
+    let args = ["--speed", "max", "--assume-homed", "50,50,10", "--storage", storage, "--trace", trace];
+    let served = Served::start(&args);
+    let mut client = Client::open(&served.path);
+    assert_eq!(client.hear(), "start");
+    client.ask("M203 X123");
+    client.ask("M500");
+    client.ask("M203 X99");
+    client.ask("G1 X60 F6000");
+    client.ask("M400");
+    // Nothing to begin anew yet.
+    assert_eq!(client.ask("M999"), ["ok"]);
+    client.say(b"M112\n");
+    while !client.hear().starts_with("Error:Printer halted") {}
+    client.say(b"G1 X50\n");
+    assert!(client.hear().starts_with("Error:Printer halted"));
+    drop(client);
+    // As OctoPrint connects: it must not hear of an error, or it hangs up again.
+    let mut client = Client::open(&served.path);
+    let halted = "echo:Printer halted. Send M999 or reset";
+    assert_eq!(client.ask("N0 M110 N0*125"), [halted, "ok"]);
+    assert!(client.ask("N1 M115*39").iter().any(|line| line.starts_with("Cap:")));
+    assert_eq!(client.ask("M21"), [halted, "ok"]);
+    assert!(client.ask("M105")[0].starts_with("ok T:"));
+    client.say(b"G28\n");
+    assert!(client.hear().starts_with("Error:Printer halted"));
+    client.say(b"M999\n");
+    assert_eq!(client.hear(), "start");
+    assert!(client.ask("M105").last().unwrap().starts_with("ok T:"));
+    assert!(client.ask("M203").contains(&"echo:  M203 X123 Y300 Z20 E80".to_owned()));
+    assert!(client.ask("M114")[0].starts_with("X:0.00 Y:0.00 Z:0.00"));
+    let moved = client.ask("G1 X5 F6000");
+    assert!(moved[0].starts_with("echo:motion before homing"), "{moved:?}");
+    // Its switches are where they were: homing finds the way back from 60 and 5 mm.
+    client.ask("G28 X");
+    client.ask("G1 X5");
+    client.ask("M400");
+    // And again.
+    client.say(b"M112\nM999\n");
+    while client.hear() != "start" {}
+    assert!(client.ask("M114").iter().any(|line| line.starts_with("X:0.00")));
+    let (status, words) = served.interrupt();
+    assert_eq!(status, Some(0));
+    assert!(words.contains("moves        6,"), "{words}");
+    // One trace, whose time never goes back. The belts were turned from 50 to 60 and 65 mm, to the switch, and to 5 mm.
+    let trace = std::fs::read_to_string(trace).unwrap();
+    let ticks: Vec<u64> = trace.lines().filter_map(|line| line.split(',').next()?.parse().ok()).collect();
+    assert!(ticks.len() > 1000 && ticks.is_sorted());
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// What a person types is shown, and can be erased; a line with a checksum is not edited.
+#[test]
+fn a_person_types_with_echo_and_backspace() {
+    let served = Served::start(&["--speed", "max", "--assume-homed", "50,50,10", "--echo"]);
+    let mut client = Client::open(&served.path);
+    while !client.hear().starts_with("echo:corehbot") {}
+    client.say(b"G1 X77\x08\x7F65 F600O\x080\r");
+    assert_eq!(client.hear(), "G1 X77\x08 \x08\x08 \x0865 F600O\x08 \x080");
+    assert_eq!(client.hear(), "ok");
+    client.say(b"M114\r\n");
+    assert_eq!(client.hear(), "M114");
+    assert!(client.hear().starts_with("X:65.00 Y:50.00"));
 }

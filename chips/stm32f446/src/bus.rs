@@ -13,10 +13,8 @@ use embassy_stm32::pac::{I2C1, RCC};
 
 use crate::clocks::APB1_HZ;
 use crate::ports;
+use crate::resources::I2C_FUNCTION;
 use crate::wiring::Pin;
-
-/// I2C1 to 3 are alternate function 4 (STM32F446 datasheet, table of alternate functions).
-const FUNCTION: u8 = 4;
 
 /// APB1 in MHz, which the unit wants to know.
 const APB1_MHZ: u32 = APB1_HZ / 1_000_000;
@@ -146,7 +144,7 @@ impl Bus {
         self.clock();
         drive(self.sda, true);
         pause();
-        [self.scl, self.sda].iter().for_each(|pin| ports::make_alternate(*pin, FUNCTION));
+        [self.scl, self.sda].iter().for_each(|pin| ports::make_alternate(*pin, I2C_FUNCTION));
         I2C1.cr1().write(|w| w.set_swrst(true));
         I2C1.cr1().write(|_| ());
         I2C1.cr2().write(|w| w.set_freq(APB1_MHZ as u8));

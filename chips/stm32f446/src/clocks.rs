@@ -1,30 +1,80 @@
 //! Clocks: 180 MHz from the crystal, and 48 MHz for USB.
 
 use cortex_m::peripheral::NVIC;
-use embassy_stm32::pac::{FLASH, Interrupt, RCC, TIM3};
+use embassy_stm32::pac::{FLASH, Interrupt, PWR, RCC, TIM3};
 use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, Hse, HseMode, Pll, PllMul, PllPDiv, PllPreDiv, PllSource, Sysclk,
+    AHBPrescaler, APBPrescaler, Hse, HseMode, LsConfig, Pll, PllMul, PllPDiv, PllPreDiv, PllQDiv, PllRDiv, PllSource,
+    Sysclk,
 };
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, interrupt::Priority};
 
+use crate::hand_over::comes;
 use crate::wiring::Crystal;
+
+/// Clock of the core.
+pub const CORE_HZ: u32 = 180_000_000;
 
 /// Clock of APB1: a quarter of 180 MHz.
 pub const APB1_HZ: u32 = 45_000_000;
 
-/// Clock of the timers on APB1: twice the bus's 45 MHz (RM0390, 6.2, figure of the clock tree).
-pub const TIMER_HZ: u32 = 90_000_000;
-
-/// Clock of the timers on APB2: twice the bus's 90 MHz.
+/// Clock of the timers on APB2: twice the bus's 90 MHz (RM0390, 6.2, figure of the clock tree).
 pub const APB2_TIMER_HZ: u32 = 180_000_000;
 
-/// Looks at a status register, at four cycles of 180 MHz each or more, until the second PLL must run: 0.3 ms
-/// (STM32F446 datasheet, PLLSAI characteristics), with a margin of ten.
-const LOCKING: u32 = 135_000;
+/// The system clock is 2 MHz * 180 / 2.
+const MUL: PllMul = PllMul::MUL180;
+const DIVP: PllPDiv = PllPDiv::DIV2;
+
+/// The two other outputs of the PLL are not used, but their divisors must be 2 or more (RM0390, 6.3.2): 45 and 180 MHz.
+const DIVQ: PllQDiv = PllQDiv::DIV8;
+const DIVR: PllRDiv = PllRDiv::DIV2;
 
 /// Takes the 48 MHz of USB from PLLSAI instead of the main PLL (RM0390, 6.3.27, CK48MSEL).
 const CK48MSEL: u32 = 1 << 27;
+
+/// Has crystal, PLL and over-drive start once, one after the other, and says what does not. embassy-stm32 0.6.0 waits for
+/// each of them without an end. The internal oscillator is the system clock, before and after.
+pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
+    RCC.cr().modify(|w| w.set_hsebyp(crystal == Crystal::Clock8MHz));
+    RCC.cr().modify(|w| w.set_hseon(true));
+    if !comes(|| RCC.cr().read().hserdy()) {
+        return Err(match crystal {
+            Crystal::Oscillator12MHz => "the crystal of 12 MHz does not start",
+            Crystal::Clock8MHz => "the ST-LINK gives no clock of 8 MHz",
+        });
+    }
+    RCC.pllcfgr().write(|w| {
+        w.set_pllsrc(PllSource::HSE);
+        w.set_pllm(to_2_mhz(crystal));
+        w.set_plln(MUL);
+        w.set_pllp(DIVP);
+        w.set_pllq(DIVQ);
+        w.set_pllr(DIVR);
+    });
+    RCC.cr().modify(|w| w.set_pllon(true));
+    if !comes(|| RCC.cr().read().pllrdy()) {
+        return Err("the PLL does not lock");
+    }
+    RCC.apb1enr().modify(|w| w.set_pwren(true));
+    // It answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
+    let _ = RCC.apb1enr().read();
+    // In this order, and while the PLL runs (RM0390, 5.1.4, entering over-drive mode).
+    PWR.cr1().modify(|w| w.set_oden(true));
+    if !comes(|| PWR.csr1().read().odrdy()) {
+        return Err("the supply of the processor has no over-drive");
+    }
+    PWR.cr1().modify(|w| w.set_odswen(true));
+    if !comes(|| PWR.csr1().read().odswrdy()) {
+        return Err("the processor does not switch to over-drive");
+    }
+    PWR.cr1().modify(|w| {
+        w.set_oden(false);
+        w.set_odswen(false);
+    });
+    RCC.cr().modify(|w| w.set_pllon(false));
+    let is_off = comes(|| !PWR.csr1().read().odswrdy() && !RCC.cr().read().pllrdy());
+    is_off.then_some(()).ok_or("the PLL does not stop")
+}
 
 /// Starts the clocks, embassy's time, and what keeps flash from being slow.
 pub fn start(crystal: Crystal, dma_priority: Priority) {
@@ -37,8 +87,10 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     config.dma_interrupt_priority = dma_priority;
     config.rcc.hse = Some(Hse { freq, mode });
     config.rcc.pll_src = PllSource::HSE;
-    // 2 MHz * 180 / 2. embassy-stm32 switches the over-drive on, which 180 MHz need.
-    config.rcc.pll = Some(Pll { prediv, mul: PllMul::MUL180, divp: Some(PllPDiv::DIV2), divq: None, divr: None });
+    // embassy-stm32 switches the over-drive on, which 180 MHz need.
+    config.rcc.pll = Some(Pll { prediv, mul: MUL, divp: Some(DIVP), divq: Some(DIVQ), divr: Some(DIVR) });
+    // Nothing uses the slow oscillators by way of embassy-stm32, which would wait for them without an end.
+    config.rcc.ls = LsConfig::off();
     config.rcc.sys = Sysclk::PLL1_P;
     config.rcc.ahb_pre = AHBPrescaler::DIV1;
     config.rcc.apb1_pre = APBPrescaler::DIV4;
@@ -81,22 +133,19 @@ const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
     }
 }
 
-/// Starts the 48 MHz of USB: 2 MHz * 96 / 4 in PLLSAI. Says whether they run.
+/// Starts the 48 MHz of USB: 2 MHz * 96 / 4 in PLLSAI, which is off before. Says whether they run.
 ///
 /// embassy-stm32 0.6.0 cannot: it leaves the predivider PLLSAIM, which the F446 has in a register of its own, at the
 /// forbidden 0 (RM0390, 6.3.24), and writes CK48MSEL into DCKCFGR, where other chips have it.
 pub fn start_usb(crystal: Crystal) -> bool {
-    // A bootloader may have left it running, and then its settings are read only.
-    RCC.cr().modify(|w| w.set_pllsaion(false));
-    if !(0..LOCKING).any(|_| !RCC.cr().read().pllsairdy()) {
-        return false;
-    }
     RCC.pllsaicfgr().modify(|w| {
         w.set_pllm(to_2_mhz(crystal));
         w.set_plln(PllMul::MUL96);
         w.set_pllp(PllPDiv::DIV4);
+        // Not used, and 2 or more.
+        w.set_pllq(PllQDiv::DIV4);
     });
     RCC.dckcfgr2().modify(|w| w.0 |= CK48MSEL);
     RCC.cr().modify(|w| w.set_pllsaion(true));
-    (0..LOCKING).any(|_| RCC.cr().read().pllsairdy())
+    comes(|| RCC.cr().read().pllsairdy())
 }

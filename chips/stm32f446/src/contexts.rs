@@ -8,7 +8,8 @@ use corehbot::app::Parts;
 use corehbot::port::Pend;
 use corehbot::{machine, motion};
 use corehbot_cortex_m4::Handover;
-use cortex_m::peripheral::NVIC;
+use cortex_m::peripheral::{NVIC, SCB};
+use cortex_m_rt::exception;
 use embassy_executor::{Executor, Spawner};
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::Interrupt;
@@ -20,7 +21,7 @@ use crate::drivers::Drivers;
 use crate::host_serial::HostSerial;
 use crate::memory::BoardStorage;
 use crate::step_pins::StepPins;
-use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::step_timer::{BoardClock, StepTimer};
 use crate::thermistors::Thermistors;
 use crate::usb::{self, UsbPort};
 use crate::watchdog::Watchdog;
@@ -37,7 +38,8 @@ type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
 type StepGenerator = motion::StepGenerator<'static>;
 type Console = machine::Console<'static, BoardPorts, IrqPend>;
 
-static STEPPER: Handover<&'static mut Stepper> = Handover::new();
+/// The Stepper itself, which its interrupt finds so with one load less.
+static STEPPER: Handover<Stepper> = Handover::new();
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
 static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 static CONSOLE_WAKER: AtomicWaker = AtomicWaker::new();
@@ -46,15 +48,17 @@ static CONSOLE_WAKER: AtomicWaker = AtomicWaker::new();
 pub static BEATS: AtomicU32 = AtomicU32::new(0);
 
 /// Hands the parts to their contexts and lets them loose.
-pub fn start(parts: &'static mut BoardParts, usb: Option<UsbPort>, watchdog: Watchdog) -> ! {
-    STEPPER.fill(&mut parts.stepper);
+/// The processor never sleeps if it must stay `awake`.
+pub fn start(parts: &'static mut BoardParts, usb: Option<UsbPort>, watchdog: Watchdog, awake: bool) -> ! {
+    // SAFETY: it stays where it was put together for ever, but nobody uses it there.
+    STEPPER.fill(unsafe { core::ptr::read(&parts.stepper) });
     GENERATOR.fill(&mut parts.generator);
     priorities::enable();
     let console = &mut parts.console;
-    EXECUTOR.init(Executor::new()).run(|spawner| spawn(spawner, console, usb, watchdog))
+    EXECUTOR.init(Executor::new()).run(|spawner| spawn(spawner, console, usb, watchdog, awake))
 }
 
-fn spawn(spawner: Spawner, console: &'static mut Console, usb: Option<UsbPort>, watchdog: Watchdog) {
+fn spawn(spawner: Spawner, console: &'static mut Console, usb: Option<UsbPort>, watchdog: Watchdog, awake: bool) {
     match (run_console(console, watchdog), keep_time()) {
         (Ok(console), Ok(time)) => {
             spawner.spawn(console);
@@ -67,19 +71,26 @@ fn spawn(spawner: Spawner, console: &'static mut Console, usb: Option<UsbPort>, 
         Some(Err(_)) => fault::give_up("a task runs once"),
         None => {}
     }
+    match awake.then(stay_awake) {
+        Some(Ok(stay)) => spawner.spawn(stay),
+        Some(Err(_)) => fault::give_up("a task runs once"),
+        None => {}
+    }
 }
 
-/// Polls the Console whenever [`wake_console`] asks for it, and feeds the watchdog if all contexts live.
+/// Polls the Console whenever [`wake_console`] asks for it, and feeds the watchdog if all contexts live. When the Console
+/// ends, the machine begins anew.
 #[embassy_executor::task]
 async fn run_console(console: &'static mut Console, mut watchdog: Watchdog) {
     let mut run = pin!(console.run());
     poll_fn(|context| {
         CONSOLE_WAKER.register(context.waker());
-        let poll = run.as_mut().poll(context).map(|never| match never {});
+        let poll = run.as_mut().poll(context);
         watchdog.look();
         poll
     })
-    .await
+    .await;
+    fault::begin_anew()
 }
 
 /// Wakes the Console every millisecond.
@@ -92,17 +103,29 @@ async fn keep_time() {
     }
 }
 
+/// Leaves the executor no time to sleep.
+#[embassy_executor::task]
+async fn stay_awake() {
+    loop {
+        embassy_futures::yield_now().await;
+    }
+}
+
 /// Has the Console look at the world again. Not for the Stepper, which no critical section holds off.
 pub fn wake_console() {
     CONSOLE_WAKER.wake();
 }
 
 /// A step is due, or software wants the Stepper to look.
-#[interrupt]
-fn TIM2() {
-    step_timer::acknowledge();
-    // SAFETY: `start` fills the place before it enables this interrupt, nobody else uses it, and an interrupt does not
-    // interrupt itself.
+// In a section of its own name, and so not one of the functions whose common parts are put into functions of their own to
+// save flash.
+#[exception]
+#[unsafe(link_section = ".text.SysTick")]
+fn SysTick() {
+    // SAFETY:
+    // - `start` fills the place before anybody who could set the alarm or pend this exception runs: the Stepper, the
+    //   Console, the StepGenerator and the watchdog all begin later;
+    // - nobody else uses the place, and an exception does not interrupt itself.
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
 }
 
@@ -126,6 +149,6 @@ impl Pend for IrqPend {
 
     #[inline]
     fn pend_stepper(&self) {
-        NVIC::pend(step_timer::IRQ);
+        SCB::set_pendst();
     }
 }

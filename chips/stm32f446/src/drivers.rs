@@ -4,6 +4,7 @@ use corehbot::port::{BusError, DriverBus, Frame, Motor, MotorSet};
 
 use crate::driver_uart::DriverUart;
 use crate::ports;
+use crate::supply;
 use crate::wiring::{Board, Port};
 
 /// Switches drivers on and off, and talks to those that have a UART.
@@ -45,5 +46,9 @@ impl DriverBus for Drivers {
 
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         self.uart.outcome()
+    }
+
+    fn warning(&self) -> Option<&'static str> {
+        supply::warning()
     }
 }

@@ -5,13 +5,29 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 
-use crate::{last_words, safe_levels};
+use crate::{last_words, safe_levels, stack_guard};
+
+/// The part of CFSR that tells of the MPU (ARM DDI 0403E, B3.2.15).
+const MEMORY: u32 = 0xFF;
+
+/// MMARVALID: MMFAR holds the address.
+const MEMORY_ADDRESS: u32 = 1 << 7;
+
+/// STKERR and MSTKERR: what the handler finds on the stack is not what was interrupted.
+const NOT_PUSHED: u32 = 1 << 12 | 1 << 4;
 
 /// The way that all faults end.
 fn end(reason: core::fmt::Arguments<'_>) -> ! {
     cortex_m::interrupt::disable();
     safe_levels::assume();
     last_words::leave(reason);
+    SCB::sys_reset()
+}
+
+/// The user wants a reset, for which there is nothing to be told after it.
+pub fn begin_anew() -> ! {
+    cortex_m::interrupt::disable();
+    safe_levels::assume();
     SCB::sys_reset()
 }
 
@@ -67,8 +83,13 @@ extern "C" fn describe(stack: u32) -> ! {
     safe_levels::assume();
     // SAFETY: SCB is a fixed address; the registers are only read.
     let scb = unsafe { &*SCB::PTR };
-    let (cause, address) = (scb.cfsr.read(), scb.bfar.read());
-    end(format_args!("a hard fault: CFSR {cause:08x} BFAR {address:08x} PC {:08x} SP {stack:08x}", counter(stack)))
+    let (cause, bus, memory) = (scb.cfsr.read(), scb.bfar.read(), scb.mmfar.read());
+    let counter = if cause & NOT_PUSHED == 0 { counter(stack) } else { 0 };
+    if cause & MEMORY != 0 && stack_guard::is_overflow(stack) {
+        end(format_args!("a stack overflow: CFSR {cause:08x} MMFAR {memory:08x} PC {counter:08x} SP {stack:08x}"))
+    }
+    let address = if cause & MEMORY_ADDRESS != 0 { memory } else { bus };
+    end(format_args!("a hard fault: CFSR {cause:08x} FAR {address:08x} PC {counter:08x} SP {stack:08x}"))
 }
 
 /// The program counter that the core pushed at `stack`, or 0 if that is outside of RAM.

@@ -4,17 +4,19 @@
 //!
 //! | priority | context | runs |
 //! |---|---|---|
-//! | 0x00 | TIM2 | Stepper; nothing masks it |
+//! | 0x00 | SysTick | Stepper; nothing masks it |
+//! | 0x00 | PVD | the end, when the supply falls |
 //! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM3 | bytes, USB packets, embassy's time |
 //! | 0x40 | TIM8, while an exchange with a motor driver goes on | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog; USB |
 //!
-//! `unsafe` stays in `fault`, `flash`, `last_words`, `otg` and `priorities`.
+//! `unsafe` stays in `contexts`, `fault`, `flash`, `last_words`, `otg`, `priorities`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod flash_pages;
 pub mod memory;
+pub mod resources;
 mod serial_port;
 pub mod usb_pump;
 pub mod usb_traffic;
@@ -23,6 +25,10 @@ pub mod words;
 
 #[cfg(any(test, target_os = "none"))]
 mod exchange;
+#[cfg(any(test, target_os = "none"))]
+mod receiver_flags;
+#[cfg(any(test, target_os = "none"))]
+mod ring;
 
 #[cfg(target_os = "none")]
 mod bus;
@@ -41,11 +47,15 @@ mod fault;
 #[cfg(target_os = "none")]
 mod flash;
 #[cfg(target_os = "none")]
+mod hand_over;
+#[cfg(target_os = "none")]
 mod host_serial;
 #[cfg(target_os = "none")]
 mod last_words;
 #[cfg(target_os = "none")]
 mod otg;
+#[cfg(target_os = "none")]
+mod plain_serial;
 #[cfg(target_os = "none")]
 mod ports;
 #[cfg(target_os = "none")]
@@ -55,11 +65,15 @@ mod receiver;
 #[cfg(target_os = "none")]
 mod safe_levels;
 #[cfg(target_os = "none")]
+mod stack_guard;
+#[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
 mod step_pins;
 #[cfg(target_os = "none")]
 mod step_timer;
+#[cfg(target_os = "none")]
+mod supply;
 #[cfg(target_os = "none")]
 mod thermistors;
 #[cfg(target_os = "none")]

@@ -9,13 +9,11 @@ use embassy_usb_synopsys_otg::otg_v1::{Otg, vals::Dspd};
 use embassy_usb_synopsys_otg::{Config, Driver, OtgInstance, PhyType, State, on_interrupt};
 
 use crate::ports::{self, Speed};
+use crate::resources::USB_FUNCTION;
 use crate::wiring::USB;
 
 /// The interrupt of the port.
 pub const IRQ: Interrupt = Interrupt::OTG_FS;
-
-/// OTG_FS is alternate function 10 (STM32F446 datasheet, table of alternate functions).
-const FUNCTION: u8 = 10;
 
 /// Endpoints of each direction (RM0390, 31.3).
 const ENDPOINTS: usize = 6;
@@ -48,7 +46,7 @@ fn registers() -> Otg {
 pub fn start(buffer: &'static mut [u8]) -> Option<UsbDriver> {
     for pin in USB {
         ports::speed_up(pin, Speed::VeryHigh);
-        ports::make_alternate(pin, FUNCTION);
+        ports::make_alternate(pin, USB_FUNCTION);
         ports::float(pin);
     }
     RCC.ahb2enr().modify(|w| w.set_usb_otg_fsen(true));

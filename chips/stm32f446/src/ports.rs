@@ -4,7 +4,7 @@ use embassy_stm32::pac;
 use embassy_stm32::pac::gpio::regs::{Bsrr, Ospeedr};
 use embassy_stm32::pac::gpio::vals::{Moder, Pupdr};
 
-use crate::wiring::{Pin, Port};
+use crate::wiring::{DEBUG, Pin, Port};
 
 /// The registers of a port.
 pub type Registers = pac::gpio::Gpio;
@@ -45,6 +45,15 @@ pub fn switch_on() {
     });
     // A port answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
     let _ = pac::RCC.ahb1enr().read();
+}
+
+/// Gives the debug port its pins back, as they are after a reset: SWDIO with a pull-up, SWCLK with a pull-down (RM0390,
+/// 7.4.1). BTT's bootloader makes an output of SWDIO.
+pub fn release_debug_port() {
+    for (pin, pull) in [(DEBUG[0], Pupdr::PULL_UP), (DEBUG[1], Pupdr::PULL_DOWN)] {
+        make_alternate(pin, 0);
+        registers(pin.port).pupdr().modify(|w| w.set_pupdr(pin.number(), pull));
+    }
 }
 
 /// Sets the pins in the lower half of `word` high and those in the upper half low, in one store.

@@ -1,18 +1,25 @@
 //! The interrupts' priorities, and what a bootloader may have left behind.
 
 use cortex_m::Peripherals;
+use cortex_m::peripheral::SCB;
+use cortex_m::peripheral::scb::SystemHandler;
 use cortex_m::register::basepri;
 use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
-use crate::{contexts, driver_uart, otg, step_timer};
+use crate::resources::SOURCES;
+use crate::{contexts, driver_uart, otg, supply};
 
 /// What the lines to hosts, the drivers' UART and embassy's time share: below the Stepper, above everything else.
 pub const LINK: Priority = Priority::P4;
 
-/// How urgent each is. Only 0 escapes the critical sections of `corehbot-cortex-m4`.
-const PRIORITIES: [(Interrupt, Priority); 9] = [
-    (step_timer::IRQ, Priority::P0),
+/// The step timer's exception, which is always enabled.
+const STEPS: (SystemHandler, u8) = (SystemHandler::SysTick, 0);
+
+/// How urgent the others are. Only 0 escapes the critical sections of `corehbot-cortex-m4`.
+const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
+    // It never returns, so it delays no step.
+    (supply::IRQ, Priority::P0),
     (Interrupt::TIM3, LINK),
     (Interrupt::USART1, LINK),
     (Interrupt::USART2, LINK),
@@ -23,10 +30,35 @@ const PRIORITIES: [(Interrupt, Priority); 9] = [
     (contexts::GENERATOR_IRQ, Priority::P8),
 ];
 
-/// Begins with no interrupt enabled or pending, whoever ran before.
+/// AIRCR with its key and groups of priorities that take all bits, as after a reset (ARM DDI 0403E, B3.2.6).
+const ALL_BITS_COUNT: u32 = 0x05FA_0000;
+
+/// The first instructions, before any memory is initialised: the masks that a reset leaves open are closed, or the
+/// interrupts of a bootloader would meet handlers without their data. CONTROL is what it is after a reset, too: the main
+/// stack, which is empty here, and no numbers in the floating-point unit (ARM DDI 0403E, B1.4.4).
+// SAFETY: cortex-m-rt wants the function under this name, calls it once before `main`, and keeps nothing in registers or
+// on the stack across the call but the return address.
+#[unsafe(no_mangle)]
+#[unsafe(naked)]
+pub unsafe extern "C" fn __pre_init() {
+    core::arch::naked_asm!("cpsid i", "movs r0, #0", "msr CONTROL, r0", "isb", "bx lr")
+}
+
+/// They are those of the table, in its order.
+const _: () = {
+    let mut place = 0;
+    while place < SOURCES.len() {
+        assert!(PRIORITIES[place].0 as u16 == SOURCES[place].number);
+        place += 1;
+    }
+};
+
+/// Begins with no interrupt enabled or pending, whoever ran before, and lets interrupts in. Their sources are off.
 pub fn reset(peripherals: &mut Peripherals) {
     peripherals.SYST.disable_interrupt();
     peripherals.SYST.disable_counter();
+    SCB::clear_pendst();
+    SCB::clear_pendsv();
     for bank in 0..peripherals.NVIC.icer.len() {
         // SAFETY: disabling interrupts and forgetting requests breaks no critical section.
         unsafe {
@@ -34,11 +66,15 @@ pub fn reset(peripherals: &mut Peripherals) {
             peripherals.NVIC.icpr[bank].write(u32::MAX);
         }
     }
+    // SAFETY: no interrupt is enabled, so none has a priority that could change under it.
+    unsafe { peripherals.SCB.aircr.write(ALL_BITS_COUNT) };
+    peripherals.SCB.clear_sleepdeep();
     for (irq, priority) in PRIORITIES {
         irq.set_priority(priority);
     }
-    // SAFETY: no interrupt is enabled and no critical section is open, so nothing relies on a mask.
+    // SAFETY: no interrupt is enabled and no critical section is open, so nothing relies on a mask or a priority.
     unsafe {
+        peripherals.SCB.set_priority(STEPS.0, STEPS.1);
         basepri::write(0);
         cortex_m::interrupt::enable();
     }

@@ -16,14 +16,14 @@ use crate::host_serial::HostSerial;
 use crate::last_words::{self, Farewell};
 use crate::memory::{BoardStorage, Find};
 use crate::step_pins::StepPins;
-use crate::step_timer::{self, BoardClock, StepTimer};
+use crate::step_timer::{BoardClock, StepTimer};
 use crate::thermistors::Thermistors;
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::watchdog::{self, Watchdog};
 use crate::wiring::Board;
 use crate::words::Words;
-use crate::{clocks, fault, ports, priorities, safe_levels};
+use crate::{clocks, fault, hand_over, plain_serial, ports, priorities, safe_levels, stack_guard, supply};
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
@@ -34,9 +34,9 @@ static DIR_WORDS: StaticCell<Words> = StaticCell::new();
 /// The machine, until its storage says more of it.
 const SETTINGS: Settings = Settings::prototype();
 
-/// Cycles of 16 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and some 100
-/// pF has settled, with a margin of ten.
-const SETTLE: u32 = 1000;
+/// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
+/// some 100 pF has settled, with a margin of ten.
+const SETTLE: u32 = 10_000;
 
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
@@ -44,17 +44,26 @@ const REPEAT: Duration = Duration::from_secs(2);
 /// Runs the firmware on `board`, with the memory for settings that `find` finds there.
 pub fn run(board: &'static Board, find: Find) -> ! {
     let Some(mut peripherals) = Peripherals::take() else { fault::give_up("start-up runs once") };
+    stack_guard::start(&mut peripherals.MPU, &mut peripherals.SCB);
     ports::switch_on();
+    ports::release_debug_port();
     // Before any output is driven: a level that is safe here may switch a heater on elsewhere.
     let is_right = is_right_board(board);
     if is_right {
         safe_levels::adopt(board);
     }
     watchdog::start();
-    priorities::reset(&mut peripherals);
     peripherals.DCB.enable_trace();
     peripherals.DWT.enable_cycle_counter();
+    hand_over::leave_plls();
+    hand_over::reset_peripherals();
+    priorities::reset(&mut peripherals);
+    supply::wait();
+    if let Err(cause) = clocks::try_out(board.crystal) {
+        plain_serial::tell(board, &["Error:", cause, ", this board cannot print\n"]);
+    }
     clocks::start(board.crystal, priorities::LINK);
+    supply::watch();
     for pin in board.endstops {
         ports::make_input(pin, true);
     }
@@ -72,7 +81,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         let _ = lines.push(HostSerial::Usb(line));
         port
     });
-    step_timer::start();
+    let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&SETTINGS.mechanism);
     let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed, &groups));
     let ports = Ports {
@@ -82,8 +91,8 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         storage: BoardStorage(find(board)),
         sensors: Thermistors::start(board.thermistors),
     };
-    let parts = assemble(StepPins::new(board, dirs, &groups), ports);
-    contexts::start(parts, usb, Watchdog::new())
+    let parts = assemble(StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer }, ports);
+    contexts::start(parts, usb, Watchdog::new(), !counts_asleep)
 }
 
 /// Whether the board has the resistors that we know it by. Leaves the pins inputs.
@@ -128,18 +137,20 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(pins: StepPins, ports: BoardPorts) -> &'static mut BoardParts {
-    let step_ports = StepPorts { pins, clock: StepTimer };
+fn assemble(step_ports: StepPorts<StepPins, StepTimer>, ports: BoardPorts) -> &'static mut BoardParts {
     // In this form the parts are built in their place; they are too large to be carried about.
     PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, ports, IrqPend))
 }
 
-/// Tells the hosts why the last reset happened, unless it was for a good reason.
+/// Tells the hosts why the last reset happened, unless it was for a good reason, and what the board lacks.
 fn report(lines: &mut [HostSerial], reason: Option<&Farewell>) {
     if let Some(reason) = reason {
         defmt::error!("the last reset came after {=str}", reason.as_str());
         for part in reason.parts() {
             lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
         }
+    }
+    for part in supply::warning_parts() {
+        lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
     }
 }

@@ -4,6 +4,8 @@
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
+use core::sync::atomic::{Ordering::AcqRel, compiler_fence};
+
 use corehbot::kinematics::Groups;
 use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
@@ -14,27 +16,23 @@ use crate::words::{PORTS, QUICK, Words};
 
 /// A step pulse has to be high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
 /// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest. What the
-/// Stepper does meanwhile takes longer: [`IN_BETWEEN`].
+/// Stepper does meanwhile takes longer, without any wait of the chip's: the next event is fetched and the alarm set. The
+/// bench counts these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
 const PULSE: u32 = 24;
-
-/// Cycles between the last store of a rise and the first of a fall, at the least. The step timer's alarm is written and
-/// its counter read in between, one after the other, and each takes two clocks of a bus of 45 MHz (ARM IHI 0024C, 3.1 and
-/// 3.3), eight of the core's; so do a dozen other instructions (the next event is fetched), each a cycle or more.
-const IN_BETWEEN: u32 = 2 * 8 + 12;
-const _: () = assert!(IN_BETWEEN >= PULSE);
 
 /// What a pulse on a step pin on PC13, PC14 or PC15 takes beyond that, which is good for 2 MHz (STM32F446 datasheet, pin
 /// definitions, note on the power switch): 300 ns altogether.
-const SLOW_REST: u32 = 54 - IN_BETWEEN;
+const SLOW_REST: u32 = 54 - PULSE;
 
 /// Step and direction pins of all motors, and the endstop inputs.
 // In this order: what a quick step needs is in front.
 #[repr(C)]
 pub struct StepPins {
+    quick: [Quick; QUICK],
+    steps: Words,
     step_ports: [Registers; PORTS],
     /// What lowers all step lines. Most are low, but sorting them out would take longer.
     low: [u32; PORTS],
-    steps: Words,
     /// Groups with a motor whose step pin is slow.
     held: GroupSet,
     dirs: &'static Words,
@@ -42,13 +40,23 @@ pub struct StepPins {
     endstops: Endstops,
 }
 
+/// A port of quick steps, and what lowers its step lines.
+#[repr(C)]
+struct Quick {
+    port: Registers,
+    low: u32,
+}
+
 impl StepPins {
     /// The pins of `board`, which are outputs already, for these groups of motors.
     pub fn new(board: &Board, dirs: &'static Words, groups: &Groups) -> Self {
         let steps = Words::pulses(board.step_pins(), board.slow, groups);
+        let low = steps.of(ALL).map(|word| word << 16);
+        let quick = |port: usize| Quick { port: ports::registers(steps.ports[port]), low: low[port] };
         Self {
+            quick: [quick(0), quick(1), quick(2)],
             step_ports: steps.ports.map(ports::registers),
-            low: steps.of(ALL).map(|word| word << 16),
+            low,
             steps,
             held: groups_of(board.slow, groups),
             dirs,
@@ -67,14 +75,16 @@ fn store(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
     ports.iter().zip(words).for_each(|(port, word)| ports::store(*port, *word));
 }
 
-/// The same for quick steps, with nothing between the stores, however the compiler feels about loops.
+/// The same for quick steps, however the compiler feels about loops. Each port and its word are loaded when it is their
+/// turn, for all at once would take longer up to the first store. The second port is 5 cycles later than the first, 28 ns.
 #[inline(always)]
-fn store_quick(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
-    const { assert!(QUICK == 3) };
-    let ([a, b, c, _], [x, y, z, _]) = (*ports, *words);
-    ports::store(a, x);
-    ports::store(b, y);
-    ports::store(c, z);
+fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; PORTS]) {
+    ports::store(a.port, *x);
+    compiler_fence(AcqRel);
+    ports::store(b.port, *y);
+    compiler_fence(AcqRel);
+    ports::store(c.port, *z);
+    compiler_fence(AcqRel);
 }
 
 /// The groups that any of `slow` belongs to.
@@ -109,12 +119,15 @@ impl StepPort for StepPins {
 
     #[inline(always)]
     fn rise_quick(&mut self, steps: GroupSet, _tick: u64) {
-        store_quick(&self.step_ports, self.steps.of(steps));
+        rise_in_turn(&self.quick, self.steps.of(steps));
     }
 
     #[inline(always)]
     fn fall_quick(&mut self, _steps: GroupSet) {
-        store_quick(&self.step_ports, &self.low);
+        let [a, b, c] = &self.quick;
+        ports::store(a.port, a.low);
+        ports::store(b.port, b.low);
+        ports::store(c.port, c.low);
     }
 
     #[inline]

@@ -1,62 +1,156 @@
-//! The step timer: TIM2 counts ticks of 10 MHz in 32 bits and compares.
+//! The step timer: the core's cycle counter tells the time, and the core's own timer (SysTick) rings.
+//!
+//! Both answer without a bus in between. A timer on APB1, which runs at a quarter of the core's clock, has the core wait
+//! for 9 to 13 cycles at every access, and its interrupt has to be taken back besides: four accesses an event.
+//!
+//! A tick is 18 cycles. The cycle of a tick is its number times 18, and both wrap at 2^32, so there is nothing to keep
+//! in step. The cycle counter wraps first, after 23.8 s. So what is near is told by cycles, and what is not by
+//! [`StepTimer::now`], which counts on from where it was last; the Stepper asks for that every few seconds at the latest
+//! while there is motion, and at rest a tick is as good as any other.
+//!
+//! A debugger that halts the core halts both. Whether the cycle counter counts while the processor sleeps is up to the
+//! chip, so that is [measured](StepTimer::start) at start-up.
+
+use core::arch::asm;
+use core::cell::Cell;
 
 use corehbot::port::{Clock, StepClock};
 use corehbot::units::{Instant, TICKS_PER_SECOND, Tick};
-use embassy_stm32::pac::{Interrupt, RCC, TIM2};
+use cortex_m::interrupt;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{DWT, SCB, SYST};
 
-use crate::clocks::TIMER_HZ;
+use crate::clocks::{self, CORE_HZ};
 
-/// The interrupt of the steps.
-pub const IRQ: Interrupt = Interrupt::TIM2;
+/// Cycles a tick.
+const CYCLES: u32 = CORE_HZ / TICKS_PER_SECOND;
+const _: () = assert!(CYCLES * TICKS_PER_SECOND == CORE_HZ);
 
-/// Timer clocks a tick.
-const DIVISOR: u32 = TIMER_HZ / TICKS_PER_SECOND;
-const _: () = assert!(DIVISOR * TICKS_PER_SECOND == TIMER_HZ);
+/// The timer rings early, after 23 ms, for what is later, and is set again: so of 256 events, which is how often one is
+/// looked at closely, plain ones take 6 s at the most, and nobody mistakes one lap of the cycle counter for another. The
+/// timer itself has 24 bits (ARM DDI 0403E, B3.3.4).
+const LONGEST: u32 = NEAR * CYCLES + (1 << 22) - 1;
+const _: () = assert!(256 * (LONGEST as u64) < 1 << 31 && LONGEST < 1 << 24);
 
-/// Lets the timer run, silent.
-pub fn start() {
-    RCC.apb1enr().modify(|w| w.set_tim2en(true));
-    let _ = RCC.apb1enr().read();
-    TIM2.psc().write_value((DIVISOR - 1) as u16);
-    TIM2.arr().write_value(u32::MAX);
-    // The prescaler is taken over by an update.
-    TIM2.egr().write(|w| w.set_ug(true));
-    TIM2.sr().write(|_| ());
-    TIM2.cr1().modify(|w| w.set_cen(true));
-}
+/// The timer rings no sooner than this after it was set: 0.4 us, the way out of the interrupt and into it again.
+const NEAR: u32 = 4;
 
-/// Takes the timer's request back; harmless if software pended the interrupt.
-#[inline(always)]
-pub fn acknowledge() {
-    // Flags are cleared by writing 0, and only compare 1 is in use.
-    TIM2.sr().write(|_| ());
-}
+/// The timer rings so many cycles early: 12 that the core takes from there to the handler's first instruction
+/// (ARM 100166, 3.9), and 6 that the alarm takes to be set when the counter has been read. The handler looks at the
+/// counter again, so no step comes before its tick.
+const EARLY: u32 = 12 + 6;
+const _: () = assert!(EARLY < (NEAR - 1) * CYCLES);
+
+/// How long the processor sleeps to find out whether the counter counts meanwhile: 0.1 ms.
+const SLEEP: u32 = CORE_HZ / 10_000;
 
 /// The step timer's port.
-pub struct StepTimer;
+pub struct StepTimer {
+    timer: SYST,
+    /// The time when it was asked for last.
+    last: Cell<Tick>,
+}
+
+impl StepTimer {
+    /// Takes the timer, silent, and says whether the cycle counter, which runs already, does so while the processor
+    /// sleeps. If not, the processor must not sleep.
+    pub fn start(mut timer: SYST) -> (Self, bool) {
+        timer.disable_counter();
+        timer.set_clock_source(SystClkSource::Core);
+        timer.enable_interrupt();
+        // Nothing else may end the sleep: other interrupts are not enabled yet, and embassy's clock stands still.
+        let slept = clocks::without_time(|| {
+            interrupt::free(|_| {
+                ring_in(&mut timer, SLEEP);
+                timer.enable_counter();
+                let begin = DWT::cycle_count();
+                while !SCB::is_pendst_pending() {
+                    cortex_m::asm::wfi();
+                }
+                timer.disable_counter();
+                SCB::clear_pendst();
+                DWT::cycle_count().wrapping_sub(begin)
+            })
+        });
+        (Self { timer, last: Cell::new(Tick(0)) }, slept > SLEEP / 2)
+    }
+}
+
+/// Cycles until a tick begins, below zero (wrapping) if it has begun. In the fewest registers: one more in the step
+/// interrupt would have to be saved, with another for the stack's alignment.
+#[inline(always)]
+fn until(tick: Tick) -> u32 {
+    const { assert!(CYCLES == 16 + 2) };
+    let mut left = DWT::cycle_count();
+    // SAFETY: two additions in registers, which touch nothing else.
+    unsafe {
+        asm!(
+            "rsb {left}, {left}, {tick}, lsl #4",
+            "add {left}, {left}, {tick}, lsl #1",
+            left = inout(reg) left,
+            tick = in(reg) tick.0,
+            options(pure, nomem, nostack, preserves_flags),
+        );
+    }
+    left
+}
+
+/// Whole ticks in so many cycles: a product and a shift instead of a division, exact for all 32 bits (half of the cycles is
+/// below 2^31, and the factor is 2^33 / 9, rounded up by less than 2 / 9).
+#[inline(always)]
+const fn ticks_in(cycles: u32) -> u32 {
+    const { assert!(CYCLES == 18) };
+    (((cycles as u64 >> 1) * 0x38E3_8E39) >> 33) as u32
+}
+const _: () = assert!(ticks_in(u32::MAX) == u32::MAX / 18 && ticks_in(17) == 0 && ticks_in(18) == 1);
+
+/// Has the timer ring when so many cycles have passed since the counter was read, again and again until it is set anew.
+#[inline(always)]
+fn ring_in(timer: &mut SYST, cycles: u32) {
+    timer.set_reload(cycles.wrapping_sub(EARLY));
+    timer.clear_current();
+}
 
 impl StepClock for StepTimer {
-    #[inline(always)]
     fn now(&self) -> Tick {
-        Tick(TIM2.cnt().read())
+        let last = self.last.get();
+        let now = last.after(ticks_in(until(last).wrapping_neg()));
+        self.last.set(now);
+        now
     }
 
+    #[inline(always)]
+    fn is_due(&self, at: Tick, ticks: u32) -> bool {
+        // Below zero, but not by more than that; from the second cycle of the tick on, for this is one comparison.
+        until(at) >= (ticks * CYCLES).wrapping_neg()
+    }
+
+    #[cold]
     #[inline(never)]
     fn alarm(&mut self, at: Tick) -> bool {
-        TIM2.dier().write(|w| w.set_ccie(0, true));
-        self.alarm_again(at)
+        let left = at.0.wrapping_sub(self.now().0).cast_signed();
+        if left <= 0 {
+            return false;
+        }
+        // The tick may have begun by now, so this may be below zero.
+        let cycles = until(at).cast_signed().max(NEAR.cast_signed() * CYCLES.cast_signed());
+        let is_far = left.cast_unsigned() > LONGEST / CYCLES;
+        ring_in(&mut self.timer, if is_far { LONGEST } else { cycles.cast_unsigned() });
+        self.timer.enable_counter();
+        true
     }
 
     #[inline(always)]
     fn alarm_again(&mut self, at: Tick) -> bool {
-        TIM2.ccr(0).write_value(at.0);
-        // The counter may have passed the tick before the comparison began, and then it would take 429 s.
-        self.now().is_before(at)
+        let left = until(at);
+        // Also if that is nonsense, which takes less time than to ask first: then the alarm is set anew, or silenced, before
+        // anybody waits for it.
+        ring_in(&mut self.timer, left);
+        left.wrapping_sub(NEAR * CYCLES) <= LONGEST - NEAR * CYCLES
     }
 
-    #[inline]
     fn silence(&mut self) {
-        TIM2.dier().write(|_| ());
+        self.timer.disable_counter();
     }
 }
 

@@ -21,11 +21,12 @@ use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
 use embassy_stm32::pac::{ADC3, ADC123_COMMON, DMA2, RCC};
 
 use crate::ports;
+use crate::resources::CONVERTER;
 use crate::wiring::{MOST_THERMISTORS, Thermistor};
 
-/// ADC3 is connected to DMA2 stream 0 by channel 2 (RM0390, table of DMA2 requests).
-const STREAM: usize = 0;
-const CHANNEL: u8 = 2;
+/// Its stream of DMA2.
+const STREAM: usize = CONVERTER.stream;
+const _: () = assert!(CONVERTER.controller == 2);
 
 /// Readings of each sensor that are kept; their sum fills 16 bits.
 const KEPT: usize = 16;
@@ -97,7 +98,7 @@ fn start_dma(channels: usize) {
     stream.m0ar().write_value(KEPT_READINGS.as_ptr() as u32);
     stream.ndtr().write(|w| w.set_ndt((channels * KEPT) as u16));
     stream.cr().write(|w| {
-        w.set_chsel(CHANNEL);
+        w.set_chsel(CONVERTER.request);
         w.set_dir(Dir::PERIPHERAL_TO_MEMORY);
         w.set_psize(Size::BITS16);
         w.set_msize(Size::BITS16);

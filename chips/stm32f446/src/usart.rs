@@ -1,39 +1,41 @@
-//! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts.
+//! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts. What happens when the line rests or
+//! a byte is damaged: [`receiver_flags`](crate::receiver_flags).
 //!
 //! One code serves both. A host may be on each, at the same time.
 
 use corehbot::port::{Received, Serial};
 use corehbot_cortex_m4::Handover;
 use embassy_stm32::interrupt;
+use embassy_stm32::pac::dma::Dma;
 use embassy_stm32::pac::usart::Usart as Registers;
+use embassy_stm32::pac::usart::regs::Sr;
 use embassy_stm32::pac::{DMA1, DMA2, RCC, USART1, USART2};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
 use crate::contexts::wake_console;
 use crate::ports;
-use crate::receiver::{Receiver, Ring, Stream};
+use crate::receiver::Receiver;
+use crate::receiver_flags::{self, Flags, News, Receiving};
+use crate::resources::{self, USART_FUNCTION};
+use crate::ring::Ring;
 use crate::serial_port::{SerialPort, Usart};
-
-/// USART1 to 3 are alternate function 7 (STM32F446 datasheet, table of alternate functions).
-const FUNCTION: u8 = 7;
 
 /// Bytes that wait for the transmitter: a report of the settings (M503).
 const WAITING: usize = 1024;
 
-/// DMA2 stream 5 and not 2, which TIM8 and the second ADC may want; nothing here uses TIM1 or SPI1, the others on
-/// stream 5 (RM0390, table of DMA2 requests).
-static ONE: Station = Station { registers: USART1, stream: Stream::new(DMA2, 5), queues: &QUEUES[0] };
-
-/// The only stream of USART2's receiver (RM0390, table of DMA1 requests).
-static TWO: Station = Station { registers: USART2, stream: Stream::new(DMA1, 5), queues: &QUEUES[1] };
+static ONE: Station = Station { registers: USART1, usart: Usart::One, dma: DMA2, queues: &QUEUES[0] };
+static TWO: Station = Station { registers: USART2, usart: Usart::Two, dma: DMA1, queues: &QUEUES[1] };
+const _: () =
+    assert!(resources::receiver(Usart::One).controller == 2 && resources::receiver(Usart::Two).controller == 1);
 
 static QUEUES: [Queues; 2] = [Queues::new(), Queues::new()];
 
 /// A USART and what passes through it.
 struct Station {
     registers: Registers,
-    stream: Stream,
+    usart: Usart,
+    dma: Dma,
     queues: &'static Queues,
 }
 
@@ -80,8 +82,8 @@ impl UsartLine {
             w.set_re(true);
             w.set_idleie(true);
         });
-        ports::make_alternate(port.tx, FUNCTION);
-        ports::make_alternate(port.rx, FUNCTION);
+        ports::make_alternate(port.tx, USART_FUNCTION);
+        ports::make_alternate(port.rx, USART_FUNCTION);
         Self { receiver, sending, registers }
     }
 }
@@ -107,7 +109,17 @@ fn switch_on(usart: Usart) -> &'static Station {
 
 impl Serial for UsartLine {
     fn recv(&mut self) -> Option<Received> {
-        self.receiver.recv()
+        let received = self.receiver.recv();
+        if received.is_none() {
+            // The handler changes the same registers.
+            critical_section::with(|_| {
+                let look = |registers: &mut Registers| flags(registers.sr().read());
+                if receiver_flags::watch_again(&mut self.registers, look) == News::Damage {
+                    self.receiver.mark_damage();
+                }
+            });
+        }
+        received
     }
 
     fn send(&mut self, bytes: &[u8]) -> usize {
@@ -120,22 +132,40 @@ impl Serial for UsartLine {
     }
 }
 
+/// What of a USART's status concerns the receiver.
+fn flags(status: Sr) -> Flags {
+    Flags { is_at_rest: status.idle(), is_damaged: status.ore() || status.fe() || status.ne() }
+}
+
+impl Receiving for Registers {
+    fn discard(&mut self) {
+        let _ = self.dr().read();
+    }
+
+    fn is_watching(&mut self) -> bool {
+        self.cr1().read().idleie()
+    }
+
+    fn watch(&mut self, rest: bool) {
+        self.cr1().modify(|w| w.set_idleie(rest));
+    }
+}
+
 impl Station {
     const fn receiver(&self) -> Receiver {
-        Receiver::new(self.stream, &self.queues.ring)
+        Receiver::new(self.dma, resources::receiver(self.usart), &self.queues.ring)
     }
 
     /// The line rests, a byte was damaged, or the transmitter has room.
     fn on_interrupt(&self) {
         let status = self.registers.sr().read();
-        let is_damaged = status.ore() || status.fe() || status.ne();
-        if is_damaged || status.idle() {
-            // Reading the data register after the status takes these back. The DMA has taken the byte long ago.
-            let _ = self.registers.dr().read();
-            if is_damaged {
+        match receiver_flags::answer(flags(status), &mut { self.registers }) {
+            News::None => {}
+            News::Rest => wake_console(),
+            News::Damage => {
                 self.receiver().mark_damage();
+                wake_console();
             }
-            wake_console();
         }
         if status.txe() && self.registers.cr1().read().txeie() {
             match self.queues.outgoing.with(Consumer::dequeue) {

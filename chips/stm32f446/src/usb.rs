@@ -12,6 +12,7 @@ use crate::contexts::wake_console;
 use crate::last_words::Farewell;
 use crate::otg::{self, UsbDriver};
 use crate::step_timer::BoardClock;
+use crate::supply;
 use crate::usb_pump::PACKET;
 use crate::usb_traffic::{Surroundings, Traffic};
 use crate::wiring::Board;
@@ -44,6 +45,8 @@ static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
 pub struct UsbLine {
     /// Why the last reset happened, until somebody has opened the port: it was closed when the others were told.
     farewell: Option<Farewell>,
+    /// Nobody has opened the port so far.
+    is_new: bool,
 }
 
 /// The bus's end of the port.
@@ -66,7 +69,7 @@ pub fn start(board: &'static Board, farewell: Option<Farewell>) -> Option<(UsbLi
     let (configuration, capabilities) = (&mut memory.configuration, &mut memory.capabilities);
     let mut builder = Builder::new(driver, config, configuration, capabilities, &mut [], &mut memory.control);
     let class = CdcAcmClass::new(&mut builder, STATE.init(State::new()), PACKET as u16);
-    Some((UsbLine { farewell }, UsbPort { device: builder.build(), class }))
+    Some((UsbLine { farewell, is_new: true }, UsbPort { device: builder.build(), class }))
 }
 
 /// The contexts beside which the port is served.
@@ -91,10 +94,11 @@ pub async fn serve(port: UsbPort) {
 impl Serial for UsbLine {
     fn recv(&mut self) -> Option<Received> {
         let received = TRAFFIC.recv(|| BoardClock.now());
-        if received == Some(Received::Opened)
-            && let Some(words) = self.farewell.take()
-        {
-            words.parts().into_iter().for_each(|part| _ = self.send(part.as_bytes()));
+        if received == Some(Received::Opened) && core::mem::take(&mut self.is_new) {
+            if let Some(words) = self.farewell.take() {
+                words.parts().into_iter().for_each(|part| _ = self.send(part.as_bytes()));
+            }
+            supply::warning_parts().for_each(|part| _ = self.send(part.as_bytes()));
         }
         received
     }

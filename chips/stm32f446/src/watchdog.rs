@@ -6,13 +6,12 @@
 use core::sync::atomic::Ordering;
 
 use corehbot::port::Pend as _;
-use cortex_m::peripheral::NVIC;
-use embassy_stm32::pac::IWDG;
+use cortex_m::peripheral::{DWT, SCB};
 use embassy_stm32::pac::iwdg::vals::{Key, Pr};
+use embassy_stm32::pac::{DBGMCU, IWDG};
 use embassy_time::{Duration, Instant};
 
 use crate::contexts::{BEATS, IrqPend};
-use crate::step_timer;
 
 /// Counts until the reset at 1 kHz. The oscillator has 17 to 47 kHz instead of 32 (STM32F446 datasheet, LSI),
 /// so it comes after 0.34 to 0.94 s.
@@ -32,11 +31,22 @@ const INTERVAL: Duration = Duration::from_millis(50);
 pub struct Watchdog {
     asked: Instant,
     beats: u32,
+    /// The step timer's counter then.
+    cycles: u32,
 }
 
 /// Starts the watchdog, which nothing but a reset stops. What follows has a third of a second until the first
 /// [`Watchdog::look`].
+///
+/// While a debugger halts the processor it stands still, or a breakpoint would end in a reset. So does embassy's time, as the
+/// step timer does by itself, which is the core's own: the steps go on where they were, and both clocks agree. What the outputs
+/// drive, they drive during a halt. Whoever adds heaters has to have them off by then: their timers can be made to
+/// (RM0390, 33.16.3, counter stopped with its outputs off), a pin alone cannot.
 pub fn start() {
+    DBGMCU.apb1fzr().modify(|w| {
+        w.set_iwdg(true);
+        w.set_tim3(true);
+    });
     IWDG.kr().write(|w| w.set_key(Key::START));
     IWDG.kr().write(|w| w.set_key(Key::ENABLE));
     IWDG.pr().write(|w| w.set_pr(Pr::DIVIDE_BY32));
@@ -78,7 +88,7 @@ pub fn feed() {
 impl Watchdog {
     /// Looks after the contexts from now on.
     pub fn new() -> Self {
-        Self { asked: Instant::now(), beats: 0 }
+        Self { asked: Instant::now(), beats: 0, cycles: 0 }
     }
 
     /// Call it often: feeds the watchdog if all contexts have run since they were asked to, and asks them again.
@@ -87,10 +97,12 @@ impl Watchdog {
             return;
         }
         let beats = BEATS.load(Ordering::Relaxed);
+        // Steps have no time if somebody, a debugger that goes, has switched its counter off.
+        let cycles = DWT::cycle_count();
         // Nothing holds the Stepper off, so its request, once made, is waiting only if it never runs.
-        if beats != self.beats && !NVIC::is_pending(step_timer::IRQ) {
+        if beats != self.beats && cycles != self.cycles && !SCB::is_pendst_pending() {
             feed();
-            self.beats = beats;
+            (self.beats, self.cycles) = (beats, cycles);
         }
         self.asked = Instant::now();
         IrqPend.pend_stepper();

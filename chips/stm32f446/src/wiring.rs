@@ -143,6 +143,9 @@ pub struct Board {
 /// The pins of the USB port (STM32F446 datasheet, table of alternate functions: OTG_FS).
 pub const USB: [Pin; 2] = [Pin::new(Port::A, 11), Pin::new(Port::A, 12)];
 
+/// The pins of the debug port: SWDIO and SWCLK (STM32F446 datasheet, pin definitions).
+pub const DEBUG: [Pin; 2] = [Pin::new(Port::A, 13), Pin::new(Port::A, 14)];
+
 /// The clock at the crystal's pins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Crystal {
@@ -211,8 +214,7 @@ impl Board {
         if single.clone().any(is_twice) || slots().any(|slot| single.clone().any(|pin| pin == slot.enable)) {
             return Some("a pin has two jobs");
         }
-        let debug = [Pin::new(Port::A, 13), Pin::new(Port::A, 14)];
-        if single.clone().chain(slots().map(|slot| slot.enable)).any(|pin| debug.contains(&pin)) {
+        if single.clone().chain(slots().map(|slot| slot.enable)).any(|pin| DEBUG.contains(&pin)) {
             return Some("a pin of the debug port has a job");
         }
         let is_usart_twice = |port: &SerialPort| self.serial.iter().filter(|p| p.usart == port.usart).count() > 1;

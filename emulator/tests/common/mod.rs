@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test is a program of its own and needs but some of this")]
 
 use corehbot::settings::Settings;
+use corehbot_emulator::clock_tree::Defect;
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::firmware::Firmware;
@@ -63,6 +64,12 @@ pub struct Bench<'a> {
     pub thermistors: &'a [(u8, u32)],
     /// A pin that is held.
     pub stuck: Option<(Pin, bool)>,
+    /// What of the clocks is broken.
+    pub defect: Defect,
+    /// Virtual time after which it is given up, in ns.
+    pub whole: u64,
+    /// The test looks at the broken rules for clocks itself.
+    pub may_break_rules: bool,
 }
 
 impl Default for Bench<'_> {
@@ -75,6 +82,9 @@ impl Default for Bench<'_> {
             eeprom: At24c32::default(),
             thermistors: &[],
             stuck: None,
+            defect: Defect::None,
+            whole: 7_200_000 * MS,
+            may_break_rules: false,
         }
     }
 }
@@ -82,7 +92,7 @@ impl Default for Bench<'_> {
 /// Prints `gcode` on `bench`.
 pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
     let settings = Settings::prototype();
-    let patience = Patience { whole: 7_200_000 * MS, silent: 10_000 * MS, after_reset: 50 * MS };
+    let patience = Patience { whole: bench.whole, silent: 10_000 * MS, after_reset: 50 * MS };
     let request = Request {
         firmware,
         wiring: &OCTOPUS,
@@ -96,6 +106,10 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
         eeprom: &bench.eeprom,
         thermistors: bench.thermistors,
         stuck: bench.stuck,
+        defect: bench.defect,
     };
-    run(&request).unwrap_or_else(|e| panic!("{e:#}"))
+    let seen = run(&request).unwrap_or_else(|e| panic!("{e:#}"));
+    let breaches: Vec<_> = seen.breaches.iter().map(ToString::to_string).collect();
+    assert!(breaches.is_empty() || bench.may_break_rules, "rules for clocks:\n{}", breaches.join("\n"));
+    seen
 }

@@ -3,11 +3,11 @@
 use super::word::Word;
 use super::{LENGTH, StepQueue};
 use crate::motion::ahead::{Steps, is_before};
+use crate::motion::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
 use crate::motion::event::StepEvent;
 use crate::motion::track::NEAR;
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
-use core::sync::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
 
 /// A first event of a run that is this long, 0.4 s, is not a plain one; and neither is one of so many. The others of a run
 /// are within [`NEAR`] of its begin. Thus the plain ones between two others take less than the 429 s at which a tick of 32
@@ -168,10 +168,9 @@ impl<'m> StepsIn<'m> {
             && !self.made.is_multiple_of(REGULAR);
         self.before = word;
         let word = if is_plain { word } else { word.special() };
-        // Whoever sees the events must find the end of the queue behind them.
+        // Whoever sees the first word must find its time, the other events, and the end of the queue after them.
         let end = self.made.wrapping_add(count);
         self.queue.end_at(end);
-        compiler_fence(AcqRel);
         let [time, place] = self.queue.place(self.made);
         time.store(interval, Relaxed);
         compiler_fence(AcqRel);

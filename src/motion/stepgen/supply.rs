@@ -3,6 +3,7 @@
 use super::brake::{Braking, Moment};
 use super::{StepGenerator, Task};
 use crate::motion::moves::Work;
+use crate::motion::track::Track;
 use crate::port::EndstopSet;
 use crate::units::Steps;
 
@@ -78,7 +79,13 @@ impl StepGenerator<'_> {
         let is_done = match &entry.work {
             Work::Move(m) => {
                 self.watch = m.watch;
-                self.course.take_up(m, &self.place);
+                let counts = (self.trajectory.is_prompt()).then(|| self.tracks.each_ref().map(Track::count));
+                let ends = self.alignment.ends(m, &self.place, counts, self.mechanism);
+                if ends.0 != self.place {
+                    self.place = ends.0;
+                    self.trajectory.shift(&self.place);
+                }
+                self.course.take_up(m, &ends);
                 match self.braking {
                     Braking::Slowing(square) => self.brake(Moment { done: 0, square }),
                     Braking::No | Braking::Done => self.task = Task::Move,
@@ -100,6 +107,7 @@ impl StepGenerator<'_> {
             }
             Work::Position([x, y, z, e]) => {
                 self.place = [*x, *y, *z, *e, Steps::ZERO];
+                self.alignment.stand_at([*x, *y, *z]);
                 let tracks = self.tracks.iter_mut().zip(&mut self.told);
                 for ((track, told), group) in tracks.zip(self.mechanism.iter()) {
                     let before = track.count();
@@ -130,9 +138,14 @@ impl StepGenerator<'_> {
                     self.tracks.iter_mut().for_each(|track| track.break_off(now));
                 }
             }
-            // At a standstill an event marks the end of the motion, so that time is whole there.
+            // At a standstill an event without steps marks the end of the motion: time is whole there, and the Stepper knows
+            // that nothing is missing.
             Task::Settling(ends_entry) => {
+                let before = self.events.made();
                 if self.pass_until(self.trajectory.settles()) {
+                    if self.events.made() == before {
+                        self.wait(0);
+                    }
                     self.task = Task::Nothing;
                     if ends_entry {
                         self.finish();

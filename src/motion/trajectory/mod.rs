@@ -12,7 +12,8 @@ pub(crate) use span::{ADVANCE, AXES, End, LONGEST, Place, Span, State};
 pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
-use crate::motion::phase::{Phase, point};
+use crate::motion::moves::WHOLE;
+use crate::motion::phase::{Curve, Phase, point};
 use crate::units::Steps;
 use axis::{Axis, Spans};
 use span::ONE;
@@ -136,6 +137,11 @@ impl<'m> Trajectory<'m> {
         self.ring.end.time + self.longest_delay()
     }
 
+    /// Whether no axis is late, so that all have got to where the last span ends when it is asked for the next.
+    pub fn is_prompt(&self) -> bool {
+        self.longest_delay() == 0
+    }
+
     fn longest_delay(&self) -> u64 {
         self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
     }
@@ -173,6 +179,12 @@ impl<'m> Trajectory<'m> {
             }),
         };
         self.ring.end = End { time: begin.time + phase.time, place, scale };
+    }
+
+    /// Goes on from another place, so near that no motor is meant to feel it.
+    pub fn shift(&mut self, place: &Place) {
+        let from = self.ring.end.place;
+        self.lay(&from, place, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: 0 });
     }
 
     /// Has an axis go on to `time`; false if it needs a span that is not laid yet.

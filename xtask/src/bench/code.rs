@@ -51,6 +51,11 @@ impl<'d> Code<'d> {
         Ok(u64::from(u32::from_le_bytes(word.try_into()?) & !1))
     }
 
+    /// Where the table of vectors is.
+    pub fn vectors(&self) -> u64 {
+        self.file.section_by_name(".vector_table").map_or(0, |table| table.address())
+    }
+
     /// The addresses of all half words of code.
     pub fn addresses(&self) -> impl Iterator<Item = u64> {
         self.sections.iter().flat_map(|(start, data)| (*start..*start + data.len() as u64).step_by(2))

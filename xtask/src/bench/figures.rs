@@ -66,11 +66,18 @@ const PEERS_PEAK: &str = "Klipper 1.70 M, grblHAL 1.88 M, Marlin 1.19 M, RRF 0.7
 fn of_octopus(step: &PlainStep, s: &Profile, axis: &Profile) -> Vec<Figure> {
     let instructions = step.instructions as f64;
     let motor_steps = |job: &Profile| job.motor_steps as f64 / job.events as f64;
+    let us = |cycles: u64| cycles as f64 / CYCLES_PER_SECOND * 1e6;
     let peak = |name, job, goal, peers| rate(name, motor_steps(job) / step.cycles as f64, Some(goal), peers);
     vec![
         figure("octopus_isr_insn_per_event", instructions, Some(30.0), ""),
         figure("octopus_isr_insn_per_motor_step", instructions / motor_steps(s), Some(17.0), PEERS_ISR),
-        figure("octopus_isr_cycles_per_event", step.cycles as f64, None, ""),
+        figure("octopus_isr_cycles_per_event", step.cycles as f64, Some(120.0), ""),
+        figure("octopus_isr_cold_cycles_per_event", step.cold() as f64, None, ""),
+        figure("octopus_isr_apb_accesses_per_event", step.apb as f64, Some(2.0), ""),
+        figure("octopus_isr_flash_lines", (step.lines.len() + step.constants.len()) as f64, None, ""),
+        figure("octopus_step_pulse_cycles", step.pulse as f64, None, ""),
+        figure("octopus_lone_step_late_us", us(step.late.0), Some(0.5), ""),
+        figure("octopus_lone_step_cold_late_us", us(step.late.1), Some(0.5), ""),
         peak("octopus_peak_motor_steps_per_s", s, 3e6, PEERS_PEAK),
         peak("octopus_peak_axis_motor_steps_per_s", axis, 5e6, ""),
     ]
@@ -116,20 +123,24 @@ fn of_rates(octopus: &PlainStep, dense: &Profile, axis: &Profile) -> Vec<Figure>
         let cycles = job.cycles(contexts, |spot| with_rig || spot.room != Some(Room::Rig));
         rate(name, job.motor_steps as f64 / cycles as f64, goal, peers)
     };
-    // All but the step interrupt, and that of the Octopus instead.
-    let on_octopus = |name, job: &Profile| {
+    // All but the step interrupt, and that of the Octopus instead, with what all of them wait for.
+    let on_octopus = |name, job: &Profile, goal| {
         let others = job.cycles(&Context::BUSY, |spot| spot.context != Context::Steps);
         let exceptions = EXCEPTION * job.entries(Context::Steps);
-        let cycles = others.saturating_sub(exceptions) + octopus.cycles * job.events;
-        rate(name, job.motor_steps as f64 / cycles as f64, Some(2e6), ALL_IN)
+        let cycles = others.saturating_sub(exceptions) + octopus.cycles * job.events + job.flash(&Context::BUSY);
+        rate(name, job.motor_steps as f64 / cycles as f64, Some(goal), ALL_IN)
     };
     let (all, isr) = (&Context::BUSY, &[Context::Steps]);
+    let flash = |contexts: &[Context]| dense.flash(contexts) as f64 / dense.events as f64;
     vec![
+        // A tenth of a cycle, in which it shows where the linker has put what.
+        Figure { is_steady: false, ..figure("octopus_isr_flash_cycles_per_event", flash(isr), None, "") },
+        figure("octopus_flash_cycles_per_event", flash(all), None, ""),
         in_qemu("sustained_motor_steps_per_s", dense, all, true, Some(2e6), ALL_IN),
         in_qemu("sustained_without_rig_motor_steps_per_s", dense, all, false, Some(2e6), ALL_IN),
         in_qemu("sustained_axis_motor_steps_per_s", axis, all, true, Some(2e6), ALL_IN),
-        on_octopus("octopus_sustained_motor_steps_per_s", dense),
-        on_octopus("octopus_sustained_axis_motor_steps_per_s", axis),
+        on_octopus("octopus_sustained_motor_steps_per_s", dense, 1.8e6),
+        on_octopus("octopus_sustained_axis_motor_steps_per_s", axis, 3.2e6),
         in_qemu("peak_event_motor_steps_per_s", dense, isr, true, Some(3e6), PEERS_PEAK),
         in_qemu("peak_event_without_rig_motor_steps_per_s", dense, isr, false, Some(3e6), PEERS_PEAK),
         in_qemu("peak_event_axis_motor_steps_per_s", axis, isr, true, Some(5e6), ""),

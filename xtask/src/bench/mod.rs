@@ -3,6 +3,7 @@
 //! The firmware prints a few jobs in QEMU while a plugin counts every instruction, where it was and who was running.
 //! What the counts come down to, and what they are worth, is in docs/performance.md.
 
+mod access;
 mod check;
 mod code;
 mod contexts;
@@ -15,6 +16,7 @@ mod plugin;
 mod profile;
 mod report;
 mod rooms;
+mod waits;
 
 use crate::checkout;
 use crate::qemu::BOARD;
@@ -87,6 +89,7 @@ pub fn check() -> Result<Verdict> {
 struct Bench {
     image: PathBuf,
     elf: Vec<u8>,
+    octopus: PlainStep,
     plugin: Plugin,
     folder: PathBuf,
 }
@@ -95,9 +98,12 @@ impl Bench {
     fn prepare() -> Result<Self> {
         let image = checkout::build_image(BOARD)?;
         let elf = std::fs::read(&image).with_context(|| format!("cannot open {}", image.display()))?;
+        let octopus = checkout::build_image(OCTOPUS)?;
+        let octopus = std::fs::read(&octopus).with_context(|| format!("cannot open {}", octopus.display()))?;
+        let octopus = PlainStep::of(&Code::read(&octopus)?)?;
         let folder = checkout::target_dir()?.join("bench");
-        let plugin = Plugin::prepare(&Code::read(&elf)?, &folder)?;
-        Ok(Self { image, elf, plugin, folder })
+        let plugin = Plugin::prepare(&Code::read(&elf)?, &octopus, &folder)?;
+        Ok(Self { image, elf, octopus, plugin, folder })
     }
 
     fn code(&self) -> Result<Code<'_>> {
@@ -112,8 +118,6 @@ impl Bench {
     fn figures(&self) -> Result<Vec<Figure>> {
         let profiles: BTreeMap<_, _> =
             Job::ALL.into_iter().map(|job| Ok((job, self.measure(job)?))).collect::<Result<_>>()?;
-        let octopus = checkout::build_image(OCTOPUS)?;
-        let octopus = std::fs::read(&octopus).with_context(|| format!("cannot open {}", octopus.display()))?;
-        figures::figures(&profiles, &PlainStep::of(&Code::read(&octopus)?)?)
+        figures::figures(&profiles, &self.octopus)
     }
 }

@@ -10,6 +10,8 @@
  *            handler=V:ADDRESS:PRIORITY   a handler, numbers in hexadecimal
  *            asked=V,answered=V,aside=V   work from a question to its answer, without that of the contexts aside
  *            split=V:W   counts the handler of V as W if nothing was asked since it was entered last
+ *            line=ADDRESS, constant=ADDRESS   flash lines of a handler that takes the place of the step interrupt's in the
+ *                        caches; steps=V says which that is
  *            tell=PORT   a byte goes to this port of TCP whenever the handler that is split is done with a question
  *
  * The declarations are those of QEMU's plugin interface, version 1 (docs/devel/tcg-plugins in its sources).
@@ -41,10 +43,21 @@ size_t qemu_plugin_insn_size(const struct qemu_plugin_insn *);
 #define EXPORT __attribute__((visibility("default")))
 EXPORT int qemu_plugin_version = 1;
 
+/* The F446's caches of flash lines, of instructions and of constants (RM0390 rev 6, 3.4.2), and lines that we can tell
+ * apart. */
+enum { LINE = 16, WAYS = 64, CONSTANT_WAYS = 8, LINES = (1 << 20) / LINE + 128 };
+
 enum { VECTORS = 64, ROOMS = 16, DEPTH = 256, NESTED = 16, PLACES = 1 << 19 };
 enum { PLAIN, CALL, RETURN };
 
 struct cell { uint64_t count, taken; };
+
+/* A cache: whatever was used least recently makes room. */
+struct cache {
+    unsigned ways, now;
+    unsigned lines[WAYS], used[WAYS];    /* a line's number and one, and when it was used last */
+    uint8_t way[LINES];                  /* its way and one */
+};
 
 struct context {
     unsigned vector, depth;
@@ -67,6 +80,10 @@ static unsigned start, asked, answered, split, apart;
 static uint64_t work, work_before, answers, answers_sum;
 static const char *out;
 static int listener = -1;
+static struct cache code = { .ways = WAYS }, constants = { .ways = CONSTANT_WAYS };
+static uint64_t missed[VECTORS][2];
+static uint32_t constant[PLACES];        /* the line that an instruction's constant is in, and one */
+static unsigned last_line, steps, path[2][WAYS], path_length[2];
 
 static void fail(const char *why)
 {
@@ -85,6 +102,48 @@ static uint64_t address(uint32_t place)
     return (uint64_t)(place >> 18) << 29 | (uint64_t)(place & 0x3FFFF) << 1;
 }
 
+/* Whether a line has to be fetched. */
+static bool misses(struct cache *c, unsigned line)
+{
+    unsigned way = c->way[line];
+    bool is_missing = !way;
+    if (is_missing) {
+        unsigned oldest = 0;
+        for (unsigned i = 1; i < c->ways; i++)
+            if (c->used[i] < c->used[oldest])
+                oldest = i;
+        if (c->lines[oldest])
+            c->way[c->lines[oldest] - 1] = 0;
+        c->lines[oldest] = line + 1;
+        c->way[line] = way = oldest + 1;
+    }
+    c->used[way - 1] = ++c->now;
+    return is_missing;
+}
+
+/* An instruction is fetched, and its constant. */
+static void fetch(uint32_t at, unsigned vector)
+{
+    unsigned line = at * 2 / LINE, next = (at + size[at] - 1) * 2 / LINE;
+    if (steps && vector == steps)
+        return;
+    for (unsigned i = line; i <= next; i++)
+        if (i != last_line)
+            missed[vector][0] += misses(&code, i) && is_on;
+    last_line = next;
+    if (constant[at])
+        missed[vector][1] += misses(&constants, constant[at] - 1) && is_on;
+}
+
+/* The other handler's lines are fetched. */
+static void fetch_path(void)
+{
+    for (unsigned kind = 0; kind < 2; kind++)
+        for (unsigned i = 0; i < path_length[kind]; i++)
+            missed[steps][kind] += misses(kind ? &constants : &code, path[kind][i]) && is_on;
+    last_line = LINES;
+}
+
 static void enter(unsigned vector)
 {
     if (++top >= NESTED)
@@ -98,6 +157,8 @@ static void enter(unsigned vector)
     c->vector = vector;
     is_on |= vector == start;
     is_heard |= vector == asked;
+    if (steps && vector == steps)
+        fetch_path();
     if (!is_on)
         return;
     entries[vector]++;
@@ -186,6 +247,7 @@ static void execute(unsigned cpu, void *data)
         fail("no memory");
     c->last = at;
     c->cell = *found + at;
+    fetch(at, c->vector);
     if (is_on) {
         c->cell->count++;
         c->spent[room]++;
@@ -203,6 +265,20 @@ static uint8_t classify(uint16_t first, uint16_t second)
     return is_call ? CALL : is_return ? RETURN : PLAIN;
 }
 
+/* Where the constant of a load lies that has it beside the code: LDR and VLDR of a literal. */
+static uint32_t literal(uint32_t at, uint16_t first, uint16_t second)
+{
+    uint64_t base = (address(at) + 4) & ~3ull;
+    int sign = first & 0x80 ? 1 : -1;
+    if (first >> 11 == 9)
+        return place(base + 4 * (first & 0xFF));
+    if ((first & 0xFF7F) == 0xF85F)
+        return place(base + sign * (second & 0xFFF));
+    if ((first & 0xFF3F) == 0xED1F)
+        return place(base + sign * 4 * (second & 0xFF));
+    return PLACES;
+}
+
 static void translate(qemu_plugin_id_t id, struct qemu_plugin_tb *tb)
 {
     (void)id;
@@ -214,6 +290,8 @@ static void translate(qemu_plugin_id_t id, struct qemu_plugin_tb *tb)
         memcpy(half, qemu_plugin_insn_data(insn), bytes);
         kind[at] = classify(half[0], half[1]);
         size[at] = bytes / 2;
+        uint32_t from = literal(at, half[0], half[1]);
+        constant[at] = from < PLACES ? from * 2 / LINE + 1 : 0;
         if (handler[at])
             second[at + size[at]] = handler[at];
         qemu_plugin_register_vcpu_insn_exec_cb(insn, execute, 0, (void *)(uintptr_t)at);
@@ -228,6 +306,8 @@ static void finish(qemu_plugin_id_t id, void *data)
         fail("cannot write the counts");
     fprintf(f, "answers %llu %llu\n", (unsigned long long)answers, (unsigned long long)answers_sum);
     for (unsigned v = 0; v < VECTORS; v++) {
+        if (missed[v][0] || missed[v][1])
+            fprintf(f, "missed %u %llu %llu\n", v, (unsigned long long)missed[v][0], (unsigned long long)missed[v][1]);
         if (entries[v])
             fprintf(f, "context %u %llu %llu\n", v, (unsigned long long)entries[v], (unsigned long long)longest[v]);
         for (unsigned r = 0; r < ROOMS; r++) {
@@ -250,6 +330,14 @@ static bool reach(const char *port)
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     listener = socket(AF_INET, SOCK_STREAM, 0);
     return listener >= 0 && !connect(listener, (struct sockaddr *)&to, sizeof to);
+}
+
+/* One more line of the other handler; they are the last of those that we can tell apart. */
+static bool take_line(unsigned kind)
+{
+    unsigned i = path_length[kind]++;
+    path[kind][i % WAYS] = LINES - 1 - kind * WAYS - i;
+    return i < WAYS;
 }
 
 static bool take(const char *argument)
@@ -276,7 +364,11 @@ static bool take(const char *argument)
     }
     if (sscanf(argument, "aside=%x", &v) == 1 && v < VECTORS)
         return is_aside[v] = true;
-    return sscanf(argument, "start=%x", &start) == 1 || sscanf(argument, "asked=%x", &asked) == 1
+    if (!strncmp(argument, "line=", 5))
+        return take_line(0);
+    if (!strncmp(argument, "constant=", 9))
+        return take_line(1);
+    return sscanf(argument, "start=%x", &start) == 1 || sscanf(argument, "steps=%x", &steps) == 1 || sscanf(argument, "asked=%x", &asked) == 1
         || sscanf(argument, "answered=%x", &answered) == 1;
 }
 

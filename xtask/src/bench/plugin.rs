@@ -2,11 +2,13 @@
 
 use super::code::Code;
 use super::contexts::Context;
+use super::octopus::PlainStep;
 use super::rooms::Room;
+use super::waits::LINE;
 use crate::checkout::run;
 use crate::qemu::Watcher;
 use anyhow::{Context as _, Result, bail};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
@@ -23,6 +25,8 @@ pub struct Plugin {
     library: PathBuf,
     map: PathBuf,
     handlers: BTreeMap<Context, u64>,
+    /// Flash lines of the Octopus's step interrupt, of its code and of its constants.
+    lines: [BTreeSet<u64>; 2],
 }
 
 /// What was executed at an address, in a context and for a room.
@@ -48,13 +52,16 @@ pub struct Counts {
     pub entries: BTreeMap<Context, (u64, u64)>,
     /// The most instructions for a room from a context's entry to its return.
     pub most: BTreeMap<(Context, Room), u64>,
+    /// Flash lines that were in neither cache, of code and of constants. In the step interrupt they are the Octopus's.
+    pub missed: BTreeMap<Context, [u64; 2]>,
     /// Answers to lines, and the instructions from the last byte of the line to the first of its answer.
     pub answers: (u64, u64),
 }
 
 impl Plugin {
-    /// Compiles it if need be, and makes the map of rooms of an image.
-    pub fn prepare(code: &Code<'_>, folder: &Path) -> Result<Self> {
+    /// Compiles it if need be, and makes the map of rooms of an image. In the caches, the step interrupt of that image has
+    /// the flash lines of another's, `step`.
+    pub fn prepare(code: &Code<'_>, step: &PlainStep, folder: &Path) -> Result<Self> {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
         let mut map = vec![0; PLACES];
         for address in code.addresses() {
@@ -67,7 +74,8 @@ impl Plugin {
         for context in Context::BUSY.into_iter().filter(|context| *context != Context::Waiting) {
             handlers.insert(context, code.handler(context.vector())?);
         }
-        Ok(Self { library: compile(folder)?, map: map_path, handlers })
+        let lines = [step.lines.clone(), step.constants.clone()];
+        Ok(Self { library: compile(folder)?, map: map_path, handlers, lines })
     }
 
     /// One that leaves its counts in `out`.
@@ -82,6 +90,12 @@ impl Plugin {
         );
         for (context, handler) in &self.handlers {
             write!(plugin, ",handler={:x}:{handler:x}:{:x}", context.vector(), context.priority())?;
+        }
+        write!(plugin, ",steps={:x}", Context::Steps.vector())?;
+        for (kind, lines) in ["line", "constant"].into_iter().zip(&self.lines) {
+            for line in lines {
+                write!(plugin, ",{kind}={:x}", line * LINE)?;
+            }
         }
         for context in [Context::Idle, Context::Steps, Context::Generator] {
             write!(plugin, ",aside={:x}", context.vector())?;
@@ -128,6 +142,9 @@ impl Counts {
             ("answers", &[count, sum]) => self.answers = (count, sum),
             ("context", &[vector, entries, longest]) => {
                 self.entries.insert(context(vector)?, (entries, longest));
+            }
+            ("missed", &[vector, code, constants]) => {
+                self.missed.insert(context(vector)?, [code, constants]);
             }
             ("most", &[vector, room, most]) => {
                 if let Some(room) = Room::numbered(room) {

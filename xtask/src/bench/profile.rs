@@ -7,6 +7,7 @@ use super::host::PlainHost;
 use super::jobs::Job;
 use super::plugin::{Counts, Plugin, Spot};
 use super::rooms::Room;
+use super::waits::FLASH;
 use crate::qemu;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::units::TICKS_PER_SECOND;
@@ -125,6 +126,12 @@ impl Profile {
     pub fn to_answer(&self) -> f64 {
         let (answers, instructions) = self.counts.answers;
         instructions as f64 / answers.max(1) as f64
+    }
+
+    /// Cycles for which some contexts wait for flash.
+    pub fn flash(&self, contexts: &[Context]) -> u64 {
+        let missed = contexts.iter().filter_map(|context| self.counts.missed.get(context));
+        FLASH * missed.flatten().sum::<u64>()
     }
 
     /// Cycles of work in some contexts with entering and leaving them.

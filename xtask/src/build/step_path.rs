@@ -8,11 +8,16 @@ use anyhow::{Context as _, Result};
 use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SymbolKind};
 use std::collections::BTreeMap;
 
-/// The handler of the step timer.
-const HANDLER: &str = "TIM2";
+/// The handler of the step timer, which is the core's own.
+const HANDLER: &str = "SysTick";
 
-/// Bytes that it may have: it should stay in the flash's cache, 64 lines of 16 bytes (RM0390, 3.4.2).
-const LARGEST: u64 = 1024;
+/// Bytes that the handler itself may have, which plays the plain events, nineteen of twenty: 11 of the 64 lines of 16 bytes
+/// that the flash's cache holds (RM0390, 3.4.2), so that the generator's loops leave it there.
+const LARGEST_HANDLER: u64 = 176;
+
+/// Bytes that all of it may have: an eighth more than the cache holds, for what looks closely at an event does not go through
+/// all of it.
+const LARGEST: u64 = 1184;
 
 /// A function and where its code is.
 struct Function<'d> {
@@ -48,6 +53,10 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
         }
         seen.push(address);
         bytes += function.size;
+        if function.name == HANDLER && function.size > LARGEST_HANDLER {
+            let size = function.size;
+            complaints.push(format!("{HANDLER} has {size} bytes, {LARGEST_HANDLER} are allowed"));
+        }
         let end = address + function.size;
         let mut at = address;
         while at < end {

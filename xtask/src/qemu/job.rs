@@ -6,9 +6,9 @@ use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
+use corehbot_sim::output::Outputs;
+use corehbot_sim::stop::Stop;
 use corehbot_sim::world::Host;
-use std::fs::File;
-use std::io::BufWriter;
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -110,14 +110,10 @@ impl Job {
         // A board that panics hangs up; its last words say more than that.
         emulator.end(talk.is_ok())?;
         talk?;
-        let out = match trace {
-            Some(path) => {
-                let file = File::create(path).with_context(|| format!("cannot create {}", path.display()))?;
-                Some(BufWriter::new(file))
-            }
-            None => None,
-        };
+        let mut outputs = Outputs::new([], Stop::default());
+        let out = trace.map(|path| outputs.open(path)).transpose()?;
         let dumped = dump::convert(&folder.file("trace"), out, (&self.settings).into())?;
+        outputs.keep()?;
         Ok(Outcome {
             events: dumped.trace.events,
             ticks: dumped.ticks,

@@ -1,10 +1,11 @@
 //! The line: our end of the board's serial port.
 
 use anyhow::{Context as _, Result, bail};
+use corehbot::units::TICKS_PER_SECOND;
 use corehbot_sim::world::Host;
 use std::io::{ErrorKind, Read, Write};
 use std::net::TcpStream;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// ASCII end of transmission: the board is to end once all motion is done.
 pub const END_OF_TRANSMISSION: u8 = 0x04;
@@ -12,6 +13,12 @@ pub const END_OF_TRANSMISSION: u8 = 0x04;
 /// A board that says nothing for so long has stopped: one that is busy says so every two seconds of its
 /// time, and its time passes slower than ours only while it steps as fast as it can.
 const SILENCE: Duration = Duration::from_secs(120);
+
+/// A host that waits for something else than the board has a turn so often.
+const TURN: Duration = Duration::from_millis(500);
+
+/// Ticks in a us.
+const TICKS_PER_US: u32 = TICKS_PER_SECOND / 1_000_000;
 
 /// The greeting is over when nothing has followed for so long.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -25,11 +32,16 @@ pub fn talk(stream: &mut TcpStream, host: &mut dyn Host, heard: Option<TcpStream
     }
     while line.hear(host, PAUSE)? {}
     let mut wire = Vec::new();
+    let (begin, mut heard) = (Instant::now(), Instant::now());
     while !host.is_done() {
+        host.clock((begin.elapsed().as_micros() * u128::from(TICKS_PER_US)) as u64);
+        host.interject(&mut wire);
         host.send(&mut wire);
         line.send(&wire)?;
         wire.clear();
-        if !line.hear(host, SILENCE)? {
+        if line.hear(host, TURN)? {
+            heard = Instant::now();
+        } else if heard.elapsed() > SILENCE {
             bail!("the board has said nothing for {} s", SILENCE.as_secs());
         }
     }

@@ -16,10 +16,10 @@ pub use job::{Job, Outcome, SCALED_PATIENCE_MS, Watcher};
 pub use line::talk as converse;
 
 use crate::checkout;
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
-use corehbot_sim::machine_file;
+use corehbot_sim::{input, machine_file, words};
 use std::path::{Path, PathBuf};
 
 /// The package of the board.
@@ -51,7 +51,7 @@ pub struct Args {
 /// Prints the file and sums up.
 pub fn main(args: &Args) -> Result<()> {
     let settings = match &args.settings {
-        Some(path) => read_settings(path)?,
+        Some(path) => machine_file::read(path)?.settings,
         None => Settings::prototype(),
     };
     let gcode = args.file.as_deref().map(read_gcode).transpose()?.unwrap_or_default();
@@ -66,7 +66,7 @@ pub fn main(args: &Args) -> Result<()> {
         println!("{line}");
     }
     for warning in &outcome.warnings {
-        println!("{}:{warning}", args.file.as_deref().unwrap_or(Path::new("")).display());
+        println!("{}:{}", args.file.as_deref().unwrap_or(Path::new("")).display(), words::line(warning));
     }
     println!("events       {}", outcome.events);
     println!("motion time  {:.3} s", outcome.ticks as f64 / f64::from(TICKS_PER_SECOND));
@@ -92,14 +92,7 @@ fn serve(_job: &Job, _image: &Path, _args: &Args) -> Result<Outcome> {
 
 /// The text of a G-code file; what is no UTF-8 can only stand in comments.
 pub fn read_gcode(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).with_context(|| format!("cannot open {}", path.display()))?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-fn read_settings(path: &Path) -> Result<Settings> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
-    let machine = machine_file::parse(&text).with_context(|| path.display().to_string())?;
-    Ok(machine.settings)
+    input::read(path)
 }
 
 /// Three numbers, turned into positions exactly as the simulator does it.

@@ -5,6 +5,7 @@ use crate::checkout::{self, cargo, root, run};
 use crate::qemu::{self, BOARD, Job};
 use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
+use corehbot_sim::machine_file;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
@@ -45,7 +46,7 @@ pub fn check() -> Result<Verdict> {
         for _ in 0..PARALLEL {
             scope.spawn(|| {
                 while let Some(file) = next(&queue) {
-                    if let Err(error) = compare(&image, &simulator, &file) {
+                    if let Err(error) = compare(&image, &simulator, &file, None) {
                         println!("{}: FAILED: {error:#}", name(&file));
                         push(&failures, name(&file));
                     }
@@ -66,14 +67,14 @@ pub fn sliced_file() -> Option<PathBuf> {
     Some(root().join(SLICED).join(QUICKEST)).filter(|path| path.exists())
 }
 
-/// Prints one file in QEMU and in the simulator.
-pub fn check_file(file: &Path) -> Result<()> {
+/// Prints one file in QEMU and in the simulator, on the machine of a file or on the prototype.
+pub fn check_file(file: &Path, settings: Option<&Path>) -> Result<()> {
     if !tools::has_emulator() {
         bail!("{}", tools::lack_of_emulator());
     }
     let image = checkout::build_image(BOARD)?;
     run(cargo(["build", "--release", "--package", "corehbot-sim", "--package", "xtask"]))?;
-    compare(&image, &checkout::host_program("corehbot")?, file)
+    compare(&image, &checkout::host_program("corehbot")?, file, settings)
 }
 
 /// The examples.
@@ -90,15 +91,17 @@ fn examples() -> Result<Vec<PathBuf>> {
 }
 
 /// Prints one file on both and compares the traces.
-fn compare(image: &Path, simulator: &Path, file: &Path) -> Result<()> {
+fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>) -> Result<()> {
     let stem = file.file_stem().unwrap_or_default().to_string_lossy();
     let folder = checkout::target_dir()?.join("qemu");
     std::fs::create_dir_all(&folder)?;
     let [expected, found] = ["sim", "qemu"].map(|who| folder.join(format!("{stem}.{who}.csv")));
     let mut command = Command::new(simulator);
     command.arg("run").arg(file).arg("--trace").arg(&expected).stdout(Stdio::null());
+    command.args(settings.iter().flat_map(|path| [Path::new("--settings"), path]));
     run(command)?;
-    let job = Job { gcode: qemu::read_gcode(file)?, settings: Settings::prototype(), start: None, patience_ms: 0 };
+    let settings = settings.map(machine_file::read).transpose()?.map_or_else(Settings::prototype, |read| read.settings);
+    let job = Job { gcode: qemu::read_gcode(file)?, settings, start: None, patience_ms: 0 };
     let outcome = job.run(image, Some(&found))?;
     if let Some(difference) = diff::first(&expected, &found)? {
         let log = outcome.log.join("\n");

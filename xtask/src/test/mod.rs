@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in; CI runs the same.
 //!
 //! The steps share what they build: host tests use the dev profile, everything else the release profile in
-//! which `cargo xtask` itself is built.
+//! which `cargo xtask` itself is built, and the boards' profile. So two lanes of steps can go on side by side (see [`lane`]).
 
 mod cargo;
 mod compare;
@@ -9,6 +9,7 @@ mod demand;
 mod diff;
 mod exchanges;
 mod halt;
+mod lane;
 mod size;
 mod tools;
 
@@ -16,7 +17,9 @@ pub use compare::{check_file, sliced_file};
 pub use tools::{has_emulator, lack_of_emulator};
 
 use crate::{bench, clients};
-use anyhow::{Result, bail};
+use Lane::{First, Host, Images};
+use anyhow::{Context as _, Result, bail};
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Which steps to run.
@@ -25,13 +28,28 @@ pub struct Args {
     /// Runs only the step of this name.
     #[arg(long, value_name = "NAME", value_parser = STEPS.map(|step| step.name))]
     only: Option<String>,
+    /// Runs only the steps on the images, and leaves their results in this file.
+    #[arg(long, hide = true, conflicts_with = "only")]
+    images: Option<PathBuf>,
 }
 
 /// A step of the test.
 struct Step {
     name: &'static str,
+    lane: Lane,
     heading: &'static str,
     run: fn() -> Result<Verdict>,
+}
+
+/// When a step runs.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lane {
+    /// Before all others.
+    First,
+    /// On this computer's own code.
+    Host,
+    /// On images, and with programs made for release; beside those of [`Lane::Host`].
+    Images,
 }
 
 /// What a step found. A step that cannot even be carried out is an error, which counts as one failure.
@@ -44,31 +62,41 @@ pub enum Verdict {
     Skipped(String),
 }
 
-/// In this order, as later steps need the tools of the first, and quick steps should fail first.
+/// In each lane in this order, as quick steps should fail first.
 const STEPS: [Step; 13] = [
-    Step { name: "tools", heading: "target, lints and emulator are there", run: tools::ensure },
-    Step { name: "format", heading: "rustfmt has nothing to change", run: cargo::format },
-    Step { name: "lint", heading: "clippy finds nothing, host and boards", run: cargo::lint },
-    Step { name: "doc", heading: "documentation builds without warnings", run: cargo::document },
-    Step { name: "host", heading: "tests on this computer", run: cargo::test },
-    Step { name: "boards", heading: "core and boards build for the target", run: cargo::build_boards },
-    Step { name: "size", heading: "the images keep their budgets", run: size::check },
-    Step { name: "qemu", heading: "QEMU steps as the simulator does", run: compare::check },
-    Step { name: "exchange", heading: "QEMU answers hosts as it is written", run: exchanges::check },
-    Step { name: "halt", heading: "QEMU stops at M112 within a millisecond", run: halt::check },
-    Step { name: "bench", heading: "no figure of performance has got worse", run: bench::check },
-    Step { name: "emulate", heading: "the image for the Octopus steps as the simulator does", run: cargo::emulate },
-    Step { name: "clients", heading: "printcore and OctoPrint print on it", run: clients::check },
+    Step { name: "tools", lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
+    Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
+    Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
+    Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
+    Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
+    Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
+    Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },
+    Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },
+    Step { name: "exchange", lane: Images, heading: "QEMU answers hosts as it is written", run: exchanges::check },
+    Step { name: "halt", lane: Images, heading: "QEMU stops at M112 within a millisecond", run: halt::check },
+    Step { name: "bench", lane: Images, heading: "no figure of performance has got worse", run: bench::check },
+    Step {
+        name: "emulate",
+        lane: Images,
+        heading: "the image for the Octopus steps as the simulator does",
+        run: cargo::emulate,
+    },
+    Step { name: "clients", lane: Images, heading: "printcore and OctoPrint print on it", run: clients::check },
 ];
 
 /// Runs the steps; one that fails does not keep the others from running.
 pub fn main(args: &Args) -> Result<()> {
     let mut report = Report::default();
-    for step in STEPS.iter().filter(|step| args.only.as_deref().is_none_or(|only| only == step.name)) {
-        println!("\n== {}: {}", step.name, step.heading);
-        let begin = Instant::now();
-        let verdict = (step.run)();
-        report.add(step.name, verdict, begin.elapsed());
+    if let Some(only) = &args.only {
+        report.run(|step| step.name == only);
+    } else if let Some(results) = &args.images {
+        report.run(|step| step.lane == Images);
+        return report.write(results);
+    } else {
+        report.run(|step| step.lane == First);
+        let images = lane::begin()?;
+        report.run(|step| step.lane == Host);
+        report.read(&images.end()?)?;
     }
     report.print();
     if report.failed > 0 { bail!("not everything is well") } else { Ok(()) }
@@ -83,6 +111,33 @@ struct Report {
 }
 
 impl Report {
+    /// Runs some of the steps.
+    fn run(&mut self, is_wanted: impl Fn(&Step) -> bool) {
+        for step in STEPS.iter().filter(|step| is_wanted(step)) {
+            println!("\n== {}: {}", step.name, step.heading);
+            let begin = Instant::now();
+            let verdict = (step.run)();
+            self.add(step.name, verdict, begin.elapsed());
+        }
+    }
+
+    /// Leaves the results in a file: how many passed and failed, and the rows.
+    fn write(&self, path: &Path) -> Result<()> {
+        let counts = format!("{} {}", self.passed, self.failed);
+        let text = [&[counts][..], &self.rows].concat().join("\n");
+        std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+    }
+
+    /// Takes in the results that another process has left.
+    fn read(&mut self, text: &str) -> Result<()> {
+        let (counts, rows) = text.split_once('\n').context("no results of the images")?;
+        let (passed, failed) = counts.split_once(' ').context("no counts of the images")?;
+        self.passed += passed.parse::<u32>()?;
+        self.failed += failed.parse::<u32>()?;
+        self.rows.extend(rows.lines().map(str::to_owned));
+        Ok(())
+    }
+
     fn add(&mut self, name: &str, verdict: Result<Verdict>, time: Duration) {
         let (word, passed, failed, remark) = match verdict {
             Ok(Verdict::Passed(remark)) => ("ok", 1, 0, remark),
@@ -106,5 +161,24 @@ impl Report {
             println!("{}", row.trim_end());
         }
         println!("{} passed, {} failed", self.passed, self.failed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_go_from_one_process_to_the_other() {
+        let mut images = Report::default();
+        images.add("qemu", Ok(Verdict::Tested { passed: 5, failed: 1, remark: "one differs".into() }), Duration::ZERO);
+        images.add("size", Ok(Verdict::Passed(String::new())), Duration::ZERO);
+        let path = std::env::temp_dir().join(format!("corehbot-results-{}", std::process::id()));
+        images.write(&path).unwrap();
+        let mut all = Report { passed: 10, ..Report::default() };
+        all.read(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        std::fs::remove_file(path).unwrap();
+        assert_eq!((all.passed, all.failed, all.rows), (16, 1, images.rows));
+        assert!(Report::default().read("").is_err());
     }
 }

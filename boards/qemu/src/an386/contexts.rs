@@ -10,7 +10,7 @@ use corehbot::machine;
 use corehbot::motion;
 use corehbot::port::{DriverBus, MotorSet, NoSensors, NoStorage, Pend};
 use corehbot_cortex_m4::Handover;
-use cortex_m::peripheral::{NVIC, Peripherals};
+use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use critical_section::Mutex;
 use embassy_executor::InterruptExecutor;
 
@@ -61,9 +61,11 @@ async fn run_console(console: &'static mut Console) {
         critical_section::with(|section| {
             CONSOLE_WAKER.borrow_ref_mut(section).get_or_insert_with(|| context.waker().clone());
         });
-        run.as_mut().poll(context).map(|never| match never {})
+        run.as_mut().poll(context)
     })
-    .await
+    .await;
+    // The emulator resets the machine, which loads the image and reads its job again.
+    SCB::sys_reset()
 }
 
 /// Has the Console look at the world again.

@@ -177,3 +177,22 @@ fn a_wrong_end_is_found() {
     m.pulses[6] = 2;
     assert!(found(&m.findings(), "e0 ends at step 1 instead of 2"));
 }
+
+/// Along x at `speed`, and to and fro in y by 0.1 mm with a wave length of 1 mm, which grows from nothing.
+fn wave(speed: f64) -> Findings {
+    let mut motion = Motion::new("");
+    motion.follow(2.2, |t| {
+        let x = trapezoid(t, 2.0 * speed, speed, 1000.0);
+        let y = 0.1 * (t / 0.5).min(1.0).min((2.0 - t).max(0.0) / 0.5) * (std::f64::consts::TAU * x).sin();
+        [x, y, 0.0, 0.0]
+    });
+    motion.findings()
+}
+
+#[test]
+fn a_wave_that_is_run_too_fast_is_found_though_it_is_short() {
+    // 4 m/s2, and 23 m/s2.
+    assert_eq!(wave(32.0).first, []);
+    let findings = wave(76.0);
+    assert!(findings.first.iter().any(|v| v.text.starts_with("y changes its speed by")), "{findings:?}");
+}

@@ -1,31 +1,35 @@
 //! `corehbot serve`: the firmware as a printer at the end of a serial line, in real time or faster.
 //!
 //! The loop turns the same world as `corehbot run`, but the host is a real one behind a pseudo-terminal, and virtual
-//! time is held against the wall clock. It ends with a signal, which is no failure.
+//! time is held against the wall clock. After M112, M999 is a new start on the same line. It ends with a signal, which is
+//! no failure.
 
+mod echo;
 mod pace;
 mod port;
 mod screen;
 mod wire;
 
-use crate::cli::{Printer, create};
+use crate::cli::{DONE, Printer};
 use crate::drivers::Drivers;
 use crate::eeprom::Eeprom;
+use crate::output::{Outputs, STANDARD, Stream};
+use crate::stop::Stop;
 use crate::trace::TraceWriter;
-use crate::world::{Desk, Sink, World};
-use anyhow::{Context as _, Result};
+use crate::world::{Desk, Outcome, Sink, World};
+use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
-use corehbot::units::TICKS_PER_SECOND;
+use corehbot::units::{Mm, TICKS_PER_SECOND};
+use echo::Echo;
 use pace::{Pace, Speed};
 pub use port::Port;
 use screen::Screen;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-use std::fs::File;
 use std::io::{BufWriter, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -50,6 +54,9 @@ pub(crate) struct Serve {
     speed: Speed,
     #[command(flatten)]
     printer: Printer,
+    /// Shows what is typed, for terminal programs without an echo of their own; not for hosts.
+    #[arg(long)]
+    echo: bool,
     /// Writes every step event as CSV.
     #[arg(long, value_name = "T.csv")]
     trace: Option<PathBuf>,
@@ -59,51 +66,95 @@ pub(crate) struct Serve {
 pub(crate) struct Prepared {
     settings: Settings,
     eeprom: Option<Eeprom>,
-    trace: TraceWriter<BufWriter<File>>,
+    trace: TraceWriter<BufWriter<Stream>>,
+    outputs: Outputs,
     port: Port,
     is_over: Arc<AtomicBool>,
-}
-
-impl Sink for TraceWriter<BufWriter<File>> {
-    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        self.event(tick, steps, forward);
-    }
 }
 
 impl Prepared {
     pub fn new(args: &Serve) -> Result<Self> {
         let settings = args.printer.machine()?.settings;
         let eeprom = args.printer.eeprom()?;
-        let trace = args.trace.as_deref().map(create).transpose()?;
+        let mut outputs = Outputs::new(args.printer.files(), Stop::default());
+        let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
+        ensure!(!is_standard, "standard output is for the port's name and the figures: the trace needs a file");
+        let trace = args.trace.as_deref().map(|path| outputs.open(path)).transpose()?;
         let is_over = until_signal()?;
         let port = Port::open(args.pty.as_deref())?;
-        Ok(Self { settings, eeprom, trace: TraceWriter::new(trace, (&settings).into()), port, is_over })
+        let trace = TraceWriter::new(trace, (&settings).into());
+        Ok(Self { settings, eeprom, trace, outputs, port, is_over })
     }
 
     /// Is a printer until a signal comes.
-    pub fn run(self, args: &Serve) -> Result<bool> {
-        let Self { settings, mut eeprom, mut trace, port, is_over } = self;
+    pub fn run(self, args: &Serve) -> Result<u8> {
+        let Self { settings, mut eeprom, mut trace, outputs, port, is_over } = self;
         println(format_args!("{}", port.path().display()))?;
-        let (drivers, mut desk) = (Drivers::new(), Desk::new(1));
-        let start = args.printer.assume_homed;
-        let world = match &mut eeprom {
-            Some(eeprom) => World::new(&mut desk, &settings, start, eeprom, &drivers, &mut trace),
-            None => World::new(&mut desk, &settings, start, NoStorage, &drivers, &mut trace),
-        };
-        let server = Server {
-            world,
+        let drivers = Drivers::new();
+        let mut start = args.printer.assume_homed;
+        let mut place = start.unwrap_or(corehbot_rig::AT_POWER_UP);
+        let mut total = Total::default();
+        let mut server = Server {
             port,
             pace: Pace::new(args.speed),
-            screen: Screen::new(&settings, start.unwrap_or(corehbot_rig::AT_POWER_UP)),
+            begin: Instant::now(),
             inbound: Delay::new(args.baud),
             outbound: Delay::new(args.baud),
+            echo: args.echo.then(Echo::default),
         };
-        let outcome = server.serve(&is_over)?;
+        let mut now = 0;
+        loop {
+            let mut desk = Desk::at(1, now);
+            let mut sink = Later { trace: &mut trace, ticks: total.ticks };
+            let mut world = match &mut eeprom {
+                Some(eeprom) => World::standing(&mut desk, &settings, Some(place), start, eeprom, &drivers, &mut sink),
+                None => World::standing(&mut desk, &settings, Some(place), start, NoStorage, &drivers, &mut sink),
+            };
+            let mut screen = Screen::new(&settings, place);
+            server.serve(&mut world, &mut screen, &is_over)?;
+            screen.close();
+            let outcome = world.outcome();
+            total.add(&outcome);
+            if !world.has_ended() {
+                break;
+            }
+            // The next one begins where the tool stands, and does not know where that is.
+            (place, start, now) = (screen.place(outcome.counts).map(Mm::from_num), None, world.now());
+        }
         let trace = trace.finish().context("cannot write the trace")?;
-        println(format_args!("motion time  {:.3} s", outcome.ticks as f64 / f64::from(TICKS_PER_SECOND)))?;
-        println(format_args!("moves        {}, underruns {}", outcome.moves, outcome.underruns))?;
+        outputs.keep()?;
+        println(format_args!("motion time  {:.3} s", total.ticks as f64 / f64::from(TICKS_PER_SECOND)))?;
+        println(format_args!("moves        {}, underruns {}", total.moves, total.underruns))?;
         println(format_args!("sha256       {}", trace.sha256))?;
-        Ok(true)
+        Ok(DONE)
+    }
+}
+
+/// What all starts of a printer amount to.
+#[derive(Default)]
+struct Total {
+    ticks: u64,
+    moves: u32,
+    underruns: u32,
+}
+
+impl Total {
+    const fn add(&mut self, outcome: &Outcome) {
+        self.ticks += outcome.ticks;
+        self.moves += outcome.moves;
+        self.underruns += outcome.underruns;
+    }
+}
+
+/// A trace that goes on after a new start, whose motion time begins at 0 again.
+struct Later<'t> {
+    trace: &'t mut TraceWriter<BufWriter<Stream>>,
+    ticks: u64,
+}
+
+impl Sink for Later<'_> {
+    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.trace.event(self.ticks + tick, steps, forward);
     }
 }
 
@@ -131,60 +182,62 @@ pub fn println(line: std::fmt::Arguments<'_>) -> Result<()> {
     }
 }
 
-/// A printer in its world, with a line to the world outside.
-struct Server<'w> {
-    world: World<'w>,
+/// The line between a printer and the world outside.
+struct Server {
     port: Port,
     pace: Pace,
-    screen: Screen,
+    begin: Instant,
     inbound: Delay,
     outbound: Delay,
+    echo: Option<Echo>,
 }
 
-impl Server<'_> {
-    fn serve(mut self, is_over: &AtomicBool) -> Result<crate::world::Outcome> {
-        let begin = Instant::now();
+impl Server {
+    /// Serves a printer until a signal comes, or until the printer begins anew.
+    fn serve(&mut self, world: &mut World<'_>, screen: &mut Screen, is_over: &AtomicBool) -> Result<()> {
         let mut look = Duration::ZERO;
-        while !is_over.load(Ordering::Relaxed) {
-            let wall = begin.elapsed();
+        while !(is_over.load(Ordering::Relaxed) || world.has_ended()) {
+            let wall = self.begin.elapsed();
             if wall >= look {
-                self.hear_host()?;
-                self.screen.show(wall, &self.world);
+                self.hear_host(world.now())?;
+                screen.show(wall, world);
                 look = wall + LOOK;
             }
-            self.talk()?;
+            self.talk(world, screen)?;
             let is_on_the_way = !(self.inbound.is_empty() && self.outbound.is_empty());
-            let is_awaiting_host = !is_on_the_way && self.world.is_awaiting_hosts();
-            let wait = self.pace.wait(wall, self.world.now(), is_awaiting_host);
+            let is_awaiting_host = !is_on_the_way && world.is_awaiting_hosts();
+            let wait = self.pace.wait(wall, world.now(), is_awaiting_host);
             if wait.is_zero() {
-                self.world.advance();
+                world.advance();
             } else {
                 self.port.wait(wait, None)?;
                 look = Duration::ZERO;
             }
         }
-        self.screen.close();
-        Ok(self.world.outcome())
+        Ok(())
     }
 
-    fn hear_host(&mut self) -> Result<()> {
+    fn hear_host(&mut self, now: u64) -> Result<()> {
         let mut bytes = Vec::new();
         self.port.read(&mut bytes)?;
         if !bytes.is_empty() {
             self.pace.hear();
-            self.inbound.send(self.world.now(), bytes);
+            if let Some(echo) = &mut self.echo {
+                self.outbound.send(now, echo.show(&bytes));
+            }
+            self.inbound.send(now, bytes);
         }
         Ok(())
     }
 
     /// Bytes arrive on both ends of the wire.
-    fn talk(&mut self) -> Result<()> {
-        let now = self.world.now();
-        for wire in self.world.wires() {
+    fn talk(&mut self, world: &mut World<'_>, screen: &mut Screen) -> Result<()> {
+        let now = world.now();
+        for wire in world.wires() {
             wire.put(self.inbound.receive(now));
-            self.world.poll();
+            world.poll();
             let said = wire.heard();
-            self.screen.hear(&said);
+            screen.hear(&said);
             self.outbound.send(now, said);
         }
         self.port.write(self.outbound.receive(now))

@@ -98,7 +98,7 @@ impl Screen {
     }
 
     /// Where the tool is, from the steps that the motors made.
-    fn place(&self, counts: [i32; 7]) -> [f64; 3] {
+    pub fn place(&self, counts: [i32; 7]) -> [f64; 3] {
         let way = self.back.fractions(&counts.map(i64::from)).map(|(sum, over)| sum as f64 / over as f64);
         std::array::from_fn(|i| self.start[i] + way[i] / self.pitch[i])
     }

@@ -4,16 +4,19 @@
 //! round, so what keeps the compiler from changing an order is enough (`dmb` would take a tenth of a step). An event takes
 //! two words; those after the newest say that there is no event, and that it is due at once, so the Stepper need not ask
 //! how many there are. What an event wants beyond steps is one bit of it, which is set when it is made.
+//!
+//! `tests/queue_orders` has these files on a memory of its own, in which the Stepper comes in at every place between two
+//! stores, in every order that the compiler may give them.
 
 mod steps_in;
 mod word;
 
+use super::atomic::{AtomicU32, Ordering::Relaxed};
 use super::event::StepEvent;
 use super::step_counts::StepCounts;
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 use crate::status::Status;
-use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 pub use steps_in::StepsIn;
 pub(super) use word::Word;
 

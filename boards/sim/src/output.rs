@@ -1,0 +1,326 @@
+//! Outputs: files that are written beside their place and renamed when they are whole.
+//!
+//! While `t.csv` is being written it is called `t.csv.partial`, so nobody takes half a trace for a whole one and an older
+//! one stays as it is until there is a better. What is no plain file (`/dev/null`, a pipe) is written as it is, and `-` is
+//! standard output. No output may be an input or another output, whatever the paths are called.
+
+use crate::stop::Stop;
+use anyhow::{Context as _, Result, bail, ensure};
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Stdout, Write};
+use std::path::{Path, PathBuf};
+
+/// What the names of files end in that are not whole.
+const PARTIAL: &str = ".partial";
+
+/// More symbolic links than this lead in a circle; Linux follows as many (path_resolution(7)).
+const MOST_LINKS: usize = 40;
+
+/// The path that means standard output, or input.
+pub const STANDARD: &str = "-";
+
+/// Where an output goes.
+#[derive(Debug)]
+pub enum Stream {
+    /// A file.
+    File(File),
+    /// Standard output, and what to stop when nobody reads it any more.
+    Standard(Stdout, Stop),
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::File(file) => file.write(bytes),
+            Self::Standard(out, stop) => or_stop(out.write(bytes), bytes.len(), stop),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::File(file) => file.flush(),
+            Self::Standard(out, stop) => or_stop(out.flush(), (), stop),
+        }
+    }
+}
+
+/// Whoever read it has read enough, which is no error but an end.
+fn or_stop<T>(written: io::Result<T>, enough: T, stop: &Stop) -> io::Result<T> {
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {
+            stop.lose_reader();
+            Ok(enough)
+        }
+        written => written,
+    }
+}
+
+/// What makes two paths the same file.
+#[derive(Clone, PartialEq, Eq, Debug)]
+struct Identity {
+    /// Without symbolic links.
+    path: PathBuf,
+    /// Device and inode of a plain file that exists.
+    inode: Option<(u64, u64)>,
+}
+
+impl Identity {
+    fn new(path: &Path) -> Self {
+        Self { path: absolute(path), inode: inode(path) }
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        self.path == other.path || self.inode.is_some() && self.inode == other.inode
+    }
+}
+
+/// A file that is not whole yet; it is removed unless it is kept or left.
+#[derive(Debug)]
+struct Unfinished {
+    partial: PathBuf,
+    target: PathBuf,
+    is_settled: bool,
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if !self.is_settled {
+            // Nothing was promised of it, and there is nobody to be told.
+            let _ = fs::remove_file(&self.partial);
+        }
+    }
+}
+
+/// The outputs of one command.
+#[derive(Debug, Default)]
+pub struct Outputs {
+    inputs: Vec<(String, Identity)>,
+    taken: Vec<Identity>,
+    files: Vec<Unfinished>,
+    is_standard_taken: bool,
+    stop: Stop,
+}
+
+impl Outputs {
+    /// Outputs of a command that reads these files, `-` being standard input, and that `stop` stops when nobody reads its
+    /// standard output any more.
+    #[must_use]
+    pub fn new<'p>(inputs: impl IntoIterator<Item = &'p Path>, stop: Stop) -> Self {
+        let input = |path: &Path| {
+            let file = if path == Path::new(STANDARD) { Path::new("/dev/stdin") } else { path };
+            (path.display().to_string(), Identity::new(file))
+        };
+        Self { inputs: inputs.into_iter().map(input).collect(), stop, ..Self::default() }
+    }
+
+    /// Opens an output.
+    ///
+    /// # Errors
+    /// If it cannot be written, or is an input or another output.
+    pub fn open(&mut self, path: &Path) -> Result<BufWriter<Stream>> {
+        if path == Path::new(STANDARD) {
+            ensure!(!self.is_standard_taken, "only one output can go to standard output");
+            self.is_standard_taken = true;
+            return Ok(BufWriter::new(Stream::Standard(io::stdout(), self.stop.clone())));
+        }
+        let cannot = || format!("cannot create {}", path.display());
+        let target = follow(path).with_context(cannot)?;
+        let file = match fs::metadata(&target) {
+            Ok(there) if there.is_dir() => bail!("{}: it is a directory", cannot()),
+            // A device or a pipe takes what comes, and has no place to be renamed to.
+            Ok(there) if !there.is_file() => OpenOptions::new().write(true).open(&target).with_context(cannot)?,
+            there => {
+                let partial = beside(&target);
+                self.claim(path, &target, &partial)?;
+                let permissions = there.ok().map(|there| there.permissions());
+                if permissions.is_some() {
+                    // Renaming would also replace a file that nobody may write.
+                    OpenOptions::new().write(true).open(&target).with_context(cannot)?;
+                }
+                let file = File::create(&partial).with_context(cannot)?;
+                self.files.push(Unfinished { partial, target, is_settled: false });
+                if let Some(permissions) = permissions {
+                    file.set_permissions(permissions).with_context(cannot)?;
+                }
+                file
+            }
+        };
+        Ok(BufWriter::new(Stream::File(file)))
+    }
+
+    /// Whether one of them goes to standard output, so that words for people must not.
+    #[must_use]
+    pub const fn is_standard_taken(&self) -> bool {
+        self.is_standard_taken
+    }
+
+    /// All are whole: gives them their names.
+    ///
+    /// # Errors
+    /// If one cannot be renamed.
+    pub fn keep(mut self) -> Result<()> {
+        for file in &mut self.files {
+            let Unfinished { partial, target, .. } = &*file;
+            fs::rename(partial, target)
+                .with_context(|| format!("cannot rename {} to {}", partial.display(), target.display()))?;
+            file.is_settled = true;
+        }
+        Ok(())
+    }
+
+    /// They are not whole, but somebody may want them: leaves them, and says what they are called.
+    #[must_use]
+    pub fn leave(mut self) -> Vec<PathBuf> {
+        self.files.iter_mut().for_each(|file| file.is_settled = true);
+        self.files.iter().map(|file| file.partial.clone()).collect()
+    }
+
+    /// Nobody else may have the target, nor the name that it has until it is whole.
+    fn claim(&mut self, path: &Path, target: &Path, partial: &Path) -> Result<()> {
+        let both = [Identity::new(target), Identity::new(partial)];
+        for (name, input) in &self.inputs {
+            ensure!(!both.iter().any(|own| own.is(input)), "{} would overwrite the input {name}", path.display());
+        }
+        let is_taken = both.iter().any(|own| self.taken.iter().any(|other| own.is(other)));
+        ensure!(!is_taken, "{} is another output already", path.display());
+        self.taken.extend(both);
+        Ok(())
+    }
+}
+
+/// The path with `.partial` at its end.
+fn beside(target: &Path) -> PathBuf {
+    let mut name = OsString::from(target);
+    name.push(PARTIAL);
+    name.into()
+}
+
+/// Where symbolic links lead, also if there is no file yet.
+fn follow(path: &Path) -> io::Result<PathBuf> {
+    let mut target = path.to_owned();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&target) {
+            Ok(link) => target = target.parent().unwrap_or(Path::new("")).join(link),
+            Err(_) => return Ok(target),
+        }
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+/// The path from the root and without symbolic links, as far as it exists.
+fn absolute(path: &Path) -> PathBuf {
+    if let Ok(whole) = path.canonicalize() {
+        return whole;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    path.file_name().map_or_else(|| folder.clone(), |name| folder.join(name))
+}
+
+/// Device and inode, which hard links have in common.
+#[cfg(unix)]
+fn inode(path: &Path) -> Option<(u64, u64)> {
+    use std::os::unix::fs::MetadataExt as _;
+    fs::metadata(path).ok().filter(fs::Metadata::is_file).map(|there| (there.dev(), there.ino()))
+}
+
+/// Nothing here tells hard links from other files.
+#[cfg(not(unix))]
+fn inode(_path: &Path) -> Option<(u64, u64)> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_file_has_its_name_only_when_it_is_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        fs::write(&path, "old").unwrap();
+        let mut outputs = Outputs::new([], Stop::default());
+        let mut out = outputs.open(&path).unwrap();
+        out.write_all(b"new").unwrap();
+        out.flush().unwrap();
+        assert_eq!(names(folder.path()), ["t.csv", "t.csv.partial"]);
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        outputs.keep().unwrap();
+        assert_eq!((names(folder.path()), fs::read(&path).unwrap()), (vec!["t.csv".to_owned()], b"new".to_vec()));
+    }
+
+    #[test]
+    fn what_is_not_whole_is_left_by_another_name_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut outputs = Outputs::new([], Stop::default());
+        let _ = outputs.open(&folder.path().join("a")).unwrap();
+        assert_eq!(outputs.leave(), [folder.path().join("a.partial")]);
+        let mut outputs = Outputs::new([], Stop::default());
+        let _ = outputs.open(&folder.path().join("b")).unwrap();
+        drop(outputs);
+        assert_eq!(names(folder.path()), ["a.partial"]);
+    }
+
+    #[test]
+    fn an_output_is_no_input_and_no_other_output() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("in.gcode"), "G28").unwrap();
+        fs::write(path("old.partial"), "G28").unwrap();
+        fs::create_dir(path("sub")).unwrap();
+        let inputs = [path("in.gcode"), path("old.partial")];
+        let refused = |name: &str| {
+            let mut outputs = Outputs::new(inputs.iter().map(PathBuf::as_path), Stop::default());
+            let _ = outputs.open(&path("first")).unwrap();
+            outputs.open(&path(name)).unwrap_err().to_string()
+        };
+        assert!(refused("in.gcode").contains("would overwrite the input"));
+        assert!(refused("sub/../in.gcode").contains("would overwrite the input"));
+        assert!(refused("old").contains("would overwrite the input"));
+        assert!(refused("sub/../first").contains("another output"));
+        assert!(refused("first.partial").contains("another output"));
+        assert!(refused("sub").contains("directory"));
+        assert_eq!(fs::read(path("in.gcode")).unwrap(), b"G28");
+        let mut outputs = Outputs::new([], Stop::default());
+        let _ = outputs.open(Path::new(STANDARD)).unwrap();
+        assert!(outputs.open(Path::new(STANDARD)).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_the_file_that_they_lead_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("in.gcode"), "G28").unwrap();
+        fs::hard_link(path("in.gcode"), path("hard")).unwrap();
+        std::os::unix::fs::symlink("in.gcode", path("soft")).unwrap();
+        std::os::unix::fs::symlink("new", path("dangling")).unwrap();
+        for name in ["hard", "soft"] {
+            assert!(Outputs::new([path("in.gcode").as_path()], Stop::default()).open(&path(name)).is_err(), "{name}");
+        }
+        let mut outputs = Outputs::new([], Stop::default());
+        outputs.open(&path("dangling")).unwrap().write_all(b"x").unwrap();
+        outputs.keep().unwrap();
+        assert!(fs::symlink_metadata(path("dangling")).unwrap().is_symlink());
+        assert_eq!(fs::read(path("new")).unwrap(), b"x");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_device_is_written_as_it_is() {
+        let mut outputs = Outputs::new([], Stop::default());
+        for _ in 0..2 {
+            outputs.open(Path::new("/dev/null")).unwrap().write_all(b"x").unwrap();
+        }
+        outputs.keep().unwrap();
+        assert!(!Path::new("/dev/null.partial").exists() && !fs::metadata("/dev/null").unwrap().is_file());
+    }
+}

@@ -1,0 +1,87 @@
+//! Filament beyond what 32 bits count in steps: a long print goes on extruding after a stop.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use corehbot_sim::world::{Host, Sink, run};
+
+/// Counts the steps of the extruder.
+#[derive(Default)]
+struct Extruder(i64);
+
+impl Sink for Extruder {
+    fn event(&mut self, _tick: u64, steps: MotorSet, forward: MotorSet) {
+        if steps.has(Motor::E0) {
+            self.0 += if forward.has(Motor::E0) { 1 } else { -1 };
+        }
+    }
+}
+
+struct Lines {
+    lines: Vec<String>,
+    next: usize,
+    oks: usize,
+    heard: Vec<String>,
+}
+
+impl Host for Lines {
+    fn send(&mut self, out: &mut Vec<u8>) {
+        if let Some(line) = self.lines.get(self.next).filter(|_| self.oks == self.next) {
+            out.extend(line.bytes());
+            out.push(b'\n');
+            self.next += 1;
+        }
+    }
+
+    fn hear(&mut self, line: &str) {
+        self.oks += usize::from(line.starts_with("ok"));
+        self.heard.push(line.to_owned());
+    }
+
+    fn is_done(&self) -> bool {
+        self.oks == self.lines.len()
+    }
+}
+
+/// So much filament at a step a millimetre, then these lines at the finest resolution; what was told, and the steps.
+fn print(metres: u32, lines: &[&str]) -> (Vec<String>, i64) {
+    let mut all: Vec<String> = ["M92 E1", "M203 E1000", "M83"].map(String::from).to_vec();
+    all.extend((0..10 * metres).map(|_| "G1 E100 F60000".to_owned()));
+    all.extend(["M203 E15", "M92 E25600"].map(String::from));
+    all.extend(lines.iter().map(|line| (*line).to_owned()));
+    let mut host = Lines { lines: all, next: 0, oks: 0, heard: Vec::new() };
+    let (start, mut extruder) = (Some([100, 100, 10].map(Mm::from_num)), Extruder::default());
+    run(&Settings::prototype(), start, &mut host, &mut extruder).unwrap();
+    let before = i64::from(metres) * 1000;
+    (host.heard.into_iter().filter(|line| line.starts_with("X:")).collect(), extruder.0 - before)
+}
+
+/// Reproducer: beyond 2^31 steps, 84 m at this resolution, homing and M410 read the filament as 168 m less, and the next
+/// absolute move, which then asked for that much, was made without.
+#[test]
+fn a_long_print_goes_on_extruding() {
+    for metres in [83, 84] {
+        let at = 1000 * metres;
+        let (first, second) = (format!("G1 X110 E{}.5 F3000", at), format!("G1 X130 E{} F3000", at + 2));
+        for stop in ["G28 X", "M410", "M400"] {
+            let lines = [
+                "M82",
+                first.as_str(),
+                "M400",
+                stop,
+                "M114",
+                "M114 R",
+                "G1 X120 F3000",
+                second.as_str(),
+                "M400",
+                "M114 R",
+            ];
+            let (told, steps) = print(metres, &lines);
+            assert!(told[0].contains(&format!(" E:{at}.50 ")), "{stop}: {told:?}");
+            assert!(told[1].contains(&format!(" E:{at}.50 ")), "{stop}: {told:?}");
+            assert!(told[2].contains(&format!(" E:{}.00 ", at + 2)), "{stop}: {told:?}");
+            assert_eq!(steps, 2 * 25_600, "{stop} after {metres} m");
+        }
+    }
+}

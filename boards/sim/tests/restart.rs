@@ -1,0 +1,98 @@
+//! After a stop only a new start helps: hosts that come later are greeted, and M999 is that new start.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+use corehbot::motors::MotorSet;
+use corehbot::port::NoStorage;
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use corehbot_sim::drivers::Drivers;
+use corehbot_sim::world::{Desk, Sink, World};
+
+/// Counts the events.
+struct Count<'a>(&'a std::cell::Cell<u32>);
+
+impl Sink for Count<'_> {
+    fn event(&mut self, _tick: u64, _steps: MotorSet, _forward: MotorSet) {
+        self.0.set(self.0.get() + 1);
+    }
+}
+
+const GREETING: &str = "echo:Printer halted. Send M999 or reset\n";
+const KILLED: &str = "Error:Printer halted. kill() called! Send M999 or reset\n";
+
+/// Has two hosts say things in turns: which of them, what, and for how many ms the world goes on. Returns what each has
+/// heard after each, whether the machine begins anew, and whether motors have power.
+fn talk(script: &[(usize, &str, u32)]) -> (Vec<[String; 2]>, bool, bool) {
+    let (drivers, events) = (Drivers::new(), std::cell::Cell::new(0));
+    let mut desk = Desk::new(2);
+    let mut sink = Count(&events);
+    let start = Some([100, 100, 10].map(Mm::from_num));
+    let mut world = World::new(&mut desk, &Settings::prototype(), start, NoStorage, &drivers, &mut sink);
+    let mut heard = Vec::new();
+    for (host, text, ms) in script {
+        match *text {
+            "opens" => world.wires()[*host].open(),
+            text => world.wires()[*host].put(text.bytes()),
+        }
+        let (halted, before) = (world.status().is_halted(), events.get());
+        let end = world.now() + u64::from(*ms) * 10_000;
+        world.poll();
+        while world.now() < end {
+            world.advance();
+            world.poll();
+        }
+        assert!(!halted || events.get() == before, "{text}: steps after a stop");
+        heard.push([0, 1].map(|host| String::from_utf8(world.wires()[host].heard()).unwrap()));
+    }
+    (heard, world.has_ended(), !drivers.enabled().is_empty())
+}
+
+#[test]
+fn who_was_there_hears_the_error_and_who_comes_is_greeted() {
+    let (heard, has_ended, has_power) = talk(&[
+        (0, "", 1000),
+        (0, "G1 X150 F6000\n", 300),
+        (1, "M112\n", 10),
+        (0, "M105\n", 10),
+        (1, "opens", 10),
+        (1, "M105\nM115\nM155 S2\n", 10),
+        (1, "M112\n", 10),
+        (1, "G28\n", 10),
+        (0, "N-1 M110 N-1*125\n", 10),
+        (0, "N0 M17*21\n", 10),
+        (0, "M105\n", 5000),
+    ]);
+    assert_eq!(heard[2], [KILLED, KILLED.repeat(2).as_str()].map(str::to_owned));
+    assert_eq!(heard[3], [KILLED, ""].map(str::to_owned));
+    assert_eq!(heard[4], ["", GREETING].map(str::to_owned));
+    let [ref silence, ref told] = heard[5];
+    assert!(silence.is_empty() && told.starts_with("ok T:") && told.contains("\nCap:"), "{told}");
+    assert!(told.ends_with(&format!("ok\n{GREETING}ok\n")) && !told.contains("Error"), "{told}");
+    assert_eq!([&heard[6][1], &heard[7][1]], [KILLED; 2]);
+    assert_eq!(heard[8][0], format!("{GREETING}ok\n"));
+    assert_eq!(heard[9][0], KILLED);
+    assert!(heard[10][0].starts_with("ok T:"), "{heard:?}");
+    assert!(!has_ended && !has_power);
+}
+
+#[test]
+fn m999_is_a_new_start_after_a_stop_and_nothing_before_it() {
+    for (script, expected) in [
+        (&[(0, "M112\n", 10), (0, "M999\n", 10)][..], true),
+        (&[(0, "M112\n", 10), (1, "M999\n", 10)], true),
+        (&[(0, "M112\n", 10), (0, "N77 M999*1\n", 10)], true),
+        (&[(0, "M112\nM999\n", 10)], true),
+        (&[(0, "G28\n", 500), (0, "M112\n", 10), (1, "opens", 10), (1, "m999 ;again\n", 10)], true),
+        (&[(0, "M999\nM112\n", 10)], false),
+        (&[(0, "M999\n", 10), (0, "M112\n", 10)], false),
+        (&[(0, "M112\n", 10), (0, "M117 M999\nM9990\n;M999\n", 10)], false),
+        (&[(0, "M999\n", 1000)], false),
+    ] {
+        let (heard, has_ended, has_power) = talk(script);
+        assert_eq!(has_ended, expected, "{script:?}: {heard:?}");
+        assert!(!has_power, "{script:?}");
+        // The answer to it is the greeting of the new start.
+        let [a, b] = heard.last().unwrap();
+        assert!(!expected || !(a.contains("ok") || b.contains("ok")), "{script:?}: {heard:?}");
+    }
+}

@@ -1,0 +1,76 @@
+//! What of the chip serves for what: alternate functions, DMA streams, timers and interrupts.
+//!
+//! Plain numbers and names, so that a test on the host can hold them against the description of the chip that
+//! stm32-metapac is generated from (`tests/chip.rs`); the code takes them from here.
+
+use crate::serial_port::Usart;
+
+/// USART1 to 3 (STM32F446 datasheet, table of alternate functions).
+pub const USART_FUNCTION: u8 = 7;
+
+/// I2C1 to 3 (the same table).
+pub const I2C_FUNCTION: u8 = 4;
+
+/// OTG_FS (the same table).
+pub const USB_FUNCTION: u8 = 10;
+
+/// A stream of a DMA controller, and which of its peripherals it serves.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Channel {
+    /// DMA1 or DMA2.
+    pub controller: u8,
+    /// The stream.
+    pub stream: usize,
+    /// What the manual calls the channel: the request that the stream listens to.
+    pub request: u8,
+}
+
+/// ADC3 (RM0390, table of DMA2 requests).
+pub const CONVERTER: Channel = Channel { controller: 2, stream: 0, request: 2 };
+
+/// The receiver of a USART (RM0390, tables of DMA1 and DMA2 requests). That of USART1 is on stream 5 and not 2, which
+/// TIM8 and the second ADC may want; nothing here uses TIM1 or SPI1, the others on stream 5.
+#[must_use]
+pub const fn receiver(usart: Usart) -> Channel {
+    match usart {
+        Usart::One => Channel { controller: 2, stream: 5, request: 4 },
+        Usart::Two => Channel { controller: 1, stream: 5, request: 4 },
+    }
+}
+
+/// Timers, and the bus that each is on: APB1 or APB2.
+pub const TIMERS: [(&str, u8); 2] = [(TIME, 1), (DRIVER_BITS, 2)];
+
+/// embassy's time.
+pub const TIME: &str = "TIM3";
+/// Bits to and from the motor drivers.
+pub const DRIVER_BITS: &str = "TIM8";
+
+/// An interrupt in use: whose it is, for what, and its number in the vector table.
+#[derive(Clone, Copy, Debug)]
+pub struct Source {
+    /// The peripheral.
+    pub peripheral: &'static str,
+    /// What it signals.
+    pub signal: &'static str,
+    /// Its number.
+    pub number: u16,
+}
+
+const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> Source {
+    Source { peripheral, signal, number }
+}
+
+/// The interrupts in use beside the core's own timer (SysTick), which rings for steps. The supply's comes through line 16 of EXTI, which the description of the chip leaves out, so it
+/// goes by its name.
+pub const SOURCES: [Source; 9] = [
+    source("PVD", "", 1),
+    source(TIME, "UP", 29),
+    source("USART1", "GLOBAL", 37),
+    source("USART2", "GLOBAL", 38),
+    source("DMA2", "CH5", 68),
+    source("DMA1", "CH5", 16),
+    source("USB_OTG_FS", "GLOBAL", 67),
+    source(DRIVER_BITS, "UP", 44),
+    source("CAN2", "SCE", 66),
+];

@@ -1,0 +1,86 @@
+//! The ring that a USART's DMA writes and the Console reads: bytes, and a bit for each that says it was damaged.
+//!
+//! | who | writes | reads |
+//! |---|---|---|
+//! | DMA | `bytes`, and counts down what is left of a lap | |
+//! | the DMA's interrupt | `laps`, at the end of each | |
+//! | the USART's interrupt | `damaged`: sets bits | `laps` |
+//! | Console | `damaged`: clears bits | everything |
+//!
+//! Nothing here needs the processor, so it is tested on the host.
+
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+use corehbot::port::Received;
+
+/// Bytes in the ring: 80 ms at 250,000 bits a second, 20 ms at a million.
+pub const SIZE: u32 = 2048;
+
+/// Bytes that the DMA has written. Empty it is all zeros, so it costs no flash.
+pub struct Ring {
+    /// Where the DMA writes.
+    pub bytes: [AtomicU8; SIZE as usize],
+    /// A bit for every byte: damaged.
+    damaged: [AtomicU32; SIZE as usize / 32],
+    /// How often the DMA has come to the end.
+    laps: AtomicU32,
+}
+
+impl Ring {
+    /// An empty ring.
+    pub const fn new() -> Self {
+        Self {
+            bytes: [const { AtomicU8::new(0) }; SIZE as usize],
+            damaged: [const { AtomicU32::new(0) }; SIZE as usize / 32],
+            laps: AtomicU32::new(0),
+        }
+    }
+
+    /// The DMA has come to the end.
+    pub fn end_lap(&self) {
+        self.laps.store(self.laps.load(Ordering::Relaxed).wrapping_add(1), Ordering::Release);
+    }
+
+    /// Bytes ever written, wrapping; `left` is the DMA's counter. Within a few cycles after the end of a lap it may be a
+    /// lap too few.
+    pub fn written(&self, left: impl Fn() -> u32) -> u32 {
+        loop {
+            let laps = self.laps.load(Ordering::Acquire);
+            let left = left();
+            if self.laps.load(Ordering::Acquire) == laps {
+                return laps.wrapping_mul(SIZE).wrapping_add(SIZE - left);
+            }
+        }
+    }
+
+    /// Marks as damaged the last of the bytes that have been `written` and the one that comes next. The last is the one
+    /// that came with an error, or a lost one followed it. The next is marked because whoever takes back the error may
+    /// have swallowed a byte just now: if that was the end of a line, what follows belongs to no line.
+    pub fn mark_damage(&self, written: u32) {
+        for position in [written.wrapping_sub(1), written] {
+            let position = (position % SIZE) as usize;
+            self.damaged[position / 32].fetch_or(1 << (position % 32), Ordering::Release);
+        }
+    }
+
+    /// The next byte after the `read` first, if there is one of those that have been `written`.
+    pub fn take(&self, read: &mut u32, written: u32) -> Option<Received> {
+        let waiting = written.wrapping_sub(*read);
+        // A lap too few is a negative number.
+        if waiting == 0 || waiting.cast_signed() < 0 {
+            return None;
+        }
+        if waiting > SIZE {
+            // The DMA has overtaken us: what lies in the ring is of many lines.
+            *read = read.wrapping_add(waiting);
+            self.damaged.iter().for_each(|bits| bits.store(0, Ordering::Release));
+            return Some(Received::Lost);
+        }
+        let position = (*read % SIZE) as usize;
+        let byte = self.bytes[position].load(Ordering::Acquire);
+        let bit = 1 << (position % 32);
+        let is_damaged = self.damaged[position / 32].fetch_and(!bit, Ordering::AcqRel) & bit != 0;
+        *read = read.wrapping_add(1);
+        Some(if is_damaged { Received::Lost } else { Received::Byte(byte) })
+    }
+}

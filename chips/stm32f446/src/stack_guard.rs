@@ -1,0 +1,79 @@
+//! The stack guard: two regions of the MPU that nothing may touch, under the stack.
+//!
+//! The stack lies at the bottom of RAM and grows down (memory.x), so an overflow overwrites nobody. What the chip does with
+//! accesses below RAM is for its bus to say, though, and no manual promises a fault for each of them. The MPU does:
+//!
+//! | region | addresses | ends |
+//! |---|---|---|
+//! | 7 | the lowest KiB of RAM | a stack that grows by calls and exceptions |
+//! | 6 | the 32 KiB below RAM, which hold nothing that is ever read (RM0390, 2.2.2: the option bytes are read by registers) | one frame that reaches past the KiB; the stack has 40 KiB, so none reaches past both |
+//!
+//! An access there is a MemManage fault. That exception is left disabled, so that whatever faults in whatever context is a
+//! HardFault, which takes a fresh stack (see [`fault`](crate::fault)). An exception whose frame does not fit any more faults
+//! in the same way while it is entered (ARM DDI 0403E, B1.5.6 and B1.5.11: MSTKERR).
+//!
+//! HFNMIENA stays 0: HardFault and NMI run without the MPU. An NMI (a crystal that stops) on a stack that is nearly full
+//! then has the KiB to run in. Where no region is, the processor's default map holds (PRIVDEFENA).
+
+use cortex_m::asm;
+use cortex_m::peripheral::scb::Exception;
+use cortex_m::peripheral::{MPU, SCB};
+
+/// The lowest KiB of the stack, which is the lowest of RAM.
+const GUARD: u32 = 1024;
+
+/// What is guarded below it.
+const BELOW: u32 = 32 * 1024;
+
+/// Regions of the MPU (STM32F446 datasheet, features: memory protection unit; PM0214 rev 10, 4.2).
+const REGIONS: u32 = 8;
+
+/// ENABLE and PRIVDEFENA (ARM DDI 0403E, B3.5.6).
+const ON: u32 = 1 << 2 | 1;
+
+/// A frame of an exception with floating point, and the largest single push: so far above the guard may the stack pointer be
+/// when an access to the guard is an overflow.
+const LARGEST_STORE: u32 = 256;
+
+unsafe extern "C" {
+    /// The lowest address of the stack (memory.x).
+    static _stack_end: u32;
+}
+
+fn bottom() -> u32 {
+    &raw const _stack_end as u32
+}
+
+/// A region of `size` bytes, a power of two, without any access and without execution (ARM DDI 0403E, B3.5.9: XN, AP 000).
+const fn no_access(size: u32) -> u32 {
+    1 << 28 | (size.ilog2() - 1) << 1 | 1
+}
+
+/// Guards the stack from here on, whatever the MPU did before.
+pub fn start(mpu: &mut MPU, scb: &mut SCB) {
+    for exception in [Exception::MemoryManagement, Exception::BusFault, Exception::UsageFault] {
+        scb.disable(exception);
+    }
+    // SAFETY: the regions hold no variable that is used: the linker places none in the stack, whose lowest KiB is given
+    // up, and there is no memory below. Everything else is as it is without an MPU.
+    unsafe {
+        mpu.ctrl.write(0);
+        for region in 0..REGIONS {
+            mpu.rnr.write(region);
+            mpu.rasr.write(0);
+        }
+        for (region, base, size) in [(REGIONS - 1, bottom(), GUARD), (REGIONS - 2, bottom() - BELOW, BELOW)] {
+            mpu.rnr.write(region);
+            mpu.rbar.write(base);
+            mpu.rasr.write(no_access(size));
+        }
+        mpu.ctrl.write(ON);
+    }
+    asm::dsb();
+    asm::isb();
+}
+
+/// Whether a memory fault with this stack pointer is one of a full stack.
+pub fn is_overflow(stack: u32) -> bool {
+    (bottom() - BELOW..bottom() + GUARD + LARGEST_STORE).contains(&stack)
+}

@@ -1,0 +1,204 @@
+//! The boards' tables and the crate's own against what stm32-metapac knows of the chip: pins, alternate functions, channels of
+//! the converter, DMA streams, timers and interrupts.
+//!
+//! stm32-metapac describes one chip in a build, so that of the Octopus stands for both: they are one die in two packages.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::collections::BTreeSet;
+
+use corehbot_stm32f446::resources::{self, Channel, SOURCES, TIMERS};
+use corehbot_stm32f446::wiring::{Board, Pin, USB, Usart};
+use stm32_metapac::metadata::{METADATA, Peripheral};
+
+#[allow(dead_code, reason = "its own tests run with the board")]
+#[path = "../../../boards/nucleo/src/wiring.rs"]
+mod nucleo;
+#[allow(dead_code, reason = "its own tests run with the board")]
+#[path = "../../../boards/octopus/src/wiring.rs"]
+mod octopus;
+
+/// Pins of the package with 64 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP64; stm32-metapac 21.0.0 has
+/// the same for stm32f446re).
+const LQFP64: [(char, u16); 4] = [('A', 0xFFFF), ('B', 0xF7FF), ('C', 0xFFFF), ('D', 1 << 2)];
+
+fn name(pin: Pin) -> String {
+    format!("P{:?}{}", pin.port, pin.number())
+}
+
+fn peripheral(name: &str) -> &'static Peripheral {
+    METADATA.peripherals.iter().find(|p| p.name == name).unwrap_or_else(|| panic!("the chip has no {name}"))
+}
+
+/// What is wrong with a pin that is to be a peripheral's signal.
+fn misplaced(pin: Pin, owner: &str, signal: &str, function: Option<u8>) -> Option<String> {
+    let name = name(pin);
+    let found = peripheral(owner).pins.iter().find(|p| p.pin == name && p.signal == signal);
+    match found {
+        None => Some(format!("{name} is not {owner}'s {signal}")),
+        Some(p) if p.af != function => Some(format!("{name} is {owner}'s {signal} by {:?}, not {function:?}", p.af)),
+        Some(_) => None,
+    }
+}
+
+/// What is wrong with a stream that is to carry a peripheral's signal.
+fn misdirected(channel: Channel, owner: &str, signal: &str) -> Option<String> {
+    let stream = format!("DMA{}_CH{}", channel.controller, channel.stream);
+    let is_there = peripheral(owner)
+        .dma_channels
+        .iter()
+        .any(|c| c.signal == signal && c.channel == Some(&*stream) && c.request == Some(u32::from(channel.request)));
+    (!is_there).then(|| format!("{stream} does not carry {owner}'s {signal} by request {}", channel.request))
+}
+
+const fn usart(usart: Usart) -> &'static str {
+    match usart {
+        Usart::One => "USART1",
+        Usart::Two => "USART2",
+    }
+}
+
+/// Every pin that the table names, with what it is for.
+fn pins(board: &Board) -> Vec<(Pin, String)> {
+    let mut pins = Vec::new();
+    for (n, slot) in board.slots.iter().enumerate() {
+        let Some(slot) = slot else { continue };
+        pins.extend([(slot.step, "step"), (slot.dir, "dir")].map(|(pin, what)| (pin, format!("{what} {n}"))));
+        pins.extend(slot.uart.map(|pin| (pin, format!("uart {n}"))));
+    }
+    // One line may enable several drivers.
+    for slot in board.slots.iter().flatten() {
+        if !pins.iter().any(|(pin, what)| *pin == slot.enable && what == "enable") {
+            pins.push((slot.enable, "enable".into()));
+        }
+    }
+    pins.extend(board.endstops.map(|pin| (pin, "endstop".into())));
+    pins.extend(board.probe.map(|probe| (probe.pin, "probe".into())));
+    pins.extend(board.thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
+    pins.extend(board.loads.iter().map(|pin| (*pin, "load".into())));
+    pins.extend(board.serial.iter().flat_map(|port| [(port.tx, "tx".into()), (port.rx, "rx".into())]));
+    pins.extend(board.eeprom.into_iter().flatten().map(|pin| (pin, "eeprom".into())));
+    pins.extend(USB.into_iter().filter(|_| board.has_usb).map(|pin| (pin, "usb".into())));
+    pins
+}
+
+/// Everything that is wrong with a board's table.
+fn problems(board: &Board, has_pin: impl Fn(Pin) -> bool) -> Vec<String> {
+    let mut found = Vec::new();
+    let pins = pins(board);
+    for (n, (pin, what)) in pins.iter().enumerate() {
+        if !has_pin(*pin) {
+            found.push(format!("the package has no {} ({what})", name(*pin)));
+        }
+        if let Some((_, other)) = pins[..n].iter().find(|(other, _)| other == pin) {
+            found.push(format!("{} is {what} and {other}", name(*pin)));
+        }
+    }
+    for port in board.serial {
+        let function = Some(resources::USART_FUNCTION);
+        found.extend(misplaced(port.tx, usart(port.usart), "TX", function));
+        found.extend(misplaced(port.rx, usart(port.usart), "RX", function));
+    }
+    for thermistor in board.thermistors {
+        found.extend(misplaced(thermistor.pin, "ADC3", &format!("IN{}", thermistor.channel), None));
+    }
+    if let Some([clock, data]) = board.eeprom {
+        let function = Some(resources::I2C_FUNCTION);
+        found.extend(misplaced(clock, "I2C1", "SCL", function));
+        found.extend(misplaced(data, "I2C1", "SDA", function));
+    }
+    if board.has_usb {
+        let [minus, plus] = USB;
+        found.extend(misplaced(minus, "USB_OTG_FS", "DM", Some(resources::USB_FUNCTION)));
+        found.extend(misplaced(plus, "USB_OTG_FS", "DP", Some(resources::USB_FUNCTION)));
+    }
+    found
+}
+
+fn has_lqfp144(pin: Pin) -> bool {
+    METADATA.pins.iter().any(|p| p.name == name(pin))
+}
+
+fn has_lqfp64(pin: Pin) -> bool {
+    LQFP64.iter().any(|(port, bits)| format!("{:?}", pin.port) == port.to_string() && bits >> pin.number() & 1 != 0)
+}
+
+#[test]
+fn the_octopus_uses_pins_as_the_chip_has_them() {
+    assert_eq!(problems(&octopus::BOARD, has_lqfp144), Vec::<String>::new());
+}
+
+#[test]
+fn the_nucleo_uses_pins_as_the_chip_has_them() {
+    assert!(LQFP64.iter().all(|(port, bits)| {
+        let all = (0..16).filter(|n| bits >> n & 1 != 0);
+        all.into_iter().all(|n| METADATA.pins.iter().any(|p| p.name == format!("P{port}{n}")))
+    }));
+    assert_eq!(problems(&nucleo::BOARD, has_lqfp64), Vec::<String>::new());
+}
+
+#[test]
+fn a_table_that_errs_is_found_out() {
+    use corehbot_stm32f446::wiring::{Port, SerialPort, Thermistor};
+    let good = octopus::BOARD;
+    let wrong = |board: Board| problems(&board, has_lqfp144).len();
+    let swapped = [SerialPort { tx: good.serial[0].rx, rx: good.serial[0].tx, ..good.serial[0] }];
+    let elsewhere = [SerialPort { usart: Usart::One, ..good.serial[0] }];
+    let channel = [Thermistor { channel: 4, ..good.thermistors[0] }];
+    let eeprom = good.eeprom.map(|[clock, data]| [data, clock]);
+    let mut slots = good.slots;
+    slots[0] = slots[0].map(|slot| corehbot_stm32f446::wiring::Slot { dir: Pin::new(Port::G, 6), ..slot });
+    assert_eq!(wrong(Board { serial: Box::leak(Box::new(swapped)), ..good }), 2);
+    assert_eq!(wrong(Board { serial: Box::leak(Box::new(elsewhere)), ..good }), 2);
+    assert_eq!(wrong(Board { thermistors: Box::leak(Box::new(channel)), ..good }), 1);
+    assert_eq!(wrong(Board { eeprom, ..good }), 2);
+    assert_eq!(wrong(Board { slots, ..good }), 1, "a direction line on the X switch");
+    assert!(problems(&good, has_lqfp64).len() > 20, "most pins of the Octopus are not in the small package");
+}
+
+#[test]
+fn streams_carry_what_they_are_meant_to() {
+    for one in [Usart::One, Usart::Two] {
+        assert_eq!(misdirected(resources::receiver(one), usart(one), "RX"), None);
+    }
+    assert_eq!(misdirected(resources::CONVERTER, "ADC3", "ADC3"), None);
+    let streams = [resources::CONVERTER, resources::receiver(Usart::One), resources::receiver(Usart::Two)];
+    let distinct: BTreeSet<_> = streams.iter().map(|c| (c.controller, c.stream)).collect();
+    assert_eq!(distinct.len(), streams.len(), "a stream serves two");
+    let wrong = Channel { request: 3, ..resources::CONVERTER };
+    assert!(misdirected(wrong, "ADC3", "ADC3").is_some());
+}
+
+#[test]
+fn timers_and_lines_are_on_the_buses_that_their_rates_are_computed_for() {
+    let bus = |name| peripheral(name).rcc.as_ref().expect("a clock").bus_clock;
+    for (timer, apb) in TIMERS {
+        assert_eq!(bus(timer), format!("PCLK{apb}"), "{timer}");
+    }
+    for (one, hz) in [(Usart::One, 90_000_000), (Usart::Two, 45_000_000)] {
+        let fast = bus(usart(one)) == "PCLK2";
+        assert_eq!((one.bus_hz(), fast), (hz, hz == 90_000_000));
+    }
+    assert_eq!((bus("I2C1"), bus("ADC3")), ("PCLK1", "PCLK2"));
+}
+
+#[test]
+fn interrupts_have_the_numbers_of_their_sources() {
+    let number = |name: &str| METADATA.interrupts.iter().find(|i| i.name == name).map(|i| i.number);
+    for source in SOURCES {
+        let interrupt = match source.peripheral {
+            "PVD" => "PVD",
+            owner => {
+                let found = peripheral(owner).interrupts.iter().find(|i| i.signal == source.signal);
+                found.unwrap_or_else(|| panic!("{owner} has no {}", source.signal)).interrupt
+            }
+        };
+        assert_eq!(number(interrupt), Some(u32::from(source.number)), "{source:?}");
+    }
+    let streams = [resources::CONVERTER, resources::receiver(Usart::One), resources::receiver(Usart::Two)];
+    for channel in &streams[1..] {
+        let owner = format!("DMA{}", channel.controller);
+        let signal = format!("CH{}", channel.stream);
+        assert!(SOURCES.iter().any(|s| s.peripheral == owner && s.signal == signal), "{channel:?} has no interrupt");
+    }
+}

@@ -1,0 +1,215 @@
+//! Grammar: which lines are in order. A line that is not does nothing, instead of half of what was meant.
+//!
+//! Letters that a command does not know are ignored, as slicers rely on (`G28 W`, `M400 U1`). But what is no word at
+//! all, a letter without the number that it needs, the letter of another axis and a second command on the line say
+//! that something is wrong with it.
+
+use super::code::Code;
+use super::command::{Command, Flaw};
+use super::lexer::{Words, is_blank, skip_blanks, skip_past};
+use super::number::Number;
+
+/// What a command takes.
+struct Grammar {
+    /// Letters that need a number.
+    numbers: &'static [u8],
+    /// Letters of axes that the machine does not have.
+    no_axes: &'static [u8],
+    /// Letters whose number must not be negative.
+    not_negative: &'static [u8],
+}
+
+/// Marlin's names of axes beyond x, y and z.
+const NO_AXES: &[u8] = b"ABCUVW";
+
+impl Grammar {
+    const fn numbers(numbers: &'static [u8]) -> Self {
+        Self { numbers, no_axes: &[], not_negative: &[] }
+    }
+
+    const fn of_axes(numbers: &'static [u8], no_axes: &'static [u8]) -> Self {
+        Self { numbers, no_axes, not_negative: &[] }
+    }
+
+    /// The grammar of a code; `None` for one that takes any text, or must act whatever stands behind it.
+    fn of(code: Code) -> Option<Self> {
+        Some(match (code.letter, code.number) {
+            (b'G', 0 | 1) => Self::of_axes(b"XYZEF", NO_AXES),
+            (b'G', 2 | 3) => Self { not_negative: b"P", ..Self::of_axes(b"XYZEFIJKRP", NO_AXES) },
+            (b'G', 4) => Self { numbers: b"PS", no_axes: &[], not_negative: b"PS" },
+            // With W, Prusa's G28 does not probe the bed.
+            (b'G', 28) => Self::of_axes(b"", b"ABCUV"),
+            (b'G', 92) => Self::of_axes(b"", NO_AXES),
+            (b'G', 29 | 30) => return None,
+            (b'G', _) => Self::numbers(b""),
+            (b'M', 17) => Self::of_axes(b"", NO_AXES),
+            (b'M', 18 | 84) => Self { not_negative: b"S", ..Self::of_axes(b"S", NO_AXES) },
+            (b'M', 92 | 201 | 203 | 906 | 913 | 914) => Self::of_axes(b"XYZE", NO_AXES),
+            (b'M', 569) => Self::of_axes(b"", NO_AXES),
+            (b'M', 73) => Self::numbers(b"PR"),
+            (b'M', 111 | 113 | 154 | 155 | 220 | 221) => Self::numbers(b"S"),
+            (b'M', 204) => Self::numbers(b"PRTS"),
+            (b'M', 205) => Self::numbers(b"XYZEJSTB"),
+            (b'M', 207) => Self::numbers(b"SFZ"),
+            (b'M', 208) => Self::numbers(b"SF"),
+            (b'M', 302) => Self::numbers(b"SP"),
+            (b'M', 572) => Self::numbers(b"SW"),
+            (b'M', 593) => Self { not_negative: b"F", ..Self::numbers(b"FDTS") },
+            (b'M', 900) => Self::numbers(b"K"),
+            (b'M', 82 | 83 | 200 | 211 | 400 | 413) => Self::numbers(b""),
+            _ => return None,
+        })
+    }
+}
+
+/// What is wrong with the words of a command, first of all what is no word.
+#[cold]
+#[inline(never)]
+pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
+    let grammar = Grammar::of(code)?;
+    let mut words = Words::new(text);
+    let mut begin = text;
+    while words.next().is_some() || words.has_skipped() {
+        if words.has_skipped() {
+            return Some(Flaw::NoWord(shown(begin)));
+        }
+        begin = words.rest();
+    }
+    let mut words = Words::new(text);
+    let mut begin = text;
+    while let Some(word) = words.next() {
+        let is_negative = word.number.is_some_and(|number| number < Number::ZERO);
+        if grammar.no_axes.contains(&word.letter) {
+            return Some(Flaw::NoAxis(word.letter));
+        } else if word.number.is_none() && grammar.numbers.contains(&word.letter) {
+            return Some(Flaw::NoNumber(word.letter));
+        } else if is_negative && grammar.not_negative.contains(&word.letter) {
+            return Some(Flaw::OutOfRange(shown(begin)));
+        } else if matches!(word.letter, b'G' | b'M') && word.number.is_some() {
+            return Some(Flaw::SecondCommand(shown(begin)));
+        }
+        begin = words.rest();
+    }
+    None
+}
+
+/// `command`, unless the words that it was made of are not in order.
+pub(super) fn in_order<'a>(command: Command<'a>, code: Code, text: &'a [u8]) -> Command<'a> {
+    flaw_of(code, text).map_or(command, Command::Malformed)
+}
+
+/// What `text` begins with, as far as the next blank or comment. Comments and texts in quotes before it are left out.
+fn shown(mut text: &[u8]) -> &[u8] {
+    loop {
+        text = skip_blanks(text);
+        text = match text {
+            [b'(', inside @ ..] => skip_past(inside, b')'),
+            [b'"', inside @ ..] if inside.contains(&b'"') => skip_past(inside, b'"'),
+            _ => break,
+        };
+    }
+    // A blank between a letter and its number belongs to the word.
+    let number = text.get(1..).map_or(text, skip_blanks);
+    let number = if text.first().is_some_and(u8::is_ascii_alphabetic) { number } else { text };
+    let length = number.iter().position(|byte| is_blank(*byte) || matches!(byte, b';' | b'(')).unwrap_or(number.len());
+    text.get(..text.len() - number.len() + length).unwrap_or(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parse::parse;
+    use super::*;
+
+    fn flaw(line: &str) -> Option<Flaw<'_>> {
+        match parse(line.as_bytes()) {
+            Command::Malformed(flaw) => Some(flaw),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn what_is_no_word_is_named() {
+        for (line, word) in [
+            ("G1 X1,5 Y2", "X1,5"),
+            ("G1 Y2 X1.2.3", "X1.2.3"),
+            ("G1 X--5", "X--5"),
+            ("G1 X-", "X-"),
+            ("G1 X. Y5", "X."),
+            ("G1 X10\x01", "X10\x01"),
+            ("G1 \x07X10", "\x07X10"),
+            ("G1 X=5 Y6", "X=5"),
+            ("G1 (a) X=5 Y6", "X=5"),
+            ("G1 X5 Y6 %", "%"),
+            ("G28 X,", "X,"),
+            ("M203 X1,\u{b0}", "X1,"),
+            ("G1 \"a b\" Y,", "Y,"),
+            ("G1 \"a b", "\"a"),
+            ("G92 X1..5", "X1..5"),
+            ("G90 %", "%"),
+        ] {
+            assert_eq!(flaw(line), Some(Flaw::NoWord(word.as_bytes())), "{line:?}");
+        }
+    }
+
+    #[test]
+    fn letters_that_need_a_number_have_one() {
+        for (line, letter) in [
+            ("G1 X", b'X'),
+            ("G1 Xabc", b'X'),
+            ("G0 Y5 F", b'F'),
+            ("G1 Xnan", b'X'),
+            ("G1 X\"10\"", b'X'),
+            ("G1 X10 X", b'X'),
+            ("G2 X5 I", b'I'),
+            ("G4 S", b'S'),
+            ("M92 E", b'E'),
+            ("M204 P", b'P'),
+            ("M220 S", b'S'),
+            ("M900 K", b'K'),
+            ("M593 F", b'F'),
+        ] {
+            assert_eq!(flaw(line), Some(Flaw::NoNumber(letter)), "{line}");
+        }
+    }
+
+    #[test]
+    fn no_axis_no_second_command_and_no_time_before_now() {
+        for line in ["G1 C5", "G1 X5 C5", "G92 C0", "G28 C", "M84 C", "M92 C100", "M201 C5", "G2 X5 I5 C1"] {
+            assert_eq!(flaw(line), Some(Flaw::NoAxis(b'C')), "{line}");
+        }
+        assert_eq!(flaw("G90 G1 X10"), Some(Flaw::SecondCommand(b"G1")));
+        assert_eq!(flaw("G1 X10 Y5G1 X20"), Some(Flaw::SecondCommand(b"G1")));
+        assert_eq!(flaw("G21 M 400"), Some(Flaw::SecondCommand(b"M 400")));
+        assert_eq!(flaw("G4 P-5"), Some(Flaw::OutOfRange(b"P-5")));
+        assert_eq!(flaw("G2 X1 R5 P-3"), Some(Flaw::OutOfRange(b"P-3")));
+    }
+
+    #[test]
+    fn what_slicers_and_people_write_is_in_order() {
+        for line in [
+            "G1X10Y20E-.04",
+            "G1 X 10\tY 5. ; Z,",
+            "G1 X1E5",
+            "G1\u{a0}X10\u{a0}Y20",
+            "G1 X5 S255 P0 (,)",
+            "G28 W",
+            "G28 X R5 L",
+            "G28 X0 Y0",
+            "M84 X Y E",
+            "M400 U1",
+            "M204 P500 T500",
+            "M593 P\"mzv\" F60",
+            "M900 K1e-05",
+            "M115 U6.2.6+8948",
+            "M117 50% = 1,5 mm",
+            "M0 Insert the plate, please",
+            "M112 %",
+            "M108*",
+            "G92",
+            "G92 E",
+            "G10 S1",
+        ] {
+            assert_eq!(flaw(line), None, "{line}");
+        }
+    }
+}

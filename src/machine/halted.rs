@@ -1,0 +1,127 @@
+//! After a stop: nothing moves, hosts are answered, and M999 has the machine begin anew.
+//!
+//! The hosts of that time are told the error, which ends their prints, and none of their lines is answered with `ok` any
+//! more. A host that comes later, by opening its line or by saying M110, is greeted with what has happened. What such a
+//! host wants to know when it connects is answered, so that it gets as far as sending M999; what asks for anything to be
+//! done gets the error too.
+
+use super::answer::{Answer, Progress};
+use super::console::{Console, PortSet, yield_once};
+use super::hosts::{Asked, Text};
+use crate::driver::Fault;
+use crate::gcode::{self, Command};
+use crate::port::{Clock, LINES, Pend};
+use crate::protocol::{Activity, NoRoom, Replies};
+
+/// Why [`Console::run`](super::Console::run) ends: the machine is to begin anew, as after a reset. No motor has power.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Restart;
+
+/// What a host is greeted with. Not "start", which would be a reset (OctoPrint, comm.py).
+const GREETING: &str = "echo:Printer halted. Send M999 or reset";
+
+/// Says that only M999 or a reset helps, and why if that was not the host's own wish.
+fn say_killed(replies: &mut Replies, fault: Option<Fault>) -> Result<(), NoRoom> {
+    match fault {
+        Some(fault) => replies.killed_by(fault),
+        None => replies.killed(),
+    }
+}
+
+/// Whether hosts say this when they connect, and nothing is missing on the plate if it is not done.
+const fn is_said_on_connecting(command: &Command<'_>) -> bool {
+    matches!(
+        command,
+        Command::AutoPosition(_)
+            | Command::AutoReport(_)
+            | Command::Debug(_)
+            | Command::FeedPercent(_)
+            | Command::FlowPercent(_)
+            | Command::Keepalive(_)
+            | Command::Message
+            | Command::Progress { .. }
+            | Command::ReportPosition { .. }
+            | Command::Silent
+            | Command::Tool(0)
+    )
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// The Console after a stop, until M999.
+    pub(super) async fn stay_halted(&mut self) -> Restart {
+        self.link.status().set_halted();
+        self.drivers.cut(&mut self.ports.drivers);
+        self.link.abort();
+        self.link.status().set_awaiting_input(true);
+        self.hosts.count_as_new();
+        let fault = self.drivers.fault();
+        self.hosts.greet(|replies| say_killed(replies, fault));
+        // Hosts that came later.
+        let mut are_new = [false; LINES];
+        let mut text = Text::new();
+        while !self.is_to_restart {
+            self.turn_halted(&mut are_new).await;
+            let now = self.ports.clock.now();
+            while !self.is_to_restart
+                && let Some(asked) = self.hosts.next_line(now, (0, Activity::Paused), &mut text)
+            {
+                let is_new = are_new.get_mut(self.hosts.serving());
+                let knows = is_new.is_some_and(|is_new| {
+                    *is_new |= matches!(asked, Asked::LineNumber(_));
+                    *is_new
+                });
+                match self.answer_halted(asked, &text).filter(|_| knows) {
+                    Some(answers) => {
+                        for answer in answers {
+                            self.tell_halted(answer, &mut are_new).await;
+                        }
+                    }
+                    None => drop(self.hosts.replies().map(|replies| say_killed(replies, fault))),
+                }
+            }
+        }
+        Restart
+    }
+
+    /// What a host that came later is told; `None` if it wants something done.
+    fn answer_halted(&self, asked: Asked, text: &[u8]) -> Option<[Answer<'static>; 2]> {
+        let greeting = Answer::Line(GREETING);
+        Some(match asked {
+            Asked::LineNumber(number) => [greeting, Answer::LineNumber(number)],
+            Asked::Nothing => [Answer::Nothing, Answer::Ok],
+            Asked::Resend(reason, last) => [Answer::Nothing, Answer::Resend(reason, last)],
+            Asked::Probe(last) => [Answer::Nothing, Answer::Probe(last)],
+            Asked::TooLong => return None,
+            Asked::Command => match gcode::parse(text) {
+                Command::ReportTemperatures => [Answer::Nothing, Answer::Temperatures],
+                Command::ReportFirmware => [Answer::Firmware, Answer::Ok],
+                command if is_said_on_connecting(&command) => [greeting, Answer::Ok],
+                _ => return None,
+            },
+        })
+    }
+
+    /// Tells the host being served, as soon as there is room for it, or until M999.
+    async fn tell_halted(&mut self, answer: Answer<'static>, are_new: &mut [bool; LINES]) {
+        self.telling = Progress::default();
+        while !self.is_to_restart {
+            self.telling.begin();
+            self.write(&answer);
+            if self.telling.is_complete() {
+                return;
+            }
+            self.turn_halted(are_new).await;
+        }
+    }
+
+    /// Lets the world go round once: bytes in, answers out, and whoever has opened a line is greeted.
+    async fn turn_halted(&mut self, are_new: &mut [bool; LINES]) {
+        self.hosts.send();
+        yield_once(false).await;
+        self.is_to_restart |= self.hosts.receive().restart;
+        self.hosts.note_opened(are_new);
+        self.hosts.greet(|replies| replies.line(format_args!("{GREETING}")));
+        self.hosts.send();
+    }
+}

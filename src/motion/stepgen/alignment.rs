@@ -1,0 +1,130 @@
+//! Alignment: a long move along one axis goes along the line on which its motors stand.
+//!
+//! In a move along x the coordinates u = x + y and v = x - y pass the middle between two steps in the same instants if
+//! twice y is a whole number of steps. Motors stand on whole steps of u and v, and there this is so: it is within half a
+//! step of where the tool was sent, and the motors need no step to get there. So such a move is laid from there, and goes
+//! on to the end that was planned for its own axis. Its other axes stay beside the planned path until they are asked for
+//! another place. Every other move ends where it was planned to, so nothing adds up.
+//!
+//! (Half a step cannot be made less for every corner: between a move along x and one along y both twice x and twice y
+//! must be whole, and of these places every other one is between two counts of both motors. The tool would leave it with
+//! a step of one motor alone.)
+//!
+//! Where four coordinates hold three axes, counts that do not agree have no such place. There long moves end on whole steps
+//! of x, y and z.
+
+use crate::kinematics::{Groups, count_at};
+use crate::motion::moves::Move;
+use crate::motion::trajectory::Place;
+use crate::motors::MOST_GROUPS;
+use crate::units::Steps;
+
+/// A long move: a millimetre, of which lengths have 30 bits. Being half a step beside bends what comes next by less than
+/// 0.4 degrees if that is as long; shorter ones are the chords of curves, which would ripple.
+const LONG: u64 = (1 << 32) - 8;
+
+/// The fraction of a place between two counts.
+const HALF: u32 = 1 << 31;
+
+/// The axes x, y and z.
+type Tool = [Steps; 3];
+
+/// Where the planned moves really go.
+pub(super) struct Alignment {
+    /// With which other axes x, y and z share motors: a bit each.
+    sharing: [u8; 3],
+    is_redundant: bool,
+    /// Where the last move was planned to end.
+    planned: Tool,
+}
+
+impl Alignment {
+    /// On this mechanism.
+    pub fn new(groups: &Groups) -> Self {
+        let share = |axis: usize, other: usize| axis != other && groups.mechanism().share(axis, other);
+        let sharing = |axis: usize| (0..3).map(|other| u8::from(share(axis, other)) << other).sum();
+        Self { sharing: core::array::from_fn(sharing), is_redundant: groups.is_redundant(), planned: [Steps::ZERO; 3] }
+    }
+
+    /// The machine stands where it was planned to.
+    pub const fn stand_at(&mut self, planned: Tool) {
+        self.planned = planned;
+    }
+
+    /// Between which places a move is laid, given where the last one ended, and the counts of the motors there if they have
+    /// got to it. (A step that is due within the last tick before it may not be made yet.)
+    pub fn ends(
+        &mut self,
+        m: &Move,
+        place: &Place,
+        counts: Option<[i32; MOST_GROUPS]>,
+        groups: &Groups,
+    ) -> (Place, Place) {
+        let [x, y, z, e] = m.end;
+        let before = core::mem::replace(&mut self.planned, [x, y, z]);
+        let (mut begin, [.., advance]) = (*place, *place);
+        let mut end = [x, y, z, e, advance.wrapping_add(m.advance)];
+        let mut moving = 0u8;
+        for (axis, (planned, before)) in self.planned.iter().zip(before).enumerate() {
+            if *planned != before {
+                moving |= 1 << axis;
+            } else if let (Some(end), Some(place)) = (end.get_mut(axis), place.get(axis)) {
+                // Asked for the same again it stays where it is.
+                *end = *place;
+            }
+        }
+        let is_long = moving != 0 && m.length >= LONG;
+        if self.is_redundant {
+            if is_long {
+                end.iter_mut().take(3).for_each(|at| *at = at.wrapping_round());
+            }
+            return (begin, end);
+        }
+        for (axis, sharing) in self.sharing.iter().enumerate() {
+            if moving >> axis & 1 == 0 || *sharing == 0 || moving & sharing != 0 {
+                continue;
+            }
+            if is_long {
+                let [x, y, z, _] = groups.position(counts.unwrap_or_else(|| counts_at(place, groups)));
+                let stands = [x, y, z];
+                for (other, stands) in stands.iter().enumerate().filter(|(other, _)| sharing >> other & 1 == 1) {
+                    for place in [&mut begin, &mut end] {
+                        if let Some(at) = place.get_mut(other) {
+                            *at = *stands;
+                        }
+                    }
+                }
+            }
+            if is_between_counts(&end, axis, groups)
+                && let (Some(end), Some(begin)) = (end.get_mut(axis), begin.get(axis))
+            {
+                // It stays this side of it, where all its motors are at counts that belong to the line.
+                let back = if *end > *begin { -Steps::DELTA } else { Steps::DELTA };
+                *end = end.wrapping_add(back);
+            }
+        }
+        (begin, end)
+    }
+}
+
+/// A place without the advance.
+const fn position(place: &Place) -> [Steps; 4] {
+    let [x, y, z, e, _] = *place;
+    [x, y, z, e]
+}
+
+/// The counts of the motors when they have got to a place.
+fn counts_at(place: &Place, groups: &Groups) -> [i32; MOST_GROUPS] {
+    let mut counts = [0; MOST_GROUPS];
+    for (count, group) in counts.iter_mut().zip(groups.iter()) {
+        *count = count_at(group.coordinate(position(place)));
+    }
+    counts
+}
+
+/// Whether a motor that an axis moves is just between two counts at a place.
+fn is_between_counts(place: &Place, axis: usize, groups: &Groups) -> bool {
+    let follows = |row: &[i8; 4]| row.get(axis).is_some_and(|times| *times != 0);
+    let mut groups = groups.iter().filter(|group| follows(&group.row));
+    groups.any(|group| group.coordinate(position(place)).to_bits() as u32 == HALF)
+}

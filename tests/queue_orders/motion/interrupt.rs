@@ -1,0 +1,63 @@
+//! What the step interrupt does with the queue, as `motion::stepper` does it.
+
+use super::explore::choose;
+use super::queue::{StepsOut, Word};
+use std::cell::{Cell, RefCell};
+use std::rc::Rc;
+
+/// What it has played: motion time, groups, and whether it called the generator.
+pub type Played = Rc<RefCell<Vec<(u32, u8, bool)>>>;
+
+/// The Stepper: the event that comes next, when it is due in motion time, and the epoch that counts.
+pub struct Interrupt {
+    events: StepsOut<'static>,
+    next: Word,
+    due: u32,
+    /// When the last event was due.
+    played_at: u32,
+    epoch: Rc<Cell<u8>>,
+    played: Played,
+}
+
+impl Interrupt {
+    pub fn new(events: StepsOut<'static>, epoch: Rc<Cell<u8>>, played: Played) -> Self {
+        Self { events, next: Word::RESTING, due: 0, played_at: 0, epoch, played }
+    }
+
+    /// Plays one event, or two that are due.
+    pub fn run_some(&mut self) {
+        for _ in 0..=choose(2) {
+            self.run();
+        }
+    }
+
+    /// Plays all that there are.
+    pub fn run_all(&mut self) {
+        while self.run() {}
+    }
+
+    /// Plays an event; false if there is none.
+    fn run(&mut self) -> bool {
+        if self.next == Word::NONE {
+            self.next = self.events.peek().1;
+        }
+        if self.next == Word::NONE || !self.next.is_of(self.epoch.get().into()) {
+            // At rest, from which the next event is taken up anew.
+            let (interval, word) = self.events.peek();
+            if !word.is_of(self.epoch.get().into()) {
+                self.next = Word::RESTING;
+                return false;
+            }
+            (self.next, self.due) = (word, self.played_at.wrapping_add(interval));
+        }
+        self.played.borrow_mut().push((self.due, self.next.steps().0, self.next.wants_refill()));
+        self.played_at = self.due;
+        let (interval, word) = self.events.advance();
+        (self.next, self.due) = (word, self.due.wrapping_add(interval));
+        if interval == 0 && word == Word::NONE {
+            // Due at once, so the same interrupt finds that there is nothing.
+            self.next = Word::RESTING;
+        }
+        true
+    }
+}
