@@ -1,9 +1,9 @@
-//! The stack guard: two regions of the MPU that nothing may touch, under the stack.
+//! The stack guard: two regions of the MPU under the stack that nothing may touch.
 //!
 //! The stack lies at the bottom of RAM and grows down (memory.x), so an overflow overwrites nobody. What the chip does with
 //! accesses below RAM is for its bus to say, though, and no manual promises a fault for each of them. The MPU does:
 //!
-//! | region | addresses | ends |
+//! | region | addresses | what ends there |
 //! |---|---|---|
 //! | 7 | the lowest KiB of RAM | a stack that grows by calls and exceptions |
 //! | 6 | the 32 KiB below RAM, which hold nothing that is ever read (RM0390, 2.2.2: the option bytes are read by registers) | one frame that reaches past the KiB; the stack has 40 KiB, so none reaches past both |
@@ -13,7 +13,12 @@
 //! in the same way while it is entered (ARM DDI 0403E, B1.5.6 and B1.5.11: MSTKERR).
 //!
 //! HFNMIENA stays 0: HardFault and NMI run without the MPU. An NMI (a crystal that stops) on a stack that is nearly full
-//! then has the KiB to run in. Where no region is, the processor's default map holds (PRIVDEFENA).
+//! then has the KiB to run in.
+//!
+//! Two more regions say what flash and RAM are, with the attributes of the processor's default map: region 0 is the flash,
+//! region 1 is the RAM, from which nothing is executed, so that a wild jump into data faults at once. (An emulator that checks
+//! each access by itself where only the default map decides is several times faster for them.) Everywhere else the default
+//! map holds (PRIVDEFENA).
 
 use cortex_m::asm;
 use cortex_m::peripheral::scb::Exception;
@@ -24,6 +29,12 @@ const GUARD: u32 = 1024;
 
 /// What is guarded below it.
 const BELOW: u32 = 32 * 1024;
+
+/// Where flash begins, and its size (RM0390, 3.3; STM32F446xE).
+const FLASH: (u32, u32) = (0x0800_0000, 512 * 1024);
+
+/// The size of SRAM1 and SRAM2 together, which begin below the stack (RM0390, 2.3.1).
+const RAM_SIZE: u32 = 128 * 1024;
 
 /// Regions of the MPU (STM32F446 datasheet, features: memory protection unit; PM0214 rev 10, 4.2).
 const REGIONS: u32 = 8;
@@ -49,23 +60,35 @@ const fn no_access(size: u32) -> u32 {
     1 << 28 | (size.ilog2() - 1) << 1 | 1
 }
 
+/// A region of `size` bytes with every access that the default map grants, and its attributes (ARM DDI 0403E, B3.1 and B3.5.9:
+/// AP 011): flash is written through (C), RAM is written back and allocated (TEX 001, C, B) and never executed (XN).
+const fn full_access(size: u32, is_ram: bool) -> u32 {
+    let attributes = if is_ram { 1 << 28 | 1 << 19 | 1 << 17 | 1 << 16 } else { 1 << 17 };
+    attributes | 3 << 24 | (size.ilog2() - 1) << 1 | 1
+}
+
 /// Guards the stack from here on, whatever the MPU did before.
 pub fn start(mpu: &mut MPU, scb: &mut SCB) {
     for exception in [Exception::MemoryManagement, Exception::BusFault, Exception::UsageFault] {
         scb.disable(exception);
     }
-    // SAFETY: the regions hold no variable that is used: the linker places none in the stack, whose lowest KiB is given
-    // up, and there is no memory below. Everything else is as it is without an MPU.
+    // SAFETY: the guards hold no variable that is used: the linker places none in the stack, whose lowest KiB is given
+    // up, and there is no memory below. Everything else may be accessed as it is without an MPU, and no code lies in RAM.
     unsafe {
         mpu.ctrl.write(0);
         for region in 0..REGIONS {
             mpu.rnr.write(region);
             mpu.rasr.write(0);
         }
-        for (region, base, size) in [(REGIONS - 1, bottom(), GUARD), (REGIONS - 2, bottom() - BELOW, BELOW)] {
+        for (region, base, access) in [
+            (REGIONS - 1, bottom(), no_access(GUARD)),
+            (REGIONS - 2, bottom() - BELOW, no_access(BELOW)),
+            (1, bottom(), full_access(RAM_SIZE, true)),
+            (0, FLASH.0, full_access(FLASH.1, false)),
+        ] {
             mpu.rnr.write(region);
             mpu.rbar.write(base);
-            mpu.rasr.write(no_access(size));
+            mpu.rasr.write(access);
         }
         mpu.ctrl.write(ON);
     }
