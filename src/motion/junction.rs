@@ -12,6 +12,7 @@
 //! of that (see [`trend`](super::trend)): its curvature, by `v^2 = a r`, and how far the direction of the tool leads a velocity
 //! that keeps to the acceleration. At a corner of a small turn t, junction deviation allows a jump of `v t = sqrt(8 a d)`; all
 //! the corners of a bend together have no more than that, beside what the acceleration makes up for on the way between them.
+//! Corners that are more than [`WINDOW`] apart are no bend.
 //!
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
@@ -36,6 +37,10 @@ const LONG_CHORD: f32 = 1.0;
 /// The lead is made up for so much faster than the acceleration says: a circle at the limit shall be limited by its curvature
 /// alone, which rounded coordinates hardly change.
 const MAKING_UP: f32 = 1.15;
+
+/// What a corner turned by counts for so many seconds. That is half a period at 125 Hz, above which printers hardly resonate, and
+/// what `corehbot run` looks at.
+const WINDOW: f32 = 0.004;
 
 /// What a corner depends on beside its two moves.
 pub(super) struct Bearing<'a> {
@@ -113,7 +118,9 @@ fn bend(before: &Geometry, after: &Geometry, trend: &mut Trend, bearing: &Bearin
     let gain = bears * after.size;
     let slow = least(least(most, 8.0 * base / (greatest * greatest)), bearing.fastest * bearing.fastest);
     let fast = if slow < gain { gain } else { slow };
-    trend.follow_lead(lead, lead_length, MAKING_UP * gain / fast);
+    let farthest = WINDOW * (root(slow) + 0.5 * WINDOW * bearing.acceleration);
+    let made_up = if after.size < farthest { MAKING_UP * gain / fast } else { f32::INFINITY };
+    trend.follow_lead(lead, lead_length, made_up);
     most
 }
 

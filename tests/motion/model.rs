@@ -208,7 +208,10 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
         let speeds = s.axes.map(|a| a.max_speed.to_num::<f64>()).to_array();
         let fastest = along(f64::INFINITY, q.unit, speeds, s.motor_max_speed.to_num()).min(speeds[3] / q.ratio.abs());
         let gain = a * q.length;
-        let made_up = 1.15 * gain / bend.min(jump(greatest)).min(fastest.powi(2)).max(gain);
+        let slow = bend.min(jump(greatest)).min(fastest.powi(2));
+        // Corners more than 4 ms apart are none of one bend.
+        let is_over = q.length >= 0.004 * slow.sqrt() + 0.5 * q.a * 0.004f64.powi(2);
+        let made_up = if is_over { f64::INFINITY } else { 1.15 * gain / slow.max(gain) };
         path.lead = lead.map(|v| v * (1.0 - made_up / size(lead).max(1e-30)).max(0.0));
         path.greatest = (greatest - made_up).max(0.0);
     }
