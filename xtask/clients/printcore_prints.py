@@ -38,8 +38,13 @@ def run(program, file, kind, other=None):
             check(accepted == expected, f"{len(accepted)} of {len(expected)} commands arrived, or not in order")
         unclear = [reply for reply in heard if reply.startswith("Error") and "Last Line" not in reply]
         check(not unclear, f"the printer said {unclear[:3]}")
-        printer.same_steps(device, summary)
-        return f"{len(expected)} commands in {seconds:.1f} s, {resends} resends, same steps"
+        if line:
+            # It would hear what the printer says to others, too.
+            line.end()
+            line = None
+        # The time of the board in QEMU goes on while QEMU waits for a processor: there the stream may run dry.
+        seen = printer.same_steps(device, summary, may_run_dry=other is not None and kind == "drop")
+        return f"{len(expected)} commands in {seconds:.1f} s, {resends} resends, {seen}"
     finally:
         if line:
             line.end()

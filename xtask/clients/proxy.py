@@ -30,10 +30,11 @@ def corrupt(every):
 
 
 def drop(every):
-    """Loses every so many numbered lines, line end and all; but no M110, which hosts do not repeat."""
+    """Loses every so many numbered lines, line end and all; but no M110, which hosts do not repeat, and not the M400 that ends
+    a print: behind it no line shows by its number that it was lost."""
 
     def damage(count, line):
-        return line if count % every or b"M110" in line else None
+        return line if count % every or b"M110" in line or b"M400" in line else None
 
     return damage
 
