@@ -3,20 +3,20 @@
 use super::line::END_OF_TRANSMISSION;
 use anyhow::{Context as _, Result, bail};
 use corehbot_sim::serve::Port;
+use corehbot_sim::stop::Stop;
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::TcpStream;
 use std::os::fd::AsFd as _;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// A signal ends the waiting by itself, but for one that comes just before it.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Passes bytes on until it is over, and then asks the board to end.
-pub fn talk(stream: &mut TcpStream, port: &mut Port, is_over: &AtomicBool) -> Result<()> {
+pub fn talk(stream: &mut TcpStream, port: &mut Port, stop: &Stop) -> Result<()> {
     let mut said = [0; 1024];
     let mut sent = Vec::new();
-    while !is_over.load(Ordering::Relaxed) {
+    while !stop.is_set() {
         port.read(&mut sent)?;
         // The end of the run is ours to bring about, and nobody else's.
         sent.retain(|byte| *byte != END_OF_TRANSMISSION);

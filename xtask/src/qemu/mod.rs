@@ -78,10 +78,10 @@ pub fn main(args: &Args) -> Result<()> {
 /// Lets hosts at a pseudo-terminal talk to the board until a signal comes.
 #[cfg(unix)]
 fn serve(job: &Job, image: &Path, args: &Args) -> Result<Outcome> {
-    let is_over = corehbot_sim::serve::until_signal()?;
+    let stop = corehbot_sim::stop::Stop::at_signals()?;
     let mut port = corehbot_sim::serve::Port::open(args.pty.as_deref())?;
     corehbot_sim::serve::println(format_args!("{}", port.path().display()))?;
-    job.talk(image, args.trace.as_deref(), |stream| bridge::talk(stream, &mut port, &is_over))
+    job.talk(image, args.trace.as_deref(), |stream| bridge::talk(stream, &mut port, &stop))
 }
 
 /// Says that it cannot.

@@ -40,10 +40,16 @@ pub fn test() -> Result<Verdict> {
     count_tests(cargo(["test", "--workspace", "--no-fail-fast"]))
 }
 
-/// The tests of the emulator, which run the image of the Octopus; the emulator is linted, too.
-pub fn emulate() -> Result<Verdict> {
+/// The emulator and its tests, linted and built.
+pub fn build_emulator() -> Result<Verdict> {
     run(emulate::cargo(["fmt"], &["--check"]))?;
     run(emulate::cargo(["clippy"], &["--release", "--all-targets", "--ignore-rust-version", "--", "-D", "warnings"]))?;
+    run(emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"]))?;
+    Ok(Verdict::Passed(String::new()))
+}
+
+/// The tests of the emulator, which run the image of the Octopus.
+pub fn emulate() -> Result<Verdict> {
     let mut command = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-fail-fast"]);
     command.env("COREHBOT_ELF", checkout::build_image(emulate::IMAGE)?);
     count_tests(command)

@@ -27,11 +27,8 @@ use echo::Echo;
 use pace::{Pace, Speed};
 pub use port::Port;
 use screen::Screen;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use wire::Delay;
 
@@ -69,7 +66,7 @@ pub(crate) struct Prepared {
     trace: TraceWriter<BufWriter<Stream>>,
     outputs: Outputs,
     port: Port,
-    is_over: Arc<AtomicBool>,
+    stop: Stop,
 }
 
 impl Prepared {
@@ -80,15 +77,15 @@ impl Prepared {
         let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
         ensure!(!is_standard, "standard output is for the port's name and the figures: the trace needs a file");
         let trace = args.trace.as_deref().map(|path| outputs.open(path)).transpose()?;
-        let is_over = until_signal()?;
+        let stop = Stop::at_signals()?;
         let port = Port::open(args.pty.as_deref())?;
         let trace = TraceWriter::new(trace, (&settings).into());
-        Ok(Self { settings, eeprom, trace, outputs, port, is_over })
+        Ok(Self { settings, eeprom, trace, outputs, port, stop })
     }
 
     /// Is a printer until a signal comes.
     pub fn run(self, args: &Serve) -> Result<u8> {
-        let Self { settings, mut eeprom, mut trace, outputs, port, is_over } = self;
+        let Self { settings, mut eeprom, mut trace, outputs, port, stop } = self;
         println(format_args!("{}", port.path().display()))?;
         let drivers = Drivers::new();
         let mut start = args.printer.assume_homed;
@@ -111,7 +108,7 @@ impl Prepared {
                 None => World::standing(&mut desk, &settings, Some(place), start, NoStorage, &drivers, &mut sink),
             };
             let mut screen = Screen::new(&settings, place);
-            server.serve(&mut world, &mut screen, &is_over)?;
+            server.serve(&mut world, &mut screen, &stop)?;
             screen.close();
             let outcome = world.outcome();
             total.add(&outcome);
@@ -158,18 +155,6 @@ impl Sink for Later<'_> {
     }
 }
 
-/// A flag that Ctrl-C sets, and what else ends a process in an orderly way.
-///
-/// # Errors
-/// If the system does not take the handlers.
-pub fn until_signal() -> Result<Arc<AtomicBool>> {
-    let is_over = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM, SIGHUP] {
-        signal_hook::flag::register(signal, Arc::clone(&is_over)).context("cannot wait for Ctrl-C")?;
-    }
-    Ok(is_over)
-}
-
 /// Says a line at once; whoever does not listen any more has heard enough.
 ///
 /// # Errors
@@ -194,9 +179,9 @@ struct Server {
 
 impl Server {
     /// Serves a printer until a signal comes, or until the printer begins anew.
-    fn serve(&mut self, world: &mut World<'_>, screen: &mut Screen, is_over: &AtomicBool) -> Result<()> {
+    fn serve(&mut self, world: &mut World<'_>, screen: &mut Screen, stop: &Stop) -> Result<()> {
         let mut look = Duration::ZERO;
-        while !(is_over.load(Ordering::Relaxed) || world.has_ended()) {
+        while !(stop.is_set() || world.has_ended()) {
             let wall = self.begin.elapsed();
             if wall >= look {
                 self.hear_host(world.now())?;
