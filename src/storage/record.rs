@@ -171,6 +171,15 @@ mod tests {
     use proptest::prelude::*;
     use std::vec::Vec;
 
+    #[test]
+    fn users_are_told_what_was_found() {
+        assert_eq!(std::format!("{}", Receipt { bytes: 241, crc: 0xABC }), "(241 bytes; crc 00000ABC)");
+        let format = std::format!("{}", Rejected::Format(3));
+        assert_eq!(format, std::format!("format V3, this firmware has V{FORMAT}"));
+        let words = [Rejected::Blank, Rejected::Damaged, Rejected::Mechanism].map(|why| std::format!("{why}"));
+        assert_eq!(words, ["empty", "damaged", "for a machine with another mechanism"]);
+    }
+
     /// A whole record around any payload.
     fn forge(format: u16, payload: &[u8]) -> Vec<u8> {
         let header = Header { format, length: payload.len() as u16, sequence: 7 }.to_bytes();
