@@ -1,10 +1,14 @@
 //! Filament beyond what 32 bits count in steps: a long print goes on extruding after a stop.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+#[path = "common/lines.rs"]
+mod lines;
+
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_sim::world::{Host, Sink, run};
+use corehbot_sim::world::{Sink, run};
+use lines::Lines;
 
 /// Counts the steps of the extruder.
 #[derive(Default)]
@@ -18,39 +22,13 @@ impl Sink for Extruder {
     }
 }
 
-struct Lines {
-    lines: Vec<String>,
-    next: usize,
-    oks: usize,
-    heard: Vec<String>,
-}
-
-impl Host for Lines {
-    fn send(&mut self, out: &mut Vec<u8>) {
-        if let Some(line) = self.lines.get(self.next).filter(|_| self.oks == self.next) {
-            out.extend(line.bytes());
-            out.push(b'\n');
-            self.next += 1;
-        }
-    }
-
-    fn hear(&mut self, line: &str) {
-        self.oks += usize::from(line.starts_with("ok"));
-        self.heard.push(line.to_owned());
-    }
-
-    fn is_done(&self) -> bool {
-        self.oks == self.lines.len()
-    }
-}
-
 /// So much filament at a step a millimetre, then these lines at the finest resolution; what was told, and the steps.
 fn print(metres: u32, lines: &[&str]) -> (Vec<String>, i64) {
     let mut all: Vec<String> = ["M92 E1", "M203 E1000", "M83"].map(String::from).to_vec();
     all.extend((0..10 * metres).map(|_| "G1 E100 F60000".to_owned()));
     all.extend(["M203 E15", "M92 E25600"].map(String::from));
     all.extend(lines.iter().map(|line| (*line).to_owned()));
-    let mut host = Lines { lines: all, next: 0, oks: 0, heard: Vec::new() };
+    let mut host = Lines::new(all);
     let (start, mut extruder) = (Some([100, 100, 10].map(Mm::from_num)), Extruder::default());
     run(&Settings::prototype(), start, &mut host, &mut extruder).unwrap();
     let before = i64::from(metres) * 1000;

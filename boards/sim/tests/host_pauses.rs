@@ -1,24 +1,16 @@
 //! Hosts that pause: anywhere and for any time. The steps stay what they are, or the pause is counted.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::MotorSet;
+#[path = "common/trace.rs"]
+mod trace;
+
 use corehbot::port::NoStorage;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
-use corehbot_sim::world::{Desk, Outcome, Sink, World};
+use corehbot_sim::world::{Desk, Outcome, World};
 use proptest::prelude::*;
-use std::hash::{DefaultHasher, Hash, Hasher};
-
-/// Keeps a hash of every event.
-#[derive(Default)]
-struct Trace(DefaultHasher);
-
-impl Sink for Trace {
-    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        (tick, steps, forward).hash(&mut self.0);
-    }
-}
+use trace::Trace;
 
 /// Sends a line for each `ok`; before line i it takes `pauses[i]` ms.
 fn print(settings: &Settings, lines: &[String], pauses: &[u32]) -> (Outcome, u64) {
@@ -45,7 +37,7 @@ fn print(settings: &Settings, lines: &[String], pauses: &[u32]) -> (Outcome, u64
     }
     let outcome = world.outcome();
     drop(world);
-    (outcome, trace.0.finish())
+    (outcome, trace.hash())
 }
 
 /// Moves of all kinds, and here and there a command that waits for them.

@@ -2,25 +2,17 @@
 //! one for it.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::MotorSet;
+#[path = "common/trace.rs"]
+mod trace;
+
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, Seconds, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::host::{FileHost, strip_comment};
-use corehbot_sim::world::{Desk, Outcome, Sink, World, run};
-use std::hash::{DefaultHasher, Hash, Hasher};
+use corehbot_sim::world::{Desk, Outcome, World, run};
 use std::path::Path;
-
-/// Keeps a hash of every event.
-#[derive(Default)]
-struct Trace(DefaultHasher);
-
-impl Sink for Trace {
-    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        (tick, steps, forward).hash(&mut self.0);
-    }
-}
+use trace::Trace;
 
 fn example(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name);
@@ -97,7 +89,7 @@ fn long_moves_are_few() {
 fn print(settings: &Settings, gcode: &str) -> (Outcome, u64) {
     let mut trace = Trace::default();
     let outcome = run(settings, None, &mut FileHost::new(gcode), &mut trace).unwrap();
-    (outcome, trace.0.finish())
+    (outcome, trace.hash())
 }
 
 #[test]

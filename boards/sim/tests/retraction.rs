@@ -1,10 +1,14 @@
 //! G10 and G11: the filament goes back and forth, and the program's coordinates know nothing of it.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+#[path = "common/lines.rs"]
+mod lines;
+
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_sim::world::{Host, Outcome, Sink, run};
+use corehbot_sim::world::{Outcome, Sink, run};
+use lines::Lines;
 
 struct Deaf;
 
@@ -12,35 +16,9 @@ impl Sink for Deaf {
     fn event(&mut self, _tick: u64, _steps: MotorSet, _forward: MotorSet) {}
 }
 
-struct Lines {
-    lines: Vec<&'static str>,
-    next: usize,
-    oks: usize,
-    heard: Vec<String>,
-}
-
-impl Host for Lines {
-    fn send(&mut self, out: &mut Vec<u8>) {
-        if let Some(line) = self.lines.get(self.next).filter(|_| self.oks == self.next) {
-            out.extend(line.bytes());
-            out.push(b'\n');
-            self.next += 1;
-        }
-    }
-
-    fn hear(&mut self, line: &str) {
-        self.oks += usize::from(line.starts_with("ok"));
-        self.heard.push(line.to_owned());
-    }
-
-    fn is_done(&self) -> bool {
-        self.oks == self.lines.len()
-    }
-}
-
 /// What M114 told, and how it ended.
 fn print(lines: &[&'static str]) -> (Vec<String>, Outcome) {
-    let mut host = Lines { lines: lines.to_vec(), next: 0, oks: 0, heard: Vec::new() };
+    let mut host = Lines::new(lines.iter().map(|line| (*line).to_owned()).collect());
     let start = Some([100, 100, 10].map(Mm::from_num));
     let outcome = run(&Settings::prototype(), start, &mut host, &mut Deaf).unwrap();
     (host.heard.into_iter().filter(|line| line.starts_with("X:")).collect(), outcome)
