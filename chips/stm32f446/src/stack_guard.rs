@@ -17,7 +17,7 @@
 //!
 //! Two more regions say what flash and RAM are, with the attributes of the processor's default map: region 0 is the flash,
 //! region 1 is the RAM, from which nothing is executed, so that a wild jump into data faults at once. (An emulator that checks
-//! each access by itself where only the default map decides is several times faster for them.) Everywhere else the default
+//! each access by itself where only the default map decides needs a quarter less time with them.) Everywhere else the default
 //! map holds (PRIVDEFENA).
 
 use cortex_m::asm;
