@@ -96,8 +96,8 @@ extern "C" fn describe(stack: u32) -> ! {
 fn counter(stack: u32) -> u32 {
     /// Where the program counter lies in what the core pushes (ARM DDI 0403E, B1.5.6).
     const OFFSET: u32 = 24;
-    /// SRAM1 and SRAM2 (RM0390, 2.2.2).
-    const RAM: core::ops::Range<u32> = 0x2000_0000..0x2002_0000 - OFFSET - 4;
+    /// SRAM1 and SRAM2.
+    const RAM: core::ops::Range<u32> = 0x2000_0000..0x2000_0000 + stack_guard::RAM_SIZE - OFFSET - 4;
     if !RAM.contains(&stack) || !stack.is_multiple_of(4) {
         return 0;
     }

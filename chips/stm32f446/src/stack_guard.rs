@@ -33,8 +33,8 @@ const BELOW: u32 = 32 * 1024;
 /// Where flash begins, and its size (RM0390, 3.3; STM32F446xE).
 const FLASH: (u32, u32) = (0x0800_0000, 512 * 1024);
 
-/// The size of SRAM1 and SRAM2 together, which begin below the stack (RM0390, 2.3.1).
-const RAM_SIZE: u32 = 128 * 1024;
+/// The size of SRAM1 and SRAM2 together, which begin with the stack (RM0390, 2.2.2).
+pub const RAM_SIZE: u32 = 128 * 1024;
 
 /// Regions of the MPU (STM32F446 datasheet, features: memory protection unit; PM0214 rev 10, 4.2).
 const REGIONS: u32 = 8;
