@@ -41,6 +41,19 @@ impl Steps<'_> {
         self.tick = self.ticks[self.next % PLACES];
     }
 
+    /// So many are made; there must be so many.
+    #[inline(always)]
+    pub fn go_on_by(&mut self, count: usize) {
+        self.next += count;
+        self.tick = self.ticks[self.next % PLACES];
+    }
+
+    /// The ticks that follow the next one's, whatever comes after the last step.
+    #[inline(always)]
+    pub fn following(&self) -> &[u32] {
+        self.ticks.split_at((self.next + 1).min(PLACES)).1
+    }
+
     /// Where the next one stands.
     pub const fn reached(&self) -> usize {
         self.next

@@ -1,8 +1,9 @@
 //! An exchange on one wire: a request's bits out, a reply's bits in, tick by tick.
 //!
-//! Plain code without time of its own: a timer ticks, this says what the line does next. A bit is one tick while
-//! sending, and [`OVERSAMPLING`] ticks while listening. Every exchange ends by itself after a number of ticks
-//! that is known when it begins, whatever the line does.
+//! Plain code without time of its own: a timer ticks, this says what the line does next and when the next tick is wanted. A
+//! bit is one tick while sending. While listening the line is sampled [`OVERSAMPLING`] times a bit until a start bit is seen,
+//! and then once in the middle of each bit. Every exchange ends by itself after a time that is known when it begins,
+//! whatever the line does.
 //!
 //! A bit at [`BAUD`] lasts 52 us. A tick that comes late by J moves an edge or a sample, and never the ticks after
 //! it, for the timer does not wait. What half a bit, 26 us, is spent on:
@@ -22,11 +23,11 @@ use corehbot::port::{BusError, Frame};
 /// tick may be, half as many would take 13 ms instead of 7 to read a register.
 pub const BAUD: u32 = 19_200;
 
-/// Ticks in a bit while listening. Odd, so that the middle of a bit is a whole number of ticks after the middle of
-/// the tick in which its edge was. Three would spend 3.5 us more of half a bit.
+/// Samples in a bit while a start bit is waited for. Odd, so that the middle of a bit is a whole number of samples after the middle of
+/// the time between two samples in which its edge was. Three would spend 3.5 us more of half a bit.
 pub const OVERSAMPLING: u8 = 5;
 
-/// From the first low sample to the middle of the start bit, in ticks.
+/// From the first low sample to the middle of the start bit, in samples.
 const TO_MIDDLE: u8 = OVERSAMPLING / 2;
 
 /// Bit times of an idle line before a request. TMC2209 datasheet rev 1.09, sections 4.1.1 and 4.1.2: a driver lets
@@ -74,8 +75,10 @@ pub enum Action {
         /// Whether it is high.
         is_high: bool,
     },
-    /// Nobody drives it, and ticks come [`OVERSAMPLING`] times as fast.
+    /// Nobody drives it, and from now on ticks come [`OVERSAMPLING`] times a bit.
     Listen,
+    /// What it does; the next tick and those after it come so many samples after the one before, the next one after this.
+    Sample(u8),
     /// Nobody drives it, and no more ticks are needed: there is an outcome.
     End,
 }
@@ -92,7 +95,7 @@ enum Phase {
 #[derive(Debug)]
 pub struct Exchange {
     phase: Phase,
-    /// Bit times of rest, or ticks until the next sample.
+    /// Bit times of rest, or samples from the tick before to this one.
     count: u8,
     /// The byte under way, as bits to be sent or samples taken.
     bits: u16,
@@ -100,7 +103,7 @@ pub struct Exchange {
     sent: usize,
     wanted: usize,
     reply: Frame,
-    /// Ticks until the reply must be complete.
+    /// Samples until the reply must be complete.
     patience: u16,
     outcome: Option<Result<Frame, BusError>>,
     is_clean: bool,
@@ -185,33 +188,40 @@ impl Exchange {
         }
         self.phase = Phase::Listening;
         self.bits = WAITING;
+        self.count = 1;
         Action::Listen
     }
 
     fn listen(&mut self, is_high: bool) -> Action {
-        self.patience -= 1;
+        self.patience = self.patience.saturating_sub(u16::from(self.count));
         if self.patience == 0 {
             return self.end(Err(BusError::Silent));
         }
         if self.bits == WAITING {
-            if !is_high {
-                self.bits = STARTED;
-                self.count = TO_MIDDLE;
+            if is_high {
+                return Action::Stay;
             }
-            return Action::Stay;
+            self.bits = STARTED;
+            return self.sample_after(TO_MIDDLE);
         }
-        self.count -= 1;
-        if self.count > 0 {
-            return Action::Stay;
-        }
-        self.count = OVERSAMPLING;
         self.bits = self.bits >> 1 | u16::from(is_high) << 15;
         if self.bits == FALSE_START {
             self.bits = WAITING;
+            self.sample_after(1)
         } else if self.bits & TAKEN != 0 {
-            return self.take_byte();
+            self.take_byte()
+        } else {
+            self.sample_after(OVERSAMPLING)
         }
-        Action::Stay
+    }
+
+    /// The next tick comes so many samples after this one.
+    const fn sample_after(&mut self, samples: u8) -> Action {
+        if self.count == samples {
+            return Action::Stay;
+        }
+        self.count = samples;
+        Action::Sample(samples)
     }
 
     fn take_byte(&mut self) -> Action {
@@ -220,7 +230,7 @@ impl Exchange {
         if !is_whole || self.reply.push(byte).is_err() {
             return self.end(Err(BusError::Garbled));
         }
-        if self.reply.len() < self.wanted { Action::Stay } else { self.end(Ok(())) }
+        if self.reply.len() < self.wanted { self.sample_after(1) } else { self.end(Ok(())) }
     }
 
     fn end(&mut self, result: Result<(), BusError>) -> Action {

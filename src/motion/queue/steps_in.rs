@@ -49,6 +49,27 @@ impl Run<'_> {
         }
     }
 
+    /// Puts in the next step of two groups, which is due at one tick, and those behind it up to a tick as long as both step
+    /// together and there are places.
+    #[inline(always)]
+    pub fn put_pairs(&mut self, [first, second]: [&mut Steps; 2], until: u32, word: u32) {
+        let word = self.word.0 | word;
+        let (mut now, mut tick, mut count) = (self.now, first.tick, 0);
+        for (([time, place], after), other) in self.places.iter().zip(first.following()).zip(second.following()) {
+            time.store(tick.wrapping_sub(now), Relaxed);
+            place.store(word, Relaxed);
+            (now, tick) = (tick, *after);
+            count += 1;
+            if tick != *other || !is_before(tick, until) {
+                break;
+            }
+        }
+        self.now = now;
+        self.places = self.places.get(count..).unwrap_or_default();
+        first.go_on_by(count);
+        second.go_on_by(count);
+    }
+
     /// Puts in the next step of a group, and those behind it up to a tick, as long as there are places.
     #[inline(always)]
     pub fn put_steps(&mut self, steps: &mut Steps, until: u32, word: u32) {

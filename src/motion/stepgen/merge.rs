@@ -81,9 +81,7 @@ impl StepGenerator<'_> {
                         run.put_steps(&mut b, earlier(a.tick, stop), OF_SECOND);
                     } else {
                         check(OF_FIRST | OF_SECOND);
-                        run.put(a.tick, OF_FIRST | OF_SECOND);
-                        a.go_on();
-                        b.go_on();
+                        run.put_pairs([&mut a, &mut b], stop, OF_FIRST | OF_SECOND);
                     }
                 }
                 if run.is_full() {

@@ -1,13 +1,13 @@
 //! `cargo xtask mutants`: faults are put into the core, one at a time, and its tests must notice.
 //!
-//! The work is cargo-mutants'. All rooms take many hours, so a part of the mutants can be asked for (`--shard 0/20` is every
+//! The work is cargo-mutants'. All rooms take hours, so a part of the mutants can be asked for (`--shard 0/20` is every
 //! twentieth); whoever changes a room runs that room.
 
 mod survivors;
 
 use crate::checkout::{cargo, root, run, target_dir};
 use anyhow::{Context as _, Result, bail};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use survivors::Survivors;
 
@@ -53,10 +53,7 @@ pub fn main(args: &Args) -> Result<()> {
     let mut rows = Vec::new();
     let mut is_reached = true;
     for room in ROOMS.iter().filter(|room| args.room.as_deref().is_none_or(|only| only == room.name)) {
-        let output = try_room(room, args)?;
-        let count = |name: &str| lines(&output, name).map(|lines| lines.len());
-        let missed = lines(&output, "missed")?;
-        let (noticed, unviable) = (count("caught")? + count("timeout")?, count("unviable")?);
+        let Outcome { noticed, missed, unviable } = try_room(room, args)?;
         let all = noticed + missed.len();
         let part = if all == 0 { 1.0 } else { noticed as f64 / all as f64 };
         is_reached &= part >= GOAL;
@@ -73,27 +70,77 @@ pub fn main(args: &Args) -> Result<()> {
     if is_reached { Ok(()) } else { bail!("less than {} % were noticed", 100.0 * GOAL) }
 }
 
-/// Tries the mutants of a room, and says where the outcomes are.
-fn try_room(room: &Room, args: &Args) -> Result<PathBuf> {
+/// What became of mutants. One that makes the tests go on for ever is noticed.
+struct Outcome {
+    noticed: usize,
+    missed: Vec<String>,
+    unviable: usize,
+}
+
+/// Tries the mutants of a room: first with the unit tests, which take a second, and those that these miss with all the
+/// tests that look at the room.
+fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let output = target_dir()?.join("mutants").join(room.name);
     std::fs::create_dir_all(&output).with_context(|| format!("cannot make {}", output.display()))?;
-    let mut command = cargo(["mutants", "--package=corehbot", "--test-package=corehbot", "--minimum-test-timeout=60"]);
-    command.arg(format!("--file=src/{}/**", room.name)).arg("--output").arg(&output);
-    command.arg(format!("--jobs={}", args.jobs));
+    let mut unit = mutants(args, &output.join("unit"));
+    unit.arg(format!("--file=src/{}/**", room.name)).arg("--minimum-test-timeout=15");
     if let Some(shard) = &args.shard {
-        command.args(["--sharding=round-robin", "--shard", shard]);
+        unit.args(["--sharding=round-robin", "--shard", shard]);
     }
-    command.args(["--", "--lib"]);
-    room.tests.iter().for_each(|test| _ = command.args(["--test", test]));
+    unit.args(["--", "--lib"]);
+    // The build takes longer than the tests.
+    unit.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
+    let first = outcome(unit, &output.join("unit"))?;
+    if first.missed.is_empty() {
+        return Ok(first);
+    }
+    let wanted = output.join("missed.toml");
+    std::fs::write(&wanted, only(&first.missed)?).with_context(|| format!("cannot write {}", wanted.display()))?;
+    let mut all = mutants(args, &output.join("all"));
+    all.arg("--config").arg(&wanted).args(["--minimum-test-timeout=60", "--"]);
+    room.tests.iter().for_each(|test| _ = all.args(["--test", test]));
+    let second = outcome(all, &output.join("all"))?;
+    Ok(Outcome { noticed: first.noticed + second.noticed, missed: second.missed, unviable: first.unviable })
+}
+
+/// cargo-mutants, for the core and its tests.
+fn mutants(args: &Args, output: &Path) -> Command {
+    let mut command = cargo(["mutants", "--package=corehbot", "--test-package=corehbot"]);
+    command.arg("--output").arg(output).arg(format!("--jobs={}", args.jobs));
     // Nobody looks at these programs with a debugger.
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
+    command
+}
+
+/// Settings of cargo-mutants with which it tries these mutants and no others.
+fn only(mutants: &[String]) -> Result<String> {
+    let exactly = |mutant: &String| {
+        let mut pattern = String::from("^");
+        for letter in mutant.chars() {
+            if r"\.+*?()|[]{}^$".contains(letter) {
+                pattern.push('\\');
+            }
+            pattern.push(letter);
+        }
+        pattern + "$"
+    };
+    // A list of strings looks the same in JSON and in TOML.
+    let patterns = serde_json::to_string(&mutants.iter().map(exactly).collect::<Vec<_>>())?;
+    Ok(format!("examine_re = {patterns}\n"))
+}
+
+/// Runs cargo-mutants and reads what it found.
+fn outcome(mut command: Command, output: &Path) -> Result<Outcome> {
+    std::fs::create_dir_all(output).with_context(|| format!("cannot make {}", output.display()))?;
     let status = command.status().context("cannot run cargo mutants")?;
     // 2 and 3: some were missed, or took too long.
-    if matches!(status.code(), Some(0 | 2 | 3)) {
-        Ok(output.join("mutants.out"))
-    } else {
-        bail!("cargo mutants: {status}")
+    if !matches!(status.code(), Some(0 | 2 | 3)) {
+        bail!("cargo mutants: {status}");
     }
+    let lists = output.join("mutants.out");
+    let count = |name: &str| lines(&lists, name).map(|lines| lines.len());
+    let missed = lines(&lists, "missed")?;
+    Ok(Outcome { noticed: count("caught")? + count("timeout")?, missed, unviable: count("unviable")? })
 }
 
 /// The lines of one of the lists that cargo-mutants leaves.
@@ -113,4 +160,18 @@ fn install() -> Result<()> {
     let mut command = cargo(["install", "cargo-mutants", "--locked", "--version", VERSION]);
     command.current_dir(root());
     run(command).with_context(|| format!("cargo-mutants is missing: cargo install cargo-mutants --version {VERSION}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mutants_are_asked_for_by_their_exact_names() {
+        let settings = only(&["src/a.rs:1:2: replace f -> (u8, [&'a T]) with +=".to_owned()]).unwrap();
+        assert_eq!(
+            settings,
+            "examine_re = [\"^src/a\\\\.rs:1:2: replace f -> \\\\(u8, \\\\[&'a T\\\\]\\\\) with \\\\+=$\"]\n"
+        );
+    }
 }

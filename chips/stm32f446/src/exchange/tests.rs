@@ -105,6 +105,11 @@ fn play(exchange: &mut Exchange, far: &Far, late: &[f64]) -> Run {
                 due = at + BIT / f64::from(OVERSAMPLING);
                 period = BIT / f64::from(OVERSAMPLING);
             }
+            Action::Sample(samples) => {
+                due -= period;
+                period = BIT / f64::from(OVERSAMPLING) * f64::from(samples);
+                due += period;
+            }
         }
     }
     panic!("no end after {MOST_TICKS} ticks");
@@ -164,14 +169,18 @@ fn a_pulse_is_no_start_bit() {
     let mut exchange = Exchange::new();
     exchange.begin(&Frame::from_slice(&[0x05]).unwrap(), 1);
     while exchange.tick(true) != Action::Listen {}
-    assert_eq!(exchange.tick(false), Action::Stay);
-    // 0xA5 after it, each bit five ticks.
+    // A low sample, 0xA5 after it, each bit five samples.
     let byte = [false, true, false, true, false, false, true, false, true, true];
-    let levels = [true; 7].into_iter().chain(byte.into_iter().flat_map(|level| [level; 5]));
-    for level in levels {
-        if exchange.tick(level) == Action::End {
-            break;
+    let samples = [false].into_iter().chain([true; 7]).chain(byte.into_iter().flat_map(|level| [level; 5]));
+    let samples: Vec<bool> = samples.collect();
+    let (mut at, mut period) = (0, 1);
+    loop {
+        match exchange.tick(samples[at]) {
+            Action::Sample(samples) => period = usize::from(samples),
+            Action::End => break,
+            action => assert_eq!(action, Action::Stay),
         }
+        at += period;
     }
     assert_eq!(exchange.outcome(), Some(Ok(Frame::from_slice(&[0xA5]).unwrap())));
 }
