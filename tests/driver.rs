@@ -109,7 +109,11 @@ impl Bench {
         for _ in 0..ms {
             self.ms += 1;
             let now = self.now();
-            self.news.extend(self.drivers.step(&mut self.bus, now));
+            let news = self.drivers.step(&mut self.bus, now);
+            if matches!(news, Some(News::Stopped(_))) {
+                self.drivers.cut(&mut self.bus);
+            }
+            self.news.extend(news);
         }
     }
 

@@ -197,7 +197,7 @@ impl Drivers {
             Next::Exchange => None,
             Next::Done(result) => {
                 self.run = None;
-                self.finish(&run, result, bus, now)
+                self.finish(&run, result, now)
             }
         };
         if self.run.is_none() && self.fault.is_none() {
@@ -260,13 +260,7 @@ impl Drivers {
             .map(|(motor, _)| motor)
     }
 
-    fn finish(
-        &mut self,
-        run: &Run,
-        result: Result<Reading, DriverError>,
-        bus: &mut impl DriverBus,
-        now: Instant,
-    ) -> Option<News> {
+    fn finish(&mut self, run: &Run, result: Result<Reading, DriverError>, now: Instant) -> Option<News> {
         let motor = run.motor;
         let has_power = self.powered.has(motor);
         let driver = self.get_mut(motor)?;
@@ -281,7 +275,6 @@ impl Drivers {
             (Job::Poll | Job::Adjust, Err(error)) if has_power => {
                 let fault = Fault { motor, error };
                 self.fault = Some(fault);
-                self.cut(bus);
                 return Some(News::Stopped(fault));
             }
             // It lost its power in the meantime, and must prove everything before it gets it again.

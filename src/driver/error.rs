@@ -114,9 +114,11 @@ impl fmt::Display for Fault {
 impl core::error::Error for Fault {}
 
 /// What the Console must know at once.
+#[must_use]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum News {
-    /// A driver failed; all motors have lost their power.
+    /// A driver failed: the motion must end at once, and then [`Drivers::cut`](super::Drivers::cut) be called. In this order
+    /// no step is made without power.
     Stopped(Fault),
     /// A driver is hot, and still at work. Told once.
     Hot(Motor),

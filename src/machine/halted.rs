@@ -51,8 +51,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The Console after a stop, until M999.
     pub(super) async fn stay_halted(&mut self) -> Restart {
         self.link.status().set_halted();
-        self.drivers.cut(&mut self.ports.drivers);
-        self.link.abort();
+        self.stop_and_cut();
         self.link.status().set_awaiting_input(true);
         self.hosts.count_as_new();
         let fault = self.drivers.fault();

@@ -72,11 +72,18 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
+    /// Ends the motion and takes the power from all motors, at once. In this order, so that the Stepper makes no step without
+    /// power.
+    pub(super) fn stop_and_cut(&mut self) {
+        self.link.abort();
+        self.drivers.cut(&mut self.ports.drivers);
+    }
+
     /// Goes on with the drivers. A fault ends the motion here and now.
     pub(super) fn tend_drivers(&mut self) -> Result<(), Interrupt> {
         let now = self.ports.clock.now();
         match self.drivers.step(&mut self.ports.drivers, now) {
-            Some(News::Stopped(_)) => self.link.abort(),
+            Some(News::Stopped(_)) => self.stop_and_cut(),
             Some(News::Hot(motor)) => {
                 let name = Name(motor);
                 self.hosts.tell_all(format_args!(

@@ -1,6 +1,6 @@
 //! The steps that are calls of cargo.
 
-use super::Verdict;
+use super::{Verdict, processes};
 use crate::checkout::{self, FIRMWARE, TARGET, cargo, run, words};
 use crate::emulate;
 use anyhow::{Context as _, Result, bail};
@@ -50,9 +50,9 @@ pub fn build_emulator() -> Result<Verdict> {
 
 /// The tests of the emulator, which run the image of the Octopus.
 pub fn emulate() -> Result<Verdict> {
-    let mut command = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-fail-fast"]);
-    command.env("COREHBOT_ELF", checkout::build_image(emulate::IMAGE)?);
-    count_tests(command)
+    let image = checkout::build_image(emulate::IMAGE)?;
+    let build = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"]);
+    processes::run(build, &checkout::root().join("emulator"), ("COREHBOT_ELF", &image))
 }
 
 /// Runs tests; their results are counted while they scroll by.

@@ -1,6 +1,6 @@
 //! QEMU against the simulator: the same G-code has to give the same steps, byte for byte.
 
-use super::{Verdict, diff, tools};
+use super::{Verdict, diff, side_by_side, tools};
 use crate::checkout::{self, cargo, root, run};
 use crate::qemu::{self, BOARD, Job};
 use anyhow::{Context as _, Result, bail};
@@ -8,10 +8,6 @@ use corehbot::settings::Settings;
 use corehbot_sim::machine_file;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::Mutex;
-
-/// Emulators at the same time.
-const PARALLEL: usize = 2;
 
 /// A folder with sliced files, which may lie beside the checkout.
 const SLICED: &str = "../shared/gcode";
@@ -40,21 +36,7 @@ pub fn check() -> Result<Verdict> {
     let tests = u32::try_from(files.len())?;
     // The large ones first, lest one of them be alone at the end.
     files.sort_by_key(|path| std::fs::metadata(path).map_or(0, |metadata| metadata.len()));
-    let queue = Mutex::new(files);
-    let failures = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..PARALLEL {
-            scope.spawn(|| {
-                while let Some(file) = next(&queue) {
-                    if let Err(error) = compare(&image, &simulator, &file, None) {
-                        println!("{}: FAILED: {error:#}", name(&file));
-                        push(&failures, name(&file));
-                    }
-                }
-            });
-        }
-    });
-    let failures = failures.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let failures = side_by_side::all(files, |file| name(file), |file| compare(&image, &simulator, file, None));
     let failed = u32::try_from(failures.len())?;
     if failed > 0 {
         remark = format!("differ: {}", failures.join(", "));
@@ -116,12 +98,4 @@ fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>)
 
 fn name(file: &Path) -> String {
     file.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn next<T>(queue: &Mutex<Vec<T>>) -> Option<T> {
-    queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner).pop()
-}
-
-fn push<T>(queue: &Mutex<Vec<T>>, value: T) {
-    queue.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push(value);
 }
