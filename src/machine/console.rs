@@ -1,19 +1,19 @@
 //! The console: lines in, replies out, one command after the other.
 
-use super::answer::{Answer, Progress};
-use super::clamps::Clamps;
-use super::flow::Flow;
-pub use super::halted::Restart;
-use super::hosts::{Asked, Hosts, Text};
-use super::limits::Homed;
-use super::modal::Modal;
-use super::pause::Wait;
-use super::ports::Devices;
-pub use super::ports::{PortSet, Ports};
-use super::retraction::Retraction;
 use crate::driver::Drivers;
 use crate::gcode;
 use crate::kinematics::Groups;
+use crate::machine::commands::clamps::Clamps;
+use crate::machine::commands::pause::Wait;
+use crate::machine::commands::retraction::Retraction;
+pub use crate::machine::halted::Restart;
+use crate::machine::hosts::{Asked, Hosts, Text};
+use crate::machine::modal::Modal;
+use crate::machine::ports::Devices;
+pub use crate::machine::ports::{PortSet, Ports};
+use crate::machine::reports::answer::{Answer, Progress};
+use crate::machine::soft_endstops::Homed;
+use crate::machine::stream::flow::Flow;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};

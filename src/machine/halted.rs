@@ -5,15 +5,15 @@
 //! host wants to know when it connects is answered, so that it gets as far as sending M999; what asks for anything to be
 //! done gets the error too.
 
-use super::answer::{Answer, Progress};
-use super::console::{Console, PortSet, yield_once};
-use super::hosts::{Asked, Text};
 use crate::driver::Fault;
 use crate::gcode::{self, Command};
+use crate::machine::console::{Console, PortSet, yield_once};
+use crate::machine::hosts::{Asked, Text};
+use crate::machine::reports::answer::{Answer, Progress};
 use crate::port::{Clock, LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
 
-/// Why [`Console::run`](super::Console::run) ends: the machine is to begin anew, as after a reset. No motor has power.
+/// Why [`Console::run`](crate::machine::Console::run) ends: the machine is to begin anew, as after a reset. No motor has power.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Restart;

@@ -3,8 +3,8 @@
 //! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
 //! host that sent it.
 
-use super::autoreport::{Report, Schedule};
 use crate::gcode::{self, Command};
+use crate::machine::reports::autoreport::{Report, Schedule};
 use crate::port::{LINES, Lines, Received, Serial};
 use crate::protocol::{Activity, Emergency, Incoming, NoRoom, Receiver, Replies, ResendReason};
 use crate::units::Instant;

@@ -1,9 +1,9 @@
 //! Power for the motors: only with proof from their drivers, and not a step longer.
 
-use super::answer::Answer;
-use super::console::{Console, Interrupt, PortSet};
-use super::limits::Homed;
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
+use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::machine::reports::answer::Answer;
+use crate::machine::soft_endstops::Homed;
 use crate::port::{Clock, Motor, MotorSet, Pend};
 
 /// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so

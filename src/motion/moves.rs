@@ -44,7 +44,7 @@ pub struct Move {
 
 impl Move {
     /// No way, and no time.
-    pub(super) const NONE: Self = Self {
+    pub(in crate::motion) const NONE: Self = Self {
         end: [Steps::ZERO; 4],
         accelerated: 0,
         cruised: 0,

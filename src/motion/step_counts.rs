@@ -18,7 +18,7 @@ pub struct StepCounts<'m> {
 }
 
 impl<'m> StepCounts<'m> {
-    pub(super) const fn new(queue: &'m StepQueue, status: &'m Status) -> Self {
+    pub(in crate::motion) const fn new(queue: &'m StepQueue, status: &'m Status) -> Self {
         Self { queue, status }
     }
 

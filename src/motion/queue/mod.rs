@@ -8,15 +8,16 @@
 //! `tests/queue_orders` has these files on a memory of its own, in which the Stepper comes in at every place between two
 //! stores, in every order that the compiler may give them.
 
+mod event;
 mod steps_in;
 mod word;
 
 use super::atomic::{AtomicU32, Ordering::Relaxed};
-use super::event::StepEvent;
 use super::step_counts::StepCounts;
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 use crate::status::Status;
+pub use event::{LONGEST_INTERVAL, StepEvent};
 pub use steps_in::StepsIn;
 pub(super) use word::Word;
 

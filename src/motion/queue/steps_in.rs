@@ -1,11 +1,11 @@
 //! The StepGenerator's end of the StepQueue.
 
+use super::event::StepEvent;
 use super::word::Word;
 use super::{LENGTH, StepQueue};
-use crate::motion::ahead::{Steps, is_before};
 use crate::motion::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
-use crate::motion::event::StepEvent;
-use crate::motion::track::NEAR;
+use crate::motion::stepgen::ahead::{Steps, is_before};
+use crate::motion::stepgen::track::NEAR;
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 

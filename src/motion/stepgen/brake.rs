@@ -4,11 +4,11 @@
 //! every corner at most as fast as planned. Where a move is too short the next one goes on from the speed that is
 //! left.
 
+use super::course::Tail;
 use super::{StepGenerator, Task};
-use crate::motion::course::Tail;
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::phase::{Curve, Phase};
-use crate::motion::profile::{fraction, gain, ramp_length, speed};
+use crate::motion::planner::profile::{fraction, gain, ramp_length, speed};
+use crate::motion::trajectory::phase::{Curve, Phase};
 use crate::units::{TICKS_PER_SECOND, mul_div};
 
 /// Events are made this far ahead, in ticks, and no farther: 10 ms, as long as a full queue lasts at the greatest

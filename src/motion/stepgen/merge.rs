@@ -1,8 +1,8 @@
 //! Merging: the steps of all groups in the order of their ticks, as events.
 
 use super::StepGenerator;
+use super::ahead::{earlier, is_before};
 use crate::kinematics::Groups;
-use crate::motion::ahead::{earlier, is_before};
 use crate::motion::queue::Word;
 
 /// A step of the first and the second group.

@@ -1,9 +1,9 @@
 //! Supply: where the spans of the trajectory come from, and what the end of motion means.
 
 use super::brake::{Braking, Moment};
+use super::track::Track;
 use super::{StepGenerator, Task};
 use crate::motion::moves::Work;
-use crate::motion::track::Track;
 use crate::port::EndstopSet;
 use crate::units::Steps;
 

@@ -4,18 +4,21 @@
 //! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
 
 mod axis;
+pub(in crate::motion) mod phase;
+mod shaper;
 mod span;
 mod stiffening;
 mod taps;
 
+pub use shaper::{stiffenings, taps};
 pub(crate) use span::{ADVANCE, AXES, End, LONGEST, Place, Span, State};
 pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
 use crate::motion::moves::WHOLE;
-use crate::motion::phase::{Curve, Phase, point};
 use crate::units::Steps;
 use axis::{Axis, Spans};
+use phase::{Curve, Phase, point};
 use span::ONE;
 
 /// Spans that are remembered; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a

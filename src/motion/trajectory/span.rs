@@ -5,9 +5,9 @@
 //! in which speed falls is the same seen from its end, so a position is exact at both ends and most accurate where
 //! it is slowest.
 
+use super::phase::Curve;
 use crate::motion::moves::WHOLE;
 use crate::motion::number::{from_f32, ticks, to_f32};
-use crate::motion::phase::Curve;
 use crate::units::Steps;
 
 /// Axes of the trajectory: x, y, z, e, and the advance, whose speed is the pressure that the extruder builds up.

@@ -2,6 +2,7 @@
 #![allow(
     dead_code,
     unreachable_pub,
+    unused_imports,
     clippy::redundant_pub_crate,
     reason = "a part of a room, of which not all is used here"
 )]
@@ -11,27 +12,8 @@ mod explore;
 mod interrupt;
 mod orders;
 
-#[path = "../../../src/motion/event.rs"]
-pub mod event;
 #[path = "../../../src/motion/queue/mod.rs"]
 pub mod queue;
-
-/// The steps of a group that are known, in whose place there is nothing here.
-pub mod ahead {
-    pub struct Steps {
-        pub tick: u32,
-    }
-
-    impl Steps {
-        pub fn go_on(&mut self) {
-            self.tick = self.tick.wrapping_add(1);
-        }
-    }
-
-    pub fn is_before(a: u32, b: u32) -> bool {
-        (a.wrapping_sub(b)).cast_signed() < 0
-    }
-}
 
 /// Counts of steps, which nobody asks for here.
 pub mod step_counts {
@@ -48,7 +30,35 @@ pub mod step_counts {
     }
 }
 
-pub mod track {
-    /// As far as the generator makes steps ahead; here only in a bound at compile time.
-    pub const NEAR: u32 = 1 << 18;
+/// What the queue needs of the room that fills it.
+pub mod stepgen {
+    /// The steps of a group that are known, in whose place there is nothing here.
+    pub mod ahead {
+        pub struct Steps {
+            pub tick: u32,
+        }
+
+        impl Steps {
+            pub fn go_on(&mut self) {
+                self.go_on_by(1);
+            }
+
+            pub fn go_on_by(&mut self, count: usize) {
+                self.tick = self.tick.wrapping_add(count as u32);
+            }
+
+            pub fn following(&self) -> &[u32] {
+                &[]
+            }
+        }
+
+        pub fn is_before(a: u32, b: u32) -> bool {
+            (a.wrapping_sub(b)).cast_signed() < 0
+        }
+    }
+
+    pub mod track {
+        /// As far as the generator makes steps ahead; here only in a bound at compile time.
+        pub const NEAR: u32 = 1 << 18;
+    }
 }

@@ -1,9 +1,9 @@
 //! The generator's calls, with the step interrupt anywhere in between.
 
 use super::atomic;
-use super::event::StepEvent;
 use super::explore::explore;
 use super::interrupt::{Interrupt, Played};
+use super::queue::StepEvent;
 use super::queue::{StepQueue, StepsIn, Word};
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet};

@@ -53,8 +53,9 @@ impl Room {
             return Some(match file {
                 "stepper.rs" => Self::Stepper,
                 "number.rs" => return None,
-                "crossing.rs" | "course.rs" | "track.rs" | "ahead.rs" | "event.rs" => Self::Stepgen,
-                _ if ["stepgen", "trajectory", "queue"].iter().any(|begin| file.starts_with(begin)) => Self::Stepgen,
+                // What the planner finds out of a move, and the generator takes up.
+                "trajectory/phase.rs" | "trajectory/shaper.rs" => Self::Planner,
+                _ if ["stepgen/", "trajectory/", "queue/"].iter().any(|begin| file.starts_with(begin)) => Self::Stepgen,
                 "link.rs" | "step_counts.rs" => Self::Machine,
                 _ => Self::Planner,
             });
@@ -99,7 +100,7 @@ mod tests {
     #[test]
     fn a_file_is_in_the_room_of_its_folder() {
         assert_eq!(Room::of("src/motion/stepgen/brake.rs"), Some(Room::Stepgen));
-        assert_eq!(Room::of("src/motion/window.rs"), Some(Room::Planner));
+        assert_eq!(Room::of("src/motion/planner/window.rs"), Some(Room::Planner));
         assert_eq!(Room::of("src/gcode/number.rs"), Some(Room::Gcode));
         assert_eq!(Room::of("src/units.rs"), None);
         assert_eq!(Room::of("boards/qemu/src/an386/trace.rs"), Some(Room::Rig));

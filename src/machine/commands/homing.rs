@@ -1,0 +1,151 @@
+//! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
+
+use crate::gcode::AxisFlags;
+use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::machine::reports::answer::Answer;
+use crate::motion::Target;
+use crate::port::{EndstopSet, Pend};
+use crate::settings::Homing;
+use crate::units::{Mm, MmPerSec, Steps};
+
+/// How far beyond an axis' length the switch is looked for: the machine may stand a little outside.
+const BEYOND: Mm = Mm::const_from_int(10);
+
+/// Why homing failed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum HomeError {
+    /// The switch did not do what it should.
+    Failed(&'static str),
+    /// Something else ended it.
+    Interrupted(Interrupt),
+}
+
+/// The switch was not met on the whole length of the axis.
+const NO_TRIGGER: HomeError = HomeError::Failed("not found");
+
+/// The switch was still pressed after backing off.
+const STILL_PRESSED: HomeError = HomeError::Failed("does not release");
+
+impl From<Interrupt> for HomeError {
+    fn from(interrupt: Interrupt) -> Self {
+        Self::Interrupted(interrupt)
+    }
+}
+
+/// An axis that can be homed.
+#[derive(Clone, Copy)]
+struct Axis {
+    index: usize,
+    name: char,
+    endstop: EndstopSet,
+    homing: Homing,
+    length: Mm,
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// G28. Whichever axis fails, the print must not go on: the machine halts.
+    pub(in crate::machine) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
+        self.finish().await?;
+        // Without power no axis forgets where it is.
+        self.power(self.groups.fitted()).await?;
+        let all = !(flags.x || flags.y || flags.z);
+        let (axes, homing) = (self.settings.axes, self.settings.homing);
+        let x = Axis { index: 0, name: 'X', endstop: EndstopSet::X, homing: homing.x, length: axes.x.length };
+        let y = Axis { index: 1, name: 'Y', endstop: EndstopSet::Y, homing: homing.y, length: axes.y.length };
+        let z = Axis { index: 2, name: 'Z', endstop: EndstopSet::Z, homing: homing.z, length: axes.z.length };
+        for (axis, wanted) in [(x, flags.x), (y, flags.y), (z, flags.z)] {
+            if !(wanted || all) {
+                continue;
+            }
+            self.is_homing = true;
+            let result = self.home_axis(&axis).await;
+            if !matches!(result, Err(HomeError::Interrupted(_))) {
+                self.is_homing = false;
+            }
+            match result {
+                Ok(()) => {}
+                Err(HomeError::Interrupted(interrupt)) => return Err(interrupt),
+                Err(HomeError::Failed(why)) => {
+                    self.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
+                    return Err(Interrupt::Halt);
+                }
+            }
+        }
+        self.told_of_edge = false;
+        Ok(())
+    }
+
+    async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
+        self.set_homed(axis.index, false);
+        if !self.approach(axis, axis.length + BEYOND, axis.homing.fast).await? {
+            return Err(NO_TRIGGER);
+        }
+        self.travel(axis, axis.homing.back_off, axis.homing.fast, EndstopSet::NONE).await?;
+        // Twice the way back finds any switch that is still there.
+        let sought = axis.homing.back_off * 2;
+        let before = self.real_steps();
+        if !self.approach(axis, sought, axis.homing.slow).await? {
+            return Err(NO_TRIGGER);
+        }
+        if self.real_steps() == before {
+            return Err(STILL_PRESSED);
+        }
+        self.call_it_zero(axis.index).await?;
+        self.set_homed(axis.index, true);
+        Ok(())
+    }
+
+    /// Moves towards the switch; true if it was met.
+    async fn approach(&mut self, axis: &Axis, way: Mm, speed: MmPerSec) -> Result<bool, Interrupt> {
+        self.travel(axis, -way, speed, axis.endstop).await?;
+        let met = !self.link.status().triggered().is_empty();
+        self.drop_motion().await?;
+        Ok(met)
+    }
+
+    /// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
+    /// it takes them to whole steps, where all counts agree: from there an axis alone takes all its motors along at once,
+    /// and the counts agree wherever a switch ends it.
+    async fn travel(&mut self, axis: &Axis, way: Mm, speed: MmPerSec, watch: EndstopSet) -> Result<(), Interrupt> {
+        let mut end = self.planner.end();
+        if self.groups.is_redundant() {
+            end = end.map(Steps::wrapping_round);
+        }
+        let mut position = self.planner.mm(end);
+        if let Some(at) = position.get_mut(axis.index) {
+            *at = at.saturating_add(way);
+        }
+        self.plan(Target { position, speed, has_overrides: false, watch }).await?;
+        self.finish().await
+    }
+
+    /// The axis stands at 0. Motors stand on whole steps, so an axis that shares them with this one may lie between two
+    /// steps of its own; it moves to a whole one, 6 um beside.
+    async fn call_it_zero(&mut self, index: usize) -> Result<(), Interrupt> {
+        let mechanism = self.groups.mechanism();
+        let mut position = self.real_steps();
+        for (axis, at) in position.iter_mut().enumerate() {
+            if axis == index {
+                *at = Steps::ZERO;
+            } else if mechanism.share(axis, index) {
+                *at = at.wrapping_round();
+            }
+        }
+        self.adopt_position(position).await?;
+        if index == 2 {
+            self.retraction.forget_lift();
+        }
+        self.modal.position = self.retraction.commanded(self.planner.mm(position));
+        Ok(())
+    }
+
+    fn set_homed(&mut self, index: usize, homed: bool) {
+        if let Some(flag) = self.homed.0.get_mut(index) {
+            *flag = homed;
+        }
+        // A homed axis carries the machine's own zero.
+        if let Some(origin) = self.modal.origin.get_mut(index).filter(|_| homed) {
+            *origin = Mm::ZERO;
+        }
+    }
+}

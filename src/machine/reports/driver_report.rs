@@ -1,0 +1,93 @@
+//! M122: what the motor drivers say of themselves.
+
+use super::answer::Answer;
+use super::report::Hundredths;
+use crate::driver::{Config, DriverError, Job, Name, Reading};
+use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::port::{Motor, Pend};
+use crate::units::Mm;
+use core::fmt;
+
+/// Full steps of a turn of almost every stepper motor (1.8 degrees).
+const FULL_STEPS: u64 = 200;
+
+/// A driver, and what it said; `None` without a UART.
+#[derive(Clone, Copy)]
+pub(in crate::machine) struct DriverReport {
+    motor: Motor,
+    reading: Option<Result<Reading, DriverError>>,
+}
+
+/// What M122 says of a driver that answers.
+struct State<'r> {
+    reading: &'r Reading,
+    held: Option<Config>,
+    power: &'static str,
+    turn: Hundredths,
+}
+
+impl fmt::Display for State<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (power, turn) = (self.power, &self.turn);
+        let Some(held) = self.held else { return write!(f, "not configured yet, motor {power}") };
+        let (current, mode) = (held.run_current_ma(), self.reading.mode());
+        write!(f, "configured, motor {power}, {current} mA, {mode}, ")?;
+        match self.reading.microsteps() {
+            Some(microsteps) => write!(f, "{microsteps} microsteps, {turn} mm a turn"),
+            None => f.write_str("microsteps by its pins"),
+        }
+    }
+}
+
+/// How a driver is, and how well it is understood.
+struct Health<'r>(&'r Reading, Option<DriverError>, u16);
+
+impl fmt::Display for Health<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(reading, problem, failures) = self;
+        let open = if reading.seems_open() { ", coil open?" } else { "" };
+        let (temperature, stall, writes) = (reading.temperature(), reading.stall(), reading.writes());
+        write!(f, "{temperature}{open}, stall result {stall}, {writes} writes, {failures} failed exchanges")?;
+        match problem {
+            Some(problem) => write!(f, ", {problem}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// M122.
+    pub(in crate::machine) async fn report_drivers(&mut self) -> Result<(), Interrupt> {
+        let fitted = self.groups.fitted();
+        for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
+            let has_uart = self.drivers.lines().has(motor);
+            let reading = if has_uart { Some(self.ask_driver(Job::Read, motor).await?) } else { None };
+            self.tell(Answer::Driver(DriverReport { motor, reading })).await?;
+        }
+        Ok(())
+    }
+
+    pub(in crate::machine) fn say_driver(&mut self, report: &DriverReport) {
+        let motor = report.motor;
+        let name = Name(motor);
+        let reading = match report.reading {
+            None => return self.say(format_args!("Driver {name}: no UART, set by its jumpers")),
+            Some(Err(error)) => return self.say(format_args!("Driver {name}: {error}")),
+            Some(Ok(reading)) => reading,
+        };
+        let (held, failures) = self.drivers.known(motor);
+        let power = if self.drivers.powered().has(motor) { "on" } else { "off" };
+        let turn = self.turn_of(motor, reading.microsteps().unwrap_or_default());
+        let state = State { reading: &reading, held, power, turn };
+        self.say(format_args!("Driver {name}: {state}"));
+        // A driver that nobody has spoken to yet says rightly that it was reset.
+        let problem = held.and(reading.problem());
+        self.say(format_args!("  {}", Health(&reading, problem, failures)));
+    }
+
+    /// How far a turn of a motor of 200 full steps goes, which shows whether microsteps and steps/mm agree.
+    fn turn_of(&self, motor: Motor, microsteps: u32) -> Hundredths {
+        let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
+        Hundredths(Mm::from_bits((steps / u64::from(self.settings.steps_per_mm(motor).to_bits().max(1))) as i64))
+    }
+}

@@ -1,0 +1,152 @@
+//! What the machine says of itself.
+
+use crate::kinematics::Groups;
+use crate::machine::console::{Console, PortSet};
+use crate::machine::soft_endstops::Homed;
+use crate::motors::MOST_GROUPS;
+use crate::port::{DriverBus as _, EndstopSet, Pend};
+use crate::status::{Late, Overload};
+use crate::storage;
+use crate::units::{Mm, TICKS_PER_MS};
+use core::fmt;
+
+/// What hosts may rely on. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which the report says
+/// as little as M105 does.
+const CAPABILITIES: [(&str, u8); 8] = [
+    ("SERIAL_XON_XOFF", 0),
+    ("AUTOREPORT_POS", 1),
+    ("AUTOREPORT_TEMP", 1),
+    ("EMERGENCY_PARSER", 1),
+    ("HOST_ACTION_COMMANDS", 1),
+    ("PROMPT_SUPPORT", 1),
+    ("SDCARD", 0),
+    ("ARCS", 1),
+];
+
+/// A value with two decimals, as hosts expect positions.
+pub(in crate::machine) struct Hundredths(pub Mm);
+
+impl fmt::Display for Hundredths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bits = self.0.to_bits();
+        let hundredths = (bits >> 32) * 100 + (((bits & 0xFFFF_FFFF) * 100 + (1 << 31)) >> 32);
+        let sign = if hundredths < 0 { "-" } else { "" };
+        let hundredths = hundredths.unsigned_abs();
+        write!(f, "{sign}{}.{:02}", hundredths / 100, hundredths % 100)
+    }
+}
+
+/// The temperatures. There is no heater yet; hosts take the form of the line as a sign of life.
+pub(in crate::machine) struct Temperatures;
+
+impl fmt::Display for Temperatures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("T:0.00 /0.00 B:0.00 /0.00 @:0 B@:0")
+    }
+}
+
+/// A position, and the counts of the motor groups that move the tool.
+pub(in crate::machine) struct Position<'m> {
+    at: [Mm; 4],
+    counts: [i32; MOST_GROUPS],
+    groups: &'m Groups,
+}
+
+/// The letters of axes, and of coordinates that are a sum of axes.
+const LETTERS: ([char; 4], [char; MOST_GROUPS]) = (['X', 'Y', 'Z', 'E'], ['A', 'B', 'C', 'D', 'E']);
+
+impl fmt::Display for Position<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z, e] = self.at.map(Hundredths);
+        write!(f, "X:{x} Y:{y} Z:{z} E:{e} Count")?;
+        let (axes, sums) = LETTERS;
+        let mut sums = sums.into_iter();
+        for (group, count) in self.groups.iter().zip(self.counts).filter(|(group, _)| group.is_tool()) {
+            let letter = match group.axis() {
+                Some(axis) => axes.get(axis).copied(),
+                None => sums.next(),
+            };
+            write!(f, " {}:{count}", letter.unwrap_or_default())?;
+        }
+        Ok(())
+    }
+}
+
+impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
+    /// Where the program is, or with `real` where the tool is.
+    pub(in crate::machine) fn position(&self, real: bool) -> Position<'m> {
+        let position = if real { self.planner.mm(self.real_steps()) } else { self.modal.position };
+        Position { at: self.modal.named_position(position), counts: self.real_counts(), groups: self.groups }
+    }
+
+    /// M115.
+    pub(in crate::machine) fn say_firmware(&mut self) {
+        self.say(format_args!(
+            "FIRMWARE_NAME:CoreH-bot {} SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:CoreH-bot \
+             EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000",
+            env!("CARGO_PKG_VERSION")
+        ));
+        let has_storage = u8::from(storage::is_present(&self.ports.storage));
+        self.say(format_args!("Cap:EEPROM:{has_storage}"));
+        for (name, value) in CAPABILITIES {
+            self.say(format_args!("Cap:{name}:{value}"));
+        }
+    }
+
+    /// M119.
+    pub(in crate::machine) fn say_endstops(&mut self, pressed: EndstopSet) {
+        let state = |e: EndstopSet| if pressed.has(e) { "TRIGGERED" } else { "open" };
+        self.say(format_args!("Reporting endstop status"));
+        self.say(format_args!("x_min: {}", state(EndstopSet::X)));
+        self.say(format_args!("y_min: {}", state(EndstopSet::Y)));
+        self.say(format_args!("z_min: {}", state(EndstopSet::Z)));
+        if self.link.status().inputs().has(EndstopSet::PROBE) {
+            self.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));
+        }
+    }
+
+    /// Part of M122: what was too slow since the start, and the worst of it.
+    pub(in crate::machine) fn say_overload(&mut self) {
+        let Overload { events, spans, starved, underruns } = self.link.status().overload();
+        let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };
+        self.say(format_args!(
+            "echo:overload: {} steps late, worst {} us; {} spans stretched, worst {} us; {starved} times out of steps, \
+             {underruns} times out of moves",
+            events.count,
+            us(events),
+            spans.count,
+            us(spans)
+        ));
+        if let Some(warning) = self.ports.drivers.warning() {
+            self.say(format_args!("echo:{warning}"));
+        }
+    }
+
+    /// M211 without S.
+    pub(in crate::machine) fn say_soft_endstops(&mut self) {
+        let state = if self.settings.soft_endstops { "ON" } else { "OFF" };
+        let a = self.settings.axes;
+        let (x, y, z) = (Hundredths(a.x.length), Hundredths(a.y.length), Hundredths(a.z.length));
+        let Homed([hx, hy, hz]) = self.homed;
+        let known = if hx && hy && hz { "" } else { "  (once homed)" };
+        self.say(format_args!("Soft endstops: {state}  Min:  X0.00 Y0.00 Z0.00   Max:  X{x} Y{y} Z{z}{known}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn positions_have_two_decimals_and_one_sign() {
+        let text = |v: f64| Hundredths(Mm::from_num(v)).to_string();
+        assert_eq!(text(1.005_1), "1.01");
+        assert_eq!(text(-0.5), "-0.50");
+        assert_eq!(text(-0.001), "0.00");
+        assert_eq!(text(417.6), "417.60");
+        assert_eq!(Hundredths(Mm::MAX).to_string(), "2147483648.00");
+        assert_eq!(Hundredths(Mm::MIN).to_string(), "-2147483648.00");
+    }
+}

@@ -1,0 +1,280 @@
+//! The Console's dealings with motion: planning moves, waiting for them, stopping them.
+
+use super::flow::{GATHERED, Release};
+use crate::kinematics::count_at;
+use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::machine::modal::FARTHEST;
+use crate::machine::reports::answer::Answer;
+use crate::machine::soft_endstops::clamp;
+use crate::motion::{Target, Work};
+use crate::motors::MOST_GROUPS;
+use crate::port::{Clock, EndstopSet, Pend};
+use crate::units::{Mm, MmPerSec, Seconds, Steps, TICKS_PER_SECOND};
+
+/// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
+fn fence(position: [Mm; 4]) -> [Mm; 4] {
+    let [x, y, z, e] = position;
+    let [x, y, z] = [x, y, z].map(|at| FARTHEST.clamp(at));
+    [x, y, z, e]
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// Plans a move within the reachable space and takes it as the commanded position.
+    pub(in crate::machine) async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
+        let (inside, moved) = clamp(fence(position), self.homed, &self.settings);
+        if moved {
+            self.tell_of_edge().await?;
+        }
+        let position = self.retraction.away_from(inside);
+        self.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
+        self.modal.position = inside;
+        Ok(())
+    }
+
+    /// Tells once that a target was beyond the edge.
+    pub(in crate::machine) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
+        if core::mem::replace(&mut self.told_of_edge, true) {
+            return Ok(());
+        }
+        self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await
+    }
+
+    /// Plans a move as soon as there is room for it.
+    pub(in crate::machine) async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
+        let motors = self.groups.fitted();
+        if !self.has_power(motors) && self.planner.is_move(target.position) {
+            self.power(motors).await?;
+        }
+        while !self.has_room() {
+            self.flow.fill();
+            if !self.planner.plan_anew() {
+                self.comes_again = true;
+            } else if !self.planner.has_room() && !self.planner.has_ready() {
+                self.comes_again = true;
+                self.planner.release_some();
+            }
+            self.turn().await?;
+        }
+        self.note_follower();
+        self.follow_stream();
+        while !self.planner.prepare() {
+            self.turn_again().await?;
+        }
+        // The stream may have run dry in these turns too.
+        self.note_follower();
+        self.planner.push(&target, &self.settings);
+        self.flow.note_news();
+        self.note_path();
+        Ok(())
+    }
+
+    /// Whether the look-ahead takes another move: there is a place for it, and what is queued does not last for too long. As
+    /// long as the first move that waits is not final, there are too few, however long they last. So this delays moves, and
+    /// changes no speed.
+    pub(in crate::machine) fn has_room(&mut self) -> bool {
+        let most = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
+        let most = most >> Seconds::FRAC_NBITS;
+        let (waiting, left) = (self.planner.waiting(), self.link.left());
+        self.planner.has_room() && (waiting + left < most || self.planner.lacks_moves())
+    }
+
+    /// A move is about to be added. If one has left that would have been faster with it, the host was too slow.
+    fn note_follower(&mut self) {
+        if self.flow.add(self.ports.clock.now()) {
+            self.link.status().count_underrun();
+        }
+    }
+
+    /// Slows down for a stream that has run dry and goes on. How long moves last is known when all of them are planned.
+    pub(in crate::machine) fn follow_stream(&mut self) {
+        if !self.flow.is_steady() && self.planner.is_planned() {
+            let share = self.flow.share(self.planner.waiting(), self.link.left());
+            self.planner.take_share(share);
+        }
+    }
+
+    /// M220: from now on, and for the moves that wait. A change that is still being carried out comes first, and moves
+    /// leave before the next: a host that changes the feed all the time would keep them all back.
+    pub(in crate::machine) async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
+        if !self.planner.is_planned() {
+            while !self.planner.plan_anew() {
+                self.turn_again().await?;
+            }
+            self.turn_again().await?;
+        }
+        self.planner.override_feed(percent);
+        self.flow.note_news();
+        Ok(())
+    }
+
+    fn note_path(&self) {
+        let (moves, path) = self.planner.planned();
+        self.link.status().set_planned(moves, path);
+    }
+
+    /// Hands released moves on, and releases more when it is time.
+    pub(in crate::machine) fn feed_motion(&mut self) {
+        // Asked at every turn, because that counts up what was stepped.
+        self.link.left();
+        let level = (self.planner.len() + self.link.level()) as u32;
+        self.link.status().set_level(level);
+        if self.flow.is_level_telling() {
+            self.link.status().note_level(level);
+        }
+        if self.flow.is_gathering() {
+            self.comes_again |= self.begin_motion();
+            return;
+        }
+        // One of them, after which bytes and emergencies are looked at again. The Console comes round at once for the next.
+        self.comes_again |= self.hand_on();
+    }
+
+    /// Hands a move on, or lets one go, if it is time.
+    fn hand_on(&mut self) -> bool {
+        if !self.link.has_room() {
+            return false;
+        }
+        let release = self.flow.release(self.link.level(), self.link.left());
+        if release == Release::Nothing {
+            return false;
+        }
+        if self.planner.is_empty() {
+            if self.link.is_idle() {
+                self.flow.rest(self.ports.clock.now());
+            }
+            return false;
+        }
+        if !self.planner.plan_anew() {
+            self.comes_again = true;
+            return false;
+        }
+        if let Some(released) = self.planner.pop() {
+            self.link.send(Work::Move(released));
+            return true;
+        }
+        if release == Release::Final {
+            return false;
+        }
+        self.planner.release_next();
+        self.flow.note_drought();
+        true
+    }
+
+    /// Whether motion begins now.
+    fn begin_motion(&mut self) -> bool {
+        let now = self.ports.clock.now();
+        // Nothing can be final that is not even planned, or was not when as much was planned.
+        if !self.flow.is_worth_asking(now) || self.planner.is_empty() {
+            return false;
+        }
+        let is_due = !self.planner.is_planned() || self.planner.waiting() >= GATHERED;
+        let (final_time, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
+        if !is_all {
+            self.flow.note_news();
+            self.comes_again = true;
+        }
+        self.flow.begin(final_time, now)
+    }
+
+    /// Whether anything planned has not been stepped yet.
+    pub(in crate::machine) fn has_motion(&self) -> bool {
+        !self.planner.is_empty() || !self.link.is_idle()
+    }
+
+    /// Waits until everything planned has been stepped.
+    pub(in crate::machine) async fn finish(&mut self) -> Result<(), Interrupt> {
+        self.comes_again = true;
+        self.until(|c| {
+            c.flow.drain();
+            c.planner.release_all();
+            !c.has_motion()
+        })
+        .await?;
+        self.flow.rest(self.ports.clock.now());
+        Ok(())
+    }
+
+    /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one.
+    pub(in crate::machine) async fn drop_motion(&mut self) -> Result<(), Interrupt> {
+        self.planner.stand_at(self.planner.end());
+        self.link.abort();
+        let mut halted = Ok(());
+        while !self.link.is_idle() {
+            // A second quick stop changes nothing; a halt does.
+            match self.turn().await {
+                Err(Interrupt::Halt) => halted = Err(Interrupt::Halt),
+                Err(Interrupt::QuickStop | Interrupt::NoPower) | Ok(()) => {}
+            }
+            halted?;
+        }
+        self.link.settle();
+        self.flow.drain();
+        self.flow.rest(self.ports.clock.now());
+        let real = self.real_steps();
+        self.planner.fall_short(real);
+        self.note_path();
+        self.adopt_position(real).await?;
+        let real = self.retraction.commanded(self.planner.mm(real));
+        self.modal.extrusion = self.modal.named_position(real)[3];
+        self.modal.position = real;
+        Ok(())
+    }
+
+    /// M410: motion slows down along its path and ends; the position stays true.
+    pub(in crate::machine) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
+        if !self.wait.is_dwelling {
+            self.link.brake();
+            while !self.link.has_stopped() {
+                // The path may lead on into moves that have not left the planner, so they go on leaving it.
+                if self.turn().await == Err(Interrupt::Halt) {
+                    return Err(Interrupt::Halt);
+                }
+            }
+        }
+        self.drop_motion().await?;
+        if core::mem::take(&mut self.is_homing) {
+            self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
+        }
+        Ok(())
+    }
+
+    /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
+    /// have been dropped with the motion. Motion rests.
+    pub(in crate::machine) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
+        let position = if self.groups.is_redundant() { self.whole_steps_away(position) } else { position };
+        self.planner.stand_at(position);
+        let counts = self.link.counts();
+        for ((origin, group), count) in self.origin.iter_mut().zip(self.groups.iter()).zip(counts) {
+            *origin = count_at(group.coordinate(position)).wrapping_sub(count);
+        }
+        self.until(|c| c.link.has_room()).await?;
+        self.link.send(Work::Position(position));
+        self.follow().await
+    }
+
+    /// The position nearest to this one that is whole steps from where the machine really is. Where four coordinates hold
+    /// three axes, their counts agree only so: a name for a place that lies between whole steps would have them strain
+    /// each other by a step, and the next one by another.
+    fn whole_steps_away(&self, position: [Steps; 4]) -> [Steps; 4] {
+        let mut near = self.real_steps();
+        for (near, wanted) in near.iter_mut().zip(position) {
+            *near = near.wrapping_add(wanted.wrapping_sub(*near).wrapping_round());
+        }
+        let ([x, y, z, _], [.., e]) = (near, position);
+        [x, y, z, e]
+    }
+
+    /// Steps of each motor group, from the steps really emitted.
+    pub(in crate::machine) fn real_counts(&self) -> [i32; MOST_GROUPS] {
+        let mut real = self.origin;
+        for (real, count) in real.iter_mut().zip(self.link.counts()) {
+            *real = real.wrapping_add(count);
+        }
+        real
+    }
+
+    /// Where the machine really is, in steps of x, y, z and e.
+    pub(in crate::machine) fn real_steps(&self) -> [Steps; 4] {
+        self.groups.position(self.real_counts())
+    }
+}

@@ -1,0 +1,91 @@
+//! Slowing down for a host that cannot keep up, instead of stopping and going.
+//!
+//! A stream that has run dry and goes on is slower than the print wants it. From then on the feed is a share of what is
+//! commanded, by the time for which the moves that wait would last at their commanded speed: all of it with 200 ms, half
+//! of it with 100. So the print comes to be as fast as the host, with moves in hand to plan with. At first the share is
+//! no less than a half; every time the stream runs dry again that floor is halved.
+//!
+//! While the stream has not run dry nothing of this happens, for it depends on when lines arrive. It ends when the
+//! look-ahead is full, so that the host is known to be faster, when a command waits for the motion, or with a pause
+//! (see [`flow`](super::flow)).
+
+use crate::motion::WHOLE_SHARE as WHOLE;
+use crate::units::TICKS_PER_MS;
+
+/// With moves for so long nothing is slowed down; less than what motion begins with.
+const ENOUGH: u64 = 200 * TICKS_PER_MS as u64;
+
+/// The least share at first, and at all.
+const FLOORS: (u8, u8) = (WHOLE / 2, WHOLE / 8);
+
+/// How much of the feed the stream allows.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Slowdown {
+    /// The least share; [`WHOLE`] while nothing is slowed down.
+    floor: u8,
+    share: u8,
+}
+
+impl Slowdown {
+    /// Nothing is slowed down.
+    pub const fn new() -> Self {
+        Self { floor: WHOLE, share: WHOLE }
+    }
+
+    /// Nothing is slowed down any more.
+    pub const fn end(&mut self) {
+        self.floor = WHOLE;
+    }
+
+    /// Whether all of the feed is allowed, and was when last asked.
+    pub const fn is_steady(&self) -> bool {
+        self.floor == WHOLE && self.share == WHOLE
+    }
+
+    /// The stream has run dry and goes on.
+    pub fn slow_down(&mut self) {
+        let (first, least) = FLOORS;
+        self.floor = (self.floor / 2).clamp(least, first);
+    }
+
+    /// The share of the feed, in sixteenths, given the time of the moves that wait at that feed, and of those that have
+    /// left the look-ahead, in ticks.
+    pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
+        if self.floor == WHOLE {
+            self.share = WHOLE;
+            return WHOLE;
+        }
+        let lasts = waiting * u64::from(self.share) / u64::from(WHOLE) + queued;
+        let share = (lasts * u64::from(WHOLE) / ENOUGH).min(u64::from(WHOLE)) as u8;
+        self.share = share.max(self.floor);
+        self.share
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stream_that_never_ran_dry_is_as_fast_as_commanded() {
+        let mut slowdown = Slowdown::new();
+        assert_eq!(slowdown.share(0, 0), WHOLE);
+        slowdown.slow_down();
+        slowdown.end();
+        assert_eq!(slowdown.share(0, 0), WHOLE);
+    }
+
+    #[test]
+    fn a_stream_that_goes_on_after_a_drought_is_as_fast_as_it_comes() {
+        let mut slowdown = Slowdown::new();
+        slowdown.slow_down();
+        assert_eq!(slowdown.share(ENOUGH / 4, 0), WHOLE / 2);
+        // At half the speed, what waits lasts twice as long.
+        assert_eq!(slowdown.share(ENOUGH * 3 / 2, 0), WHOLE * 3 / 4);
+        assert_eq!(slowdown.share(ENOUGH * 4 / 3, ENOUGH / 4), WHOLE);
+        for floor in [4, 2, 2] {
+            slowdown.slow_down();
+            assert_eq!(slowdown.share(0, 0), floor);
+        }
+    }
+}

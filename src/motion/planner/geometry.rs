@@ -1,0 +1,255 @@
+//! Geometry of one move: how long it is, which way it points, and how fast its axes let it be.
+//!
+//! Length and direction have 30 bits, for times and corners are made of them; what is a limit or a ratio is in single
+//! precision (see [`number`](crate::motion::number)).
+
+use crate::kinematics::Groups;
+use crate::motion::number::{from_bits, large_root};
+use crate::motors::MOST_GROUPS;
+use crate::settings::{Axes, AxisSettings, Settings};
+use crate::units::{MmPerSec, MmPerSec2};
+use heapless::Vec;
+
+/// One in the fixed point of unit vectors.
+pub(in crate::motion) const UNIT: i32 = 1 << 30;
+
+/// A move as a vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::motion) struct Geometry {
+    /// Length of the path of the tool, in raw `Mm` bits (2^-32 mm); of the filament if the tool does not move.
+    pub length: u64,
+    /// The same in mm.
+    pub size: f32,
+    /// Direction of the tool in x, y, z, scaled by [`UNIT`]; zero if only the extruder moves.
+    pub unit: [i32; 3],
+    /// Direction of the tool.
+    pub direction: [f32; 3],
+    /// Filament a length of path, signed.
+    pub extrusion: f32,
+}
+
+/// How much of a way each axis, and the belt motor that has most of it, must go; without signs.
+#[derive(Clone, Copy)]
+pub(in crate::motion) struct Shares {
+    axes: [f32; 4],
+    belt: f32,
+}
+
+/// What axes and belt motors bear: speeds in mm/s, or accelerations in mm/s2.
+#[derive(Clone, Copy)]
+pub(in crate::motion) struct Limits {
+    pub axes: [f32; 4],
+    pub belt: f32,
+}
+
+impl Shares {
+    /// Those of a way of the length 1 in that direction, with so much filament.
+    #[inline(always)]
+    pub fn new([x, y, z]: [f32; 3], extrusion: f32, belts: &Belts) -> Self {
+        Self { axes: [x.abs(), y.abs(), z.abs(), extrusion.abs()], belt: belts.most_of([x, y, z]) }
+    }
+
+    /// The greatest value along the way that neither axes nor motors forbid, at most `wanted`.
+    #[inline(always)]
+    pub fn bound(&self, wanted: f32, limits: &Limits) -> f32 {
+        // Written out: firmware is made for size, which leaves loops as they are.
+        let ([x, y, z, e], [most_x, most_y, most_z, most_e]) = (self.axes, limits.axes);
+        let value = bounded(wanted, x, most_x);
+        let value = bounded(value, y, most_y);
+        let value = bounded(value, z, most_z);
+        let value = bounded(value, e, most_e);
+        bounded(value, self.belt, limits.belt)
+    }
+}
+
+#[inline(always)]
+fn bounded(value: f32, share: f32, most: f32) -> f32 {
+    if value * share > most { most / share } else { value }
+}
+
+impl Limits {
+    /// Those of speed.
+    #[inline(always)]
+    pub fn of_speed(s: &Settings) -> Self {
+        let Axes { x, y, z, e } = &s.axes;
+        let axes = [speed(x.max_speed), speed(y.max_speed), speed(z.max_speed), speed(e.max_speed)];
+        Self { axes, belt: speed(s.motor_max_speed) }
+    }
+
+    /// Those of acceleration.
+    #[inline(always)]
+    pub fn of_acceleration(s: &Settings) -> Self {
+        let Axes { x, y, z, e } = &s.axes;
+        let bears = |axis: &AxisSettings| acceleration(axis.max_acceleration);
+        Self { axes: [bears(x), bears(y), bears(z), bears(e)], belt: acceleration(s.motor_max_acceleration) }
+    }
+}
+
+/// The belt motors' coordinates: how much of a way of x, y and z each of them makes. One group is the extruder's.
+#[derive(Clone, Debug)]
+pub(in crate::motion) struct Belts(Vec<[f32; 3], { MOST_GROUPS - 1 }>);
+
+impl Belts {
+    /// Those of a mechanism.
+    #[inline(never)]
+    pub fn new(groups: &Groups) -> Self {
+        let belts = groups.iter().filter(|group| group.is_belt());
+        Self(belts.map(|belt| [belt.row[0], belt.row[1], belt.row[2]].map(f32::from)).take(MOST_GROUPS - 1).collect())
+    }
+
+    /// The way of the motor that goes farthest.
+    #[inline(always)]
+    fn most_of(&self, [x, y, z]: [f32; 3]) -> f32 {
+        let mut most = 0.0;
+        for [a, b, c] in &self.0 {
+            let way = (a * x + b * y + c * z).abs();
+            if way > most {
+                most = way;
+            }
+        }
+        most
+    }
+}
+
+/// A speed in mm/s.
+pub(in crate::motion) fn speed(v: MmPerSec) -> f32 {
+    v.to_bits() as f32 * const { 1.0 / 65536.0 }
+}
+
+/// An acceleration in mm/s2.
+pub(in crate::motion) fn acceleration(a: MmPerSec2) -> f32 {
+    a.to_bits() as f32 * const { 1.0 / 256.0 }
+}
+
+impl Geometry {
+    /// The vector `delta` (x, y, z, e in raw `Mm` bits).
+    #[inline(always)]
+    pub fn new([x, y, z, e]: [i64; 4]) -> Self {
+        let filament = from_bits(e.unsigned_abs());
+        let largest = x.unsigned_abs() | y.unsigned_abs() | z.unsigned_abs();
+        if largest == 0 {
+            let extrusion = if e == 0 { 0.0 } else { sign(e) };
+            return Self { length: e.unsigned_abs(), size: filament, unit: [0; 3], direction: [0.0; 3], extrusion };
+        }
+        // With the largest component scaled to 31 bits, the squares of all three fit 64.
+        let shift = largest.leading_zeros() as i32 - 33;
+        let (x, y, z) = if shift >= 0 {
+            ((x as i32) << shift, (y as i32) << shift, (z as i32) << shift)
+        } else {
+            let down = shift.unsigned_abs();
+            ((x >> down) as i32, (y >> down) as i32, (z >> down) as i32)
+        };
+        let square = |d: i32| (i64::from(d) * i64::from(d)).cast_unsigned();
+        let root = large_root(square(x) + square(y) + square(z));
+        let (inverse, part) = (1.0 / root as f32, reciprocal(root));
+        let component = |d: i32| ((i64::from(d) * i64::from(part) + (1 << 30)) >> 31) as i32;
+        let unit = [component(x), component(y), component(z)];
+        let direction = [x as f32 * inverse, y as f32 * inverse, z as f32 * inverse];
+        let length = if shift > 0 {
+            // Rounded: a length that is always cut short would run ahead of the clock in the long run.
+            u64::from((root >> shift) + (root >> (shift - 1) & 1))
+        } else {
+            u64::from(root) << shift.unsigned_abs()
+        };
+        let root = root as f32;
+        // 2^(-32 - shift), of which the shift is -33 to 30.
+        let size = root * f32::from_bits(((127 - 32 - shift) as u32) << 23);
+        let extrusion = if e == 0 { 0.0 } else { sign(e) * (filament / size) };
+        Self { length, size, unit, direction, extrusion }
+    }
+
+    /// Whether the tool stands still and only filament moves.
+    pub fn is_extruder_only(&self) -> bool {
+        // Not a comparison of arrays, which is a call.
+        let [x, y, z] = self.unit;
+        x | y | z == 0
+    }
+}
+
+fn sign(value: i64) -> f32 {
+    if value < 0 { -1.0 } else { 1.0 }
+}
+
+/// `2^61 / root` to within two, at most `i32::MAX`, for a root of 31 or 32 bits. Single precision knows 24 bits of it, one of
+/// Newton's steps the others: a division of 64 bits takes four times as long.
+fn reciprocal(root: u32) -> i32 {
+    let one = const { (1u64 << 61) as f32 };
+    let guess = (one / root as f32) as i32;
+    let rest = (1i64 << 61) - i64::from(guess) * i64::from(root);
+    let correction = ((rest >> 8) as i32) as f32 * 256.0 / root as f32;
+    guess.saturating_add(correction as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Mm;
+
+    fn belts(s: &Settings) -> Belts {
+        Belts::new(&Groups::new(&s.mechanism))
+    }
+
+    fn mm(v: f64) -> i64 {
+        Mm::from_num(v).to_bits()
+    }
+
+    #[test]
+    fn lengths_are_true_from_nanometres_to_metres() {
+        for scale in [1e-6, 1e-3, 0.05, 1.0, 300.0, 4000.0] {
+            let g = Geometry::new([mm(0.6 * scale), mm(-0.64 * scale), mm(0.48 * scale), 0]);
+            let exact = scale * (0.36f64 + 0.4096 + 0.2304).sqrt() * 2f64.powi(32);
+            assert!((g.length as f64 - exact).abs() <= 2.0 + exact * 2e-9, "{scale}: {} {exact}", g.length);
+        }
+    }
+
+    #[test]
+    fn reciprocals_are_right_to_two() {
+        let mut root = 1u64 << 30;
+        while root <= u64::from(u32::MAX) {
+            for root in [root, (root + root / 3).min(u64::from(u32::MAX)), u64::from(u32::MAX) - root / 5] {
+                let exact = ((1 << 61) / root).min(i32::MAX.unsigned_abs().into());
+                assert!((i64::from(reciprocal(root as u32)) - exact as i64).abs() <= 2, "{root}");
+            }
+            root += root / 1000;
+        }
+    }
+
+    #[test]
+    fn directions_have_thirty_bits() {
+        for scale in [1e-4, 0.2, 0.7, 50.0, 3000.0] {
+            for d in [[0.6, -0.64, 0.48], [-1.0, 0.0, 0.0], [0.0, 0.8, -0.6], [1e-4, 1.0, 0.0]] {
+                let raw = d.map(|d: f64| mm(d * scale));
+                let [x, y, z] = raw;
+                let size = raw.iter().map(|d| (*d as f64).powi(2)).sum::<f64>().sqrt();
+                let g = Geometry::new([x, y, z, 0]);
+                for ((unit, direction), d) in g.unit.into_iter().zip(g.direction).zip(raw) {
+                    let exact = d as f64 / size;
+                    assert!((f64::from(unit) / f64::from(UNIT) - exact).abs() < 4e-9, "{d} of {scale}: {unit}");
+                    assert!((f64::from(direction) - exact).abs() < 2e-7, "{d} of {scale}: {direction}");
+                }
+                assert!((f64::from(g.size) / (size / 2f64.powi(32)) - 1.0).abs() < 1.3e-7);
+            }
+        }
+    }
+
+    fn speed_limit(g: &Geometry, wanted: f32, s: &Settings) -> f32 {
+        Shares::new(g.direction, g.extrusion, &belts(s)).bound(wanted, &Limits::of_speed(s))
+    }
+
+    #[test]
+    fn a_diagonal_is_as_fast_as_its_motors() {
+        let s = Settings::prototype();
+        let g = Geometry::new([mm(10.0), mm(10.0), 0, 0]);
+        let v = speed_limit(&g, 1000.0, &s);
+        // u = x + y runs sqrt(2) times as fast as the tool: 450 / 1.414, below the axes' 300 * 1.414.
+        assert!((v - 318.198).abs() < 0.01, "{v}");
+    }
+
+    #[test]
+    fn a_dense_extrusion_is_as_fast_as_the_extruder() {
+        let s = Settings::prototype();
+        let g = Geometry::new([mm(0.001), 0, 0, mm(10.0)]);
+        let v = speed_limit(&g, 100.0, &s);
+        assert!((v - 0.008).abs() < 2e-5, "{v}");
+    }
+}

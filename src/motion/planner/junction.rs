@@ -1,0 +1,287 @@
+//! Junction speeds: how fast a corner may be taken.
+//!
+//! Junction deviation (S. Jeon, "Improving Grbl: Cornering Algorithm", 2011): the tool is thought to follow
+//! an arc that touches both moves and leaves the corner by the deviation d; with the angle t between the
+//! moves that arc has the radius `d sin(t/2) / (1 - sin(t/2))`, and `v^2 = a r`. A square-corner velocity w
+//! is the same law with the deviation for which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`, so that
+//! `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not depend on the acceleration.
+//!
+//! A curve that is cut into chords of length L is a row of such corners, each of them harmless and all of them
+//! together a turn of radius `L/2 tan(t/2)`: its speed is limited by `v^2 = a L/2 tan(t/2)` too. Where chords are shorter than
+//! a millimetre, a corner says nothing of the curve that it belongs to, and what the path does over some distance takes the place
+//! of that (see [`trend`](super::trend)): its curvature, by `v^2 = a r`, and how far the direction of the tool leads a velocity
+//! that keeps to the acceleration. At a corner of a small turn t, junction deviation allows a jump of `v t = sqrt(8 a d)`; all
+//! the corners of a bend together have no more than that, beside what the acceleration makes up for on the way between them.
+//! Corners that are more than [`WINDOW`] apart are no bend.
+//!
+//! The acceleration on that arc points along the change of direction, so it is limited by what the axes
+//! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
+
+use super::geometry::{Belts, Geometry, Limits, Shares, UNIT, speed};
+use super::trend::Trend;
+use crate::motion::number::{from_bits, root, to_bits};
+use crate::settings::{CornerRule, Settings};
+use core::f32::consts::SQRT_2;
+
+/// Half an angle with less than this is that of a way back: directions have 30 bits.
+const LEAST_SINE: f32 = 1e-7;
+
+/// The square of a turn that is none: by less than a millionth the coordinates' own digits turn moves of a metre. At 1 m/s the
+/// tool's speed jumps by a thousandth of a mm/s.
+const LEAST_TURN_SQ: f32 = 1e-12;
+
+/// Chords of at least so many mm are judged corner by corner, shorter ones by the [trend](super::trend) of the path, which
+/// forgets a corner over a millimetre.
+const LONG_CHORD: f32 = 1.0;
+
+/// The lead is made up for so much faster than the acceleration says: a circle at the limit shall be limited by its curvature
+/// alone, which rounded coordinates hardly change.
+const MAKING_UP: f32 = 1.15;
+
+/// What a corner turned by counts for so many seconds. That is half a period at 125 Hz, above which printers hardly resonate, and
+/// what `corehbot run` looks at.
+const WINDOW: f32 = 0.004;
+
+/// What a corner depends on beside its two moves.
+pub(in crate::motion) struct Bearing<'a> {
+    /// Acceleration of the second move, in mm/s2.
+    pub acceleration: f32,
+    /// The greatest speed of the second move that axes and motors bear, in mm/s.
+    pub fastest: f32,
+    /// What axes and motors bear of it.
+    pub limits: &'a Limits,
+    /// The belt motors.
+    pub belts: &'a Belts,
+}
+
+impl Bearing<'_> {
+    /// What axes and motors bear along a change of direction of that length.
+    fn along(&self, [x, y, z]: [f32; 3], length: f32) -> f32 {
+        let part = 1.0 / length;
+        Shares::new([x * part, y * part, z * part], 0.0, self.belts).bound(self.acceleration, self.limits)
+    }
+}
+
+/// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`, with which the path goes
+/// on in its trend.
+#[inline(always)]
+pub(in crate::motion) fn corner_speed_sq(
+    before: &Geometry,
+    after: &Geometry,
+    trend: &mut Trend,
+    bearing: &Bearing<'_>,
+    s: &Settings,
+) -> u64 {
+    if before.is_extruder_only() || after.is_extruder_only() {
+        // The tool stands still in one of the two, and which way it came is of no account any more.
+        *trend = Trend::default();
+        return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
+    }
+    let mut most = bend(before, after, trend, bearing, s);
+    let jump = (before.extrusion - after.extrusion).abs();
+    if jump > 0.0 {
+        let jerk = speed(s.extruder_jerk) / jump;
+        most = least(most, jerk * jerk);
+    }
+    to_bits(most)
+}
+
+/// The greatest speed squared, in mm2/s2, at which the tool may turn from `before` to `after`.
+#[inline(always)]
+fn bend(before: &Geometry, after: &Geometry, trend: &mut Trend, bearing: &Bearing<'_>, s: &Settings) -> f32 {
+    let turn = difference(before, after);
+    let curve = trend.follow(turn, after.size);
+    let most =
+        if curve.curvature > 0.0 { bearing.along(curve.turn, curve.size) / curve.curvature } else { f32::INFINITY };
+    let (lead, past) = (trend.lead_with(turn), trend.greatest_lead());
+    let (turn_sq, lead_sq) = (square(turn), square(lead));
+    // The acceleration is that of the greater of the two, for the other may be none.
+    let (change, change_sq) = if lead_sq > turn_sq { (lead, lead_sq) } else { (turn, turn_sq) };
+    let is_straight = change_sq < LEAST_TURN_SQ;
+    if is_straight && past <= 0.0 {
+        return most;
+    }
+    let bears = if is_straight { bearing.acceleration } else { bearing.along(change, root(change_sq)) };
+    let base = match s.corner {
+        CornerRule::JunctionDeviation(d) => bears * from_bits(d.to_bits().unsigned_abs()),
+        CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
+    };
+    let lead_length = root(lead_sq);
+    let most = if turn_sq < LEAST_TURN_SQ {
+        most
+    } else {
+        let leads = lead_length + past;
+        least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, bears, base))
+    };
+    // It was no faster at the corner of the greatest lead. From rest it accelerates all along.
+    let greatest = if lead_length > past { lead_length } else { past };
+    let gain = bears * after.size;
+    let slow = least(least(most, 8.0 * base / (greatest * greatest)), bearing.fastest * bearing.fastest);
+    let fast = if slow < gain { gain } else { slow };
+    let farthest = WINDOW * (root(slow) + 0.5 * WINDOW * bearing.acceleration);
+    let made_up = if after.size < farthest { MAKING_UP * gain / fast } else { f32::INFINITY };
+    trend.follow_lead(lead, lead_length, made_up);
+    most
+}
+
+/// The greatest speed squared, in mm2/s2, of a corner by itself: that of junction deviation for the product of acceleration and
+/// deviation in `base`, and that of long chords.
+#[inline(always)]
+fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, bears: f32, base: f32) -> f32 {
+    // The angle between the moves is pi minus the change of direction: its half has the cosine and the sine of half
+    // the difference and half the sum of the two directions.
+    let sine = 0.5 * root(square(sum(before, after)));
+    if sine < LEAST_SINE {
+        return 0.0;
+    }
+    // 1 - sine without its cancellation.
+    let corner = 4.0 * base * sine * (1.0 + sine) / turn_sq;
+    let size = least(before.size, after.size);
+    if size < LONG_CHORD { corner } else { least(corner, size * bears * sine / root(turn_sq)) }
+}
+
+/// The lesser of two limits; one over nothing is none.
+fn least(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The change of direction. It has 30 bits, which single precision would not leave of it.
+fn difference(before: &Geometry, after: &Geometry) -> [f32; 3] {
+    let ([px, py, pz], [qx, qy, qz]) = (before.unit, after.unit);
+    let axis = |p: i32, q: i32| q.saturating_sub(p) as f32 * const { 1.0 / UNIT as f32 };
+    [axis(px, qx), axis(py, qy), axis(pz, qz)]
+}
+
+/// The sum of the two directions.
+fn sum(before: &Geometry, after: &Geometry) -> [f32; 3] {
+    let ([px, py, pz], [qx, qy, qz]) = (before.unit, after.unit);
+    let axis = |p: i32, q: i32| q.saturating_add(p) as f32 * const { 1.0 / UNIT as f32 };
+    [axis(px, qx), axis(py, qy), axis(pz, qz)]
+}
+
+fn square([x, y, z]: [f32; 3]) -> f32 {
+    x * x + y * y + z * z
+}
+
+/// Two retractions in a row are one if they go the same way.
+fn extruder_only(before: &Geometry, after: &Geometry) -> u64 {
+    if (before.extrusion < 0.0) == (after.extrusion < 0.0) { u64::MAX } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::planner::geometry::acceleration;
+    use crate::units::{Mm, MmPerSec, MmPerSec2};
+
+    fn belts(s: &Settings) -> Belts {
+        Belts::new(&crate::kinematics::Groups::new(&s.mechanism))
+    }
+
+    fn at_corner(before: &Geometry, after: &Geometry, trend: &mut Trend, a: MmPerSec2, s: &Settings) -> u64 {
+        let limits = &Limits::of_acceleration(s);
+        let bearing = Bearing { acceleration: acceleration(a), fastest: 300.0, limits, belts: &belts(s) };
+        corner_speed_sq(before, after, trend, &bearing, s)
+    }
+
+    fn heading(degrees: f64) -> Geometry {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
+    }
+
+    /// Behind a long way that led to `before`.
+    fn corner(before: &Geometry, after: &Geometry, a: MmPerSec2, s: &Settings) -> u64 {
+        at_corner(before, after, &mut Trend::default(), a, s)
+    }
+
+    fn speed(turn: f64, s: &Settings) -> f64 {
+        let a = MmPerSec2::from_num(3000);
+        (corner(&heading(20.0), &heading(20.0 + turn), a, s) as f64 / 2f64.powi(32)).sqrt()
+    }
+
+    #[test]
+    fn corners_follow_the_junction_deviation_law() {
+        let mut s = Settings::prototype();
+        s.corner = CornerRule::JunctionDeviation(Mm::from_num(0.013));
+        for turn in [5.0, 30.0, 45.0, 90.0, 135.0, 170.0] {
+            let half = ((180.0 - turn) / 2.0f64).to_radians().sin();
+            let exact = (3000.0 * 0.013 * half / (1.0 - half)).sqrt();
+            assert!((speed(turn, &s) / exact - 1.0).abs() < 1e-3, "{turn}: {} {exact}", speed(turn, &s));
+        }
+    }
+
+    #[test]
+    fn a_corner_into_z_is_as_slow_as_z() {
+        let s = Settings::prototype();
+        let up = Geometry::new([0, 0, Mm::ONE.to_bits(), 0]);
+        let sq = corner(&heading(0.0), &up, MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
+        // Z bears 200 mm/s2 and has 0.707 of the change.
+        let exact = 200.0 * 2f64.sqrt() * 0.013 * 0.5f64.sqrt() / (1.0 - 0.5f64.sqrt());
+        assert!((sq / exact - 1.0).abs() < 1e-3, "{sq} {exact}");
+    }
+
+    fn chord(angle: f64, length: f64) -> Geometry {
+        let (sin, cos) = angle.sin_cos();
+        Geometry::new([Mm::from_num(length * cos).to_bits(), Mm::from_num(length * sin).to_bits(), 0, 0])
+    }
+
+    #[test]
+    fn long_chords_turn_no_faster_than_their_circle_allows() {
+        let mut s = Settings::prototype();
+        s.corner = CornerRule::JunctionDeviation(Mm::ONE);
+        // Chords of 1 mm that turn by 0.2 rad each: a circle of 5 mm.
+        let sq = corner(&chord(0.3, 1.001), &chord(0.5, 1.001), MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
+        assert!((sq / 15_000.0 - 1.0).abs() < 5e-3, "{sq}");
+    }
+
+    #[test]
+    fn a_row_of_small_corners_turns_no_faster_than_its_circle_allows() {
+        let (s, a) = (Settings::prototype(), MmPerSec2::from_num(3000));
+        for (radius, length) in [(1.0, 0.1), (1.0, 0.02), (10.0, 0.1), (0.2, 0.005)] {
+            let mut trend = Trend::default();
+            let mut sq = 0.0;
+            for i in 0..(5.0 * radius / length) as u32 {
+                let angle = f64::from(i) * length / radius;
+                let (p, q) = (chord(angle, length), chord(angle + length / radius, length));
+                sq = at_corner(&p, &q, &mut trend, a, &s) as f64 / 2f64.powi(32);
+            }
+            // Where the radius is not much more than the shortest distance, means see less of it: 12 % in speed.
+            assert!((0.9..1.25).contains(&(sq / (3000.0 * radius))), "{radius} {length}: {sq}");
+        }
+    }
+
+    /// What a bend of 0.004 mm is taken with cannot be told from what its corner is taken with.
+    #[test]
+    fn a_corner_in_pieces_is_no_faster_than_one() {
+        let (s, a) = (Settings::prototype(), MmPerSec2::from_num(3000));
+        let (p, q) = (chord(0.0, 1.0), chord(1.0, 1.0));
+        let whole = corner(&p, &q, a, &s);
+        let mut trend = Trend::default();
+        let mut least = u64::MAX;
+        for i in 0..4 {
+            let angle = 0.25 * f64::from(i);
+            let (p, q) = (chord(angle, 0.001), chord(angle + 0.25, 0.001));
+            least = least.min(at_corner(&p, &q, &mut trend, a, &s));
+        }
+        assert!(least < whole + whole / 10, "{least} {whole}");
+    }
+
+    #[test]
+    fn a_square_corner_is_taken_at_the_square_corner_velocity() {
+        let mut s = Settings::prototype();
+        s.corner = CornerRule::SquareCorner(MmPerSec::from_num(8));
+        assert!((speed(90.0, &s) - 8.0).abs() < 1e-3);
+        assert!(speed(179.99, &s) < 0.2);
+        assert!(speed(0.0, &s) > 1000.0);
+    }
+
+    #[test]
+    fn the_extruder_limits_a_corner_where_its_speed_jumps() {
+        let s = Settings::prototype();
+        let mut printing = heading(0.0);
+        printing.extrusion = 0.05;
+        let sq = corner(&printing, &heading(0.0), MmPerSec2::from_num(3000), &s);
+        let v = (sq as f64 / 2f64.powi(32)).sqrt();
+        assert!((v - 100.0).abs() < 0.01, "5 mm/s of filament at 0.05 mm a mm: {v}");
+    }
+}

@@ -1,0 +1,362 @@
+//! The planner: from targets to moves with speeds, looking ahead.
+//!
+//! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
+//! the geometry of a move is that of the commanded positions. Where its steps fall is the generator's business.
+
+mod geometry;
+mod junction;
+mod overrides;
+mod pitch;
+mod planned;
+pub(in crate::motion) mod profile;
+mod rounds;
+mod trend;
+mod window;
+
+pub use overrides::WHOLE_SHARE;
+
+use crate::kinematics::Groups;
+use crate::motion::moves::Move;
+use crate::port::EndstopSet;
+use crate::settings::Settings;
+use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, Steps};
+use geometry::{Belts, Geometry, Limits, Shares, acceleration};
+use junction::{Bearing, corner_speed_sq};
+use overrides::Override;
+use pitch::Pitch;
+use planned::{FORCED_BATCH, OPEN, Planned};
+pub use planned::{MoveMemory, WINDOW};
+use profile::{Way, ramps_of};
+use trend::Trend;
+use window::Window;
+
+/// Where to go, and how fast.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Target {
+    /// x, y, z and e.
+    pub position: [Mm; 4],
+    /// Speed along the path.
+    pub speed: MmPerSec,
+    /// Whether the feed and the flow override have a say in it.
+    pub has_overrides: bool,
+    /// Endstops that end the move early; such a move begins and ends at rest.
+    pub watch: EndstopSet,
+}
+
+/// Moves shorter than this wait for the next target instead of being planned: 0.5 um is a twentieth of a
+/// step of the belt, and its time would be lost between two ticks.
+const LEAST_LENGTH: u64 = (1 << 32) / 2000;
+
+/// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
+const LONG_TICKS: u32 = 1 << 28;
+
+/// Looks ahead over targets and releases moves.
+pub struct Planner<'m> {
+    pub(in crate::motion) window: Window<'m>,
+    pub(in crate::motion) pitch: [Pitch; 4],
+    pub(in crate::motion) belts: Belts,
+    /// Where the last move ends.
+    pub(in crate::motion) end: [Steps; 4],
+    /// The last target: an axis that is asked for the same again stays where it is.
+    pub(in crate::motion) asked: [Mm; 4],
+    /// The last move, for the corner to the next.
+    last: Geometry,
+    /// The speed squared that it passes on.
+    pub(in crate::motion) passed_on: u64,
+    /// How the path bends there.
+    trend: Trend,
+    /// Nominal time of the moves in the window, in ticks.
+    pub(in crate::motion) waiting: u64,
+    /// How much of the feed is wanted.
+    pub(in crate::motion) wanted: Override,
+    /// Filament where the last move ends that has left.
+    pub(in crate::motion) gone: Steps,
+    moves: u32,
+    /// Path of the tool, raw `Mm` bits.
+    path: u64,
+}
+
+impl<'m> Planner<'m> {
+    /// A planner for a machine that stands at `position` (x, y, z, e).
+    #[must_use]
+    pub fn new(memory: &'m mut MoveMemory, settings: &Settings, position: [Mm; 4]) -> Self {
+        let mut planner = Self {
+            window: Window::new(memory),
+            pitch: settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array(),
+            belts: Belts::new(&Groups::new(&settings.mechanism)),
+            end: [Steps::ZERO; 4],
+            asked: position,
+            last: Geometry::new([0; 4]),
+            passed_on: 0,
+            trend: Trend::default(),
+            waiting: 0,
+            wanted: Override::NONE,
+            gone: Steps::ZERO,
+            moves: 0,
+            path: 0,
+        };
+        planner.end = planner.steps(position);
+        planner.gone = planner.end[3];
+        planner
+    }
+
+    /// Takes over new resolutions (M92); the machine stands.
+    pub fn set_resolution(&mut self, settings: &Settings) {
+        self.pitch = settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array();
+    }
+
+    /// A position in steps.
+    #[must_use]
+    pub fn steps(&self, position: [Mm; 4]) -> [Steps; 4] {
+        let [x, y, z, e] = self.pitch;
+        let [px, py, pz, pe] = position;
+        [x.steps(px), y.steps(py), z.steps(pz), e.steps(pe)]
+    }
+
+    /// A position in mm. Of e, whose counts wrap in a long print, the one that is nearest to the last target.
+    #[must_use]
+    pub fn mm(&self, steps: [Steps; 4]) -> [Mm; 4] {
+        let ([x, y, z, e], [.., asked]) = (self.pitch, self.asked);
+        let [sx, sy, sz, se] = steps;
+        let [x, y, z] = [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz)].map(Mm::from_bits);
+        [x, y, z, e.mm_near(se, asked)]
+    }
+
+    /// The way from the end of the last move to `end`.
+    #[inline(never)]
+    fn geometry_to(&self, [x, y, z, e]: [Steps; 4]) -> Geometry {
+        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.pitch, self.end);
+        let (x, y) = (px.way(x.wrapping_sub(from_x)), py.way(y.wrapping_sub(from_y)));
+        Geometry::new([x, y, pz.way(z.wrapping_sub(from_z)), pe.way(e.wrapping_sub(from_e))])
+    }
+
+    /// Forgets all moves: the machine stands at `position` in steps.
+    pub fn stand_at(&mut self, position: [Steps; 4]) {
+        self.window.clear();
+        // Whatever way it came is of no account.
+        self.last = Geometry::new([0; 4]);
+        self.waiting = 0;
+        self.end = position;
+        self.gone = position[3];
+        self.asked = self.mm(position);
+    }
+
+    /// Where the last planned move ends, in steps.
+    #[must_use]
+    pub const fn end(&self) -> [Steps; 4] {
+        self.end
+    }
+
+    /// Plans a move to `target`; false if it has no length and is none. The caller has asked
+    /// [`has_room`](Self::has_room).
+    pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
+        while !self.prepare() {}
+        let laid_out = self.lay_out(target.position);
+        self.asked = target.position;
+        let Some((end, vector)) = laid_out else {
+            return false;
+        };
+        let is_extruder_only = vector.is_extruder_only();
+        let (least, most) = purpose(&vector, settings);
+        let feed = target.speed.max(least);
+        let shares = Shares::new(vector.direction, vector.extrusion, &self.belts);
+        let limits = Limits::of_acceleration(settings);
+        let bears = shares.bound(acceleration(most), &limits);
+        let fastest = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
+        let bearing = Bearing { acceleration: bears, fastest, limits: &limits, belts: &self.belts };
+        let corner = corner_speed_sq(&self.last, &vector, &mut self.trend, &bearing, settings);
+        let mut planned = Planned {
+            way: Way {
+                length: vector.length,
+                ramps: if is_extruder_only {
+                    vector.length
+                } else {
+                    ramps_of(vector.length, settings.minimum_cruise_ratio)
+                },
+                acceleration: MmPerSec2::from_bits((bears * 256.0) as u32).max(MmPerSec2::DELTA),
+                nominal: feed,
+                end,
+                watch: target.watch,
+            },
+            feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
+            most: MmPerSec::from_bits((fastest * 65536.0) as u32),
+            corner,
+            cap: 0,
+            before: self.window.sum(),
+            exit: OPEN,
+            nominal_ticks: 0,
+            advance: if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO },
+        };
+        planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed });
+        if planned.nominal_ticks >= LONG_TICKS {
+            planned.way.length = self.exact_length(end, vector.length);
+        }
+        self.waiting += u64::from(planned.nominal_ticks);
+        planned.limit_entry(self.passed_on);
+        self.passed_on = planned.passed_on();
+        self.last = vector;
+        self.window.push(planned);
+        self.end = end;
+        self.moves = self.moves.wrapping_add(1);
+        if !is_extruder_only {
+            self.path = self.path.wrapping_add(vector.length);
+        }
+        true
+    }
+
+    /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been done.
+    /// Without it [`push`](Self::push) does all of it.
+    pub fn prepare(&mut self) -> bool {
+        if self.plan_anew() && self.window.is_settled() {
+            return true;
+        }
+        if self.is_planned() {
+            self.window.settle();
+        }
+        false
+    }
+
+    /// Whether a target at `position` would be a move.
+    #[must_use]
+    #[inline(never)]
+    pub fn is_move(&self, position: [Mm; 4]) -> bool {
+        self.lay_out(position).is_some()
+    }
+
+    /// The last move ended early, at `position`: takes back the path that was not made.
+    pub fn fall_short(&mut self, position: [Steps; 4]) {
+        let way = self.geometry_to(position);
+        if !way.is_extruder_only() {
+            self.path = self.path.wrapping_sub(way.length);
+        }
+    }
+
+    /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
+    #[inline(always)]
+    fn lay_out(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
+        // Written out: firmware is made for size, which leaves loops and arrays as they are.
+        let ([x, y, z, e], [asked_x, asked_y, asked_z, asked_e]) = (position, self.asked);
+        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.pitch, self.end);
+        let (x, dx) = px.lay_out(x, asked_x, from_x);
+        let (y, dy) = py.lay_out(y, asked_y, from_y);
+        let (z, dz) = pz.lay_out(z, asked_z, from_z);
+        let (e, de) = pe.lay_out(e, asked_e, from_e);
+        let vector = Geometry::new([dx, dy, dz, de]);
+        if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
+            // What an axis still lacks is made up when it is next asked for another place.
+            let extrusion = Geometry::new([0, 0, 0, de]);
+            return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
+        }
+        Some(([x, y, z, e], vector))
+    }
+
+    /// The length of the way to `end` to the last bit, in raw `Mm` bits, given one that has 30.
+    #[cold]
+    #[inline(never)]
+    fn exact_length(&self, end: [Steps; 4], about: u64) -> u64 {
+        let mut ways = [0; 4];
+        for (((way, pitch), to), from) in ways.iter_mut().zip(&self.pitch).zip(end).zip(self.end) {
+            *way = pitch.mm_bits(to.wrapping_sub(from));
+        }
+        let [x, y, z, e] = ways;
+        let square = |way: i64| i128::from(way) * i128::from(way);
+        let sum = if x | y | z == 0 { square(e) } else { square(x) + square(y) + square(z) };
+        // One of Newton's steps.
+        let about = about.cast_signed();
+        about.saturating_add((sum - square(about)) as i64 / about.saturating_mul(2).max(1)).unsigned_abs()
+    }
+
+    /// Whether another move can be planned.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        !self.window.is_full()
+    }
+
+    /// Moves that can be pushed.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        WINDOW - self.window.len()
+    }
+
+    /// Whether [`pop`](Self::pop) would give a move.
+    #[must_use]
+    pub fn has_ready(&self) -> bool {
+        self.window.is_planned() && self.window.has_ready()
+    }
+
+    /// Whether the first move waits for more moves, or there is none; as far as is known, it is not so while moves are
+    /// [planned anew](Self::plan_anew).
+    #[must_use]
+    pub fn lacks_moves(&self) -> bool {
+        self.window.is_planned() && !self.window.has_ready()
+    }
+
+    /// Whether no move waits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.window.is_empty()
+    }
+
+    /// Moves that wait.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.window.len()
+    }
+
+    /// Nominal time of the moves that wait, in ticks: what they would take without ramps.
+    #[must_use]
+    pub const fn waiting(&self) -> u64 {
+        self.waiting
+    }
+
+    /// Moves planned so far, and the path of the tool in um; both wrap.
+    #[must_use]
+    pub const fn planned(&self) -> (u32, u32) {
+        (self.moves, ((self.path as u128 * 1000) >> 32) as u32)
+    }
+
+    /// Looks at a few more moves whether they are final. Gives the nominal time of those that are known to be, in ticks, and
+    /// whether that is all of them.
+    pub fn final_time(&mut self) -> (u64, bool) {
+        if self.plan_anew() { self.window.judge() } else { (0, false) }
+    }
+
+    /// Lets the first move leave, final or not.
+    pub fn release_next(&mut self) {
+        self.window.force(1);
+    }
+
+    /// Lets a few moves leave, unless the first is final or not [planned](Self::is_planned): the window is full.
+    pub fn release_some(&mut self) {
+        if self.is_planned() && !self.has_ready() {
+            self.window.force(FORCED_BATCH);
+        }
+    }
+
+    /// Lets every move leave.
+    pub fn release_all(&mut self) {
+        self.window.force(usize::MAX);
+    }
+
+    /// Takes the next move that may leave; none does while moves are [planned anew](Self::plan_anew).
+    pub fn pop(&mut self) -> Option<Move> {
+        if !self.window.is_planned() {
+            return None;
+        }
+        let (released, ticks) = self.window.pop(self.gone)?;
+        self.waiting = self.waiting.saturating_sub(u64::from(ticks));
+        self.gone = released.end[3];
+        Some(released)
+    }
+}
+
+/// Least speed and acceleration of a move, by what it is for: print, travel, or retract.
+fn purpose(vector: &Geometry, s: &Settings) -> (MmPerSec, MmPerSec2) {
+    if vector.is_extruder_only() {
+        (MmPerSec::ZERO, s.retract_acceleration)
+    } else if vector.extrusion != 0.0 {
+        (s.min_feed, s.print_acceleration)
+    } else {
+        (s.min_travel, s.travel_acceleration)
+    }
+}

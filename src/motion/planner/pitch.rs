@@ -1,0 +1,112 @@
+//! Pitch: between millimetres and steps of one axis.
+//!
+//! Positions are exact to a bit, for they are compared and stand in traces. A way has 32 bits, whatever its length.
+
+use crate::units::{Mm, Steps, StepsPerMm};
+
+/// Between millimetres and steps of one axis.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::motion) struct Pitch {
+    steps_per_mm: u32,
+    /// Raw `Mm` bits a raw `Steps` bit, times 2^48.
+    mm_per_step: u64,
+    /// The same with 32 bits alone, times 2^(32 + `shift`).
+    mantissa: u32,
+    shift: u8,
+}
+
+impl Pitch {
+    pub fn new(steps_per_mm: StepsPerMm) -> Self {
+        // No axis has less than one step a millimetre.
+        let raw = steps_per_mm.to_bits().max(1 << 16);
+        let mm_per_step = u64::MAX / u64::from(raw);
+        let shift = mm_per_step.leading_zeros().saturating_sub(16);
+        let mantissa = u32::try_from((mm_per_step << shift) >> 16).unwrap_or(u32::MAX);
+        Self { steps_per_mm: raw, mm_per_step, mantissa, shift: shift as u8 }
+    }
+
+    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for, and its way. An axis that
+    /// is asked for the same again stays where it is.
+    #[inline(always)]
+    pub fn lay_out(&self, to: Mm, asked: Mm, from: Steps) -> (Steps, i64) {
+        if to == asked {
+            return (from, 0);
+        }
+        let end = self.steps(to);
+        (end, self.way(end.wrapping_sub(from)))
+    }
+
+    /// The position in steps; wraps with the step counters.
+    #[inline(always)]
+    pub fn steps(&self, mm: Mm) -> Steps {
+        let wide = i128::from(mm.to_bits()) * i128::from(self.steps_per_mm);
+        Steps::from_bits((wide >> 16) as i64)
+    }
+
+    /// The position in mm of a count of steps that has wrapped with the counters, as often as makes it the nearest to `near`.
+    pub fn mm_near(&self, steps: Steps, near: Mm) -> Mm {
+        let beside = self.mm_bits(steps.wrapping_sub(self.steps(near)));
+        Mm::from_bits(near.to_bits().wrapping_add(beside))
+    }
+
+    /// A position or distance of `steps` in raw `Mm` bits, to the nearest.
+    pub fn mm_bits(&self, steps: Steps) -> i64 {
+        let wide = i128::from(steps.to_bits()) * i128::from(self.mm_per_step);
+        ((wide + (1 << 47)) >> 48) as i64
+    }
+
+    /// A distance of `steps` in raw `Mm` bits, of which 32 are right.
+    #[inline(always)]
+    pub fn way(&self, steps: Steps) -> i64 {
+        let bits = steps.to_bits();
+        let (high, low) = (i64::from((bits >> 32) as i32), u64::from(bits as u32));
+        let mantissa = u64::from(self.mantissa);
+        let wide = high * mantissa.cast_signed() + ((low * mantissa) >> 32).cast_signed();
+        wide >> (self.shift & 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mm(v: f64) -> i64 {
+        Mm::from_num(v).to_bits()
+    }
+
+    #[test]
+    fn steps_and_millimetres_agree() {
+        let pitch = Pitch::new(StepsPerMm::from_num(80));
+        for v in [-417.6, -1.0, 0.0125, 0.3, 390.0] {
+            let steps = pitch.steps(Mm::from_num(v));
+            assert!((steps.to_num::<f64>() - 80.0 * v).abs() < 1e-6);
+            assert!((pitch.mm_bits(steps) - mm(v)).abs() <= 1);
+        }
+    }
+
+    #[test]
+    fn counts_that_have_wrapped_are_read_beside_what_is_known() {
+        for (resolution, known) in [(400.0, 5_368_709.0), (25_600.0, 83_886.07), (25_600.0, 1e9), (1.0, -2e9)] {
+            let (pitch, near) = (Pitch::new(StepsPerMm::from_num(resolution)), Mm::from_num(known));
+            assert_eq!(pitch.mm_near(pitch.steps(near), near), near);
+            for way in [-150.0, -0.3, 0.01, 0.02, 70.0] {
+                let steps = pitch.steps(near + Mm::from_num(way));
+                let error = (pitch.mm_near(steps, near) - near).to_num::<f64>() - way;
+                assert!(error.abs() < 1e-7, "{known} mm of {resolution} steps and {way}: off by {error}");
+            }
+        }
+    }
+
+    #[test]
+    fn ways_are_right_to_32_bits_at_every_resolution() {
+        for resolution in [1.0, 1.5, 80.0, 93.0, 400.0, 25_600.0] {
+            let pitch = Pitch::new(StepsPerMm::from_num(resolution));
+            for v in [-417.6, -1.0, -0.001, 0.0125, 0.3, 390.0] {
+                let exact = (v * 2f64.powi(32)).abs();
+                let way = pitch.way(Steps::from_num(v * resolution));
+                let error = (way as f64 - v * 2f64.powi(32)).abs();
+                assert!(error <= 1.5 + exact * 5e-10, "{v} mm of {resolution} steps: {way}, off by {error}");
+            }
+        }
+    }
+}

@@ -1,0 +1,321 @@
+//! Trapezoids: from distance, acceleration and the speeds at both ends to times.
+//!
+//! Three phases: accelerate from the entry speed to the peak, cruise, decelerate to the exit speed. Where
+//! the distance is too short for the nominal speed, the peak is where the two ramps meet:
+//! `peak^2 = (entry^2 + exit^2) / 2 + a L`. With a minimum cruise ratio r the ramps have only `(1 - r) L` to meet in, and
+//! the move cruises between them, so that a row of short moves does not fall from accelerating into braking in each of
+//! them (Klipper's minimum_cruise_ratio). A move that must accelerate or brake all along, because the next corner is that
+//! much faster or slower, still does. A move that is entered above its nominal speed brakes to it first.
+
+use super::geometry::acceleration;
+use crate::motion::moves::{Move, WHOLE};
+use crate::motion::number::{from_bits, root, root_of, to_bits};
+use crate::motion::stepgen::course::LONG;
+use crate::port::EndstopSet;
+use crate::units::{MmPerSec, MmPerSec2, Ratio, Steps, TICKS_PER_SECOND};
+
+/// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
+#[must_use]
+pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
+    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7; in two halves, to save its upper 64 bits.
+    let a = a.to_bits() as u64;
+    let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
+    if high >> 38 != 0 { u64::MAX } else { (high << 25).saturating_add(low) }
+}
+
+/// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
+/// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
+pub(in crate::motion) fn speed(square: u64) -> u64 {
+    let shift = square.leading_zeros() & !1;
+    if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
+}
+
+/// Ticks as a time in ticks times 2^16.
+fn to_time(ticks: f32) -> u64 {
+    to_bits(ticks * const { 1.0 / 65536.0 })
+}
+
+/// Time in ticks times 2^16 over `level` (raw `Mm` bits) at a nominal speed (raw `MmPerSec` bits). It may be long, so
+/// every bit counts: what single precision leaves is made up by one of Newton's steps, to 2^-16 of a tick in three
+/// minutes and to a thousandth of one in hours.
+fn cruise_time(level: u64, nominal: u32) -> u64 {
+    let speed = nominal as f32 * const { 1.0 / 65536.0 };
+    let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 });
+    // Both products may wrap; their difference fits 63 bits.
+    let product = level.wrapping_mul(TICKS_PER_SECOND.into());
+    let rest = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
+    let rest = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 + (rest as u32) as f32;
+    guess.saturating_add_signed(i64::from((rest / nominal as f32) as i32))
+}
+
+/// `part / whole`, scaled by [`WHOLE`].
+pub(in crate::motion) const fn fraction(part: u64, whole: u64) -> u32 {
+    // 33 bits of the whole are enough, and the product fits.
+    let shift = 31u32.saturating_sub(whole.leading_zeros());
+    let (part, whole) = (part >> shift, whole >> shift);
+    match (part * WHOLE as u64).checked_div(whole) {
+        Some(scaled) if scaled < WHOLE as u64 => scaled as u32,
+        _ => WHOLE,
+    }
+}
+
+/// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
+pub(in crate::motion) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
+    to_bits(from_bits(change) / (acceleration(a) * 2.0))
+}
+
+/// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
+#[must_use]
+pub(in crate::motion) fn ramps_of(length: u64, cruise: Ratio) -> u64 {
+    const WIDTH: u32 = Ratio::FRAC_NBITS;
+    let part = u64::from((Ratio::ONE.saturating_sub(cruise)).to_bits());
+    (((length >> 32) * part) << (32 - WIDTH)) + (((length & 0xFFFF_FFFF) * part) >> WIDTH)
+}
+
+/// What a trapezoid is made of.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::motion) struct Way {
+    /// Its length in raw `Mm` bits.
+    pub length: u64,
+    /// So much of that is for accelerating and braking, if entry and exit allow it.
+    pub ramps: u64,
+    /// Acceleration of the ramps.
+    pub acceleration: MmPerSec2,
+    /// Speed not to be exceeded.
+    pub nominal: MmPerSec,
+    /// Where it ends, in steps of x, y, z and e.
+    pub end: [Steps; 4],
+    /// Endstops that end it early.
+    pub watch: EndstopSet,
+}
+
+impl Way {
+    /// None.
+    pub const NONE: Self = Self {
+        length: 0,
+        ramps: 0,
+        acceleration: MmPerSec2::ZERO,
+        nominal: MmPerSec::ZERO,
+        end: [Steps::ZERO; 4],
+        watch: EndstopSet::NONE,
+    };
+}
+
+/// The move over a way that is entered and left with these speeds squared, in raw bits of 2^-32 mm2/s2, and its exit speed
+/// in mm/s; that of the entry is known. They must be possible: `|exit - entry| <= gain(a, length)` but for rounding.
+#[must_use]
+#[inline(always)]
+pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), exit: u64) -> (Move, f32) {
+    let Way { length, ramps, acceleration: a, nominal, end, watch } = *way;
+    let nominal_sq = u64::from(nominal.to_bits()) * u64::from(nominal.to_bits());
+    let meet = entry / 2 + exit / 2 + gain(a, ramps) / 2;
+    let brakes_first = entry > nominal_sq;
+    let least = if brakes_first { 1 } else { entry.max(1) };
+    let peak = nominal_sq.min(meet).max(exit).max(least);
+    let size = from_bits(length);
+    let twice_a = acceleration(a) * 2.0;
+    let exit_speed = if exit == entry { entry_speed } else { root(from_bits(exit)) };
+    // In the middle of a long ramp the peak is one of the ends, and its root known.
+    let peak_speed = match peak {
+        _ if peak == exit => exit_speed,
+        _ if peak == entry => entry_speed,
+        _ => root(from_bits(peak)),
+    };
+    let rise = Ramp::new(peak.abs_diff(entry), twice_a, entry_speed, peak_speed);
+    let fall = Ramp::new(peak - exit, twice_a, exit_speed, peak_speed);
+    // In integers, for a cruise may be long.
+    let level = length.saturating_sub(to_bits(rise.length)).saturating_sub(to_bits(fall.length));
+    let scale = const { WHOLE as f32 } / size;
+    let accelerated = ((rise.length * scale) as u32).min(WHOLE);
+    let cruised = (WHOLE - ((fall.length * scale) as u32).min(WHOLE)).max(accelerated);
+    // What rounding leaves of a move that only ramps fill is no cruise: it would have time, but no way.
+    let cruise = match level {
+        _ if cruised == accelerated => 0,
+        _ if peak == nominal_sq => cruise_time(level, nominal.to_bits()),
+        _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
+    };
+    let times = match (rise.time, cruise, fall.time) {
+        long if cruise >= LONG => evened(long, (rise.length * scale, fall.length * scale)),
+        times => times,
+    };
+    let planned = Move {
+        end,
+        accelerated,
+        cruised,
+        entry_share: rise.share,
+        exit_share: fall.share,
+        accelerate: times.0,
+        cruise: times.1,
+        decelerate: times.2,
+        length,
+        acceleration: a,
+        advance: Steps::ZERO,
+        brakes_first,
+        rests: exit == 0,
+        watch,
+    };
+    (planned, exit_speed)
+}
+
+/// The times of a long move's phases, so that they are those of the fractions of its way at which they end. These are cut to
+/// whole ones, given the fractions of both ramps; what they lack of the ramps is cruised.
+#[cold]
+#[inline(never)]
+fn evened((rise, cruise, fall): (u64, u64, u64), (accelerated, decelerated): (f32, f32)) -> (u64, u64, u64) {
+    // A fraction of one takes so long at the speed of the cruise, in ticks times 2^16.
+    let ramps = u64::from(accelerated as u32) + u64::from(decelerated as u32);
+    let level = u64::from(WHOLE).saturating_sub(ramps).max(1);
+    let one = u32::try_from(cruise / level).unwrap_or(u32::MAX) as f32;
+    let lacking = |fraction: f32| u64::from(((fraction - (fraction as u32) as f32) * one) as u32);
+    let (begin, end) = (lacking(accelerated).min(rise), lacking(decelerated).min(fall));
+    (rise - begin, cruise + begin + end, fall - end)
+}
+
+/// A phase in which the speed changes.
+struct Ramp {
+    /// In mm.
+    length: f32,
+    /// In ticks times 2^16.
+    time: u64,
+    /// The part of it that its lower speed alone would cover in its time, scaled by [`WHOLE`].
+    share: u32,
+}
+
+impl Ramp {
+    /// One on which the squared speed changes by `change`, given twice the acceleration and the speeds at both ends. Its
+    /// time is its length over the mean of the two, in which nothing cancels; the difference of two roots would. Neither
+    /// does it in its share: of two speeds that are nearly the same it is one less their difference.
+    #[inline(always)]
+    fn new(change: u64, twice_a: f32, end: f32, peak: f32) -> Self {
+        let sum = end + peak;
+        let slow = if end < peak { end } else { peak };
+        let gain = from_bits(change);
+        let share = if slow * 3.0 <= sum {
+            ((slow + slow) / sum * const { WHOLE as f32 }) as u32
+        } else {
+            WHOLE.saturating_sub((gain / (sum * sum) * const { WHOLE as f32 }) as u32)
+        };
+        if change == 0 {
+            return Self { length: 0.0, time: 0, share };
+        }
+        let length = gain / twice_a;
+        Self { length, time: to_time(length / sum * const { 2.0 * TICKS_PER_SECOND as f32 }), share }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::Mm;
+
+    fn sq(v: f64) -> u64 {
+        (v * v * 2f64.powi(32)) as u64
+    }
+
+    fn seconds(t: u64) -> f64 {
+        t as f64 / 65536.0 / 1e7
+    }
+
+    fn run(length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
+        cruising(0.0, length, a, entry, nominal, exit)
+    }
+
+    fn cruising(ratio: f64, length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
+        let length = Mm::from_num(length).to_bits() as u64;
+        let way = Way {
+            length,
+            ramps: ramps_of(length, Ratio::from_num(ratio)),
+            acceleration: MmPerSec2::from_num(a),
+            nominal: MmPerSec::from_num(nominal),
+            end: [Steps::ZERO; 4],
+            watch: EndstopSet::NONE,
+        };
+        let (planned, exit_speed) = profile(&way, (sq(entry), entry as f32), sq(exit));
+        assert!((f64::from(exit_speed) - exit).abs() <= 1e-7 * exit);
+        planned
+    }
+
+    #[test]
+    fn a_long_move_cruises() {
+        let m = run(60.0, 3000.0, 0.0, 100.0, 0.0);
+        assert!((seconds(m.accelerate) - 1.0 / 30.0).abs() < 1e-8);
+        assert!((seconds(m.cruise) - (60.0 - 100.0 / 30.0) / 100.0).abs() < 1e-7);
+        assert_eq!(m.entry_share, 0);
+        assert!(m.rests);
+    }
+
+    /// Reproducer: shares of 24 bits made this ramp one of 758.9 mm/s2.
+    #[test]
+    fn a_ramp_between_nearly_equal_speeds_has_its_acceleration() {
+        for change in [0.0005, 0.0127, 0.3, 40.0, 290.0] {
+            let m = run(100.0, 757.0, 300.0, 300.0, 300.0 - change);
+            let part = 1.0 - f64::from(m.exit_share) / f64::from(WHOLE);
+            let found = 2.0 * part * (300.0 - change / 2.0) / seconds(m.decelerate);
+            // But for the last of the share's 31 bits.
+            let tolerance = 1e-5 + 1.0 / (part * f64::from(WHOLE));
+            assert!((found / 757.0 - 1.0).abs() < tolerance, "{change} mm/s: {found}");
+        }
+    }
+
+    #[test]
+    fn a_cruise_is_right_to_the_tick_however_long() {
+        for (length, nominal) in [(468.0, 0.5), (4000.0, 0.25), (300.0, 33.5), (20.0, 20.0), (2.0, 255.0)] {
+            let m = run(length, 3000.0, nominal, nominal, nominal);
+            let error = m.cruise as f64 / 65536.0 - length / nominal * 1e7;
+            assert!(error.abs() < 0.01, "{length} mm at {nominal} mm/s: off by {error} ticks");
+        }
+    }
+
+    #[test]
+    fn a_short_move_peaks_where_the_ramps_meet() {
+        let m = run(1.0, 1000.0, 10.0, 300.0, 20.0);
+        let peak = (250.0f64 + 1000.0).sqrt();
+        assert!((seconds(m.accelerate) - (peak - 10.0) / 1000.0).abs() < 1e-7);
+        assert!((seconds(m.decelerate) - (peak - 20.0) / 1000.0).abs() < 1e-7);
+        assert!(seconds(m.cruise) < 1e-6);
+        assert!(!m.rests);
+    }
+
+    #[test]
+    fn a_short_move_cruises_over_its_ratio() {
+        for (ratio, length, entry, exit) in [(0.5, 1.0, 0.0, 0.0), (0.5, 2.0, 10.0, 20.0), (0.9, 5.0, 30.0, 0.0)] {
+            let m = cruising(ratio, length, 1000.0, entry, 300.0, exit);
+            let level = f64::from(m.cruised - m.accelerated) / f64::from(WHOLE);
+            assert!((level - ratio).abs() < 1e-4, "{level} of {ratio}");
+            let peak = ((entry * entry + exit * exit) / 2.0 + 1000.0 * (1.0 - ratio) * length).sqrt();
+            assert!((seconds(m.cruise) * peak / (ratio * length) - 1.0).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_ratio_changes_no_move_that_cruises_as_long_or_ramps_all_along() {
+        for (length, entry, exit) in
+            [(60.0, 0.0, 0.0), (20.0, 0.0, 100.0), (1.5, 0.0, 3000f64.sqrt()), (1.5, 3000f64.sqrt(), 0.0)]
+        {
+            let moves = [0.0, 0.5].map(|ratio| cruising(ratio, length, 1000.0, entry, 100.0, exit));
+            assert_eq!(moves[0], moves[1], "{length} {entry} {exit}");
+        }
+    }
+
+    #[test]
+    fn a_move_at_one_speed_only_cruises() {
+        let m = run(5.0, 1000.0, 50.0, 50.0, 50.0);
+        assert_eq!((m.accelerate, m.decelerate), (0, 0));
+        assert_eq!((m.accelerated, m.cruised), (0, WHOLE));
+        assert!((seconds(m.cruise) - 0.1).abs() < 1e-7);
+    }
+
+    #[test]
+    fn a_move_entered_too_fast_brakes_first() {
+        let m = run(20.0, 1000.0, 100.0, 50.0, 20.0);
+        assert!(m.brakes_first);
+        assert!((seconds(m.accelerate) - 0.05).abs() < 1e-7);
+        let (first, last) = ((10_000.0 - 2500.0) / 2000.0, (2500.0 - 400.0) / 2000.0);
+        assert!((seconds(m.cruise) - (20.0 - first - last) / 50.0).abs() < 1e-7);
+        assert!((f64::from(m.accelerated) / f64::from(WHOLE) - first / 20.0).abs() < 1e-8);
+        // With no room for its nominal speed it brakes all the way.
+        let m = run(2.0, 1000.0, 100.0, 50.0, 6000f64.sqrt());
+        assert!((seconds(m.accelerate) - (100.0 - 6000f64.sqrt()) / 1000.0).abs() < 1e-7);
+        assert!(seconds(m.cruise + m.decelerate) < 1e-6);
+    }
+}

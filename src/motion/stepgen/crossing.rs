@@ -1,0 +1,384 @@
+//! Crossings: when a motor's position crosses from one step to the next.
+//!
+//! In one piece of its way a motor's position is a quadratic in time. Seen from the end of the piece where it is slower,
+//! with v the speed there, a distance of d steps is covered after
+//!
+//! ```text
+//! t = 2 d / (v + u),    u = sqrt(v^2 + 4 h d),    h = (D - v T) / T^2
+//! ```
+//!
+//! D being the way of the piece and T its time, u the speed there: nothing cancels, and both ends are exact. Nothing is
+//! summed up from piece to piece, so an error cannot grow.
+//!
+//! Crossings are found by stretches of n, of which the first is computed like that and the others lie on the cubic that
+//! has the right slope 1/u at both ends of the stretch: three sums a step. Hermite's remainder, f n^4 / 384 with the
+//! fourth derivative f = 120 h^3 / u^7 of the slow end, says how much that is off. With r = 4 h n / u^2, by which part u^2 changes in
+//! the stretch, that is
+//!
+//! ```text
+//! 15 / 3072 r^3 n / u ticks
+//! ```
+//!
+//! Where that is too much a stretch is shorter, in the end of a single crossing.
+
+use super::track::MIN_STEP_INTERVAL;
+use crate::motion::number::{root, ticks, to_f32};
+use crate::motion::trajectory::phase::Curve;
+use crate::units::Steps;
+
+/// Where and how fast a piece begins or ends.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::motion) struct Edge {
+    /// In ticks times 2^16.
+    pub time: u64,
+    pub position: Steps,
+    /// In steps a tick.
+    pub speed: f32,
+}
+
+/// Lengths of a stretch in which speed changes. They get no longer at once, for the one that is too long by a little may
+/// well be too long by far.
+const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
+
+/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a stretch of 32 sums up twice what is
+/// rounded to half a bit of [`FINE`], and three times what is cut to a bit of [`FINER`].
+const MOST_ERROR: f32 = 0.125;
+
+/// Of the formula above, squared.
+const MOST_ROUGHNESS: f32 = (MOST_ERROR * 3072.0 / 15.0) * (MOST_ERROR * 3072.0 / 15.0);
+
+/// Bits of a tick's fraction within a stretch; and how many more there are in what is summed up twice. The change of a
+/// step's time is less than 1,000 ticks where a stretch is smooth and not too long.
+const FINE: u32 = 14;
+const FINER: u32 = 6;
+
+/// What makes of a shift by [`FINER`] bits a rounding.
+const HALF: i32 = 1 << (FINER - 1);
+
+/// A longer stretch than this, in ticks, would leave less than 32 bits can hold.
+const LONGEST_STRETCH: f32 = (1 << (31 - FINE)) as f32;
+
+/// Where steps come at most this often, in steps a tick, no two pulses can come too close to each other: rounding and
+/// interpolation take less than 2 ticks of 19.
+const SPARSE: f32 = 1.0 / (MIN_STEP_INTERVAL + 2) as f32;
+
+/// A piece is steady if the change of its speed shifts no step by more than a quarter of this, in ticks.
+const LEAST_SHIFT: f32 = 0.2;
+
+/// The crossings of one piece, in order.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::motion) struct Crossings {
+    curve: Curve,
+    /// Distance of the next crossing from the slow end: whole steps, which are counted, and the rest. A sum would lose the
+    /// digits that matter where few steps are left.
+    whole: i32,
+    part: f32,
+    /// v, or the time a step takes if it is always the same.
+    slow: f32,
+    /// h
+    rise: f32,
+    /// Time of the slow end from the whole tick `base`, and half a tick for rounding.
+    offset: f32,
+    base: u32,
+    /// Speed at the next crossing.
+    fast: f32,
+    /// How long the stretches are: an index of [`LENGTHS`].
+    level: u8,
+    /// Whether two pulses may come too close to each other: it is fast, or a step is late that rounding has left over from
+    /// the piece before.
+    pub is_dense: bool,
+}
+
+/// Crossings in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
+/// differences, the latter two with [`FINER`] more.
+struct Stretch {
+    base: u32,
+    at: u32,
+    pace: i32,
+    bend: i32,
+    jerk: i32,
+}
+
+impl Stretch {
+    /// A single crossing, or several in the same tick.
+    fn at(base: u32, ticks: f32) -> Self {
+        // Not `max`, which the target has no instruction for.
+        let ticks = if ticks < 0.0 { 0.0 } else { ticks };
+        let whole = ticks as u32;
+        let at = fine(ticks - whole as f32).cast_unsigned();
+        Self { base: base.wrapping_add(whole), at, pace: 0, bend: 0, jerk: 0 }
+    }
+
+    #[inline(always)]
+    fn write(mut self, ticks: &mut [u32]) {
+        // Four at a time, which takes 6 instructions for each instead of 10.
+        let (fours, rest) = ticks.as_chunks_mut();
+        for [first, second, third, fourth] in fours {
+            *first = self.next();
+            *second = self.next();
+            *third = self.next();
+            *fourth = self.next();
+        }
+        for tick in rest {
+            *tick = self.next();
+        }
+    }
+
+    #[inline(always)]
+    fn next(&mut self) -> u32 {
+        let tick = self.base.wrapping_add(self.at >> FINE);
+        self.at = self.at.wrapping_add_signed(self.pace);
+        self.pace = self.pace.wrapping_add(self.bend >> FINER);
+        self.bend = self.bend.wrapping_add(self.jerk);
+        tick
+    }
+}
+
+/// With a fraction of [`FINE`] bits.
+fn fine(ticks: f32) -> i32 {
+    (ticks * const { (1 << FINE) as f32 }) as i32
+}
+
+/// With [`FINER`] bits more.
+fn finer(ticks: f32) -> i32 {
+    (ticks * const { (1 << (FINE + FINER)) as f32 }) as i32
+}
+
+impl Crossings {
+    /// No piece.
+    pub const NONE: Self = Self {
+        curve: Curve::Steady,
+        whole: 0,
+        part: 0.0,
+        slow: 0.0,
+        rise: 0.0,
+        offset: 0.0,
+        base: 0,
+        fast: 0.0,
+        level: 0,
+        is_dense: true,
+    };
+
+    /// The crossings between `from` and `to`, the first of which is at `first`; between them the direction does not
+    /// change.
+    pub fn new(from: &Edge, to: &Edge, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
+        let distance = |from: Steps, to: Steps| {
+            if is_forward { to.wrapping_sub(from) } else { from.wrapping_sub(to) }
+        };
+        let time = ticks(to.time - from.time);
+        let way = to_f32(distance(from.position, to.position));
+        // Where the motor's way is that of one span, its curve is the span's; a small difference of two great speeds
+        // would say less well what that is.
+        let (v0, v1) = (from.speed.abs(), to.speed.abs());
+        let even = if v0 <= v1 { Curve::Speeding } else { Curve::Slowing };
+        let (curve, covered) = match shape {
+            Some((Curve::Steady, _)) => (Curve::Steady, way),
+            Some((curve, share)) => (curve, way * share),
+            None => (even, v0.min(v1) * time),
+        };
+        let gain = way - covered;
+        let begin = ((from.time & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
+        let piece = Self { base: (from.time >> 16) as u32, offset: begin, ..Self::NONE };
+        if gain * time < LEAST_SHIFT * way {
+            return Self { slow: time / way, is_dense: way > time * SPARSE, ..piece }
+                .seen_from_slow_end(distance(from.position, first));
+        }
+        let piece = Self { slow: covered / time, rise: gain / (time * time), ..piece };
+        let piece = Self { is_dense: piece.slow + 2.0 * (piece.rise * time) > SPARSE, ..piece };
+        if curve == Curve::Speeding {
+            Self { curve, ..piece }.seen_from_slow_end(distance(from.position, first))
+        } else {
+            let level = LENGTHS.len() as u8 - 1;
+            Self { curve, offset: begin + time, level, ..piece }.seen_from_slow_end(distance(first, to.position))
+        }
+    }
+
+    /// The first crossing is so far from the slow end.
+    fn seen_from_slow_end(self, distance: Steps) -> Self {
+        let bits = distance.to_bits();
+        let part = ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 };
+        let whole = (bits >> 32) as i32;
+        let fast = root(self.square(whole as f32 + part));
+        Self { whole, part, fast, ..self }
+    }
+
+    /// The speed squared at a distance from the slow end.
+    fn square(&self, distance: f32) -> f32 {
+        self.slow * self.slow + 4.0 * (self.rise * distance)
+    }
+
+    /// All crossings at once.
+    pub fn at_once(time: u64) -> Self {
+        Self { base: (time >> 16) as u32, offset: 0.5, ..Self::NONE }
+    }
+
+    /// The ticks of the next crossings; there may be more of them than the piece has.
+    pub fn fill(&mut self, ticks: &mut [u32]) {
+        let mut left = ticks;
+        while !left.is_empty() {
+            let (stretch, count) = match self.curve {
+                Curve::Steady => self.steady(left.len()),
+                Curve::Speeding | Curve::Slowing => self.curved(left.len()),
+            };
+            let Some((now, behind)) = left.split_at_mut_checked(count) else { return };
+            stretch.write(now);
+            left = behind;
+        }
+    }
+
+    /// The next stretch where all steps take the same time, and how long it is.
+    fn steady(&mut self, most: usize) -> (Stretch, usize) {
+        let at = self.offset + (self.whole as f32 + self.part) * self.slow;
+        let mut count = if at < 0.0 { 1 } else { most };
+        while count > 1 && self.slow * count as f32 >= LONGEST_STRETCH {
+            count /= 2;
+        }
+        self.is_dense |= at < 0.0;
+        self.whole += count as i32;
+        (Stretch { pace: fine(self.slow), ..Stretch::at(self.base, at) }, count)
+    }
+
+    /// The next stretch where speed changes, and how long it is.
+    fn curved(&mut self, most: usize) -> (Stretch, usize) {
+        let distance = self.whole as f32 + self.part;
+        let fast = self.fast;
+        let from_slow_end = if distance > 0.0 { (distance + distance) / (self.slow + fast) } else { 0.0 };
+        let is_slowing = self.curve == Curve::Slowing;
+        let at = if is_slowing { self.offset - from_slow_end } else { self.offset + from_slow_end };
+        let is_within = distance > 0.0 && at >= 0.0;
+        let count = if is_within { self.length(distance, most) } else { 1 };
+        self.is_dense |= !is_within;
+        self.whole += if is_slowing { -(count as i32) } else { count as i32 };
+        self.fast = root(self.square(self.whole as f32 + self.part));
+        let single = Stretch::at(self.base, at);
+        if count == 1 {
+            return (single, 1);
+        }
+        // The mean pace is known best: speed changes evenly with time. The slopes at the ends are `change * self.fast` more
+        // and `change * fast` less.
+        let gain = self.fast - fast;
+        let mean = 2.0 / (fast + self.fast);
+        let change = 0.5 * (gain * mean) / (fast * self.fast);
+        let share = 1.0 / count as f32;
+        let square = change * (fast - (self.fast + self.fast)) * share;
+        let cube = change * gain * (share * share);
+        let pace = mean + change * self.fast + (square + cube);
+        let jerk = 6.0 * cube;
+        (Stretch { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
+    }
+
+    /// How long the next stretch can be, which begins at a distance from the slow end.
+    fn length(&mut self, distance: f32, most: usize) -> usize {
+        let length = |level: u8| LENGTHS.get(usize::from(level)).copied();
+        let mut long = length(self.level).unwrap_or(1);
+        if self.curve == Curve::Slowing {
+            while self.level > 0 && !self.is_smooth(distance, most.min(long)) {
+                self.level -= 1;
+                long = length(self.level).unwrap_or(1);
+            }
+        } else if long < most
+            && let Some(longer) = length(self.level + 1)
+            && self.is_smooth(distance, longer)
+        {
+            self.level += 1;
+            long = longer;
+        }
+        most.min(long)
+    }
+
+    /// Whether a cubic does for so many crossings.
+    fn is_smooth(&self, distance: f32, count: usize) -> bool {
+        let count = count as f32;
+        let slowest = self.square(if self.curve == Curve::Slowing { distance - count } else { distance });
+        let rough = 4.0 * (self.rise * count) / slowest;
+        let error = rough * rough * rough * count;
+        slowest > 0.0
+            && error * error <= MOST_ROUGHNESS * slowest
+            && count * count < LONGEST_STRETCH * LONGEST_STRETCH * slowest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::{vec, vec::Vec};
+
+    /// Where it begins: not at a whole tick, and shortly before ticks of 32 bits wrap.
+    const BEGIN: u64 = ((1 << 32) - 1000) << 16 | 0x5555;
+
+    /// All crossings of a way from 0 with these speeds, and when they should be.
+    fn crossings(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
+        let way = (v0 + v1) / 2.0 * time;
+        let edge = |time: u64, position: f64, speed: f64| Edge {
+            time,
+            position: Steps::from_num(sign * position),
+            speed: (sign * speed) as f32,
+        };
+        let (from, to) = (edge(BEGIN, 0.0, v0), edge(BEGIN + (time * 65536.0) as u64, way, v1));
+        let mut crossings = Crossings::new(&from, &to, Steps::from_num(sign * 0.5), sign > 0.0, None);
+        let count = (way + 0.5) as usize;
+        let mut ticks = vec![0; count];
+        for ticks in ticks.chunks_mut(crate::motion::stepgen::ahead::MOST) {
+            crossings.fill(ticks);
+        }
+        let rise = 2.0 * (v1 - v0) / time;
+        let exact = |i: usize| {
+            let d = i as f64 + 0.5;
+            BEGIN as f64 / 65536.0 + 2.0 * d / (v0 + (v0 * v0 + rise * d).max(0.0).sqrt())
+        };
+        (ticks, (0..count).map(exact).collect())
+    }
+
+    #[test]
+    fn each_is_where_exact_arithmetic_has_it() {
+        let (mut count, mut worst) = (0, 0f64);
+        for time in [900.0, 20_000.0, 150_000.0, 524_287.0] {
+            for fast in [0.000_2, 0.001, 0.004, 0.02, 0.05] {
+                for slow in [0.0, 0.01, 0.3, 0.9, 0.999, 1.0] {
+                    for (v0, v1) in [(slow * fast, fast), (fast, slow * fast)] {
+                        let (ticks, exact) = crossings(v0, v1, time, 1.0);
+                        for (tick, exact) in ticks.iter().zip(exact) {
+                            let error = f64::from(tick.wrapping_sub(exact as u64 as u32).cast_signed()) - exact.fract();
+                            worst = worst.max(error.abs());
+                            count += 1;
+                        }
+                        assert_eq!(ticks, crossings(v0, v1, time, -1.0).0, "backward as forward");
+                    }
+                }
+            }
+        }
+        // Half a tick for rounding, an eighth for interpolation, and a tenth for single precision over 52 ms.
+        let most = 0.5 + 0.125 + 0.1;
+        assert!(count > 200_000 && worst <= most, "worst of {count}: {worst} ticks");
+    }
+
+    #[test]
+    fn a_step_that_is_left_over_comes_at_once() {
+        for (v0, v1) in [(0.001, 0.001), (0.0, 0.002), (0.002, 0.0), (0.001, 0.002), (0.002, 0.001)] {
+            let from = Edge { time: 1000 << 16, position: Steps::ZERO, speed: v0 };
+            let to = Edge { time: 101_000 << 16, position: Steps::from_num((v0 + v1) * 50_000.0), speed: v1 };
+            let mut crossings = Crossings::new(&from, &to, Steps::from_num(-0.01), true, None);
+            let mut ticks = [0; 4];
+            crossings.fill(&mut ticks);
+            assert_eq!(ticks[0], 1000, "{v0} to {v1}");
+            assert!(ticks.is_sorted() && ticks[1] > 1000 && ticks[3] < 101_000, "{ticks:?}");
+            assert!(crossings.is_dense);
+        }
+    }
+
+    #[test]
+    fn where_steps_are_dense_it_says_so() {
+        for (speed, is_dense) in [(0.04, false), (0.0526, false), (0.0527, true), (0.2, true)] {
+            for slow in [speed, speed / 2.0] {
+                let to = Edge {
+                    time: 100_000 << 16,
+                    position: Steps::from_num((slow + speed) * 50_000.0),
+                    speed: speed as f32,
+                };
+                let from = Edge { time: 0, position: Steps::ZERO, speed: slow as f32 };
+                assert_eq!(Crossings::new(&from, &to, Steps::ZERO, true, None).is_dense, is_dense, "{slow} to {speed}");
+            }
+        }
+    }
+}

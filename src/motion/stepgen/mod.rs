@@ -1,0 +1,328 @@
+//! The step generator: from released moves to step events.
+//!
+//! Moves are laid out as a [`Trajectory`], which every motor group follows in pieces in which its position is a
+//! quadratic in time. A group's count is always the position rounded to the nearest step, a step being due where the
+//! position crosses a half. Each group's next steps are found some at a time, as long as its piece lasts; then the steps
+//! of all groups are merged to events, up to where one of the groups must look further.
+//!
+//! Time is counted in ticks times 2^16 from the start of the epoch; only the instant of a step is rounded to a whole
+//! tick.
+
+pub(in crate::motion) mod ahead;
+mod alignment;
+mod brake;
+pub(in crate::motion) mod course;
+mod crossing;
+mod merge;
+mod supply;
+pub(in crate::motion) mod track;
+
+pub use track::MIN_STEP_INTERVAL;
+
+use crate::kinematics::Groups;
+use crate::motion::moves::Entry;
+use crate::motion::queue::LONGEST_INTERVAL;
+use crate::motion::queue::{StepsIn, Word};
+use crate::motion::trajectory::{Place, SpanMemory, Trajectory};
+use crate::motors::MOST_GROUPS;
+use crate::port::{EndstopSet, GroupSet, Pend};
+use crate::status::Status;
+use ahead::earlier;
+use alignment::Alignment;
+use brake::Braking;
+use course::{Course, Tail};
+use heapless::spsc::Consumer;
+use supply::Supply;
+use track::{NEAR, Track};
+
+/// Events made in one call of [`StepGenerator::run`]: some 10,000 instructions, 0.1 ms at 125 million a second, after which
+/// the interrupts of the same priority get their turn.
+const BATCH: u32 = 128;
+
+/// With less room the queue is as good as full: whoever fills up every place as it gets free has no rest.
+const LEAST_ROOM: usize = 32;
+
+/// What is being done.
+enum Task {
+    Nothing,
+    /// The move in the course is being laid.
+    Move,
+    /// It is being braked, and this speed squared is left at its end.
+    Brake(u64),
+    /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
+    Settling(bool),
+    /// Time without motion, up to then.
+    Dwell(u64),
+}
+
+/// Turns moves into step events.
+pub struct StepGenerator<'m> {
+    moves: Consumer<'m, Entry>,
+    events: StepsIn<'m>,
+    status: &'m Status,
+    mechanism: &'m Groups,
+    epoch: u8,
+    task: Task,
+    course: Course,
+    alignment: Alignment,
+    trajectory: Trajectory<'m>,
+    tracks: [Track; MOST_GROUPS],
+    /// Their counts when they were last told.
+    told: [i32; MOST_GROUPS],
+    /// Tick of the last event.
+    last: u64,
+    /// The Stepper's tick when the epoch began.
+    base: u32,
+    braking: Braking,
+    /// How the last move ended, if not at rest.
+    behind: Option<Tail>,
+    /// Where the last move ended.
+    place: Place,
+    forward: GroupSet,
+    watch: EndstopSet,
+}
+
+impl<'m> StepGenerator<'m> {
+    /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. The
+    /// Stepper is there already. It learns where the machine stands from the first
+    /// [`Work::Position`](crate::motion::moves::Work::Position).
+    pub fn new(
+        moves: Consumer<'m, Entry>,
+        mut events: StepsIn<'m>,
+        spans: &'m mut SpanMemory,
+        status: &'m Status,
+        mechanism: &'m Groups,
+    ) -> Self {
+        events.set_slow_groups(status.slow_groups());
+        Self {
+            moves,
+            events,
+            status,
+            mechanism,
+            epoch: status.epoch(),
+            task: Task::Nothing,
+            course: Course::NONE,
+            alignment: Alignment::new(mechanism),
+            trajectory: Trajectory::new(spans),
+            tracks: [Track::STILL; MOST_GROUPS],
+            told: [0; MOST_GROUPS],
+            last: 0,
+            base: status.tick(),
+            braking: Braking::No,
+            behind: None,
+            place: Place::default(),
+            forward: GroupSet::NONE,
+            watch: EndstopSet::NONE,
+        }
+    }
+
+    /// Makes step events until they reach far enough ahead, nothing is left to do, or a bounded amount of work is
+    /// done; in the last case it pends itself. Call it whenever either queue may have moved.
+    pub fn run(&mut self, pend: &impl Pend) {
+        let is_more_to_do = self.make_events();
+        // A stepper that rests at what it has done last needs to be told of more.
+        if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
+            pend.pend_stepper();
+        }
+        if is_more_to_do {
+            pend.pend_generator();
+        }
+    }
+
+    /// Makes as many as one call may; whether there is more to do at once.
+    fn make_events(&mut self) -> bool {
+        if self.status.epoch() != self.epoch || self.has_met_endstop() {
+            self.begin_epoch();
+        }
+        if self.braking == Braking::No && self.status.is_braking(self.epoch) && !self.has_met_endstop() {
+            self.begin_brake();
+        }
+        let enough = self.enough();
+        let begin = self.events.made();
+        loop {
+            let made = self.events.made().wrapping_sub(begin);
+            if made >= BATCH {
+                self.publish();
+                return true;
+            }
+            let room = self.events.room();
+            if room < LEAST_ROOM || self.is_ahead(enough) {
+                self.publish();
+                return !self.events.mark(self.events.len() / 2);
+            }
+            if !self.advance((BATCH - made).min(room as u32), enough) {
+                self.publish();
+                self.events.mark(0);
+                return false;
+            }
+        }
+    }
+
+    /// Tells what is made.
+    fn publish(&mut self) {
+        let counts = self.tracks.each_ref().map(Track::count);
+        let before = core::mem::replace(&mut self.told, counts);
+        self.status.add_steps_made(core::array::from_fn(|group| counts[group].wrapping_sub(before[group])));
+        self.status.set_events_made(self.events.made());
+    }
+
+    /// Whether an endstop has ended this epoch's motion: the Stepper plays nothing of what is left of it.
+    fn has_met_endstop(&self) -> bool {
+        !self.status.triggered().is_empty()
+    }
+
+    /// Drops the task of an epoch that is over, and all its events that are not played.
+    fn begin_epoch(&mut self) {
+        self.epoch = self.status.epoch();
+        let unplayed = self.events.take_back();
+        self.status.add_steps_made(unplayed.map(i32::wrapping_neg));
+        let is_under_way = !matches!(self.task, Task::Nothing | Task::Settling(false));
+        self.task = Task::Nothing;
+        if is_under_way {
+            self.status.entry_done();
+        }
+        self.last = 0;
+        self.base = self.status.tick();
+        self.braking = Braking::No;
+        self.behind = None;
+        self.status.set_stopped(None);
+        for track in &mut self.tracks {
+            track.stop(0);
+        }
+    }
+
+    /// Some steps, a piece or an entry further; false if there is nothing to do.
+    fn advance(&mut self, most: u32, enough: u32) -> bool {
+        let now = self.last as u32;
+        // Up to there all groups' ways are known.
+        let mut until = now.wrapping_add(NEAR);
+        for track in &mut self.tracks {
+            track.look_ahead(now);
+            until = earlier(until, track.ahead.until());
+        }
+        if self.merge(until, most, enough) {
+            return true;
+        }
+        // So slow that the next piece is too far from the last event.
+        if until == now.wrapping_add(NEAR) && self.tracks.iter().any(|track| track.end.time != u64::MAX) {
+            self.wait(NEAR);
+            return true;
+        }
+        if self.tracks.iter().any(|track| track.changes_at(until)) { self.lay_out(until) } else { self.rest() }
+    }
+
+    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. One round for all, for an
+    /// axis that one group has followed further than its next piece is lost for the others.
+    fn lay_out(&mut self, tick: u32) -> bool {
+        for (number, group) in self.mechanism.iter().enumerate() {
+            let Some(track) = self.tracks.get_mut(number) else { continue };
+            if !track.changes_at(tick) {
+                continue;
+            }
+            if track.go_back() {
+                self.turn(number);
+                continue;
+            }
+            let time = track.end.time;
+            while !Track::is_known(group, &mut self.trajectory, time) {
+                match self.lay_more() {
+                    Supply::Laid => {}
+                    Supply::Rests => break,
+                    Supply::Starved => return false,
+                }
+            }
+            if let Some(track) = self.tracks.get_mut(number) {
+                track.go_on(group, &self.trajectory, time);
+                self.turn(number);
+            }
+        }
+        true
+    }
+
+    /// Sets the direction in which a group's steps lead now.
+    fn turn(&mut self, number: usize) {
+        if let Some(is_forward) = self.tracks.get(number).and_then(Track::direction) {
+            let group = 1 << number;
+            self.forward.0 = if is_forward { self.forward.0 | group } else { self.forward.0 & !group };
+        }
+    }
+
+    /// Lets time pass; true when `time` is reached.
+    fn pass_until(&mut self, time: u64) -> bool {
+        let left = ((time + (1 << 15)) >> 16).saturating_sub(self.last);
+        if left > 0 {
+            self.wait(left.min(u64::from(LONGEST_INTERVAL)) as u32);
+        }
+        left <= u64::from(LONGEST_INTERVAL)
+    }
+
+    /// Lets so much time pass in an event without steps.
+    fn wait(&mut self, interval: u32) {
+        self.last += u64::from(interval);
+        self.events.put(interval, self.waiting());
+    }
+
+    /// An event without steps.
+    fn waiting(&self) -> Word {
+        Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{BATCH, LEAST_ROOM, StepGenerator};
+    use crate::kinematics::Groups;
+    use crate::motion::moves::{Entry, Work};
+    use crate::motion::planner::{Planner, Target};
+    use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
+    use crate::port::EndstopSet;
+    use crate::settings::Settings;
+    use crate::status::Status;
+    use crate::units::{Mm, MmPerSec, StepsPerMm};
+
+    /// Reproducer: at 300,000 events a second the generator filled every place as the Stepper freed it, one event a round,
+    /// which took four times as long as usual and left the Console nothing.
+    #[test]
+    fn a_queue_that_is_nearly_full_is_left_alone() {
+        let mut settings = Settings::prototype();
+        settings.axes.x.steps_per_mm = StepsPerMm::const_from_int(640);
+        settings.axes.y.steps_per_mm = StepsPerMm::const_from_int(640);
+        let mut memory = MoveMemory::new();
+        let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
+        let position = [Mm::const_from_int(60), Mm::const_from_int(25), Mm::ZERO, Mm::ZERO];
+        let speed = MmPerSec::const_from_int(300);
+        planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }, &settings);
+        planner.release_all();
+        let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+        let (mut moves_in, moves_out) = move_queue.split();
+        let (steps_in, mut steps_out) = step_queue.split();
+        let (mut spans, status, groups) = (SpanMemory::new(), Status::new(), Groups::new(&settings.mechanism));
+        let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+        if let Some(m) = planner.pop() {
+            assert!(moves_in.enqueue(Entry { epoch: 0, work: Work::Move(m) }).is_ok());
+        }
+        let mut tick = 0u32;
+        let mut play = |count: usize| {
+            for event in core::iter::from_fn(|| steps_out.dequeue()).take(count) {
+                tick = tick.wrapping_add(event.interval);
+                status.event_played(tick);
+            }
+        };
+        // Up to full speed, where the queue is full before it reaches far enough ahead.
+        for _ in 0..300 {
+            generator.make_events();
+            play(100);
+        }
+        for _ in 0..5 {
+            generator.make_events();
+        }
+        let full = generator.events.len();
+        assert!(generator.events.room() < LEAST_ROOM, "{full} events");
+        play(10);
+        generator.make_events();
+        assert_eq!(generator.events.len(), full - 10, "too few places to begin with");
+        play(200);
+        generator.make_events();
+        assert_eq!(generator.events.len(), full - 210 + BATCH as usize);
+    }
+}

@@ -1,0 +1,137 @@
+//! Shapers: which taps an axis follows, by the settings.
+//!
+//! An input shaper splits every command into impulses that cancel each other's vibration. Sources: N. Singer, W. Seering,
+//! "Preshaping Command Inputs to Reduce System Vibration" (1990) for ZV and ZVD; W. Singhose et al., "Residual Vibration
+//! Reduction Using Vector Diagrams to Generate Shaped Inputs" (1994) and "Extra-Insensitive Input Shapers for Controlling
+//! Flexible Spacecraft" (1996) for EI and its humps, with the fits of Klipper's documentation over the damping.
+//!
+//! All axes are delayed alike, by as much as the slowest shaper and the advance need, so that they stay together.
+
+use super::{AXES, Stiffening, Tap, Taps};
+use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers};
+use crate::units::{Mm, Seconds, Steps, TICKS_PER_SECOND};
+use heapless::Vec;
+
+/// An impulse: when, in s, and how much.
+type Impulse = (f32, f32);
+
+/// Impulses of a shaper.
+type Impulses = Vec<Impulse, 4>;
+
+/// What vibration EI shapers leave.
+const LEFT: f32 = 0.05;
+
+/// e to the power of `-x`, for x from 0 to 4: the series of a sixteenth, four times squared.
+fn decay(x: f32) -> f32 {
+    let y = x / 16.0;
+    let mut power = 1.0 - y * (1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0 * (1.0 - y / 5.0))));
+    for _ in 0..4 {
+        power *= power;
+    }
+    power
+}
+
+fn polynomial<const N: usize>(factors: [f32; N], x: f32) -> f32 {
+    factors.into_iter().rev().fold(0.0, |sum, factor| sum * x + factor)
+}
+
+/// The impulses of a shaper; they add up to 1.
+fn impulses(shaper: &Shaper) -> Impulses {
+    let z: f32 = shaper.damping.to_num();
+    let frequency: f32 = shaper.frequency.to_num();
+    let root = crate::motion::number::root(1.0 - z * z);
+    let period = 1.0 / (frequency * root);
+    let k = decay(z * core::f32::consts::PI / root);
+    let all: Impulses = match shaper.kind {
+        ShaperKind::None => [(0.0, 1.0)].into_iter().collect(),
+        ShaperKind::Zv => [(0.0, 1.0), (0.5, k)].into_iter().collect(),
+        ShaperKind::Zvd => [(0.0, 1.0), (0.5, 2.0 * k), (1.0, k * k)].into_iter().collect(),
+        ShaperKind::Mzv => {
+            let k = decay(0.75 * z * core::f32::consts::PI / root);
+            let first = 1.0 - core::f32::consts::FRAC_1_SQRT_2;
+            [(0.0, first), (0.375, (core::f32::consts::SQRT_2 - 1.0) * k), (0.75, first * k * k)].into_iter().collect()
+        }
+        ShaperKind::Ei => {
+            let at = |a: [[f32; 3]; 3]| polynomial(a.map(|row| polynomial(row, LEFT)), z);
+            let first = at([[0.24968, 0.24961, 0.0], [0.80008, 1.23328, 0.0], [0.49599, 3.17316, 0.0]]);
+            let last = at([[0.25149, 0.21474, 0.0], [-0.83249, 1.41498, 0.0], [0.85181, -4.90094, 0.0]]);
+            let time = polynomial(
+                [
+                    0.4999,
+                    polynomial([0.0, 0.46159, 8.57843], LEFT),
+                    polynomial([0.0, 4.26169, -108.644], LEFT),
+                    polynomial([0.0, 1.75601, 336.989], LEFT),
+                ],
+                z,
+            );
+            [(0.0, first), (time, 1.0 - first - last), (1.0, last)].into_iter().collect()
+        }
+        ShaperKind::TwoHumpEi => {
+            let weights = [
+                [0.16054, 0.76699, 2.2656, -1.2275],
+                [0.33911, 0.45081, -2.5808, 1.7365],
+                [0.34089, -0.61533, -0.68765, 0.42261],
+                [0.15997, -0.60246, 1.0028, -0.93145],
+            ];
+            let times = [
+                [0.0; 4],
+                [0.4989, 0.1627, -0.54262, 6.1618],
+                [0.99748, 0.18382, -1.5827, 8.1712],
+                [1.4992, -0.09297, -0.28338, 1.8571],
+            ];
+            // These are in periods without damping.
+            times.map(|t| root * polynomial(t, z)).into_iter().zip(weights.map(|w| polynomial(w, z))).collect()
+        }
+    };
+    let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
+    all.into_iter().map(|(time, weight)| (time * period, weight / sum)).collect()
+}
+
+/// How late an impulse response is on the whole.
+fn mean(impulses: &Impulses) -> f32 {
+    impulses.iter().map(|(time, weight)| time * weight).sum()
+}
+
+fn tap((time, weight): Impulse) -> Tap {
+    Tap { delay: (time.max(0.0) * const { TICKS_PER_SECOND as f32 * 256.0 }) as u32, weight }
+}
+
+/// What each axis follows: x, y, z, e, and the advance, if there is a window over which its speed is averaged.
+#[must_use]
+pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
+    let (x, y) = (impulses(&shapers.x), impulses(&shapers.y));
+    let window: f32 = window.unwrap_or_default().to_num();
+    let half = window / 2.0;
+    let delay = mean(&x).max(mean(&y)).max(half);
+    let shaped = |impulses: Impulses| {
+        let early = delay - mean(&impulses);
+        impulses.into_iter().map(|(time, weight)| tap((early + time, weight))).collect()
+    };
+    let late: Taps = [tap((delay, 1.0))].into_iter().collect();
+    let advance = if window > 0.0 {
+        [tap((delay - half, 1.0 / window)), tap((delay + half, -1.0 / window))].into_iter().collect()
+    } else {
+        Taps::new()
+    };
+    [shaped(x), shaped(y), late.clone(), late, advance]
+}
+
+/// How x and y ring away from their middle: belts of the lengths l1 and l2 on both sides of the tool have the stiffness
+/// `EA (1/l1 + 1/l2)`, which is least in the middle and 1 / (1 - (2 d/L)^2) times as great at the distance d from it, L being
+/// their sum. The motors behind them are as soft everywhere: `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
+#[must_use]
+pub fn stiffenings(s: &Settings) -> [Stiffening; 2] {
+    [stiffening(&s.shapers.x, &s.axes.x), stiffening(&s.shapers.y, &s.axes.y)]
+}
+
+fn stiffening(shaper: &Shaper, axis: &AxisSettings) -> Stiffening {
+    if shaper.span == Mm::ZERO {
+        return Stiffening::NONE;
+    }
+    let (frequency, motor): (f32, f32) = (shaper.frequency.to_num(), shaper.motor_frequency.to_num());
+    let (span, steps_per_mm): (f32, f32) = (shaper.span.to_num(), axis.steps_per_mm.to_num());
+    let softness = if motor > 0.0 { frequency / motor } else { 0.0 };
+    let half = 0.5 * span * steps_per_mm;
+    let centre = (i128::from(axis.length.to_bits()) * i128::from(axis.steps_per_mm.to_bits())) >> 17;
+    Stiffening { centre: Steps::from_bits(centre as i64), rate: (1.0 - softness * softness) / (half * half) }
+}
