@@ -43,9 +43,20 @@ pub fn test() -> Result<Verdict> {
 /// The emulator and its tests, linted and built.
 pub fn build_emulator() -> Result<Verdict> {
     run(emulate::cargo(["fmt"], &["--check"]))?;
-    run(emulate::cargo(["clippy"], &["--release", "--all-targets", "--ignore-rust-version", "--", "-D", "warnings"]))?;
     run(emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"]))?;
+    run(lint_emulator())?;
     Ok(Verdict::Passed(String::new()))
+}
+
+/// The emulator's lints, with the dependencies that are built for its tests: `cargo clippy` would have the compiler look
+/// through its code generator once more, for a minute and a half. So this does what `cargo clippy` does, but in a build
+/// (its `CLIPPY_ARGS`, each ended by that word); what it makes is thrown away, so it is not optimised.
+fn lint_emulator() -> Command {
+    let config = "profile.release.package.corehbot-emulator.opt-level=0";
+    let mut lint = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run", "--config", config]);
+    lint.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver");
+    lint.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
+    lint
 }
 
 /// The tests of the emulator, which run the image of the Octopus.
