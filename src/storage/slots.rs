@@ -210,4 +210,28 @@ mod tests {
         assert!(at(0).is_newer_than(&at(u32::MAX)) && !at(u32::MAX).is_newer_than(&at(0)));
         assert!(!at(5).is_newer_than(&at(5)));
     }
+
+    #[test]
+    fn settings_of_another_mechanism_are_none_and_their_slot_says_why() {
+        let mut settings = Settings::prototype();
+        let own = settings.mechanism;
+        settings.mechanism.rows.swap(0, 1);
+        let stored = Stored { settings, receipt: Receipt { bytes: 0, crc: 0 }, slot: Slot::B, sequence: 1 };
+        let survey = Survey { newest: Some(stored), rejected: [(Slot::A, Some(Rejected::Blank)), (Slot::B, None)] };
+        assert_ne!(settings.mechanism, own);
+        assert_eq!(survey.on(&settings.mechanism), survey);
+        let found = survey.on(&own);
+        assert_eq!(found.newest, None);
+        assert_eq!(found.rejected, [(Slot::A, Some(Rejected::Blank)), (Slot::B, Some(Rejected::Mechanism))]);
+    }
+
+    #[test]
+    fn users_are_told_of_slots_and_errors() {
+        extern crate std;
+        use std::string::ToString as _;
+        assert_eq!([Slot::A.to_string(), Slot::B.to_string()], ["A", "B"]);
+        let errors = [SaveError::Storage(StorageError::Failed), SaveError::NotKept, SaveError::TooLong];
+        let texts = ["storage does not answer", "storage does not keep what is written", "the settings are too long"];
+        assert_eq!(errors.map(|error| error.to_string()), texts);
+    }
 }
