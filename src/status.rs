@@ -1,18 +1,20 @@
-//! Status: the only way by which word travels from the step interrupt back to the Console.
+//! Status: what the contexts know of each other, beside the moves and step events in the queues.
 //!
-//! Single atomics, each with one writer (`epoch` apart, which the Console writes). A count that both sides
-//! keep tells idleness without a race: nothing is under way when as much was finished as was begun.
+//! Single atomics, each with one writer: the one that its field names, or else the Console. `triggered` alone has two: the Stepper sets it, and the
+//! Console clears it when it has begun another epoch and everybody is idle. A count that both sides keep says without a
+//! race whether there is motion: none when as much was finished as was begun. Readers get copies, so what they read
+//! together may be of different instants; where that matters the method says in which order it reads.
 
 mod counted;
 mod overload;
-mod told;
+mod print_progress;
 
 use crate::motors::{EndstopSet, GroupSet, MOST_GROUPS};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
 use counted::Counted;
 use overload::Lateness;
 pub use overload::{Late, Overload};
-use told::Told;
+use print_progress::PrintProgress;
 
 /// What the contexts know of each other.
 #[repr(C)]
@@ -29,8 +31,8 @@ pub struct Status {
     slow: AtomicU8,
     /// When the last event was due, by the step timer; written by the Stepper.
     due: AtomicU32,
-    /// How far motion time is behind the step timer; written by the Stepper.
-    behind: AtomicU32,
+    /// By how many ticks motion time lags the step timer; written by the Stepper.
+    lag: AtomicU32,
     /// Entries of the MoveQueue finished; written by the StepGenerator.
     entries_done: AtomicU32,
     /// Events put into the StepQueue; written by the StepGenerator.
@@ -58,8 +60,8 @@ pub struct Status {
     low_water: AtomicU32,
     /// Whether an emergency stop holds until M999 or a reset.
     halted: AtomicBool,
-    /// What the print has told of itself.
-    pub(crate) told: Told,
+    /// What the print's own lines say of it.
+    pub(crate) print_progress: PrintProgress,
     /// One more than the epoch whose motion is to come to rest along its path; 0 for none; written by the Console.
     brake: AtomicU32,
     /// One more than the epoch whose motion has come to rest; 0 for none; written by the StepGenerator.
@@ -85,7 +87,7 @@ impl Status {
             inputs: AtomicU8::new(0),
             slow: AtomicU8::new(0),
             due: AtomicU32::new(0),
-            behind: AtomicU32::new(0),
+            lag: AtomicU32::new(0),
             entries_done: AtomicU32::new(0),
             events_made: AtomicU32::new(0),
             rested: AtomicU32::new(0),
@@ -99,7 +101,7 @@ impl Status {
             level: AtomicU32::new(0),
             low_water: AtomicU32::new(0),
             halted: AtomicBool::new(false),
-            told: Told::new(),
+            print_progress: PrintProgress::new(),
             brake: AtomicU32::new(0),
             stopped: AtomicU32::new(0),
             made: Counted::new(),
@@ -127,9 +129,9 @@ impl Status {
         self.due.load(Relaxed)
     }
 
-    /// Motion time is behind the step timer by so many ticks, and is what it was: the last event is now dated `due`.
-    pub(crate) fn set_behind(&self, ticks: u32, due: u32) {
-        self.behind.store(ticks, Relaxed);
+    /// Motion time lags the step timer by so many ticks, and is what it was: the last event is now dated `due`.
+    pub(crate) fn set_lag(&self, ticks: u32, due: u32) {
+        self.lag.store(ticks, Relaxed);
         self.event_played(due);
     }
 
@@ -191,9 +193,9 @@ impl Status {
     #[must_use]
     pub fn tick(&self) -> u32 {
         loop {
-            let behind = self.behind.load(Acquire);
-            let tick = self.due.load(Acquire).wrapping_sub(behind);
-            if self.behind.load(Acquire) == behind {
+            let lag = self.lag.load(Acquire);
+            let tick = self.due.load(Acquire).wrapping_sub(lag);
+            if self.lag.load(Acquire) == lag {
                 return tick;
             }
         }
@@ -247,8 +249,8 @@ impl Status {
     #[must_use]
     pub fn overload(&self) -> Overload {
         Overload {
-            events: self.late.told(),
-            spans: self.squeezed.told(),
+            events: self.late.read(),
+            spans: self.squeezed.read(),
             starved: self.starved.load(Relaxed),
             underruns: self.underruns.load(Relaxed),
         }
@@ -325,10 +327,10 @@ impl Status {
         self.halted.store(true, Relaxed);
     }
 
-    /// What the print has told of itself.
+    /// What the print's own lines say of it.
     #[must_use]
-    pub const fn told(&self) -> &Told {
-        &self.told
+    pub const fn print_progress(&self) -> &PrintProgress {
+        &self.print_progress
     }
 
     /// Has the motion of an epoch come to rest along its path; of none with `None`.

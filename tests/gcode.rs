@@ -202,7 +202,7 @@ proptest! {
         }
         let mut text: String = digits.iter().map(|digit| char::from(b'0' + digit)).collect();
         match nudge {
-            // Just below: one unit less in the last place, and nines behind it.
+            // Just below: one unit less in the last place, and nines after it.
             0 => {
                 let last = text.pop().unwrap();
                 prop_assert_eq!(last, '5');

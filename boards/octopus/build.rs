@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     println!("cargo:rerun-if-changed={}", root.join("memory.x").display());
     println!("cargo:rustc-link-search={}", root.display());
-    // The application lies behind the bootloader of 32 KiB.
+    // The application lies after the bootloader of 32 KiB.
     let place = ["--defsym=flash_start=0x08008000", "--defsym=flash_size=480K"];
     for argument in ["--nmagic", "-Tlink.x", "-Tdefmt.x"].into_iter().chain(place) {
         println!("cargo:rustc-link-arg-bins={argument}");

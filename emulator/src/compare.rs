@@ -153,7 +153,7 @@ pub fn timing(pins: &[StepEvent], host: &[Scheduled]) -> Timing {
         let stretched = schedule.stretched.wrapping_sub(last.map_or(0, |last| last.stretched));
         timing.stretched += u64::from(stretched);
         // Motion time stands still at rest, and while time is stretched.
-        if stretched == 0 && last.is_none_or(|last| last.behind != schedule.behind) {
+        if stretched == 0 && last.is_none_or(|last| last.lag != schedule.lag) {
             timing.starts += 1;
             timing.keep_longest(&mut motion);
         }
@@ -172,8 +172,8 @@ mod tests {
     use super::*;
     use crate::timer::NS_PER_TICK;
 
-    fn event(due: u32, behind: u32, late: i64) -> StepEvent {
-        let schedule = Schedule { due, behind, stretched: 0, late };
+    fn event(due: u32, lag: u32, late: i64) -> StepEvent {
+        let schedule = Schedule { due, lag, stretched: 0, late };
         let at = u64::from(due) * NS_PER_TICK + late as u64;
         StepEvent { at, steps: MotorSet::BELT, forward: MotorSet::NONE, spread: 8, schedule: Some(schedule) }
     }

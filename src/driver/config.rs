@@ -157,7 +157,7 @@ fn rms_ma(scale: u32, is_sensitive: bool) -> u32 {
 
 /// TPWMTHRS: clocks between two finest steps at the threshold; 0 leaves stealthChop on at any speed.
 fn hybrid_threshold(d: &DriverSettings, steps_per_mm: StepsPerMm) -> u32 {
-    // Both factors carry 16 bits behind the point.
+    // Both factors carry 16 bits after the point.
     let steps_a_second = u64::from(d.hybrid_threshold.to_bits()) * u64::from(steps_per_mm.to_bits());
     let finest_a_second = mul_div(steps_a_second, FINEST, u64::from(d.microsteps)) >> 32;
     if steps_a_second == 0 {

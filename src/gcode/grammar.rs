@@ -31,7 +31,7 @@ impl Grammar {
         Self { numbers, no_axes, not_negative: &[] }
     }
 
-    /// The grammar of a code; `None` for one that takes any text, or must act whatever stands behind it.
+    /// The grammar of a code; `None` for one that takes any text, or must act whatever follows it.
     fn of(code: Code) -> Option<Self> {
         Some(match (code.letter, code.number) {
             (b'G', 0 | 1) => Self::of_axes(b"XYZEF", NO_AXES),
@@ -73,7 +73,7 @@ pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
         if words.has_skipped() {
             return Some(Flaw::NoWord(shown(begin)));
         }
-        begin = words.rest();
+        begin = words.remaining();
     }
     let mut words = Words::new(text);
     let mut begin = text;
@@ -88,7 +88,7 @@ pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
         } else if matches!(word.letter, b'G' | b'M') && word.number.is_some() {
             return Some(Flaw::SecondCommand(shown(begin)));
         }
-        begin = words.rest();
+        begin = words.remaining();
     }
     None
 }

@@ -21,14 +21,14 @@ pub(super) struct Word<'a> {
 /// The words of a text, in order.
 #[derive(Clone, Debug)]
 pub(super) struct Words<'a> {
-    rest: &'a [u8],
+    remaining: &'a [u8],
     has_skipped: bool,
 }
 
 impl<'a> Words<'a> {
-    /// The words of `text`, which begins behind the command's code.
+    /// The words of `text`, which begins after the command's code.
     pub(super) const fn new(text: &'a [u8]) -> Self {
-        Self { rest: text, has_skipped: false }
+        Self { remaining: text, has_skipped: false }
     }
 
     /// Whether something among the words so far was neither a word nor a comment.
@@ -36,9 +36,9 @@ impl<'a> Words<'a> {
         self.has_skipped
     }
 
-    /// The text behind the words so far.
-    pub(super) const fn rest(&self) -> &'a [u8] {
-        self.rest
+    /// The text after the words so far.
+    pub(super) const fn remaining(&self) -> &'a [u8] {
+        self.remaining
     }
 }
 
@@ -49,10 +49,10 @@ pub(super) const fn is_blank(byte: u8) -> bool {
 
 /// `text` without the blanks it begins with.
 pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
-    while let [byte, rest @ ..] = text
+    while let [byte, after @ ..] = text
         && is_blank(*byte)
     {
-        text = rest;
+        text = after;
     }
     text
 }
@@ -63,13 +63,13 @@ fn skip_until(text: &[u8], is_end: impl Fn(u8) -> bool) -> &[u8] {
     end.and_then(|end| text.get(end..)).unwrap_or_default()
 }
 
-/// The text behind the next `end`; empty if there is none.
+/// The text after the next `end`; empty if there is none.
 pub(super) fn skip_past(text: &[u8], end: u8) -> &[u8] {
-    let rest = skip_until(text, |byte| byte == end);
-    rest.get(1..).unwrap_or_default()
+    let after = skip_until(text, |byte| byte == end);
+    after.get(1..).unwrap_or_default()
 }
 
-/// Whether a byte may stand directly behind a number: a blank, or what begins something else.
+/// Whether a byte may stand directly after a number: a blank, or what begins something else.
 const fn may_follow(byte: u8) -> bool {
     is_blank(byte) || byte.is_ascii_alphabetic() || matches!(byte, b';' | b'(' | b'"')
 }
@@ -79,14 +79,14 @@ impl<'a> Iterator for Words<'a> {
 
     fn next(&mut self) -> Option<Word<'a>> {
         let letter = loop {
-            let (&byte, tail) = self.rest.split_first()?;
+            let (&byte, tail) = self.remaining.split_first()?;
             // Small letters differ from capitals by this bit.
             let capital = byte & !0x20;
             if capital.is_ascii_uppercase() {
-                self.rest = tail;
+                self.remaining = tail;
                 break capital;
             }
-            self.rest = match byte {
+            self.remaining = match byte {
                 byte if is_blank(byte) => tail,
                 b';' => &[],
                 b'(' => skip_past(tail, b')'),
@@ -97,26 +97,26 @@ impl<'a> Iterator for Words<'a> {
                 }
             };
         };
-        let value = skip_blanks(self.rest);
-        if let Some((number, rest)) = Number::read(value) {
-            self.has_skipped |= rest.first().is_some_and(|byte| !may_follow(*byte));
-            self.rest = behind_number(rest);
+        let value = skip_blanks(self.remaining);
+        if let Some((number, after)) = Number::read(value) {
+            self.has_skipped |= after.first().is_some_and(|byte| !may_follow(*byte));
+            self.remaining = skip_number(after);
             return Some(Word { letter, number: Some(number), quoted: None });
         }
         if let [b'"', tail @ ..] = value {
-            let (quoted, rest) = self.skip_quoted(tail);
-            self.rest = rest;
+            let (quoted, after) = self.skip_quoted(tail);
+            self.remaining = after;
             return Some(Word { letter, number: None, quoted: Some(quoted) });
         }
-        let rest = behind_number(self.rest);
-        self.has_skipped |= rest.len() < self.rest.len() || rest.first().is_some_and(|byte| !may_follow(*byte));
-        self.rest = rest;
+        let after = skip_number(self.remaining);
+        self.has_skipped |= after.len() < self.remaining.len() || after.first().is_some_and(|byte| !may_follow(*byte));
+        self.remaining = after;
         Some(Word { letter, number: None, quoted: None })
     }
 }
 
 impl<'a> Words<'a> {
-    /// The text up to the quotes that end it, and the text behind them.
+    /// The text up to the quotes that end it, and the text after them.
     fn skip_quoted(&mut self, text: &'a [u8]) -> (&'a [u8], &'a [u8]) {
         let quoted = text.split(|byte| *byte == b'"').next().unwrap_or_default();
         self.has_skipped |= quoted.len() == text.len();
@@ -124,10 +124,10 @@ impl<'a> Words<'a> {
     }
 }
 
-/// The text behind the characters of numbers that it begins with.
-fn behind_number(mut text: &[u8]) -> &[u8] {
-    while let [b'0'..=b'9' | b'+' | b'-' | b'.', rest @ ..] = text {
-        text = rest;
+/// `text` without the characters of numbers that it begins with.
+fn skip_number(mut text: &[u8]) -> &[u8] {
+    while let [b'0'..=b'9' | b'+' | b'-' | b'.', after @ ..] = text {
+        text = after;
     }
     text
 }

@@ -184,15 +184,15 @@ fn skip_comments(mut line: &[u8]) -> &[u8] {
 /// The line without blanks and line ends round it.
 fn trim(mut line: &[u8]) -> &[u8] {
     let is_outside = |byte: u8| is_blank(byte) || matches!(byte, b'\r' | b'\n');
-    while let [byte, rest @ ..] = line
+    while let [byte, after @ ..] = line
         && is_outside(*byte)
     {
-        line = rest;
+        line = after;
     }
-    while let [rest @ .., byte] = line
+    while let [after @ .., byte] = line
         && is_outside(*byte)
     {
-        line = rest;
+        line = after;
     }
     line
 }

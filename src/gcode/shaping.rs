@@ -104,7 +104,7 @@ fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     text.split(|byte| is_blank(*byte)).filter(|word| !word.is_empty())
 }
 
-/// A name and the value behind its `=`.
+/// A name and the value after its `=`.
 fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
     let length = word.iter().position(|byte| *byte == b'=').filter(|length| *length > 0)?;
     Some((word.get(..length)?, word.get(length + 1..)?))
@@ -119,14 +119,14 @@ fn times_ten_to(number: Number, exponent: Number) -> Number {
     Number::saturating(I32F32::from_bits(bits))
 }
 
-/// A number that may have an exponent, and nothing behind it.
+/// A number that may have an exponent, and nothing after it.
 fn scientific(text: &[u8]) -> Option<Number> {
-    let (number, rest) = Number::read(text)?;
-    let (exponent, rest) = match rest {
+    let (number, after) = Number::read(text)?;
+    let (exponent, after) = match after {
         [b'e' | b'E', exponent @ ..] => Number::read(exponent)?,
-        _ => (Number::ZERO, rest),
+        _ => (Number::ZERO, after),
     };
-    rest.is_empty().then(|| times_ten_to(number, exponent))
+    after.is_empty().then(|| times_ten_to(number, exponent))
 }
 
 #[cfg(test)]

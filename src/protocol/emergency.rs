@@ -7,7 +7,7 @@
 //! The line then also takes its turn in the queue and is answered there.
 
 use super::framing::is_erasing;
-use super::words::is_blank;
+use super::syntax::is_blank;
 
 /// A command that cannot wait for its turn.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -47,15 +47,15 @@ const ANSWER: u16 = 876;
 enum State {
     /// Nothing but blanks so far.
     Start,
-    /// N, or a sign behind it.
+    /// N, or a sign after it.
     Number,
-    /// A digit of the line number, or blanks behind it.
+    /// A digit of the line number, or blanks after it.
     Numbered,
     /// M.
     Letter,
-    /// Digits behind M; their value.
+    /// Digits after M; their value.
     Code(u16),
-    /// M876, or blanks behind it.
+    /// M876, or blanks after it.
     Answer,
     /// An emergency, complete; waits for the end of the line.
     Complete(Emergency),

@@ -1,8 +1,8 @@
 //! Framing: bytes become one line, with its comment taken out and its checksum worked out on the way.
 //!
 //! The checksum is the XOR of everything before the last `*`, so the sum is noted at every `*` and the
-//! digits behind it are read as they come. A line of any length is therefore verified, although only its
-//! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that is told
+//! digits after it are read as they come. A line of any length is therefore verified, although only its
+//! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that reads
 //! `checksum mismatch` would send it again for ever.
 //!
 //! A `;` begins a comment, but not within `( )`, which is a comment of its own that stays in the text: `(a;b)` is one
@@ -12,8 +12,8 @@
 //! People who type may erase characters. Nothing is erased where a line begins with N, or in the middle of numbered lines:
 //! that is a host's line, and damaged.
 
-use super::star::{Checksum, Star};
-use super::words::{is_blank, line_number};
+use super::checksum::{Checksum, ChecksumReader};
+use super::syntax::{is_blank, line_number};
 
 /// Bytes of a line that are kept: 256 of payload and room for the line number.
 pub(super) const CAPACITY: usize = 288;
@@ -37,7 +37,7 @@ pub(super) struct Frame {
     /// Length without comment, counted on where `text` is full.
     length: usize,
     sum: u8,
-    star: Option<Star>,
+    checksum: Option<ChecksumReader>,
     context: Context,
     /// Bytes of the comment.
     comment: usize,
@@ -56,7 +56,7 @@ impl Frame {
             text: [0; CAPACITY],
             length: 0,
             sum: 0,
-            star: None,
+            checksum: None,
             context: Context::Plain,
             comment: 0,
             is_aside: false,
@@ -70,7 +70,7 @@ impl Frame {
     pub(super) const fn clear(&mut self) {
         self.length = 0;
         self.sum = 0;
-        self.star = None;
+        self.checksum = None;
         self.context = Context::Plain;
         self.comment = 0;
         self.is_aside = false;
@@ -93,7 +93,7 @@ impl Frame {
     /// in which its time is spent.
     pub(super) fn push_plain(&mut self, bytes: &[u8]) -> usize {
         let is_blank_first = self.length == 0 && bytes.first() == Some(&b' ');
-        if self.context != Context::Plain || self.star.is_some() || is_blank_first {
+        if self.context != Context::Plain || self.checksum.is_some() || is_blank_first {
             return 0;
         }
         let mut sum = self.sum;
@@ -147,9 +147,9 @@ impl Frame {
             return;
         }
         if byte == b'*' {
-            self.star = Some(Star::new(self.length, self.sum));
-        } else if let Some(star) = &mut self.star {
-            star.read(byte);
+            self.checksum = Some(ChecksumReader::new(self.length, self.sum));
+        } else if let Some(checksum) = &mut self.checksum {
+            checksum.read(byte);
         }
         self.sum ^= byte;
         if self.is_comment(byte) {
@@ -219,7 +219,7 @@ impl Frame {
     /// As [`text`](Self::text), up to the checksum.
     pub(super) fn before_checksum(&self) -> &[u8] {
         let text = self.text();
-        self.star.and_then(|star| text.get(..star.length)).unwrap_or(text)
+        self.checksum.and_then(|checksum| text.get(..checksum.length)).unwrap_or(text)
     }
 
     /// Whether the line was longer than what is kept of it.
@@ -229,17 +229,17 @@ impl Frame {
 
     /// Whether the part before the checksum was longer than what is kept of it.
     pub(super) fn is_too_long_before_checksum(&self) -> bool {
-        self.star.map_or(self.length(), |star| star.length.min(self.length())) > CAPACITY
+        self.checksum.map_or(self.length(), |checksum| checksum.length.min(self.length())) > CAPACITY
     }
 
     /// What the checksum says.
     pub(super) fn checksum(&self) -> Checksum {
-        self.star.map_or(Checksum::Missing, Star::checksum)
+        self.checksum.map_or(Checksum::Missing, ChecksumReader::checksum)
     }
 
     /// Whether the line ends in something like a checksum, right or wrong, perhaps inside a comment.
     pub(super) fn ends_in_number(&self) -> bool {
-        self.star.is_some_and(Star::is_number)
+        self.checksum.is_some_and(ChecksumReader::is_number)
     }
 }
 
@@ -254,10 +254,10 @@ mod tests {
         line.bytes().for_each(|byte| bytewise.push_typed(byte));
         // The same in runs.
         let mut frame = Frame::new();
-        let mut rest = line.as_bytes();
-        while let Some((first, tail)) = rest.split_first() {
-            let count = frame.push_plain(rest);
-            rest = if count > 0 { &rest[count..] } else { tail };
+        let mut after = line.as_bytes();
+        while let Some((first, tail)) = after.split_first() {
+            let count = frame.push_plain(after);
+            after = if count > 0 { &after[count..] } else { tail };
             if count == 0 {
                 frame.push_typed(*first);
             }
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn what_may_stand_behind_a_checksum() {
+    fn what_may_follow_a_checksum() {
         for line in ["N1 M115*39  ", "N1 M115*39 ;x", "N1 M115* 39", "  N1 M115*39", "N1 M115*039"] {
             assert!(is_good(&frame(line)), "{line}");
         }
@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn the_last_star_counts_wherever_it_stands() {
+    fn the_last_asterisk_counts_wherever_it_stands() {
         for body in ["N5 M117 2*3*4", "N5 G1 X1 ;a*b", "N5 M117 \"*\"", "N5 M117 a\\*b"] {
             let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
             assert!(is_good(&frame(&std::format!("{body}*{sum}"))), "{body}");

@@ -7,13 +7,13 @@
 //!
 //! And three that no peer has: a repetition of a line that came just now is acknowledged, because a request for the next
 //! one would have the host send that twice too, and so on to the end of the print; what comes without a number
-//! right behind damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
+//! right after damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
 //! M110 before it.
 
+use super::checksum::Checksum;
 use super::framing::Frame;
 use super::request::Request;
-use super::star::Checksum;
-use super::words::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
+use super::syntax::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
 use crate::units::Instant;
 
 /// Numbered lines in a row that make a stream. One is no stream: OctoPrint numbers M110 and M115 when it connects, and
@@ -72,7 +72,7 @@ pub(super) struct Numbering {
     /// Numbered lines in a row, as far as they matter. Once they are a stream, lines without a number may stand between
     /// them: printcore has its M105 there.
     taken: u8,
-    /// The last thing in order that told a line number had a checksum: the host vouches for its lines.
+    /// The last line in order that gave a line number had a checksum: the host vouches for its lines.
     is_vouched: bool,
     /// Something was damaged or lost since M110.
     is_bad: bool,
@@ -140,7 +140,7 @@ impl Numbering {
     /// because hosts do not repeat it.
     pub(super) fn judge_cut(&mut self, frame: &Frame, now: Instant) -> Verdict {
         match line_number(frame.text()) {
-            Some((number, rest)) if matches!(m_code(skip_blanks(rest)), Some((110, _))) => {
+            Some((number, after)) if matches!(m_code(skip_blanks(after)), Some((110, _))) => {
                 self.judge_numbered(number, frame, now)
             }
             _ => self.damaged(now),
@@ -155,7 +155,7 @@ impl Numbering {
     /// A line with a number in front.
     fn judge_numbered(&mut self, number: i32, frame: &Frame, now: Instant) -> Verdict {
         let before = trim_end(frame.before_checksum());
-        let payload = skip_blanks(line_number(before).map_or(&[], |(_, rest)| rest));
+        let payload = skip_blanks(line_number(before).map_or(&[], |(_, after)| after));
         let new_number = match m_code(payload) {
             Some((110, words)) => Some(find_line_number(words).unwrap_or(number)),
             _ => None,
@@ -167,7 +167,7 @@ impl Numbering {
             (Checksum::Missing, _) => return self.ask(ResendReason::NoChecksum, number, now),
             (Checksum::Bad, _) => return self.ask(ResendReason::ChecksumMismatch, number, now),
             (Checksum::Good(_), Some(new_number)) => {
-                // Below zero it is printcore's first word, and the print follows at once; behind a stream it is its last.
+                // Below zero it is printcore's first word, and the print follows at once; after a stream it is its last.
                 let taken = if new_number < 0 && !self.is_stream() { STREAM } else { 0 };
                 self.count_from(new_number);
                 (self.is_vouched, self.taken, self.waits_for_ever) = (true, taken, new_number < 0);
@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn a_host_that_starts_over_at_the_wrong_line_is_told_again() {
+    fn a_host_that_starts_over_at_the_wrong_line_is_asked_again() {
         let mut story = Story::at(18);
         assert_eq!(story.line(20, 0), resend(ResendReason::LineNumber, 18));
         assert_eq!(story.line(21, 1), OK);
@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn an_old_line_is_refused_and_those_behind_it_are_passed_over() {
+    fn an_old_line_is_refused_and_those_after_it_are_passed_over() {
         let mut story = Story::at(18);
         assert_eq!(story.line(16, 0), resend(ResendReason::LineNumber, 18));
         assert_eq!(story.line(17, 0), OK);

@@ -79,7 +79,7 @@ pub struct Homing {
     pub fast: MmPerSec,
     /// Speed of the second approach, which decides the position.
     pub slow: MmPerSec,
-    /// Way back between the two.
+    /// How far the axis backs off between the two.
     pub back_off: Mm,
 }
 

@@ -52,7 +52,7 @@ pub mod ranges {
     pub const TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
     /// Silence of a host, in ms: no less than its USB adapter, its garbage collector and its disk may make any day.
     pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
-    /// Way back after the first approach to an endstop.
+    /// How far an axis backs off after the first approach to an endstop.
     pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
     /// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
     /// at which two pulses of a motor would touch.

@@ -67,7 +67,7 @@ pub struct Settings {
     pub lookahead_time: Seconds,
     /// Whether `ok` tells the line number and what is free, as Marlin's ADVANCED_OK.
     pub advanced_ok: bool,
-    /// What the motor drivers are told, where they can be talked to.
+    /// The configuration of the motor drivers, where they can be talked to.
     pub drivers: DriverGroups,
     /// The part of a move over which its speed holds at least, if it does not accelerate or brake all along
     /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).

@@ -94,7 +94,7 @@ impl Header {
         [m0, m1, m2, m3, f0, f1, l0, l1, s0, s1, s2, s3]
     }
 
-    /// The header and the checksum behind it.
+    /// The header and the checksum after it.
     fn read(bytes: &[u8]) -> Option<(Self, u32)> {
         let [m0, m1, m2, m3, f0, f1, l0, l1, s0, s1, s2, s3, c0, c1, c2, c3] = *bytes.first_chunk::<HEADER>()?;
         let header = Self {
@@ -172,7 +172,7 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn users_are_told_what_was_found() {
+    fn users_read_what_was_found() {
         assert_eq!(std::format!("{}", Receipt { bytes: 241, crc: 0xABC }), "(241 bytes; crc 00000ABC)");
         let format = std::format!("{}", Rejected::Format(3));
         assert_eq!(format, std::format!("format V3, this firmware has V{FORMAT}"));
@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_of_another_format_is_told_from_a_damaged_one() {
+    fn a_record_of_another_format_is_no_damaged_one() {
         let settings = payload(&Settings::prototype());
         assert_eq!(decode(&forge(FORMAT + 1, &settings)), Err(Rejected::Format(FORMAT + 1)));
         let mut record = forge(FORMAT, &settings);

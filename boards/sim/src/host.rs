@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::io::BufRead;
 
-/// Remarks that are kept in words; the rest is counted.
+/// Remarks that are kept in words; the others are only counted.
 const KEPT: usize = 20;
 
 /// Resends of one command after which something is wrong for good.
@@ -371,7 +371,7 @@ pub fn command_of(line: &str) -> (Cow<'_, str>, bool) {
 
 /// A text without the line number and the checksum that it may have, and whether that checksum is wrong.
 fn verified(text: Cow<'_, str>) -> (Cow<'_, str>, bool) {
-    let Some(rest) = behind_number(&text) else { return (text, false) };
+    let Some(rest) = after_number(&text) else { return (text, false) };
     let (rest, is_damaged) = match text.rsplit_once('*') {
         Some((body, sum)) => {
             let expected = body.bytes().fold(0, |sum, byte| sum ^ byte);
@@ -382,8 +382,8 @@ fn verified(text: Cow<'_, str>) -> (Cow<'_, str>, bool) {
     (Cow::Owned(rest.trim().to_owned()), is_damaged)
 }
 
-/// The text behind the line number, if there is one.
-fn behind_number(text: &str) -> Option<&str> {
+/// The text after the line number, if there is one.
+fn after_number(text: &str) -> Option<&str> {
     let number = text.strip_prefix(['N', 'n'])?.trim_start();
     let digits = number.strip_prefix('-').unwrap_or(number);
     let rest = digits.trim_start_matches(|c: char| c.is_ascii_digit());

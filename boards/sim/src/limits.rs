@@ -117,7 +117,7 @@ fn limits_of(s: &Settings) -> Vec<Limit> {
     limits
 }
 
-/// The groups for which the limits of a belt motor hold, in the order of [`Limits::of`] behind the axes.
+/// The groups for which the limits of a belt motor hold, in the order of [`Limits::of`] after the axes.
 #[must_use]
 pub fn belts(s: &Settings) -> Vec<Group> {
     Groups::new(&s.mechanism).iter().filter(|group| group.is_belt()).copied().collect()

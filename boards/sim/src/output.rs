@@ -80,13 +80,13 @@ impl Identity {
 struct Unfinished {
     partial: PathBuf,
     target: PathBuf,
-    is_settled: bool,
+    is_kept: bool,
 }
 
 impl Drop for Unfinished {
     fn drop(&mut self) {
-        if !self.is_settled {
-            // Nothing was promised of it, and there is nobody to be told.
+        if !self.is_kept {
+            // Nothing was promised of it, and there is nobody to hear of it.
             let _ = fs::remove_file(&self.partial);
         }
     }
@@ -139,7 +139,7 @@ impl Outputs {
                     OpenOptions::new().write(true).open(&target).with_context(cannot)?;
                 }
                 let file = File::create(&partial).with_context(cannot)?;
-                self.files.push(Unfinished { partial, target, is_settled: false });
+                self.files.push(Unfinished { partial, target, is_kept: false });
                 if let Some(permissions) = permissions {
                     file.set_permissions(permissions).with_context(cannot)?;
                 }
@@ -164,7 +164,7 @@ impl Outputs {
             let Unfinished { partial, target, .. } = &*file;
             fs::rename(partial, target)
                 .with_context(|| format!("cannot rename {} to {}", partial.display(), target.display()))?;
-            file.is_settled = true;
+            file.is_kept = true;
         }
         Ok(())
     }
@@ -172,7 +172,7 @@ impl Outputs {
     /// They are not whole, but somebody may want them: leaves them, and says what they are called.
     #[must_use]
     pub fn leave(mut self) -> Vec<PathBuf> {
-        self.files.iter_mut().for_each(|file| file.is_settled = true);
+        self.files.iter_mut().for_each(|file| file.is_kept = true);
         self.files.iter().map(|file| file.partial.clone()).collect()
     }
 

@@ -63,7 +63,7 @@ fn answers(lines: &[&str]) -> Vec<String> {
     host.heard.into_iter().skip(2).filter(|line| line != "echo:busy: processing").collect()
 }
 
-/// Answers in front of the `ok`; a star at the end stands for anything.
+/// Answers in front of the `ok`; an asterisk at the end stands for anything.
 type Row = (&'static str, &'static [&'static str]);
 
 const SILENCE: &[&str] = &[];
@@ -291,7 +291,7 @@ fn every_command_is_answered_as_the_table_says() {
     for (line, expected) in ROWS {
         let heard = answers(&[line]);
         let (oks, said): (Vec<_>, Vec<_>) = heard.iter().partition(|heard| heard.starts_with("ok"));
-        // An answer to M108 stands behind that to the wait which it ended.
+        // An answer to M108 follows that to the wait which it ended.
         let asked = 1 + usize::from(heard.iter().any(|heard| heard == "echo:busy: paused for user"));
         assert_eq!(oks.len(), asked, "{line}: {heard:?}");
         assert_eq!(said.len(), expected.len(), "{line}: {heard:?}");

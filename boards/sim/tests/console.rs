@@ -125,7 +125,7 @@ fn the_position_is_told_as_asked_and_as_it_is() {
 }
 
 #[test]
-fn real_position_lags_behind_while_moving() {
+fn real_position_lags_while_moving() {
     let (heard, ..) = talk(&["G1 X100 F600", "M114", "M114 R", "M400", "M114 R"]);
     let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).collect();
     assert!(told[0].starts_with("X:100.00 "));
@@ -254,7 +254,7 @@ fn m108_in_the_same_packet_ends_a_dwell_too() {
 fn a_quick_stop_forgets_lines_that_came_before_it() {
     let (heard, outcome, _) = talk(&["G1 X50 F6000", "!G1 X100", "!G1 E5", "!M410", "!G1 Y5", "M400"]);
     assert_eq!(heard.iter().filter(|l| *l == "ok").count(), 6, "{heard:?}");
-    assert_eq!(outcome.moves, 1, "only the line behind the stop is carried out");
+    assert_eq!(outcome.moves, 1, "only the line after the stop is carried out");
     assert_eq!((outcome.counts[3], outcome.counts[6]), (400, 0));
 }
 
@@ -654,7 +654,7 @@ impl Storage for Busy<'_> {
         self.eeprom.write(at, bytes).await
     }
 
-    fn is_settled(&mut self) -> Result<bool, StorageError> {
+    fn is_done(&mut self) -> Result<bool, StorageError> {
         self.asked += 1;
         match self.turns {
             None if self.asked > 20 => Err(StorageError::Failed),

@@ -4,8 +4,8 @@
 
 use corehbot::port::{LINES, Motor, MotorSet, Sensor};
 
+use crate::port_writes::PortWrites;
 pub use crate::serial_port::{SerialPort, Usart};
-use crate::words::Words;
 
 /// A GPIO port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -200,7 +200,7 @@ impl Board {
     /// What is wrong with the table, if anything: to be asked by a test.
     #[must_use]
     pub fn problem(&self) -> Option<&'static str> {
-        if !Words::can_hold(&self.step_pins()) || !Words::can_hold(&self.dir_pins()) {
+        if !PortWrites::can_hold(&self.step_pins()) || !PortWrites::can_hold(&self.dir_pins()) {
             return Some("step or direction pins are on too many ports");
         }
         let slots = || self.slots.iter().flatten();

@@ -1,4 +1,4 @@
-//! Last words: why the processor had to be reset, kept in RAM that start-up leaves alone.
+//! Reset reason: why the processor had to be reset, kept in RAM that start-up leaves alone.
 
 use core::fmt::{self, Write as _};
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
@@ -22,14 +22,14 @@ struct Record {
 
 // SAFETY: the section is meant for variables that start-up does not initialise (cortex-m-rt). Any bytes are
 // legal values of these atomics, and nothing is believed before magic and checksum fit.
-#[unsafe(link_section = ".uninit.last_words")]
+#[unsafe(link_section = ".uninit.reset_reason")]
 static RECORD: Record =
     Record { magic: AtomicU32::new(0), check: AtomicU32::new(0), text: [const { AtomicU8::new(0) }; LONGEST] };
 
-/// A text that is cut where it gets too long.
-pub struct Farewell(String<LONGEST>);
+/// The reason as a text, which is cut where it gets too long.
+pub struct ResetReason(String<LONGEST>);
 
-impl Farewell {
+impl ResetReason {
     /// What was said.
     pub fn as_str(&self) -> &str {
         &self.0
@@ -41,7 +41,7 @@ impl Farewell {
     }
 }
 
-impl fmt::Write for Farewell {
+impl fmt::Write for ResetReason {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for character in text.chars() {
             // A line break would end the message early.
@@ -63,10 +63,10 @@ fn check(text: &[u8]) -> u32 {
 
 /// Leaves a text for the time after the reset.
 pub fn leave(reason: fmt::Arguments<'_>) {
-    let mut words = Farewell(String::new());
+    let mut message = ResetReason(String::new());
     // What does not fit is lost, the beginning says most.
-    let _ = words.write_fmt(reason);
-    let text = words.0.as_bytes();
+    let _ = message.write_fmt(reason);
+    let text = message.0.as_bytes();
     for (place, byte) in RECORD.text.iter().zip(text) {
         place.store(*byte, Ordering::Relaxed);
     }
@@ -75,14 +75,14 @@ pub fn leave(reason: fmt::Arguments<'_>) {
 }
 
 /// Why the last reset happened, if it was not for a good reason; asked once.
-pub fn take() -> Option<Farewell> {
+pub fn take() -> Option<ResetReason> {
     let is_ours = RECORD.magic.load(Ordering::Acquire) == MAGIC;
     RECORD.magic.store(0, Ordering::Relaxed);
     let has_bitten = RCC.csr().read().wdgrstf();
     RCC.csr().modify(|w| w.set_rmvf(true));
     let sum = RECORD.check.load(Ordering::Relaxed);
     let length = (sum >> 24) as usize;
-    let mut words = Farewell(String::new());
+    let mut message = ResetReason(String::new());
     if is_ours && length <= LONGEST {
         let mut bytes = [0; LONGEST];
         bytes.iter_mut().zip(&RECORD.text).for_each(|(byte, place)| *byte = place.load(Ordering::Relaxed));
@@ -90,13 +90,13 @@ pub fn take() -> Option<Farewell> {
         if check(text) == sum
             && let Ok(text) = core::str::from_utf8(text)
         {
-            let _ = words.write_str(text);
-            return Some(words);
+            let _ = message.write_str(text);
+            return Some(message);
         }
     }
     if has_bitten {
-        let _ = words.write_str("the watchdog: a part of the firmware had stopped");
-        return Some(words);
+        let _ = message.write_str("the watchdog: a part of the firmware had stopped");
+        return Some(message);
     }
     None
 }

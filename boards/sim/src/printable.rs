@@ -1,4 +1,4 @@
-//! Words for a terminal: what a file or a printer says must not command it.
+//! Printable text: what a file or a printer says must not command the terminal.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;

@@ -1,19 +1,19 @@
-//! The `*`: what stands behind it, and whether that is the sum of what stands before.
+//! Checksum: the number after a line's `*`, and whether it is the XOR of the bytes before.
 
-use super::words::is_blank;
+use super::syntax::is_blank;
 
 /// What the checksum of a line says.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Checksum {
     /// There is no `*`.
     Missing,
-    /// It is right, and this.
+    /// It is right; its value.
     Good(u8),
     /// It is wrong, or no number at all.
     Bad,
 }
 
-/// What has been read behind a `*`.
+/// What has been read after a `*`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Tail {
     /// Blanks at most.
@@ -24,34 +24,34 @@ enum Tail {
     Blanks,
     /// Digits, then a comment.
     Comment,
-    /// Something that does not belong behind a checksum.
+    /// Something that does not belong after a checksum.
     Rubbish,
 }
 
-/// A `*`, until another one follows.
+/// Reads the number after a `*`, until another `*` follows.
 #[derive(Clone, Copy)]
-pub(super) struct Star {
-    /// Length of the line before it.
+pub(super) struct ChecksumReader {
+    /// Length of the line before the `*`.
     pub(super) length: usize,
-    /// XOR of the bytes before it.
+    /// XOR of the bytes before the `*`.
     sum: u8,
-    /// The number behind it.
+    /// The number after the `*`.
     claim: u16,
     tail: Tail,
 }
 
-impl Star {
-    /// A `*` behind `length` bytes with that sum.
+impl ChecksumReader {
+    /// A `*` after `length` bytes whose XOR is `sum`.
     pub(super) const fn new(length: usize, sum: u8) -> Self {
         Self { length, sum, claim: 0, tail: Tail::Nothing }
     }
 
-    /// What the number behind it says.
+    /// Whether the number after the `*` is the sum.
     pub(super) fn checksum(self) -> Checksum {
         if self.is_number() && self.claim == u16::from(self.sum) { Checksum::Good(self.sum) } else { Checksum::Bad }
     }
 
-    /// Reads on behind the `*`.
+    /// Reads on after the `*`.
     pub(super) fn read(&mut self, byte: u8) {
         self.tail = match (self.tail, byte) {
             (Tail::Nothing | Tail::Digits, b'0'..=b'9') => {
@@ -66,7 +66,7 @@ impl Star {
         };
     }
 
-    /// Whether a number and nothing else stands behind the `*`.
+    /// Whether a number and nothing else follows the `*`.
     pub(super) fn is_number(self) -> bool {
         matches!(self.tail, Tail::Digits | Tail::Blanks | Tail::Comment)
     }

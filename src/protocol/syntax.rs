@@ -1,4 +1,5 @@
-//! Small words: just enough G-code to know a line number and the few M-codes that this room acts on.
+//! Syntax: the little of a line that this room reads, which is its line number, the few M-codes that the room acts on,
+//! and whether it ends in a checksum.
 
 /// Space or tab.
 pub(super) const fn is_blank(byte: u8) -> bool {
@@ -7,86 +8,86 @@ pub(super) const fn is_blank(byte: u8) -> bool {
 
 /// `text` without the blanks it begins with.
 pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
-    while let [byte, rest @ ..] = text
+    while let [byte, after @ ..] = text
         && is_blank(*byte)
     {
-        text = rest;
+        text = after;
     }
     text
 }
 
 /// `text` without the blanks it ends with.
 pub(super) fn trim_end(mut text: &[u8]) -> &[u8] {
-    while let [rest @ .., byte] = text
+    while let [after @ .., byte] = text
         && is_blank(*byte)
     {
-        text = rest;
+        text = after;
     }
     text
 }
 
-/// The line number that `text` begins with (`N12`, `n -1`), and the text behind it.
+/// The line number that `text` begins with (`N12`, `n -1`), and the text after it.
 /// A number that 32 bits cannot hold saturates.
 pub(super) fn line_number(text: &[u8]) -> Option<(i32, &[u8])> {
-    let [b'N' | b'n', rest @ ..] = text else {
+    let [b'N' | b'n', after @ ..] = text else {
         return None;
     };
-    let rest = skip_blanks(rest);
-    let (is_negative, digits) = match rest {
+    let after = skip_blanks(after);
+    let (is_negative, digits) = match after {
         [b'-', digits @ ..] => (true, digits),
         [b'+', digits @ ..] => (false, digits),
-        _ => (false, rest),
+        _ => (false, after),
     };
     let mut number = 0i32;
-    let mut rest = digits;
-    while let [digit @ b'0'..=b'9', tail @ ..] = rest {
+    let mut after = digits;
+    while let [digit @ b'0'..=b'9', tail @ ..] = after {
         let digit = i32::from(digit - b'0');
         number = number.saturating_mul(10);
         number = if is_negative { number.saturating_sub(digit) } else { number.saturating_add(digit) };
-        rest = tail;
+        after = tail;
     }
-    if rest.len() == digits.len() { None } else { Some((number, rest)) }
+    if after.len() == digits.len() { None } else { Some((number, after)) }
 }
 
-/// The number of the M-code that `text` begins with, and the text behind it.
+/// The number of the M-code that `text` begins with, and the text after it.
 ///
 /// `None` for M110.1 and M110_X, which are other commands.
 pub(super) fn m_code(text: &[u8]) -> Option<(u16, &[u8])> {
-    let [b'M' | b'm', rest @ ..] = skip_blanks(text) else {
+    let [b'M' | b'm', after @ ..] = skip_blanks(text) else {
         return None;
     };
-    let digits = skip_blanks(rest);
+    let digits = skip_blanks(after);
     let mut number = 0u16;
-    let mut rest = digits;
-    while let [digit @ b'0'..=b'9', tail @ ..] = rest {
+    let mut after = digits;
+    while let [digit @ b'0'..=b'9', tail @ ..] = after {
         number = number.saturating_mul(10).saturating_add(u16::from(digit - b'0'));
-        rest = tail;
+        after = tail;
     }
-    if rest.len() == digits.len() || matches!(rest, [b'.' | b'_', ..]) {
+    if after.len() == digits.len() || matches!(after, [b'.' | b'_', ..]) {
         return None;
     }
-    Some((number, rest))
+    Some((number, after))
 }
 
 /// The first N word of M110's parameters.
 pub(super) fn find_line_number(mut text: &[u8]) -> Option<i32> {
-    while let [_, rest @ ..] = text {
+    while let [_, after @ ..] = text {
         if let Some((number, _)) = line_number(text) {
             return Some(number);
         }
-        text = rest;
+        text = after;
     }
     None
 }
 
 /// Whether `text` ends as a checksummed line does: a `*`, digits, blanks.
 pub(super) fn ends_in_checksum(text: &[u8]) -> bool {
-    let mut rest = trim_end(text);
-    let length = rest.len();
-    while let [head @ .., b'0'..=b'9'] = rest {
-        rest = head;
+    let mut after = trim_end(text);
+    let length = after.len();
+    while let [head @ .., b'0'..=b'9'] = after {
+        after = head;
     }
-    rest.len() < length && matches!(trim_end(rest), [.., b'*'])
+    after.len() < length && matches!(trim_end(after), [.., b'*'])
 }
 
 #[cfg(test)]
@@ -116,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_checksum_is_recognised_from_behind() {
+    fn a_checksum_is_recognised_from_its_end() {
         for text in ["G1*5", "X5 *  34  ", "*1"] {
             assert!(ends_in_checksum(text.as_bytes()), "{text}");
         }

@@ -1,4 +1,4 @@
-//! Words for the step and direction pins: what a set of motor groups is in the registers of the ports.
+//! Port writes: what is stored to the ports' set/reset registers (BSRR) for a set of motor groups, ready in a table.
 
 use corehbot::kinematics::{Groups, SETS};
 use corehbot::motors::MOST_GROUPS;
@@ -12,16 +12,16 @@ pub const PORTS: usize = 4;
 /// Ports that a quick step is stored to, the first of them.
 pub const QUICK: usize = 3;
 
-/// For every set of groups, the word to be written to each port's BSRR: one load of neighbouring words and one store a
+/// For every set of groups, what is written to each port's BSRR: one load of neighbouring values and one store a
 /// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
-pub struct Words {
-    /// The ports; those not needed repeat the first, and their words are 0.
+pub struct PortWrites {
+    /// The ports; those not needed repeat the first, and their values are 0.
     pub ports: [Port; PORTS],
-    /// Words by set of groups and port.
-    words: [[u32; PORTS]; SETS],
+    /// Values of BSRR by set of groups and port.
+    values: [[u32; PORTS]; SETS],
 }
 
-impl Words {
+impl PortWrites {
     /// Whether all of `pins` are on ports that there is room for.
     #[must_use]
     pub fn can_hold(pins: &[Option<Pin>; Motor::ALL.len()]) -> bool {
@@ -29,8 +29,8 @@ impl Words {
         pins.iter().flatten().all(|pin| ports.ports[..ports.used].contains(&pin.port))
     }
 
-    /// Words that set the step pins of the motors of the groups and leave the others. Pins beyond [`PORTS`] ports have
-    /// none, which [`can_hold`](Self::can_hold) tells. The ports of motors that are not `slow` come first.
+    /// What sets the step pins of the motors of the groups and leaves the others. Pins beyond [`PORTS`] ports have
+    /// none, which [`can_hold`](Self::can_hold) says. The ports of motors that are not `slow` come first.
     #[must_use]
     pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, groups: &Groups) -> Self {
         let of = |are_slow| {
@@ -41,14 +41,14 @@ impl Words {
         Self::new(pins, ports, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
     }
 
-    /// Groups that have a word for a port behind the first [`QUICK`].
+    /// Groups that write to a port after the first [`QUICK`].
     #[must_use]
     pub fn beyond_quick(&self) -> GroupSet {
-        let is_beyond = |group: &usize| self.words[1 << group][QUICK..].iter().any(|word| *word != 0);
+        let is_beyond = |group: &usize| self.values[1 << group][QUICK..].iter().any(|value| *value != 0);
         GroupSet((0..MOST_GROUPS).filter(is_beyond).map(|group| 1 << group).sum())
     }
 
-    /// Words for the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
+    /// What sets the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
     /// motor that turns forward, or backward if it is `reversed`.
     #[must_use]
     pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, groups: &Groups) -> Self {
@@ -61,31 +61,31 @@ impl Words {
         pins: [Option<Pin>; Motor::ALL.len()],
         ports: Ports,
         motors: impl Fn(GroupSet) -> MotorSet,
-        word: impl Fn(Pin, bool) -> u32,
+        value: impl Fn(Pin, bool) -> u32,
     ) -> Self {
         let Ports { mut ports, used } = ports;
         for port in used..PORTS {
             ports[port] = ports[0];
         }
-        let mut words = [[0; PORTS]; SETS];
-        for (set, words) in words.iter_mut().enumerate() {
+        let mut values = [[0; PORTS]; SETS];
+        for (set, values) in values.iter_mut().enumerate() {
             let motors = motors(GroupSet(set as u8));
             for (motor, pin) in pins.iter().enumerate() {
                 if let Some(pin) = *pin
                     && let Some(column) = ports[..used].iter().position(|port| *port == pin.port)
                 {
-                    words[column] |= word(pin, motors.0 & 1 << motor != 0);
+                    values[column] |= value(pin, motors.0 & 1 << motor != 0);
                 }
             }
         }
-        Self { ports, words }
+        Self { ports, values }
     }
 
-    /// The word of each port for `groups`.
+    /// The value of each port for `groups`.
     #[inline(always)]
     #[must_use]
     pub const fn of(&self, groups: GroupSet) -> &[u32; PORTS] {
-        &self.words[groups.0 as usize % SETS]
+        &self.values[groups.0 as usize % SETS]
     }
 }
 
@@ -116,7 +116,7 @@ mod tests {
     use corehbot::kinematics::Mechanism;
 
     #[test]
-    fn words_hold_the_bits_of_exactly_the_motors_asked_for() {
+    fn writes_hold_the_bits_of_exactly_the_motors_asked_for() {
         let pins =
             [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
         let pins = pins.map(|(port, number)| Pin::new(port, number));
@@ -124,11 +124,12 @@ mod tests {
         let machine = Groups::new(&Mechanism::corehbot());
         let pins_of = pins.map(Some);
         let (pulses, levels) =
-            (Words::pulses(pins_of, MotorSet::NONE, &machine), Words::levels(pins_of, reversed, &machine));
+            (PortWrites::pulses(pins_of, MotorSet::NONE, &machine), PortWrites::levels(pins_of, reversed, &machine));
         for groups in (0..SETS).map(|set| GroupSet(set as u8)) {
             for port in Port::ALL {
-                let written = |words: &Words| -> u32 {
-                    words.ports.iter().zip(words.of(groups)).filter(|(p, _)| **p == port).map(|(_, word)| word).sum()
+                let written = |writes: &PortWrites| -> u32 {
+                    let values = writes.ports.iter().zip(writes.of(groups));
+                    values.filter(|(p, _)| **p == port).map(|(_, value)| value).sum()
                 };
                 let of = |motors: MotorSet| {
                     let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor));
@@ -145,8 +146,8 @@ mod tests {
     fn ports_without_a_motor_get_no_bits() {
         let mut pins = [None; 7];
         pins[0] = Some(Pin::new(Port::B, 3));
-        let words = Words::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()));
-        assert_eq!(words.ports, [Port::B; PORTS]);
-        assert_eq!(words.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
+        let writes = PortWrites::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()));
+        assert_eq!(writes.ports, [Port::B; PORTS]);
+        assert_eq!(writes.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
     }
 }

@@ -1,10 +1,11 @@
-//! What a print tells of itself: how much of it is done, and which object is being printed.
+//! Print progress: what the print's own lines say of it (M73, M486), which is how much is done and which object is being
+//! printed.
 
 use core::sync::atomic::{AtomicI32, AtomicU32, Ordering::Relaxed};
 
-/// What the print has told.
+/// What the print's lines have said.
 #[derive(Debug)]
-pub struct Told {
+pub struct PrintProgress {
     /// One more than the percentage of the print that is done; 0 if nobody has said.
     percent: AtomicU32,
     /// One more than the minutes that are left; 0 if nobody has said.
@@ -13,12 +14,12 @@ pub struct Told {
     object: AtomicI32,
 }
 
-impl Told {
+impl PrintProgress {
     pub(super) const fn new() -> Self {
         Self { percent: AtomicU32::new(0), minutes: AtomicU32::new(0), object: AtomicI32::new(0) }
     }
 
-    /// The percentage of the print that is done, and the minutes that are left, as far as the print has told.
+    /// The percentage of the print that is done, and the minutes that are left, as far as the print has said.
     #[must_use]
     pub fn progress(&self) -> (Option<u32>, Option<u32>) {
         (self.percent.load(Relaxed).checked_sub(1), self.minutes.load(Relaxed).checked_sub(1))
