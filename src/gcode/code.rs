@@ -1,6 +1,7 @@
 //! Codes: the letter and the number that a command begins with.
 
 use super::lexer::{is_blank, skip_blanks};
+use crate::text::read_digits;
 
 /// A command's name, such as G1 or M862.3.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -37,16 +38,6 @@ impl Code {
         let ends = |byte: u8| is_blank(byte) || byte.is_ascii_alphabetic() || matches!(byte, b';' | b'(' | b'"');
         after.first().is_none_or(|byte| ends(*byte)).then_some((Self { letter, number, subcode }, after))
     }
-}
-
-/// The number that `text` begins with, 0 without a digit, and the text after it.
-fn read_digits(mut text: &[u8]) -> (u16, &[u8]) {
-    let mut number = 0u16;
-    while let [digit @ b'0'..=b'9', after @ ..] = text {
-        number = number.saturating_mul(10).saturating_add(u16::from(digit - b'0'));
-        text = after;
-    }
-    (number, text)
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! Comments are `;` to the end and `( )`.
 
 use super::number::Number;
+use crate::text;
 
 /// One word of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -47,14 +48,14 @@ pub(super) const fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | 0xC2 | 0xA0)
 }
 
+/// Whether a byte at the end of a line does not belong to it: a blank or a line end.
+pub(super) const fn is_outside(byte: u8) -> bool {
+    is_blank(byte) || matches!(byte, b'\r' | b'\n')
+}
+
 /// `text` without the blanks it begins with.
-pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
-    while let [byte, after @ ..] = text
-        && is_blank(*byte)
-    {
-        text = after;
-    }
-    text
+pub(super) fn skip_blanks(text: &[u8]) -> &[u8] {
+    text::trim_start(text, is_blank)
 }
 
 /// `text` from the first byte on that `is_end` likes; empty if there is none.

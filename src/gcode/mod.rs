@@ -17,7 +17,6 @@ mod m_codes;
 mod named;
 mod number;
 mod parse;
-mod print;
 mod quiet;
 mod shaping;
 mod text;

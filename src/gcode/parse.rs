@@ -7,10 +7,11 @@
 use super::code::Code;
 use super::command::{ArcShape, AxisFlags, AxisWords, Command, Plane};
 use super::grammar::in_order;
-use super::lexer::{Word, Words, is_blank, skip_blanks, skip_past};
+use super::lexer::{Word, Words, is_outside, skip_blanks, skip_past};
 use super::m_codes::parse_m;
 use super::named::parse_named;
 use super::number::Number;
+use crate::text::{trim_end, trim_start};
 
 /// The first character of texts that some editors write (U+FEFF, the byte order mark).
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
@@ -182,19 +183,8 @@ fn skip_comments(mut line: &[u8]) -> &[u8] {
 }
 
 /// The line without blanks and line ends round it.
-fn trim(mut line: &[u8]) -> &[u8] {
-    let is_outside = |byte: u8| is_blank(byte) || matches!(byte, b'\r' | b'\n');
-    while let [byte, after @ ..] = line
-        && is_outside(*byte)
-    {
-        line = after;
-    }
-    while let [after @ .., byte] = line
-        && is_outside(*byte)
-    {
-        line = after;
-    }
-    line
+fn trim(line: &[u8]) -> &[u8] {
+    trim_end(trim_start(line, is_outside), is_outside)
 }
 
 #[cfg(test)]

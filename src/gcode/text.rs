@@ -1,8 +1,9 @@
 //! Text: commands whose line is, from some place on, a text for people.
 
 use super::command::{Command, Form};
-use super::lexer::{Words, is_blank, skip_blanks};
+use super::lexer::{Words, is_blank, is_outside, skip_blanks};
 use super::number::Number;
+use crate::text::trim_end;
 
 /// M118: the message after A1, E1 and P, which stand in front of it (Marlin M118.cpp).
 pub(super) fn tell(text: &[u8]) -> Command<'_> {
@@ -20,7 +21,7 @@ pub(super) fn tell(text: &[u8]) -> Command<'_> {
         }
         after = skip_blanks(tail);
     }
-    Command::Tell { form, text: trim_end(after) }
+    Command::Tell { form, text: trim_end(after, is_outside) }
 }
 
 /// M0, M1: S and P in front, in any order, then a message that nobody shows.
@@ -40,15 +41,6 @@ pub(super) fn object(text: &[u8]) -> Command<'static> {
         Some(word) if matches!(word.letter, b'P' | b'C' | b'U') => Command::CancelObject,
         _ => Command::Silent,
     }
-}
-
-fn trim_end(mut text: &[u8]) -> &[u8] {
-    while let [after @ .., byte] = text
-        && (is_blank(*byte) || matches!(byte, b'\r' | b'\n'))
-    {
-        text = after;
-    }
-    text
 }
 
 #[cfg(test)]

@@ -1,29 +1,21 @@
 //! Syntax: the little of a line that this room reads, which is its line number, the few M-codes that the room acts on,
 //! and whether it ends in a checksum.
 
+use crate::text;
+
 /// Space or tab.
 pub(super) const fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t')
 }
 
 /// `text` without the blanks it begins with.
-pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
-    while let [byte, after @ ..] = text
-        && is_blank(*byte)
-    {
-        text = after;
-    }
-    text
+pub(super) fn skip_blanks(text: &[u8]) -> &[u8] {
+    text::trim_start(text, is_blank)
 }
 
 /// `text` without the blanks it ends with.
-pub(super) fn trim_end(mut text: &[u8]) -> &[u8] {
-    while let [after @ .., byte] = text
-        && is_blank(*byte)
-    {
-        text = after;
-    }
-    text
+pub(super) fn trim_end(text: &[u8]) -> &[u8] {
+    text::trim_end(text, is_blank)
 }
 
 /// The line number that `text` begins with (`N12`, `n -1`), and the text after it.
@@ -57,12 +49,7 @@ pub(super) fn m_code(text: &[u8]) -> Option<(u16, &[u8])> {
         return None;
     };
     let digits = skip_blanks(after);
-    let mut number = 0u16;
-    let mut after = digits;
-    while let [digit @ b'0'..=b'9', tail @ ..] = after {
-        number = number.saturating_mul(10).saturating_add(u16::from(digit - b'0'));
-        after = tail;
-    }
+    let (number, after) = text::read_digits(digits);
     if after.len() == digits.len() || matches!(after, [b'.' | b'_', ..]) {
         return None;
     }

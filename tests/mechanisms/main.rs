@@ -2,11 +2,15 @@
 //! instant buys.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "motion/line.rs"]
+#[path = "../support/belt_equations.rs"]
+mod belt_equations;
+#[path = "../motion/line.rs"]
 #[allow(dead_code, reason = "other tests need the rest of it")]
 mod line;
+mod prototype;
 
-use corehbot::kinematics::{BeltSteps, Groups, Mechanism, MechanismError, Row, WayBack, residual};
+use belt_equations::{BeltSteps, residual};
+use corehbot::kinematics::{Groups, Mechanism, MechanismError, Row, WayBack};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::{MmPerSec, MmPerSec2, Ratio, Steps, StepsPerMm};
