@@ -17,10 +17,12 @@ mod m_codes;
 mod named;
 mod number;
 mod parse;
+mod parts;
 mod quiet;
 mod shaping;
 mod text;
 
-pub use command::{ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, Plane, VelocityWords};
+pub use command::Command;
 pub use number::Number;
 pub use parse::parse;
+pub use parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, Plane, VelocityWords};

@@ -1,8 +1,9 @@
 //! Text: commands whose line is, from some place on, a text for people.
 
-use super::command::{Command, Form};
+use super::command::Command;
 use super::lexer::{Words, is_blank, is_outside, skip_blanks};
 use super::number::Number;
+use super::parts::Form;
 use crate::text::trim_end;
 
 /// M118: the message after A1, E1 and P, which stand in front of it (Marlin M118.cpp).
