@@ -1,17 +1,10 @@
 //! A host that sends lines one by one, and what it hears.
 
-use corehbot::motors::MotorSet;
+use super::deaf::Deaf;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::Host;
-use corehbot_sim::world::Sink;
 use corehbot_sim::world::run;
-
-pub struct Deaf;
-
-impl Sink for Deaf {
-    fn event(&mut self, _tick: u64, _steps: MotorSet, _forward: MotorSet) {}
-}
 
 /// Sends lines one by one; with the first busy message comes M108.
 pub struct Asker {

@@ -1,6 +1,7 @@
 //! Effects: what a command changes for the lines after it.
 
-use super::asker::{Asker, Deaf, answers, before_homing};
+use super::asker::{Asker, answers, before_homing};
+use super::deaf::Deaf;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::run;

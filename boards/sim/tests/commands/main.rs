@@ -6,5 +6,7 @@
 
 mod answers;
 mod asker;
+#[path = "../common/deaf.rs"]
+mod deaf;
 mod effects;
 mod table;
