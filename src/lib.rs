@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A room (module) may use only the rooms to its left in
-//! `units <- motors <- status <- port <- {protocol, gcode, kinematics <- settings} <- {motion, driver, storage} <- machine <- app`;
+//! `{units, text} <- motors <- status <- port <- {protocol, gcode, kinematics <- settings} <- {motion, driver, storage} <- machine <- app`;
 //! `tests/layers.rs` holds every `use` to that.
 #![no_std]
 #![forbid(unsafe_code)]
@@ -26,4 +26,5 @@ pub mod protocol;
 pub mod settings;
 pub mod status;
 pub mod storage;
+pub mod text;
 pub mod units;

@@ -34,7 +34,7 @@ pub trait StepPort {
         self.rise(steps, tick);
     }
 
-    /// [`fall`](Self::fall) behind [`rise_quick`](Self::rise_quick).
+    /// [`fall`](Self::fall) after [`rise_quick`](Self::rise_quick).
     #[inline(always)]
     fn fall_quick(&mut self, steps: GroupSet) {
         self.fall(steps);
@@ -136,7 +136,7 @@ pub trait DriverBus {
     /// `reply` bytes. An exchange that goes on is given up.
     fn begin(&mut self, _motor: Motor, _request: &Frame, _reply: usize) {}
 
-    /// What became of the exchange, told once; `None` while it goes on. Every exchange ends by itself in
+    /// What became of the exchange, said once; `None` while it goes on. Every exchange ends by itself in
     /// bounded time.
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         Some(Err(BusError::Silent))
@@ -199,7 +199,7 @@ pub trait Storage {
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
 
     /// Hands over `bytes` for address `at`; they are stored for good as soon as the storage
-    /// [is settled](Self::is_settled). The core never writes across a page of [`crate::storage::PAGE`] bytes.
+    /// [is done](Self::is_done). The core never writes across a page of [`crate::storage::PAGE`] bytes.
     ///
     /// # Errors
     /// [`StorageError`]; then some of the bytes may have been written.
@@ -210,7 +210,7 @@ pub trait Storage {
     ///
     /// # Errors
     /// [`StorageError::Failed`] if it takes too long.
-    fn is_settled(&mut self) -> Result<bool, StorageError> {
+    fn is_done(&mut self) -> Result<bool, StorageError> {
         Ok(true)
     }
 }

@@ -227,14 +227,14 @@ fn other_settings_reach_a_motor_with_power_and_other_microsteps_forbid_driving_u
     assert_eq!(bench.power(Z1), Ok(()));
     settings.drivers.z.current_ma = 500;
     bench.drivers.want(&settings);
-    assert!(!bench.drivers.is_settled() && bench.drivers.is_drivable());
+    assert!(!bench.drivers.is_configured() && bench.drivers.is_drivable());
     bench.run(50);
-    assert!(bench.drivers.is_settled());
+    assert!(bench.drivers.is_configured());
     settings.drivers.z.microsteps = 32;
     bench.drivers.want(&settings);
     assert!(!bench.drivers.is_drivable());
     bench.run(50);
-    assert!(bench.drivers.is_drivable() && bench.drivers.is_settled());
+    assert!(bench.drivers.is_drivable() && bench.drivers.is_configured());
     assert_eq!(bench.drivers.known(Motor::Z1).0.unwrap().microsteps(), 32);
 }
 
@@ -264,7 +264,7 @@ fn a_driver_that_is_being_written_has_proved_nothing() {
     // A change under power proves what it has written; the next one is on its way when it is taken back.
     bench.drivers.want(&new);
     bench.run(60);
-    assert!(bench.drivers.is_settled());
+    assert!(bench.drivers.is_configured());
     bench.drivers.want(&old);
     let is_written = |bench: &Bench| bench.bus.requests.iter().filter(|(_, bytes)| bytes[2] == 0x90).count() == 3;
     while !is_written(&bench) {

@@ -7,6 +7,7 @@ mod support;
 use corehbot::gcode::{AxisFlags, AxisWords, Command, Number, parse};
 use proptest::prelude::*;
 use support::bodies;
+use support::print::Printed;
 
 /// Decimal text as the nearest multiple of 2^-32, by doubling the written digits: bit after bit of the
 /// fraction falls out on the left, as in a schoolbook.
@@ -34,11 +35,34 @@ fn read(text: &str) -> Number {
     number
 }
 
+/// The command of a line in its canonical form.
+fn printed(line: &str) -> String {
+    Printed(parse(line.as_bytes())).to_string()
+}
+
 /// The number of a G1 line's X word.
 fn x_of(line: &str) -> Option<Number> {
     match parse(line.as_bytes()) {
         Command::Line { to, .. } => to.x,
         other => panic!("{line} became {other:?}"),
+    }
+}
+
+#[test]
+fn the_canonical_form() {
+    for (line, canonical) in [
+        ("g1x.5y-12.300e-.04f1800", "G1 X0.5 Y-12.3 E-0.04 F1800"),
+        ("G3 Z.76 I.194 J1.201 P1  F30000", "G3 Z0.76 I0.194 J1.201 F30000"),
+        ("G28 X0 Y0", "G28 X Y"),
+        ("M84 S0", "M84 S0"),
+        ("M205 J.02 X8", "M205 X8 J0.02"),
+        ("M204 S800", "M204 P800 T800"),
+        ("M211 S3", "M211 S1"),
+        ("M900 K1e-05", "M572 S0.00001"),
+        ("M593 T2 F60 Y X", "M593 X Y F60 T2"),
+        ("say \u{fc}", "say ??"),
+    ] {
+        assert_eq!(printed(line), canonical);
     }
 }
 
@@ -202,7 +226,7 @@ proptest! {
         }
         let mut text: String = digits.iter().map(|digit| char::from(b'0' + digit)).collect();
         match nudge {
-            // Just below: one unit less in the last place, and nines behind it.
+            // Just below: one unit less in the last place, and nines after it.
             0 => {
                 let last = text.pop().unwrap();
                 prop_assert_eq!(last, '5');
@@ -251,9 +275,9 @@ proptest! {
     ) {
         let plain: String = words.iter().map(|(letter, number)| format!(" {letter}{number}")).collect();
         let odd: String = words.iter().map(|(letter, number)| format!("{letter}{gap}{number}{gap}")).collect();
-        let expected = parse(format!("G1{plain}").as_bytes()).to_string();
-        prop_assert_eq!(parse(format!("G1{odd}").as_bytes()).to_string(), expected.clone());
-        prop_assert_eq!(parse(format!("g1{odd};X99").to_lowercase().as_bytes()).to_string(), expected);
+        let expected = printed(&format!("G1{plain}"));
+        prop_assert_eq!(printed(&format!("G1{odd}")), expected.clone());
+        prop_assert_eq!(printed(&format!("g1{odd};X99").to_lowercase()), expected);
     }
 }
 

@@ -6,13 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What each room may use. A room uses itself without asking.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("units", &[]),
+    ("text", &[]),
     ("motors", &[]),
     ("status", &["motors"]),
     ("port", &["units", "motors"]),
-    ("protocol", &["units", "port"]),
-    ("gcode", &["units"]),
+    ("protocol", &["units", "text", "port"]),
+    ("gcode", &["units", "text"]),
     ("kinematics", &["units", "motors"]),
     ("settings", &["units", "motors", "kinematics"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),

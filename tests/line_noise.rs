@@ -85,7 +85,7 @@ const fn is_end(byte: &u8) -> bool {
     matches!(byte, b'\n' | b'\r')
 }
 
-/// Whether there is a line with the right sum that is not `line`, or one with neither number nor sum behind nothing that
+/// Whether there is a line with the right sum that is not `line`, or one with neither number nor sum after nothing that
 /// is refused.
 fn has_other_line(bytes: &[u8], line: &str) -> bool {
     let has_neither = |piece: &[u8]| !piece.is_empty() && !piece.contains(&b'*') && piece.first() != Some(&b'N');

@@ -97,7 +97,7 @@ fn the_resend_dialogue_repairs_a_line() {
     machine.say("M110 N12\n");
     assert_eq!(machine.say("N13 G1 X1*99\n"), resend(MISMATCH, 12));
     assert_eq!(machine.say("N13 G1 X1\n"), resend("No Checksum with line number", 12));
-    assert_eq!(machine.say(numbered(14, "G1 X2")), "ok\n", "stale behind a refused line");
+    assert_eq!(machine.say(numbered(14, "G1 X2")), "ok\n", "stale after a refused line");
     assert_eq!(machine.say(numbered(13, "G1 X1")), "ok\n");
     assert_eq!(machine.say(numbered(13, "G1 X1")), "ok\n", "a repetition");
     assert_eq!(machine.say(numbered(13, "G1 X7")), resend(NUMBER, 13));
@@ -239,8 +239,8 @@ fn asks_for_an_answer(line: &[Received]) -> bool {
     let ends_in_checksum = text.rsplit_once('*').is_some_and(|(_, rest)| {
         let claim = rest.trim_start_matches(blanks);
         let rest = claim.trim_start_matches(|c: char| c.is_ascii_digit());
-        let behind = rest.trim_start_matches(blanks);
-        rest.len() < claim.len() && (behind.is_empty() || behind.starts_with(';'))
+        let after = rest.trim_start_matches(blanks);
+        rest.len() < claim.len() && (after.is_empty() || after.starts_with(';'))
     });
     let is_blank = text.is_empty() || text.starts_with(';') && !ends_in_checksum;
     line.contains(&Received::Lost) || is_numbered || !is_blank
@@ -403,7 +403,7 @@ proptest! {
                 host.hear(&machine.take_replies());
             }
         }
-        // What is left of a checksum behind a false line end is a number, which no command looks like.
+        // What is left of a checksum after a false line end is a number, which no command looks like.
         let carried_out: Vec<&String> =
             machine.commands.iter().filter(|text| text.starts_with(['G', 'g'])).collect();
         prop_assert_eq!(carried_out, program.iter().collect::<Vec<_>>());

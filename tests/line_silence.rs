@@ -148,7 +148,7 @@ fn nobody_else_is_asked() {
 #[test]
 fn an_octoprint_that_does_not_print_is_left_in_peace() {
     let mut machine = Machine::new();
-    for before in ["", "behind a print"] {
+    for before in ["", "after a print"] {
         for line in ["N0 M110 N0*125", "N0 M110 N0*125", "N0 M110 N0*125", "N1 M115*39", "M21", "M155 S2", "M154 S5"] {
             assert_eq!(machine.say(format!("{line}\n")), "ok\n");
             assert_eq!(wait(&mut machine, 20_000), "", "{line}, {before}");
@@ -163,7 +163,7 @@ fn an_octoprint_that_does_not_print_is_left_in_peace() {
 
 /// Pronterface polls while it prints: printcore has its unnumbered M105 between two lines of the stream.
 #[test]
-fn a_line_that_is_lost_behind_an_unnumbered_one_is_missed() {
+fn a_line_that_is_lost_after_an_unnumbered_one_is_missed() {
     let mut machine = streaming(7);
     for _ in 0..3 {
         assert_eq!(machine.say("M105\n"), "ok\n");

@@ -53,7 +53,7 @@ fn only_printable_ascii_leaves() {
 }
 
 #[test]
-fn a_dialogue_that_does_not_fit_leaves_nothing_behind() {
+fn a_dialogue_that_does_not_fit_leaves_nothing() {
     for filled in 0..120 {
         let mut replies = Replies::new();
         let filling = "x".repeat(CAPACITY - 1 - filled);

@@ -344,7 +344,7 @@ fn no_storage_is_said_and_too_little_is_none() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Random bytes, also behind a header that looks right, are no settings and take a save.
+    /// Random bytes, also after a header that looks right, are no settings and take a save.
     #[test]
     fn any_content_is_survived(
         seed in proptest::collection::vec(any::<u8>(), 64),

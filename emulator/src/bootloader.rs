@@ -1,4 +1,4 @@
-//! The bootloader's stand-in: leaves the chip behind as BTT's does.
+//! The bootloader's stand-in: leaves the chip as BTT's does.
 //!
 //! What BTT's leaves was read from its machine code, `DFU Update bootloader/bootload/F446/bootload.hex` of
 //! github.com/bigtreetech/BIGTREETECH-OCTOPUS-V1.0; the addresses in `STEPS` are of instructions in it. Registers
@@ -141,7 +141,7 @@ const CODE: [u16; 26] = [
     0xBF00, 0xBF00, // nop; nop
 ];
 
-/// How the chip is left behind.
+/// How the chip is left.
 #[derive(Clone, Copy, PartialEq, Eq, Default, Debug)]
 pub enum Bootloader {
     /// As BTT's leaves it.

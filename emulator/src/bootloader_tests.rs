@@ -1,4 +1,4 @@
-//! The stand-in leaves behind what BTT's bootloader does.
+//! The stand-in leaves what BTT's bootloader does.
 
 use super::*;
 use crate::board::Emulated;
@@ -32,7 +32,7 @@ const APPLICATION: [u16; 18] = [
     0xBF00, 0xBF00, 0xBF00, 0xBF00, // nop
 ];
 
-/// What is left behind: the register, and its value as BTT's leaves it (see the table of steps).
+/// What is left: the register, and its value as BTT's leaves it (see the table of steps).
 const LEFT: [(&str, u32, u32); 20] = [
     // HSI, HSE, PLL and PLLSAI, each on and ready.
     ("RCC_CR", RCC_CR, 0x3303_0083),
@@ -89,7 +89,7 @@ impl Driver<Emulated> for Watch {
     }
 }
 
-/// What an application behind `loader` finds in its registers, and what was broken on the way there.
+/// What an application after `loader` finds in its registers, and what was broken on the way there.
 fn hand_over(loader: Vec<u8>) -> (Vec<u32>, ClockRules) {
     let begin = OCTOPUS.application + 8;
     let mut application: Vec<u8> = [STACK, begin + 1].iter().flat_map(|word| word.to_le_bytes()).collect();

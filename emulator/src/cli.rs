@@ -21,7 +21,7 @@ use corehbot_sim::output::{Outputs, STANDARD, Stream};
 use corehbot_sim::stop::Stop;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::vcd::VcdWriter;
-use corehbot_sim::{input, machine_file, words};
+use corehbot_sim::{input, machine_file, printable};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -83,7 +83,7 @@ pub fn main() -> ExitCode {
 }
 
 fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
-    eprintln!("corehbot-emulator: {}", words::lines(&format!("{error:#}")));
+    eprintln!("corehbot-emulator: {}", printable::lines(&format!("{error:#}")));
     ExitCode::from(status)
 }
 
@@ -120,7 +120,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
     println!("image     {}", firmware.path.display());
     println!("sha256    {}", firmware.sha256);
     if let Some(path) = &cli.settings {
-        println!("settings  {}, stored in the EEPROM", words::line(&path.to_string_lossy()));
+        println!("settings  {}, stored in the EEPROM", printable::line(&path.to_string_lossy()));
     }
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
     let (drivers, chip) = (DriverLines::new(&OCTOPUS), At24c32::holding(eeprom.cells().to_vec()));
@@ -174,7 +174,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
 fn print_run(cli: &Cli, seen: &Seen) {
     if cli.talk {
         for line in &seen.line.said {
-            println!("said      {}", words::line(line));
+            println!("said      {}", printable::line(line));
         }
     }
     let ms = |ns: u64| ns as f64 / 1e6;
@@ -190,10 +190,10 @@ fn print_run(cli: &Cli, seen: &Seen) {
         seen.line.bytes[0], seen.line.bytes[1], seen.line.resends
     );
     for warning in &seen.line.warnings {
-        println!("odd       {}", words::line(warning));
+        println!("odd       {}", printable::line(warning));
     }
     if let Some(failure) = &seen.line.failure {
-        println!("FAILED    {}", words::line(failure));
+        println!("FAILED    {}", printable::line(failure));
     }
     for reset in &seen.resets {
         println!("RESET     {:.3} ms, {:?}", ms(reset.at.0), reset.cause);

@@ -21,7 +21,7 @@ const WRITE_NS: u64 = 5_000_000;
 pub struct Cut {
     /// Bytes that are still written.
     pub after: usize,
-    /// The next byte holds a mixture then, and with `whole_page` so do all bytes of its page behind it.
+    /// The next byte holds a mixture then, and with `whole_page` so do all bytes of its page after it.
     pub whole_page: bool,
 }
 

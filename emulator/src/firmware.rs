@@ -1,4 +1,4 @@
-//! The image under test: an ELF file, exactly as the build made it, behind a stand-in for the bootloader.
+//! The image under test: an ELF file, exactly as the build made it, after a stand-in for the bootloader.
 //!
 //! A test may change single words of the copy in memory, to make a fault happen that a sound image has no
 //! way to; the file's digest is always that of the file.

@@ -82,7 +82,7 @@ fn a_machine_in_the_eeprom_prints_as_the_simulator_does() {
 }
 
 /// Cuts the power after so many bytes of a save and switches it on again. The last page, which holds the header, is
-/// written last, behind so many bytes.
+/// written last, after so many bytes.
 fn cut_after(is_wanted: impl Fn(usize, usize) -> bool) {
     let old = talk(&At24c32::default(), "M113 S7\nM500\nM113 S8\nM500\n").eeprom.cells;
     let whole = talk(&At24c32::holding(old.clone()), "M113 S9\nM500\n");

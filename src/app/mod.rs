@@ -16,16 +16,23 @@ use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::Mm;
 
-/// All memory that the handles share: 4 KiB of step events, 3 KiB of moves, 8 KiB of
-/// trajectory, and 16 KiB of look-ahead.
+/// All memory that the handles share, 33 KiB; the Console and the StepGenerator themselves come on top.
 pub struct Memory {
+    /// Console to StepGenerator: moves that left the look-ahead, 3.4 KiB.
     moves: MoveQueue,
+    /// StepGenerator to Stepper: step events, 4 KiB.
     events: StepQueue,
+    /// The StepGenerator's: the trajectory as far back as shapers reach, 9 KiB.
     spans: SpanMemory,
+    /// The Console's: the look-ahead, 16 KiB.
     planned: MoveMemory,
     groups: Groups,
     status: Status,
 }
+
+// As much as the fields' comments say, on a computer of 64 bits; on a board some are smaller.
+const _: () = assert!(size_of::<MoveQueue>() <= 3448 && size_of::<StepQueue>() <= 4100);
+const _: () = assert!(size_of::<SpanMemory>() <= 9 * 1024 && size_of::<MoveMemory>() <= 16 * 1024);
 
 impl Default for Memory {
     fn default() -> Self {

@@ -157,7 +157,7 @@ fn rms_ma(scale: u32, is_sensitive: bool) -> u32 {
 
 /// TPWMTHRS: clocks between two finest steps at the threshold; 0 leaves stealthChop on at any speed.
 fn hybrid_threshold(d: &DriverSettings, steps_per_mm: StepsPerMm) -> u32 {
-    // Both factors carry 16 bits behind the point.
+    // Both factors carry 16 bits after the point.
     let steps_a_second = u64::from(d.hybrid_threshold.to_bits()) * u64::from(steps_per_mm.to_bits());
     let finest_a_second = mul_div(steps_a_second, FINEST, u64::from(d.microsteps)) >> 32;
     if steps_a_second == 0 {
@@ -167,63 +167,4 @@ fn hybrid_threshold(d: &DriverSettings, steps_per_mm: StepsPerMm) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::settings::ranges;
-    use crate::units::MmPerSec;
-
-    fn config(change: impl FnOnce(&mut DriverSettings)) -> Config {
-        let mut s = Settings::prototype();
-        change(&mut s.drivers.belt);
-        Config::new(Motor::M8, &s)
-    }
-
-    #[test]
-    fn every_current_is_met_as_well_as_the_chip_can() {
-        for ma in ranges::CURRENT_MA.least..=ranges::CURRENT_MA.most {
-            let config = config(|d| d.current_ma = ma);
-            // Half a step of the scale: 1768 or 979 mA over 64.
-            let half = if ma < 980 { 15.4 } else { 27.7 };
-            let scale = (config.value(Register::IholdIrun) >> 8) & 0x1F;
-            let volts = if config.chopconf & chopconf::VSENSE == 0 { 0.325 } else { 0.180 };
-            let exact = f64::from(scale + 1) / 32.0 * volts / 0.130 / 2f64.sqrt() * 1000.0;
-            assert!((exact - f64::from(ma)).abs() < half, "{ma} mA became {exact}");
-            assert!((exact - f64::from(config.run_current_ma())).abs() < 1.0);
-        }
-    }
-
-    #[test]
-    fn the_fields_are_where_the_datasheet_has_them() {
-        let c = config(|_| ());
-        assert_eq!(c.value(Register::Gconf), 0b1_1100_0100);
-        // INTPOL, MRES 4, VSENSE, TBL 2, HEND 0, HSTRT 5, TOFF 3.
-        assert_eq!(c.value(Register::Chopconf), 0x1403_0053);
-        // 800 mA: 32 * 0.8 * 0.13 * 1.414 / 0.18 = 26.1, less one; half of it at rest.
-        assert_eq!(c.value(Register::IholdIrun), 8 << 16 | 25 << 8 | 12);
-        assert_eq!(config(|d| d.stealth = true).value(Register::Gconf), 0b1_1100_0000);
-        for (microsteps, mres) in [(1, 8), (2, 7), (16, 4), (128, 1), (256, 0)] {
-            let chopconf = config(|d| d.microsteps = microsteps).chopconf;
-            assert_eq!((chopconf >> 24) & 0xF, mres);
-            assert_eq!(super::microsteps(chopconf), u32::from(microsteps));
-        }
-        assert_eq!(config(|d| d.hold_percent = 0).value(Register::IholdIrun) & 0x1F, 0);
-        assert_eq!(config(|d| d.stall_threshold = 9).value(Register::Tcoolthrs), SLOWEST);
-    }
-
-    #[test]
-    fn the_threshold_is_a_time_between_two_of_256_steps() {
-        // 100 mm/s are 8,000 steps, 128,000 of the finest: 93.75 clocks.
-        let at = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).value(Register::Tpwmthrs);
-        assert_eq!((at(0), at(100), at(3000)), (0, 93, 3));
-        let slow = config(|d| d.hybrid_threshold = MmPerSec::lit("0.005"));
-        assert_eq!(slow.value(Register::Tpwmthrs), SLOWEST);
-    }
-
-    #[test]
-    fn each_motor_has_the_settings_of_its_group() {
-        let s = Settings::prototype();
-        assert_eq!(Config::new(Motor::M1, &s), Config::new(Motor::M11, &s));
-        assert_ne!(Config::new(Motor::Z1, &s), Config::new(Motor::M1, &s));
-        assert_eq!(Config::new(Motor::Z1, &s), Config::new(Motor::Z2, &s));
-    }
-}
+mod tests;

@@ -101,7 +101,7 @@ impl Drivers {
         self.get(motor).map_or((None, 0), |d| (d.held, d.errors))
     }
 
-    /// From now on the drivers are to hold what `settings` say. Those of motors with power are told soon, the
+    /// From now on the drivers are to hold what `settings` say. Those of motors with power are written soon, the
     /// others before they get it.
     pub fn want(&mut self, settings: &Settings) {
         for (motor, driver) in Motor::ALL.into_iter().zip(&mut self.drivers) {
@@ -163,7 +163,7 @@ impl Drivers {
 
     /// Whether every motor that has power holds what it is to hold.
     #[must_use]
-    pub fn is_settled(&self) -> bool {
+    pub fn is_configured(&self) -> bool {
         self.stale().is_none()
     }
 

@@ -120,7 +120,7 @@ pub enum News {
     /// A driver failed: the motion must end at once, and then [`Drivers::cut`](super::Drivers::cut) be called. In this order
     /// no step is made without power.
     Stopped(Fault),
-    /// A driver is hot, and still at work. Told once.
+    /// A driver is hot, and still at work. Reported once.
     Hot(Motor),
 }
 
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cause_that_explains_the_others_is_told() {
+    fn the_cause_that_explains_the_others_is_reported() {
         assert_eq!(DriverError::from_flags(7), Some(DriverError::LostConfiguration));
         assert_eq!(DriverError::from_flags(6), Some(DriverError::ShutDown));
         assert_eq!(DriverError::from_flags(4), Some(DriverError::LowSupply));

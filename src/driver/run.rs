@@ -131,7 +131,7 @@ enum Doubt {
 pub(super) struct Run {
     pub motor: Motor,
     pub job: Job,
-    /// What the driver must hold, or be told.
+    /// The configuration that the driver must hold.
     pub config: Config,
     steps: &'static [Step],
     at: usize,
@@ -263,7 +263,7 @@ impl Run {
         if self.at < self.steps.len() { Next::Exchange } else { Next::Done(Ok(self.reading)) }
     }
 
-    /// A driver is not as it should be: tells it what it must hold, if it may be told now.
+    /// A driver is not as it should be: writes what it must hold, if that may be written now.
     fn fail(&mut self, error: DriverError) -> Next {
         let again = match (self.job, error) {
             (Job::Poll | Job::Read, _) | (_, DriverError::WrongChip(_)) => false,

@@ -1,52 +1,43 @@
 //! Codes: the letter and the number that a command begins with.
 
 use super::lexer::{is_blank, skip_blanks};
+use crate::text::read_digits;
 
 /// A command's name, such as G1 or M862.3.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Code {
     /// G, M or T.
     pub letter: u8,
-    /// The number behind the letter.
+    /// The number after the letter.
     pub number: u16,
-    /// The number behind the point; 0 if there is none.
+    /// The number after the point; 0 if there is none.
     pub subcode: u16,
 }
 
 impl Code {
-    /// Reads the code that `text` begins with, and returns it with the text behind it.
+    /// Reads the code that `text` begins with, and returns it with the text after it.
     ///
     /// `None` for anything else, above all for the named commands of Klipper: they may begin with the
     /// same letters, even with the same digits (`T0_PARK`), so what follows a code must be a blank, a
     /// word or a comment.
     pub(super) fn read(text: &[u8]) -> Option<(Self, &[u8])> {
-        let (letter, rest) = skip_blanks(text).split_first()?;
+        let (letter, after) = skip_blanks(text).split_first()?;
         let letter = letter.to_ascii_uppercase();
         if !matches!(letter, b'G' | b'M' | b'T') {
             return None;
         }
-        let digits = skip_blanks(rest);
-        let (number, mut rest) = read_digits(digits);
-        if rest.len() == digits.len() {
+        let digits = skip_blanks(after);
+        let (number, mut after) = read_digits(digits);
+        if after.len() == digits.len() {
             return None;
         }
         let mut subcode = 0;
-        if let [b'.', tail @ ..] = rest {
-            (subcode, rest) = read_digits(tail);
+        if let [b'.', tail @ ..] = after {
+            (subcode, after) = read_digits(tail);
         }
         let ends = |byte: u8| is_blank(byte) || byte.is_ascii_alphabetic() || matches!(byte, b';' | b'(' | b'"');
-        rest.first().is_none_or(|byte| ends(*byte)).then_some((Self { letter, number, subcode }, rest))
+        after.first().is_none_or(|byte| ends(*byte)).then_some((Self { letter, number, subcode }, after))
     }
-}
-
-/// The number that `text` begins with, 0 without a digit, and the text behind it.
-fn read_digits(mut text: &[u8]) -> (u16, &[u8]) {
-    let mut number = 0u16;
-    while let [digit @ b'0'..=b'9', rest @ ..] = text {
-        number = number.saturating_mul(10).saturating_add(u16::from(digit - b'0'));
-        text = rest;
-    }
-    (number, text)
 }
 
 #[cfg(test)]

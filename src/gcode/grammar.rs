@@ -5,9 +5,10 @@
 //! that something is wrong with it.
 
 use super::code::Code;
-use super::command::{Command, Flaw};
+use super::command::Command;
 use super::lexer::{Words, is_blank, skip_blanks, skip_past};
 use super::number::Number;
+use super::parts::Flaw;
 
 /// What a command takes.
 struct Grammar {
@@ -31,7 +32,7 @@ impl Grammar {
         Self { numbers, no_axes, not_negative: &[] }
     }
 
-    /// The grammar of a code; `None` for one that takes any text, or must act whatever stands behind it.
+    /// The grammar of a code; `None` for one that takes any text, or must act whatever follows it.
     fn of(code: Code) -> Option<Self> {
         Some(match (code.letter, code.number) {
             (b'G', 0 | 1) => Self::of_axes(b"XYZEF", NO_AXES),
@@ -73,7 +74,7 @@ pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
         if words.has_skipped() {
             return Some(Flaw::NoWord(shown(begin)));
         }
-        begin = words.rest();
+        begin = words.remaining();
     }
     let mut words = Words::new(text);
     let mut begin = text;
@@ -88,7 +89,7 @@ pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
         } else if matches!(word.letter, b'G' | b'M') && word.number.is_some() {
             return Some(Flaw::SecondCommand(shown(begin)));
         }
-        begin = words.rest();
+        begin = words.remaining();
     }
     None
 }
@@ -116,100 +117,4 @@ fn shown(mut text: &[u8]) -> &[u8] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::parse::parse;
-    use super::*;
-
-    fn flaw(line: &str) -> Option<Flaw<'_>> {
-        match parse(line.as_bytes()) {
-            Command::Malformed(flaw) => Some(flaw),
-            _ => None,
-        }
-    }
-
-    #[test]
-    fn what_is_no_word_is_named() {
-        for (line, word) in [
-            ("G1 X1,5 Y2", "X1,5"),
-            ("G1 Y2 X1.2.3", "X1.2.3"),
-            ("G1 X--5", "X--5"),
-            ("G1 X-", "X-"),
-            ("G1 X. Y5", "X."),
-            ("G1 X10\x01", "X10\x01"),
-            ("G1 \x07X10", "\x07X10"),
-            ("G1 X=5 Y6", "X=5"),
-            ("G1 (a) X=5 Y6", "X=5"),
-            ("G1 X5 Y6 %", "%"),
-            ("G28 X,", "X,"),
-            ("M203 X1,\u{b0}", "X1,"),
-            ("G1 \"a b\" Y,", "Y,"),
-            ("G1 \"a b", "\"a"),
-            ("G92 X1..5", "X1..5"),
-            ("G90 %", "%"),
-        ] {
-            assert_eq!(flaw(line), Some(Flaw::NoWord(word.as_bytes())), "{line:?}");
-        }
-    }
-
-    #[test]
-    fn letters_that_need_a_number_have_one() {
-        for (line, letter) in [
-            ("G1 X", b'X'),
-            ("G1 Xabc", b'X'),
-            ("G0 Y5 F", b'F'),
-            ("G1 Xnan", b'X'),
-            ("G1 X\"10\"", b'X'),
-            ("G1 X10 X", b'X'),
-            ("G2 X5 I", b'I'),
-            ("G4 S", b'S'),
-            ("M92 E", b'E'),
-            ("M204 P", b'P'),
-            ("M220 S", b'S'),
-            ("M900 K", b'K'),
-            ("M593 F", b'F'),
-        ] {
-            assert_eq!(flaw(line), Some(Flaw::NoNumber(letter)), "{line}");
-        }
-    }
-
-    #[test]
-    fn no_axis_no_second_command_and_no_time_before_now() {
-        for line in ["G1 C5", "G1 X5 C5", "G92 C0", "G28 C", "M84 C", "M92 C100", "M201 C5", "G2 X5 I5 C1"] {
-            assert_eq!(flaw(line), Some(Flaw::NoAxis(b'C')), "{line}");
-        }
-        assert_eq!(flaw("G90 G1 X10"), Some(Flaw::SecondCommand(b"G1")));
-        assert_eq!(flaw("G1 X10 Y5G1 X20"), Some(Flaw::SecondCommand(b"G1")));
-        assert_eq!(flaw("G21 M 400"), Some(Flaw::SecondCommand(b"M 400")));
-        assert_eq!(flaw("G4 P-5"), Some(Flaw::OutOfRange(b"P-5")));
-        assert_eq!(flaw("G2 X1 R5 P-3"), Some(Flaw::OutOfRange(b"P-3")));
-    }
-
-    #[test]
-    fn what_slicers_and_people_write_is_in_order() {
-        for line in [
-            "G1X10Y20E-.04",
-            "G1 X 10\tY 5. ; Z,",
-            "G1 X1E5",
-            "G1\u{a0}X10\u{a0}Y20",
-            "G1 X5 S255 P0 (,)",
-            "G28 W",
-            "G28 X R5 L",
-            "G28 X0 Y0",
-            "M84 X Y E",
-            "M400 U1",
-            "M204 P500 T500",
-            "M593 P\"mzv\" F60",
-            "M900 K1e-05",
-            "M115 U6.2.6+8948",
-            "M117 50% = 1,5 mm",
-            "M0 Insert the plate, please",
-            "M112 %",
-            "M108*",
-            "G92",
-            "G92 E",
-            "G10 S1",
-        ] {
-            assert_eq!(flaw(line), None, "{line}");
-        }
-    }
-}
+mod tests;

@@ -1,8 +1,13 @@
 //! G-code: one line of text in, one [`Command`] out.
 //!
-//! The dialect is the one that slicers and hosts write for Marlin 2. This room knows words and numbers,
-//! but neither line numbers and checksums (room `protocol`) nor the meaning of a command (room `machine`).
-//! It keeps no state: a line means the same whatever came before it.
+//! The dialect is the one that slicers and hosts write for Marlin 2, with the commands of Klipper, RepRapFirmware and Prusa
+//! that stand in sliced files. This room knows what each command takes: its letters, the names that other firmwares give
+//! it, which of its numbers are illegal, what a missing one means, and which commands need nothing but `ok`. What a command
+//! then does is for room `machine`; a line's number and checksum were taken off by room `protocol`. No state is kept: a
+//! line gives the same command whatever came before it.
+//!
+//! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
+//! people) or `shaping`; `grammar` says which lines are not in order, `quiet` which commands need only `ok`.
 
 mod code;
 mod command;
@@ -12,11 +17,12 @@ mod m_codes;
 mod named;
 mod number;
 mod parse;
-mod print;
+mod parts;
 mod quiet;
 mod shaping;
 mod text;
 
-pub use command::{ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, Plane, VelocityWords};
+pub use command::Command;
 pub use number::Number;
 pub use parse::parse;
+pub use parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, Plane, VelocityWords};

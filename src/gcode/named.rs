@@ -20,27 +20,27 @@ pub(super) fn parse_named(text: &[u8]) -> Option<Command<'_>> {
         return Some(Command::Conditional);
     }
     let end = text.iter().position(|byte| !(byte.is_ascii_alphabetic() || *byte == b'_')).unwrap_or(text.len());
-    let (name, rest) = text.split_at_checked(end)?;
+    let (name, after) = text.split_at_checked(end)?;
     let is = |other: &[u8]| name.eq_ignore_ascii_case(other);
     if SILENT.iter().any(|silent| is(silent)) {
         return Some(Command::Silent);
     }
     if is(b"EXCLUDE_OBJECT") {
         // Without a name it asks which objects are left out, with RESET=1 for none of them.
-        let asks = skip_blanks(rest).get(..5).is_none_or(|word| !matches!(word, b"NAME=" | b"CURRE"));
+        let asks = skip_blanks(after).get(..5).is_none_or(|word| !matches!(word, b"NAME=" | b"CURRE"));
         return Some(if asks { Command::Silent } else { Command::CancelObject });
     }
     if is(b"SET_PRESSURE_ADVANCE") {
-        return Some(set_pressure_advance(rest));
+        return Some(set_pressure_advance(after));
     }
     if is(b"SET_VELOCITY_LIMIT") {
-        return Some(set_velocity_limit(rest));
+        return Some(set_velocity_limit(after));
     }
-    if CONDITIONALS.iter().any(|conditional| is(conditional)) && !matches!(rest, [b'0'..=b'9', ..]) {
+    if CONDITIONALS.iter().any(|conditional| is(conditional)) && !matches!(after, [b'0'..=b'9', ..]) {
         return Some(Command::Conditional);
     }
     // A multi-material unit's loading, cutting and choosing: Tx, Tc and T?.
-    matches!((name, rest), (b"Tx" | b"Tc", _) | (b"T", b"?")).then_some(Command::Silent)
+    matches!((name, after), (b"Tx" | b"Tc", _) | (b"T", b"?")).then_some(Command::Silent)
 }
 
 #[cfg(test)]

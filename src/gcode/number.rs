@@ -35,19 +35,19 @@ impl Number {
         }
     }
 
-    /// Reads the number that `text` begins with, and returns it with the text behind it.
+    /// Reads the number that `text` begins with, and returns it with the text after it.
     ///
     /// A sign and the digits on one side of the point may be missing. `None` if there is no digit.
     #[must_use]
     pub fn read(text: &[u8]) -> Option<(Self, &[u8])> {
         let (is_negative, text) = match text {
-            [b'-', rest @ ..] => (true, rest),
-            [b'+', rest @ ..] => (false, rest),
+            [b'-', after @ ..] => (true, after),
+            [b'+', after @ ..] => (false, after),
             _ => (false, text),
         };
-        let (magnitude, rest) = read_short(text).or_else(|| read_long(text))?;
+        let (magnitude, after) = read_short(text).or_else(|| read_long(text))?;
         let bits = if is_negative { -magnitude } else { magnitude };
-        Some((Self(I32F32::from_bits(bits)), rest))
+        Some((Self(I32F32::from_bits(bits)), after))
     }
 
     /// The value.
@@ -104,57 +104,57 @@ const POWERS: [(u32, u64); QUICK + 1] = {
     table
 };
 
-/// Reads up to [`QUICK`] digits and the point among them: their value in units of 2^-32, and the text behind them. `None`
+/// Reads up to [`QUICK`] digits and the point among them: their value in units of 2^-32, and the text after them. `None`
 /// if there are none, or more.
 fn read_short(text: &[u8]) -> Option<(i64, &[u8])> {
-    let (mut digits, mut behind_point) = (0u32, None);
+    let (mut digits, mut decimals_begin) = (0u32, None);
     let mut bytes = text.iter();
-    let rest = loop {
-        let rest = bytes.as_slice();
-        let Some(&byte) = bytes.next() else { break rest };
+    let after = loop {
+        let after = bytes.as_slice();
+        let Some(&byte) = bytes.next() else { break after };
         let digit = u32::from(byte).wrapping_sub(u32::from(b'0'));
         if digit < 10 {
             digits = digits.wrapping_mul(10).wrapping_add(digit);
-        } else if byte == b'.' && behind_point.is_none() {
-            behind_point = Some(bytes.len());
+        } else if byte == b'.' && decimals_begin.is_none() {
+            decimals_begin = Some(bytes.len());
         } else {
-            break rest;
+            break after;
         }
     };
-    let decimals = behind_point.map_or(0, |length| length - rest.len());
-    let count = text.len() - rest.len() - usize::from(behind_point.is_some());
+    let decimals = decimals_begin.map_or(0, |length| length - after.len());
+    let count = text.len() - after.len() - usize::from(decimals_begin.is_some());
     if count == 0 || count > QUICK {
         return None;
     }
     let &(power, reciprocal) = POWERS.get(decimals)?;
     let whole = digits / power;
     let magnitude = (u64::from(whole) << 32) + scale(digits - whole * power, power, reciprocal);
-    Some((magnitude.cast_signed(), rest))
+    Some((magnitude.cast_signed(), after))
 }
 
 /// As [`read_short`], for any number of digits; `None` only if there is none.
 #[cold]
 fn read_long(text: &[u8]) -> Option<(i64, &[u8])> {
     let mut integer = 0u32;
-    let mut rest = text;
-    while let [digit @ b'0'..=b'9', tail @ ..] = rest {
+    let mut after = text;
+    while let [digit @ b'0'..=b'9', tail @ ..] = after {
         integer = integer.saturating_mul(10).saturating_add(u32::from(digit - b'0'));
-        rest = tail;
+        after = tail;
     }
-    let has_integer = rest.len() < text.len();
+    let has_integer = after.len() < text.len();
     let mut fraction = 0;
-    if let [b'.', decimals @ ..] = rest {
+    if let [b'.', decimals @ ..] = after {
         let (value, tail) = read_fraction(decimals);
         if !has_integer && tail.len() == decimals.len() {
             return None;
         }
         fraction = value;
-        rest = tail;
+        after = tail;
     } else if !has_integer {
         return None;
     }
     let magnitude = (u64::from(integer.min(Number::LIMIT as u32)) << 32) + fraction;
-    Some((magnitude.min((Number::LIMIT as u64) << 32) as i64, rest))
+    Some((magnitude.min((Number::LIMIT as u64) << 32) as i64, after))
 }
 
 /// The last power of the table.
@@ -173,22 +173,22 @@ fn scale(decimals: u32, power: u32, reciprocal: u64) -> u64 {
 
 /// Reads the decimals that `text` begins with, any number of them: long multiplication by 2^32 in base 10^9.
 ///
-/// Four limbs hold 36 decimals. What is cut off behind them cannot lift a value to a tie, because ties
+/// Four limbs hold 36 decimals. What is cut off after them cannot lift a value to a tie, because ties
 /// are whole multiples of 10^-33.
 fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
     let mut limbs = [0u32; 4];
-    let mut rest = text;
+    let mut after = text;
     for limb in &mut limbs {
         for _ in 0..QUICK {
             *limb *= 10;
-            if let [digit @ b'0'..=b'9', tail @ ..] = rest {
+            if let [digit @ b'0'..=b'9', tail @ ..] = after {
                 *limb += u32::from(digit - b'0');
-                rest = tail;
+                after = tail;
             }
         }
     }
-    while let [b'0'..=b'9', tail @ ..] = rest {
-        rest = tail;
+    while let [b'0'..=b'9', tail @ ..] = after {
+        after = tail;
     }
     let base = u64::from(POWERS_END);
     let mut carry = 0;
@@ -198,7 +198,7 @@ fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
         *limb = (product % base) as u32;
     }
     let is_half_or_more = limbs[0] >= POWERS_END / 2;
-    (carry + u64::from(is_half_or_more), rest)
+    (carry + u64::from(is_half_or_more), after)
 }
 
 /// Prints the fewest decimals that read back as the same number; ten always do, because half a unit of
@@ -228,92 +228,4 @@ impl fmt::Display for Number {
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use super::*;
-    use std::string::ToString;
-
-    fn bits(text: &str) -> i64 {
-        let (number, rest) = Number::read(text.as_bytes()).unwrap();
-        assert!(rest.is_empty(), "{text} left {rest:?}");
-        number.value().to_bits()
-    }
-
-    const ONE: i64 = 1 << 32;
-
-    #[test]
-    fn slicers_leave_out_what_they_can() {
-        assert_eq!(bits(".5"), ONE / 2);
-        assert_eq!(bits("-.5"), -ONE / 2);
-        assert_eq!(bits("5."), 5 * ONE);
-        assert_eq!(bits("+0.25"), ONE / 4);
-        assert_eq!(bits("-0"), 0);
-        assert_eq!(bits("007"), 7 * ONE);
-    }
-
-    #[test]
-    fn without_a_digit_there_is_no_number() {
-        for text in ["", "-", "+", ".", "-.", "x", " 1", "--1", "e5", "inf", "nan"] {
-            assert_eq!(Number::read(text.as_bytes()), None, "{text}");
-        }
-    }
-
-    #[test]
-    fn the_text_behind_a_number_is_left_alone() {
-        assert_eq!(Number::read(b"1E5").unwrap(), (Number::from(1), &b"E5"[..]));
-        assert_eq!(Number::read(b"6.2.6+8948").unwrap().1, b".6+8948");
-        assert_eq!(Number::read(b"1-2").unwrap().1, b"-2");
-    }
-
-    #[test]
-    fn numbers_out_of_range_saturate() {
-        let limit = i64::from(Number::LIMIT) * ONE;
-        assert_eq!(bits("99999999999999999999"), limit);
-        assert_eq!(bits("-99999999999999999999.5"), -limit);
-        assert_eq!(bits("1000000000.9"), limit);
-        assert_eq!(bits("999999999.9999999999999999"), limit);
-        assert_eq!(Number::saturating(I32F32::MIN), Number::from(-Number::LIMIT));
-        assert_eq!(Number::from(i32::MAX), Number::from(Number::LIMIT));
-    }
-
-    #[test]
-    fn a_tie_goes_away_from_zero_and_less_than_a_tie_does_not() {
-        let tie = "0.000000000116415321826934814453125"; // 2^-33
-        assert_eq!(bits(tie), 1);
-        assert_eq!(bits(&std::format!("-{tie}")), -1);
-        assert_eq!(bits("0.000000000116415321826934814453124999999999999999"), 0);
-        assert_eq!(bits("0.0000000001164153218269348144531250000000000000001"), 1);
-        assert_eq!(bits("0.99999999999999"), ONE);
-    }
-
-    #[test]
-    fn quick_and_long_paths_agree() {
-        for decimals in ["1", "12345", "999999999", "000000001", "500000000", "123456789", "00001"] {
-            let long = std::format!("{decimals}0000000000000");
-            assert_eq!(read_fraction(decimals.as_bytes()).0, read_fraction(long.as_bytes()).0);
-        }
-    }
-
-    #[test]
-    fn parts_of_a_number() {
-        let number = |text: &str| Number::read(text.as_bytes()).unwrap().0;
-        assert_eq!(number("-1.9").to_int(), -1);
-        assert_eq!(number("-1.9").to_u32(), 0);
-        assert_eq!(number("255.9").to_u32(), 255);
-        assert_eq!(number("1.2345").to_thousandths(), 1235);
-        assert_eq!(number("-0.0004").to_thousandths(), 0);
-        assert_eq!(number("1e9").to_thousandths(), 1000);
-        assert_eq!(number("1000000000").to_thousandths(), 1_000_000_000_000);
-    }
-
-    #[test]
-    fn printing_is_short() {
-        for text in ["0", "5", "-5", "0.1", "-0.04", "12.345", "0.00001", "1000000000", "-0.5"] {
-            assert_eq!(Number::read(text.as_bytes()).unwrap().0.to_string(), text);
-        }
-        assert_eq!(Number(I32F32::DELTA).to_string(), "0.0000000002");
-        assert_eq!(bits("0.0000000002"), 1);
-        assert_eq!(bits(&Number(I32F32::from_bits(ONE - 1)).to_string()), ONE - 1);
-    }
-}
+mod tests;

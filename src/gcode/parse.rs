@@ -5,12 +5,14 @@
 //! [`Command::Malformed`], and what cannot be carried out at all is [`Command::Unknown`] with the whole line.
 
 use super::code::Code;
-use super::command::{ArcShape, AxisFlags, AxisWords, Command, Plane};
+use super::command::Command;
 use super::grammar::in_order;
-use super::lexer::{Word, Words, is_blank, skip_blanks, skip_past};
+use super::lexer::{Word, Words, is_outside, skip_blanks, skip_past};
 use super::m_codes::parse_m;
 use super::named::parse_named;
 use super::number::Number;
+use super::parts::{ArcShape, AxisFlags, AxisWords, Plane};
+use crate::text::{trim_end, trim_start};
 
 /// The first character of texts that some editors write (U+FEFF, the byte order mark).
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
@@ -182,133 +184,9 @@ fn skip_comments(mut line: &[u8]) -> &[u8] {
 }
 
 /// The line without blanks and line ends round it.
-fn trim(mut line: &[u8]) -> &[u8] {
-    let is_outside = |byte: u8| is_blank(byte) || matches!(byte, b'\r' | b'\n');
-    while let [byte, rest @ ..] = line
-        && is_outside(*byte)
-    {
-        line = rest;
-    }
-    while let [rest @ .., byte] = line
-        && is_outside(*byte)
-    {
-        line = rest;
-    }
-    line
+fn trim(line: &[u8]) -> &[u8] {
+    trim_end(trim_start(line, is_outside), is_outside)
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use super::*;
-
-    fn number(text: &str) -> Option<Number> {
-        Number::read(text.as_bytes()).map(|(number, _)| number)
-    }
-
-    #[test]
-    fn a_slicers_move() {
-        let Command::Line { rapid: false, to, feed } = parse(b"G1 X.5 Y-12.345 E-.04 F1800") else { panic!() };
-        assert_eq!((to.x, to.y, to.z, to.e), (number("0.5"), number("-12.345"), None, number("-0.04")));
-        assert_eq!(feed, number("1800"));
-    }
-
-    #[test]
-    fn the_last_of_two_equal_letters_wins() {
-        assert_eq!(parse(b"G1 X10 X20"), parse(b"G1 X20"));
-    }
-
-    #[test]
-    fn a_spiral_hop_is_one_turn_without_x_and_y() {
-        let command = parse(b"G3 Z.76 I.194 J1.201 P1  F30000");
-        let Command::Arc { clockwise: false, to, shape, turns: 1, .. } = command else { panic!() };
-        assert_eq!((to.x, to.y, to.z), (None, None, number("0.76")));
-        let [i, j] = ["0.194", "1.201"].map(|text| number(text).unwrap());
-        assert_eq!(shape, ArcShape::Centre { i, j, k: Number::ZERO });
-    }
-
-    #[test]
-    fn an_arc_turns_at_least_once() {
-        for (text, expected) in [("", 1), ("P0", 1), ("P1", 1), ("P3", 3), ("P1e9", 1), ("P99999", u16::MAX)] {
-            let line = std::format!("G2 X1 R5 {text}");
-            let Command::Arc { turns, .. } = parse(line.as_bytes()) else { panic!() };
-            assert_eq!(turns, expected, "{text}");
-        }
-    }
-
-    #[test]
-    fn an_arc_without_a_centre_says_so() {
-        let Command::Arc { shape, .. } = parse(b"G2 X1 Y1") else { panic!() };
-        assert_eq!(shape, ArcShape::Missing);
-        let Command::Arc { shape, .. } = parse(b"G2 X1 Y1 I3 R-2") else { panic!() };
-        assert_eq!(shape, ArcShape::Radius(Number::from(-2)));
-        let Command::Arc { shape, .. } = parse(b"G2 X1 Y1 J3") else { panic!() };
-        let zero = Number::ZERO;
-        assert_eq!(shape, ArcShape::Centre { i: zero, j: Number::from(3), k: zero });
-        let Command::Arc { shape, .. } = parse(b"G2 X1 Z1 K3") else { panic!() };
-        assert_eq!(shape, ArcShape::Centre { i: zero, j: zero, k: Number::from(3) });
-    }
-
-    #[test]
-    fn dwelling_adds_seconds_and_milliseconds() {
-        assert_eq!(parse(b"G4"), Command::Dwell { ms: 0 });
-        assert_eq!(parse(b"G4 P250"), Command::Dwell { ms: 250 });
-        assert_eq!(parse(b"G4 S1.5 P1"), Command::Dwell { ms: 1501 });
-        assert_eq!(parse(b"G4 S999999999 P999999999"), Command::Dwell { ms: 1_000_000_000 });
-    }
-
-    #[test]
-    fn homing_knows_flags_and_ignores_the_rest() {
-        let home = |x, y, z| Command::Home(AxisFlags { x, y, z, e: false });
-        assert_eq!(parse(b"G28"), home(false, false, false));
-        assert_eq!(parse(b"G28 X Y"), home(true, true, false));
-        assert_eq!(parse(b"G28 X0 Y0"), home(true, true, false));
-        assert_eq!(parse(b"G28 W"), home(false, false, false));
-        assert_eq!(parse(b"G28 X R5"), home(true, false, false));
-        assert_eq!(parse(b"G28 E"), home(false, false, false));
-        assert_eq!(parse(b"g28z"), home(false, false, true));
-    }
-
-    #[test]
-    fn naming_the_position() {
-        let zero = Some(Number::ZERO);
-        let e = Command::SetPosition(AxisWords { e: zero, ..AxisWords::default() });
-        assert_eq!(parse(b"G92 E0; G1 E-10 F1200"), e);
-        assert_eq!(parse(b"G92 E"), e);
-        let all = Command::SetPosition(AxisWords { x: zero, y: zero, z: zero, e: zero });
-        assert_eq!(parse(b"G92"), all);
-    }
-
-    #[test]
-    fn what_is_not_a_command_comes_back_as_it_came() {
-        for line in [
-            "print_end",
-            "P0 S1",
-            "Q603 X",
-            "%",
-            "(comment)",
-            "/G1 X5",
-            "T",
-            "T256",
-            "G80",
-            "G10 P0 S200",
-            "G10 L2 P1 X0",
-            "G5 X1",
-            "M999999",
-            "G92.1",
-            "T0.5",
-            "M",
-            "(never ends",
-        ] {
-            assert_eq!(parse(std::format!(" \t{line} \r").as_bytes()), Command::Unknown(line.as_bytes()));
-        }
-    }
-
-    #[test]
-    fn a_comment_may_stand_before_the_code() {
-        assert_eq!(parse(b"(home) ( all ) G28"), parse(b"G28"));
-        assert_eq!(parse("\u{feff}G28".as_bytes()), parse(b"G28"));
-        assert_eq!(parse("\u{a0}G28\u{a0}".as_bytes()), parse(b"G28"));
-    }
-}
+mod tests;

@@ -1,9 +1,10 @@
 //! Shaping: input shapers, pressure advance in the words of three firmwares, and Klipper's minimum cruise ratio.
 
-use super::command::{AxisFlags, Command, Flaw, VelocityWords};
+use super::command::Command;
 use super::lexer::{Words, is_blank};
 use super::number::Number;
 use super::parse::axis_flags;
+use super::parts::{AxisFlags, Flaw, VelocityWords};
 use fixed::types::I32F32;
 
 /// The shapers in the words of RepRapFirmware's M593 P, and their numbers in M593 T. Its `ei2` has two humps.
@@ -104,7 +105,7 @@ fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     text.split(|byte| is_blank(*byte)).filter(|word| !word.is_empty())
 }
 
-/// A name and the value behind its `=`.
+/// A name and the value after its `=`.
 fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
     let length = word.iter().position(|byte| *byte == b'=').filter(|length| *length > 0)?;
     Some((word.get(..length)?, word.get(length + 1..)?))
@@ -119,110 +120,15 @@ fn times_ten_to(number: Number, exponent: Number) -> Number {
     Number::saturating(I32F32::from_bits(bits))
 }
 
-/// A number that may have an exponent, and nothing behind it.
+/// A number that may have an exponent, and nothing after it.
 fn scientific(text: &[u8]) -> Option<Number> {
-    let (number, rest) = Number::read(text)?;
-    let (exponent, rest) = match rest {
+    let (number, after) = Number::read(text)?;
+    let (exponent, after) = match after {
         [b'e' | b'E', exponent @ ..] => Number::read(exponent)?,
-        _ => (Number::ZERO, rest),
+        _ => (Number::ZERO, after),
     };
-    rest.is_empty().then(|| times_ten_to(number, exponent))
+    after.is_empty().then(|| times_ten_to(number, exponent))
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use super::super::parse::parse;
-    use super::*;
-
-    fn number(text: &str) -> Option<Number> {
-        Number::read(text.as_bytes()).map(|(number, _)| number)
-    }
-
-    fn advance(time: Option<&str>, window: Option<&str>) -> Command<'static> {
-        Command::Advance { time: time.and_then(number), window: window.and_then(number) }
-    }
-
-    #[test]
-    fn shapers_of_one_axis_or_both() {
-        let shaper = |x, y, frequency, damping, kind| Command::Shaper {
-            axes: AxisFlags { x, y, z: false, e: false },
-            frequency: number(frequency),
-            damping: number(damping),
-            kind: number(kind),
-        };
-        assert_eq!(parse(b"M593 X F60 D.1 T2"), shaper(true, false, "60", "0.1", "2"));
-        assert_eq!(parse(b"M593 F0"), shaper(false, false, "0", "", ""));
-        assert_eq!(parse(b"M593 Y Z T1"), shaper(false, true, "", "", "1"));
-        assert_eq!(parse(b"M593 P\"mzv\" F60"), shaper(false, false, "60", "", "2"));
-        assert_eq!(parse(b"M593 X P \"EI2\" F60 S0.1"), shaper(true, false, "60", "0.1", "4"));
-        assert_eq!(parse(b"M593 P\"none\""), shaper(false, false, "0", "", ""));
-        for line in ["M593 P\"zvdd\" F60", "M593 P F60", "M593 P2 F60"] {
-            assert_eq!(parse(line.as_bytes()), shaper(false, false, "60", "", "-1"), "{line}");
-        }
-        for line in ["M593", "M593 X"] {
-            assert_eq!(parse(line.as_bytes()), shaper(false, false, "", "", ""), "{line}");
-        }
-    }
-
-    #[test]
-    fn pressure_advance_in_three_dialects() {
-        assert_eq!(parse(b"M900 K.05"), advance(Some("0.05"), None));
-        assert_eq!(parse(b"M572 D0 S0.05 W.03"), advance(Some("0.05"), Some("0.03")));
-        let line = b"SET_PRESSURE_ADVANCE EXTRUDER=extruder ADVANCE=0.05 SMOOTH_TIME=0.03";
-        assert_eq!(parse(line), advance(Some("0.05"), Some("0.03")));
-        assert_eq!(parse(b"set_pressure_advance advance=0.05; SMOOTH_TIME=2"), advance(Some("0.05"), None));
-        for line in ["M900", "M572", "M572 D0", "M900 W0.4", "SET_PRESSURE_ADVANCE"] {
-            assert_eq!(parse(line.as_bytes()), advance(None, None), "{line}");
-        }
-    }
-
-    #[test]
-    fn velocity_limits_in_the_words_of_klipper() {
-        let limit = |line: &'static str| match parse(line.as_bytes()) {
-            Command::VelocityLimit(limit) => limit,
-            other => panic!("{line}: {other:?}"),
-        };
-        let none = VelocityWords::default();
-        assert_eq!(
-            limit("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.3"),
-            VelocityWords { cruise_ratio: number("0.3"), ..none }
-        );
-        assert_eq!(
-            limit("set_velocity_limit accel=5e2 minimum_cruise_ratio=0 accel_to_decel=250 square_corner_velocity=8"),
-            VelocityWords {
-                acceleration: number("500"),
-                to_deceleration: number("250"),
-                cruise_ratio: number("0"),
-                square_corner: number("8"),
-                other: None
-            }
-        );
-        assert_eq!(
-            limit("SET_VELOCITY_LIMIT VELOCITY=100 ACCEL=5"),
-            VelocityWords { acceleration: number("5"), other: Some(b"VELOCITY"), ..none }
-        );
-        assert_eq!(limit("SET_VELOCITY_LIMIT ; all of them"), none);
-        for word in ["ACCEL=", "ACCEL=x", "ACCEL=5,5", "ACCEL", "=5", "ACCEL=1e", "ACCEL=1-2"] {
-            for name in ["SET_VELOCITY_LIMIT", "SET_PRESSURE_ADVANCE"] {
-                let line = std::format!(
-                    "{name} {}",
-                    if name.ends_with('E') { word.replace("CCEL", "DVANCE") } else { word.into() }
-                );
-                assert!(matches!(parse(line.as_bytes()), Command::Malformed(Flaw::NoPair(_))), "{line}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_small_number_may_have_an_exponent() {
-        for line in ["M900 K1e-05", "M900 K1E-5", "SET_PRESSURE_ADVANCE ADVANCE=1e-05"] {
-            assert_eq!(parse(line.as_bytes()), advance(Some("0.00001"), None), "{line}");
-        }
-        assert_eq!(parse(b"M900 K1.5e+1"), advance(Some("15"), None));
-        assert_eq!(parse(b"M900 K1e-999"), advance(Some("0"), None));
-        assert_eq!(parse(b"M900 K1e999"), advance(Some("1000000000"), None));
-        assert_eq!(parse(b"M900 E-5"), advance(None, None));
-    }
-}
+mod tests;

@@ -1,14 +1,16 @@
 //! Text: commands whose line is, from some place on, a text for people.
 
-use super::command::{Command, Form};
-use super::lexer::{Words, is_blank, skip_blanks};
+use super::command::Command;
+use super::lexer::{Words, is_blank, is_outside, skip_blanks};
 use super::number::Number;
+use super::parts::Form;
+use crate::text::trim_end;
 
-/// M118: the message behind A1, E1 and P, which stand in front of it (Marlin M118.cpp).
+/// M118: the message after A1, E1 and P, which stand in front of it (Marlin M118.cpp).
 pub(super) fn tell(text: &[u8]) -> Command<'_> {
     let mut form = Form::Plain;
-    let mut rest = skip_blanks(text);
-    while let [letter, digit @ b'0'..=b'9', tail @ ..] = rest
+    let mut after = skip_blanks(text);
+    while let [letter, digit @ b'0'..=b'9', tail @ ..] = after
         && tail.first().is_none_or(|byte| is_blank(*byte))
     {
         match (letter.to_ascii_uppercase(), digit) {
@@ -18,9 +20,9 @@ pub(super) fn tell(text: &[u8]) -> Command<'_> {
             (b'E', _) => {}
             _ => break,
         }
-        rest = skip_blanks(tail);
+        after = skip_blanks(tail);
     }
-    Command::Tell { form, text: trim_end(rest) }
+    Command::Tell { form, text: trim_end(after, is_outside) }
 }
 
 /// M0, M1: S and P in front, in any order, then a message that nobody shows.
@@ -33,22 +35,13 @@ pub(super) fn await_user(text: &[u8], filament: bool) -> Command<'static> {
     Command::AwaitUser { ms: if filament { 0 } else { ms.min(Number::LIMIT as u64) as u32 }, filament }
 }
 
-/// M486: with S a number, with A the rest of the line is a name, with T a count; the rest cancels.
+/// M486: with S a number, with A what follows is a name, with T a count; the other letters cancel.
 pub(super) fn object(text: &[u8]) -> Command<'static> {
     match Words::new(text).next() {
         Some(word) if word.letter == b'S' => Command::Object(word.number.unwrap_or_default()),
         Some(word) if matches!(word.letter, b'P' | b'C' | b'U') => Command::CancelObject,
         _ => Command::Silent,
     }
-}
-
-fn trim_end(mut text: &[u8]) -> &[u8] {
-    while let [rest @ .., byte] = text
-        && (is_blank(*byte) || matches!(byte, b'\r' | b'\n'))
-    {
-        text = rest;
-    }
-    text
 }
 
 #[cfg(test)]

@@ -137,7 +137,7 @@ impl Groups {
         self.fitted
     }
 
-    /// The groups in their order; behind those that there are come empty ones.
+    /// The groups in their order; after those that there are come empty ones.
     pub fn iter(&self) -> core::slice::Iter<'_, Group> {
         self.groups.iter()
     }

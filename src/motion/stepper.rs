@@ -198,7 +198,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             if late.cast_signed() > GRACE.cast_signed() {
                 self.status.count_late(late);
                 self.due = self.due.after(late);
-                self.set_behind(self.behind.wrapping_add(late), self.due);
+                self.set_lag(self.behind.wrapping_add(late), self.due);
             }
             if self.next.forward() != self.forward {
                 self.forward = self.next.forward();
@@ -224,14 +224,14 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.due = self.clock.now().after(interval.max(LEAD));
         let begun = self.due.0.wrapping_sub(interval);
         let stood = self.status.played_at().wrapping_sub(self.behind);
-        self.set_behind(begun.wrapping_sub(stood), Tick(begun));
+        self.set_lag(begun.wrapping_sub(stood), Tick(begun));
         true
     }
 
     /// Motion time is behind real time by so much, and was, or will be, up to date at `due`.
-    fn set_behind(&mut self, ticks: u32, due: Tick) {
+    fn set_lag(&mut self, ticks: u32, due: Tick) {
         self.behind = ticks;
-        self.status.set_behind(ticks, due.0);
+        self.status.set_lag(ticks, due.0);
     }
 
     /// Nothing is due, but somebody may want to know of the endstops.

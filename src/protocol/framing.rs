@@ -1,8 +1,8 @@
 //! Framing: bytes become one line, with its comment taken out and its checksum worked out on the way.
 //!
 //! The checksum is the XOR of everything before the last `*`, so the sum is noted at every `*` and the
-//! digits behind it are read as they come. A line of any length is therefore verified, although only its
-//! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that is told
+//! digits after it are read as they come. A line of any length is therefore verified, although only its
+//! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that reads
 //! `checksum mismatch` would send it again for ever.
 //!
 //! A `;` begins a comment, but not within `( )`, which is a comment of its own that stays in the text: `(a;b)` is one
@@ -12,8 +12,8 @@
 //! People who type may erase characters. Nothing is erased where a line begins with N, or in the middle of numbered lines:
 //! that is a host's line, and damaged.
 
-use super::star::{Checksum, Star};
-use super::words::{is_blank, line_number};
+use super::checksum::{Checksum, ChecksumReader};
+use super::syntax::{is_blank, line_number};
 
 /// Bytes of a line that are kept: 256 of payload and room for the line number.
 pub(super) const CAPACITY: usize = 288;
@@ -37,7 +37,7 @@ pub(super) struct Frame {
     /// Length without comment, counted on where `text` is full.
     length: usize,
     sum: u8,
-    star: Option<Star>,
+    checksum: Option<ChecksumReader>,
     context: Context,
     /// Bytes of the comment.
     comment: usize,
@@ -56,7 +56,7 @@ impl Frame {
             text: [0; CAPACITY],
             length: 0,
             sum: 0,
-            star: None,
+            checksum: None,
             context: Context::Plain,
             comment: 0,
             is_aside: false,
@@ -70,7 +70,7 @@ impl Frame {
     pub(super) const fn clear(&mut self) {
         self.length = 0;
         self.sum = 0;
-        self.star = None;
+        self.checksum = None;
         self.context = Context::Plain;
         self.comment = 0;
         self.is_aside = false;
@@ -93,7 +93,7 @@ impl Frame {
     /// in which its time is spent.
     pub(super) fn push_plain(&mut self, bytes: &[u8]) -> usize {
         let is_blank_first = self.length == 0 && bytes.first() == Some(&b' ');
-        if self.context != Context::Plain || self.star.is_some() || is_blank_first {
+        if self.context != Context::Plain || self.checksum.is_some() || is_blank_first {
             return 0;
         }
         let mut sum = self.sum;
@@ -147,9 +147,9 @@ impl Frame {
             return;
         }
         if byte == b'*' {
-            self.star = Some(Star::new(self.length, self.sum));
-        } else if let Some(star) = &mut self.star {
-            star.read(byte);
+            self.checksum = Some(ChecksumReader::new(self.length, self.sum));
+        } else if let Some(checksum) = &mut self.checksum {
+            checksum.read(byte);
         }
         self.sum ^= byte;
         if self.is_comment(byte) {
@@ -219,7 +219,7 @@ impl Frame {
     /// As [`text`](Self::text), up to the checksum.
     pub(super) fn before_checksum(&self) -> &[u8] {
         let text = self.text();
-        self.star.and_then(|star| text.get(..star.length)).unwrap_or(text)
+        self.checksum.and_then(|checksum| text.get(..checksum.length)).unwrap_or(text)
     }
 
     /// Whether the line was longer than what is kept of it.
@@ -229,150 +229,19 @@ impl Frame {
 
     /// Whether the part before the checksum was longer than what is kept of it.
     pub(super) fn is_too_long_before_checksum(&self) -> bool {
-        self.star.map_or(self.length(), |star| star.length.min(self.length())) > CAPACITY
+        self.checksum.map_or(self.length(), |checksum| checksum.length.min(self.length())) > CAPACITY
     }
 
     /// What the checksum says.
     pub(super) fn checksum(&self) -> Checksum {
-        self.star.map_or(Checksum::Missing, Star::checksum)
+        self.checksum.map_or(Checksum::Missing, ChecksumReader::checksum)
     }
 
     /// Whether the line ends in something like a checksum, right or wrong, perhaps inside a comment.
     pub(super) fn ends_in_number(&self) -> bool {
-        self.star.is_some_and(Star::is_number)
+        self.checksum.is_some_and(ChecksumReader::is_number)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use super::*;
-
-    fn frame(line: &str) -> Frame {
-        let mut bytewise = Frame::new();
-        line.bytes().for_each(|byte| bytewise.push_typed(byte));
-        // The same in runs.
-        let mut frame = Frame::new();
-        let mut rest = line.as_bytes();
-        while let Some((first, tail)) = rest.split_first() {
-            let count = frame.push_plain(rest);
-            rest = if count > 0 { &rest[count..] } else { tail };
-            if count == 0 {
-                frame.push_typed(*first);
-            }
-        }
-        assert_eq!(
-            (frame.text(), frame.checksum(), frame.length),
-            (bytewise.text(), bytewise.checksum(), bytewise.length)
-        );
-        frame
-    }
-
-    fn is_good(frame: &Frame) -> bool {
-        matches!(frame.checksum(), Checksum::Good(_))
-    }
-
-    #[test]
-    fn the_sum_of_a_real_line() {
-        // As printcore opens a print.
-        assert!(is_good(&frame("N-1 M110 N-1*125")));
-        assert!(is_good(&frame("N0 M110 N0*125")));
-        assert!(is_good(&frame("N1 M115*39")));
-        assert_eq!(frame("N1 M115*39").before_checksum(), b"N1 M115");
-        assert_eq!(frame("N1 M115*38").checksum(), Checksum::Bad);
-        assert_eq!(frame("N1 M115").checksum(), Checksum::Missing);
-    }
-
-    #[test]
-    fn what_may_stand_behind_a_checksum() {
-        for line in ["N1 M115*39  ", "N1 M115*39 ;x", "N1 M115* 39", "  N1 M115*39", "N1 M115*039"] {
-            assert!(is_good(&frame(line)), "{line}");
-        }
-        for line in ["N1 M115*39x", "N1 M115*", "N1 M115*295", "N1 M115*3 9", "N1 M115*65575", "N1 M115*-39"] {
-            assert_eq!(frame(line).checksum(), Checksum::Bad, "{line}");
-        }
-    }
-
-    #[test]
-    fn the_last_star_counts_wherever_it_stands() {
-        for body in ["N5 M117 2*3*4", "N5 G1 X1 ;a*b", "N5 M117 \"*\"", "N5 M117 a\\*b"] {
-            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-            assert!(is_good(&frame(&std::format!("{body}*{sum}"))), "{body}");
-        }
-    }
-
-    #[test]
-    fn comments_are_taken_out_but_not_of_strings() {
-        assert_eq!(frame("G1 X5 ;Y6").text(), b"G1 X5 ");
-        assert_eq!(frame("; all of it").text(), b"");
-        assert_eq!(frame("M862.3 P\"a;b\" ;c").text(), b"M862.3 P\"a;b\" ");
-        assert_eq!(frame("M117 a\\;b;c").text(), b"M117 a\\;b");
-        // A backslash concerns the next byte alone.
-        assert_eq!(frame("M117 a\\b;c").text(), b"M117 a\\b");
-        assert_eq!(frame("M117 5\" pipe ;b").text(), b"M117 5\" pipe ;b");
-    }
-
-    #[test]
-    fn a_semicolon_in_parentheses_begins_no_comment() {
-        for (line, text) in [
-            ("G1 X5 (a;b) Y6 ;c", "G1 X5 (a;b) Y6 "),
-            ("G1 (a) X5 ;b (c) d", "G1 (a) X5 "),
-            ("G1 X5 (a ; b", "G1 X5 (a "),
-            ("G1 X5 (a;(b) c", "G1 X5 (a"),
-            ("G1 X5 (a(b;c) Y6", "G1 X5 (a(b;c) Y6"),
-            ("G1 X5 (5\";b) Y6;c", "G1 X5 (5\";b) Y6"),
-            ("G1 X5 ) Y6;c", "G1 X5 ) Y6"),
-            ("M117 \"(\" ;c", "M117 \"(\" "),
-        ] {
-            assert_eq!(frame(line).text(), text.as_bytes(), "{line}");
-        }
-        let line = "N5 G1 X5 (a;b) Y6";
-        let sum = line.bytes().fold(0, |sum, byte| sum ^ byte);
-        let whole = frame(&std::format!("{line}*{sum}"));
-        assert!(is_good(&whole) && whole.before_checksum() == line.as_bytes());
-        assert!(!frame(&std::format!("G1 X5 (a;{}", "x".repeat(9000))).is_too_long());
-    }
-
-    #[test]
-    fn what_is_typed_can_be_erased_and_what_a_host_sends_cannot() {
-        for (line, text) in [
-            ("G1 X10\x08\x085", "G1 X5"),
-            ("\x08\x7FG28\x08\x7F1\x7F0", "G0"),
-            ("G1 X5 ;ab\x08\x08\x08Y6", "G1 X5 Y6"),
-            ("P\"a;\x08\x08b\";c", "P\"b\""),
-            ("G1 (;\x08\x08X5;c", "G1 X5"),
-            ("G1*34\x08\x08\x08 X5", "G1 X5"),
-            ("G28\x08\x08\x08\x08", ""),
-        ] {
-            assert_eq!(frame(line).text(), text.as_bytes(), "{line:?}");
-        }
-        assert_eq!(frame("G1*34\x08\x08\x08").checksum(), Checksum::Missing);
-        // A damaged line of a host keeps what was damaged, or it might pass: HH became H and a backspace.
-        let sum = "N5 M117 HH".bytes().fold(0, |sum, byte| sum ^ byte);
-        assert_eq!(frame(&std::format!("N5 M117 H\x08*{sum}")).checksum(), Checksum::Bad);
-        let long = std::format!("M117 {}{}", "x".repeat(9000), "\x08".repeat(9000));
-        assert_eq!(frame(&long).text(), b"M117 ");
-    }
-
-    #[test]
-    fn a_long_line_is_verified_to_its_end() {
-        let body = std::format!("N7 M117 {}", "x".repeat(9000));
-        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        let long = frame(&std::format!("{body}*{sum}"));
-        assert!(is_good(&long));
-        assert!(long.is_too_long_before_checksum());
-        assert_eq!(long.text(), &body.as_bytes()[..CAPACITY]);
-        assert!(!frame(&std::format!("G1 X5;{}", "x".repeat(9000))).is_too_long());
-    }
-
-    #[test]
-    fn a_full_line_may_still_have_a_checksum() {
-        let body = std::format!("N7 M117 {}", "x".repeat(CAPACITY - 8));
-        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        let full = frame(&std::format!("{body}*{sum}"));
-        assert!(is_good(&full));
-        assert!(!full.is_too_long_before_checksum());
-        assert_eq!(full.before_checksum(), body.as_bytes());
-    }
-}
+mod tests;

@@ -8,6 +8,7 @@
 //! Rule: everything that [`Receiver::next_line`] returns is answered with exactly one `ok`, and nothing
 //! else is.
 
+mod checksum;
 mod emergency;
 mod framing;
 mod numbering;
@@ -16,8 +17,7 @@ mod reply;
 mod request;
 mod ring;
 mod silence;
-mod star;
-mod words;
+mod syntax;
 
 pub use emergency::Emergency;
 pub use numbering::ResendReason;

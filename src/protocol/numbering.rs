@@ -7,13 +7,13 @@
 //!
 //! And three that no peer has: a repetition of a line that came just now is acknowledged, because a request for the next
 //! one would have the host send that twice too, and so on to the end of the print; what comes without a number
-//! right behind damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
+//! right after damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
 //! M110 before it.
 
+use super::checksum::Checksum;
 use super::framing::Frame;
 use super::request::Request;
-use super::star::Checksum;
-use super::words::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
+use super::syntax::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
 use crate::units::Instant;
 
 /// Numbered lines in a row that make a stream. One is no stream: OctoPrint numbers M110 and M115 when it connects, and
@@ -72,7 +72,7 @@ pub(super) struct Numbering {
     /// Numbered lines in a row, as far as they matter. Once they are a stream, lines without a number may stand between
     /// them: printcore has its M105 there.
     taken: u8,
-    /// The last thing in order that told a line number had a checksum: the host vouches for its lines.
+    /// The last line in order that gave a line number had a checksum: the host vouches for its lines.
     is_vouched: bool,
     /// Something was damaged or lost since M110.
     is_bad: bool,
@@ -140,7 +140,7 @@ impl Numbering {
     /// because hosts do not repeat it.
     pub(super) fn judge_cut(&mut self, frame: &Frame, now: Instant) -> Verdict {
         match line_number(frame.text()) {
-            Some((number, rest)) if matches!(m_code(skip_blanks(rest)), Some((110, _))) => {
+            Some((number, after)) if matches!(m_code(skip_blanks(after)), Some((110, _))) => {
                 self.judge_numbered(number, frame, now)
             }
             _ => self.damaged(now),
@@ -155,7 +155,7 @@ impl Numbering {
     /// A line with a number in front.
     fn judge_numbered(&mut self, number: i32, frame: &Frame, now: Instant) -> Verdict {
         let before = trim_end(frame.before_checksum());
-        let payload = skip_blanks(line_number(before).map_or(&[], |(_, rest)| rest));
+        let payload = skip_blanks(line_number(before).map_or(&[], |(_, after)| after));
         let new_number = match m_code(payload) {
             Some((110, words)) => Some(find_line_number(words).unwrap_or(number)),
             _ => None,
@@ -167,7 +167,7 @@ impl Numbering {
             (Checksum::Missing, _) => return self.ask(ResendReason::NoChecksum, number, now),
             (Checksum::Bad, _) => return self.ask(ResendReason::ChecksumMismatch, number, now),
             (Checksum::Good(_), Some(new_number)) => {
-                // Below zero it is printcore's first word, and the print follows at once; behind a stream it is its last.
+                // Below zero it is printcore's first word, and the print follows at once; after a stream it is its last.
                 let taken = if new_number < 0 && !self.is_stream() { STREAM } else { 0 };
                 self.count_from(new_number);
                 (self.is_vouched, self.taken, self.waits_for_ever) = (true, taken, new_number < 0);
@@ -279,134 +279,4 @@ const fn is_piece(text: &[u8]) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use super::super::request::STALE_LINES;
-    use super::*;
-    use std::format;
-
-    /// A numbering at `last`, and the verdict on one line after the other.
-    struct Story(Numbering);
-
-    const OK: Verdict = Verdict::Acknowledge;
-
-    fn resend(reason: ResendReason, last: i32) -> Verdict {
-        Verdict::Resend { reason, last }
-    }
-
-    impl Story {
-        fn at(last: i32) -> Self {
-            Self(Numbering { last, is_fresh: false, ..Numbering::new() })
-        }
-
-        fn raw(&mut self, line: &str, ms: u32) -> Option<Verdict> {
-            let mut frame = Frame::new();
-            line.bytes().for_each(|byte| frame.push(byte));
-            self.0.judge(&frame, Instant(0).after_ms(ms))
-        }
-
-        /// An empty line of that number, so that it is acknowledged whether it is taken or passed over.
-        fn line(&mut self, number: i64, ms: u32) -> Verdict {
-            let body = format!("N{number} ");
-            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
-            self.raw(&format!("{body}*{sum}"), ms).unwrap()
-        }
-    }
-
-    #[test]
-    fn a_burst_of_stale_lines_is_asked_for_once() {
-        let mut story = Story::at(18);
-        assert_eq!(story.line(20, 0), resend(ResendReason::LineNumber, 18));
-        for number in 21..=26 {
-            assert_eq!(story.line(number, 10), OK);
-        }
-        assert_eq!(story.0.last(), 18);
-        assert_eq!(story.line(19, 20), OK);
-        assert_eq!(story.0.last(), 19);
-        assert_eq!(story.line(21, 30), resend(ResendReason::LineNumber, 19));
-    }
-
-    #[test]
-    fn a_host_that_starts_over_at_the_wrong_line_is_told_again() {
-        let mut story = Story::at(18);
-        assert_eq!(story.line(20, 0), resend(ResendReason::LineNumber, 18));
-        assert_eq!(story.line(21, 1), OK);
-        assert_eq!(story.line(20, 2), resend(ResendReason::LineNumber, 18));
-        assert_eq!(story.line(20, 3), resend(ResendReason::LineNumber, 18));
-    }
-
-    #[test]
-    fn a_request_that_was_itself_lost_is_repeated() {
-        let mut story = Story::at(18);
-        assert_eq!(story.line(20, 0), resend(ResendReason::LineNumber, 18));
-        assert_eq!(story.line(21, 999), OK);
-        assert_eq!(story.line(22, 1000), resend(ResendReason::LineNumber, 18));
-        let asked_again = (23..).find(|&number| story.line(number, 1001) != OK);
-        assert_eq!(asked_again, Some(23 + i64::from(STALE_LINES)));
-    }
-
-    #[test]
-    fn an_old_line_is_refused_and_those_behind_it_are_passed_over() {
-        let mut story = Story::at(18);
-        assert_eq!(story.line(16, 0), resend(ResendReason::LineNumber, 18));
-        assert_eq!(story.line(17, 0), OK);
-        assert_eq!(story.line(18, 0), OK);
-        assert_eq!(story.line(19, 0), OK);
-        assert_eq!(story.0.last(), 19);
-    }
-
-    #[test]
-    fn a_damaged_line_is_always_asked_for_again() {
-        let mut story = Story::at(4);
-        for _ in 0..3 {
-            let verdict = story.raw("N5 G1*1", 0);
-            assert_eq!(verdict, Some(resend(ResendReason::ChecksumMismatch, 4)));
-        }
-        assert_eq!(story.raw("N5 G1", 0), Some(resend(ResendReason::NoChecksum, 4)));
-    }
-
-    #[test]
-    fn the_number_is_questioned_before_the_checksum() {
-        let wrong_number = Some(resend(ResendReason::LineNumber, 4));
-        assert_eq!(Story::at(4).raw("N7 G1*1", 0), wrong_number);
-        assert_eq!(Story::at(4).raw("N7 G1", 0), wrong_number);
-    }
-
-    #[test]
-    fn numbers_reach_the_ends_of_32_bits() {
-        let mut story = Story::at(i32::MAX - 1);
-        assert_eq!(story.line(i64::from(i32::MAX), 0), OK);
-        assert_eq!(story.0.last(), i32::MAX);
-        assert_eq!(story.line(i64::from(i32::MAX) + 1, 0), resend(ResendReason::LineNumber, i32::MAX));
-        let mut story = Story::at(i32::MIN);
-        assert_eq!(story.line(i64::from(i32::MIN) + 1, 0), OK);
-        assert_eq!(Story::at(999_999).line(1_000_000, 0), OK);
-        assert_eq!(Story::at(-2).line(-1, 0), OK);
-    }
-
-    #[test]
-    fn a_repetition_of_one_of_the_last_lines_is_acknowledged() {
-        let mut story = Story::at(-5);
-        for number in -4..=5 {
-            assert_eq!(story.line(number, 0), OK);
-        }
-        for number in -2..=5 {
-            assert_eq!(story.line(number, 2000), OK);
-        }
-        // Another line of that number is another matter, and so is an older one.
-        assert_eq!(story.raw("N5 G1*58", 2000), Some(resend(ResendReason::LineNumber, 5)));
-        assert_eq!(story.line(-3, 4000), resend(ResendReason::LineNumber, 5));
-        assert_eq!(story.0.last(), 5);
-    }
-
-    #[test]
-    fn a_fresh_connection_may_begin_with_either_line() {
-        let mut story = Story(Numbering::new());
-        assert_eq!(story.raw("N-1 M110 N-1*1", 0), Some(resend(ResendReason::ChecksumMismatch, 0)));
-        assert_eq!(story.line(0, 0), OK);
-        assert_eq!((story.line(1, 0), story.0.last()), (OK, 1));
-        assert_eq!((story.line(0, 0), story.0.last()), (OK, 1));
-        assert_eq!(Story(Numbering::new()).line(2, 0), resend(ResendReason::LineNumber, 0));
-    }
-}
+mod tests;

@@ -5,7 +5,7 @@ use super::framing::Frame;
 use super::numbering::{Numbering, ResendReason, Verdict};
 use super::ring::Ring;
 use super::silence::{Activity, Prompt, Silence};
-use super::words::{line_number, skip_blanks};
+use super::syntax::{line_number, skip_blanks};
 use crate::port::Received;
 use crate::units::Instant;
 
@@ -118,12 +118,12 @@ impl Receiver {
         place.wrapping_sub(self.ring.places().1) as i32 >= 0
     }
 
-    /// What was kept of the line handed out last, behind its line number. Of one that is too long this is the
+    /// What was kept of the line handed out last, after its line number. Of one that is too long this is the
     /// beginning.
     #[must_use]
     pub fn kept(&self) -> &[u8] {
         let text = self.frame.text();
-        line_number(text).map_or(text, |(_, rest)| skip_blanks(rest))
+        line_number(text).map_or(text, |(_, after)| skip_blanks(after))
     }
 
     /// The number of the last line that was in order.

@@ -21,7 +21,7 @@ const CAPACITY: usize = 2048;
 /// Characters of an unknown command that are echoed.
 const ECHOED: usize = 60;
 
-/// Bytes of a line, where room is told in lines: Marlin's MAX_CMD_SIZE, which hosts know.
+/// Bytes of a line, where room is given in lines: Marlin's MAX_CMD_SIZE, which hosts know.
 const LINE: usize = 96;
 
 /// The lines do not fit now; nothing was written. Try again when some have been sent.

@@ -72,14 +72,15 @@ impl AxisSettings {
     }
 }
 
-/// How an axis finds its endstop, which sits at the low end.
+/// How an axis finds its endstop. It sits at the low end, where the position is 0 after homing: `machine/commands/homing.rs`
+/// moves downwards to find it, and the rig of simulator and QEMU (rig/src/lib.rs) presses its switches at 0 and below.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Homing {
     /// Speed of the first approach.
     pub fast: MmPerSec,
     /// Speed of the second approach, which decides the position.
     pub slow: MmPerSec,
-    /// Way back between the two.
+    /// How far the axis backs off between the two.
     pub back_off: Mm,
 }
 

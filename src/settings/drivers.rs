@@ -3,7 +3,7 @@
 use crate::units::MmPerSec;
 use serde::{Deserialize, Serialize};
 
-/// What the drivers of one group of motors are told.
+/// The configuration of the drivers of one group of motors.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct DriverSettings {
     /// Root mean square of the current of a running motor, in mA (M906).

@@ -1,5 +1,22 @@
 //! Settings: the machine as data. Values are range-checked where they enter, so the rooms that read them
 //! need not ask.
+//!
+//! The stops of a setting, in the order in which a new one makes them:
+//!
+//! | stop | where | what holds it to that |
+//! |---|---|---|
+//! | field and default | here, or `axis`, `shaping`, `drivers` | compiler (`prototype`) |
+//! | range, check | `check` | `tests/setting_ranges.rs` |
+//! | record | `storage::record`, by serde: a changed field makes another `FORMAT` | `src/storage/record/tests.rs` |
+//! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
+//! | command | letters in `gcode`, what they do in `machine/commands/tuning.rs` (or `shaping`, `drivers`) | the same test |
+//! | M503 | `machine/commands/setting.rs` | the same test |
+//! | who reads it | `motion`, `driver` or `machine` | its own tests |
+//! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |
+//!
+//! A new [`ShaperKind`] stops at its impulses (`motion::trajectory::shaper`), its number and M593's text
+//! (`machine/commands/shaping.rs`), its name (`gcode::shaping`) and `KindToml` (the machine file); the same test names the
+//! one that is missing.
 
 mod axis;
 mod check;
@@ -67,7 +84,7 @@ pub struct Settings {
     pub lookahead_time: Seconds,
     /// Whether `ok` tells the line number and what is free, as Marlin's ADVANCED_OK.
     pub advanced_ok: bool,
-    /// What the motor drivers are told, where they can be talked to.
+    /// The configuration of the motor drivers, where they can be talked to.
     pub drivers: DriverGroups,
     /// The part of a move over which its speed holds at least, if it does not accelerate or brake all along
     /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).

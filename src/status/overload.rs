@@ -19,7 +19,7 @@ impl Lateness {
         self.worst.store(self.worst.load(Relaxed).max(ticks), Relaxed);
     }
 
-    pub fn told(&self) -> Late {
+    pub fn read(&self) -> Late {
         Late { count: self.count.load(Relaxed), worst: self.worst.load(Relaxed) }
     }
 }

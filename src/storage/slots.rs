@@ -203,7 +203,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_newer_record_is_told_across_the_wrap() {
+    fn the_newer_record_is_found_across_the_wrap() {
         let receipt = Receipt { bytes: 0, crc: 0 };
         let at = |sequence| Stored { settings: Settings::prototype(), receipt, slot: Slot::A, sequence };
         assert!(at(2).is_newer_than(&at(1)) && !at(1).is_newer_than(&at(2)));

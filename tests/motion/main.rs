@@ -1,6 +1,9 @@
 //! Motion, held to an independent model: steps on time, limits kept, every move able to stop.
 
 mod alignment;
+#[path = "../support/belt_equations.rs"]
+#[allow(dead_code, reason = "other tests need all of them")]
+mod belt_equations;
 mod circles;
 mod corners;
 mod curves;

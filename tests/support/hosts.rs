@@ -30,7 +30,7 @@ impl Pauses {
     }
 }
 
-/// Printrun 2.2.0, printcore.py: `_listen`, `_sendnext` and `_send`, behind the M110 of `startprint`.
+/// Printrun 2.2.0, printcore.py: `_listen`, `_sendnext` and `_send`, after the M110 of `startprint`.
 pub struct Printcore {
     program: Vec<String>,
     pauses: Pauses,

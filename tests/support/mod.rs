@@ -5,3 +5,4 @@ pub mod bodies;
 pub mod hosts;
 pub mod machine;
 pub mod octoprint;
+pub mod print;

@@ -11,7 +11,7 @@ const TIMEOUT_MS: u32 = 30_000;
 const RESEND_OK_MS: u32 = 500;
 
 /// OctoPrint 1.11.8, util/comm.py: `_monitor`, `_send_loop`, `_handle_ok`, `_handle_resend_request` and
-/// `_resendNextCommand`, `_handle_timeout`, behind its M110.
+/// `_resendNextCommand`, `_handle_timeout`, after its M110.
 pub struct OctoPrint {
     program: Vec<String>,
     pauses: Pauses,
@@ -27,7 +27,7 @@ pub struct OctoPrint {
     resend_queue: VecDeque<(i32, String)>,
     /// Nothing but repetitions leaves.
     resend_active: bool,
-    /// A request is being met, and the `ok` behind that has not come.
+    /// A request is being met, and the `ok` after that has not come.
     is_resending: bool,
     /// When it takes the `ok` of a request as said.
     resend_ok_timer: Option<u32>,

@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use corehbot::kinematics::{Groups, Mechanism};
     use corehbot::port::{GroupSet, Motor};
-    use corehbot_stm32f446::words::Words;
+    use corehbot_stm32f446::port_writes::PortWrites;
 
     #[test]
     fn the_table_is_sound() {
@@ -104,12 +104,12 @@ mod tests {
     #[test]
     fn each_pair_steps_by_one_store() {
         let machine = Groups::new(&Mechanism::corehbot());
-        let words = Words::pulses(BOARD.step_pins(), BOARD.slow, &machine);
+        let writes = PortWrites::pulses(BOARD.step_pins(), BOARD.slow, &machine);
         for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
             let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
             let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
-            let words_of = words.of(groups.unwrap());
-            let used: Vec<_> = words.ports.iter().zip(words_of).filter(|(_, word)| **word != 0).collect();
+            let values = writes.of(groups.unwrap());
+            let used: Vec<_> = writes.ports.iter().zip(values).filter(|(_, value)| **value != 0).collect();
             assert_eq!(used.len(), 1);
             assert_eq!((*used[0].0, used[0].1.count_ones()), (port, 2));
         }
@@ -118,8 +118,8 @@ mod tests {
     #[test]
     fn all_but_the_screws_step_quickly() {
         let machine = Groups::new(&Mechanism::corehbot());
-        let words = Words::pulses(BOARD.step_pins(), BOARD.slow, &machine);
-        let slow = machine.motors(words.beyond_quick());
+        let writes = PortWrites::pulses(BOARD.step_pins(), BOARD.slow, &machine);
+        let slow = machine.motors(writes.beyond_quick());
         assert_eq!(slow.0, BOARD.slow.0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
     }
 

@@ -31,7 +31,7 @@ use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use std::f64::consts::SQRT_2;
 
-/// Violations that are kept in words; the rest is counted.
+/// Violations that are kept in words; the others are only counted.
 const KEPT: usize = 10;
 
 /// Steps that quantisation can fake in a position difference: one, and a half for uneven rounding.

@@ -5,10 +5,10 @@
 
 use crate::eeprom::Eeprom;
 use crate::machine_file::{self, Machine};
+use crate::printable;
 use crate::run::{self, Run};
 #[cfg(unix)]
 use crate::serve::{self, Serve};
-use crate::words;
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 use corehbot::settings::Settings;
@@ -62,7 +62,7 @@ fn end<T>(prepared: Result<T>, run: impl FnOnce(T) -> Result<u8>) -> ExitCode {
 }
 
 fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
-    eprintln!("corehbot: {}", words::lines(&format!("{error:#}")));
+    eprintln!("corehbot: {}", printable::lines(&format!("{error:#}")));
     ExitCode::from(status)
 }
 

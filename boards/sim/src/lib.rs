@@ -2,7 +2,7 @@
 //!
 //! [`world`] plays firmware and mechanism against each other in simulated time; a [`world::Host`] feeds it
 //! and every step event goes to a [`world::Sink`]. The sinks here write traces, add up figures and hold the
-//! steps to physics; the rest turns that into what a person or a program wants to read.
+//! steps to physics; the other files turn that into what a person or a program wants to read.
 #![forbid(unsafe_code)]
 
 pub mod check;
@@ -17,6 +17,7 @@ mod odometer;
 pub mod output;
 pub mod path;
 mod ports;
+pub mod printable;
 pub mod report;
 mod run;
 pub mod sampler;
@@ -30,5 +31,4 @@ pub mod tally;
 pub mod tmc2209;
 pub mod trace;
 pub mod vcd;
-pub mod words;
 pub mod world;

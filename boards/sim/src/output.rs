@@ -80,13 +80,13 @@ impl Identity {
 struct Unfinished {
     partial: PathBuf,
     target: PathBuf,
-    is_settled: bool,
+    is_kept: bool,
 }
 
 impl Drop for Unfinished {
     fn drop(&mut self) {
-        if !self.is_settled {
-            // Nothing was promised of it, and there is nobody to be told.
+        if !self.is_kept {
+            // Nothing was promised of it, and there is nobody to hear of it.
             let _ = fs::remove_file(&self.partial);
         }
     }
@@ -139,7 +139,7 @@ impl Outputs {
                     OpenOptions::new().write(true).open(&target).with_context(cannot)?;
                 }
                 let file = File::create(&partial).with_context(cannot)?;
-                self.files.push(Unfinished { partial, target, is_settled: false });
+                self.files.push(Unfinished { partial, target, is_kept: false });
                 if let Some(permissions) = permissions {
                     file.set_permissions(permissions).with_context(cannot)?;
                 }
@@ -164,7 +164,7 @@ impl Outputs {
             let Unfinished { partial, target, .. } = &*file;
             fs::rename(partial, target)
                 .with_context(|| format!("cannot rename {} to {}", partial.display(), target.display()))?;
-            file.is_settled = true;
+            file.is_kept = true;
         }
         Ok(())
     }
@@ -172,7 +172,7 @@ impl Outputs {
     /// They are not whole, but somebody may want them: leaves them, and says what they are called.
     #[must_use]
     pub fn leave(mut self) -> Vec<PathBuf> {
-        self.files.iter_mut().for_each(|file| file.is_settled = true);
+        self.files.iter_mut().for_each(|file| file.is_kept = true);
         self.files.iter().map(|file| file.partial.clone()).collect()
     }
 
@@ -232,95 +232,4 @@ fn inode(_path: &Path) -> Option<(u64, u64)> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> =
-            fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-        names.sort();
-        names
-    }
-
-    #[test]
-    fn a_file_has_its_name_only_when_it_is_whole() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("t.csv");
-        fs::write(&path, "old").unwrap();
-        let mut outputs = Outputs::new([], Stop::default());
-        let mut out = outputs.open(&path).unwrap();
-        out.write_all(b"new").unwrap();
-        out.flush().unwrap();
-        assert_eq!(names(folder.path()), ["t.csv", "t.csv.partial"]);
-        assert_eq!(fs::read(&path).unwrap(), b"old");
-        outputs.keep().unwrap();
-        assert_eq!((names(folder.path()), fs::read(&path).unwrap()), (vec!["t.csv".to_owned()], b"new".to_vec()));
-    }
-
-    #[test]
-    fn what_is_not_whole_is_left_by_another_name_or_not_at_all() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut outputs = Outputs::new([], Stop::default());
-        let _ = outputs.open(&folder.path().join("a")).unwrap();
-        assert_eq!(outputs.leave(), [folder.path().join("a.partial")]);
-        let mut outputs = Outputs::new([], Stop::default());
-        let _ = outputs.open(&folder.path().join("b")).unwrap();
-        drop(outputs);
-        assert_eq!(names(folder.path()), ["a.partial"]);
-    }
-
-    #[test]
-    fn an_output_is_no_input_and_no_other_output() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name);
-        fs::write(path("in.gcode"), "G28").unwrap();
-        fs::write(path("old.partial"), "G28").unwrap();
-        fs::create_dir(path("sub")).unwrap();
-        let inputs = [path("in.gcode"), path("old.partial")];
-        let refused = |name: &str| {
-            let mut outputs = Outputs::new(inputs.iter().map(PathBuf::as_path), Stop::default());
-            let _ = outputs.open(&path("first")).unwrap();
-            outputs.open(&path(name)).unwrap_err().to_string()
-        };
-        assert!(refused("in.gcode").contains("would overwrite the input"));
-        assert!(refused("sub/../in.gcode").contains("would overwrite the input"));
-        assert!(refused("old").contains("would overwrite the input"));
-        assert!(refused("sub/../first").contains("another output"));
-        assert!(refused("first.partial").contains("another output"));
-        assert!(refused("sub").contains("directory"));
-        assert_eq!(fs::read(path("in.gcode")).unwrap(), b"G28");
-        let mut outputs = Outputs::new([], Stop::default());
-        let _ = outputs.open(Path::new(STANDARD)).unwrap();
-        assert!(outputs.open(Path::new(STANDARD)).is_err());
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn links_are_the_file_that_they_lead_to() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = |name: &str| folder.path().join(name);
-        fs::write(path("in.gcode"), "G28").unwrap();
-        fs::hard_link(path("in.gcode"), path("hard")).unwrap();
-        std::os::unix::fs::symlink("in.gcode", path("soft")).unwrap();
-        std::os::unix::fs::symlink("new", path("dangling")).unwrap();
-        for name in ["hard", "soft"] {
-            assert!(Outputs::new([path("in.gcode").as_path()], Stop::default()).open(&path(name)).is_err(), "{name}");
-        }
-        let mut outputs = Outputs::new([], Stop::default());
-        outputs.open(&path("dangling")).unwrap().write_all(b"x").unwrap();
-        outputs.keep().unwrap();
-        assert!(fs::symlink_metadata(path("dangling")).unwrap().is_symlink());
-        assert_eq!(fs::read(path("new")).unwrap(), b"x");
-    }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_device_is_written_as_it_is() {
-        let mut outputs = Outputs::new([], Stop::default());
-        for _ in 0..2 {
-            outputs.open(Path::new("/dev/null")).unwrap().write_all(b"x").unwrap();
-        }
-        outputs.keep().unwrap();
-        assert!(!Path::new("/dev/null.partial").exists() && !fs::metadata("/dev/null").unwrap().is_file());
-    }
-}
+mod tests;

@@ -26,7 +26,7 @@ const BLOCK: usize = 1024;
 /// How far the tool may be ahead of or after its place on a line that is run at one speed, in mm.
 const AHEAD: f64 = 0.25;
 
-/// A stretch of a line that is printed, while the rest of it is not, counts from this length on, in mm.
+/// A stretch of a line that is printed, while other parts of it are not, counts from this length on, in mm.
 const SHORTEST_MIX: f64 = 0.3;
 
 /// Where the tool was after a step event.

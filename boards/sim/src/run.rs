@@ -9,13 +9,13 @@ use crate::limits::{Limits, Widening};
 use crate::machine_file::Machine;
 use crate::output::{Outputs, Stream};
 use crate::path::{Stored, ToolPath};
+use crate::printable;
 use crate::report;
 use crate::stop::Stop;
 use crate::summary::{Names, Summary};
 use crate::tally::{Figures, Tally};
 use crate::trace::TraceWriter;
 use crate::vcd::VcdWriter;
-use crate::words;
 use crate::world::{self, Host, Outcome, Sink};
 use anyhow::{Context, Result, bail};
 use clap::Args;
@@ -143,7 +143,7 @@ impl Prepared {
         say(&summary, outputs.is_standard_taken())?;
         if let Some(status) = interrupted {
             for partial in outputs.leave() {
-                eprintln!("corehbot: what there is of it is in {}", words::line(&partial.to_string_lossy()));
+                eprintln!("corehbot: what there is of it is in {}", printable::line(&partial.to_string_lossy()));
             }
             return Ok(status);
         }

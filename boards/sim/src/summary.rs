@@ -2,8 +2,8 @@
 
 use crate::check::Findings;
 use crate::host::FileHost;
+use crate::printable::line;
 use crate::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
-use crate::words::line;
 use crate::world::Outcome;
 use corehbot::motors::Motor;
 use corehbot::units::TICKS_PER_SECOND;

@@ -35,7 +35,7 @@ pub trait Host {
     fn send(&mut self, out: &mut Vec<u8>);
     /// Bytes to put on the wire although the printer is busy, appended to `out`; called all the time.
     fn interject(&mut self, _out: &mut Vec<u8>) {}
-    /// How much time has passed since the printer was switched on, in ticks; told all the time.
+    /// How much time has passed since the printer was switched on, in ticks; shared all the time.
     fn clock(&mut self, _tick: u64) {}
     /// Whether it opens its line now, so that what came before was somebody else's; called all the time.
     fn opens(&mut self) -> bool {

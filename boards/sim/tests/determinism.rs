@@ -21,7 +21,7 @@ impl Sink for Print {
     }
 }
 
-/// A host behind a line that delivers bytes in pieces, sometimes nothing for a while.
+/// A host at a line that delivers bytes in pieces, sometimes nothing for a while.
 struct Line {
     host: FileHost,
     held: Vec<u8>,
@@ -105,7 +105,7 @@ fn a_print_sent_byte_by_byte_is_the_same_print() {
 }
 
 /// A look-ahead that is full of moves which all still accelerate lets some of them go unfinished. Which ones
-/// must not depend on how soon the queue behind it has room.
+/// must not depend on how soon the queue after it has room.
 #[test]
 fn moves_that_leave_unfinished_are_the_same_for_slow_hosts() {
     for count in [288, 300, 350, 415] {

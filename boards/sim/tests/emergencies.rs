@@ -67,7 +67,7 @@ impl Host for Shouter<'_> {
 /// to be told by its being busy.
 const STATES: [(&str, &str, u64); 9] = [
     ("moving", "G1 X200 F6000\nM114\n", 400),
-    ("moving with many lines behind", "", 400),
+    ("moving with many lines waiting", "", 400),
     ("waiting for the motion", "G1 X380 F6000\nM400\n", 900),
     ("homing fast", "G28 X\n", 900),
     ("homing slowly", "G28 X\n", 2900),

@@ -159,7 +159,7 @@ impl Sink for Motors {
 /// Homing one axis puts all that share motors with it on whole steps; from there a move of an axis takes all its motors
 /// along at once, without zig-zag.
 #[test]
-fn behind_homing_an_axis_moves_alone() {
+fn after_homing_an_axis_moves_alone() {
     for (name, mut s) in machines() {
         for (axis, back_off) in [(0, 5.0), (1, 5.0), (2, 5.0), (0, 0.4), (1, 0.4), (2, 0.4)] {
             // Ways of less than a millimetre end where they are sent, on no whole step.

@@ -1,11 +1,14 @@
 //! Pauses: who is told, who ends them, and what goes on meanwhile.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::MotorSet;
+#[path = "common/deaf.rs"]
+mod deaf;
+
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_sim::world::{Host, Outcome, Sink, run_with};
+use corehbot_sim::world::{Host, Outcome, run_with};
+use deaf::Deaf;
 
 /// Sends the next text when it hears a line that begins as awaited.
 struct Talker {
@@ -50,12 +53,6 @@ impl Host for Talker {
     fn is_done(&self) -> bool {
         self.next == self.script.len() && self.count("ok") >= self.asked
     }
-}
-
-struct Deaf;
-
-impl Sink for Deaf {
-    fn event(&mut self, _tick: u64, _steps: MotorSet, _forward: MotorSet) {}
 }
 
 fn talk(a: &mut Talker, b: &mut Talker) -> Outcome {

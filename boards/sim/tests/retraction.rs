@@ -1,20 +1,16 @@
 //! G10 and G11: the filament goes back and forth, and the program's coordinates know nothing of it.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+#[path = "common/deaf.rs"]
+mod deaf;
 #[path = "common/lines.rs"]
 mod lines;
 
-use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_sim::world::{Outcome, Sink, run};
+use corehbot_sim::world::{Outcome, run};
+use deaf::Deaf;
 use lines::Lines;
-
-struct Deaf;
-
-impl Sink for Deaf {
-    fn event(&mut self, _tick: u64, _steps: MotorSet, _forward: MotorSet) {}
-}
 
 /// What M114 told, and how it ended.
 fn print(lines: &[&'static str]) -> (Vec<String>, Outcome) {

@@ -1,4 +1,4 @@
-//! The printer behind a pseudo-terminal: the `corehbot serve` process and hosts that come and go.
+//! The printer at a pseudo-terminal: the `corehbot serve` process and hosts that come and go.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 

@@ -1,18 +1,15 @@
 //! Hosts that fall silent in the middle of a print: whoever pauses is asked for nothing, and whoever waits goes on.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::motors::MotorSet;
+#[path = "common/deaf.rs"]
+mod deaf;
+
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
-use corehbot_sim::world::{Desk, Outcome, Sink, World};
-
-struct Deaf;
-
-impl Sink for Deaf {
-    fn event(&mut self, _tick: u64, _steps: MotorSet, _forward: MotorSet) {}
-}
+use corehbot_sim::world::{Desk, Outcome, World};
+use deaf::Deaf;
 
 /// What becomes of a line.
 #[derive(Clone, Copy, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use corehbot_sim::drivers::Drivers;
 use corehbot_sim::limits::Limits;
 use corehbot_sim::world::{Desk, Outcome, Sink, World};
 
-/// Every event: motion time, and the counts of v = x - y (which is x here) and e behind it. Checks them too.
+/// Every event: motion time, and the counts of v = x - y (which is x here) and e after it. Checks them too.
 struct Steps {
     checker: Checker,
     at: [i64; 2],
@@ -171,7 +171,7 @@ fn hosts_that_are_fast_enough_leave_no_trace() {
     }
 }
 
-/// The line of M122 that tells of overload, behind these lines.
+/// The line of M122 that tells of overload, after these lines.
 fn overload(lines: &[String], pace: impl Fn(usize) -> u64) -> (Outcome, String) {
     let settings = Settings::prototype();
     let lines: Vec<_> = lines.iter().cloned().chain(["M122".to_owned()]).collect();

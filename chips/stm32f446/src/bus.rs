@@ -76,7 +76,7 @@ impl Bus {
         self.ready()?;
         let result = Self::send(address, bytes);
         Self::stop();
-        self.settle(result)
+        self.note(result)
     }
 
     /// Writes `head`, and reads `into` from there.
@@ -98,7 +98,7 @@ impl Bus {
         if into.len() < FEWEST {
             into.iter_mut().zip(few).for_each(|(byte, read)| *byte = *read);
         }
-        self.settle(result)
+        self.note(result)
     }
 
     /// Sees to it that a transfer can begin.
@@ -112,7 +112,7 @@ impl Bus {
     }
 
     /// After an error the bus is freed before it is used again.
-    fn settle<T>(&mut self, result: Outcome<T>) -> Outcome<T> {
+    fn note<T>(&mut self, result: Outcome<T>) -> Outcome<T> {
         self.is_sound = result.is_ok();
         result
     }

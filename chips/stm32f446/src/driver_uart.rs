@@ -27,7 +27,7 @@ use crate::wiring::{Board, Pin};
 /// The interrupt of the ticks.
 pub const IRQ: Interrupt = Interrupt::TIM8_UP_TIM13;
 
-/// Timer clocks in a bit, and in a tick while listening: both divide without a rest.
+/// Timer clocks in a bit, and in a tick while listening: both divide without a remainder.
 const BIT: u32 = APB2_TIMER_HZ / BAUD;
 const SAMPLE: u32 = BIT / OVERSAMPLING as u32;
 const _: () = assert!(SAMPLE * OVERSAMPLING as u32 * BAUD == APB2_TIMER_HZ && BIT <= 1 << 16);
@@ -82,7 +82,7 @@ impl DriverUart {
         });
     }
 
-    /// How the exchange ended, told once.
+    /// How the exchange ended, said once.
     pub fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         critical_section::with(|_| ENGINE.with(|engine| engine.exchange.outcome()))
     }

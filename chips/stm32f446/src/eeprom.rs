@@ -51,8 +51,8 @@ const fn here(answer: Answer) -> Result<(), StorageError> {
 
 impl Eeprom {
     /// Waits for the page that was handed over last, if nobody did.
-    fn settle(&mut self) -> Result<(), StorageError> {
-        while !self.is_settled()? {}
+    fn finish(&mut self) -> Result<(), StorageError> {
+        while !self.is_done()? {}
         Ok(())
     }
 }
@@ -64,7 +64,7 @@ impl Memory for Eeprom {
 
     fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
         let head = head(at, into.len())?;
-        self.settle()?;
+        self.finish()?;
         here(self.bus.read(ADDRESS, head, into)?)
     }
 
@@ -73,14 +73,14 @@ impl Memory for Eeprom {
         if at % PAGE + bytes.len() as u32 > PAGE {
             return Err(StorageError::Failed);
         }
-        self.settle()?;
+        self.finish()?;
         here(self.bus.write(ADDRESS, head.iter().chain(bytes))?)?;
         self.handed_over = Some(Instant::now());
         Ok(())
     }
 
     /// The chip does not answer to its address while it writes (AT24C32E datasheet 8905F, 8.3).
-    fn is_settled(&mut self) -> Result<bool, StorageError> {
+    fn is_done(&mut self) -> Result<bool, StorageError> {
         let Some(since) = self.handed_over else { return Ok(true) };
         let is_late = since.elapsed() > WRITING;
         if self.bus.write(ADDRESS, [].iter())? == Answer::Here {

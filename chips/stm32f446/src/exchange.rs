@@ -146,7 +146,7 @@ impl Exchange {
         let _ = self.end(Err(BusError::Silent));
     }
 
-    /// How it ended, told once.
+    /// How it ended, said once.
     pub fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         self.outcome.take()
     }

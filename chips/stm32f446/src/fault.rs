@@ -5,7 +5,7 @@ use core::panic::PanicInfo;
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 
-use crate::{last_words, safe_levels, stack_guard};
+use crate::{reset_reason, safe_levels, stack_guard};
 
 /// The part of CFSR that tells of the MPU (ARM DDI 0403E, B3.2.15).
 const MEMORY: u32 = 0xFF;
@@ -20,7 +20,7 @@ const NOT_PUSHED: u32 = 1 << 12 | 1 << 4;
 fn end(reason: core::fmt::Arguments<'_>) -> ! {
     cortex_m::interrupt::disable();
     safe_levels::assume();
-    last_words::leave(reason);
+    reset_reason::leave(reason);
     SCB::sys_reset()
 }
 

@@ -19,7 +19,7 @@ use sequential_storage::map::{MapConfig, MapStorage};
 use crate::memory::Memory;
 
 /// The sectors that are put aside: 1 and 2, of 16 KiB each (RM0390, 3.3). The vectors stay in sector 0, where the
-/// processor looks for them, and the code begins behind (`settings.x` of the board).
+/// processor looks for them, and the code begins after them (`settings.x` of the board).
 pub const SECTORS: Range<u32> = 0x4000..0xC000;
 
 /// Size of one of them.
@@ -108,7 +108,7 @@ impl<F: NorFlash> Memory for FlashPages<F> {
         self.put(number, &page)
     }
 
-    fn is_settled(&mut self) -> Result<bool, StorageError> {
+    fn is_done(&mut self) -> Result<bool, StorageError> {
         Ok(true)
     }
 }

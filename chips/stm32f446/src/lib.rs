@@ -11,17 +11,17 @@
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog; USB |
 //!
-//! `unsafe` stays in `contexts`, `fault`, `flash`, `last_words`, `otg`, `priorities`, `stack_guard` and `step_timer`.
+//! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod flash_pages;
 pub mod memory;
+pub mod port_writes;
 pub mod resources;
 mod serial_port;
 pub mod usb_pump;
 pub mod usb_traffic;
 pub mod wiring;
-pub mod words;
 
 #[cfg(any(test, target_os = "none"))]
 mod exchange;
@@ -51,8 +51,6 @@ mod hand_over;
 #[cfg(target_os = "none")]
 mod host_serial;
 #[cfg(target_os = "none")]
-mod last_words;
-#[cfg(target_os = "none")]
 mod otg;
 #[cfg(target_os = "none")]
 mod plain_serial;
@@ -62,6 +60,8 @@ mod ports;
 mod priorities;
 #[cfg(target_os = "none")]
 mod receiver;
+#[cfg(target_os = "none")]
+mod reset_reason;
 #[cfg(target_os = "none")]
 mod safe_levels;
 #[cfg(target_os = "none")]

@@ -26,11 +26,11 @@ pub trait Memory {
     /// The same.
     fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
 
-    /// As [`Storage::is_settled`].
+    /// As [`Storage::is_done`].
     ///
     /// # Errors
     /// The same.
-    fn is_settled(&mut self) -> Result<bool, StorageError>;
+    fn is_done(&mut self) -> Result<bool, StorageError>;
 }
 
 /// No memory.
@@ -47,8 +47,8 @@ impl<M: Memory> Memory for Option<M> {
         self.as_mut().ok_or(StorageError::Absent)?.write(at, bytes)
     }
 
-    fn is_settled(&mut self) -> Result<bool, StorageError> {
-        self.as_mut().ok_or(StorageError::Absent)?.is_settled()
+    fn is_done(&mut self) -> Result<bool, StorageError> {
+        self.as_mut().ok_or(StorageError::Absent)?.is_done()
     }
 }
 
@@ -68,7 +68,7 @@ impl Storage for BoardStorage {
         self.0.write(at, bytes)
     }
 
-    fn is_settled(&mut self) -> Result<bool, StorageError> {
-        self.0.is_settled()
+    fn is_done(&mut self) -> Result<bool, StorageError> {
+        self.0.is_done()
     }
 }

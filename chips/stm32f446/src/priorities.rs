@@ -1,4 +1,4 @@
-//! The interrupts' priorities, and what a bootloader may have left behind.
+//! The interrupts' priorities, and what a bootloader may have left.
 
 use cortex_m::Peripherals;
 use cortex_m::peripheral::SCB;

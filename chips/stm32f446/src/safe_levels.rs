@@ -22,7 +22,7 @@ pub fn adopt(board: &Board) {
         ports::make_output(pin);
     }
     for pin in slots().flat_map(|slot| [slot.step, slot.dir]) {
-        // The pins behind the power switch (PC13 to PC15) drive only slow edges (STM32F446 datasheet, pin definitions).
+        // The pins supplied by the power switch (PC13 to PC15) drive only slow edges (STM32F446 datasheet, pin definitions).
         if !is_weak(pin) {
             ports::speed_up(pin, Speed::Medium);
         }

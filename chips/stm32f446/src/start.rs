@@ -13,8 +13,9 @@ use static_cell::{ConstStaticCell, StaticCell};
 use crate::contexts::{self, BoardParts, BoardPorts, IrqPend};
 use crate::drivers::Drivers;
 use crate::host_serial::HostSerial;
-use crate::last_words::{self, Farewell};
 use crate::memory::{BoardStorage, Find};
+use crate::port_writes::PortWrites;
+use crate::reset_reason::{self, ResetReason};
 use crate::step_pins::StepPins;
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::thermistors::Thermistors;
@@ -22,14 +23,13 @@ use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::watchdog::{self, Watchdog};
 use crate::wiring::Board;
-use crate::words::Words;
 use crate::{clocks, fault, hand_over, plain_serial, ports, priorities, safe_levels, stack_guard, supply};
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
 static PARTS: StaticCell<BoardParts> = StaticCell::new();
-static DIR_WORDS: StaticCell<Words> = StaticCell::new();
+static DIR_WRITES: StaticCell<PortWrites> = StaticCell::new();
 
 /// The machine, until its storage says more of it.
 const SETTINGS: Settings = Settings::prototype();
@@ -74,7 +74,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     if !is_right {
         refuse(board, lines);
     }
-    let reason = last_words::take();
+    let reason = reset_reason::take();
     report(&mut lines, reason.as_ref());
     let usb = open_usb(board, reason).map(|(line, port)| {
         // A board's table has no more lines than there is room for.
@@ -83,7 +83,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     });
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&SETTINGS.mechanism);
-    let dirs = DIR_WORDS.init_with(|| Words::levels(board.dir_pins(), board.reversed, &groups));
+    let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
     let ports = Ports {
         serial: lines,
         drivers: Drivers::start(board),
@@ -112,7 +112,7 @@ fn open_headers(board: &Board) -> Lines<HostSerial> {
 }
 
 /// Starts USB, if the board has it.
-fn open_usb(board: &'static Board, reason: Option<Farewell>) -> Option<(UsbLine, UsbPort)> {
+fn open_usb(board: &'static Board, reason: Option<ResetReason>) -> Option<(UsbLine, UsbPort)> {
     if !board.has_usb || !clocks::start_usb(board.crystal) {
         return None;
     }
@@ -143,7 +143,7 @@ fn assemble(step_ports: StepPorts<StepPins, StepTimer>, ports: BoardPorts) -> &'
 }
 
 /// Tells the hosts why the last reset happened, unless it was for a good reason, and what the board lacks.
-fn report(lines: &mut [HostSerial], reason: Option<&Farewell>) {
+fn report(lines: &mut [HostSerial], reason: Option<&ResetReason>) {
     if let Some(reason) = reason {
         defmt::error!("the last reset came after {=str}", reason.as_str());
         for part in reason.parts() {

@@ -1,6 +1,6 @@
 //! The step port: what the Stepper's events do to the pins.
 //!
-//! A table gives the words for all ports at once, in RAM (see [`Words`]). Computing them instead takes an
+//! A table gives the words for all ports at once, in RAM (see [`PortWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
@@ -10,9 +10,9 @@ use corehbot::kinematics::Groups;
 use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
 
+use crate::port_writes::{PORTS, PortWrites, QUICK};
 use crate::ports::{self, Registers};
 use crate::wiring::{Board, Pin};
-use crate::words::{PORTS, QUICK, Words};
 
 /// A step pulse has to be high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
 /// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest. What the
@@ -29,13 +29,13 @@ const SLOW_REST: u32 = 54 - PULSE;
 #[repr(C)]
 pub struct StepPins {
     quick: [Quick; QUICK],
-    steps: Words,
+    steps: PortWrites,
     step_ports: [Registers; PORTS],
     /// What lowers all step lines. Most are low, but sorting them out would take longer.
     low: [u32; PORTS],
     /// Groups with a motor whose step pin is slow.
     held: GroupSet,
-    dirs: &'static Words,
+    dirs: &'static PortWrites,
     dir_ports: [Registers; PORTS],
     endstops: Endstops,
 }
@@ -49,8 +49,8 @@ struct Quick {
 
 impl StepPins {
     /// The pins of `board`, which are outputs already, for these groups of motors.
-    pub fn new(board: &Board, dirs: &'static Words, groups: &Groups) -> Self {
-        let steps = Words::pulses(board.step_pins(), board.slow, groups);
+    pub fn new(board: &Board, dirs: &'static PortWrites, groups: &Groups) -> Self {
+        let steps = PortWrites::pulses(board.step_pins(), board.slow, groups);
         let low = steps.of(ALL).map(|word| word << 16);
         let quick = |port: usize| Quick { port: ports::registers(steps.ports[port]), low: low[port] };
         Self {

@@ -28,7 +28,7 @@ const LINE: usize = 16;
 /// BOR_LEV: level 3 (RM0390, 3.9.10, FLASH_OPTCR).
 const LEVEL_3: u8 = 0b00;
 
-/// What hosts are told if the chip does not reset itself in time.
+/// What hosts read if the chip does not reset itself in time.
 const UNGUARDED: &str = "brown-out reset is not at level 3: while its supply fails the processor may do anything; the \
                          README of the board says how to set it";
 

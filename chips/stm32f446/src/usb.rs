@@ -9,8 +9,8 @@ use embassy_usb::{Builder, Config, UsbDevice};
 use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::contexts::wake_console;
-use crate::last_words::Farewell;
 use crate::otg::{self, UsbDriver};
+use crate::reset_reason::ResetReason;
 use crate::step_timer::BoardClock;
 use crate::supply;
 use crate::usb_pump::PACKET;
@@ -44,7 +44,7 @@ static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
 /// The Console's end of the port.
 pub struct UsbLine {
     /// Why the last reset happened, until somebody has opened the port: it was closed when the others were told.
-    farewell: Option<Farewell>,
+    farewell: Option<ResetReason>,
     /// Nobody has opened the port so far.
     is_new: bool,
 }
@@ -59,7 +59,7 @@ pub struct UsbPort {
 ///
 /// # Panics
 /// If it was started before.
-pub fn start(board: &'static Board, farewell: Option<Farewell>) -> Option<(UsbLine, UsbPort)> {
+pub fn start(board: &'static Board, farewell: Option<ResetReason>) -> Option<(UsbLine, UsbPort)> {
     let memory = MEMORY.take();
     let driver = otg::start(&mut memory.packets)?;
     let mut config = Config::new(IDENTITY.0, IDENTITY.1);

@@ -169,7 +169,7 @@ fn what_nobody_has_fetched_is_not_for_the_next_who_opens_the_port() {
     with_port(|mut rig| {
         rig.open();
         rig.send(b"G28\n");
-        // One packet is under way, one waits in the driver, the rest in the pump.
+        // One packet is under way, one waits in the driver, all others in the pump.
         rig.say(&"echo:old ".repeat(20));
         rig.request(set_line_state(false));
         assert_eq!(rig.say("echo:nobody hears this\n"), 23);

@@ -4,8 +4,8 @@
 
 use corehbot::port::{LINES, Motor, MotorSet, Sensor};
 
+use crate::port_writes::PortWrites;
 pub use crate::serial_port::{SerialPort, Usart};
-use crate::words::Words;
 
 /// A GPIO port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -200,7 +200,7 @@ impl Board {
     /// What is wrong with the table, if anything: to be asked by a test.
     #[must_use]
     pub fn problem(&self) -> Option<&'static str> {
-        if !Words::can_hold(&self.step_pins()) || !Words::can_hold(&self.dir_pins()) {
+        if !PortWrites::can_hold(&self.step_pins()) || !PortWrites::can_hold(&self.dir_pins()) {
             return Some("step or direction pins are on too many ports");
         }
         let slots = || self.slots.iter().flatten();
@@ -234,39 +234,4 @@ pub(crate) fn bits(pins: impl Iterator<Item = Pin>, port: Port) -> u32 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn board(uart: Option<Pin>) -> Board {
-        let pin = |number| Pin::new(Port::B, number);
-        let slot = Slot { step: pin(0), dir: pin(1), enable: pin(2), uart };
-        let mut slots = [None; Motor::ALL.len()];
-        slots[Motor::M8 as usize] = Some(slot);
-        Board {
-            name: "",
-            crystal: Crystal::Clock8MHz,
-            slots,
-            reversed: MotorSet::NONE,
-            slow: MotorSet::NONE,
-            endstops: [pin(3), pin(4), pin(5)],
-            probe: None,
-            thermistors: &[],
-            loads: &[],
-            serial: &[],
-            has_usb: false,
-            eeprom: None,
-            marks: &[],
-        }
-    }
-
-    #[test]
-    fn a_uart_pin_has_no_other_job() {
-        assert_eq!((board(None).problem(), board(None).uarts()), (None, MotorSet::NONE));
-        let free = board(Some(Pin::new(Port::B, 8)));
-        assert_eq!((free.problem(), free.uarts()), (None, MotorSet::of(Motor::M8)));
-        for taken in [1, 2, 5] {
-            assert_eq!(board(Some(Pin::new(Port::B, taken))).problem(), Some("a pin has two jobs"));
-        }
-        assert!(board(Some(Pin::new(Port::A, 14))).problem().is_some());
-    }
-}
+mod tests;

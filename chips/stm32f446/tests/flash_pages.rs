@@ -290,5 +290,5 @@ fn flash_that_does_not_work_is_told() {
     let (result, _) = with(dead, |storage| now(storage::save(storage, &variant(1))));
     assert_eq!(result, Err(SaveError::Storage(StorageError::Failed)));
     let mut pages = FlashPages::new(Nor::blank());
-    assert_eq!(pages.is_settled(), Ok(true));
+    assert_eq!(pages.is_done(), Ok(true));
 }

@@ -207,13 +207,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Command::Tell { form, text } => Answer::Message(form, text),
             Command::Progress { percent, minutes } => {
-                let told = &self.link.status().told;
-                told.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
+                let progress = &self.link.status().print_progress;
+                progress.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
                 Answer::Nothing
             }
             Command::Object(number) => {
                 let object = number.to_thousandths().div_euclid(1000) as i32;
-                self.link.status().told.set_object(object);
+                self.link.status().print_progress.set_object(object);
                 Answer::Nothing
             }
             // What this firmware does not do.

@@ -136,7 +136,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             words = AxisWords { x: word(axes.x), y: word(axes.y), z: word(axes.z), e: word(axes.e) };
         }
         let answer = self.set_drivers(DriverValue::Mode, &words);
-        self.until(|c| c.drivers.is_settled()).await?;
+        self.until(|c| c.drivers.is_configured()).await?;
         Ok(answer)
     }
 }

@@ -85,7 +85,7 @@ impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
         self.console.ports.storage.write(at, bytes).await?;
         self.go_round().await?;
-        while !self.console.ports.storage.is_settled()? {
+        while !self.console.ports.storage.is_done()? {
             self.go_round().await?;
         }
         Ok(())

@@ -13,7 +13,7 @@ struct Budget {
 }
 
 /// Code, constants and initial values.
-const FLASH: Budget = Budget { name: "flash", bytes: 200 * 1024, of: "480 KiB behind the bootloader" };
+const FLASH: Budget = Budget { name: "flash", bytes: 200 * 1024, of: "480 KiB after the bootloader" };
 
 /// Variables without the stack.
 const RAM: Budget = Budget { name: "static RAM", bytes: 72 * 1024, of: "128 KiB with the stack" };

@@ -19,7 +19,7 @@ use crate::checkout;
 use anyhow::Result;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
-use corehbot_sim::{input, machine_file, words};
+use corehbot_sim::{input, machine_file, printable};
 use std::path::{Path, PathBuf};
 
 /// The package of the board.
@@ -66,7 +66,7 @@ pub fn main(args: &Args) -> Result<()> {
         println!("{line}");
     }
     for warning in &outcome.warnings {
-        println!("{}:{}", args.file.as_deref().unwrap_or(Path::new("")).display(), words::line(warning));
+        println!("{}:{}", args.file.as_deref().unwrap_or(Path::new("")).display(), printable::line(warning));
     }
     println!("events       {}", outcome.events);
     println!("motion time  {:.3} s", outcome.ticks as f64 / f64::from(TICKS_PER_SECOND));

@@ -7,7 +7,7 @@ use std::time::Duration;
 /// two lines of OctoPrint on an idle computer of two cores (30 ms), for computers that are not idle.
 const THINKING: Duration = Duration::from_millis(250);
 
-/// A computer that lags behind by more than this does not make it good: a host would see time race.
+/// A computer that lags by more than this does not make it good: a host would see time race.
 const LAG: Duration = Duration::from_millis(200);
 
 /// How fast virtual time goes.

@@ -1,0 +1,64 @@
+//! Tests of limits.
+
+use super::*;
+
+#[test]
+fn the_settings_are_the_limits() {
+    let limits = Limits::new(&Settings::prototype(), None, "G1 X5 ; M203 X900\n");
+    let x = &limits.of[0];
+    assert_eq!((x.step, x.speed, x.acceleration, x.hard_stop), (0.0125, 300.0, 5000.0, 0.0));
+    assert!((x.jump - (8.0 * 5000.0 * 0.013f64).sqrt()).abs() < 0.01);
+    assert_eq!(limits.of[3].jump, 5.0);
+}
+
+#[test]
+fn a_print_may_widen_its_limits_and_homing_may_stop_hard() {
+    let limits = Limits::new(&Settings::prototype(), None, "M203 X400 Y10\nG20\nM201Z10 E1000\nG28\n");
+    assert_eq!(limits.of[0].speed, 400.0);
+    assert_eq!(limits.of[1].speed, 300.0);
+    assert_eq!(limits.of[2].acceleration, 254.0);
+    assert_eq!(limits.of[2].hard_stop, 8.0);
+    assert!(limits.is_judged);
+    let squares = ["M205 X40\n", "SET_VELOCITY_LIMIT SQUARE_CORNER_VELOCITY=40\n"];
+    let [marlin, klipper] = squares.map(|gcode| Limits::new(&Settings::prototype(), None, gcode).of);
+    assert!(marlin == klipper && marlin[0].jump > 70.0);
+}
+
+#[test]
+fn pressure_advance_asks_more_of_the_extruder_alone() {
+    let limits = |gcode| Limits::new(&Settings::prototype(), None, gcode).of;
+    let (plain, advanced) = (limits(""), limits("M900 K.02 ; M900 K1\n"));
+    let e = &advanced[3];
+    assert!((e.speed - 120.0).abs() < 1e-4 && (e.acceleration - 10_000.0).abs() < 1e-2, "{e:?}");
+    assert!((e.jump - 10.0).abs() < 1e-5, "{e:?}");
+    assert_eq!(plain[..3], advanced[..3]);
+    assert_eq!(plain[4..], advanced[4..]);
+    let changed = limits("M572 S.02\nSET_PRESSURE_ADVANCE ADVANCE=1e-2\n")[3].clone();
+    assert!((changed.jump - 50.0).abs() < 1e-4, "{changed:?}");
+}
+
+#[test]
+fn stored_settings_widen_the_limits_and_are_not_judged_in_other_steps() {
+    let made = Settings::prototype();
+    let mut stored = made;
+    stored.axes.x.max_speed = corehbot::units::MmPerSec::from_num(350);
+    stored.axes.y.max_speed = corehbot::units::MmPerSec::from_num(50);
+    stored.extruder_jerk = corehbot::units::MmPerSec::from_num(8);
+    let limits = Limits::new(&made, Some(&stored), "");
+    assert_eq!((limits.of[0].speed, limits.of[1].speed, limits.of[3].jump), (350.0, 300.0, 8.0));
+    assert!(limits.is_judged);
+    stored.axes.e.steps_per_mm += corehbot::units::StepsPerMm::ONE;
+    assert!(!Limits::new(&made, Some(&stored), "").is_judged);
+}
+
+/// The bound that the text derives, by trying corners.
+#[test]
+fn no_corner_jumps_by_more_than_the_square_root_of_8_a_d() {
+    let (a, d) = (3000.0f64, 0.013);
+    for i in 1..1000 {
+        let half = f64::from(i) * std::f64::consts::FRAC_PI_2 / 1000.0;
+        let s = half.sin();
+        let jump = 2.0 * (a * d * s / (1.0 - s)).sqrt() * half.cos();
+        assert!(jump <= (8.0 * a * d).sqrt());
+    }
+}

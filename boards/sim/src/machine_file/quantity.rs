@@ -1,0 +1,79 @@
+//! Quantities: a number of the file becomes a value in its legal range, or an error that says what is legal.
+
+use super::MachineFileError;
+use corehbot::settings::{Range, ranges};
+use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
+use std::fmt::Display;
+
+/// A kind of quantity: its legal range, and how it comes from a number that is not NaN.
+pub(super) struct Kind<T> {
+    pub range: Range<T>,
+    pub convert: fn(f64) -> T,
+}
+
+pub(super) const RESOLUTION: Kind<StepsPerMm> =
+    Kind { range: ranges::STEPS_PER_MM, convert: StepsPerMm::saturating_from_num::<f64> };
+pub(super) const SPEED: Kind<MmPerSec> = Kind { range: ranges::SPEED, convert: MmPerSec::saturating_from_num::<f64> };
+pub(super) const LEAST_SPEED: Kind<MmPerSec> =
+    Kind { range: Range { least: MmPerSec::ZERO, most: ranges::SPEED.most }, ..SPEED };
+pub(super) const ACCELERATION: Kind<MmPerSec2> =
+    Kind { range: ranges::ACCELERATION, convert: MmPerSec2::saturating_from_num::<f64> };
+pub(super) const LENGTH: Kind<Mm> = Kind { range: ranges::LENGTH, convert: Mm::saturating_from_num::<f64> };
+pub(super) const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..LENGTH };
+pub(super) const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..LENGTH };
+pub(super) const FREQUENCY: Kind<Hertz> = Kind { range: ranges::FREQUENCY, convert: Hertz::saturating_from_num::<f64> };
+pub(super) const BELT_SPAN: Kind<Mm> =
+    Kind { range: Range { least: Mm::ZERO, most: ranges::BELT_SPAN.most }, ..LENGTH };
+pub(super) const MOTOR_FREQUENCY: Kind<Hertz> = Kind { range: ranges::MOTOR_FREQUENCY, ..FREQUENCY };
+pub(super) const DAMPING: Kind<Ratio> = Kind { range: ranges::DAMPING, convert: Ratio::saturating_from_num::<f64> };
+pub(super) const CRUISE_RATIO: Kind<Ratio> = Kind { range: ranges::CRUISE_RATIO, ..DAMPING };
+pub(super) const ADVANCE: Kind<Seconds> = Kind { range: ranges::ADVANCE, convert: Seconds::saturating_from_num::<f64> };
+pub(super) const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::WINDOW, ..ADVANCE };
+pub(super) const LOOKAHEAD_TIME: Kind<Seconds> = Kind { range: ranges::LOOKAHEAD_TIME, ..ADVANCE };
+pub(super) const PATIENCE: Kind<u16> =
+    Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
+pub(super) const KEEPALIVE: Kind<u8> = Kind { range: Range { least: 0, most: 60 }, convert: |s| s as u8 };
+
+/// Puts a whole number of the file, if there is one, in the place of the default.
+pub(super) fn put_whole<T: PartialOrd + Copy + Display + Into<f64> + TryFrom<u16>>(
+    slot: &mut T,
+    key: &str,
+    value: Option<f64>,
+    range: Range<T>,
+) -> Result<(), MachineFileError> {
+    let Some(value) = value else { return Ok(()) };
+    // A saturated or cut number is no longer the one in the file.
+    let whole = T::try_from(value as u16).ok().filter(|whole| (*whole).into() == value && range.holds(*whole));
+    let legal = || format!("the whole numbers {} to {}", range.least, range.most);
+    *slot = whole.ok_or_else(|| MachineFileError::Range { key: key.to_owned(), value, legal: legal() })?;
+    Ok(())
+}
+
+/// Puts a value of the file, if there is one, in the place of the default.
+pub(super) fn put<T: PartialOrd + Copy + Display>(
+    slot: &mut T,
+    key: &str,
+    value: Option<f64>,
+    kind: &Kind<T>,
+) -> Result<(), MachineFileError> {
+    if let Some(value) = value {
+        *slot = quantity(key, value, kind)?;
+    }
+    Ok(())
+}
+
+pub(super) fn quantity<T: PartialOrd + Copy + Display>(
+    key: &str,
+    value: f64,
+    kind: &Kind<T>,
+) -> Result<T, MachineFileError> {
+    let Kind { range, convert } = kind;
+    // Conversions saturate, which leaves an illegal value illegal, but they have no answer to NaN.
+    match (!value.is_nan()).then(|| convert(value)) {
+        Some(legal) if range.holds(legal) => Ok(legal),
+        _ => {
+            let legal = format!("{} to {}", range.least, range.most);
+            Err(MachineFileError::Range { key: key.to_owned(), value, legal })
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! A host that sends lines one by one, and what it hears.
+
+use super::deaf::Deaf;
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use corehbot_sim::world::Host;
+use corehbot_sim::world::run;
+
+/// Sends lines one by one; with the first busy message comes M108.
+pub struct Asker {
+    pub lines: Vec<String>,
+    pub next: usize,
+    pub awaiting: u32,
+    pub has_gone_on: bool,
+    pub heard: Vec<String>,
+}
+
+impl Host for Asker {
+    fn send(&mut self, out: &mut Vec<u8>) {
+        if self.awaiting == 0 && self.next < self.lines.len() {
+            out.extend(self.lines[self.next].bytes());
+            out.push(b'\n');
+            self.next += 1;
+            self.awaiting = 1;
+        }
+    }
+
+    fn interject(&mut self, out: &mut Vec<u8>) {
+        let is_paused = self.heard.last().is_some_and(|line| line == "echo:busy: paused for user");
+        if is_paused && !core::mem::replace(&mut self.has_gone_on, true) {
+            out.extend(b"M108\n");
+            self.awaiting += 1;
+        }
+    }
+
+    fn hear(&mut self, line: &str) {
+        if line.starts_with("ok") {
+            self.awaiting = self.awaiting.saturating_sub(1);
+        }
+        self.heard.push(line.to_owned());
+    }
+
+    fn is_done(&self) -> bool {
+        self.next == self.lines.len() && self.awaiting == 0
+    }
+}
+
+/// What a homed machine answers to `lines`, without its greeting and without `echo:busy: processing`.
+pub fn answers(lines: &[&str]) -> Vec<String> {
+    let lines = lines.iter().map(|line| (*line).to_owned()).collect();
+    let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
+    let outcome = run(&Settings::prototype(), Some([100, 100, 50].map(Mm::from_num)), &mut host, &mut Deaf).unwrap();
+    assert!(!outcome.halted, "{:?}", host.lines);
+    host.heard.into_iter().skip(2).filter(|line| line != "echo:busy: processing").collect()
+}
+
+/// What a machine that has not been homed answers.
+pub fn before_homing(settings: &Settings, lines: &[&str]) -> Vec<String> {
+    let lines = lines.iter().map(|line| (*line).to_owned()).collect();
+    let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
+    run(settings, None, &mut host, &mut Deaf).unwrap();
+    host.heard.into_iter().skip(2).filter(|line| line != "ok" && line != "echo:busy: processing").collect()
+}

@@ -1,0 +1,69 @@
+//! Lines: each is answered once, whatever it holds.
+
+use super::talk::{HOMED, keep, talk, talk_to};
+use corehbot::settings::Settings;
+use corehbot_sim::eeprom::Eeprom;
+use proptest::prelude::*;
+
+#[test]
+fn every_line_has_one_ok_and_blank_lines_have_none() {
+    let (heard, ..) = talk(&["G21", "M105", "G1 X5 F6000", "FOO", "T0", "T3", "M117 hello *", "G4 P1", "M400"]);
+    assert_eq!(heard.iter().filter(|l| l.starts_with("ok")).count(), 9);
+    assert!(heard.contains(&"echo:Unknown command: \"FOO\"".to_owned()), "{heard:?}");
+    assert!(heard.iter().any(|l| l.starts_with("ok T:")), "{heard:?}");
+}
+
+#[test]
+fn an_advanced_ok_tells_line_and_room() {
+    let mut settings = Settings::prototype();
+    settings.advanced_ok = true;
+    let (heard, ..) = talk_to(&settings, HOMED, &["N1 G90*17", "M82", "N2 *92", "M110", "N3 G1 X5*1"]);
+    assert_eq!(heard[..3], ["ok N1 P144 B10", "ok P144 B10", "ok N2 P144 B10"]);
+    assert_eq!(heard[3..5], ["Line: 2", "ok"]);
+    assert!(heard[5].starts_with("Error:checksum"), "{heard:?}");
+}
+
+#[test]
+fn a_bad_line_costs_a_resend_and_nothing_else() {
+    let sum = |text: &str| format!("{text}*{}", text.bytes().fold(0, |a, b| a ^ b));
+    let lines = [sum("N0 M110 N0"), sum("N1 G1 X10 F6000"), "N2 G1 X20*1".to_owned(), sum("N2 G1 X20"), sum("N3 M400")];
+    let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+    let (heard, outcome, _) = talk(&lines);
+    let dialogue = ["Error:checksum mismatch, Last Line: 1", "Resend: 2", "ok"];
+    assert!(heard.windows(3).any(|w| w == dialogue), "{heard:?}");
+    assert_eq!(outcome.counts[3], 1600);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 40, ..ProptestConfig::default() })]
+
+    /// Whatever lines look like, each is answered once, nothing panics, and the pairs stay pairs.
+    #[test]
+    fn any_lines_are_answered_once_each(
+        lines in proptest::collection::vec(
+            prop_oneof![
+                4 => "G[0-3]( ?[XYZE]-?[0-9]{1,3}(\\.[0-9]{0,4})?){1,3}( F[1-9][0-9]{3})?( [IJR]-?[0-9]{1,2}){0,2}",
+                2 => "M2(0[1-5]|11|2[01])( [XYZESTPRJ]-?[0-9]{0,5}(\\.[0-9]{0,3})?){0,4}",
+                1 => "G(9[0-2]|2[01]|17|4 P[0-9]{1,3})",
+                1 => "M(17|18|84|82|83|92 E[0-9]{1,4}|105|114 ?R?|115|119|220 S[0-9]{1,5}|221|400|410|50[0-4]|122)",
+                1 => "M(569|906|91[34])( [SXYZE]-?[0-9]{0,4}(\\.[0-9]{0,3})?){0,4}",
+                1 => "G1 [XYE]-?[0-9]{5,30}",
+                1 => "[ -~]{1,40}".prop_filter("it must not be blank, a comment, numbered or a stop", |l| {
+                    let l = l.trim();
+                    let stop = l.to_ascii_uppercase().replace(' ', "");
+                    !l.is_empty() && !l.starts_with([';', '!', '~']) && !l.contains('*')
+                        && !stop.starts_with('N') && !stop.contains("M112") && !stop.starts_with("G4")
+                }),
+            ],
+            1..25,
+        ),
+    ) {
+        let mut lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+        lines.push("M400");
+        let (heard, outcome, _) = keep(&mut Eeprom::blank(), &Settings::prototype(), &lines);
+        prop_assert!(!outcome.halted);
+        prop_assert_eq!(heard.iter().filter(|l| l.starts_with("ok")).count(), lines.len(), "{:?}", heard);
+        let [n1, n4, n8, n11, z1, z2, _] = outcome.counts;
+        prop_assert_eq!((n1, n4, z1), (-n8, -n11, z2));
+    }
+}

@@ -1,0 +1,11 @@
+//! Conversations with the whole firmware: what a host says, and what it hears.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+mod homing;
+mod lines;
+mod positions;
+mod reports;
+mod saving;
+mod stops;
+mod storage;
+mod talk;

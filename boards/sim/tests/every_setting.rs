@@ -1,0 +1,224 @@
+//! Every setting and every shaper is known at all of its stops; whoever adds one finds here where it is missing.
+//!
+//! The stops are listed at the head of `src/settings/mod.rs`. That a number has a range is `tests/setting_ranges.rs`'
+//! business, and that a record holds every field is serde's.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "common/deaf.rs"]
+mod deaf;
+#[path = "common/lines.rs"]
+mod lines;
+
+use corehbot::gcode::{Command, Number, parse};
+use corehbot::port::NoStorage;
+use corehbot::settings::{Settings, ShaperKind};
+use corehbot::units::Mm;
+use corehbot_sim::drivers::Drivers;
+use corehbot_sim::machine_file;
+use corehbot_sim::world::run_on;
+use deaf::Deaf;
+use lines::Lines;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use toml::Table;
+
+const EXAMPLE: &str = include_str!("../../../examples/machines/prototype.toml");
+
+/// What a machine of `settings` hears from M503 after these lines.
+fn settings_as_said(settings: &Settings, lines: &[&str]) -> Vec<String> {
+    let lines = lines.iter().chain(&["M503"]).map(|line| (*line).to_owned()).collect();
+    let (mut host, drivers) = (Lines::new(lines), Drivers::new());
+    let start = Some([Mm::ZERO; 3]);
+    run_on(settings, start, NoStorage, &drivers, &mut [&mut host], &mut Deaf).unwrap();
+    host.heard.into_iter().filter(|line| line.starts_with("echo:  ") || line.starts_with("echo:;")).collect()
+}
+
+/// A machine file with every key and shapers that are on. No two axes share a motor, so each may be changed alone.
+fn file() -> Table {
+    const ROWS: [(&str, [i64; 4]); 4] =
+        [("m1", [1, 0, 0, 0]), ("m4", [0, 1, 0, 0]), ("z1", [0, 0, 1, 0]), ("e0", [0, 0, 0, 1])];
+    let mut file: Table = EXAMPLE.parse().unwrap();
+    let rows = ROWS.map(|(motor, row)| (motor.to_owned(), row.to_vec().into()));
+    file.insert("mechanism".to_owned(), toml::Value::Table(Table::from_iter(rows)));
+    for axis in ["x", "y"] {
+        file["shaper"][axis]["kind"] = "zv".into();
+    }
+    file
+}
+
+fn load(file: &Table) -> Result<Settings, machine_file::MachineFileError> {
+    machine_file::load(&file.to_string())
+}
+
+/// The settings by their paths, such as `axes.x.length`.
+fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
+    fn gather(value: &Value, path: &str, into: &mut BTreeMap<String, Value>) {
+        match value {
+            Value::Object(fields) if !fields.contains_key("bits") => {
+                fields.iter().for_each(|(key, value)| gather(value, &format!("{path}.{key}"), into));
+            }
+            _ => drop(into.insert(path.trim_start_matches('.').to_owned(), value.clone())),
+        }
+    }
+    let mut all = BTreeMap::new();
+    gather(&serde_json::to_value(settings).unwrap(), "", &mut all);
+    all
+}
+
+/// The place of a setting in a machine file.
+fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
+    let path = path.replace("shapers.", "shaper.").replace("corner.JunctionDeviation", "corner.junction_deviation");
+    let (tables, key) = path.rsplit_once('.').unwrap_or(("", &path));
+    tables
+        .split('.')
+        .filter(|table| !table.is_empty())
+        .try_fold(file, |file, table| file.get_mut(table)?.as_table_mut())?
+        .get_mut(key)
+}
+
+/// Settings with another value in that key of the file.
+fn changed(path: &str) -> Option<Settings> {
+    let before = load(&file()).unwrap();
+    let legal = |value: toml::Value| {
+        let mut file = file();
+        *key(&mut file, path)? = value;
+        load(&file).ok().filter(|settings| *settings != before)
+    };
+    let numbers = [0.05, 0.3, 1.0, 9.0, 32.0, 200.0, 900.0].into_iter().map(toml::Value::Float);
+    [true.into(), false.into(), "mzv".into()].into_iter().chain(numbers).find_map(legal)
+}
+
+/// Settings that M503 does not say: they describe the machine, and no line can change them.
+const NOT_SAID: [&str; 9] = [
+    "advanced_ok",
+    "arc_tolerance",
+    "hold_percent",
+    "microsteps",
+    "motor_frequency",
+    "motor_max_acceleration",
+    "motor_max_speed",
+    "patience_ms",
+    "span",
+];
+
+/// Settings that M503 says as a comment, and only a machine file sets.
+const FILE_ONLY: [&str; 6] = ["back_off", "fast", "length", "lookahead_time", "require_homing", "slow"];
+
+/// Lines that set a setting. A letter in braces is the axis.
+const LINES: [(&str, &str); 22] = [
+    ("advance.time", "M900 K.1"),
+    ("advance.window", "M572 W.05"),
+    ("corner.JunctionDeviation", "M205 J.02"),
+    ("current_ma", "M906 {}700"),
+    ("extruder_jerk", "M205 E3"),
+    ("hybrid_threshold", "M913 {}50"),
+    ("keepalive_s", "M113 S9"),
+    ("max_acceleration", "M201 {}150"),
+    ("max_speed", "M203 {}10"),
+    ("min_feed", "M205 S1"),
+    ("min_travel", "M205 T1"),
+    ("minimum_cruise_ratio", "SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=.3"),
+    ("print_acceleration", "M204 P900"),
+    ("retract_acceleration", "M204 R900"),
+    ("damping", "M593 {} D.05"),
+    ("frequency", "M593 {} F44"),
+    ("kind", "M593 {} T1"),
+    ("soft_endstops", "M211 S0"),
+    ("stall_threshold", "M914 {}9"),
+    ("stealth", "M569 S1 {}"),
+    ("steps_per_mm", "M92 {}90"),
+    ("travel_acceleration", "M204 T900"),
+];
+
+fn is_one_of(path: &str, names: &[&str]) -> bool {
+    names.iter().any(|name| path == *name || path.ends_with(&format!(".{name}")))
+}
+
+/// The line that sets a setting.
+fn line_for(path: &str) -> Option<String> {
+    let (_, line) = LINES.into_iter().find(|(name, _)| is_one_of(path, &[name]))?;
+    let axis = path.split('.').nth(1).map(|axis| if axis == "belt" { "X".to_owned() } else { axis.to_uppercase() });
+    Some(line.replace("{}", axis.as_deref().unwrap_or_default()))
+}
+
+#[test]
+fn every_setting_has_a_key_in_the_machine_file_that_sets_it_alone() {
+    let before = by_path(&load(&file()).unwrap());
+    for path in before.keys().filter(|path| *path != "mechanism") {
+        assert!(key(&mut file(), path).is_some(), "{path} has no key in examples/machines/prototype.toml");
+        let after = by_path(
+            &changed(path).unwrap_or_else(|| panic!("no value changes {path}: boards/sim/src/machine_file.rs")),
+        );
+        let other: Vec<_> = before.keys().filter(|name| before[*name] != after[*name]).collect();
+        assert_eq!(other, [path], "the key of {path}");
+    }
+}
+
+#[test]
+fn every_setting_is_said_by_m503_or_is_known_not_to_be() {
+    let before = settings_as_said(&load(&file()).unwrap(), &[]);
+    for path in by_path(&Settings::prototype()).keys().filter(|path| *path != "mechanism") {
+        let is_said = settings_as_said(&changed(path).unwrap(), &[]) != before;
+        let is_e_length = path == "axes.e.length";
+        assert_eq!(is_said, !is_one_of(path, &NOT_SAID) && !is_e_length, "{path}: src/machine/commands/setting.rs");
+    }
+}
+
+#[test]
+fn every_setting_that_m503_says_has_a_line_that_sets_it_or_is_of_the_file_alone() {
+    let settings = load(&file()).unwrap();
+    let before = settings_as_said(&settings, &[]);
+    for path in by_path(&Settings::prototype()).keys().filter(|path| *path != "mechanism") {
+        let Some(line) = line_for(path) else {
+            assert!(is_one_of(path, &NOT_SAID) || is_one_of(path, &FILE_ONLY), "no line sets {path}");
+            continue;
+        };
+        let after = settings_as_said(&settings, &[&line]);
+        let different = before.iter().zip(&after).filter(|(before, after)| before != after).count();
+        assert_eq!((before.len(), different), (after.len(), 1), "{path} by {line}: {after:?}");
+    }
+}
+
+/// The shapers by the names that Klipper and M593 P give them: a new one does not compile before it has one.
+const fn name(kind: ShaperKind) -> &'static str {
+    match kind {
+        ShaperKind::None => "none",
+        ShaperKind::Zv => "zv",
+        ShaperKind::Zvd => "zvd",
+        ShaperKind::Mzv => "mzv",
+        ShaperKind::Ei => "ei",
+        ShaperKind::TwoHumpEi => "2hump_ei",
+    }
+}
+
+/// All shapers. That a variant is missing here cannot be: an unknown one makes serde list them.
+fn kinds() -> Vec<ShaperKind> {
+    let error = serde_json::from_str::<ShaperKind>("\"\"").unwrap_err().to_string();
+    let variants = error.split('`').skip(1).step_by(2).filter(|variant| !variant.is_empty());
+    variants.map(|variant| serde_json::from_value(variant.into()).unwrap()).collect()
+}
+
+#[test]
+fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
+    assert!(kinds().len() >= 6);
+    for kind in kinds() {
+        let name = name(kind);
+        let settings = machine_file::load(&format!("[shaper.x]\nkind = \"{name}\"")).unwrap();
+        assert_eq!(settings.shapers.x.kind, kind, "KindToml in boards/sim/src/machine_file/form.rs");
+        let Command::Shaper { kind: number, .. } = parse(format!("M593 X P\"{name}\" F50").as_bytes()) else {
+            panic!()
+        };
+        if kind == ShaperKind::None {
+            continue;
+        }
+        let number = number.filter(|number| *number >= Number::ZERO);
+        let number = number.unwrap_or_else(|| panic!("{name} is missing in NAMES of src/gcode/shaping.rs"));
+        let said = settings_as_said(&Settings::prototype(), &[&format!("M593 X F50 T{number}")]);
+        let by_file = settings_as_said(&settings, &["M593 X F50"]);
+        assert_eq!(said, by_file, "{name}: KINDS in src/machine/commands/shaping.rs");
+        let (mut host, drivers) = (Lines::new(vec!["M593 T99".to_owned()]), Drivers::new());
+        run_on(&Settings::prototype(), None, NoStorage, &drivers, &mut [&mut host], &mut Deaf).unwrap();
+        let text = format!("{number} ({})", name.to_uppercase());
+        assert!(host.heard.iter().any(|line| line.contains(&text)), "{text} in {:?}", host.heard);
+    }
+}

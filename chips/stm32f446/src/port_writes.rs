@@ -1,0 +1,153 @@
+//! Port writes: what is stored to the ports' set/reset registers (BSRR) for a set of motor groups, ready in a table.
+
+use corehbot::kinematics::{Groups, SETS};
+use corehbot::motors::MOST_GROUPS;
+use corehbot::port::{GroupSet, Motor, MotorSet};
+
+use crate::wiring::{Pin, Port};
+
+/// Ports that the step pins, or the direction pins, of all motors may be spread over.
+pub const PORTS: usize = 4;
+
+/// Ports that a quick step is stored to, the first of them.
+pub const QUICK: usize = 3;
+
+/// For every set of groups, what is written to each port's BSRR: one load of neighbouring values and one store a
+/// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
+pub struct PortWrites {
+    /// The ports; those not needed repeat the first, and their values are 0.
+    pub ports: [Port; PORTS],
+    /// Values of BSRR by set of groups and port.
+    values: [[u32; PORTS]; SETS],
+}
+
+impl PortWrites {
+    /// Whether all of `pins` are on ports that there is room for.
+    #[must_use]
+    pub fn can_hold(pins: &[Option<Pin>; Motor::ALL.len()]) -> bool {
+        let ports = Ports::of(pins);
+        pins.iter().flatten().all(|pin| ports.ports[..ports.used].contains(&pin.port))
+    }
+
+    /// What sets the step pins of the motors of the groups and leaves the others. Pins beyond [`PORTS`] ports have
+    /// none, which [`can_hold`](Self::can_hold) says. The ports of motors that are not `slow` come first.
+    #[must_use]
+    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, groups: &Groups) -> Self {
+        let of = |are_slow| {
+            let motors = pins.iter().enumerate();
+            motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).map(|(_, pin)| pin)
+        };
+        let ports = Ports::of(of(false).chain(of(true)));
+        Self::new(pins, ports, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
+    }
+
+    /// Groups that write to a port after the first [`QUICK`].
+    #[must_use]
+    pub fn beyond_quick(&self) -> GroupSet {
+        let is_beyond = |group: &usize| self.values[1 << group][QUICK..].iter().any(|value| *value != 0);
+        GroupSet((0..MOST_GROUPS).filter(is_beyond).map(|group| 1 << group).sum())
+    }
+
+    /// What sets the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
+    /// motor that turns forward, or backward if it is `reversed`.
+    #[must_use]
+    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, groups: &Groups) -> Self {
+        let high = |set| MotorSet(groups.forward_motors(set).0 ^ reversed.0);
+        let ports = Ports::of(&pins);
+        Self::new(pins, ports, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
+    }
+
+    fn new(
+        pins: [Option<Pin>; Motor::ALL.len()],
+        ports: Ports,
+        motors: impl Fn(GroupSet) -> MotorSet,
+        value: impl Fn(Pin, bool) -> u32,
+    ) -> Self {
+        let Ports { mut ports, used } = ports;
+        for port in used..PORTS {
+            ports[port] = ports[0];
+        }
+        let mut values = [[0; PORTS]; SETS];
+        for (set, values) in values.iter_mut().enumerate() {
+            let motors = motors(GroupSet(set as u8));
+            for (motor, pin) in pins.iter().enumerate() {
+                if let Some(pin) = *pin
+                    && let Some(column) = ports[..used].iter().position(|port| *port == pin.port)
+                {
+                    values[column] |= value(pin, motors.0 & 1 << motor != 0);
+                }
+            }
+        }
+        Self { ports, values }
+    }
+
+    /// The value of each port for `groups`.
+    #[inline(always)]
+    #[must_use]
+    pub const fn of(&self, groups: GroupSet) -> &[u32; PORTS] {
+        &self.values[groups.0 as usize % SETS]
+    }
+}
+
+/// Ports in the order in which they were met.
+struct Ports {
+    ports: [Port; PORTS],
+    used: usize,
+}
+
+impl Ports {
+    /// Those of `pins`, as far as there is room.
+    fn of<'p>(pins: impl IntoIterator<Item = &'p Option<Pin>>) -> Self {
+        let (mut ports, mut used) = ([Port::A; PORTS], 0);
+        for pin in pins.into_iter().flatten() {
+            if !ports[..used].contains(&pin.port) && used < PORTS {
+                ports[used] = pin.port;
+                used += 1;
+            }
+        }
+        Self { ports, used }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wiring::bits;
+    use corehbot::kinematics::Mechanism;
+
+    #[test]
+    fn writes_hold_the_bits_of_exactly_the_motors_asked_for() {
+        let pins =
+            [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
+        let pins = pins.map(|(port, number)| Pin::new(port, number));
+        let reversed = MotorSet::of(Motor::M4);
+        let machine = Groups::new(&Mechanism::corehbot());
+        let pins_of = pins.map(Some);
+        let (pulses, levels) =
+            (PortWrites::pulses(pins_of, MotorSet::NONE, &machine), PortWrites::levels(pins_of, reversed, &machine));
+        for groups in (0..SETS).map(|set| GroupSet(set as u8)) {
+            for port in Port::ALL {
+                let written = |writes: &PortWrites| -> u32 {
+                    let values = writes.ports.iter().zip(writes.of(groups));
+                    values.filter(|(p, _)| **p == port).map(|(_, value)| value).sum()
+                };
+                let of = |motors: MotorSet| {
+                    let chosen = Motor::ALL.into_iter().zip(pins).filter(move |(motor, _)| motors.has(*motor));
+                    bits(chosen.map(|(_, pin)| pin), port)
+                };
+                let high = MotorSet(machine.forward_motors(groups).0 ^ reversed.0);
+                assert_eq!(written(&pulses), of(machine.motors(groups)), "{groups:?} {port:?}");
+                assert_eq!(written(&levels), of(high) | of(MotorSet::ALL.without(high)) << 16, "{groups:?} {port:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn ports_without_a_motor_get_no_bits() {
+        let mut pins = [None; 7];
+        pins[0] = Some(Pin::new(Port::B, 3));
+        let writes = PortWrites::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()));
+        assert_eq!(writes.ports, [Port::B; PORTS]);
+        assert_eq!(writes.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
+    }
+}

@@ -1,0 +1,101 @@
+//! Parts of commands: the axes, arcs, planes, forms and flaws that a [`Command`](super::Command) is made of.
+
+use super::number::Number;
+
+/// One value per axis, each only if the line gave it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct AxisWords {
+    /// Value of the X word.
+    pub x: Option<Number>,
+    /// Value of the Y word.
+    pub y: Option<Number>,
+    /// Value of the Z word.
+    pub z: Option<Number>,
+    /// Value of the E word.
+    pub e: Option<Number>,
+}
+
+/// The axes that a line named, with or without a value.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct AxisFlags {
+    /// X was named.
+    pub x: bool,
+    /// Y was named.
+    pub y: bool,
+    /// Z was named.
+    pub z: bool,
+    /// E was named.
+    pub e: bool,
+}
+
+/// How a message of M118 is dressed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Form {
+    /// As it is.
+    Plain,
+    /// E1: `echo:` in front.
+    Echo,
+    /// A1: `// ` in front, for what the host is to do.
+    Action,
+}
+
+/// Where the centre of an arc lies.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ArcShape {
+    /// Centre relative to the start (I, J, K).
+    Centre {
+        /// Offset in X.
+        i: Number,
+        /// Offset in Y.
+        j: Number,
+        /// Offset in Z.
+        k: Number,
+    },
+    /// Radius (R); a negative one takes the longer way round.
+    Radius(Number),
+    /// Neither I, J, K nor R was given.
+    Missing,
+}
+
+/// The plane in which an arc lies.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Plane {
+    /// G17: x and y.
+    Xy,
+    /// G18: z and x.
+    Zx,
+    /// G19: y and z.
+    Yz,
+}
+
+/// Why a line is not carried out although its command is known.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Flaw<'a> {
+    /// This is no letter with a number.
+    NoWord(&'a [u8]),
+    /// This is no name with `=` and the number that it needs.
+    NoPair(&'a [u8]),
+    /// This letter needs a number.
+    NoNumber(u8),
+    /// This number is out of range.
+    OutOfRange(&'a [u8]),
+    /// There is no such axis.
+    NoAxis(u8),
+    /// A second command stands on the line.
+    SecondCommand(&'a [u8]),
+}
+
+/// The words of SET_VELOCITY_LIMIT.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct VelocityWords<'a> {
+    /// ACCEL, mm/s2.
+    pub acceleration: Option<Number>,
+    /// ACCEL_TO_DECEL, mm/s2.
+    pub to_deceleration: Option<Number>,
+    /// MINIMUM_CRUISE_RATIO.
+    pub cruise_ratio: Option<Number>,
+    /// SQUARE_CORNER_VELOCITY, mm/s.
+    pub square_corner: Option<Number>,
+    /// The name of the first of the other words.
+    pub other: Option<&'a [u8]>,
+}

@@ -1,0 +1,115 @@
+//! What the interrupts say of the steps: made, played, late, and whether there are none any more.
+
+use super::{Overload, Status};
+use crate::motors::{GroupSet, MOST_GROUPS};
+use core::sync::atomic::{Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
+
+impl Status {
+    /// Steps of all events put into the StepQueue and not taken back.
+    pub(crate) fn steps_made(&self) -> [i32; MOST_GROUPS] {
+        self.made.read()
+    }
+
+    /// So many more steps of each group are in the StepQueue. The StepGenerator is the only writer.
+    pub(crate) fn add_steps_made(&self, steps: [i32; MOST_GROUPS]) {
+        self.made.add(steps);
+    }
+
+    /// An event that was due at this tick of the step timer is played. The Stepper is the only writer.
+    #[inline(always)]
+    pub(crate) fn event_played(&self, due: u32) {
+        self.due.store(due, Relaxed);
+    }
+
+    /// When the last event was due; for the Stepper.
+    pub(crate) fn played_at(&self) -> u32 {
+        self.due.load(Relaxed)
+    }
+
+    /// Motion time lags the step timer by so many ticks, and is what it was: the last event is now dated `due`.
+    pub(crate) fn set_lag(&self, ticks: u32, due: u32) {
+        self.lag.store(ticks, Relaxed);
+        self.event_played(due);
+    }
+
+    /// Motion time executed, low 32 bits, in ticks.
+    #[must_use]
+    pub fn tick(&self) -> u32 {
+        loop {
+            let lag = self.lag.load(Acquire);
+            let tick = self.due.load(Acquire).wrapping_sub(lag);
+            if self.lag.load(Acquire) == lag {
+                return tick;
+            }
+        }
+    }
+
+    /// Groups whose steps the Stepper looks at closely.
+    pub(crate) fn slow_groups(&self) -> GroupSet {
+        GroupSet(self.slow.load(Relaxed))
+    }
+
+    pub(crate) fn set_slow_groups(&self, groups: GroupSet) {
+        self.slow.store(groups.0, Relaxed);
+    }
+
+    pub(crate) fn entry_done(&self) {
+        self.entries_done.store(self.entries_done.load(Relaxed).wrapping_add(1), Release);
+    }
+
+    pub(crate) fn set_events_made(&self, made: u32) {
+        self.events_made.store(made, Release);
+    }
+
+    /// Events put into the StepQueue, as of the last turn of the StepGenerator.
+    pub(crate) fn events_made(&self) -> u32 {
+        self.events_made.load(Acquire)
+    }
+
+    /// The Stepper, whom nobody sees half-way, has come to rest when so many events were taken out of the StepQueue.
+    pub(crate) fn set_rested(&self, done: u32) {
+        self.rested.store(done, Relaxed);
+    }
+
+    /// Events that the Stepper had taken when it last rested.
+    pub(crate) fn rested_at(&self) -> u32 {
+        self.rested.load(Acquire)
+    }
+
+    /// Whether all events made are done.
+    pub(super) fn has_rested(&self) -> bool {
+        self.events_made.load(Acquire) == self.rested.load(Acquire)
+    }
+
+    /// Whether all `entries` that the Console ever queued have been stepped to their end.
+    #[must_use]
+    pub fn is_idle(&self, entries: u32) -> bool {
+        // The order matters: once every entry is done, no event is added to those already made.
+        self.entries_done.load(Acquire) == entries && self.has_rested()
+    }
+
+    /// What was too slow since the start.
+    #[must_use]
+    pub fn overload(&self) -> Overload {
+        Overload {
+            events: self.late.read(),
+            spans: self.squeezed.read(),
+            starved: self.starved.load(Relaxed),
+            underruns: self.underruns.load(Relaxed),
+        }
+    }
+
+    pub(crate) fn count_starved(&self) {
+        self.starved.store(self.starved.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    /// An event came so many ticks late that all later ones are moved.
+    pub(crate) fn count_late(&self, ticks: u32) {
+        self.late.add(ticks);
+    }
+
+    /// A span was made longer by so many ticks.
+    pub(crate) fn count_squeezed(&self, ticks: u32) {
+        self.squeezed.add(ticks);
+    }
+}

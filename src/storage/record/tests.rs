@@ -1,0 +1,183 @@
+//! Tests of record.
+
+extern crate std;
+
+use super::*;
+use crate::settings::{Advance, AxisSettings, CornerRule, DriverSettings, Homing, Shaper, ShaperKind};
+use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
+use proptest::prelude::*;
+use std::vec::Vec;
+
+#[test]
+fn users_read_what_was_found() {
+    assert_eq!(std::format!("{}", Receipt { bytes: 241, crc: 0xABC }), "(241 bytes; crc 00000ABC)");
+    let format = std::format!("{}", Rejected::Format(3));
+    assert_eq!(format, std::format!("format V3, this firmware has V{FORMAT}"));
+    let words = [Rejected::Blank, Rejected::Damaged, Rejected::Mechanism].map(|why| std::format!("{why}"));
+    assert_eq!(words, ["empty", "damaged", "for a machine with another mechanism"]);
+}
+
+/// A whole record around any payload.
+fn forge(format: u16, payload: &[u8]) -> Vec<u8> {
+    let header = Header { format, length: payload.len() as u16, sequence: 7 }.to_bytes();
+    let crc = crc32(header.into_iter().chain(payload.iter().copied()));
+    [&header, &crc.to_le_bytes()[..], payload].concat()
+}
+
+fn payload(settings: &Settings) -> Vec<u8> {
+    let record = encode(settings, 7).unwrap();
+    record.bytes[HEADER..record.receipt.bytes].to_vec()
+}
+
+#[test]
+fn the_checksum_is_that_of_zip() {
+    assert_eq!(crc32(b"123456789".iter().copied()), 0xCBF4_3926);
+    assert_eq!(crc32([0; 32].into_iter()), 0x190A_55AD);
+}
+
+#[test]
+fn a_record_reads_back() {
+    let settings = Settings::prototype();
+    let record = encode(&settings, 41).unwrap();
+    assert_eq!(length(&record.bytes[..HEADER]), Ok(record.receipt.bytes));
+    assert_eq!(decode(&record.bytes), Ok((settings, 41, record.receipt)));
+}
+
+/// If this fails because [`Settings`] changed its shape, count [`FORMAT`] up, then put the new figures
+/// here. The values are spelled out, so that new defaults do not matter.
+#[test]
+fn the_shape_of_this_format_is_known() {
+    let mut s = Settings::prototype();
+    for (i, axis) in [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z, &mut s.axes.e].into_iter().enumerate() {
+        let i = i as i32;
+        *axis = AxisSettings {
+            steps_per_mm: StepsPerMm::from_num(100),
+            max_speed: MmPerSec::from_num(200 + i),
+            max_acceleration: MmPerSec2::from_num(3000 + i),
+            length: Mm::from_num(400 + i),
+        };
+    }
+    let homing = Homing { fast: MmPerSec::ONE, slow: MmPerSec::lit("0.5"), back_off: Mm::lit("2.5") };
+    (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
+    (s.motor_max_speed, s.motor_max_acceleration) = (MmPerSec::from_num(451), MmPerSec2::from_num(7501));
+    (s.print_acceleration, s.retract_acceleration) = (MmPerSec2::from_num(3001), MmPerSec2::from_num(3002));
+    s.travel_acceleration = MmPerSec2::from_num(5001);
+    s.corner = CornerRule::SquareCorner(MmPerSec::from_num(9));
+    s.extruder_jerk = MmPerSec::from_num(6);
+    (s.min_feed, s.min_travel) = (MmPerSec::ONE, MmPerSec::ZERO);
+    let shaper = |kind, hertz| Shaper {
+        span: Mm::from_num(800),
+        motor_frequency: Hertz::from_num(300),
+        ..Shaper::new(kind, Hertz::from_num(hertz), Ratio::lit("0.05"))
+    };
+    (s.shapers.x, s.shapers.y) = (shaper(ShaperKind::Mzv, 61), shaper(ShaperKind::TwoHumpEi, 42));
+    s.advance = Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") };
+    (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
+    (s.patience_ms, s.advanced_ok) = (700, true);
+    s.lookahead_time = Seconds::const_from_int(3);
+    s.minimum_cruise_ratio = Ratio::lit("0.4");
+    for (i, drivers) in [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e].into_iter().enumerate() {
+        *drivers = DriverSettings {
+            current_ma: 900 + i as u16,
+            hold_percent: 60,
+            microsteps: 32,
+            stealth: true,
+            hybrid_threshold: MmPerSec::from_num(120),
+            stall_threshold: 70,
+        };
+    }
+    s.mechanism = Mechanism::corehbot();
+    s.require_homing = true;
+    let receipt = encode(&s, 1).unwrap().receipt;
+    assert_eq!((FORMAT, receipt), (6, Receipt { bytes: 241, crc: 2_079_842_538 }));
+}
+
+#[test]
+fn the_longest_values_fit() {
+    let mut s = Settings::prototype();
+    let axis = AxisSettings {
+        steps_per_mm: StepsPerMm::MAX,
+        max_speed: MmPerSec::MAX,
+        max_acceleration: MmPerSec2::MAX,
+        length: Mm::MIN,
+    };
+    (s.axes.x, s.axes.y, s.axes.z, s.axes.e) = (axis, axis, axis, axis);
+    let homing = Homing { fast: MmPerSec::MAX, slow: MmPerSec::MAX, back_off: Mm::MIN };
+    (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
+    s.corner = CornerRule::JunctionDeviation(Mm::MIN);
+    let shaper = Shaper {
+        span: Mm::MIN,
+        motor_frequency: Hertz::MAX,
+        ..Shaper::new(ShaperKind::TwoHumpEi, Hertz::MAX, Ratio::MAX)
+    };
+    (s.shapers.x, s.shapers.y) = (shaper, shaper);
+    s.advance = Advance { time: Seconds::MAX, window: Seconds::MAX };
+    let drivers = DriverSettings {
+        current_ma: u16::MAX,
+        hold_percent: u8::MAX,
+        microsteps: u16::MAX,
+        stealth: true,
+        hybrid_threshold: MmPerSec::MAX,
+        stall_threshold: u8::MAX,
+    };
+    (s.drivers.belt, s.drivers.z, s.drivers.e) = (drivers, drivers, drivers);
+    assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
+}
+
+#[test]
+fn a_record_of_another_format_is_no_damaged_one() {
+    let settings = payload(&Settings::prototype());
+    assert_eq!(decode(&forge(FORMAT + 1, &settings)), Err(Rejected::Format(FORMAT + 1)));
+    let mut record = forge(FORMAT, &settings);
+    assert!(decode(&record).is_ok());
+    record[4] ^= 2;
+    assert_eq!(decode(&record), Err(Rejected::Damaged));
+}
+
+#[test]
+fn values_that_are_illegal_today_are_rejected() {
+    let mut s = Settings::prototype();
+    s.axes.x.steps_per_mm = StepsPerMm::from_num(160);
+    let record = forge(FORMAT, &payload(&s));
+    assert_eq!(decode(&record), Err(Rejected::Illegal(SettingsError::ResolutionsDiffer("x and y"))));
+}
+
+#[test]
+fn a_payload_of_another_shape_is_rejected() {
+    let mut longer = payload(&Settings::prototype());
+    longer.push(0);
+    assert_eq!(decode(&forge(FORMAT, &longer)), Err(Rejected::Damaged));
+    longer.truncate(longer.len() - 2);
+    assert_eq!(decode(&forge(FORMAT, &longer)), Err(Rejected::Damaged));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever is inside a record with a right checksum: legal settings or none.
+    #[test]
+    fn any_payload_is_legal_or_rejected(bytes in proptest::collection::vec(any::<u8>(), 0..LONGEST - HEADER)) {
+        if let Ok((settings, ..)) = decode(&forge(FORMAT, &bytes)) {
+            prop_assert_eq!(settings.check(), Ok(()));
+        }
+    }
+
+    /// The same with payloads that are nearly settings.
+    #[test]
+    fn a_changed_payload_is_legal_or_rejected(changes in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..9)) {
+        let mut bytes = payload(&Settings::prototype());
+        for (at, value) in changes {
+            let at = at % bytes.len();
+            bytes[at] = value;
+        }
+        if let Ok((settings, ..)) = decode(&forge(FORMAT, &bytes)) {
+            prop_assert_eq!(settings.check(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn any_bytes_are_no_settings(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        let _ = length(&bytes);
+        prop_assert!(decode(&bytes).is_err());
+    }
+}

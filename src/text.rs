@@ -1,0 +1,57 @@
+//! Text: what `protocol` and `gcode` both do with bytes, taking blanks off and reading digits.
+//!
+//! What counts as a blank is the caller's to say: to `gcode` the no-break space that people copy from web pages is one, to
+//! `protocol`, which trusts what a checksum covers, only space and tab are.
+
+/// `text` without the bytes at its beginning that `is_blank` likes.
+#[inline(always)]
+pub fn trim_start(mut text: &[u8], is_blank: impl Fn(u8) -> bool) -> &[u8] {
+    while let [byte, after @ ..] = text
+        && is_blank(*byte)
+    {
+        text = after;
+    }
+    text
+}
+
+/// `text` without the bytes at its end that `is_blank` likes.
+#[inline(always)]
+pub fn trim_end(mut text: &[u8], is_blank: impl Fn(u8) -> bool) -> &[u8] {
+    while let [head @ .., byte] = text
+        && is_blank(*byte)
+    {
+        text = head;
+    }
+    text
+}
+
+/// The number of the digits that `text` begins with, and the text after them. It saturates, and is 0 without a digit.
+#[must_use]
+pub fn read_digits(mut text: &[u8]) -> (u16, &[u8]) {
+    let mut number = 0u16;
+    while let [digit @ b'0'..=b'9', after @ ..] = text {
+        number = number.saturating_mul(10).saturating_add(u16::from(digit - b'0'));
+        text = after;
+    }
+    (number, text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blanks_are_what_the_caller_says() {
+        let is_dot = |byte| byte == b'.';
+        assert_eq!(trim_start(b"..a.b", is_dot), b"a.b");
+        assert_eq!(trim_end(b"a.b..", is_dot), b"a.b");
+        assert_eq!((trim_start(b"..", is_dot), trim_end(b"..", is_dot)), (&b""[..], &b""[..]));
+    }
+
+    #[test]
+    fn digits_saturate_and_leave_what_follows() {
+        assert_eq!(read_digits(b"0110N5"), (110, &b"N5"[..]));
+        assert_eq!(read_digits(b"99999999"), (u16::MAX, &b""[..]));
+        assert_eq!(read_digits(b"x1"), (0, &b"x1"[..]));
+    }
+}

@@ -1,0 +1,259 @@
+//! Printing: a command as the shortest G-code that reads back as the same command.
+
+use core::fmt::{self, Display, Formatter, Write};
+
+use corehbot::gcode::{ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, Number, Plane, VelocityWords};
+
+/// A command to be printed. One that stands for a whole family is printed as one of it: M107 for heaters and fans, M74 for
+/// silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
+/// neither printable ASCII nor a tab.
+pub struct Printed<'c>(pub Command<'c>);
+
+impl Display for Printed<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Command::Line { rapid, to, feed } => {
+                f.write_str(if rapid { "G0" } else { "G1" })?;
+                axes(f, to)?;
+                word(f, 'F', feed)
+            }
+            Command::Arc { clockwise, to, feed, shape, turns } => {
+                f.write_str(if clockwise { "G2" } else { "G3" })?;
+                axes(f, to)?;
+                arc(f, shape)?;
+                if turns > 1 {
+                    write!(f, " P{turns}")?;
+                }
+                word(f, 'F', feed)
+            }
+            Command::Dwell { ms } => write!(f, "G4 P{ms}"),
+            Command::Retract => f.write_str("G10"),
+            Command::Recover => f.write_str("G11"),
+            Command::RetractSettings { length, feed, lift } => {
+                f.write_str("M207")?;
+                word(f, 'S', length)?;
+                word(f, 'F', feed)?;
+                word(f, 'Z', lift)
+            }
+            Command::RecoverSettings { extra, feed } => {
+                f.write_str("M208")?;
+                word(f, 'S', extra)?;
+                word(f, 'F', feed)
+            }
+            Command::Plane(Plane::Xy) => f.write_str("G17"),
+            Command::Plane(Plane::Zx) => f.write_str("G18"),
+            Command::Plane(Plane::Yz) => f.write_str("G19"),
+            Command::Inches => f.write_str("G20"),
+            Command::Millimetres => f.write_str("G21"),
+            Command::Home(named) => flags(f, "G28", named),
+            Command::Absolute => f.write_str("G90"),
+            Command::Relative => f.write_str("G91"),
+            Command::SetPosition(to) => axis_line(f, "G92", to),
+            Command::EnableMotors(named) => flags(f, "M17", named),
+            Command::DisableMotors(named) => flags(f, "M84", named),
+            Command::IdleTimeout { seconds } => write!(f, "M84 S{seconds}"),
+            Command::AbsoluteExtrusion => f.write_str("M82"),
+            Command::RelativeExtrusion => f.write_str("M83"),
+            Command::StepsPerMm(words) => axis_line(f, "M92", words),
+            Command::ReportTemperatures => f.write_str("M105"),
+            Command::Continue => f.write_str("M108"),
+            Command::LineNumber => f.write_str("M110"),
+            Command::EmergencyStop => f.write_str("M112"),
+            Command::Keepalive(seconds) => switch(f, "M113", seconds),
+            Command::ReportPosition { real } => f.write_str(if real { "M114 R" } else { "M114" }),
+            Command::ReportFirmware => f.write_str("M115"),
+            Command::Message => f.write_str("M117"),
+            Command::ReportEndstops => f.write_str("M119"),
+            Command::Diagnose => f.write_str("M122"),
+            Command::AutoReport(seconds) => switch(f, "M155", seconds),
+            Command::MaxAcceleration(words) => axis_line(f, "M201", words),
+            Command::MaxSpeed(words) => axis_line(f, "M203", words),
+            Command::Acceleration { print, retract, travel } => {
+                f.write_str("M204")?;
+                word(f, 'P', print)?;
+                word(f, 'R', retract)?;
+                word(f, 'T', travel)
+            }
+            Command::Corners { deviation, jerk, min_feed, min_travel, min_segment } => {
+                axis_line(f, "M205", jerk)?;
+                word(f, 'J', deviation)?;
+                word(f, 'S', min_feed)?;
+                word(f, 'T', min_travel)?;
+                word(f, 'B', min_segment)
+            }
+            Command::SoftEndstops(on) => switch(f, "M211", on.map(|on| Number::from(i32::from(on)))),
+            Command::FeedPercent(percent) => switch(f, "M220", percent),
+            Command::BackUpFeedPercent => f.write_str("M220 B"),
+            Command::RestoreFeedPercent => f.write_str("M220 R"),
+            Command::FlowPercent(percent) => switch(f, "M221", percent),
+            Command::Finish => f.write_str("M400"),
+            Command::QuickStop => f.write_str("M410"),
+            Command::SaveSettings => f.write_str("M500"),
+            Command::LoadSettings => f.write_str("M501"),
+            Command::DefaultSettings => f.write_str("M502"),
+            Command::ReportSettings => f.write_str("M503"),
+            Command::CheckStorage => f.write_str("M504"),
+            Command::Stealth { on: None, .. } => f.write_str("M569"),
+            Command::Stealth { on: Some(on), axes } => flags(f, if on { "M569 S1" } else { "M569 S0" }, axes),
+            Command::DriverCurrent(words) => axis_line(f, "M906", words),
+            Command::HybridThreshold(words) => axis_line(f, "M913", words),
+            Command::StallThreshold(words) => axis_line(f, "M914", words),
+            Command::Shaper { axes, frequency, damping, kind } => {
+                flags(f, "M593", axes)?;
+                word(f, 'F', frequency)?;
+                word(f, 'D', damping)?;
+                word(f, 'T', kind)
+            }
+            Command::Advance { time, window } => {
+                f.write_str("M572")?;
+                word(f, 'S', time)?;
+                word(f, 'W', window)
+            }
+            Command::VelocityLimit(limit) => velocity_limit(f, limit),
+            Command::Tool(tool) => write!(f, "T{tool}"),
+            Command::Heater => f.write_str("M107"),
+            Command::HeaterTuning => f.write_str("M303"),
+            Command::ColdExtrusion { forbid } => f.write_str(if forbid { "M302 P0" } else { "M302" }),
+            Command::PowerOff => f.write_str("M81"),
+            Command::PowerLossRecovery(on) => switch(f, "M413", on.map(|on| Number::from(i32::from(on)))),
+            Command::Conditional => f.write_str("M622"),
+            Command::Restart => f.write_str("M999"),
+            Command::Malformed(flaw) => malformed(f, flaw),
+            Command::Silent => f.write_str("M74"),
+            Command::AwaitUser { filament: true, .. } => f.write_str("M600"),
+            Command::AwaitUser { ms: 0, .. } => f.write_str("M0"),
+            Command::AwaitUser { ms, .. } => write!(f, "M0 P{ms}"),
+            Command::Pause => f.write_str("M25"),
+            Command::Resume => f.write_str("M24"),
+            Command::Answer => f.write_str("M876"),
+            Command::Progress { percent, minutes } => {
+                f.write_str("M73")?;
+                word(f, 'P', percent)?;
+                word(f, 'R', minutes)
+            }
+            Command::Debug(bits) => switch(f, "M111", bits),
+            Command::AutoPosition(seconds) => switch(f, "M154", seconds),
+            Command::Tell { form, text } => {
+                f.write_str(match form {
+                    Form::Plain => "M118 P0 ",
+                    Form::Echo => "M118 E1 ",
+                    Form::Action => "M118 A1 ",
+                })?;
+                write_text(f, text)
+            }
+            Command::ReportLevelling => f.write_str("M420"),
+            Command::Object(number) => write!(f, "M486 S{number}"),
+            Command::CancelObject => f.write_str("M486 C"),
+            Command::Probing => f.write_str("G29"),
+            Command::Unknown(text) => write_text(f, text),
+        }
+    }
+}
+
+/// A text, with `?` for what is neither printable ASCII nor a tab.
+fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
+    text.iter().try_for_each(|&byte| {
+        f.write_char(match byte {
+            b' '..=b'~' => byte as char,
+            b'\t' => ' ',
+            _ => '?',
+        })
+    })
+}
+
+/// A line with that flaw.
+fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
+    match flaw {
+        Flaw::NoWord(text) | Flaw::SecondCommand(text) => {
+            f.write_str("G1 ")?;
+            write_text(f, text)
+        }
+        Flaw::OutOfRange(text) => {
+            f.write_str(if matches!(text, [b'f' | b'F', ..]) { "M593 " } else { "G4 " })?;
+            write_text(f, text)
+        }
+        Flaw::NoPair(_) => f.write_str("SET_VELOCITY_LIMIT ACCEL="),
+        Flaw::NoNumber(letter) => {
+            f.write_str(match letter {
+                b'S' | b'T' | b'B' => "M205 ",
+                b'D' => "M593 ",
+                b'W' => "M572 ",
+                _ => "G2 ",
+            })?;
+            f.write_char(letter as char)
+        }
+        Flaw::NoAxis(letter) => write!(f, "G1 {}0", letter as char),
+    }
+}
+
+/// SET_VELOCITY_LIMIT with its words.
+fn velocity_limit(f: &mut Formatter<'_>, limit: VelocityWords<'_>) -> fmt::Result {
+    f.write_str("SET_VELOCITY_LIMIT")?;
+    for (name, number) in [
+        ("ACCEL", limit.acceleration),
+        ("ACCEL_TO_DECEL", limit.to_deceleration),
+        ("MINIMUM_CRUISE_RATIO", limit.cruise_ratio),
+        ("SQUARE_CORNER_VELOCITY", limit.square_corner),
+    ] {
+        if let Some(number) = number {
+            write!(f, " {name}={number}")?;
+        }
+    }
+    if let Some(name) = limit.other {
+        f.write_str(" ")?;
+        write_text(f, name)?;
+        f.write_str("=0")?;
+    }
+    Ok(())
+}
+
+/// One word, if it has a value.
+fn word(f: &mut Formatter<'_>, letter: char, number: Option<Number>) -> fmt::Result {
+    match number {
+        Some(number) => write!(f, " {letter}{number}"),
+        None => Ok(()),
+    }
+}
+
+/// The axis words.
+fn axes(f: &mut Formatter<'_>, words: AxisWords) -> fmt::Result {
+    word(f, 'X', words.x)?;
+    word(f, 'Y', words.y)?;
+    word(f, 'Z', words.z)?;
+    word(f, 'E', words.e)
+}
+
+/// A command of axis words alone.
+fn axis_line(f: &mut Formatter<'_>, code: &str, words: AxisWords) -> fmt::Result {
+    f.write_str(code)?;
+    axes(f, words)
+}
+
+/// A command with an S word or nothing.
+fn switch(f: &mut Formatter<'_>, code: &str, value: Option<Number>) -> fmt::Result {
+    f.write_str(code)?;
+    word(f, 'S', value)
+}
+
+/// A command of axis names.
+fn flags(f: &mut Formatter<'_>, code: &str, named: AxisFlags) -> fmt::Result {
+    f.write_str(code)?;
+    for (is_named, name) in [(named.x, " X"), (named.y, " Y"), (named.z, " Z"), (named.e, " E")] {
+        if is_named {
+            f.write_str(name)?;
+        }
+    }
+    Ok(())
+}
+
+/// The centre or radius of an arc.
+fn arc(f: &mut Formatter<'_>, shape: ArcShape) -> fmt::Result {
+    match shape {
+        ArcShape::Centre { i, j, k } => {
+            write!(f, " I{i} J{j}")?;
+            word(f, 'K', Some(k).filter(|k| *k != Number::ZERO))
+        }
+        ArcShape::Radius(radius) => write!(f, " R{radius}"),
+        ArcShape::Missing => Ok(()),
+    }
+}
