@@ -107,7 +107,7 @@ impl<'m, W: Pend> Link<'m, W> {
     }
 
     /// Begins counting anew after an abort; the link is idle.
-    pub fn settle(&mut self) {
+    pub fn restart(&mut self) {
         self.status.clear_triggered();
         self.left = 0;
         self.seen = self.status.tick();

@@ -1,7 +1,7 @@
 //! A move in the look-ahead, and the memory for a window of them.
 
 use super::geometry::speed;
-use super::profile::{Way, gain};
+use super::profile::{MoveSpec, gain_sq};
 use crate::motion::number::from_bits;
 use crate::units::{MmPerSec, Seconds, TICKS_PER_SECOND};
 
@@ -13,27 +13,27 @@ pub const FORCED_BATCH: usize = 16;
 pub const WINDOW: usize = 128 + FORCED_BATCH;
 
 /// The most that a move counts to gain: as much as 3,400 mm/s from rest. The sum over a full window then fits 63 bits.
-const MOST_GAIN: u64 = 50_000_000_000_000_000;
+const MOST_GAIN_SQ: u64 = 50_000_000_000_000_000;
 
 /// No speed is settled.
-pub(in crate::motion) const OPEN: u64 = u64::MAX;
+pub(in crate::motion) const NOT_FROZEN: u64 = u64::MAX;
 
 /// A move in the window.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Planned {
-    pub way: Way,
+    pub spec: MoveSpec,
     /// Commanded speed before the feed override; 0 if overrides have no say.
     pub feed: MmPerSec,
     /// The fastest that axes and motors let it be.
-    pub most: MmPerSec,
+    pub max_speed: MmPerSec,
     /// Greatest speed squared that the corner before it allows.
-    pub corner: u64,
+    pub junction_sq: u64,
     /// Greatest speed squared at that corner, by the nominal speeds of the two moves too.
-    pub cap: u64,
+    pub max_entry_sq: u64,
     /// G of the window's formula, wrapping.
-    pub before: u64,
-    /// Speed squared at its end, if that was settled when it was made to leave, else [`OPEN`].
-    pub exit: u64,
+    pub cumulative_gain_sq: u64,
+    /// Speed squared at its end, if that was settled when it was made to leave, else [`NOT_FROZEN`].
+    pub frozen_exit_sq: u64,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
     /// The advance that its filament needs.
@@ -44,62 +44,66 @@ const _: () = assert!(core::mem::size_of::<Planned>() <= 112);
 
 impl Planned {
     const NONE: Self = Self {
-        way: Way::NONE,
+        spec: MoveSpec::NONE,
         feed: MmPerSec::ZERO,
-        most: MmPerSec::ZERO,
-        corner: 0,
-        cap: 0,
-        before: 0,
-        exit: 0,
+        max_speed: MmPerSec::ZERO,
+        junction_sq: 0,
+        max_entry_sq: 0,
+        cumulative_gain_sq: 0,
+        frozen_exit_sq: 0,
         nominal_ticks: 0,
         advance: Seconds::ZERO,
     };
 
     /// What it can gain of speed squared.
     #[inline(always)]
-    pub fn gain(&self) -> u64 {
-        gain(self.way.acceleration, self.way.length).min(MOST_GAIN)
+    pub fn gain_sq(&self) -> u64 {
+        gain_sq(self.spec.acceleration, self.spec.length).min(MOST_GAIN_SQ)
     }
 
     /// `cap + G` of the window's formula.
     #[inline(always)]
-    pub fn bound(&self) -> u64 {
-        self.cap.wrapping_add(self.before)
+    pub fn bound_sq(&self) -> u64 {
+        self.max_entry_sq.wrapping_add(self.cumulative_gain_sq)
     }
 
     /// The nominal speed squared.
     #[inline(always)]
     fn nominal_sq(&self) -> u64 {
-        u64::from(self.way.nominal.to_bits()) * u64::from(self.way.nominal.to_bits())
+        u64::from(self.spec.nominal.to_bits()) * u64::from(self.spec.nominal.to_bits())
     }
 
     /// The speed squared above which the corner behind it must not be; none at all behind a move that an endstop may
     /// end.
     #[inline(always)]
-    pub fn passed_on(&self) -> u64 {
-        if self.way.watch.is_empty() { self.nominal_sq() } else { 0 }
+    pub fn exit_limit_sq(&self) -> u64 {
+        if self.spec.watch.is_empty() { self.nominal_sq() } else { 0 }
     }
 
     /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
     #[inline(always)]
     pub fn set_nominal(&mut self, wanted: MmPerSec) {
         // Nothing stands still that was asked to move.
-        self.way.nominal = wanted.min(self.most).max(MmPerSec::DELTA);
-        let seconds = from_bits(self.way.length) / speed(self.way.nominal);
+        self.spec.nominal = wanted.min(self.max_speed).max(MmPerSec::DELTA);
+        let seconds = from_bits(self.spec.length) / speed(self.spec.nominal);
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
 
     /// Takes a new cap behind a move that passes on `before`.
     #[inline(always)]
-    pub fn limit_entry(&mut self, before: u64) {
-        self.cap = if self.way.watch.is_empty() { self.corner.min(before).min(self.nominal_sq()) } else { 0 };
+    pub fn limit_entry(&mut self, previous_exit_limit_sq: u64) {
+        self.max_entry_sq = if self.spec.watch.is_empty() {
+            self.junction_sq.min(previous_exit_limit_sq).min(self.nominal_sq())
+        } else {
+            0
+        };
     }
 }
 
 /// Memory for the moves of a window.
 pub struct MoveMemory {
     pub(in crate::motion) moves: [Planned; WINDOW],
-    /// Places of moves; see [`Window`](super::window::Window).
+    /// Slots of moves; see [`Window`](super::window::Window).
     pub(in crate::motion) minima: [u8; 256],
 }
 

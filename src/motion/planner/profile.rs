@@ -10,13 +10,13 @@
 use super::geometry::acceleration;
 use crate::motion::moves::{Move, WHOLE};
 use crate::motion::number::{from_bits, root, root_of, to_bits};
-use crate::motion::stepgen::course::LONG;
+use crate::motion::stepgen::current_move::LONG;
 use crate::port::EndstopSet;
 use crate::units::{MmPerSec, MmPerSec2, Ratio, Steps, TICKS_PER_SECOND};
 
 /// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
 #[must_use]
-pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
+pub const fn gain_sq(a: MmPerSec2, length: u64) -> u64 {
     // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7; in two halves, to save its upper 64 bits.
     let a = a.to_bits() as u64;
     let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
@@ -25,9 +25,9 @@ pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
 
 /// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
 /// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
-pub(in crate::motion) fn speed(square: u64) -> u64 {
-    let shift = square.leading_zeros() & !1;
-    if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
+pub(in crate::motion) fn speed(speed_sq: u64) -> u64 {
+    let shift = speed_sq.leading_zeros() & !1;
+    if speed_sq == 0 { 0 } else { (u64::from(root_of(speed_sq << shift)) << 16) >> (shift / 2) }
 }
 
 /// Ticks as a time in ticks times 2^16.
@@ -66,7 +66,7 @@ pub(in crate::motion) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
 
 /// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
 #[must_use]
-pub(in crate::motion) fn ramps_of(length: u64, cruise: Ratio) -> u64 {
+pub(in crate::motion) fn max_ramp_length(length: u64, cruise: Ratio) -> u64 {
     const WIDTH: u32 = Ratio::FRAC_NBITS;
     let part = u64::from((Ratio::ONE.saturating_sub(cruise)).to_bits());
     (((length >> 32) * part) << (32 - WIDTH)) + (((length & 0xFFFF_FFFF) * part) >> WIDTH)
@@ -74,11 +74,11 @@ pub(in crate::motion) fn ramps_of(length: u64, cruise: Ratio) -> u64 {
 
 /// What a trapezoid is made of.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion) struct Way {
+pub(in crate::motion) struct MoveSpec {
     /// Its length in raw `Mm` bits.
     pub length: u64,
     /// So much of that is for accelerating and braking, if entry and exit allow it.
-    pub ramps: u64,
+    pub max_ramp_length: u64,
     /// Acceleration of the ramps.
     pub acceleration: MmPerSec2,
     /// Speed not to be exceeded.
@@ -89,11 +89,11 @@ pub(in crate::motion) struct Way {
     pub watch: EndstopSet,
 }
 
-impl Way {
+impl MoveSpec {
     /// None.
     pub const NONE: Self = Self {
         length: 0,
-        ramps: 0,
+        max_ramp_length: 0,
         acceleration: MmPerSec2::ZERO,
         nominal: MmPerSec::ZERO,
         end: [Steps::ZERO; 4],
@@ -102,27 +102,27 @@ impl Way {
 }
 
 /// The move over a way that is entered and left with these speeds squared, in raw bits of 2^-32 mm2/s2, and its exit speed
-/// in mm/s; that of the entry is known. They must be possible: `|exit - entry| <= gain(a, length)` but for rounding.
+/// in mm/s; that of the entry is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` but for rounding.
 #[must_use]
 #[inline(always)]
-pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), exit: u64) -> (Move, f32) {
-    let Way { length, ramps, acceleration: a, nominal, end, watch } = *way;
+pub(in crate::motion) fn profile(spec: &MoveSpec, (entry_sq, entry_speed): (u64, f32), exit_sq: u64) -> (Move, f32) {
+    let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, watch } = *spec;
     let nominal_sq = u64::from(nominal.to_bits()) * u64::from(nominal.to_bits());
-    let meet = entry / 2 + exit / 2 + gain(a, ramps) / 2;
-    let brakes_first = entry > nominal_sq;
-    let least = if brakes_first { 1 } else { entry.max(1) };
-    let peak = nominal_sq.min(meet).max(exit).max(least);
+    let meet_sq = entry_sq / 2 + exit_sq / 2 + gain_sq(a, max_ramp_length) / 2;
+    let brakes_first = entry_sq > nominal_sq;
+    let least_sq = if brakes_first { 1 } else { entry_sq.max(1) };
+    let peak_sq = nominal_sq.min(meet_sq).max(exit_sq).max(least_sq);
     let size = from_bits(length);
     let twice_a = acceleration(a) * 2.0;
-    let exit_speed = if exit == entry { entry_speed } else { root(from_bits(exit)) };
+    let exit_speed = if exit_sq == entry_sq { entry_speed } else { root(from_bits(exit_sq)) };
     // In the middle of a long ramp the peak is one of the ends, and its root known.
-    let peak_speed = match peak {
-        _ if peak == exit => exit_speed,
-        _ if peak == entry => entry_speed,
-        _ => root(from_bits(peak)),
+    let peak_speed = match peak_sq {
+        _ if peak_sq == exit_sq => exit_speed,
+        _ if peak_sq == entry_sq => entry_speed,
+        _ => root(from_bits(peak_sq)),
     };
-    let rise = Ramp::new(peak.abs_diff(entry), twice_a, entry_speed, peak_speed);
-    let fall = Ramp::new(peak - exit, twice_a, exit_speed, peak_speed);
+    let rise = Ramp::new(peak_sq.abs_diff(entry_sq), twice_a, entry_speed, peak_speed);
+    let fall = Ramp::new(peak_sq - exit_sq, twice_a, exit_speed, peak_speed);
     // In integers, for a cruise may be long.
     let level = length.saturating_sub(to_bits(rise.length)).saturating_sub(to_bits(fall.length));
     let scale = const { WHOLE as f32 } / size;
@@ -131,7 +131,7 @@ pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), ex
     // What rounding leaves of a move that only ramps fill is no cruise: it would have time, but no way.
     let cruise = match level {
         _ if cruised == accelerated => 0,
-        _ if peak == nominal_sq => cruise_time(level, nominal.to_bits()),
+        _ if peak_sq == nominal_sq => cruise_time(level, nominal.to_bits()),
         _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };
     let times = match (rise.time, cruise, fall.time) {
@@ -151,7 +151,7 @@ pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), ex
         acceleration: a,
         advance: Steps::ZERO,
         brakes_first,
-        rests: exit == 0,
+        rests: exit_sq == 0,
         watch,
     };
     (planned, exit_speed)
@@ -222,15 +222,15 @@ mod tests {
 
     fn cruising(ratio: f64, length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
         let length = Mm::from_num(length).to_bits() as u64;
-        let way = Way {
+        let spec = MoveSpec {
             length,
-            ramps: ramps_of(length, Ratio::from_num(ratio)),
+            max_ramp_length: max_ramp_length(length, Ratio::from_num(ratio)),
             acceleration: MmPerSec2::from_num(a),
             nominal: MmPerSec::from_num(nominal),
             end: [Steps::ZERO; 4],
             watch: EndstopSet::NONE,
         };
-        let (planned, exit_speed) = profile(&way, (sq(entry), entry as f32), sq(exit));
+        let (planned, exit_speed) = profile(&spec, (sq(entry), entry as f32), sq(exit));
         assert!((f64::from(exit_speed) - exit).abs() <= 1e-7 * exit);
         planned
     }

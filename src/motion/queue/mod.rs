@@ -9,8 +9,8 @@
 //! stores, in every order that the compiler may give them.
 
 mod event;
+mod packed_event;
 mod steps_in;
-mod word;
 
 use super::atomic::{AtomicU32, Ordering::Relaxed};
 use super::step_counts::StepCounts;
@@ -18,8 +18,8 @@ use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 use crate::status::Status;
 pub use event::{LONGEST_INTERVAL, StepEvent};
+pub(super) use packed_event::PackedEvent;
 pub use steps_in::StepsIn;
-pub(super) use word::Word;
 
 /// Places in the ring, one of which stays empty.
 const LENGTH: usize = 512;
@@ -30,7 +30,7 @@ const LENGTH: usize = 512;
 pub struct StepQueue {
     /// Events taken out, wrapping. In front, where the step interrupt reaches it with one load.
     done: AtomicU32,
-    /// Interval and [`Word`] of each event.
+    /// Interval and [`PackedEvent`] of each event.
     events: [[AtomicU32; 2]; LENGTH],
 }
 
@@ -62,7 +62,7 @@ impl StepQueue {
         // More than there is room for: the generator has made some since, and whoever asks looks again.
         let count = Some(made.wrapping_sub(done)).filter(|count| *count < LENGTH as u32).unwrap_or(0);
         for number in 0..count {
-            let word = Word(self.place(done.wrapping_add(number))[1].load(Relaxed));
+            let word = PackedEvent(self.slot(done.wrapping_add(number))[1].load(Relaxed));
             for (group, steps) in steps.iter_mut().enumerate() {
                 let is_in = |set: GroupSet| i32::from(set.0 >> group & 1);
                 *steps += is_in(word.steps()) * (2 * is_in(word.forward()) - 1);
@@ -74,13 +74,13 @@ impl StepQueue {
     /// There are no events from here on.
     #[inline(always)]
     fn end_at(&self, number: u32) {
-        let [interval, word] = self.place(number);
+        let [interval, word] = self.slot(number);
         interval.store(0, Relaxed);
-        word.store(Word::NONE.0, Relaxed);
+        word.store(PackedEvent::NONE.0, Relaxed);
     }
 
     #[inline(always)]
-    fn place(&self, number: u32) -> &[AtomicU32; 2] {
+    fn slot(&self, number: u32) -> &[AtomicU32; 2] {
         &self.events[number as usize % LENGTH]
     }
 }
@@ -97,16 +97,16 @@ impl<'m> StepsOut<'m> {
         StepCounts::new(self.queue, status)
     }
 
-    /// The event that comes next, which stays where it is: its interval, and the word that is [`Word::NONE`] if there
+    /// The event that comes next, which stays where it is: its interval, and the word that is [`PackedEvent::NONE`] if there
     /// is none.
     #[inline(always)]
-    pub(super) fn peek(&self) -> (u32, Word) {
+    pub(super) fn peek(&self) -> (u32, PackedEvent) {
         Self::numbered(self.queue, self.queue.done.load(Relaxed))
     }
 
     /// Lets go of the event that came next, and looks at the one behind.
     #[inline(always)]
-    pub(super) fn advance(&mut self) -> (u32, Word) {
+    pub(super) fn advance(&mut self) -> (u32, PackedEvent) {
         let queue = self.queue;
         let done = queue.done.load(Relaxed).wrapping_add(1);
         queue.done.store(done, Relaxed);
@@ -114,10 +114,10 @@ impl<'m> StepsOut<'m> {
     }
 
     #[inline(always)]
-    fn numbered(queue: &StepQueue, number: u32) -> (u32, Word) {
-        let [interval, word] = queue.place(number);
+    fn numbered(queue: &StepQueue, number: u32) -> (u32, PackedEvent) {
+        let [interval, word] = queue.slot(number);
         // In any order, for the generator does nothing in between.
-        (interval.load(Relaxed), Word(word.load(Relaxed)))
+        (interval.load(Relaxed), PackedEvent(word.load(Relaxed)))
     }
 
     /// Events taken out so far, wrapping.
@@ -128,7 +128,7 @@ impl<'m> StepsOut<'m> {
     /// Takes an event out.
     pub fn dequeue(&mut self) -> Option<StepEvent> {
         let (interval, word) = self.peek();
-        if word == Word::NONE {
+        if word == PackedEvent::NONE {
             return None;
         }
         self.advance();

@@ -15,7 +15,7 @@
 
 use crate::kinematics::{Groups, count_at};
 use crate::motion::moves::Move;
-use crate::motion::trajectory::Place;
+use crate::motion::trajectory::Position;
 use crate::motors::MOST_GROUPS;
 use crate::units::Steps;
 
@@ -56,10 +56,10 @@ impl Alignment {
     pub fn ends(
         &mut self,
         m: &Move,
-        place: &Place,
+        place: &Position,
         counts: Option<[i32; MOST_GROUPS]>,
         groups: &Groups,
-    ) -> (Place, Place) {
+    ) -> (Position, Position) {
         let [x, y, z, e] = m.end;
         let before = core::mem::replace(&mut self.planned, [x, y, z]);
         let (mut begin, [.., advance]) = (*place, *place);
@@ -108,13 +108,13 @@ impl Alignment {
 }
 
 /// A place without the advance.
-const fn position(place: &Place) -> [Steps; 4] {
+const fn position(place: &Position) -> [Steps; 4] {
     let [x, y, z, e, _] = *place;
     [x, y, z, e]
 }
 
 /// The counts of the motors when they have got to a place.
-fn counts_at(place: &Place, groups: &Groups) -> [i32; MOST_GROUPS] {
+fn counts_at(place: &Position, groups: &Groups) -> [i32; MOST_GROUPS] {
     let mut counts = [0; MOST_GROUPS];
     for (count, group) in counts.iter_mut().zip(groups.iter()) {
         *count = count_at(group.coordinate(position(place)));
@@ -123,7 +123,7 @@ fn counts_at(place: &Place, groups: &Groups) -> [i32; MOST_GROUPS] {
 }
 
 /// Whether a motor that an axis moves is just between two counts at a place.
-fn is_between_counts(place: &Place, axis: usize, groups: &Groups) -> bool {
+fn is_between_counts(place: &Position, axis: usize, groups: &Groups) -> bool {
     let follows = |row: &[i8; 4]| row.get(axis).is_some_and(|times| *times != 0);
     let mut groups = groups.iter().filter(|group| follows(&group.row));
     groups.any(|group| group.coordinate(position(place)).to_bits() as u32 == HALF)

@@ -4,10 +4,10 @@
 //! every corner at most as fast as planned. Where a move is too short the next one goes on from the speed that is
 //! left.
 
-use super::course::Tail;
+use super::current_move::LastPhase;
 use super::{StepGenerator, Task};
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::planner::profile::{fraction, gain, ramp_length, speed};
+use crate::motion::planner::profile::{fraction, gain_sq, ramp_length, speed};
 use crate::motion::trajectory::phase::{Curve, Phase};
 use crate::units::{TICKS_PER_SECOND, mul_div};
 
@@ -30,11 +30,11 @@ pub(super) enum Braking {
 
 /// A point of a move, and how fast the tool is there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Moment {
+pub(super) struct PathPoint {
     /// The fraction of the move behind.
-    pub done: u32,
+    pub covered: u32,
     /// Speed squared, in raw bits of 2^-32 mm2/s2.
-    pub square: u64,
+    pub speed_sq: u64,
 }
 
 /// Time over `length` (raw `Mm` bits) at a mean speed (2^-32 mm/s), in ticks times 2^16.
@@ -42,7 +42,7 @@ const fn time_over(length: u64, mean: u64) -> u64 {
     if length == 0 { 0 } else { mul_div(length, (TICKS_PER_SECOND as u64) << 16, mean) }
 }
 
-impl Moment {
+impl PathPoint {
     /// Where a move of a length is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
     /// fraction `begin` behind.
     pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: u64) -> Self {
@@ -51,85 +51,87 @@ impl Moment {
         let share = u64::from(phase.end.saturating_sub(begin));
         let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
         let speed = mul_div(mean, pace, whole) >> 16;
-        let done = begin + (share * way / whole) as u32;
-        Self { done: done.min(WHOLE), square: speed.saturating_mul(speed) }
+        let covered = begin + (share * way / whole) as u32;
+        Self { covered: covered.min(WHOLE), speed_sq: speed.saturating_mul(speed) }
     }
 
     /// At the end of a move.
-    pub fn behind(tail: &Tail) -> Self {
-        Self::within(tail.length, &tail.phase, tail.begin, u64::MAX)
+    pub fn at_end_of(last_phase: &LastPhase) -> Self {
+        Self::within(last_phase.length, &last_phase.phase, last_phase.begin, u64::MAX)
     }
 
     /// Brakes from here on: the phase to play, and the speed squared that is left at its end, which is that of the
     /// move then.
     pub fn brake(self, m: &Move) -> (Phase, u64) {
-        let left = mul_div(m.length, u64::from(WHOLE - self.done), u64::from(WHOLE));
-        let before = speed(self.square);
-        let rest = self.square.saturating_sub(gain(m.acceleration, left));
+        let left = mul_div(m.length, u64::from(WHOLE - self.covered), u64::from(WHOLE));
+        let before = speed(self.speed_sq);
+        let rest = self.speed_sq.saturating_sub(gain_sq(m.acceleration, left));
         if rest > 0 {
             let after = speed(rest);
             let time = time_over(left, before.midpoint(after).max(1));
             let slow_share = fraction(2 * after, before + after);
             return (Phase { curve: Curve::Slowing, end: WHOLE, slow_share, time }, if m.rests { 0 } else { rest });
         }
-        let length = ramp_length(self.square, m.acceleration).min(left);
-        let way = mul_div(length, u64::from(WHOLE), m.length).min(u64::from(WHOLE - self.done)) as u32;
+        let length = ramp_length(self.speed_sq, m.acceleration).min(left);
+        let way = mul_div(length, u64::from(WHOLE), m.length).min(u64::from(WHOLE - self.covered)) as u32;
         let time = time_over(length, (before / 2).max(1));
-        (Phase { curve: Curve::Slowing, end: self.done + way, slow_share: 0, time }, 0)
+        (Phase { curve: Curve::Slowing, end: self.covered + way, slow_share: 0, time }, 0)
     }
 }
 
 impl StepGenerator<'_> {
     /// The tick up to which events are to be made.
-    pub(super) fn enough(&self) -> u32 {
-        self.status.tick().wrapping_sub(self.base).wrapping_add(AHEAD)
+    pub(super) fn far_enough(&self) -> u32 {
+        self.status.tick().wrapping_sub(self.base_tick).wrapping_add(AHEAD)
     }
 
     /// Whether the events made reach far enough, and are not too few.
     pub(super) fn is_ahead(&self, enough: u32) -> bool {
-        (self.last as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
+        (self.last_tick as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
     }
 
     /// The next move begins with this speed squared.
-    pub(super) fn go_on_with(&mut self, rest: u64) {
+    pub(super) fn continue_brake(&mut self, rest: u64) {
         self.braking = if rest > 0 { Braking::Slowing(rest) } else { Braking::Done };
-        if rest == 0 && !matches!(self.task, Task::Settling(_)) {
+        if rest == 0 && !matches!(self.task, Task::ComingToRest(_)) {
             // A move may still be on its way out, though nothing of it is left to be laid.
-            self.task = Task::Settling(false);
+            self.task = Task::ComingToRest(false);
         }
     }
 
     /// From now on the motion slows down. What is made already is played at its speed.
     pub(super) fn begin_brake(&mut self) {
         // A tick after the last event, so that its step lies behind, and no earlier than what is laid out for a motor.
-        let begun = self.tracks.iter().map(|track| track.start).max().unwrap_or_default();
-        let now = ((self.last + 1) << 16).max(begun);
+        let begun = self.group_steppers.iter().map(|stepper| stepper.start).max().unwrap_or_default();
+        let now = ((self.last_tick + 1) << 16).max(begun);
         match self.task {
             Task::Move => {
-                let moment = match self.course.cut(&mut self.trajectory, now) {
-                    Some((phase, begin, elapsed)) => Moment::within(self.course.m.length, &phase, begin, elapsed),
-                    None => Moment { done: 0, square: self.speed_behind() },
+                let point = match self.current_move.cut(&mut self.trajectory, now) {
+                    Some((phase, begin, elapsed)) => {
+                        PathPoint::within(self.current_move.m.length, &phase, begin, elapsed)
+                    }
+                    None => PathPoint { covered: 0, speed_sq: self.speed_sq_after_last() },
                 };
-                self.brake(moment);
-                self.tracks.iter_mut().for_each(|track| track.break_off(now));
+                self.brake(point);
+                self.group_steppers.iter_mut().for_each(|stepper| stepper.break_off(now));
             }
-            Task::Nothing => self.go_on_with(self.speed_behind()),
+            Task::Nothing => self.continue_brake(self.speed_sq_after_last()),
             Task::Dwell(_) => {
                 self.finish();
-                self.go_on_with(0);
+                self.continue_brake(0);
             }
-            Task::Brake(_) | Task::Settling(_) => {}
+            Task::Brake(_) | Task::ComingToRest(_) => {}
         }
     }
 
-    fn speed_behind(&self) -> u64 {
-        self.behind.map_or(0, |tail| Moment::behind(&tail).square)
+    fn speed_sq_after_last(&self) -> u64 {
+        self.last_phase.map_or(0, |last_phase| PathPoint::at_end_of(&last_phase).speed_sq)
     }
 
-    /// Goes on with the phase that brakes the move in the course from `moment` on.
-    pub(super) fn brake(&mut self, moment: Moment) {
-        let (phase, rest) = moment.brake(&self.course.m);
-        self.course.turn_to(phase, moment.done);
+    /// Goes on with the phase that brakes the move in the course from `point` on.
+    pub(super) fn brake(&mut self, point: PathPoint) {
+        let (phase, rest) = point.brake(&self.current_move.m);
+        self.current_move.replace_by(phase, point.covered);
         self.task = Task::Brake(rest);
     }
 }

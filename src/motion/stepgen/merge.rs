@@ -1,20 +1,20 @@
 //! Merging: the steps of all groups in the order of their ticks, as events.
 
 use super::StepGenerator;
-use super::ahead::{earlier, is_before};
+use super::step_time_buffer::{earlier, is_before};
 use crate::kinematics::Groups;
-use crate::motion::queue::Word;
+use crate::motion::queue::PackedEvent;
 
 /// A step of the first and the second group.
-const OF_FIRST: u32 = Word::steps_of(0);
-const OF_SECOND: u32 = Word::steps_of(1);
+const OF_FIRST: u32 = PackedEvent::steps_of(0);
+const OF_SECOND: u32 = PackedEvent::steps_of(1);
 
 /// Directions are set so many ticks ahead of the step that needs them, if it comes no sooner than twice that behind the one
 /// before: 3 us, more than twice what the Stepper takes to set them.
 const TURN_AHEAD: u32 = 30;
 
 /// Whether the steps of an event leave no motor pulling against another of its group.
-fn is_unstrained(groups: &Groups, word: Word) -> bool {
+fn is_unstrained(groups: &Groups, word: PackedEvent) -> bool {
     let (motors, forward) = (groups.motors(word.steps()), groups.forward_motors(word.forward()));
     groups.mechanism().is_unstrained(motors, forward)
 }
@@ -28,11 +28,11 @@ impl StepGenerator<'_> {
     #[inline(never)]
     pub(super) fn merge(&mut self, until: u32, most: u32, enough: u32) -> bool {
         let (setting, mechanism) = (self.waiting(), self.mechanism);
-        let begin = self.last as u32;
-        let [first, second, others @ ..] = &mut self.tracks;
+        let begin = self.last_tick as u32;
+        let [first, second, others @ ..] = &mut self.group_steppers;
         let (mut number, mut limit, mut tick) = (0, until, until);
-        for (i, track) in others.iter().enumerate() {
-            let own = track.ahead.tick();
+        for (i, stepper) in others.iter().enumerate() {
+            let own = stepper.step_times.tick();
             if is_before(own, tick) {
                 (number, limit, tick) = (i, tick, own);
             } else {
@@ -40,7 +40,7 @@ impl StepGenerator<'_> {
             }
         }
         let Some(third) = others.get_mut(number) else { return false };
-        let (mut a, mut b, mut c) = (first.ahead.steps(), second.ahead.steps(), third.ahead.steps());
+        let (mut a, mut b, mut c) = (first.step_times.steps(), second.step_times.steps(), third.step_times.steps());
         let earliest = earlier(earlier(a.tick, b.tick), tick);
         if !is_before(earliest, until) {
             return false;
@@ -63,7 +63,7 @@ impl StepGenerator<'_> {
         let mut stop = earlier(c.tick, limit);
         let mut now = begin;
         let check = |steps| {
-            debug_assert!(is_unstrained(mechanism, Word(setting.0 | steps)), "motors pull against each other");
+            debug_assert!(is_unstrained(mechanism, PackedEvent(setting.0 | steps)), "motors pull against each other");
         };
         self.events.put_runs(setting, most, &mut now, |run| {
             loop {
@@ -92,14 +92,14 @@ impl StepGenerator<'_> {
                     return false;
                 }
                 let mut steps = of_third;
-                c.go_on();
+                c.advance();
                 stop = earlier(c.tick, limit);
                 if a.tick == tick {
-                    a.go_on();
+                    a.advance();
                     steps |= OF_FIRST;
                 }
                 if b.tick == tick {
-                    b.go_on();
+                    b.advance();
                     steps |= OF_SECOND;
                 }
                 check(steps);
@@ -107,10 +107,10 @@ impl StepGenerator<'_> {
             }
         });
         let (a, b, c) = (a.reached(), b.reached(), c.reached());
-        first.ahead.go_on_to(a);
-        second.ahead.go_on_to(b);
-        third.ahead.go_on_to(c);
-        self.last += u64::from(now.wrapping_sub(begin));
+        first.step_times.advance_to(a);
+        second.step_times.advance_to(b);
+        third.step_times.advance_to(c);
+        self.last_tick += u64::from(now.wrapping_sub(begin));
         true
     }
 
@@ -118,15 +118,15 @@ impl StepGenerator<'_> {
     #[cold]
     fn step_together(&mut self, tick: u32) {
         let mut word = self.waiting();
-        for (number, track) in self.tracks.iter_mut().enumerate() {
-            if track.ahead.left() > 0 && track.ahead.tick() == tick {
-                word = Word(word.0 | Word::steps_of(number));
-                let reached = track.ahead.steps().reached() + 1;
-                track.ahead.go_on_to(reached);
+        for (number, stepper) in self.group_steppers.iter_mut().enumerate() {
+            if stepper.step_times.left() > 0 && stepper.step_times.tick() == tick {
+                word = PackedEvent(word.0 | PackedEvent::steps_of(number));
+                let reached = stepper.step_times.steps().reached() + 1;
+                stepper.step_times.advance_to(reached);
             }
         }
-        let interval = tick.wrapping_sub(self.last as u32);
+        let interval = tick.wrapping_sub(self.last_tick as u32);
         self.events.put(interval, word);
-        self.last += u64::from(interval);
+        self.last_tick += u64::from(interval);
     }
 }

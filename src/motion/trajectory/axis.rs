@@ -1,6 +1,6 @@
 //! An axis of the trajectory: the taps that it follows, and how far each has got.
 
-use super::span::{End, ONE, Span, State};
+use super::span::{AxisState, Boundary, ONE, Span};
 use super::stiffening::Stiffening;
 use super::taps::{TAPS, Tap, Taps};
 use crate::motion::number::{from_f32, to_f32};
@@ -18,9 +18,9 @@ pub(super) trait Spans {
     /// Spans ever laid.
     fn laid(&self) -> u32;
     /// A span, and where it ends.
-    fn get(&self, number: u32) -> (&Span, &End);
+    fn get(&self, number: u32) -> (&Span, &Boundary);
     /// Where the last one ends.
-    fn end(&self) -> &End;
+    fn end(&self) -> &Boundary;
 }
 
 /// An axis.
@@ -46,7 +46,7 @@ struct Lateness {
 impl Lateness {
     /// How late a tap is at an end of a span, in ticks times 2^16.
     #[inline]
-    fn of(self, tap: &Tap, at: &End) -> u64 {
+    fn of(self, tap: &Tap, at: &Boundary) -> u64 {
         let Some(axis) = self.stiffening else {
             return tap.late();
         };
@@ -73,23 +73,24 @@ impl Axis {
     pub fn follow(&mut self, taps: &[Tap], is_position: bool) {
         self.taps = taps.iter().copied().take(TAPS).collect();
         self.is_position = is_position;
-        self.judge();
+        self.update_lateness();
     }
 
     /// Rings like that from now on; the axis is at rest.
     pub fn stiffen(&mut self, stiffening: Stiffening) {
         self.stiffening = stiffening;
-        self.judge();
+        self.update_lateness();
     }
 
     /// Finds out how late its taps are.
-    fn judge(&mut self) {
+    fn update_lateness(&mut self) {
         let first = self.taps.first().map_or(0, |tap| tap.delay);
-        let behind: f32 = self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
+        let mean_beyond_first: f32 =
+            self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
         let is_stiffening = self.stiffening.rate > 0.0 && self.taps.len() > 1;
         self.lateness = Lateness {
             stiffening: is_stiffening.then_some(self.index),
-            mean: i64::from(first) + i64::from(behind as i32),
+            mean: i64::from(first) + i64::from(mean_beyond_first as i32),
         };
     }
 
@@ -113,7 +114,7 @@ impl Axis {
     }
 
     /// Nothing lies before the spans that are laid from now on.
-    pub fn settle(&mut self, laid: u32) {
+    pub fn restart(&mut self, laid: u32) {
         self.cursors = [Cursor { span: laid, is_inside: false }; TAPS];
     }
 
@@ -153,8 +154,8 @@ impl Axis {
                 return u64::MAX;
             }
             let (span, end) = spans.get(cursor.span);
-            let edge = if cursor.is_inside { end } else { &span.begin };
-            edge.time + self.lateness.of(tap, edge)
+            let bound = if cursor.is_inside { end } else { &span.begin };
+            bound.time + self.lateness.of(tap, bound)
         };
         self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(u64::MAX)
     }
@@ -175,25 +176,25 @@ impl Axis {
     }
 
     /// Its state at a time up to the next change.
-    pub fn state(&self, spans: &impl Spans, time: u64) -> State {
+    pub fn state(&self, spans: &impl Spans, time: u64) -> AxisState {
         let copy = |tap: &Tap, cursor: &Cursor| {
             if cursor.span == spans.laid() {
-                return State::rest(spans.end().at(self.index));
+                return AxisState::rest(spans.end().at(self.index));
             }
             let (span, end) = spans.get(cursor.span);
             if cursor.is_inside && self.lateness.stiffening.is_some() {
                 let late = self.lateness;
-                let edges = (span.begin.time + late.of(tap, &span.begin), end.time + late.of(tap, end));
-                span.warped(self.index, end, edges, time)
+                let bounds = (span.begin.time + late.of(tap, &span.begin), end.time + late.of(tap, end));
+                span.warped(self.index, end, bounds, time)
             } else if cursor.is_inside {
                 span.state(self.index, end, time.saturating_sub(tap.late()))
             } else {
-                State::rest(span.begin.at(self.index))
+                AxisState::rest(span.begin.at(self.index))
             }
         };
         let mut copies = self.taps.iter().zip(&self.cursors);
         let Some((tap, cursor)) = copies.next() else {
-            return State::rest(Steps::ZERO);
+            return AxisState::rest(Steps::ZERO);
         };
         let first = copy(tap, cursor);
         if self.is_position && self.taps.len() == 1 {
@@ -207,6 +208,6 @@ impl Axis {
             speed += tap.weight * other.speed;
         }
         let common = if self.is_position { first.position } else { Steps::ZERO };
-        State { position: common.wrapping_add(from_f32(way)), speed }
+        AxisState { position: common.wrapping_add(from_f32(way)), speed }
     }
 }

@@ -11,7 +11,7 @@ mod stiffening;
 mod taps;
 
 pub use shaper::{stiffenings, taps};
-pub(crate) use span::{ADVANCE, AXES, End, LONGEST, Place, Span, State};
+pub(crate) use span::{ADVANCE, AXES, AxisState, Boundary, LONGEST, Position, Span};
 pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
@@ -45,7 +45,7 @@ impl Default for SpanMemory {
 struct Ring<'m> {
     spans: &'m mut SpanMemory,
     laid: u32,
-    end: End,
+    end: Boundary,
 }
 
 impl Ring<'_> {
@@ -60,12 +60,12 @@ impl Spans for Ring<'_> {
         self.laid
     }
 
-    fn get(&self, number: u32) -> (&Span, &End) {
+    fn get(&self, number: u32) -> (&Span, &Boundary) {
         let next = number.wrapping_add(1);
         (self.span(number), if next == self.laid { &self.end } else { &self.span(next).begin })
     }
 
-    fn end(&self) -> &End {
+    fn end(&self) -> &Boundary {
         &self.end
     }
 }
@@ -88,7 +88,7 @@ pub(crate) struct Trajectory<'m> {
 impl<'m> Trajectory<'m> {
     /// At rest at time 0; every axis follows at once.
     pub fn new(spans: &'m mut SpanMemory) -> Self {
-        let end = End::new(0, [Steps::ZERO; AXES]);
+        let end = Boundary::new(0, [Steps::ZERO; AXES]);
         let ring = Ring { spans, laid: 0, end };
         let mut axes = core::array::from_fn(Axis::new);
         for axis in axes.iter_mut().take(ADVANCE) {
@@ -102,7 +102,7 @@ impl<'m> Trajectory<'m> {
         let is_position = axis != ADVANCE;
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.follow(taps, is_position);
-            axis.settle(self.ring.laid);
+            axis.restart(self.ring.laid);
         }
     }
 
@@ -113,30 +113,30 @@ impl<'m> Trajectory<'m> {
         }
     }
 
-    /// How close the taps of x and y stand at a place, to which a span of so much `time` leads from another one.
-    fn scales(&self, place: &Place, from: Option<(&End, u64)>) -> [u32; 2] {
-        let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, place);
+    /// How close the taps of x and y stand at a position, to which a span of so much `time` leads from another one.
+    fn scales(&self, position: &Position, from: Option<(&Boundary, u64)>) -> [u32; 2] {
+        let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, position);
         let before = |axis: usize| from.map(|(end, time)| (end.scale.get(axis).copied().unwrap_or(ONE), time));
         [x.scale(*at_x, before(0)), y.scale(*at_y, before(1))]
     }
 
     /// Rests at a place from `time` on.
-    pub fn settle(&mut self, place: Place, time: u64) {
-        let scale = self.scales(&place, None);
-        self.ring.end = End { time: time.saturating_sub(self.shortest_delay()), place, scale };
+    pub fn rest_at(&mut self, position: Position, time: u64) {
+        let scale = self.scales(&position, None);
+        self.ring.end = Boundary { time: time.saturating_sub(self.shortest_delay()), position, scale };
         self.cut = None;
         for axis in &mut self.axes {
-            axis.settle(self.ring.laid);
+            axis.restart(self.ring.laid);
         }
     }
 
     /// Where the last span ends.
-    pub const fn end(&self) -> &End {
+    pub const fn end(&self) -> &Boundary {
         &self.ring.end
     }
 
     /// When all axes have got to where the last span ends.
-    pub fn settles(&self) -> u64 {
+    pub fn rest_time(&self) -> u64 {
         self.ring.end.time + self.longest_delay()
     }
 
@@ -162,32 +162,32 @@ impl<'m> Trajectory<'m> {
     }
 
     /// Lays a phase of a way from `first` to `last`, or a part of one, behind the last span.
-    pub fn lay(&mut self, first: &Place, last: &Place, phase: &Phase) {
+    pub fn lay(&mut self, first: &Position, last: &Position, phase: &Phase) {
         let begin = self.ring.end;
         let span = Span::new(begin, phase.time, phase.curve, phase.slow_share);
-        if let Some(place) = self.ring.spans.0.get_mut(self.ring.laid as usize % SPANS) {
-            *place = span;
+        if let Some(slot) = self.ring.spans.0.get_mut(self.ring.laid as usize % SPANS) {
+            *slot = span;
         }
         self.ring.laid = self.ring.laid.wrapping_add(1);
-        let place = core::array::from_fn(|axis| match (first.get(axis), last.get(axis)) {
+        let position = core::array::from_fn(|axis| match (first.get(axis), last.get(axis)) {
             (Some(first), Some(last)) => point(*first, *last, phase.end),
             _ => Steps::ZERO,
         });
         let scale = match self.cut.take() {
-            None => self.scales(&place, Some((&begin, phase.time))),
+            None => self.scales(&position, Some((&begin, phase.time))),
             // What has passed of it stays as it was: the taps move evenly within a span.
             Some((scale, time)) => core::array::from_fn(|i| match (begin.scale.get(i), scale.get(i)) {
                 (Some(from), Some(to)) => between(*from, *to, phase.time, time),
                 _ => ONE,
             }),
         };
-        self.ring.end = End { time: begin.time + phase.time, place, scale };
+        self.ring.end = Boundary { time: begin.time + phase.time, position, scale };
     }
 
-    /// Goes on from another place, so near that no motor is meant to feel it.
-    pub fn shift(&mut self, place: &Place) {
-        let from = self.ring.end.place;
-        self.lay(&from, place, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: 0 });
+    /// Goes on from another position, so near that no motor is meant to feel it.
+    pub fn shift(&mut self, position: &Position) {
+        let from = self.ring.end.position;
+        self.lay(&from, position, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: 0 });
     }
 
     /// Has an axis go on to `time`; false if it needs a span that is not laid yet.
@@ -215,8 +215,8 @@ impl<'m> Trajectory<'m> {
     }
 
     /// The state of an axis at a time up to its next change.
-    pub fn state(&self, axis: usize, time: u64) -> State {
-        self.axes.get(axis).map_or(State::rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
+    pub fn state(&self, axis: usize, time: u64) -> AxisState {
+        self.axes.get(axis).map_or(AxisState::rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
     }
 
     /// Takes back the last span, which is to be laid anew as far as the first tap has got in it at `time`. `None` if it

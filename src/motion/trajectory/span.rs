@@ -23,16 +23,16 @@ pub(crate) const LONGEST: u64 = (1 << 19) << 16;
 pub(crate) const ONE: u32 = 1 << 30;
 
 /// Where all axes are.
-pub(crate) type Place = [Steps; AXES];
+pub(crate) type Position = [Steps; AXES];
 
 /// Where an axis is, and how fast, in steps and steps a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct State {
+pub(crate) struct AxisState {
     pub position: Steps,
     pub speed: f32,
 }
 
-impl State {
+impl AxisState {
     /// At rest.
     pub const fn rest(position: Steps) -> Self {
         Self { position, speed: 0.0 }
@@ -41,30 +41,30 @@ impl State {
 
 /// An end of a span.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct End {
+pub(crate) struct Boundary {
     /// In ticks times 2^16.
     pub time: u64,
-    pub place: Place,
+    pub position: Position,
     /// By how much the taps of x and y stand closer here.
     pub scale: [u32; 2],
 }
 
-impl End {
+impl Boundary {
     /// At a place where taps stand as they were given.
-    pub const fn new(time: u64, place: Place) -> Self {
-        Self { time, place, scale: [ONE; 2] }
+    pub const fn new(time: u64, position: Position) -> Self {
+        Self { time, position, scale: [ONE; 2] }
     }
 
     /// Where an axis is.
     pub fn at(&self, axis: usize) -> Steps {
-        self.place.get(axis).copied().unwrap_or_default()
+        self.position.get(axis).copied().unwrap_or_default()
     }
 }
 
 /// A piece of the trajectory. It ends where and when the next one begins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Span {
-    pub begin: End,
+    pub begin: Boundary,
     /// One over its time, in ticks.
     rate: f32,
     /// s of the formula.
@@ -75,42 +75,48 @@ pub(crate) struct Span {
 impl Span {
     /// No span; of zeros, which take no flash where they are static.
     pub const EMPTY: Self = Self {
-        begin: End { time: 0, place: [Steps::ZERO; AXES], scale: [0; 2] },
+        begin: Boundary { time: 0, position: [Steps::ZERO; AXES], scale: [0; 2] },
         rate: 0.0,
         slow_share: 0.0,
         curve: Curve::Steady,
     };
 
     /// A span that takes `time`; its slow end's speed alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
-    pub fn new(begin: End, time: u64, curve: Curve, slow_share: u32) -> Self {
+    pub fn new(begin: Boundary, time: u64, curve: Curve, slow_share: u32) -> Self {
         let slow_share = slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
         Self { begin, rate: 1.0 / ticks(time).max(1.0 / 256.0), slow_share, curve }
     }
 
     /// The state of an axis at `time` within the span, which ends at `end`.
-    pub fn state(&self, axis: usize, end: &End, time: u64) -> State {
+    pub fn state(&self, axis: usize, end: &Boundary, time: u64) -> AxisState {
         self.state_between(axis, end, (self.begin.time, end.time, self.rate), time)
     }
 
     /// The same for a copy that begins and ends at other times.
-    pub fn warped(&self, axis: usize, end: &End, (begins, ends): (u64, u64), time: u64) -> State {
+    pub fn warped(&self, axis: usize, end: &Boundary, (begins, ends): (u64, u64), time: u64) -> AxisState {
         let rate = 1.0 / ticks(ends.saturating_sub(begins)).max(1.0 / 256.0);
         self.state_between(axis, end, (begins, ends, rate), time)
     }
 
     #[inline]
-    fn state_between(&self, axis: usize, end: &End, (begins, ends, rate): (u64, u64, f32), time: u64) -> State {
+    fn state_between(
+        &self,
+        axis: usize,
+        end: &Boundary,
+        (begins, ends, rate): (u64, u64, f32),
+        time: u64,
+    ) -> AxisState {
         let (from, to) = (self.begin.at(axis), end.at(axis));
         let way = to.wrapping_sub(from);
         if way == Steps::ZERO {
-            return State::rest(from);
+            return AxisState::rest(from);
         }
         let way = to_f32(way);
         let mean = way * rate;
         let from_begin = ticks(time.saturating_sub(begins)) * rate;
         if self.curve == Curve::Steady {
             let position = if time >= ends { to } else { from.wrapping_add(from_f32(way * from_begin)) };
-            return State { position, speed: mean };
+            return AxisState { position, speed: mean };
         }
         let rest = 1.0 - self.slow_share;
         let is_slowing = self.curve == Curve::Slowing;
@@ -127,6 +133,6 @@ impl Span {
         } else {
             from.wrapping_add(from_f32(gone))
         };
-        State { position, speed }
+        AxisState { position, speed }
     }
 }

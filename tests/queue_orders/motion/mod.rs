@@ -33,17 +33,17 @@ pub mod step_counts {
 /// What the queue needs of the room that fills it.
 pub mod stepgen {
     /// The steps of a group that are known, in whose place there is nothing here.
-    pub mod ahead {
-        pub struct Steps {
+    pub mod step_time_buffer {
+        pub struct StepTimeReader {
             pub tick: u32,
         }
 
-        impl Steps {
-            pub fn go_on(&mut self) {
-                self.go_on_by(1);
+        impl StepTimeReader {
+            pub fn advance(&mut self) {
+                self.advance_by(1);
             }
 
-            pub fn go_on_by(&mut self, count: usize) {
+            pub fn advance_by(&mut self, count: usize) {
                 self.tick = self.tick.wrapping_add(count as u32);
             }
 
@@ -57,7 +57,7 @@ pub mod stepgen {
         }
     }
 
-    pub mod track {
+    pub mod group_stepper {
         /// As far as the generator makes steps ahead; here only in a bound at compile time.
         pub const NEAR: u32 = 1 << 18;
     }

@@ -1,11 +1,11 @@
 //! Tracks: the way of one motor group along the trajectory, step by step.
 
-use super::ahead::{Ahead, is_before};
-use super::crossing::{Crossings, Edge};
+use super::step_time_buffer::{StepTimeBuffer, is_before};
+use super::step_time_solver::{Endpoint, StepTimeSolver};
 use crate::kinematics::{Group, count_at};
 use crate::motion::number::{from_f32, ticks, time};
 use crate::motion::trajectory::phase::Curve;
-use crate::motion::trajectory::{State, Trajectory};
+use crate::motion::trajectory::{AxisState, Trajectory};
 use crate::units::Steps;
 
 /// Between the ticks of two pulses of a motor there are at least so many: 1.7 us. Motion at legal speeds is less dense
@@ -26,25 +26,25 @@ pub(in crate::motion) const NEAR: u32 = FAR / 2;
 const LEAST_TIME: f32 = 2.0;
 
 /// One motor group.
-pub(in crate::motion) struct Track {
+pub(in crate::motion) struct GroupStepper {
     /// Its next steps.
-    pub ahead: Ahead,
+    pub step_times: StepTimeBuffer,
     /// Steps of its present piece that are not among them, and whether none of these comes before the piece ends.
-    left: u32,
-    is_over: bool,
+    unsolved: u32,
+    is_piece_solved: bool,
     /// The tick at which it ends.
-    ends: u32,
-    crossings: Crossings,
+    end_tick: u32,
+    solver: StepTimeSolver,
     /// Whether the steps lead forward.
     is_forward: bool,
     /// The group's count of steps when none are left.
-    goal: i32,
+    target_count: i32,
     /// When its present piece began.
     pub start: u64,
     /// Where it ends.
-    pub end: Edge,
+    pub end: Endpoint,
     /// Where the trajectory next changes, if the present piece ends before in a reversal.
-    beyond: Option<Edge>,
+    after_reversal: Option<Endpoint>,
 }
 
 /// The axes that a group follows, and how many times; with the filament comes the pressure that it needs.
@@ -54,8 +54,8 @@ fn axes(group: &Group) -> impl Iterator<Item = (usize, i8)> {
 }
 
 /// The state of a group, as a sum of the axes'.
-fn sum(group: &Group, trajectory: &Trajectory, at: u64) -> State {
-    let mut sum = State::rest(Steps::ZERO);
+fn sum(group: &Group, trajectory: &Trajectory, at: u64) -> AxisState {
+    let mut sum = AxisState::rest(Steps::ZERO);
     for (axis, times) in axes(group) {
         let state = trajectory.state(axis, at);
         let (position, speed) = match times {
@@ -63,83 +63,83 @@ fn sum(group: &Group, trajectory: &Trajectory, at: u64) -> State {
             -1 => (state.position.wrapping_neg(), -state.speed),
             _ => (state.position.wrapping_mul_int(i64::from(times)), state.speed * f32::from(times)),
         };
-        sum = State { position: sum.position.wrapping_add(position), speed: sum.speed + speed };
+        sum = AxisState { position: sum.position.wrapping_add(position), speed: sum.speed + speed };
     }
     sum
 }
 
-impl Track {
+impl GroupStepper {
     /// At rest at 0.
     pub const STILL: Self = Self {
-        ahead: Ahead::NONE,
-        left: 0,
-        is_over: true,
-        ends: 0,
-        crossings: Crossings::NONE,
+        step_times: StepTimeBuffer::NONE,
+        unsolved: 0,
+        is_piece_solved: true,
+        end_tick: 0,
+        solver: StepTimeSolver::NONE,
         is_forward: true,
-        goal: 0,
+        target_count: 0,
         start: 0,
-        end: Edge { time: u64::MAX, position: Steps::ZERO, speed: 0.0 },
-        beyond: None,
+        end: Endpoint { time: u64::MAX, position: Steps::ZERO, speed: 0.0 },
+        after_reversal: None,
     };
 
     /// Finds its next steps, if all were made that were known, and it does not end there. If it rests, it goes on resting
     /// from `now`.
     #[inline(always)]
-    pub fn look_ahead(&mut self, now: u32) {
-        if self.ahead.left() == 0 {
-            if !self.is_over {
-                self.find_steps();
-            } else if is_before(self.ahead.until(), now.wrapping_add(NEAR)) {
-                self.rest_on(now);
+    pub fn refill(&mut self, now: u32) {
+        if self.step_times.left() == 0 {
+            if !self.is_piece_solved {
+                self.solve();
+            } else if is_before(self.step_times.known_until(), now.wrapping_add(NEAR)) {
+                self.extend_rest(now);
             }
         }
     }
 
     #[inline(never)]
-    fn rest_on(&mut self, now: u32) {
+    fn extend_rest(&mut self, now: u32) {
         if self.end.time == u64::MAX {
-            self.ahead.begin(now);
-            self.ahead.clear(now.wrapping_add(FAR));
+            self.step_times.begin(now);
+            self.step_times.clear(now.wrapping_add(FAR));
         }
     }
 
     /// Whether its way goes on otherwise at a tick, up to which it is known.
-    pub const fn changes_at(&self, tick: u32) -> bool {
-        self.is_over && self.ahead.left() == 0 && self.ends == tick && self.end.time != u64::MAX
+    pub const fn piece_ends_at(&self, tick: u32) -> bool {
+        self.is_piece_solved && self.step_times.left() == 0 && self.end_tick == tick && self.end.time != u64::MAX
     }
 
     /// Whether its coordinate grows with the steps of its present piece, if there are any.
     pub fn direction(&self) -> Option<bool> {
-        (self.left > 0 || self.ahead.left() > 0).then_some(self.is_forward)
+        (self.unsolved > 0 || self.step_times.left() > 0).then_some(self.is_forward)
     }
 
     /// Rests where it is from a tick on.
     pub fn stop(&mut self, now: u32) {
-        self.goal = self.count();
-        self.left = 0;
-        self.is_over = true;
-        self.ahead = Ahead::at(now);
+        self.target_count = self.count();
+        self.unsolved = 0;
+        self.is_piece_solved = true;
+        self.step_times = StepTimeBuffer::at(now);
         self.start = 0;
         self.end.time = u64::MAX;
-        self.beyond = None;
+        self.after_reversal = None;
     }
 
     /// Rests at a position from a tick on.
     pub fn stand_at(&mut self, position: Steps, now: u32) {
         self.stop(now);
-        self.goal = count_at(position);
+        self.target_count = count_at(position);
     }
 
     /// Its present piece ends at `time`.
     pub fn break_off(&mut self, time: u64) {
-        self.goal = self.count();
-        self.left = 0;
-        self.is_over = true;
+        self.target_count = self.count();
+        self.unsolved = 0;
+        self.is_piece_solved = true;
         self.end.time = time;
-        self.ends = whole(time);
-        self.beyond = None;
-        self.ahead.clear(self.ends);
+        self.end_tick = whole(time);
+        self.after_reversal = None;
+        self.step_times.clear(self.end_tick);
     }
 
     /// Whether the trajectory is known as far as the group needs it at `time`.
@@ -148,99 +148,100 @@ impl Track {
     }
 
     /// Goes on from `time`, at which no axis may need a span that is not laid yet.
-    pub fn go_on(&mut self, group: &Group, trajectory: &Trajectory, time: u64) {
+    pub fn begin_next_piece(&mut self, group: &Group, trajectory: &Trajectory, time: u64) {
         let state = sum(group, trajectory, time);
-        let from = Edge { time, position: state.position, speed: state.speed };
+        let from = Endpoint { time, position: state.position, speed: state.speed };
         let change = axes(group).map(|(axis, _)| trajectory.next_change(axis)).min().unwrap_or(u64::MAX);
         if change == u64::MAX {
             return self.come_to_rest(from);
         }
         let state = sum(group, trajectory, change);
-        let to = Edge { time: change, position: state.position, speed: state.speed };
+        let to = Endpoint { time: change, position: state.position, speed: state.speed };
         match trajectory.follows(axes(group).map(|(axis, _)| axis), time) {
-            Some(span) => self.follow(from, to, Some((span.curve, span.slow_share))),
-            None => self.lay(from, to),
+            Some(span) => self.begin_piece(from, to, Some((span.curve, span.slow_share))),
+            None => self.begin_way(from, to),
         }
     }
 
     /// Goes on behind a reversal, if its present piece ends in one.
-    pub fn go_back(&mut self) -> bool {
-        let Some(beyond) = self.beyond.take() else {
+    pub fn begin_return(&mut self) -> bool {
+        let Some(after_reversal) = self.after_reversal.take() else {
             return false;
         };
-        self.follow(Edge { speed: 0.0, ..self.end }, beyond, None);
+        self.begin_piece(Endpoint { speed: 0.0, ..self.end }, after_reversal, None);
         true
     }
 
     /// The way to the next change, which may lead there and back.
-    fn lay(&mut self, from: Edge, to: Edge) {
+    fn begin_way(&mut self, from: Endpoint, to: Endpoint) {
         if from.speed * to.speed < 0.0 {
             let all = ticks(to.time - from.time);
             let turn = all * (from.speed / (from.speed - to.speed));
             if turn > LEAST_TIME && turn < all - LEAST_TIME {
                 let position = from.position.wrapping_add(from_f32(0.5 * (from.speed * turn)));
-                self.follow(from, Edge { time: from.time + time(turn), position, speed: 0.0 }, None);
-                self.beyond = Some(to);
+                self.begin_piece(from, Endpoint { time: from.time + time(turn), position, speed: 0.0 }, None);
+                self.after_reversal = Some(to);
                 return;
             }
         }
-        self.follow(from, to, None);
+        self.begin_piece(from, to, None);
     }
 
-    fn follow(&mut self, from: Edge, to: Edge, shape: Option<(Curve, f32)>) {
+    fn begin_piece(&mut self, from: Endpoint, to: Endpoint, shape: Option<(Curve, f32)>) {
         let count = self.count();
         let goal = count_at(to.position);
         let ahead = to.position.wrapping_sub(from.position);
         let way = goal.wrapping_sub(count);
-        self.begin(from.time, to);
+        self.set_bounds(from.time, to);
         if (way > 0 && ahead > Steps::ZERO) || (way < 0 && ahead < Steps::ZERO) {
-            self.lead_to(goal, count);
-            self.crossings = Crossings::new(&from, &to, edge(count, self.is_forward), self.is_forward, shape);
+            self.set_target(goal, count);
+            self.solver =
+                StepTimeSolver::new(&from, &to, step_threshold(count, self.is_forward), self.is_forward, shape);
         } else {
-            self.lead_to(count, count);
+            self.set_target(count, count);
         }
-        self.find_steps();
+        self.solve();
     }
 
     /// Its steps lead from one count to another.
-    fn lead_to(&mut self, goal: i32, count: i32) {
+    fn set_target(&mut self, goal: i32, count: i32) {
         let way = goal.wrapping_sub(count);
-        (self.goal, self.left, self.is_forward) = (goal, way.unsigned_abs(), way > 0);
+        (self.target_count, self.unsolved, self.is_forward) = (goal, way.unsigned_abs(), way > 0);
     }
 
     /// Its count of steps.
     pub const fn count(&self) -> i32 {
-        let left = self.left.cast_signed().wrapping_add(self.ahead.left() as i32);
-        self.goal.wrapping_sub(if self.is_forward { left } else { left.wrapping_neg() })
+        let left = self.unsolved.cast_signed().wrapping_add(self.step_times.left() as i32);
+        self.target_count.wrapping_sub(if self.is_forward { left } else { left.wrapping_neg() })
     }
 
-    fn begin(&mut self, start: u64, end: Edge) {
-        self.ahead.begin(whole(start));
+    fn set_bounds(&mut self, start: u64, end: Endpoint) {
+        self.step_times.begin(whole(start));
         self.start = start;
         self.end = end;
-        self.ends = whole(end.time);
-        self.beyond = None;
+        self.end_tick = whole(end.time);
+        self.after_reversal = None;
     }
 
     /// What rounding has left over is made up at once.
-    fn come_to_rest(&mut self, at: Edge) {
-        self.begin(at.time, Edge { time: u64::MAX, ..at });
-        self.ends = whole(at.time).wrapping_add(FAR);
-        self.lead_to(count_at(at.position), self.count());
-        self.crossings = Crossings::at_once(at.time);
-        self.find_steps();
+    fn come_to_rest(&mut self, at: Endpoint) {
+        self.set_bounds(at.time, Endpoint { time: u64::MAX, ..at });
+        self.end_tick = whole(at.time).wrapping_add(FAR);
+        self.set_target(count_at(at.position), self.count());
+        self.solver = StepTimeSolver::at_once(at.time);
+        self.solve();
     }
 
     /// Finds its next steps.
-    fn find_steps(&mut self) {
-        let (found, is_over) = self.ahead.fill(&mut self.crossings, self.left, self.ends);
-        self.left -= found;
-        self.is_over = is_over;
+    fn solve(&mut self) {
+        let (found, is_piece_solved) = self.step_times.fill(&mut self.solver, self.unsolved, self.end_tick);
+        self.unsolved -= found;
+        self.is_piece_solved = is_piece_solved;
     }
 }
 
 /// The position at which a group steps on from a count.
-fn edge(count: i32, is_forward: bool) -> Steps {
+fn step_threshold(count: i32, is_forward: bool) -> Steps {
     Steps::from_bits((i64::from(count) << 32).wrapping_add(if is_forward { HALF } else { -HALF }))
 }
 

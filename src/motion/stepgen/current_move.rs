@@ -4,7 +4,7 @@
 
 use crate::motion::moves::Move;
 use crate::motion::trajectory::phase::{Curve, Phase, phases};
-use crate::motion::trajectory::{AXES, LONGEST, Place, Trajectory};
+use crate::motion::trajectory::{AXES, LONGEST, Position, Trajectory};
 use crate::units::Steps;
 use heapless::Vec;
 
@@ -12,10 +12,10 @@ use heapless::Vec;
 pub(in crate::motion) const LONG: u64 = 1 << 44;
 
 /// What of a move is laid.
-pub(in crate::motion) struct Course {
+pub(in crate::motion) struct CurrentMove {
     pub m: Move,
-    pub first: Place,
-    pub last: Place,
+    pub first: Position,
+    pub last: Position,
     phases: Vec<Phase, 3>,
     index: usize,
     /// Time of the present phase that is laid.
@@ -28,7 +28,7 @@ pub(in crate::motion) struct Course {
 
 /// The last phase of a move.
 #[derive(Clone, Copy)]
-pub(in crate::motion) struct Tail {
+pub(in crate::motion) struct LastPhase {
     pub phase: Phase,
     /// The fraction of the move behind where it begins.
     pub begin: u32,
@@ -36,7 +36,7 @@ pub(in crate::motion) struct Tail {
     pub length: u64,
 }
 
-impl Course {
+impl CurrentMove {
     /// No move.
     pub const NONE: Self = Self {
         m: Move::NONE,
@@ -50,7 +50,7 @@ impl Course {
     };
 
     /// Takes up a move, which is laid between these places; its first phase is to be laid.
-    pub fn take_up(&mut self, m: &Move, (first, last): &(Place, Place)) {
+    pub fn take_up(&mut self, m: &Move, (first, last): &(Position, Position)) {
         self.m = *m;
         (self.first, self.last) = (*first, *last);
         self.phases = phases(m);
@@ -58,10 +58,10 @@ impl Course {
     }
 
     /// How the move ends.
-    pub fn tail(&self) -> Option<Tail> {
+    pub fn last_phase(&self) -> Option<LastPhase> {
         let (last, before) = self.phases.split_last()?;
         let begin = before.last().map_or(0, |phase| phase.end);
-        Some(Tail { phase: *last, begin, length: self.m.length })
+        Some(LastPhase { phase: *last, begin, length: self.m.length })
     }
 
     /// Lays the next span, and says how much longer it was made than planned, in ticks times 2^16; `None` if all are
@@ -102,7 +102,7 @@ impl Course {
     }
 
     /// Goes on with another phase, from where a fraction `begin` of the move is behind.
-    pub fn turn_to(&mut self, phase: Phase, begin: u32) {
+    pub fn replace_by(&mut self, phase: Phase, begin: u32) {
         self.phases = Vec::new();
         let _ = self.phases.push(phase);
         (self.index, self.elapsed, self.begin, self.laid) = (0, 0, begin, None);

@@ -10,10 +10,10 @@
 //! D being the way of the piece and T its time, u the speed there: nothing cancels, and both ends are exact. Nothing is
 //! summed up from piece to piece, so an error cannot grow.
 //!
-//! Crossings are found by stretches of n, of which the first is computed like that and the others lie on the cubic that
+//! StepTimeSolver are found by stretches of n, of which the first is computed like that and the others lie on the cubic that
 //! has the right slope 1/u at both ends of the stretch: three sums a step. Hermite's remainder, f n^4 / 384 with the
 //! fourth derivative f = 120 h^3 / u^7 of the slow end, says how much that is off. With r = 4 h n / u^2, by which part u^2 changes in
-//! the stretch, that is
+//! the run, that is
 //!
 //! ```text
 //! 15 / 3072 r^3 n / u ticks
@@ -21,14 +21,14 @@
 //!
 //! Where that is too much a stretch is shorter, in the end of a single crossing.
 
-use super::track::MIN_STEP_INTERVAL;
+use super::group_stepper::MIN_STEP_INTERVAL;
 use crate::motion::number::{root, ticks, to_f32};
 use crate::motion::trajectory::phase::Curve;
 use crate::units::Steps;
 
 /// Where and how fast a piece begins or ends.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion) struct Edge {
+pub(in crate::motion) struct Endpoint {
     /// In ticks times 2^16.
     pub time: u64,
     pub position: Steps,
@@ -56,7 +56,7 @@ const FINER: u32 = 6;
 const HALF: i32 = 1 << (FINER - 1);
 
 /// A longer stretch than this, in ticks, would leave less than 32 bits can hold.
-const LONGEST_STRETCH: f32 = (1 << (31 - FINE)) as f32;
+const LONGEST_RUN: f32 = (1 << (31 - FINE)) as f32;
 
 /// Where steps come at most this often, in steps a tick, no two pulses can come too close to each other: rounding and
 /// interpolation take less than 2 ticks of 19.
@@ -67,7 +67,7 @@ const LEAST_SHIFT: f32 = 0.2;
 
 /// The crossings of one piece, in order.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion) struct Crossings {
+pub(in crate::motion) struct StepTimeSolver {
     curve: Curve,
     /// Distance of the next crossing from the slow end: whole steps, which are counted, and the rest. A sum would lose the
     /// digits that matter where few steps are left.
@@ -89,9 +89,9 @@ pub(in crate::motion) struct Crossings {
     pub is_dense: bool,
 }
 
-/// Crossings in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
+/// StepTimeSolver in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
 /// differences, the latter two with [`FINER`] more.
-struct Stretch {
+struct CubicRun {
     base: u32,
     at: u32,
     pace: i32,
@@ -99,7 +99,7 @@ struct Stretch {
     jerk: i32,
 }
 
-impl Stretch {
+impl CubicRun {
     /// A single crossing, or several in the same tick.
     fn at(base: u32, ticks: f32) -> Self {
         // Not `max`, which the target has no instruction for.
@@ -144,7 +144,7 @@ fn finer(ticks: f32) -> i32 {
     (ticks * const { (1 << (FINE + FINER)) as f32 }) as i32
 }
 
-impl Crossings {
+impl StepTimeSolver {
     /// No piece.
     pub const NONE: Self = Self {
         curve: Curve::Steady,
@@ -161,7 +161,7 @@ impl Crossings {
 
     /// The crossings between `from` and `to`, the first of which is at `first`; between them the direction does not
     /// change.
-    pub fn new(from: &Edge, to: &Edge, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
+    pub fn new(from: &Endpoint, to: &Endpoint, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
         let distance = |from: Steps, to: Steps| {
             if is_forward { to.wrapping_sub(from) } else { from.wrapping_sub(to) }
         };
@@ -216,30 +216,30 @@ impl Crossings {
     pub fn fill(&mut self, ticks: &mut [u32]) {
         let mut left = ticks;
         while !left.is_empty() {
-            let (stretch, count) = match self.curve {
+            let (run, count) = match self.curve {
                 Curve::Steady => self.steady(left.len()),
                 Curve::Speeding | Curve::Slowing => self.curved(left.len()),
             };
             let Some((now, behind)) = left.split_at_mut_checked(count) else { return };
-            stretch.write(now);
+            run.write(now);
             left = behind;
         }
     }
 
     /// The next stretch where all steps take the same time, and how long it is.
-    fn steady(&mut self, most: usize) -> (Stretch, usize) {
+    fn steady(&mut self, most: usize) -> (CubicRun, usize) {
         let at = self.offset + (self.whole as f32 + self.part) * self.slow;
         let mut count = if at < 0.0 { 1 } else { most };
-        while count > 1 && self.slow * count as f32 >= LONGEST_STRETCH {
+        while count > 1 && self.slow * count as f32 >= LONGEST_RUN {
             count /= 2;
         }
         self.is_dense |= at < 0.0;
         self.whole += count as i32;
-        (Stretch { pace: fine(self.slow), ..Stretch::at(self.base, at) }, count)
+        (CubicRun { pace: fine(self.slow), ..CubicRun::at(self.base, at) }, count)
     }
 
     /// The next stretch where speed changes, and how long it is.
-    fn curved(&mut self, most: usize) -> (Stretch, usize) {
+    fn curved(&mut self, most: usize) -> (CubicRun, usize) {
         let distance = self.whole as f32 + self.part;
         let fast = self.fast;
         let from_slow_end = if distance > 0.0 { (distance + distance) / (self.slow + fast) } else { 0.0 };
@@ -250,7 +250,7 @@ impl Crossings {
         self.is_dense |= !is_within;
         self.whole += if is_slowing { -(count as i32) } else { count as i32 };
         self.fast = root(self.square(self.whole as f32 + self.part));
-        let single = Stretch::at(self.base, at);
+        let single = CubicRun::at(self.base, at);
         if count == 1 {
             return (single, 1);
         }
@@ -264,7 +264,7 @@ impl Crossings {
         let cube = change * gain * (share * share);
         let pace = mean + change * self.fast + (square + cube);
         let jerk = 6.0 * cube;
-        (Stretch { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
+        (CubicRun { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
     }
 
     /// How long the next stretch can be, which begins at a distance from the slow end.
@@ -286,7 +286,7 @@ impl Crossings {
         most.min(long)
     }
 
-    /// Whether a cubic does for so many crossings.
+    /// Whether a cubic does for so many solver.
     fn is_smooth(&self, distance: f32, count: usize) -> bool {
         let count = count as f32;
         let slowest = self.square(if self.curve == Curve::Slowing { distance - count } else { distance });
@@ -294,7 +294,7 @@ impl Crossings {
         let error = rough * rough * rough * count;
         slowest > 0.0
             && error * error <= MOST_ROUGHNESS * slowest
-            && count * count < LONGEST_STRETCH * LONGEST_STRETCH * slowest
+            && count * count < LONGEST_RUN * LONGEST_RUN * slowest
     }
 }
 
@@ -310,17 +310,17 @@ mod tests {
     /// All crossings of a way from 0 with these speeds, and when they should be.
     fn crossings(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
         let way = (v0 + v1) / 2.0 * time;
-        let edge = |time: u64, position: f64, speed: f64| Edge {
+        let endpoint = |time: u64, position: f64, speed: f64| Endpoint {
             time,
             position: Steps::from_num(sign * position),
             speed: (sign * speed) as f32,
         };
-        let (from, to) = (edge(BEGIN, 0.0, v0), edge(BEGIN + (time * 65536.0) as u64, way, v1));
-        let mut crossings = Crossings::new(&from, &to, Steps::from_num(sign * 0.5), sign > 0.0, None);
+        let (from, to) = (endpoint(BEGIN, 0.0, v0), endpoint(BEGIN + (time * 65536.0) as u64, way, v1));
+        let mut solver = StepTimeSolver::new(&from, &to, Steps::from_num(sign * 0.5), sign > 0.0, None);
         let count = (way + 0.5) as usize;
         let mut ticks = vec![0; count];
-        for ticks in ticks.chunks_mut(crate::motion::stepgen::ahead::MOST) {
-            crossings.fill(ticks);
+        for ticks in ticks.chunks_mut(crate::motion::stepgen::step_time_buffer::MOST) {
+            solver.fill(ticks);
         }
         let rise = 2.0 * (v1 - v0) / time;
         let exact = |i: usize| {
@@ -356,14 +356,14 @@ mod tests {
     #[test]
     fn a_step_that_is_left_over_comes_at_once() {
         for (v0, v1) in [(0.001, 0.001), (0.0, 0.002), (0.002, 0.0), (0.001, 0.002), (0.002, 0.001)] {
-            let from = Edge { time: 1000 << 16, position: Steps::ZERO, speed: v0 };
-            let to = Edge { time: 101_000 << 16, position: Steps::from_num((v0 + v1) * 50_000.0), speed: v1 };
-            let mut crossings = Crossings::new(&from, &to, Steps::from_num(-0.01), true, None);
+            let from = Endpoint { time: 1000 << 16, position: Steps::ZERO, speed: v0 };
+            let to = Endpoint { time: 101_000 << 16, position: Steps::from_num((v0 + v1) * 50_000.0), speed: v1 };
+            let mut solver = StepTimeSolver::new(&from, &to, Steps::from_num(-0.01), true, None);
             let mut ticks = [0; 4];
-            crossings.fill(&mut ticks);
+            solver.fill(&mut ticks);
             assert_eq!(ticks[0], 1000, "{v0} to {v1}");
             assert!(ticks.is_sorted() && ticks[1] > 1000 && ticks[3] < 101_000, "{ticks:?}");
-            assert!(crossings.is_dense);
+            assert!(solver.is_dense);
         }
     }
 
@@ -371,13 +371,17 @@ mod tests {
     fn where_steps_are_dense_it_says_so() {
         for (speed, is_dense) in [(0.04, false), (0.0526, false), (0.0527, true), (0.2, true)] {
             for slow in [speed, speed / 2.0] {
-                let to = Edge {
+                let to = Endpoint {
                     time: 100_000 << 16,
                     position: Steps::from_num((slow + speed) * 50_000.0),
                     speed: speed as f32,
                 };
-                let from = Edge { time: 0, position: Steps::ZERO, speed: slow as f32 };
-                assert_eq!(Crossings::new(&from, &to, Steps::ZERO, true, None).is_dense, is_dense, "{slow} to {speed}");
+                let from = Endpoint { time: 0, position: Steps::ZERO, speed: slow as f32 };
+                assert_eq!(
+                    StepTimeSolver::new(&from, &to, Steps::ZERO, true, None).is_dense,
+                    is_dense,
+                    "{slow} to {speed}"
+                );
             }
         }
     }

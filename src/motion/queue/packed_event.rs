@@ -15,9 +15,9 @@ const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::PROBE.0 == 8
 /// All of an event but its time: the endstops it watches in bits 0 to 3, then the groups, directions above steps, its
 /// epoch from bit 16 on, and what is special about it.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(in crate::motion) struct Word(pub u32);
+pub(in crate::motion) struct PackedEvent(pub u32);
 
-impl Word {
+impl PackedEvent {
     /// No event, which is not a plain one either.
     pub const NONE: Self = Self(1 << 27);
     /// What a Stepper without an event holds.
