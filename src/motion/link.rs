@@ -1,7 +1,7 @@
 //! The Console's end of the motion: puts work into the MoveQueue and knows how much of it is left.
 
-use super::moves::{Entry, Work};
 use super::step_counts::StepCounts;
+use super::work::{Entry, Work};
 use crate::motors::MOST_GROUPS;
 use crate::port::Pend;
 use crate::status::Status;

@@ -1,11 +1,13 @@
 //! Moves: what the planner releases and the generator steps. A released move never changes.
 
-use super::trajectory::{Stiffening, Taps};
 use crate::port::EndstopSet;
 use crate::units::{MmPerSec2, Steps};
 
 /// One in the fixed point of fractions of a move.
 pub const WHOLE: u32 = 1 << 31;
+
+/// From here on the 31 bits of a fraction of a move are too few for its time: 27 s, in ticks times 2^16.
+pub(in crate::motion) const LONG_TIME: u64 = 1 << 44;
 
 /// A straight move with a trapezoid of speed: its distance is cut in three phases, each with its time.
 ///
@@ -67,29 +69,3 @@ impl Move {
         self.accelerate + self.cruise + self.decelerate
     }
 }
-
-/// One entry of the MoveQueue.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Work {
-    /// A move.
-    Move(Move),
-    /// Time without motion, in ticks times 2^16.
-    Dwell(u64),
-    /// At rest: from now on an axis follows these taps. The advance, axis 4, is what its taps differ by.
-    Follow(u8, Taps),
-    /// At rest: from now on an axis rings like that.
-    Stiffen(u8, Stiffening),
-    /// Without motion: here is where the machine stands, in steps of x, y, z and e.
-    Position([Steps; 4]),
-}
-
-/// Work, and the epoch to which it belongs.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Entry {
-    /// The epoch in which it was queued.
-    pub epoch: u8,
-    /// What to do.
-    pub work: Work,
-}
-
-const _: () = assert!(core::mem::size_of::<Entry>() <= 104);

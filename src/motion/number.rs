@@ -3,7 +3,7 @@
 //! IEEE 754 says to the last bit what each sum, difference, product and quotient of two single-precision numbers is,
 //! and nothing else is used here, so every platform computes the same.
 
-use crate::units::Steps;
+use crate::units::{MmPerSec, MmPerSec2, Steps};
 
 /// A time of less than 2^40 (16 s), in ticks times 2^16, as ticks.
 pub(crate) fn ticks(time: u64) -> f32 {
@@ -77,6 +77,16 @@ pub(crate) fn to_bits(number: f32) -> u64 {
     } else {
         u64::MAX
     }
+}
+
+/// A speed in mm/s.
+pub(crate) fn speed(v: MmPerSec) -> f32 {
+    v.to_bits() as f32 * const { 1.0 / 65536.0 }
+}
+
+/// An acceleration in mm/s2.
+pub(crate) fn acceleration(a: MmPerSec2) -> f32 {
+    a.to_bits() as f32 * const { 1.0 / 256.0 }
 }
 
 #[cfg(test)]

@@ -4,10 +4,9 @@
 //! precision (see [`number`](crate::motion::number)).
 
 use crate::kinematics::Groups;
-use crate::motion::number::{from_bits, large_root};
+use crate::motion::number::{acceleration, from_bits, large_root, speed};
 use crate::motors::MOST_GROUPS;
 use crate::settings::{Axes, AxisSettings, Settings};
-use crate::units::{MmPerSec, MmPerSec2};
 use heapless::Vec;
 
 /// One in the fixed point of unit vectors.
@@ -109,16 +108,6 @@ impl Belts {
         }
         most
     }
-}
-
-/// A speed in mm/s.
-pub(in crate::motion) fn speed(v: MmPerSec) -> f32 {
-    v.to_bits() as f32 * const { 1.0 / 65536.0 }
-}
-
-/// An acceleration in mm/s2.
-pub(in crate::motion) fn acceleration(a: MmPerSec2) -> f32 {
-    a.to_bits() as f32 * const { 1.0 / 256.0 }
 }
 
 impl Geometry {

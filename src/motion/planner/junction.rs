@@ -17,9 +17,9 @@
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
-use super::geometry::{Belts, Geometry, Limits, Shares, UNIT, speed};
+use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
-use crate::motion::number::{from_bits, root, to_bits};
+use crate::motion::number::{from_bits, root, speed, to_bits};
 use crate::settings::{CornerRule, Settings};
 use core::f32::consts::SQRT_2;
 
@@ -180,7 +180,7 @@ fn extruder_only(before: &Geometry, after: &Geometry) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::planner::geometry::acceleration;
+    use crate::motion::number::acceleration;
     use crate::units::{Mm, MmPerSec, MmPerSec2};
 
     fn belts(s: &Settings) -> Belts {

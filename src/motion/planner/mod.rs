@@ -6,21 +6,23 @@
 mod geometry;
 mod junction;
 mod overrides;
+mod pass_progress;
 mod passes;
 mod path_curvature;
 mod planned;
-pub(in crate::motion) mod profile;
+mod profile;
 mod step_scale;
 mod window;
 
 pub use overrides::WHOLE_SHARE;
 
 use crate::kinematics::Groups;
-use crate::motion::moves::Move;
+use crate::motion::moves::{LONG_TIME, Move};
+use crate::motion::number::acceleration;
 use crate::port::EndstopSet;
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, Steps};
-use geometry::{Belts, Geometry, Limits, Shares, acceleration};
+use geometry::{Belts, Geometry, Limits, Shares};
 use junction::{AccelLimits, junction_speed_sq};
 use overrides::Override;
 use path_curvature::PathCurvature;
@@ -48,7 +50,7 @@ pub struct Target {
 const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 
 /// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
-const LONG_TICKS: u32 = 1 << 28;
+const LONG_TICKS: u32 = (LONG_TIME >> 16) as u32;
 
 /// Looks ahead over targets and releases moves.
 pub struct Planner<'m> {

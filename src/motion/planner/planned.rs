@@ -1,8 +1,8 @@
 //! A move in the look-ahead, and the memory for a window of them.
 
-use super::geometry::speed;
-use super::profile::{MoveSpec, gain_sq};
-use crate::motion::number::from_bits;
+use super::profile::MoveSpec;
+use crate::motion::number::{from_bits, speed};
+use crate::motion::ramps::gain_sq;
 use crate::units::{MmPerSec, Seconds, TICKS_PER_SECOND};
 
 /// Moves that leave when the window is full and the first is not final: some at a time, so that the queue behind has
@@ -11,9 +11,12 @@ pub const FORCED_BATCH: usize = 16;
 
 /// Capacity of the window; the look-ahead sees no fewer than 128 moves when the stream is fast enough.
 pub const WINDOW: usize = 128 + FORCED_BATCH;
+// Slots of moves are kept in bytes, in a ring of 256 of them.
+const _: () = assert!(WINDOW < 256);
 
 /// The most that a move counts to gain: as much as 3,400 mm/s from rest. The sum over a full window then fits 63 bits.
 const MOST_GAIN_SQ: u64 = 50_000_000_000_000_000;
+const _: () = assert!(MOST_GAIN_SQ <= i64::MAX as u64 / WINDOW as u64);
 
 /// No speed is settled.
 pub(in crate::motion) const NOT_FROZEN: u64 = u64::MAX;

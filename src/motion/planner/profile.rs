@@ -7,28 +7,11 @@
 //! them (Klipper's minimum_cruise_ratio). A move that must accelerate or brake all along, because the next corner is that
 //! much faster or slower, still does. A move that is entered above its nominal speed brakes to it first.
 
-use super::geometry::acceleration;
-use crate::motion::moves::{Move, WHOLE};
-use crate::motion::number::{from_bits, root, root_of, to_bits};
-use crate::motion::stepgen::current_move::LONG;
+use crate::motion::moves::{LONG_TIME, Move, WHOLE};
+use crate::motion::number::{acceleration, from_bits, root, to_bits};
+use crate::motion::ramps::gain_sq;
 use crate::port::EndstopSet;
 use crate::units::{MmPerSec, MmPerSec2, Ratio, Steps, TICKS_PER_SECOND};
-
-/// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
-#[must_use]
-pub const fn gain_sq(a: MmPerSec2, length: u64) -> u64 {
-    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7; in two halves, to save its upper 64 bits.
-    let a = a.to_bits() as u64;
-    let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
-    if high >> 38 != 0 { u64::MAX } else { (high << 25).saturating_add(low) }
-}
-
-/// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
-/// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
-pub(in crate::motion) fn speed(speed_sq: u64) -> u64 {
-    let shift = speed_sq.leading_zeros() & !1;
-    if speed_sq == 0 { 0 } else { (u64::from(root_of(speed_sq << shift)) << 16) >> (shift / 2) }
-}
 
 /// Ticks as a time in ticks times 2^16.
 fn to_time(ticks: f32) -> u64 {
@@ -46,22 +29,6 @@ fn cruise_time(level: u64, nominal: u32) -> u64 {
     let rest = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
     let rest = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 + (rest as u32) as f32;
     guess.saturating_add_signed(i64::from((rest / nominal as f32) as i32))
-}
-
-/// `part / whole`, scaled by [`WHOLE`].
-pub(in crate::motion) const fn fraction(part: u64, whole: u64) -> u32 {
-    // 33 bits of the whole are enough, and the product fits.
-    let shift = 31u32.saturating_sub(whole.leading_zeros());
-    let (part, whole) = (part >> shift, whole >> shift);
-    match (part * WHOLE as u64).checked_div(whole) {
-        Some(scaled) if scaled < WHOLE as u64 => scaled as u32,
-        _ => WHOLE,
-    }
-}
-
-/// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
-pub(in crate::motion) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
-    to_bits(from_bits(change) / (acceleration(a) * 2.0))
 }
 
 /// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
@@ -135,7 +102,7 @@ pub(in crate::motion) fn profile(spec: &MoveSpec, (entry_sq, entry_speed): (u64,
         _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };
     let times = match (rise.time, cruise, fall.time) {
-        long if cruise >= LONG => evened(long, (rise.length * scale, fall.length * scale)),
+        long if cruise >= LONG_TIME => evened(long, (rise.length * scale, fall.length * scale)),
         times => times,
     };
     let planned = Move {

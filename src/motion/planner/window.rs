@@ -17,7 +17,7 @@
 //! leave that is not final, the outcome would depend on when; so that happens only where the stream of commands itself
 //! says so (the window is full of unfinished moves, or a command waits for the motion), or when the stream is dry.
 
-use super::passes::{FinalCount, Passes};
+use super::pass_progress::{FinalCount, Passes};
 use super::planned::{MoveMemory, NOT_FROZEN, Planned, WINDOW};
 use super::profile::profile;
 use crate::motion::moves::Move;

@@ -13,16 +13,19 @@ mod packed_event;
 mod steps_in;
 
 use super::atomic::{AtomicU32, Ordering::Relaxed};
-use super::step_counts::StepCounts;
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
-use crate::status::Status;
 pub use event::{LONGEST_INTERVAL, StepEvent};
 pub(super) use packed_event::PackedEvent;
+use steps_in::REGULAR;
+pub(super) use steps_in::StepTimes;
 pub use steps_in::StepsIn;
 
-/// Places in the ring, one of which stays empty.
+/// Slots of the ring, one of which stays empty.
 const LENGTH: usize = 512;
+// The numbers of events wrap at 2^32, where slots must go on in order; and every so many events one is not plain, which
+// must fall on the same slots in each turn of the ring.
+const _: () = assert!(LENGTH.is_power_of_two() && LENGTH.is_multiple_of(REGULAR as usize));
 
 /// Step events between StepGenerator and Stepper. As good as full: the generator waits. Empty: motion rests, or has
 /// starved, which is counted. 511 events are 5 ms at 100,000 events a second.
@@ -91,10 +94,9 @@ pub struct StepsOut<'m> {
 }
 
 impl<'m> StepsOut<'m> {
-    /// What the motors do with what comes out here.
-    #[must_use]
-    pub const fn counts(&self, status: &'m Status) -> StepCounts<'m> {
-        StepCounts::new(self.queue, status)
+    /// The queue itself, for what counts the steps that wait in it.
+    pub(super) const fn queue(&self) -> &'m StepQueue {
+        self.queue
     }
 
     /// The event that comes next, which stays where it is: its interval, and the word that is [`PackedEvent::NONE`] if there

@@ -4,8 +4,7 @@ use super::event::StepEvent;
 use super::packed_event::PackedEvent;
 use super::{LENGTH, StepQueue};
 use crate::motion::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
-use crate::motion::stepgen::group_stepper::NEAR;
-use crate::motion::stepgen::step_time_buffer::{StepTimeReader, is_before};
+use crate::motion::ticks::{NEAR, is_before};
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 
@@ -13,12 +12,22 @@ use crate::port::GroupSet;
 /// are within [`NEAR`] of its begin. Thus the plain ones between two others take less than the 429 s at which a tick of 32
 /// bits wraps.
 const LONG: u32 = 1 << 22;
-const REGULAR: u32 = 256;
+pub(super) const REGULAR: u32 = 256;
 const _: () = assert!((LONG + NEAR) as u64 * (REGULAR as u64 / 2) < 1 << 32);
 
 /// The Stepper gets to see events when they are a quarter of those that it has left, but not before they are so many: it
 /// must not run dry while it waits for them.
 const SHORTEST_RUN: usize = 4;
+
+/// Step times of a group, in order: what a [`Run`] takes its steps from.
+pub(in crate::motion) trait StepTimes {
+    /// When the next step comes.
+    fn tick(&self) -> u32;
+    /// So many steps are put in; there must be so many.
+    fn advance_by(&mut self, count: usize);
+    /// The ticks that follow the next one's, whatever comes after the last step.
+    fn following(&self) -> &[u32];
+}
 
 /// Events with steps that are put in one behind the other. The Stepper sees none of them before all are in: the first one
 /// comes into its place last.
@@ -52,9 +61,9 @@ impl Run<'_> {
     /// Puts in the next step of two groups, which is due at one tick, and those behind it up to a tick as long as both step
     /// together and there are slots.
     #[inline(always)]
-    pub fn put_pairs(&mut self, [first, second]: [&mut StepTimeReader; 2], until: u32, word: u32) {
+    pub fn put_pairs(&mut self, [first, second]: [&mut impl StepTimes; 2], until: u32, word: u32) {
         let word = self.word.0 | word;
-        let (mut now, mut tick, mut count) = (self.now, first.tick, 0);
+        let (mut now, mut tick, mut count) = (self.now, first.tick(), 0);
         for (([interval_slot, word_slot], after), other) in
             self.slots.iter().zip(first.following()).zip(second.following())
         {
@@ -74,11 +83,11 @@ impl Run<'_> {
 
     /// Puts in the next step of a group, and those behind it up to a tick, as long as there are slots.
     #[inline(always)]
-    pub fn put_steps(&mut self, steps: &mut StepTimeReader, until: u32, word: u32) {
+    pub fn put_steps(&mut self, steps: &mut impl StepTimes, until: u32, word: u32) {
         loop {
-            self.put(steps.tick, word);
-            steps.advance();
-            if self.is_full() || !is_before(steps.tick, until) {
+            self.put(steps.tick(), word);
+            steps.advance_by(1);
+            if self.is_full() || !is_before(steps.tick(), until) {
                 return;
             }
         }

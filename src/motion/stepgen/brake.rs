@@ -7,7 +7,7 @@
 use super::current_move::LastPhase;
 use super::{StepGenerator, Task};
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::planner::profile::{fraction, gain_sq, ramp_length, speed};
+use crate::motion::ramps::{fraction, gain_sq, ramp_length, speed_of};
 use crate::motion::trajectory::phase::{Curve, Phase};
 use crate::units::{TICKS_PER_SECOND, mul_div};
 
@@ -64,10 +64,10 @@ impl PathPoint {
     /// move then.
     pub fn brake(self, m: &Move) -> (Phase, u64) {
         let left = mul_div(m.length, u64::from(WHOLE - self.covered), u64::from(WHOLE));
-        let before = speed(self.speed_sq);
+        let before = speed_of(self.speed_sq);
         let rest = self.speed_sq.saturating_sub(gain_sq(m.acceleration, left));
         if rest > 0 {
-            let after = speed(rest);
+            let after = speed_of(rest);
             let time = time_over(left, before.midpoint(after).max(1));
             let slow_share = fraction(2 * after, before + after);
             return (Phase { curve: Curve::Slowing, end: WHOLE, slow_share, time }, if m.rests { 0 } else { rest });

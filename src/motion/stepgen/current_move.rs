@@ -2,14 +2,11 @@
 //!
 //! There is one, which takes up move after move where it stands: copies of it would cost as much as the move.
 
-use crate::motion::moves::Move;
+use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::trajectory::phase::{Curve, Phase, phases};
 use crate::motion::trajectory::{AXES, LONGEST, Position, Trajectory};
 use crate::units::Steps;
 use heapless::Vec;
-
-/// From here on the 31 bits of a fraction of a move are too few for its time: 27 s, in ticks times 2^16.
-pub(in crate::motion) const LONG: u64 = 1 << 44;
 
 /// What of a move is laid.
 pub(in crate::motion) struct CurrentMove {
@@ -74,7 +71,7 @@ impl CurrentMove {
         let from = self.elapsed;
         let span = match phase.curve {
             _ if time == phase.time => phase,
-            Curve::Steady if phase.time >= LONG && time < left => phase.cut_evenly(self.begin, from, time),
+            Curve::Steady if phase.time >= LONG_TIME && time < left => phase.cut_evenly(self.begin, from, time),
             _ => phase.cut(self.begin, from, from + time),
         };
         let added = trajectory.least_time().saturating_sub(span.time);

@@ -3,7 +3,7 @@
 use super::brake::{Braking, PathPoint};
 use super::group_stepper::GroupStepper;
 use super::{StepGenerator, Task};
-use crate::motion::moves::Work;
+use crate::motion::work::Work;
 use crate::port::EndstopSet;
 use crate::units::Steps;
 

@@ -1,26 +1,16 @@
 //! Tracks: the way of one motor group along the trajectory, step by step.
 
-use super::step_time_buffer::{StepTimeBuffer, is_before};
+use super::step_time_buffer::StepTimeBuffer;
 use super::step_time_solver::{Endpoint, StepTimeSolver};
 use crate::kinematics::{Group, count_at};
 use crate::motion::number::{from_f32, ticks, time};
+use crate::motion::ticks::{FAR, NEAR, is_before};
 use crate::motion::trajectory::phase::Curve;
 use crate::motion::trajectory::{AxisState, Trajectory};
 use crate::units::Steps;
 
-/// Between the ticks of two pulses of a motor there are at least so many: 1.7 us. Motion at legal speeds is less dense
-/// (2 us); a motor that reverses within half a step can come near it.
-pub const MIN_STEP_INTERVAL: u64 = 17;
-
 /// Half a step.
 const HALF: i64 = 1 << 31;
-
-/// What rests is known to rest for so many ticks from now: 3 s, far longer than the longest span.
-const FAR: u32 = 1 << 25;
-
-/// Less than that: until when a group rests is only looked at when it is so near. Time passes in events of so many ticks
-/// where motors are under way for longer without a step.
-pub(in crate::motion) const NEAR: u32 = FAR / 2;
 
 /// A reversal this near to an end of a piece is none, in ticks.
 const LEAST_TIME: f32 = 2.0;

@@ -1,9 +1,9 @@
 //! Merging: the steps of all groups in the order of their ticks, as events.
 
 use super::StepGenerator;
-use super::step_time_buffer::{earlier, is_before};
 use crate::kinematics::Groups;
 use crate::motion::queue::PackedEvent;
+use crate::motion::ticks::{earlier, is_before};
 
 /// A step of the first and the second group.
 const OF_FIRST: u32 = PackedEvent::steps_of(0);

@@ -10,20 +10,19 @@
 
 mod alignment;
 mod brake;
-pub(in crate::motion) mod current_move;
+mod current_move;
 mod entries;
-pub(in crate::motion) mod group_stepper;
+mod group_stepper;
 mod merge;
-pub(in crate::motion) mod step_time_buffer;
+mod step_time_buffer;
 mod step_time_solver;
 
-pub use group_stepper::MIN_STEP_INTERVAL;
-
 use crate::kinematics::Groups;
-use crate::motion::moves::Entry;
 use crate::motion::queue::LONGEST_INTERVAL;
 use crate::motion::queue::{PackedEvent, StepsIn};
+use crate::motion::ticks::{NEAR, earlier};
 use crate::motion::trajectory::{Position, SpanMemory, Trajectory};
+use crate::motion::work::Entry;
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
@@ -31,9 +30,8 @@ use alignment::Alignment;
 use brake::Braking;
 use current_move::{CurrentMove, LastPhase};
 use entries::LayResult;
-use group_stepper::{GroupStepper, NEAR};
+use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
-use step_time_buffer::earlier;
 
 /// Events made in one call of [`StepGenerator::run`]: some 10,000 instructions, 0.1 ms at 125 million a second, after which
 /// the interrupts of the same priority get their turn.
@@ -85,7 +83,7 @@ pub struct StepGenerator<'m> {
 impl<'m> StepGenerator<'m> {
     /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. The
     /// Stepper is there already. It learns where the machine stands from the first
-    /// [`Work::Position`](crate::motion::moves::Work::Position).
+    /// [`Work::Position`](crate::motion::work::Work::Position).
     pub fn new(
         moves: Consumer<'m, Entry>,
         mut events: StepsIn<'m>,
@@ -276,8 +274,8 @@ impl<'m> StepGenerator<'m> {
 mod tests {
     use super::{BATCH, LEAST_ROOM, StepGenerator};
     use crate::kinematics::Groups;
-    use crate::motion::moves::{Entry, Work};
     use crate::motion::planner::{Planner, Target};
+    use crate::motion::work::{Entry, Work};
     use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
     use crate::port::EndstopSet;
     use crate::settings::Settings;

@@ -1,7 +1,8 @@
 //! Ahead: the ticks of a motor group's next steps, as far as they are known.
 
 use super::step_time_solver::StepTimeSolver;
-use crate::motion::MIN_STEP_INTERVAL;
+use crate::motion::queue::StepTimes;
+use crate::motion::ticks::{MIN_STEP_INTERVAL, is_before, later};
 
 /// Places for ticks, a power of two: 0.5 KiB a group. With 32 an event takes 13 instructions more, for rounds
 /// of events end most often because the steps known of one group do.
@@ -41,22 +42,27 @@ impl StepTimeReader<'_> {
         self.tick = self.ticks[self.next % SLOTS];
     }
 
-    /// So many are made; there must be so many.
+    /// Where the next one stands.
+    pub const fn reached(&self) -> usize {
+        self.next
+    }
+}
+
+impl StepTimes for StepTimeReader<'_> {
     #[inline(always)]
-    pub fn advance_by(&mut self, count: usize) {
+    fn tick(&self) -> u32 {
+        self.tick
+    }
+
+    #[inline(always)]
+    fn advance_by(&mut self, count: usize) {
         self.next += count;
         self.tick = self.ticks[self.next % SLOTS];
     }
 
-    /// The ticks that follow the next one's, whatever comes after the last step.
     #[inline(always)]
-    pub fn following(&self) -> &[u32] {
+    fn following(&self) -> &[u32] {
         self.ticks.split_at((self.next + 1).min(SLOTS)).1
-    }
-
-    /// Where the next one stands.
-    pub const fn reached(&self) -> usize {
-        self.next
     }
 }
 
@@ -150,23 +156,6 @@ impl StepTimeBuffer {
 /// The first tick at which there may be another pulse behind one.
 const fn after(tick: u32) -> u32 {
     tick.wrapping_add(MIN_STEP_INTERVAL as u32)
-}
-
-/// Whether a tick comes before another; they wrap.
-#[inline(always)]
-pub(in crate::motion) const fn is_before(a: u32, b: u32) -> bool {
-    (a.wrapping_sub(b) as i32) < 0
-}
-
-/// The earlier of two ticks.
-#[inline(always)]
-pub(in crate::motion) const fn earlier(a: u32, b: u32) -> u32 {
-    if is_before(a, b) { a } else { b }
-}
-
-/// The later of two ticks.
-const fn later(a: u32, b: u32) -> u32 {
-    if is_before(a, b) { b } else { a }
 }
 
 #[cfg(test)]

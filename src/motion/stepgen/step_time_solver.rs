@@ -21,10 +21,11 @@
 //!
 //! Where that is too much a stretch is shorter, in the end of a single crossing.
 
-use super::group_stepper::MIN_STEP_INTERVAL;
 use crate::motion::number::{root, ticks, to_f32};
+use crate::motion::ticks::MIN_STEP_INTERVAL;
 use crate::motion::trajectory::phase::Curve;
-use crate::units::Steps;
+use crate::settings::ranges::STEP_RATE;
+use crate::units::{Steps, TICKS_PER_SECOND};
 
 /// Where and how fast a piece begins or ends.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +61,12 @@ const LONGEST_RUN: f32 = (1 << (31 - FINE)) as f32;
 
 /// Where steps come at most this often, in steps a tick, no two pulses can come too close to each other: rounding and
 /// interpolation take less than 2 ticks of 19.
-const SPARSE: f32 = 1.0 / (MIN_STEP_INTERVAL + 2) as f32;
+const SPARSE: f32 = 1.0 / (MIN_STEP_INTERVAL + ROUNDING) as f32;
+
+/// Ticks by which rounding and interpolation may bring two steps nearer to each other.
+const ROUNDING: u64 = 2;
+// The greatest legal step rate is sparse, so that no step of it is ever late.
+const _: () = assert!((MIN_STEP_INTERVAL + ROUNDING) * STEP_RATE as u64 <= TICKS_PER_SECOND as u64);
 
 /// A piece is steady if the change of its speed shifts no step by more than a quarter of this, in ticks.
 const LEAST_SHIFT: f32 = 0.2;

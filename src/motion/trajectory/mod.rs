@@ -24,6 +24,7 @@ use span::ONE;
 /// Spans that are remembered; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
 /// shaper of 60 Hz with two humps takes 25. Longer ones stretch the time of so short moves.
 const SPANS: usize = 128;
+const _: () = assert!(SPANS.is_power_of_two());
 
 /// Memory for the spans.
 pub struct SpanMemory([Span; SPANS]);

@@ -1,7 +1,7 @@
 //! Phases: the parts of a move in which its speed rises, holds, or falls.
 
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::planner::profile::fraction;
+use crate::motion::ramps::fraction;
 use crate::units::{Steps, mul_div};
 use heapless::Vec;
 

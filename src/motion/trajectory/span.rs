@@ -8,6 +8,7 @@
 use super::phase::Curve;
 use crate::motion::moves::WHOLE;
 use crate::motion::number::{from_f32, ticks, to_f32};
+use crate::motion::ticks::FAR;
 use crate::units::Steps;
 
 /// Axes of the trajectory: x, y, z, e, and the advance, whose speed is the pressure that the extruder builds up.
@@ -18,6 +19,8 @@ pub(crate) const ADVANCE: usize = 4;
 
 /// Longest span, in ticks times 2^16: single precision is finer than a 20th of a tick in it.
 pub(crate) const LONGEST: u64 = (1 << 19) << 16;
+// What is known to rest must rest for longer, and a time of a span has less than 40 bits.
+const _: () = assert!(LONGEST < (FAR as u64) << 16 && LONGEST < 1 << 40);
 
 /// One in the fixed point of scales.
 pub(crate) const ONE: u32 = 1 << 30;
