@@ -34,6 +34,61 @@ pub type Ratio = U16F16;
 /// The one tick of every platform: 0.1 us. An STM32F446 counts it exactly, in 18 cycles of 180 MHz.
 pub const TICKS_PER_SECOND: u32 = 10_000_000;
 
+/// The square of a speed, in 2^-32 mm2/s2: that of a raw [`MmPerSec`]. Ramps and corners are laws of the square, and a
+/// square cannot be taken for the speed itself.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+#[repr(transparent)]
+pub struct SpeedSq(pub u64);
+
+impl SpeedSq {
+    /// At rest.
+    pub const ZERO: Self = Self(0);
+    /// No limit.
+    pub const MAX: Self = Self(u64::MAX);
+
+    /// The square of a speed.
+    #[must_use]
+    #[inline(always)]
+    pub const fn of(speed: MmPerSec) -> Self {
+        Self(speed.to_bits() as u64 * speed.to_bits() as u64)
+    }
+
+    /// The sum, at most [`MAX`](Self::MAX).
+    #[must_use]
+    #[inline(always)]
+    pub const fn saturating_add(self, gain: Self) -> Self {
+        Self(self.0.saturating_add(gain.0))
+    }
+
+    /// What is left of it, at least 0.
+    #[must_use]
+    #[inline(always)]
+    pub const fn saturating_sub(self, loss: Self) -> Self {
+        Self(self.0.saturating_sub(loss.0))
+    }
+
+    /// The sum, which wraps.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_add(self, gain: Self) -> Self {
+        Self(self.0.wrapping_add(gain.0))
+    }
+
+    /// The difference of two sums that have wrapped.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_sub(self, other: Self) -> Self {
+        Self(self.0.wrapping_sub(other.0))
+    }
+
+    /// By how much the two differ.
+    #[must_use]
+    #[inline(always)]
+    pub const fn abs_diff(self, other: Self) -> Self {
+        Self(self.0.abs_diff(other.0))
+    }
+}
+
 /// Ticks in a millisecond.
 pub const TICKS_PER_MS: u32 = TICKS_PER_SECOND / 1000;
 

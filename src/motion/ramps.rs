@@ -4,27 +4,27 @@
 
 use super::moves::WHOLE;
 use super::number::{acceleration, from_bits, root_of, to_bits};
-use crate::units::MmPerSec2;
+use crate::units::{MmPerSec2, SpeedSq};
 
 /// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
 #[must_use]
-pub(in crate::motion) const fn gain_sq(a: MmPerSec2, length: u64) -> u64 {
+pub(in crate::motion) const fn gain_sq(a: MmPerSec2, length: u64) -> SpeedSq {
     // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7; in two halves, to save its upper 64 bits.
     let a = a.to_bits() as u64;
     let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
-    if high >> 38 != 0 { u64::MAX } else { (high << 25).saturating_add(low) }
+    if high >> 38 != 0 { SpeedSq::MAX } else { SpeedSq((high << 25).saturating_add(low)) }
 }
 
 /// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
 /// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
-pub(in crate::motion) fn speed_of(speed_sq: u64) -> u64 {
-    let shift = speed_sq.leading_zeros() & !1;
-    if speed_sq == 0 { 0 } else { (u64::from(root_of(speed_sq << shift)) << 16) >> (shift / 2) }
+pub(in crate::motion) fn speed_of(SpeedSq(square): SpeedSq) -> u64 {
+    let shift = square.leading_zeros() & !1;
+    if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
 }
 
 /// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
-pub(in crate::motion) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
-    to_bits(from_bits(change) / (acceleration(a) * 2.0))
+pub(in crate::motion) fn ramp_length(change: SpeedSq, a: MmPerSec2) -> u64 {
+    to_bits(from_bits(change.0) / (acceleration(a) * 2.0))
 }
 
 /// `part / whole`, scaled by [`WHOLE`].

@@ -21,6 +21,7 @@ use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
 use crate::motion::number::{from_bits, root, speed, to_bits};
 use crate::settings::{CornerRule, Settings};
+use crate::units::SpeedSq;
 use core::f32::consts::SQRT_2;
 
 /// Half an angle with less than this is that of a way back: directions have 30 bits.
@@ -71,11 +72,15 @@ pub(in crate::motion) fn junction_speed_sq(
     curvature: &mut PathCurvature,
     accel_limits: &AccelLimits<'_>,
     s: &Settings,
-) -> u64 {
+) -> SpeedSq {
     if before.is_extruder_only() || after.is_extruder_only() {
         // The tool stands still in one of the two, and which way it came is of no account any more.
         *curvature = PathCurvature::default();
-        return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
+        return if before.is_extruder_only() && after.is_extruder_only() {
+            extruder_only(before, after)
+        } else {
+            SpeedSq::ZERO
+        };
     }
     let mut most = bend(before, after, curvature, accel_limits, s);
     let jump = (before.extrusion - after.extrusion).abs();
@@ -83,7 +88,7 @@ pub(in crate::motion) fn junction_speed_sq(
         let jerk = speed(s.extruder_jerk) / jump;
         most = least(most, jerk * jerk);
     }
-    to_bits(most)
+    SpeedSq(to_bits(most))
 }
 
 /// The greatest speed squared, in mm2/s2, at which the tool may turn from `before` to `after`.
@@ -173,8 +178,8 @@ fn square([x, y, z]: [f32; 3]) -> f32 {
 }
 
 /// Two retractions in a row are one if they go the same way.
-fn extruder_only(before: &Geometry, after: &Geometry) -> u64 {
-    if (before.extrusion < 0.0) == (after.extrusion < 0.0) { u64::MAX } else { 0 }
+fn extruder_only(before: &Geometry, after: &Geometry) -> SpeedSq {
+    if (before.extrusion < 0.0) == (after.extrusion < 0.0) { SpeedSq::MAX } else { SpeedSq::ZERO }
 }
 
 #[cfg(test)]
@@ -196,7 +201,7 @@ mod tests {
     ) -> u64 {
         let limits = &Limits::of_acceleration(s);
         let accel_limits = AccelLimits { acceleration: acceleration(a), max_speed: 300.0, limits, belts: &belts(s) };
-        junction_speed_sq(before, after, curvature, &accel_limits, s)
+        junction_speed_sq(before, after, curvature, &accel_limits, s).0
     }
 
     fn heading(degrees: f64) -> Geometry {

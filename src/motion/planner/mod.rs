@@ -21,7 +21,7 @@ use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::number::acceleration;
 use crate::port::EndstopSet;
 use crate::settings::Settings;
-use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, Steps};
+use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
 use geometry::{Belts, Geometry, Limits, Shares};
 use junction::{AccelLimits, junction_speed_sq};
 use overrides::Override;
@@ -64,7 +64,7 @@ pub struct Planner<'m> {
     /// The last move, for the corner to the next.
     last: Geometry,
     /// The speed squared that it passes on.
-    pub(in crate::motion) last_exit_limit_sq: u64,
+    pub(in crate::motion) last_exit_limit_sq: SpeedSq,
     /// How the path bends there.
     path_curvature: PathCurvature,
     /// Nominal time of the moves in the window, in ticks.
@@ -89,7 +89,7 @@ impl<'m> Planner<'m> {
             end: [Steps::ZERO; 4],
             asked: position,
             last: Geometry::new([0; 4]),
-            last_exit_limit_sq: 0,
+            last_exit_limit_sq: SpeedSq::ZERO,
             path_curvature: PathCurvature::default(),
             waiting: 0,
             wanted: Override::NONE,
@@ -183,7 +183,7 @@ impl<'m> Planner<'m> {
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
             max_speed: MmPerSec::from_bits((max_speed * 65536.0) as u32),
             junction_sq,
-            max_entry_sq: 0,
+            max_entry_sq: SpeedSq::ZERO,
             cumulative_gain_sq: self.window.total_gain_sq(),
             frozen_exit_sq: NOT_FROZEN,
             nominal_ticks: 0,

@@ -1,10 +1,12 @@
 //! How far the passes over the look-ahead have come; see [`passes`](super::passes).
 
+use crate::units::SpeedSq;
+
 /// How far the rounds have come.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Passes {
     /// The index of the next move to plan anew, and the speed squared that the one before it passes on.
-    pub replan: Option<(usize, u64)>,
+    pub replan: Option<(usize, SpeedSq)>,
     pub frozen: Cursor,
     pub counted: FinalCount,
 }
@@ -13,7 +15,7 @@ pub(in crate::motion) struct Passes {
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Cursor {
     pub index: usize,
-    pub entry_sq: u64,
+    pub entry_sq: SpeedSq,
 }
 
 /// The moves that are final, as far as is known.
@@ -29,7 +31,7 @@ pub(in crate::motion) struct FinalCount {
 impl Cursor {
     /// The first move leaves, with that speed squared at its end.
     #[inline(always)]
-    pub const fn pop(&mut self, exit_sq: u64) {
+    pub const fn pop(&mut self, exit_sq: SpeedSq) {
         match self.index {
             0 => self.entry_sq = exit_sq,
             _ => self.index -= 1,
@@ -39,17 +41,21 @@ impl Cursor {
 
 impl FinalCount {
     /// None; motion goes on with that speed squared.
-    pub const fn new(front_sq: u64) -> Self {
+    pub const fn new(front_sq: SpeedSq) -> Self {
         Self { next: Cursor { index: 0, entry_sq: front_sq }, ticks: 0, is_done: false }
     }
 }
 
 impl Passes {
     /// Nothing to do.
-    pub const NONE: Self = Self { replan: None, frozen: Cursor { index: 0, entry_sq: 0 }, counted: FinalCount::new(0) };
+    pub const NONE: Self = Self {
+        replan: None,
+        frozen: Cursor { index: 0, entry_sq: SpeedSq::ZERO },
+        counted: FinalCount::new(SpeedSq::ZERO),
+    };
 
     /// Moves were made to leave, the first of which is entered with that speed squared.
-    pub const fn begin_freeze(&mut self, front_sq: u64) {
+    pub const fn begin_freeze(&mut self, front_sq: SpeedSq) {
         self.frozen = Cursor { index: 0, entry_sq: front_sq };
     }
 }

@@ -12,6 +12,7 @@
 use super::pass_progress::{Cursor, FinalCount, Passes};
 use super::planned::{NOT_FROZEN, Planned};
 use super::window::Window;
+use crate::units::SpeedSq;
 
 /// Moves of one part of a round; a turn of the Console may do two parts.
 const PART: usize = 5;
@@ -20,7 +21,7 @@ impl Window<'_> {
     /// All moves are to be planned anew. None is settled any more, and none is made to leave.
     pub fn begin_replan(&mut self) {
         (self.forced, self.is_stuck, self.passes) = (0, false, Passes::NONE);
-        self.passes.replan = (self.len > 0).then_some((0, u64::MAX));
+        self.passes.replan = (self.len > 0).then_some((0, SpeedSq::MAX));
         self.passes.counted = FinalCount::new(self.front_sq);
         self.minima.clear();
     }
@@ -65,7 +66,7 @@ impl Window<'_> {
         let mut least = 0;
         for index in begin..end {
             least = self.first_minimum_after(index, least);
-            let planned = self.exit_sq(index, entry_sq, least).map_or(0, |(exit_sq, _)| exit_sq);
+            let planned = self.exit_sq(index, entry_sq, least).map_or(SpeedSq::ZERO, |(exit_sq, _)| exit_sq);
             let slot = self.slot(index);
             let Some(this) = self.moves.get_mut(slot) else { break };
             if this.frozen_exit_sq == NOT_FROZEN {

@@ -3,7 +3,7 @@
 use super::profile::MoveSpec;
 use crate::motion::number::{from_bits, speed};
 use crate::motion::ramps::gain_sq;
-use crate::units::{MmPerSec, Seconds, TICKS_PER_SECOND};
+use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 
 /// Moves that leave when the window is full and the first is not final: some at a time, so that the queue behind has
 /// enough while the window fills again.
@@ -15,11 +15,11 @@ pub const WINDOW: usize = 128 + FORCED_BATCH;
 const _: () = assert!(WINDOW < 256);
 
 /// The most that a move counts to gain: as much as 3,400 mm/s from rest. The sum over a full window then fits 63 bits.
-const MOST_GAIN_SQ: u64 = 50_000_000_000_000_000;
-const _: () = assert!(MOST_GAIN_SQ <= i64::MAX as u64 / WINDOW as u64);
+const MOST_GAIN_SQ: SpeedSq = SpeedSq(50_000_000_000_000_000);
+const _: () = assert!(MOST_GAIN_SQ.0 <= i64::MAX as u64 / WINDOW as u64);
 
 /// No speed is settled.
-pub(in crate::motion) const NOT_FROZEN: u64 = u64::MAX;
+pub(in crate::motion) const NOT_FROZEN: SpeedSq = SpeedSq::MAX;
 
 /// A move in the window.
 #[derive(Clone, Copy, Debug)]
@@ -30,13 +30,13 @@ pub(in crate::motion) struct Planned {
     /// The fastest that axes and motors let it be.
     pub max_speed: MmPerSec,
     /// Greatest speed squared that the corner before it allows.
-    pub junction_sq: u64,
+    pub junction_sq: SpeedSq,
     /// Greatest speed squared at that corner, by the nominal speeds of the two moves too.
-    pub max_entry_sq: u64,
+    pub max_entry_sq: SpeedSq,
     /// G of the window's formula, wrapping.
-    pub cumulative_gain_sq: u64,
+    pub cumulative_gain_sq: SpeedSq,
     /// Speed squared at its end, if that was settled when it was made to leave, else [`NOT_FROZEN`].
-    pub frozen_exit_sq: u64,
+    pub frozen_exit_sq: SpeedSq,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
     /// The advance that its filament needs.
@@ -50,37 +50,37 @@ impl Planned {
         spec: MoveSpec::NONE,
         feed: MmPerSec::ZERO,
         max_speed: MmPerSec::ZERO,
-        junction_sq: 0,
-        max_entry_sq: 0,
-        cumulative_gain_sq: 0,
-        frozen_exit_sq: 0,
+        junction_sq: SpeedSq::ZERO,
+        max_entry_sq: SpeedSq::ZERO,
+        cumulative_gain_sq: SpeedSq::ZERO,
+        frozen_exit_sq: SpeedSq::ZERO,
         nominal_ticks: 0,
         advance: Seconds::ZERO,
     };
 
     /// What it can gain of speed squared.
     #[inline(always)]
-    pub fn gain_sq(&self) -> u64 {
+    pub fn gain_sq(&self) -> SpeedSq {
         gain_sq(self.spec.acceleration, self.spec.length).min(MOST_GAIN_SQ)
     }
 
     /// `cap + G` of the window's formula.
     #[inline(always)]
-    pub fn bound_sq(&self) -> u64 {
+    pub fn bound_sq(&self) -> SpeedSq {
         self.max_entry_sq.wrapping_add(self.cumulative_gain_sq)
     }
 
     /// The nominal speed squared.
     #[inline(always)]
-    fn nominal_sq(&self) -> u64 {
-        u64::from(self.spec.nominal.to_bits()) * u64::from(self.spec.nominal.to_bits())
+    fn nominal_sq(&self) -> SpeedSq {
+        SpeedSq::of(self.spec.nominal)
     }
 
     /// The speed squared above which the corner behind it must not be; none at all behind a move that an endstop may
     /// end.
     #[inline(always)]
-    pub fn exit_limit_sq(&self) -> u64 {
-        if self.spec.watch.is_empty() { self.nominal_sq() } else { 0 }
+    pub fn exit_limit_sq(&self) -> SpeedSq {
+        if self.spec.watch.is_empty() { self.nominal_sq() } else { SpeedSq::ZERO }
     }
 
     /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
@@ -94,11 +94,11 @@ impl Planned {
 
     /// Takes a new cap behind a move that passes on `before`.
     #[inline(always)]
-    pub fn limit_entry(&mut self, previous_exit_limit_sq: u64) {
+    pub fn limit_entry(&mut self, previous_exit_limit_sq: SpeedSq) {
         self.max_entry_sq = if self.spec.watch.is_empty() {
             self.junction_sq.min(previous_exit_limit_sq).min(self.nominal_sq())
         } else {
-            0
+            SpeedSq::ZERO
         };
     }
 }

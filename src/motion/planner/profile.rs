@@ -11,7 +11,7 @@ use crate::motion::moves::{LONG_TIME, Move, WHOLE};
 use crate::motion::number::{acceleration, from_bits, root, to_bits};
 use crate::motion::ramps::gain_sq;
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec, MmPerSec2, Ratio, Steps, TICKS_PER_SECOND};
+use crate::units::{MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, TICKS_PER_SECOND};
 
 /// Ticks as a time in ticks times 2^16.
 fn to_time(ticks: f32) -> u64 {
@@ -72,24 +72,28 @@ impl MoveSpec {
 /// in mm/s; that of the entry is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` but for rounding.
 #[must_use]
 #[inline(always)]
-pub(in crate::motion) fn profile(spec: &MoveSpec, (entry_sq, entry_speed): (u64, f32), exit_sq: u64) -> (Move, f32) {
+pub(in crate::motion) fn profile(
+    spec: &MoveSpec,
+    (entry_sq, entry_speed): (SpeedSq, f32),
+    exit_sq: SpeedSq,
+) -> (Move, f32) {
     let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, watch } = *spec;
-    let nominal_sq = u64::from(nominal.to_bits()) * u64::from(nominal.to_bits());
-    let meet_sq = entry_sq / 2 + exit_sq / 2 + gain_sq(a, max_ramp_length) / 2;
+    let nominal_sq = SpeedSq::of(nominal);
+    let meet_sq = SpeedSq(entry_sq.0 / 2 + exit_sq.0 / 2 + gain_sq(a, max_ramp_length).0 / 2);
     let brakes_first = entry_sq > nominal_sq;
-    let least_sq = if brakes_first { 1 } else { entry_sq.max(1) };
+    let least_sq = if brakes_first { SpeedSq(1) } else { entry_sq.max(SpeedSq(1)) };
     let peak_sq = nominal_sq.min(meet_sq).max(exit_sq).max(least_sq);
     let size = from_bits(length);
     let twice_a = acceleration(a) * 2.0;
-    let exit_speed = if exit_sq == entry_sq { entry_speed } else { root(from_bits(exit_sq)) };
+    let exit_speed = if exit_sq == entry_sq { entry_speed } else { root(from_bits(exit_sq.0)) };
     // In the middle of a long ramp the peak is one of the ends, and its root known.
     let peak_speed = match peak_sq {
         _ if peak_sq == exit_sq => exit_speed,
         _ if peak_sq == entry_sq => entry_speed,
-        _ => root(from_bits(peak_sq)),
+        _ => root(from_bits(peak_sq.0)),
     };
     let rise = Ramp::new(peak_sq.abs_diff(entry_sq), twice_a, entry_speed, peak_speed);
-    let fall = Ramp::new(peak_sq - exit_sq, twice_a, exit_speed, peak_speed);
+    let fall = Ramp::new(peak_sq.wrapping_sub(exit_sq), twice_a, exit_speed, peak_speed);
     // In integers, for a cruise may be long.
     let level = length.saturating_sub(to_bits(rise.length)).saturating_sub(to_bits(fall.length));
     let scale = const { WHOLE as f32 } / size;
@@ -118,7 +122,7 @@ pub(in crate::motion) fn profile(spec: &MoveSpec, (entry_sq, entry_speed): (u64,
         acceleration: a,
         advance: Steps::ZERO,
         brakes_first,
-        rests: exit_sq == 0,
+        rests: exit_sq == SpeedSq::ZERO,
         watch,
     };
     (planned, exit_speed)
@@ -153,16 +157,16 @@ impl Ramp {
     /// time is its length over the mean of the two, in which nothing cancels; the difference of two roots would. Neither
     /// does it in its share: of two speeds that are nearly the same it is one less their difference.
     #[inline(always)]
-    fn new(change: u64, twice_a: f32, end: f32, peak: f32) -> Self {
+    fn new(change: SpeedSq, twice_a: f32, end: f32, peak: f32) -> Self {
         let sum = end + peak;
         let slow = if end < peak { end } else { peak };
-        let gain = from_bits(change);
+        let gain = from_bits(change.0);
         let share = if slow * 3.0 <= sum {
             ((slow + slow) / sum * const { WHOLE as f32 }) as u32
         } else {
             WHOLE.saturating_sub((gain / (sum * sum) * const { WHOLE as f32 }) as u32)
         };
-        if change == 0 {
+        if change == SpeedSq::ZERO {
             return Self { length: 0.0, time: 0, share };
         }
         let length = gain / twice_a;
@@ -175,8 +179,8 @@ mod tests {
     use super::*;
     use crate::units::Mm;
 
-    fn sq(v: f64) -> u64 {
-        (v * v * 2f64.powi(32)) as u64
+    fn sq(v: f64) -> SpeedSq {
+        SpeedSq((v * v * 2f64.powi(32)) as u64)
     }
 
     fn seconds(t: u64) -> f64 {

@@ -21,11 +21,11 @@ use super::pass_progress::{FinalCount, Passes};
 use super::planned::{MoveMemory, NOT_FROZEN, Planned, WINDOW};
 use super::profile::profile;
 use crate::motion::moves::Move;
-use crate::units::{Seconds, Steps};
+use crate::units::{Seconds, SpeedSq, Steps};
 
 /// Whether `a` is less than `b`, both of which wrap.
-const fn is_less(a: u64, b: u64) -> bool {
-    (a.wrapping_sub(b) as i64) < 0
+const fn is_less(a: SpeedSq, b: SpeedSq) -> bool {
+    (a.wrapping_sub(b).0 as i64) < 0
 }
 
 /// Places of the moves whose corners are less than all behind them, in `cap + G`; in order.
@@ -58,13 +58,13 @@ pub(in crate::motion) struct Window<'m> {
     first: usize,
     pub(in crate::motion) len: usize,
     /// G behind the last move.
-    total_gain_sq: u64,
+    total_gain_sq: SpeedSq,
     /// So many moves leave though they may not be final.
     pub(in crate::motion) forced: usize,
     /// The first move may not leave, until it is made to or something else changes.
     pub(in crate::motion) is_stuck: bool,
     /// Speed squared at the end of the last move that left.
-    pub(in crate::motion) front_sq: u64,
+    pub(in crate::motion) front_sq: SpeedSq,
     /// That speed, in mm/s.
     front_speed: f32,
     pub(in crate::motion) passes: Passes,
@@ -79,10 +79,10 @@ impl<'m> Window<'m> {
             minima,
             first: 0,
             len: 0,
-            total_gain_sq: 0,
+            total_gain_sq: SpeedSq::ZERO,
             forced: 0,
             is_stuck: false,
-            front_sq: 0,
+            front_sq: SpeedSq::ZERO,
             front_speed: 0.0,
             passes: Passes::NONE,
         }
@@ -122,7 +122,7 @@ impl<'m> Window<'m> {
 
     /// G behind the last move.
     #[inline(always)]
-    pub const fn total_gain_sq(&self) -> u64 {
+    pub const fn total_gain_sq(&self) -> SpeedSq {
         self.total_gain_sq
     }
 
@@ -142,7 +142,7 @@ impl<'m> Window<'m> {
     }
 
     /// Notes the corner before a move, behind which there is none yet.
-    pub(in crate::motion) fn add_minimum(&mut self, slot: usize, bound_sq: u64) {
+    pub(in crate::motion) fn add_minimum(&mut self, slot: usize, bound_sq: SpeedSq) {
         while self.minima.len() > 0 {
             let last = self.minima.get(self.minima.len() - 1);
             if last.is_some_and(|other| is_less(self.bound_sq(other), bound_sq)) {
@@ -157,16 +157,16 @@ impl<'m> Window<'m> {
     }
 
     /// `cap + G` of the move in that slot.
-    fn bound_sq(&self, slot: usize) -> u64 {
-        self.moves.get(slot).map_or(0, Planned::bound_sq)
+    fn bound_sq(&self, slot: usize) -> SpeedSq {
+        self.moves.get(slot).map_or(SpeedSq::ZERO, Planned::bound_sq)
     }
 
     /// Forgets every move; the machine stands.
     pub fn clear(&mut self) {
         self.minima.clear();
-        (self.len, self.total_gain_sq, self.forced, self.passes) = (0, 0, 0, Passes::NONE);
+        (self.len, self.total_gain_sq, self.forced, self.passes) = (0, SpeedSq::ZERO, 0, Passes::NONE);
         self.is_stuck = false;
-        (self.front_sq, self.front_speed) = (0, 0.0);
+        (self.front_sq, self.front_speed) = (SpeedSq::ZERO, 0.0);
     }
 
     /// Which of the minima is the least corner behind the move of that index, given one that is none behind it. They stand in
@@ -181,14 +181,14 @@ impl<'m> Window<'m> {
 
     /// The greatest speed squared behind the move of that index, which is entered with `entry`, and whether that is final;
     /// `None` if no move is behind it.
-    pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: u64, least: u8) -> Option<(u64, bool)> {
+    pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: SpeedSq, least: u8) -> Option<(SpeedSq, bool)> {
         let (this, next) = (self.get(index)?, self.get(index + 1)?);
         Some(self.exit_sq_between(this, next, entry_sq, self.minima.get(least)?))
     }
 
     /// The same between two moves, given the slot of the least corner behind the first one.
     #[inline(always)]
-    fn exit_sq_between(&self, this: &Planned, next: &Planned, entry_sq: u64, least: usize) -> (u64, bool) {
+    fn exit_sq_between(&self, this: &Planned, next: &Planned, entry_sq: SpeedSq, least: usize) -> (SpeedSq, bool) {
         let bound_sq = self.bound_sq(least).wrapping_sub(next.cumulative_gain_sq);
         let reach = entry_sq.saturating_add(next.cumulative_gain_sq.wrapping_sub(this.cumulative_gain_sq));
         let (known, end) = (bound_sq.min(reach), self.total_gain_sq.wrapping_sub(next.cumulative_gain_sq));
@@ -197,7 +197,7 @@ impl<'m> Window<'m> {
 
     /// The same behind the first move.
     #[inline(always)]
-    fn first_exit_sq(&self) -> Option<(u64, bool)> {
+    fn first_exit_sq(&self) -> Option<(SpeedSq, bool)> {
         if self.len < 2 {
             return None;
         }
@@ -242,7 +242,7 @@ impl<'m> Window<'m> {
         let exit_sq = match exit {
             Some((exit, _)) if planned.frozen_exit_sq == NOT_FROZEN => exit,
             Some(_) => planned.frozen_exit_sq,
-            None => 0,
+            None => SpeedSq::ZERO,
         };
         let (mut released, exit_speed) = profile(&planned.spec, (self.front_sq, self.front_speed), exit_sq);
         released.rests = exit.is_none();

@@ -1,4 +1,4 @@
-//! Braking where it was not planned: from any point of a move to rest, along the path.
+//! Braking where it was not planned: from any point of a move to left_sq, along the path.
 //!
 //! The tool slows down with the acceleration of the move it is in, so it is nowhere faster than planned, and enters
 //! every corner at most as fast as planned. Where a move is too short the next one goes on from the speed that is
@@ -9,7 +9,7 @@ use super::{StepGenerator, Task};
 use crate::motion::moves::{Move, WHOLE};
 use crate::motion::ramps::{fraction, gain_sq, ramp_length, speed_of};
 use crate::motion::trajectory::phase::{Curve, Phase};
-use crate::units::{TICKS_PER_SECOND, mul_div};
+use crate::units::{SpeedSq, TICKS_PER_SECOND, mul_div};
 
 /// Events are made this far ahead, in ticks, and no farther: 10 ms, as long as a full queue lasts at the greatest
 /// speed. What is made cannot be braked any more.
@@ -18,13 +18,13 @@ const AHEAD: u32 = 100_000;
 /// So many events are made ahead however long they take.
 const LEAST_AHEAD: usize = 4;
 
-/// Whether motion is to come to rest.
+/// Whether motion is to come to left_sq.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Braking {
     No,
     /// It slows down. The next move begins with this speed squared.
-    Slowing(u64),
-    /// It has come to rest, and the rest of the epoch's work is dropped.
+    Slowing(SpeedSq),
+    /// It has come to left_sq, and the rest of the epoch's work is dropped.
     Done,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct PathPoint {
     /// The fraction of the move behind.
     pub covered: u32,
     /// Speed squared, in raw bits of 2^-32 mm2/s2.
-    pub speed_sq: u64,
+    pub speed_sq: SpeedSq,
 }
 
 /// Time over `length` (raw `Mm` bits) at a mean speed (2^-32 mm/s), in ticks times 2^16.
@@ -52,7 +52,7 @@ impl PathPoint {
         let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
         let speed = mul_div(mean, pace, whole) >> 16;
         let covered = begin + (share * way / whole) as u32;
-        Self { covered: covered.min(WHOLE), speed_sq: speed.saturating_mul(speed) }
+        Self { covered: covered.min(WHOLE), speed_sq: SpeedSq(speed.saturating_mul(speed)) }
     }
 
     /// At the end of a move.
@@ -62,20 +62,23 @@ impl PathPoint {
 
     /// Brakes from here on: the phase to play, and the speed squared that is left at its end, which is that of the
     /// move then.
-    pub fn brake(self, m: &Move) -> (Phase, u64) {
+    pub fn brake(self, m: &Move) -> (Phase, SpeedSq) {
         let left = mul_div(m.length, u64::from(WHOLE - self.covered), u64::from(WHOLE));
         let before = speed_of(self.speed_sq);
-        let rest = self.speed_sq.saturating_sub(gain_sq(m.acceleration, left));
-        if rest > 0 {
-            let after = speed_of(rest);
+        let left_sq = self.speed_sq.saturating_sub(gain_sq(m.acceleration, left));
+        if left_sq > SpeedSq::ZERO {
+            let after = speed_of(left_sq);
             let time = time_over(left, before.midpoint(after).max(1));
             let slow_share = fraction(2 * after, before + after);
-            return (Phase { curve: Curve::Slowing, end: WHOLE, slow_share, time }, if m.rests { 0 } else { rest });
+            return (
+                Phase { curve: Curve::Slowing, end: WHOLE, slow_share, time },
+                if m.rests { SpeedSq::ZERO } else { left_sq },
+            );
         }
         let length = ramp_length(self.speed_sq, m.acceleration).min(left);
         let way = mul_div(length, u64::from(WHOLE), m.length).min(u64::from(WHOLE - self.covered)) as u32;
         let time = time_over(length, (before / 2).max(1));
-        (Phase { curve: Curve::Slowing, end: self.covered + way, slow_share: 0, time }, 0)
+        (Phase { curve: Curve::Slowing, end: self.covered + way, slow_share: 0, time }, SpeedSq::ZERO)
     }
 }
 
@@ -91,9 +94,9 @@ impl StepGenerator<'_> {
     }
 
     /// The next move begins with this speed squared.
-    pub(super) fn continue_brake(&mut self, rest: u64) {
-        self.braking = if rest > 0 { Braking::Slowing(rest) } else { Braking::Done };
-        if rest == 0 && !matches!(self.task, Task::ComingToRest(_)) {
+    pub(super) fn continue_brake(&mut self, left_sq: SpeedSq) {
+        self.braking = if left_sq > SpeedSq::ZERO { Braking::Slowing(left_sq) } else { Braking::Done };
+        if left_sq == SpeedSq::ZERO && !matches!(self.task, Task::ComingToRest(_)) {
             // A move may still be on its way out, though nothing of it is left to be laid.
             self.task = Task::ComingToRest(false);
         }
@@ -118,20 +121,20 @@ impl StepGenerator<'_> {
             Task::Nothing => self.continue_brake(self.speed_sq_after_last()),
             Task::Dwell(_) => {
                 self.finish();
-                self.continue_brake(0);
+                self.continue_brake(SpeedSq::ZERO);
             }
             Task::Brake(_) | Task::ComingToRest(_) => {}
         }
     }
 
-    fn speed_sq_after_last(&self) -> u64 {
-        self.last_phase.map_or(0, |last_phase| PathPoint::at_end_of(&last_phase).speed_sq)
+    fn speed_sq_after_last(&self) -> SpeedSq {
+        self.last_phase.map_or(SpeedSq::ZERO, |last_phase| PathPoint::at_end_of(&last_phase).speed_sq)
     }
 
     /// Goes on with the phase that brakes the move in the course from `point` on.
     pub(super) fn brake(&mut self, point: PathPoint) {
-        let (phase, rest) = point.brake(&self.current_move.m);
+        let (phase, left_sq) = point.brake(&self.current_move.m);
         self.current_move.replace_by(phase, point.covered);
-        self.task = Task::Brake(rest);
+        self.task = Task::Brake(left_sq);
     }
 }

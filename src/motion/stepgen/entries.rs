@@ -5,7 +5,7 @@ use super::group_stepper::GroupStepper;
 use super::{StepGenerator, Task};
 use crate::motion::work::Work;
 use crate::port::EndstopSet;
-use crate::units::Steps;
+use crate::units::{SpeedSq, Steps};
 
 /// Whether there was more to lay.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -40,14 +40,14 @@ impl StepGenerator<'_> {
                         self.finish();
                     }
                 }
-                Task::Brake(rest) => {
+                Task::Brake(left_sq) => {
                     self.position = self.trajectory.end().position;
-                    if rest == 0 {
+                    if left_sq == SpeedSq::ZERO {
                         self.task = Task::ComingToRest(true);
                     } else {
                         self.finish();
                     }
-                    self.continue_brake(rest);
+                    self.continue_brake(left_sq);
                 }
                 Task::ComingToRest(_) | Task::Dwell(_) => return LayResult::AtRest,
                 Task::Nothing => {

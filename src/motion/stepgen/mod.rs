@@ -26,6 +26,7 @@ use crate::motion::work::Entry;
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
+use crate::units::SpeedSq;
 use alignment::Alignment;
 use brake::Braking;
 use current_move::{CurrentMove, LastPhase};
@@ -46,7 +47,7 @@ enum Task {
     /// The move in the course is being laid.
     Move,
     /// It is being braked, and this speed squared is left at its end.
-    Brake(u64),
+    Brake(SpeedSq),
     /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
     ComingToRest(bool),
     /// Time without motion, up to then.
