@@ -89,6 +89,72 @@ impl SpeedSq {
     }
 }
 
+/// Motion time, or a length of it, in ticks times 2^16; 64 bits, so it never wraps. Only the step event itself is rounded to
+/// a whole tick.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+#[repr(transparent)]
+pub struct SubTicks(pub u64);
+
+impl SubTicks {
+    /// No time.
+    pub const ZERO: Self = Self(0);
+    /// Never.
+    pub const MAX: Self = Self(u64::MAX);
+
+    /// So many whole ticks.
+    #[must_use]
+    #[inline(always)]
+    pub const fn of_ticks(ticks: u64) -> Self {
+        Self(ticks << 16)
+    }
+
+    /// Whole ticks, cut off.
+    #[must_use]
+    #[inline(always)]
+    pub const fn whole_ticks(self) -> u64 {
+        self.0 >> 16
+    }
+
+    /// The tick nearest to it.
+    #[must_use]
+    #[inline(always)]
+    pub const fn nearest_tick(self) -> u64 {
+        self.0.saturating_add(1 << 15) >> 16
+    }
+
+    /// What is left of it, at least none.
+    #[must_use]
+    #[inline(always)]
+    pub const fn saturating_sub(self, earlier: Self) -> Self {
+        Self(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl core::ops::Add for SubTicks {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl core::ops::AddAssign for SubTicks {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.0 += other.0;
+    }
+}
+
+impl core::ops::Sub for SubTicks {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
 /// Ticks in a millisecond.
 pub const TICKS_PER_MS: u32 = TICKS_PER_SECOND / 1000;
 

@@ -1,13 +1,13 @@
 //! Moves: what the planner releases and the generator steps. A released move never changes.
 
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec2, Steps};
+use crate::units::{MmPerSec2, Steps, SubTicks};
 
 /// One in the fixed point of fractions of a move.
 pub const WHOLE: u32 = 1 << 31;
 
 /// From here on the 31 bits of a fraction of a move are too few for its time: 27 s, in ticks times 2^16.
-pub(in crate::motion) const LONG_TIME: u64 = 1 << 44;
+pub(in crate::motion) const LONG_TIME: SubTicks = SubTicks(1 << 44);
 
 /// A straight move with a trapezoid of speed: its distance is cut in three phases, each with its time.
 ///
@@ -25,11 +25,11 @@ pub struct Move {
     /// The part of the decelerating phase that its exit speed alone would cover in its time.
     pub exit_share: u32,
     /// Time of the first phase, which accelerates unless the move [brakes first](Self::brakes_first).
-    pub accelerate: u64,
+    pub accelerate: SubTicks,
     /// Time of the cruising phase.
-    pub cruise: u64,
+    pub cruise: SubTicks,
     /// Time of the decelerating phase.
-    pub decelerate: u64,
+    pub decelerate: SubTicks,
     /// Length of its path, in raw `Mm` bits; of the filament if the tool does not move.
     pub length: u64,
     /// Acceleration of its ramps, with which it also brakes where it was not planned.
@@ -52,9 +52,9 @@ impl Move {
         cruised: 0,
         entry_share: 0,
         exit_share: 0,
-        accelerate: 0,
-        cruise: 0,
-        decelerate: 0,
+        accelerate: SubTicks::ZERO,
+        cruise: SubTicks::ZERO,
+        decelerate: SubTicks::ZERO,
         length: 0,
         acceleration: MmPerSec2::ZERO,
         advance: Steps::ZERO,
@@ -65,7 +65,7 @@ impl Move {
 
     /// How long it takes, in ticks times 2^16.
     #[must_use]
-    pub const fn time(&self) -> u64 {
-        self.accelerate + self.cruise + self.decelerate
+    pub const fn time(&self) -> SubTicks {
+        SubTicks(self.accelerate.0 + self.cruise.0 + self.decelerate.0)
     }
 }

@@ -3,16 +3,16 @@
 //! IEEE 754 says to the last bit what each sum, difference, product and quotient of two single-precision numbers is,
 //! and nothing else is used here, so every platform computes the same.
 
-use crate::units::{MmPerSec, MmPerSec2, Steps};
+use crate::units::{MmPerSec, MmPerSec2, Steps, SubTicks};
 
 /// A time of less than 2^40 (16 s), in ticks times 2^16, as ticks.
-pub(crate) fn ticks(time: u64) -> f32 {
-    ((time >> 8) as u32) as f32 * const { 1.0 / 256.0 }
+pub(crate) fn ticks(time: SubTicks) -> f32 {
+    ((time.0 >> 8) as u32) as f32 * const { 1.0 / 256.0 }
 }
 
 /// Ticks below 2^24 as a time in ticks times 2^16.
-pub(crate) fn time(ticks: f32) -> u64 {
-    u64::from((ticks * 256.0) as u32) << 8
+pub(crate) fn time(ticks: f32) -> SubTicks {
+    SubTicks(u64::from((ticks * 256.0) as u32) << 8)
 }
 
 /// A distance in steps, exact to 2^-24 of itself. One and its opposite have the same digits, so that motors that mirror

@@ -2,7 +2,7 @@
 
 use super::moves::Move;
 use super::trajectory::{Stiffening, Taps};
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
 
 /// One entry of the MoveQueue.
 #[derive(Clone, PartialEq, Debug)]
@@ -10,7 +10,7 @@ pub enum Work {
     /// A move.
     Move(Move),
     /// Time without motion, in ticks times 2^16.
-    Dwell(u64),
+    Dwell(SubTicks),
     /// At rest: from now on an axis follows these taps. The advance, axis 4, is what its taps differ by.
     Follow(u8, Taps),
     /// At rest: from now on an axis rings like that.

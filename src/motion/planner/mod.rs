@@ -50,7 +50,7 @@ pub struct Target {
 const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 
 /// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
-const LONG_TICKS: u32 = (LONG_TIME >> 16) as u32;
+const LONG_TICKS: u32 = LONG_TIME.whole_ticks() as u32;
 
 /// Looks ahead over targets and releases moves.
 pub struct Planner<'m> {

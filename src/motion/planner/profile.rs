@@ -11,24 +11,24 @@ use crate::motion::moves::{LONG_TIME, Move, WHOLE};
 use crate::motion::number::{acceleration, from_bits, root, to_bits};
 use crate::motion::ramps::gain_sq;
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, TICKS_PER_SECOND};
+use crate::units::{MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
 
 /// Ticks as a time in ticks times 2^16.
-fn to_time(ticks: f32) -> u64 {
-    to_bits(ticks * const { 1.0 / 65536.0 })
+fn to_time(ticks: f32) -> SubTicks {
+    SubTicks(to_bits(ticks * const { 1.0 / 65536.0 }))
 }
 
 /// Time in ticks times 2^16 over `level` (raw `Mm` bits) at a nominal speed (raw `MmPerSec` bits). It may be long, so
 /// every bit counts: what single precision leaves is made up by one of Newton's steps, to 2^-16 of a tick in three
 /// minutes and to a thousandth of one in hours.
-fn cruise_time(level: u64, nominal: u32) -> u64 {
+fn cruise_time(level: u64, nominal: u32) -> SubTicks {
     let speed = nominal as f32 * const { 1.0 / 65536.0 };
-    let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 });
+    let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 }).0;
     // Both products may wrap; their difference fits 63 bits.
     let product = level.wrapping_mul(TICKS_PER_SECOND.into());
     let rest = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
     let rest = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 + (rest as u32) as f32;
-    guess.saturating_add_signed(i64::from((rest / nominal as f32) as i32))
+    SubTicks(guess.saturating_add_signed(i64::from((rest / nominal as f32) as i32)))
 }
 
 /// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
@@ -101,11 +101,11 @@ pub(in crate::motion) fn profile(
     let cruised = (WHOLE - ((fall.length * scale) as u32).min(WHOLE)).max(accelerated);
     // What rounding leaves of a move that only ramps fill is no cruise: it would have time, but no way.
     let cruise = match level {
-        _ if cruised == accelerated => 0,
+        _ if cruised == accelerated => SubTicks::ZERO,
         _ if peak_sq == nominal_sq => cruise_time(level, nominal.to_bits()),
         _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };
-    let times = match (rise.time, cruise, fall.time) {
+    let times = match [rise.time, cruise, fall.time] {
         long if cruise >= LONG_TIME => evened(long, (rise.length * scale, fall.length * scale)),
         times => times,
     };
@@ -115,9 +115,9 @@ pub(in crate::motion) fn profile(
         cruised,
         entry_share: rise.share,
         exit_share: fall.share,
-        accelerate: times.0,
-        cruise: times.1,
-        decelerate: times.2,
+        accelerate: times[0],
+        cruise: times[1],
+        decelerate: times[2],
         length,
         acceleration: a,
         advance: Steps::ZERO,
@@ -132,14 +132,14 @@ pub(in crate::motion) fn profile(
 /// whole ones, given the fractions of both ramps; what they lack of the ramps is cruised.
 #[cold]
 #[inline(never)]
-fn evened((rise, cruise, fall): (u64, u64, u64), (accelerated, decelerated): (f32, f32)) -> (u64, u64, u64) {
+fn evened([rise, cruise, fall]: [SubTicks; 3], (accelerated, decelerated): (f32, f32)) -> [SubTicks; 3] {
     // A fraction of one takes so long at the speed of the cruise, in ticks times 2^16.
     let ramps = u64::from(accelerated as u32) + u64::from(decelerated as u32);
     let level = u64::from(WHOLE).saturating_sub(ramps).max(1);
-    let one = u32::try_from(cruise / level).unwrap_or(u32::MAX) as f32;
-    let lacking = |fraction: f32| u64::from(((fraction - (fraction as u32) as f32) * one) as u32);
+    let one = u32::try_from(cruise.0 / level).unwrap_or(u32::MAX) as f32;
+    let lacking = |fraction: f32| SubTicks(u64::from(((fraction - (fraction as u32) as f32) * one) as u32));
     let (begin, end) = (lacking(accelerated).min(rise), lacking(decelerated).min(fall));
-    (rise - begin, cruise + begin + end, fall - end)
+    [rise - begin, cruise + begin + end, fall - end]
 }
 
 /// A phase in which the speed changes.
@@ -147,7 +147,7 @@ struct Ramp {
     /// In mm.
     length: f32,
     /// In ticks times 2^16.
-    time: u64,
+    time: SubTicks,
     /// The part of it that its lower speed alone would cover in its time, scaled by [`WHOLE`].
     share: u32,
 }
@@ -167,7 +167,7 @@ impl Ramp {
             WHOLE.saturating_sub((gain / (sum * sum) * const { WHOLE as f32 }) as u32)
         };
         if change == SpeedSq::ZERO {
-            return Self { length: 0.0, time: 0, share };
+            return Self { length: 0.0, time: SubTicks::ZERO, share };
         }
         let length = gain / twice_a;
         Self { length, time: to_time(length / sum * const { 2.0 * TICKS_PER_SECOND as f32 }), share }
@@ -183,8 +183,8 @@ mod tests {
         SpeedSq((v * v * 2f64.powi(32)) as u64)
     }
 
-    fn seconds(t: u64) -> f64 {
-        t as f64 / 65536.0 / 1e7
+    fn seconds(t: SubTicks) -> f64 {
+        t.0 as f64 / 65536.0 / 1e7
     }
 
     fn run(length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
@@ -232,7 +232,7 @@ mod tests {
     fn a_cruise_is_right_to_the_tick_however_long() {
         for (length, nominal) in [(468.0, 0.5), (4000.0, 0.25), (300.0, 33.5), (20.0, 20.0), (2.0, 255.0)] {
             let m = run(length, 3000.0, nominal, nominal, nominal);
-            let error = m.cruise as f64 / 65536.0 - length / nominal * 1e7;
+            let error = m.cruise.0 as f64 / 65536.0 - length / nominal * 1e7;
             assert!(error.abs() < 0.01, "{length} mm at {nominal} mm/s: off by {error} ticks");
         }
     }
@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn a_move_at_one_speed_only_cruises() {
         let m = run(5.0, 1000.0, 50.0, 50.0, 50.0);
-        assert_eq!((m.accelerate, m.decelerate), (0, 0));
+        assert_eq!((m.accelerate, m.decelerate), (SubTicks::ZERO, SubTicks::ZERO));
         assert_eq!((m.accelerated, m.cruised), (0, WHOLE));
         assert!((seconds(m.cruise) - 0.1).abs() < 1e-7);
     }

@@ -9,7 +9,7 @@ use super::{StepGenerator, Task};
 use crate::motion::moves::{Move, WHOLE};
 use crate::motion::ramps::{fraction, gain_sq, ramp_length, speed_of};
 use crate::motion::trajectory::phase::{Curve, Phase};
-use crate::units::{SpeedSq, TICKS_PER_SECOND, mul_div};
+use crate::units::{SpeedSq, SubTicks, TICKS_PER_SECOND, mul_div};
 
 /// Events are made this far ahead, in ticks, and no farther: 10 ms, as long as a full queue lasts at the greatest
 /// speed. What is made cannot be braked any more.
@@ -38,18 +38,18 @@ pub(super) struct PathPoint {
 }
 
 /// Time over `length` (raw `Mm` bits) at a mean speed (2^-32 mm/s), in ticks times 2^16.
-const fn time_over(length: u64, mean: u64) -> u64 {
-    if length == 0 { 0 } else { mul_div(length, (TICKS_PER_SECOND as u64) << 16, mean) }
+const fn time_over(length: u64, mean: u64) -> SubTicks {
+    SubTicks(if length == 0 { 0 } else { mul_div(length, (TICKS_PER_SECOND as u64) << 16, mean) })
 }
 
 impl PathPoint {
     /// Where a move of a length is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
     /// fraction `begin` behind.
-    pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: u64) -> Self {
+    pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: SubTicks) -> Self {
         let whole = u64::from(WHOLE);
-        let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time), phase.time)));
+        let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time).0, phase.time.0)));
         let share = u64::from(phase.end.saturating_sub(begin));
-        let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
+        let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time.0);
         let speed = mul_div(mean, pace, whole) >> 16;
         let covered = begin + (share * way / whole) as u32;
         Self { covered: covered.min(WHOLE), speed_sq: SpeedSq(speed.saturating_mul(speed)) }
@@ -57,7 +57,7 @@ impl PathPoint {
 
     /// At the end of a move.
     pub fn at_end_of(last_phase: &LastPhase) -> Self {
-        Self::within(last_phase.length, &last_phase.phase, last_phase.begin, u64::MAX)
+        Self::within(last_phase.length, &last_phase.phase, last_phase.begin, SubTicks::MAX)
     }
 
     /// Brakes from here on: the phase to play, and the speed squared that is left at its end, which is that of the
@@ -106,7 +106,7 @@ impl StepGenerator<'_> {
     pub(super) fn begin_brake(&mut self) {
         // A tick after the last event, so that its step lies behind, and no earlier than what is laid out for a motor.
         let begun = self.group_steppers.iter().map(|stepper| stepper.start).max().unwrap_or_default();
-        let now = ((self.last_tick + 1) << 16).max(begun);
+        let now = SubTicks::of_ticks(self.last_tick + 1).max(begun);
         match self.task {
             Task::Move => {
                 let point = match self.current_move.cut(&mut self.trajectory, now) {

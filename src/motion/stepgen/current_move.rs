@@ -5,7 +5,7 @@
 use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::trajectory::phase::{Curve, Phase, phases};
 use crate::motion::trajectory::{AXES, LONGEST, Position, Trajectory};
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
 use heapless::Vec;
 
 /// What of a move is laid.
@@ -16,11 +16,11 @@ pub(in crate::motion) struct CurrentMove {
     phases: Vec<Phase, 3>,
     index: usize,
     /// Time of the present phase that is laid.
-    elapsed: u64,
+    elapsed: SubTicks,
     /// The fraction of the move behind where the present phase begins.
     begin: u32,
     /// The phase of the last span, the fraction of the move behind where that phase begins, and the span's begin in it.
-    laid: Option<(Phase, u32, u64)>,
+    laid: Option<(Phase, u32, SubTicks)>,
 }
 
 /// The last phase of a move.
@@ -41,7 +41,7 @@ impl CurrentMove {
         last: [Steps::ZERO; AXES],
         phases: Vec::new(),
         index: 0,
-        elapsed: 0,
+        elapsed: SubTicks::ZERO,
         begin: 0,
         laid: None,
     };
@@ -51,7 +51,7 @@ impl CurrentMove {
         self.m = *m;
         (self.first, self.last) = (*first, *last);
         self.phases = phases(m);
-        (self.index, self.elapsed, self.begin, self.laid) = (0, 0, 0, None);
+        (self.index, self.elapsed, self.begin, self.laid) = (0, SubTicks::ZERO, 0, None);
     }
 
     /// How the move ends.
@@ -63,11 +63,11 @@ impl CurrentMove {
 
     /// Lays the next span, and says how much longer it was made than planned, in ticks times 2^16; `None` if all are
     /// laid.
-    pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> Option<u64> {
+    pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> Option<SubTicks> {
         let phase = self.phases.get(self.index).copied()?;
         let left = phase.time - self.elapsed;
         // The last two are alike, so that none is too short.
-        let time = if left <= LONGEST { left } else { LONGEST.min(left / 2) };
+        let time = if left <= LONGEST { left } else { LONGEST.min(SubTicks(left.0 / 2)) };
         let from = self.elapsed;
         let span = match phase.curve {
             _ if time == phase.time => phase,
@@ -79,20 +79,20 @@ impl CurrentMove {
         self.laid = Some((phase, self.begin, from));
         self.elapsed += span.time;
         if self.elapsed >= phase.time {
-            (self.index, self.elapsed, self.begin) = (self.index + 1, 0, phase.end);
+            (self.index, self.elapsed, self.begin) = (self.index + 1, SubTicks::ZERO, phase.end);
         }
         Some(added)
     }
 
     /// Cuts the last span where the first tap has got to at `time`. What is left of the move is no longer laid out.
     /// Says the phase and how much of its time has passed there; `None` if nothing of it was laid.
-    pub fn cut(&mut self, trajectory: &mut Trajectory, time: u64) -> Option<(Phase, u32, u64)> {
+    pub fn cut(&mut self, trajectory: &mut Trajectory, time: SubTicks) -> Option<(Phase, u32, SubTicks)> {
         let (phase, begin, from) = self.laid?;
         let Some(passed) = trajectory.take_back(time) else {
             // All that is laid has passed.
-            return Some((phase, begin, if self.elapsed > 0 { self.elapsed } else { phase.time }));
+            return Some((phase, begin, if self.elapsed > SubTicks::ZERO { self.elapsed } else { phase.time }));
         };
-        if passed > 0 {
+        if passed > SubTicks::ZERO {
             trajectory.lay(&self.first, &self.last, &phase.cut(begin, from, from + passed));
         }
         Some((phase, begin, from + passed))
@@ -102,6 +102,6 @@ impl CurrentMove {
     pub fn replace_by(&mut self, phase: Phase, begin: u32) {
         self.phases = Vec::new();
         let _ = self.phases.push(phase);
-        (self.index, self.elapsed, self.begin, self.laid) = (0, 0, begin, None);
+        (self.index, self.elapsed, self.begin, self.laid) = (0, SubTicks::ZERO, begin, None);
     }
 }

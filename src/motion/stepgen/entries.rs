@@ -5,7 +5,7 @@ use super::group_stepper::GroupStepper;
 use super::{StepGenerator, Task};
 use crate::motion::work::Work;
 use crate::port::EndstopSet;
-use crate::units::{SpeedSq, Steps};
+use crate::units::{SpeedSq, Steps, SubTicks};
 
 /// Whether there was more to lay.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -24,8 +24,8 @@ impl StepGenerator<'_> {
             if matches!(self.task, Task::Move | Task::Brake(_))
                 && let Some(added) = self.current_move.lay_next(&mut self.trajectory)
             {
-                if added > 0 {
-                    self.status.count_squeezed((added >> 16) as u32);
+                if added > SubTicks::ZERO {
+                    self.status.count_squeezed(added.whole_ticks() as u32);
                 }
                 return LayResult::Laid;
             }
@@ -95,7 +95,7 @@ impl StepGenerator<'_> {
             }
             Work::Dwell(time) => {
                 self.watch = EndstopSet::NONE;
-                self.task = Task::Dwell((self.last_tick << 16) + time);
+                self.task = Task::Dwell(SubTicks::of_ticks(self.last_tick) + *time);
                 false
             }
             Work::Follow(axis, taps) => {
@@ -134,7 +134,7 @@ impl StepGenerator<'_> {
                     return false;
                 }
                 if matches!(self.task, Task::Move | Task::Brake(_)) {
-                    let now = self.last_tick << 16;
+                    let now = SubTicks::of_ticks(self.last_tick);
                     self.trajectory.rest_at(self.position, now);
                     self.group_steppers.iter_mut().for_each(|stepper| stepper.break_off(now));
                 }

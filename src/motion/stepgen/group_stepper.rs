@@ -7,7 +7,7 @@ use crate::motion::number::{from_f32, ticks, time};
 use crate::motion::ticks::{FAR, NEAR, is_before};
 use crate::motion::trajectory::phase::Curve;
 use crate::motion::trajectory::{AxisState, Trajectory};
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
 
 /// Half a step.
 const HALF: i64 = 1 << 31;
@@ -30,7 +30,7 @@ pub(in crate::motion) struct GroupStepper {
     /// The group's count of steps when none are left.
     target_count: i32,
     /// When its present piece began.
-    pub start: u64,
+    pub start: SubTicks,
     /// Where it ends.
     pub end: Endpoint,
     /// Where the trajectory next changes, if the present piece ends before in a reversal.
@@ -44,7 +44,7 @@ fn axes(group: &Group) -> impl Iterator<Item = (usize, i8)> {
 }
 
 /// The state of a group, as a sum of the axes'.
-fn sum(group: &Group, trajectory: &Trajectory, at: u64) -> AxisState {
+fn sum(group: &Group, trajectory: &Trajectory, at: SubTicks) -> AxisState {
     let mut sum = AxisState::rest(Steps::ZERO);
     for (axis, times) in axes(group) {
         let state = trajectory.state(axis, at);
@@ -68,8 +68,8 @@ impl GroupStepper {
         solver: StepTimeSolver::NONE,
         is_forward: true,
         target_count: 0,
-        start: 0,
-        end: Endpoint { time: u64::MAX, position: Steps::ZERO, speed: 0.0 },
+        start: SubTicks::ZERO,
+        end: Endpoint { time: SubTicks::MAX, position: Steps::ZERO, speed: 0.0 },
         after_reversal: None,
     };
 
@@ -88,15 +88,15 @@ impl GroupStepper {
 
     #[inline(never)]
     fn extend_rest(&mut self, now: u32) {
-        if self.end.time == u64::MAX {
+        if self.end.time == SubTicks::MAX {
             self.step_times.begin(now);
             self.step_times.clear(now.wrapping_add(FAR));
         }
     }
 
     /// Whether its way goes on otherwise at a tick, up to which it is known.
-    pub const fn piece_ends_at(&self, tick: u32) -> bool {
-        self.is_piece_solved && self.step_times.left() == 0 && self.end_tick == tick && self.end.time != u64::MAX
+    pub fn piece_ends_at(&self, tick: u32) -> bool {
+        self.is_piece_solved && self.step_times.left() == 0 && self.end_tick == tick && self.end.time != SubTicks::MAX
     }
 
     /// Whether its coordinate grows with the steps of its present piece, if there are any.
@@ -110,8 +110,8 @@ impl GroupStepper {
         self.unsolved = 0;
         self.is_piece_solved = true;
         self.step_times = StepTimeBuffer::at(now);
-        self.start = 0;
-        self.end.time = u64::MAX;
+        self.start = SubTicks::ZERO;
+        self.end.time = SubTicks::MAX;
         self.after_reversal = None;
     }
 
@@ -122,7 +122,7 @@ impl GroupStepper {
     }
 
     /// Its present piece ends at `time`.
-    pub fn break_off(&mut self, time: u64) {
+    pub fn break_off(&mut self, time: SubTicks) {
         self.target_count = self.count();
         self.unsolved = 0;
         self.is_piece_solved = true;
@@ -133,16 +133,16 @@ impl GroupStepper {
     }
 
     /// Whether the trajectory is known as far as the group needs it at `time`.
-    pub fn is_known(group: &Group, trajectory: &mut Trajectory, time: u64) -> bool {
+    pub fn is_known(group: &Group, trajectory: &mut Trajectory, time: SubTicks) -> bool {
         axes(group).fold(true, |known, (axis, _)| trajectory.advance(axis, time) && known)
     }
 
     /// Goes on from `time`, at which no axis may need a span that is not laid yet.
-    pub fn begin_next_piece(&mut self, group: &Group, trajectory: &Trajectory, time: u64) {
+    pub fn begin_next_piece(&mut self, group: &Group, trajectory: &Trajectory, time: SubTicks) {
         let state = sum(group, trajectory, time);
         let from = Endpoint { time, position: state.position, speed: state.speed };
-        let change = axes(group).map(|(axis, _)| trajectory.next_change(axis)).min().unwrap_or(u64::MAX);
-        if change == u64::MAX {
+        let change = axes(group).map(|(axis, _)| trajectory.next_change(axis)).min().unwrap_or(SubTicks::MAX);
+        if change == SubTicks::MAX {
             return self.come_to_rest(from);
         }
         let state = sum(group, trajectory, change);
@@ -205,7 +205,7 @@ impl GroupStepper {
         self.target_count.wrapping_sub(if self.is_forward { left } else { left.wrapping_neg() })
     }
 
-    fn set_bounds(&mut self, start: u64, end: Endpoint) {
+    fn set_bounds(&mut self, start: SubTicks, end: Endpoint) {
         self.step_times.begin(whole(start));
         self.start = start;
         self.end = end;
@@ -215,7 +215,7 @@ impl GroupStepper {
 
     /// What rounding has left over is made up at once.
     fn come_to_rest(&mut self, at: Endpoint) {
-        self.set_bounds(at.time, Endpoint { time: u64::MAX, ..at });
+        self.set_bounds(at.time, Endpoint { time: SubTicks::MAX, ..at });
         self.end_tick = whole(at.time).wrapping_add(FAR);
         self.set_target(count_at(at.position), self.count());
         self.solver = StepTimeSolver::at_once(at.time);
@@ -236,6 +236,6 @@ fn step_threshold(count: i32, is_forward: bool) -> Steps {
 }
 
 /// The tick nearest to a time.
-const fn whole(time: u64) -> u32 {
-    (time.saturating_add(1 << 15) >> 16) as u32
+const fn whole(time: SubTicks) -> u32 {
+    time.nearest_tick() as u32
 }

@@ -27,6 +27,7 @@ use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
 use crate::units::SpeedSq;
+use crate::units::SubTicks;
 use alignment::Alignment;
 use brake::Braking;
 use current_move::{CurrentMove, LastPhase};
@@ -51,7 +52,7 @@ enum Task {
     /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
     ComingToRest(bool),
     /// Time without motion, up to then.
-    Dwell(u64),
+    Dwell(SubTicks),
 }
 
 /// Turns moves into step events.
@@ -203,7 +204,9 @@ impl<'m> StepGenerator<'m> {
             return true;
         }
         // So slow that the next piece is too far from the last event.
-        if until == now.wrapping_add(NEAR) && self.group_steppers.iter().any(|stepper| stepper.end.time != u64::MAX) {
+        if until == now.wrapping_add(NEAR)
+            && self.group_steppers.iter().any(|stepper| stepper.end.time != SubTicks::MAX)
+        {
             self.wait(NEAR);
             return true;
         }
@@ -251,8 +254,8 @@ impl<'m> StepGenerator<'m> {
     }
 
     /// Lets time pass; true when `time` is reached.
-    fn pass_until(&mut self, time: u64) -> bool {
-        let left = ((time + (1 << 15)) >> 16).saturating_sub(self.last_tick);
+    fn pass_until(&mut self, time: SubTicks) -> bool {
+        let left = time.nearest_tick().saturating_sub(self.last_tick);
         if left > 0 {
             self.wait(left.min(u64::from(LONGEST_INTERVAL)) as u32);
         }

@@ -162,6 +162,7 @@ const fn after(tick: u32) -> u32 {
 mod tests {
     extern crate std;
     use super::*;
+    use crate::units::SubTicks;
     use std::vec::Vec;
 
     fn all(buffer: &StepTimeBuffer) -> Vec<u32> {
@@ -177,14 +178,14 @@ mod tests {
     #[test]
     fn steps_that_are_late_come_one_after_the_other() {
         let mut buffer = StepTimeBuffer::NONE;
-        let mut solver = StepTimeSolver::at_once(1000 << 16);
+        let mut solver = StepTimeSolver::at_once(SubTicks::of_ticks(1000));
         buffer.begin(1000);
         assert_eq!(buffer.fill(&mut solver, 3, 5000), (3, true));
         assert_eq!(all(&buffer), [1000, 1017, 1034, 5000]);
         // Two are made, the third is given up: the next pulse keeps its distance from the second one.
         buffer.advance_to(2);
         buffer.begin(1012);
-        assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(1012 << 16), 1, 5000), (1, true));
+        assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1012)), 1, 5000), (1, true));
         assert_eq!(all(&buffer), [1034, 5000]);
     }
 
@@ -192,14 +193,14 @@ mod tests {
     fn steps_at_the_end_are_left_to_what_comes_behind() {
         let mut buffer = StepTimeBuffer::NONE;
         buffer.begin(1000);
-        assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(1000 << 16), 9, 1051), (3, true));
+        assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1000)), 9, 1051), (3, true));
         assert_eq!(all(&buffer), [1000, 1017, 1034, 1051]);
     }
 
     #[test]
     fn it_is_filled_again_where_it_ended() {
         let mut buffer = StepTimeBuffer::NONE;
-        let mut solver = StepTimeSolver::at_once(0);
+        let mut solver = StepTimeSolver::at_once(SubTicks::ZERO);
         let most = MOST as u32;
         assert_eq!(buffer.fill(&mut solver, most + 1, 5000), (most, false));
         assert_eq!(buffer.known_until(), 17 * most - 16, "a tick behind the last");

@@ -25,13 +25,13 @@ use crate::motion::number::{root, ticks, to_f32};
 use crate::motion::ticks::MIN_STEP_INTERVAL;
 use crate::motion::trajectory::phase::Curve;
 use crate::settings::ranges::STEP_RATE;
-use crate::units::{Steps, TICKS_PER_SECOND};
+use crate::units::{Steps, SubTicks, TICKS_PER_SECOND};
 
 /// Where and how fast a piece begins or ends.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Endpoint {
     /// In ticks times 2^16.
-    pub time: u64,
+    pub time: SubTicks,
     pub position: Steps,
     /// In steps a tick.
     pub speed: f32,
@@ -183,8 +183,8 @@ impl StepTimeSolver {
             None => (even, v0.min(v1) * time),
         };
         let gain = way - covered;
-        let begin = ((from.time & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
-        let piece = Self { base: (from.time >> 16) as u32, offset: begin, ..Self::NONE };
+        let begin = ((from.time.0 & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
+        let piece = Self { base: from.time.whole_ticks() as u32, offset: begin, ..Self::NONE };
         if gain * time < LEAST_SHIFT * way {
             return Self { slow: time / way, is_dense: way > time * SPARSE, ..piece }
                 .seen_from_slow_end(distance(from.position, first));
@@ -214,8 +214,8 @@ impl StepTimeSolver {
     }
 
     /// All crossings at once.
-    pub fn at_once(time: u64) -> Self {
-        Self { base: (time >> 16) as u32, offset: 0.5, ..Self::NONE }
+    pub fn at_once(time: SubTicks) -> Self {
+        Self { base: time.whole_ticks() as u32, offset: 0.5, ..Self::NONE }
     }
 
     /// The ticks of the next crossings; there may be more of them than the piece has.
@@ -317,7 +317,7 @@ mod tests {
     fn crossings(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
         let way = (v0 + v1) / 2.0 * time;
         let endpoint = |time: u64, position: f64, speed: f64| Endpoint {
-            time,
+            time: SubTicks(time),
             position: Steps::from_num(sign * position),
             speed: (sign * speed) as f32,
         };
@@ -362,8 +362,12 @@ mod tests {
     #[test]
     fn a_step_that_is_left_over_comes_at_once() {
         for (v0, v1) in [(0.001, 0.001), (0.0, 0.002), (0.002, 0.0), (0.001, 0.002), (0.002, 0.001)] {
-            let from = Endpoint { time: 1000 << 16, position: Steps::ZERO, speed: v0 };
-            let to = Endpoint { time: 101_000 << 16, position: Steps::from_num((v0 + v1) * 50_000.0), speed: v1 };
+            let from = Endpoint { time: SubTicks::of_ticks(1000), position: Steps::ZERO, speed: v0 };
+            let to = Endpoint {
+                time: SubTicks::of_ticks(101_000),
+                position: Steps::from_num((v0 + v1) * 50_000.0),
+                speed: v1,
+            };
             let mut solver = StepTimeSolver::new(&from, &to, Steps::from_num(-0.01), true, None);
             let mut ticks = [0; 4];
             solver.fill(&mut ticks);
@@ -378,11 +382,11 @@ mod tests {
         for (speed, is_dense) in [(0.04, false), (0.0526, false), (0.0527, true), (0.2, true)] {
             for slow in [speed, speed / 2.0] {
                 let to = Endpoint {
-                    time: 100_000 << 16,
+                    time: SubTicks::of_ticks(100_000),
                     position: Steps::from_num((slow + speed) * 50_000.0),
                     speed: speed as f32,
                 };
-                let from = Endpoint { time: 0, position: Steps::ZERO, speed: slow as f32 };
+                let from = Endpoint { time: SubTicks::ZERO, position: Steps::ZERO, speed: slow as f32 };
                 assert_eq!(
                     StepTimeSolver::new(&from, &to, Steps::ZERO, true, None).is_dense,
                     is_dense,

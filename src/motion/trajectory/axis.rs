@@ -4,7 +4,7 @@ use super::span::{AxisState, Boundary, ONE, Span};
 use super::stiffening::Stiffening;
 use super::taps::{TAPS, Tap, Taps};
 use crate::motion::number::{from_f32, to_f32};
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
 
 /// How far a tap has got: to the span of this number, and into it, or still before it.
 #[derive(Clone, Copy, Debug)]
@@ -46,13 +46,13 @@ struct Lateness {
 impl Lateness {
     /// How late a tap is at an end of a span, in ticks times 2^16.
     #[inline]
-    fn of(self, tap: &Tap, at: &Boundary) -> u64 {
+    fn of(self, tap: &Tap, at: &Boundary) -> SubTicks {
         let Some(axis) = self.stiffening else {
             return tap.late();
         };
         let scale = i64::from(at.scale.get(axis).copied().unwrap_or(ONE));
         let own = ((i64::from(tap.delay) - self.mean) * scale) >> 22;
-        ((self.mean << 8) + own).max(0) as u64
+        SubTicks(((self.mean << 8) + own).max(0) as u64)
     }
 }
 
@@ -96,20 +96,20 @@ impl Axis {
 
     /// How close its taps stand at a place; going there from where they stand at `before` within `time`, so that no tap
     /// runs more than a quarter faster or slower.
-    pub fn scale(&self, at: Steps, before: Option<(u32, u64)>) -> u32 {
+    pub fn scale(&self, at: Steps, before: Option<(u32, SubTicks)>) -> u32 {
         if self.lateness.stiffening.is_none() {
             return ONE;
         }
         let scale = self.stiffening.scale(at);
         let Some((before, time)) = before else { return scale };
         let farthest = self.taps.iter().map(|tap| (i64::from(tap.delay) - self.lateness.mean).unsigned_abs()).max();
-        let most = (time >> 2).min(1 << 32) * (1 << 22) / farthest.unwrap_or_default().max(1);
+        let most = (time.0 >> 2).min(1 << 32) * (1 << 22) / farthest.unwrap_or_default().max(1);
         let most = most.min(u64::from(ONE)) as u32;
         scale.clamp(before.saturating_sub(most), before.saturating_add(most))
     }
 
     /// How late its taps are, in ticks times 2^16.
-    pub fn delays(&self) -> impl Iterator<Item = u64> {
+    pub fn delays(&self) -> impl Iterator<Item = SubTicks> {
         self.taps.iter().map(Tap::late)
     }
 
@@ -125,7 +125,7 @@ impl Axis {
     }
 
     /// Goes on to `time`; false if a tap needs a span that is not laid yet.
-    pub fn advance(&mut self, spans: &impl Spans, time: u64) -> bool {
+    pub fn advance(&mut self, spans: &impl Spans, time: SubTicks) -> bool {
         let late = self.lateness;
         for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
             while cursor.span != spans.laid() {
@@ -147,21 +147,21 @@ impl Axis {
         self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
     }
 
-    /// When one of its taps next begins or ends a span; `u64::MAX` if none does.
-    pub fn next_change(&self, spans: &impl Spans) -> u64 {
+    /// When one of its taps next begins or ends a span; `SubTicks::MAX` if none does.
+    pub fn next_change(&self, spans: &impl Spans) -> SubTicks {
         let change = |(tap, cursor): (&Tap, &Cursor)| {
             if cursor.span == spans.laid() {
-                return u64::MAX;
+                return SubTicks::MAX;
             }
             let (span, end) = spans.get(cursor.span);
             let bound = if cursor.is_inside { end } else { &span.begin };
             bound.time + self.lateness.of(tap, bound)
         };
-        self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(u64::MAX)
+        self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(SubTicks::MAX)
     }
 
     /// The span that it follows as it is, and its number, if that begins at `time`: its shape is that of the whole.
-    pub fn follows<'a>(&self, spans: &'a impl Spans, time: u64) -> Option<(u32, &'a Span)> {
+    pub fn follows<'a>(&self, spans: &'a impl Spans, time: SubTicks) -> Option<(u32, &'a Span)> {
         let ([tap], [cursor, ..], true) = (self.taps.as_slice(), &self.cursors, self.is_position) else {
             return None;
         };
@@ -176,7 +176,7 @@ impl Axis {
     }
 
     /// Its state at a time up to the next change.
-    pub fn state(&self, spans: &impl Spans, time: u64) -> AxisState {
+    pub fn state(&self, spans: &impl Spans, time: SubTicks) -> AxisState {
         let copy = |tap: &Tap, cursor: &Cursor| {
             if cursor.span == spans.laid() {
                 return AxisState::rest(spans.end().at(self.index));

@@ -16,7 +16,7 @@ pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
 use crate::motion::moves::WHOLE;
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
 use axis::{Axis, Spans};
 use phase::{Curve, Phase, point};
 use span::ONE;
@@ -72,7 +72,7 @@ impl Spans for Ring<'_> {
 }
 
 /// The value that goes evenly from `from` to `to` in `whole`, after `part` of it.
-fn between(from: u32, to: u32, part: u64, whole: u64) -> u32 {
+fn between(from: u32, to: u32, SubTicks(part): SubTicks, SubTicks(whole): SubTicks) -> u32 {
     let way = i128::from(i64::from(to) - i64::from(from)) * i128::from(part.min(whole)) / i128::from(whole.max(1));
     (i64::from(from) + way as i64) as u32
 }
@@ -83,13 +83,13 @@ pub(crate) struct Trajectory<'m> {
     axes: [Axis; AXES],
     /// The last span was taken back, and is to be laid anew as far as it has passed: how close the taps would have stood
     /// at its end, and how long it would have taken.
-    cut: Option<([u32; 2], u64)>,
+    cut: Option<([u32; 2], SubTicks)>,
 }
 
 impl<'m> Trajectory<'m> {
     /// At rest at time 0; every axis follows at once.
     pub fn new(spans: &'m mut SpanMemory) -> Self {
-        let end = Boundary::new(0, [Steps::ZERO; AXES]);
+        let end = Boundary::new(SubTicks::ZERO, [Steps::ZERO; AXES]);
         let ring = Ring { spans, laid: 0, end };
         let mut axes = core::array::from_fn(Axis::new);
         for axis in axes.iter_mut().take(ADVANCE) {
@@ -115,14 +115,14 @@ impl<'m> Trajectory<'m> {
     }
 
     /// How close the taps of x and y stand at a position, to which a span of so much `time` leads from another one.
-    fn scales(&self, position: &Position, from: Option<(&Boundary, u64)>) -> [u32; 2] {
+    fn scales(&self, position: &Position, from: Option<(&Boundary, SubTicks)>) -> [u32; 2] {
         let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, position);
         let before = |axis: usize| from.map(|(end, time)| (end.scale.get(axis).copied().unwrap_or(ONE), time));
         [x.scale(*at_x, before(0)), y.scale(*at_y, before(1))]
     }
 
     /// Rests at a place from `time` on.
-    pub fn rest_at(&mut self, position: Position, time: u64) {
+    pub fn rest_at(&mut self, position: Position, time: SubTicks) {
         let scale = self.scales(&position, None);
         self.ring.end = Boundary { time: time.saturating_sub(self.shortest_delay()), position, scale };
         self.cut = None;
@@ -137,29 +137,29 @@ impl<'m> Trajectory<'m> {
     }
 
     /// When all axes have got to where the last span ends.
-    pub fn rest_time(&self) -> u64 {
+    pub fn rest_time(&self) -> SubTicks {
         self.ring.end.time + self.longest_delay()
     }
 
     /// Whether no axis is late, so that all have got to where the last span ends when it is asked for the next.
     pub fn is_prompt(&self) -> bool {
-        self.longest_delay() == 0
+        self.longest_delay() == SubTicks::ZERO
     }
 
-    fn longest_delay(&self) -> u64 {
+    fn longest_delay(&self) -> SubTicks {
         self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
     }
 
-    fn shortest_delay(&self) -> u64 {
+    fn shortest_delay(&self) -> SubTicks {
         self.axes.iter().flat_map(Axis::delays).min().unwrap_or_default()
     }
 
     /// The least time of a span that is laid now: none, unless so many short ones wait for the slowest tap that another
     /// could take the place of one that is still needed. Then time is stretched, so that it cannot come to that.
-    pub fn least_time(&self) -> u64 {
+    pub fn least_time(&self) -> SubTicks {
         let used = |axis: &Axis| self.ring.laid.wrapping_sub(axis.oldest(self.ring.laid)) as usize;
         let free = SPANS - 1 - self.axes.iter().map(used).max().unwrap_or_default().min(SPANS - 2);
-        if free >= SPANS / 4 { 0 } else { self.longest_delay() / free as u64 }
+        if free >= SPANS / 4 { SubTicks::ZERO } else { SubTicks(self.longest_delay().0 / free as u64) }
     }
 
     /// Lays a phase of a way from `first` to `last`, or a part of one, behind the last span.
@@ -188,22 +188,22 @@ impl<'m> Trajectory<'m> {
     /// Goes on from another position, so near that no motor is meant to feel it.
     pub fn shift(&mut self, position: &Position) {
         let from = self.ring.end.position;
-        self.lay(&from, position, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: 0 });
+        self.lay(&from, position, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: SubTicks::ZERO });
     }
 
     /// Has an axis go on to `time`; false if it needs a span that is not laid yet.
-    pub fn advance(&mut self, axis: usize, time: u64) -> bool {
+    pub fn advance(&mut self, axis: usize, time: SubTicks) -> bool {
         let Self { ring, axes, .. } = self;
         axes.get_mut(axis).is_none_or(|axis| axis.advance(ring, time))
     }
 
-    /// When an axis next begins or ends to move otherwise; `u64::MAX` if that is not known.
-    pub fn next_change(&self, axis: usize) -> u64 {
-        self.axes.get(axis).map_or(u64::MAX, |axis| axis.next_change(&self.ring))
+    /// When an axis next begins or ends to move otherwise; `SubTicks::MAX` if that is not known.
+    pub fn next_change(&self, axis: usize) -> SubTicks {
+        self.axes.get(axis).map_or(SubTicks::MAX, |axis| axis.next_change(&self.ring))
     }
 
     /// The span that all of some axes follow as it is from `time` on, if there is one.
-    pub fn follows(&self, axes: impl Iterator<Item = usize>, time: u64) -> Option<&Span> {
+    pub fn follows(&self, axes: impl Iterator<Item = usize>, time: SubTicks) -> Option<&Span> {
         let mut common = None;
         for axis in axes.filter_map(|axis| self.axes.get(axis)).filter(|axis| !axis.is_still()) {
             let (number, span) = axis.follows(&self.ring, time)?;
@@ -216,13 +216,13 @@ impl<'m> Trajectory<'m> {
     }
 
     /// The state of an axis at a time up to its next change.
-    pub fn state(&self, axis: usize, time: u64) -> AxisState {
+    pub fn state(&self, axis: usize, time: SubTicks) -> AxisState {
         self.axes.get(axis).map_or(AxisState::rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
     }
 
     /// Takes back the last span, which is to be laid anew as far as the first tap has got in it at `time`. `None` if it
     /// has ended by then.
-    pub fn take_back(&mut self, time: u64) -> Option<u64> {
+    pub fn take_back(&mut self, time: SubTicks) -> Option<SubTicks> {
         let time = time.saturating_sub(self.shortest_delay());
         if self.ring.laid == 0 || time >= self.ring.end.time {
             return None;
@@ -231,7 +231,7 @@ impl<'m> Trajectory<'m> {
         let begin = self.ring.span(self.ring.laid).begin;
         let was = core::mem::replace(&mut self.ring.end, begin);
         let passed = time.saturating_sub(self.ring.end.time);
-        self.cut = (passed > 0).then_some((was.scale, was.time - self.ring.end.time));
+        self.cut = (passed > SubTicks::ZERO).then_some((was.scale, was.time - self.ring.end.time));
         Some(passed)
     }
 }

@@ -9,7 +9,7 @@ use super::phase::Curve;
 use crate::motion::moves::WHOLE;
 use crate::motion::number::{from_f32, ticks, to_f32};
 use crate::motion::ticks::FAR;
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
 
 /// Axes of the trajectory: x, y, z, e, and the advance, whose speed is the pressure that the extruder builds up.
 pub(crate) const AXES: usize = 5;
@@ -18,9 +18,9 @@ pub(crate) const AXES: usize = 5;
 pub(crate) const ADVANCE: usize = 4;
 
 /// Longest span, in ticks times 2^16: single precision is finer than a 20th of a tick in it.
-pub(crate) const LONGEST: u64 = (1 << 19) << 16;
+pub(crate) const LONGEST: SubTicks = SubTicks::of_ticks(1 << 19);
 // What is known to rest must rest for longer, and a time of a span has less than 40 bits.
-const _: () = assert!(LONGEST < (FAR as u64) << 16 && LONGEST < 1 << 40);
+const _: () = assert!(LONGEST.0 < (FAR as u64) << 16 && LONGEST.0 < 1 << 40);
 
 /// One in the fixed point of scales.
 pub(crate) const ONE: u32 = 1 << 30;
@@ -46,7 +46,7 @@ impl AxisState {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Boundary {
     /// In ticks times 2^16.
-    pub time: u64,
+    pub time: SubTicks,
     pub position: Position,
     /// By how much the taps of x and y stand closer here.
     pub scale: [u32; 2],
@@ -54,7 +54,7 @@ pub(crate) struct Boundary {
 
 impl Boundary {
     /// At a place where taps stand as they were given.
-    pub const fn new(time: u64, position: Position) -> Self {
+    pub const fn new(time: SubTicks, position: Position) -> Self {
         Self { time, position, scale: [ONE; 2] }
     }
 
@@ -78,25 +78,31 @@ pub(crate) struct Span {
 impl Span {
     /// No span; of zeros, which take no flash where they are static.
     pub const EMPTY: Self = Self {
-        begin: Boundary { time: 0, position: [Steps::ZERO; AXES], scale: [0; 2] },
+        begin: Boundary { time: SubTicks::ZERO, position: [Steps::ZERO; AXES], scale: [0; 2] },
         rate: 0.0,
         slow_share: 0.0,
         curve: Curve::Steady,
     };
 
     /// A span that takes `time`; its slow end's speed alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
-    pub fn new(begin: Boundary, time: u64, curve: Curve, slow_share: u32) -> Self {
+    pub fn new(begin: Boundary, time: SubTicks, curve: Curve, slow_share: u32) -> Self {
         let slow_share = slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
         Self { begin, rate: 1.0 / ticks(time).max(1.0 / 256.0), slow_share, curve }
     }
 
     /// The state of an axis at `time` within the span, which ends at `end`.
-    pub fn state(&self, axis: usize, end: &Boundary, time: u64) -> AxisState {
+    pub fn state(&self, axis: usize, end: &Boundary, time: SubTicks) -> AxisState {
         self.state_between(axis, end, (self.begin.time, end.time, self.rate), time)
     }
 
     /// The same for a copy that begins and ends at other times.
-    pub fn warped(&self, axis: usize, end: &Boundary, (begins, ends): (u64, u64), time: u64) -> AxisState {
+    pub fn warped(
+        &self,
+        axis: usize,
+        end: &Boundary,
+        (begins, ends): (SubTicks, SubTicks),
+        time: SubTicks,
+    ) -> AxisState {
         let rate = 1.0 / ticks(ends.saturating_sub(begins)).max(1.0 / 256.0);
         self.state_between(axis, end, (begins, ends, rate), time)
     }
@@ -106,8 +112,8 @@ impl Span {
         &self,
         axis: usize,
         end: &Boundary,
-        (begins, ends, rate): (u64, u64, f32),
-        time: u64,
+        (begins, ends, rate): (SubTicks, SubTicks, f32),
+        time: SubTicks,
     ) -> AxisState {
         let (from, to) = (self.begin.at(axis), end.at(axis));
         let way = to.wrapping_sub(from);
