@@ -116,7 +116,7 @@ impl<'m, W: Pend> Link<'m, W> {
         self.pend.pend_stepper();
     }
 
-    /// Begins counting anew after an abort; the link is idle.
+    /// Begins to count from 0 after an abort; the link is idle.
     pub fn restart(&mut self) {
         self.status.clear_triggered();
         self.left = SubTicks::ZERO;

@@ -11,14 +11,14 @@ pub(in crate::motion) const LONG_TIME: SubTicks = SubTicks(1 << 44);
 
 /// A straight move with a trapezoid of speed: its distance is cut in three phases, each with its time.
 ///
-/// Fractions are scaled by 2^31, times are ticks times 2^16.
+/// Fractions are scaled by [`WHOLE`], 2^31.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Move {
     /// Where it ends, in steps of x, y, z and e.
     pub end: [Steps; 4],
-    /// The fraction of the path behind when the change from the entry speed ends.
+    /// The fraction of the path that is covered when the change from the entry speed ends.
     pub accelerated: u32,
-    /// The fraction of the path behind when the deceleration begins.
+    /// The fraction of the path that is covered when the deceleration begins.
     pub cruised: u32,
     /// The part of the first phase that the lower of its two speeds alone would cover in its time.
     pub entry_share: u32,

@@ -2,20 +2,34 @@
 //!
 //! It runs in the step timer's interrupt at the highest priority. Everything it needs stands in the event;
 //! it decides nothing but whether the moment has come. Motion time runs while there are events: at each
-//! start after a rest, real time is taken anew, so a pause of the host never shows in the motion.
+//! start after a rest, real time is taken again, so a pause of the host never shows in the motion.
 //!
 //! Nearly every event is a plain one, which comes in time and has nothing but steps; [`Stepper::on_alarm`] plays it in
 //! a straight line. Whatever else there may be is [`Stepper::play_closely`]'s.
+//!
+//! # States
+//!
+//! | state | what says so | leads to |
+//! |---|---|---|
+//! | resting | `next` is RESTING | *waiting*, when an event of the epoch is in the queue (`resume` dates it) |
+//! | waiting | an event in `next`, `due` ahead, alarm set | *due*, when the alarm rings; *resting*, when the epoch is over |
+//! | due | `due` has come, at most MAX_LATE ago | played: *waiting* or *due* with the next event, *starved* without one |
+//! | late | `due` is more than MAX_LATE ago | `lag` grows by so much, and the event is *due*: all that follow move with it |
+//! | starved | `next` is NONE | *due*, if the event has come meanwhile; else counted, and *resting* |
+//! | ended | an endstop that the event watches is pressed | *resting* until the next epoch: `ended` holds this one |
+//!
+//! An event without steps is passed over where it would be played (`skip_event`); after the last such event the Stepper is
+//! *resting* without being *starved*: the generator marks the end of a motion so.
 
 use super::queue::{PackedEvent, StepsOut};
 use crate::port::{GroupSet, Pend, StepClock, StepPort};
 use crate::status::Status;
 use crate::units::Tick;
 
-/// Events played in one interrupt, one right behind the other: few enough to stay below 10 us at 1 us an event.
+/// Events played in one interrupt, one right after the other: few enough to stay below 10 us at 1 us an event.
 const BURST: u32 = 8;
 
-/// Behind that: 5 us for the others that wait.
+/// After [`BURST`] events: 5 us for the other interrupts that wait.
 const YIELD: u32 = 50;
 
 /// An event that comes later than this moves all that follow: 10 us. Steps are late then, and none is lost.
@@ -33,7 +47,7 @@ const NO_EPOCH: u16 = 1 << 8;
 pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
     /// When the event that comes next is due; at rest anything.
     due: Tick,
-    /// How far motion time is behind real time. (Between the other two, which the compiler would else store as a pair; that
+    /// By how much motion time lags real time. (Between the other two, which the compiler would else store as a pair; that
     /// takes longer, and so would next event and status.)
     lag: u32,
     /// The event that comes next, which is still in the queue.
@@ -73,7 +87,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         }
     }
 
-    /// Call it when the alarm rings and when it is pended. Bounded: plays one event, and those that are due right behind
+    /// Call it when the alarm rings and when it is pended. Bounded: plays one event, and those that are due right after
     /// it.
     #[inline(always)]
     pub fn on_alarm(&mut self) {
@@ -98,8 +112,8 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.next.is_plain(self.status.epoch_in_interrupt()) && self.clock.is_due(self.due, MAX_LATE)
     }
 
-    /// Goes on from an event that was due then and whose step lines are high to the next; false if no alarm is set for that. The pulse is as
-    /// long as this takes, and the port sees to it that this is enough.
+    /// Goes on to the next event, from one that was due then and whose step lines are high; false if no alarm is set for the
+    /// next one. The pulse is as long as this takes, and the port sees to it that this is enough.
     #[inline(always)]
     fn next_event(&mut self, due: Tick) -> bool {
         let (interval, next) = self.events.advance();
@@ -108,7 +122,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.clock.alarm_again(due)
     }
 
-    /// Plays the next event if that is to be played, and those that are due right behind it; the next one soon if these
+    /// Plays the next event if that is to be played, and those that are due right after it; the next one soon if these
     /// were many.
     #[cold]
     #[inline(never)]
@@ -142,7 +156,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         }
     }
 
-    /// Plays the next event, whatever its groups; false if no alarm is set for the one behind.
+    /// Plays the next event, whatever its groups; false if no alarm is set for the one that follows.
     #[inline(always)]
     fn play(&mut self) -> bool {
         let (word, due) = (self.next, self.due);
@@ -154,7 +168,8 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         is_alarm_set
     }
 
-    /// Looks closely at an event that is not plain, or not in time. True if it is to be played.
+    /// Looks closely at an event that is not plain, or not in time: true if it is to be played. Takes the Stepper through the
+    /// states of the table above.
     #[inline(never)]
     fn check_event(&mut self) -> bool {
         // Nobody who could begin another epoch runs until we are done.
@@ -228,13 +243,13 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         true
     }
 
-    /// Motion time is behind real time by so much, and was, or will be, up to date at `due`.
+    /// Motion time lags real time by so much, and was, or will be, up to date at `due`.
     fn set_lag(&mut self, ticks: u32, due: Tick) {
         self.lag = ticks;
         self.status.set_behind(ticks, due.0);
     }
 
-    /// Nothing is due, but somebody may want to know of the endstops.
+    /// Nothing is due, but somebody may want to know of the endstops. False, for there is nothing to play.
     fn report_endstops(&mut self) -> bool {
         self.status.set_endstops(self.port.endstops());
         false

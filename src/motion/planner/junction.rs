@@ -8,8 +8,8 @@
 //!
 //! A curve that is cut into chords of length L is a row of such corners, each of them harmless and all of them
 //! together a turn of radius `L/2 tan(t/2)`: its speed is limited by `v^2 = a L/2 tan(t/2)` too. Where chords are shorter than
-//! a millimetre, a corner says nothing of the curve that it belongs to, and what the path does over some distance takes the place
-//! of that (see [`trend`](super::path_curvature)): its curvature, by `v^2 = a r`, and how far the direction of the tool leads a velocity
+//! a millimetre, a corner says nothing of the curve that it belongs to, and what the path does over some distance counts
+//! instead (see [`path_curvature`](super::path_curvature)): its curvature, by `v^2 = a r`, and how far the direction of the tool leads a velocity
 //! that keeps to the acceleration. At a corner of a small turn t, junction deviation allows a jump of `v t = sqrt(8 a d)`; all
 //! the corners of a bend together have no more than that, beside what the acceleration makes up for on the way between them.
 //! Corners that are more than [`WINDOW`] apart are no bend.
@@ -31,8 +31,8 @@ const LEAST_SINE: f32 = 1e-7;
 /// tool's speed jumps by a thousandth of a mm/s.
 const LEAST_TURN_SQ: f32 = 1e-12;
 
-/// Chords of at least so many mm are judged corner by corner, shorter ones by the [trend](super::path_curvature) of the path, which
-/// forgets a corner over a millimetre.
+/// Chords of at least so many mm are rated corner by corner, shorter ones by the [curvature](super::path_curvature) of the path,
+/// which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
 
 /// The lead is made up for so much faster than the acceleration says: a circle at the limit shall be limited by its curvature
@@ -63,8 +63,8 @@ impl AccelLimits<'_> {
     }
 }
 
-/// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`, with which the path goes
-/// on in its curvature.
+/// The greatest speed squared at which `before` may turn into `after`. The curvature of the path takes up that corner, and
+/// `after`.
 #[inline(always)]
 pub(in crate::motion) fn junction_speed_sq(
     before: &Geometry,
@@ -209,7 +209,7 @@ mod tests {
         Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
     }
 
-    /// Behind a long way that led to `before`.
+    /// After a long way that led to `before`.
     fn corner(before: &Geometry, after: &Geometry, a: MmPerSec2, s: &Settings) -> u64 {
         at_corner(before, after, &mut PathCurvature::default(), a, s)
     }
@@ -270,7 +270,7 @@ mod tests {
         }
     }
 
-    /// What a bend of 0.004 mm is taken with cannot be told from what its corner is taken with.
+    /// A bend of 0.004 mm is passed with the speed of the corner that it makes.
     #[test]
     fn a_corner_in_pieces_is_no_faster_than_one() {
         let (s, a) = (Settings::prototype(), MmPerSec2::from_num(3000));

@@ -1,7 +1,24 @@
-//! The planner: from targets to moves with speeds, looking ahead.
+//! The planner: from targets to moves with speeds, looking ahead. The Console runs it.
+//!
+//! ```text
+//! push(Target) -> step_scale -> geometry -> junction -> | window: moves that wait  | -> profile -> pop() -> Move
+//!                 mm to steps   length,     speed at    | planned, planned, ...    |    trapezoid
+//!                               direction   the corner  | ^ passes: replan, freeze |
+//! ```
 //!
 //! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
 //! the geometry of a move is that of the commanded positions. Where its steps fall is the generator's business.
+//!
+//! # Words
+//!
+//! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is stored.
+//! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
+//! - **final**: an exit speed that no later move can change. **frozen**: one that is kept though it is not final, for the move
+//!   was made to leave (**forced**).
+//! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
+//! - **pass**: work over all moves of the window, done a few moves at a time.
+//! - **chord**: a move that is a part of a curve. **bend**: where several of them turn the path. **lead**: see
+//!   [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed changes, and holds.
 
 mod geometry;
 mod junction;
@@ -63,7 +80,7 @@ pub struct Planner<'m> {
     pub(in crate::motion) asked: [Mm; 4],
     /// The last move, for the corner to the next.
     last: Geometry,
-    /// The speed squared that it passes on.
+    /// The limit of its exit speed squared.
     pub(in crate::motion) last_exit_limit_sq: SpeedSq,
     /// How the path bends there.
     path_curvature: PathCurvature,
@@ -245,7 +262,7 @@ impl<'m> Planner<'m> {
         let (e, de) = pe.end_and_distance(e, asked_e, from_e);
         let vector = Geometry::new([dx, dy, dz, de]);
         if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
-            // What an axis still lacks is made up when it is next asked for another place.
+            // What an axis still lacks is made up when it is next asked for another position.
             let extrusion = Geometry::new([0, 0, 0, de]);
             return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
         }
@@ -287,7 +304,7 @@ impl<'m> Planner<'m> {
     }
 
     /// Whether the first move waits for more moves, or there is none; as far as is known, it is not so while moves are
-    /// [planned anew](Self::replan).
+    /// [planned again](Self::replan).
     #[must_use]
     pub fn lacks_moves(&self) -> bool {
         self.window.is_planned() && !self.window.has_ready()
@@ -340,7 +357,7 @@ impl<'m> Planner<'m> {
         self.window.force(usize::MAX);
     }
 
-    /// Takes the next move that may leave; none does while moves are [planned anew](Self::replan).
+    /// Takes the next move that may leave; none does while moves are [planned again](Self::replan).
     pub fn pop(&mut self) -> Option<Move> {
         if !self.window.is_planned() {
             return None;

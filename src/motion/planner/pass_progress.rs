@@ -2,10 +2,10 @@
 
 use crate::units::SpeedSq;
 
-/// How far the rounds have come.
+/// How far the passes have come.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Passes {
-    /// The index of the next move to plan anew, and the speed squared that the one before it passes on.
+    /// The index of the next move to plan again, and the limit of the exit speed squared of the move before it.
     pub replan: Option<(usize, SpeedSq)>,
     pub frozen: Cursor,
     pub counted: FinalCount,
@@ -29,7 +29,7 @@ pub(in crate::motion) struct FinalCount {
 }
 
 impl Cursor {
-    /// The first move leaves, with that speed squared at its end.
+    /// The first move leaves, with that exit speed squared.
     #[inline(always)]
     pub const fn pop(&mut self, exit_sq: SpeedSq) {
         match self.index {

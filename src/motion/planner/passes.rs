@@ -1,24 +1,24 @@
 //! Passes: work that has to look at many moves of the window, done a few at a time.
 //!
-//! A window of 144 moves takes many times as long as a move. So whoever asks for such a round has a part of it done in each
+//! A window of 144 moves takes many times as long as a move. So whoever asks for such a pass has a part of it done in each
 //! turn of the Console, and nothing that depends on its outcome happens before its end:
 //!
-//! | round | begins when | until its end |
+//! | pass | begins when | until its end |
 //! |---|---|---|
-//! | planning anew | the feed changes for moves that wait | nothing leaves and nothing is added |
-//! | settling | moves are made to leave that are not final | nothing is added |
-//! | judging | motion has not begun, and a move was added | motion does not begin |
+//! | [`replan`](Window::replan) | the feed changes for moves that wait | nothing leaves and nothing is added |
+//! | [`freeze_exits`](Window::freeze_exits) | moves are made to leave that are not final | nothing is added |
+//! | [`count_final`](Window::count_final) | motion has not begun, and a move was added | motion does not begin |
 
 use super::pass_progress::{Cursor, FinalCount, Passes};
 use super::planned::{NOT_FROZEN, Planned};
 use super::window::Window;
 use crate::units::SpeedSq;
 
-/// Moves of one part of a round; a turn of the Console may do two parts.
+/// Moves of one part of a pass; a turn of the Console may do two parts.
 const PART: usize = 5;
 
 impl Window<'_> {
-    /// All moves are to be planned anew. None is settled any more, and none is made to leave.
+    /// All moves are to be planned again. No exit speed is frozen any more, and no move is made to leave.
     pub fn begin_replan(&mut self) {
         (self.forced, self.is_stuck, self.passes) = (0, false, Passes::NONE);
         self.passes.replan = (self.len > 0).then_some((0, SpeedSq::MAX));
@@ -26,14 +26,14 @@ impl Window<'_> {
         self.minima.clear();
     }
 
-    /// Whether moves are still to be planned anew.
+    /// Whether no move is left to be planned again.
     #[inline(always)]
     pub const fn is_planned(&self) -> bool {
         self.passes.replan.is_none()
     }
 
-    /// Has `change` change the next few moves, and plans them anew. A speed that is too great now is braked away as fast as
-    /// the accelerations allow, so it counts as a cap until then; it was below all caps when it was planned.
+    /// Has `change` change the next few moves, and plans them again. A speed that is too great now is braked away as fast as
+    /// the accelerations allow, and until then it counts as the greatest entry speed; it was possible when it was planned.
     pub fn replan(&mut self, mut change: impl FnMut(&mut Planned)) {
         let Some((begin, mut exit_limit_sq)) = self.passes.replan else { return };
         let Some(origin) = self.get(0).map(|first| first.cumulative_gain_sq) else { return };
@@ -53,13 +53,14 @@ impl Window<'_> {
         self.passes.replan = (end < self.len).then_some((end, exit_limit_sq));
     }
 
-    /// Whether the speeds of all moves that were made to leave are settled.
+    /// Whether the exit speeds of all moves that were made to leave are frozen.
     #[inline(always)]
     pub const fn are_exits_frozen(&self) -> bool {
         self.passes.frozen.index >= self.forced
     }
 
-    /// Settles the speeds of a few moves that were made to leave, or they would depend on what is added until they do.
+    /// Freezes the exit speeds of a few moves that were made to leave. Otherwise these speeds would depend on what is added
+    /// before the moves leave.
     pub fn freeze_exits(&mut self) {
         let Cursor { index: begin, mut entry_sq } = self.passes.frozen;
         let end = self.forced.min(begin + PART);

@@ -1,11 +1,11 @@
-//! The trend of the path: how it turns over more than one corner.
+//! The curvature of the path: how it turns over more than one corner.
 //!
-//! A curve that is cut finely is a row of corners each of which is harmless. Two things are kept of the path behind, at a cost
+//! A curve that is cut finely is a row of corners each of which is harmless. Two things are kept of the path so far, at a cost
 //! that depends neither on the chords nor on the curve:
 //!
 //! - **The curvature**, for curves that go on. The direction is averaged with weights that fall by e over the distance l, for
-//!   five distances each twice as long as the one before. On a circle of the radius r such a mean lags behind the direction by
-//!   l/r, and the mean over 2 l lags behind the mean over l by l/r again, whatever the chords: what two neighbours differ by is
+//!   five distances each twice as long as the one before. On a circle of the radius r such a mean lags the direction by
+//!   l/r, and the mean over 2 l lags the mean over l by l/r again, whatever the chords: what two neighbours differ by is
 //!   what the path turns by over l. Short distances see small curves, long ones see through rounded coordinates: a point
 //!   that is off by p turns a mean over l by p/l at most, so that much of each difference is no bend.
 //! - **The lead**, for what is over too soon for that. A velocity that changes by no more than the acceleration allows follows
@@ -22,11 +22,11 @@ const REACH: f32 = 1.28;
 /// Distances: the shortest is 0.08 mm, of which [`ROUNDING`] is less than a hundredth. What turns within less shows as a lead.
 const SCALES: usize = 5;
 
-/// By how much coordinates are off, in mm: thousandths of a millimetre put a point up to 0.0007 mm off its place, and a mean
+/// By how much coordinates are off, in mm: thousandths of a millimetre put a point up to 0.0007 mm off, and a mean
 /// knows several points.
 const ROUNDING: f32 = 0.0006;
 
-/// How the path turns behind its last corner.
+/// How the path has turned up to its last corner, that one included.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::motion) struct PathCurvature {
     /// Mean directions less the direction, from the longest distance to the shortest.
@@ -49,7 +49,7 @@ pub(in crate::motion) struct Bend {
 }
 
 impl PathCurvature {
-    /// The lead behind a corner that turns the direction by `turn`.
+    /// The lead after a corner that turns the direction by `turn`.
     #[inline(always)]
     pub const fn lead_with(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let [lead_x, lead_y, lead_z] = self.lead;

@@ -5,7 +5,7 @@ use crate::motion::number::{from_bits, speed};
 use crate::motion::ramps::gain_sq;
 use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 
-/// Moves that leave when the window is full and the first is not final: some at a time, so that the queue behind has
+/// Moves that leave when the window is full and the first is not final: some at a time, so that the MoveQueue has
 /// enough while the window fills again.
 pub const FORCED_BATCH: usize = 16;
 
@@ -18,7 +18,7 @@ const _: () = assert!(WINDOW < 256);
 const MOST_GAIN_SQ: SpeedSq = SpeedSq(50_000_000_000_000_000);
 const _: () = assert!(MOST_GAIN_SQ.0 <= i64::MAX as u64 / WINDOW as u64);
 
-/// No speed is settled.
+/// The exit speed is not frozen.
 pub(in crate::motion) const NOT_FROZEN: SpeedSq = SpeedSq::MAX;
 
 /// A move in the window.
@@ -29,13 +29,13 @@ pub(in crate::motion) struct Planned {
     pub feed: MmPerSec,
     /// The fastest that axes and motors let it be.
     pub max_speed: MmPerSec,
-    /// Greatest speed squared that the corner before it allows.
+    /// Greatest speed squared that the corner before it allows, by its geometry alone.
     pub junction_sq: SpeedSq,
-    /// Greatest speed squared at that corner, by the nominal speeds of the two moves too.
+    /// Greatest entry speed squared: that of the junction, and by the nominal speeds of the two moves too.
     pub max_entry_sq: SpeedSq,
-    /// G of the window's formula, wrapping.
+    /// What all moves before it could gain, G of the [window](super::window)'s formula; wraps.
     pub cumulative_gain_sq: SpeedSq,
-    /// Speed squared at its end, if that was settled when it was made to leave, else [`NOT_FROZEN`].
+    /// Exit speed squared, if that was frozen when the move was made to leave, else [`NOT_FROZEN`].
     pub frozen_exit_sq: SpeedSq,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
@@ -64,7 +64,7 @@ impl Planned {
         gain_sq(self.spec.acceleration, self.spec.length).min(MOST_GAIN_SQ)
     }
 
-    /// `cap + G` of the window's formula.
+    /// `m + G` of the window's formula; wraps.
     #[inline(always)]
     pub fn bound_sq(&self) -> SpeedSq {
         self.max_entry_sq.wrapping_add(self.cumulative_gain_sq)
@@ -76,8 +76,7 @@ impl Planned {
         SpeedSq::of(self.spec.nominal)
     }
 
-    /// The speed squared above which the corner behind it must not be; none at all behind a move that an endstop may
-    /// end.
+    /// The greatest exit speed squared as far as this move is concerned; 0 for a move that an endstop may end.
     #[inline(always)]
     pub fn exit_limit_sq(&self) -> SpeedSq {
         if self.spec.watch.is_empty() { self.nominal_sq() } else { SpeedSq::ZERO }
@@ -92,7 +91,7 @@ impl Planned {
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
 
-    /// Takes a new cap behind a move that passes on `before`.
+    /// Takes a new greatest entry speed, after a move whose exit speed has this limit.
     #[inline(always)]
     pub fn limit_entry(&mut self, previous_exit_limit_sq: SpeedSq) {
         self.max_entry_sq = if self.spec.watch.is_empty() {

@@ -1,21 +1,22 @@
 //! The look-ahead window: moves whose speeds may still change.
 //!
-//! The speed at the end of the last move is 0, for nobody knows what follows. With `w` for squared speeds, `cap_k` for
-//! the greatest at the corner before move k, and `G_k` for the sum of what the moves before it could gain (2 a L each),
-//! the greatest speed from which the rest can still brake is
+//! The speed at the end of the last move is 0, for nobody knows what follows. With `w_i` for the
+//! square of the entry speed of move i, `m_k` for the greatest one that move k allows ([`Planned::max_entry_sq`]), and `G_k`
+//! for the sum of what the moves before move k could gain, 2 a L each ([`Planned::cumulative_gain_sq`]), the greatest speed from
+//! which the moves that follow can still brake is
 //!
 //! ```text
-//! w_i = min over k >= i of (cap_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
+//! w_i = min over k >= i of (m_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
 //! ```
 //!
-//! The minimum over all that follow is kept up to date as moves come and go, by a queue of those corners alone behind
-//! which there is none with a smaller `cap_k + G_k`: a move that is added costs as much whether three or a hundred wait.
+//! The minimum is kept up to date as moves come and go, by a queue of corners: a corner stays in it while no following
+//! corner has a smaller `m_k + G_k`. So a move that is added costs as much whether three or a hundred wait.
 //! What has to go over all of them is done a few at a time (see [`passes`](super::passes)).
 //!
 //! A corner whose speed is not limited by the end of the window is **final**: what is added counts with at least as much
 //! as that end. The move before it may leave, sooner or later, without a difference to the steps. When a move must
 //! leave that is not final, the outcome would depend on when; so that happens only where the stream of commands itself
-//! says so (the window is full of unfinished moves, or a command waits for the motion), or when the stream is dry.
+//! says so (the window is full of unfinished moves, or a command waits for the motion), or when no commands come any more.
 
 use super::pass_progress::{FinalCount, Passes};
 use super::planned::{MoveMemory, NOT_FROZEN, Planned, WINDOW};
@@ -28,10 +29,10 @@ const fn is_less(a: SpeedSq, b: SpeedSq) -> bool {
     (a.wrapping_sub(b).0 as i64) < 0
 }
 
-/// Places of the moves whose corners are less than all behind them, in `cap + G`; in order.
+/// Slots of the moves whose corners have a smaller `m + G` than all that follow; in order.
 pub(in crate::motion) struct Minima<'m> {
     slots: &'m mut [u8; 256],
-    /// Both wrap with the slots.
+    /// Both wrap with the ring.
     begin: u8,
     end: u8,
 }
@@ -57,7 +58,7 @@ pub(in crate::motion) struct Window<'m> {
     /// The slot of the first move.
     first: usize,
     pub(in crate::motion) len: usize,
-    /// G behind the last move.
+    /// G at the end of the last move.
     total_gain_sq: SpeedSq,
     /// So many moves leave though they may not be final.
     pub(in crate::motion) forced: usize,
@@ -120,13 +121,13 @@ impl<'m> Window<'m> {
         if index < self.len { self.moves.get(self.slot(index)) } else { None }
     }
 
-    /// G behind the last move.
+    /// G at the end of the last move.
     #[inline(always)]
     pub const fn total_gain_sq(&self) -> SpeedSq {
         self.total_gain_sq
     }
 
-    /// Adds a move, whose G is that [behind the last one](Self::total_gain_sq); the caller has made room.
+    /// Adds a move, whose G is that [at the end of the last one](Self::total_gain_sq); the caller has made room.
     #[inline(always)]
     pub fn push(&mut self, planned: Planned) {
         debug_assert!(!self.is_full(), "the caller has made room");
@@ -141,7 +142,7 @@ impl<'m> Window<'m> {
         (self.passes.counted.is_done, self.is_stuck) = (false, false);
     }
 
-    /// Notes the corner before a move, behind which there is none yet.
+    /// Adds the corner before a move to the queue of minima; no corner follows it yet.
     pub(in crate::motion) fn add_minimum(&mut self, slot: usize, bound_sq: SpeedSq) {
         while self.minima.len() > 0 {
             let last = self.minima.get(self.minima.len() - 1);
@@ -156,7 +157,7 @@ impl<'m> Window<'m> {
         self.minima.end = self.minima.end.wrapping_add(1);
     }
 
-    /// `cap + G` of the move in that slot.
+    /// `m + G` of the move in that slot.
     fn bound_sq(&self, slot: usize) -> SpeedSq {
         self.moves.get(slot).map_or(SpeedSq::ZERO, Planned::bound_sq)
     }
@@ -169,8 +170,8 @@ impl<'m> Window<'m> {
         (self.front_sq, self.front_speed) = (SpeedSq::ZERO, 0.0);
     }
 
-    /// Which of the minima is the least corner behind the move of that index, given one that is none behind it. They stand in
-    /// order, so whoever goes on to the next move begins where he was.
+    /// The index, in the queue of minima, of the least corner that follows the move of that index. The search begins at
+    /// `least`, which must not be beyond it. The queue is in order, so the next move's search begins where this one ended.
     #[inline(always)]
     pub(in crate::motion) fn first_minimum_after(&self, index: usize, mut least: u8) -> u8 {
         while self.minima.get(least).is_some_and(|slot| self.index(slot) <= index) {
@@ -179,14 +180,14 @@ impl<'m> Window<'m> {
         least
     }
 
-    /// The greatest speed squared behind the move of that index, which is entered with `entry`, and whether that is final;
-    /// `None` if no move is behind it.
+    /// The greatest exit speed squared of the move of that index, which is entered with `entry_sq`, and whether it is final;
+    /// `None` if no move follows.
     pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: SpeedSq, least: u8) -> Option<(SpeedSq, bool)> {
         let (this, next) = (self.get(index)?, self.get(index + 1)?);
         Some(self.exit_sq_between(this, next, entry_sq, self.minima.get(least)?))
     }
 
-    /// The same between two moves, given the slot of the least corner behind the first one.
+    /// The exit speed of `this` towards `next`, given the slot of the least corner that follows `this`.
     #[inline(always)]
     fn exit_sq_between(&self, this: &Planned, next: &Planned, entry_sq: SpeedSq, least: usize) -> (SpeedSq, bool) {
         let bound_sq = self.bound_sq(least).wrapping_sub(next.cumulative_gain_sq);
@@ -195,7 +196,7 @@ impl<'m> Window<'m> {
         (known.min(end), known <= end)
     }
 
-    /// The same behind the first move.
+    /// The exit speed squared of the first move, and whether it is final; `None` if no move follows.
     #[inline(always)]
     fn first_exit_sq(&self) -> Option<(SpeedSq, bool)> {
         if self.len < 2 {

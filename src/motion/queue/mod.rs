@@ -1,12 +1,43 @@
 //! The StepQueue: step events on their way from the StepGenerator to the Stepper.
 //!
-//! A ring whose two ends have one owner each, on one core: the Stepper interrupts the generator, never the other way
-//! round, so what keeps the compiler from changing an order is enough (`dmb` would take a tenth of a step). An event takes
-//! two words; those after the newest say that there is no event, and that it is due at once, so the Stepper need not ask
-//! how many there are. What an event wants beyond steps is one bit of it, which is set when it is made.
+//! ```text
+//!            done                         made
+//!             v                            v
+//! [ played ][ held ][ event ][ event ] ... [ end: 0, NONE ][ played ] ...     512 slots, a ring
+//!             ^ the Stepper has looked at it, and it is still in the queue
+//! ```
 //!
-//! `tests/queue_orders` has these files on a memory of its own, in which the Stepper comes in at every place between two
+//! A ring whose two ends have one owner each, on one core: the Stepper interrupts the generator, never the other way
+//! round, so what keeps the compiler from changing an order is enough (`dmb` would take a tenth of a step). A slot is two
+//! words: the interval since the event before, and a [`PackedEvent`]. The slot after the newest event says that there is no
+//! event, and that it is due at once, so the Stepper need not ask how many there are. What an event wants beyond steps is one
+//! bit of its word, which is set when it is made.
+//!
+//! # Who writes which word when
+//!
+//! | word | owner, who writes it | when | who else reads it |
+//! |---|---|---|---|
+//! | slots from `made + 1` on | generator | while a run is filled | nobody before the store of the first event |
+//! | slot at the new end | generator | before the run is shown | Stepper, as "no event" |
+//! | slot at `made`: interval | generator | before the fence | Stepper, which may find it under an event that is still NONE |
+//! | slot at `made`: event | generator | **last**, between two fences | Stepper: from now on it sees the run |
+//! | REFILL of a waiting event | generator | any time; the Stepper may have read it before | Stepper |
+//! | `done` | Stepper | when it lets go of an event | generator, Console |
+//! | `made` | generator, in its own memory | after the second fence | others by `Status`, when published |
+//!
+//! The order matters in three places. The end is stored before the event that leads to it, or the Stepper would run into what
+//! stands there from the last turn of the ring. All following events of a run are stored before the first one, for the
+//! Stepper that sees the first may play them all. And the first one's interval is stored before its event; a Stepper that has
+//! taken the interval of the slot while the event was NONE looks at the event again when it is due (`Stepper::check_event`).
+//!
+//! `tests/queue_orders` has these files on a memory of its own, in which the Stepper comes in at every point between two
 //! stores, in every order that the compiler may give them.
+//!
+//! # Words
+//!
+//! - **slot**: where an event is stored. **word**: 32 bits, which are read and written in one piece.
+//! - **plain event**: steps in directions that are set, in time, and nothing else. **special event**: any other.
+//! - **run**: events that are shown at once. **mark**: the event at which the Stepper calls the generator.
 
 mod event;
 mod packed_event;
@@ -106,10 +137,11 @@ impl<'m> StepsOut<'m> {
         Self::numbered(self.queue, self.queue.done.load(Relaxed))
     }
 
-    /// Lets go of the event that came next, and looks at the one behind.
+    /// Lets go of the event that came next, and looks at the one that follows.
     #[inline(always)]
     pub(super) fn advance(&mut self) -> (u32, PackedEvent) {
         let queue = self.queue;
+        // `done` is the Stepper's own: nobody else writes it.
         let done = queue.done.load(Relaxed).wrapping_add(1);
         queue.done.store(done, Relaxed);
         Self::numbered(queue, done)
@@ -118,7 +150,7 @@ impl<'m> StepsOut<'m> {
     #[inline(always)]
     fn numbered(queue: &StepQueue, number: u32) -> (u32, PackedEvent) {
         let [interval, word] = queue.slot(number);
-        // In any order, for the generator does nothing in between.
+        // The generator is the owner. In any order, for it is interrupted and does nothing in between.
         (interval.load(Relaxed), PackedEvent(word.load(Relaxed)))
     }
 

@@ -1,4 +1,4 @@
-//! Words: all of a step event but its time, in 32 bits.
+//! Packed event: all of a step event but its time, in a word of 32 bits.
 
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet};
@@ -6,8 +6,8 @@ use crate::port::{EndstopSet, GroupSet};
 /// A bit for each group.
 const GROUPS: u32 = (1 << MOST_GROUPS) - 1;
 
-/// Where the groups that step begin, behind four endstops, and where the directions do. (A port that has four words for
-/// each set of groups finds them so with one instruction less.)
+/// The first bit of the groups that step, above four endstops, and the first bit of the directions. (A port that has four
+/// words for each set of groups finds them so with one instruction less.)
 const STEPS_AT: usize = 4;
 const FORWARD_AT: usize = STEPS_AT + MOST_GROUPS;
 const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::PROBE.0 == 8);

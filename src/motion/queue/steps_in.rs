@@ -16,7 +16,7 @@ pub(super) const REGULAR: u32 = 256;
 const _: () = assert!((LONG + NEAR) as u64 * (REGULAR as u64 / 2) < 1 << 32);
 
 /// The Stepper gets to see events when they are a quarter of those that it has left, but not before they are so many: it
-/// must not run dry while it waits for them.
+/// must not run out of events while it waits for them.
 const SHORTEST_RUN: usize = 4;
 
 /// Step times of a group, in order: what a [`Run`] takes its steps from.
@@ -29,25 +29,25 @@ pub(in crate::motion) trait StepTimes {
     fn following(&self) -> &[u32];
 }
 
-/// Events with steps that are put in one behind the other. The Stepper sees none of them before all are in: the first one
-/// comes into its place last.
+/// Events with steps that are put in one after the other. The Stepper sees none of them before all are in: the first one
+/// comes into its slot last.
 pub(in crate::motion) struct Run<'q> {
     /// The tick of the last event.
     now: u32,
     word: PackedEvent,
-    /// Where the next events go, and those behind them.
+    /// Where the next events go, and where the events after these go.
     slots: &'q [[AtomicU32; 2]],
     next_slots: &'q [[AtomicU32; 2]],
 }
 
 impl Run<'_> {
-    /// Whether there is no place left where events are to be put now.
+    /// Whether there is no slot left where events are to be put now.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
         self.slots.is_empty()
     }
 
-    /// Puts an event in, if there is a place; its steps are those of [`PackedEvent::steps_of`].
+    /// Puts an event in, if there is a slot; its steps are those of [`PackedEvent::steps_of`].
     #[inline(always)]
     pub fn put(&mut self, tick: u32, steps: u32) {
         if let [[interval_slot, word_slot], following @ ..] = self.slots {
@@ -58,8 +58,8 @@ impl Run<'_> {
         }
     }
 
-    /// Puts in the next step of two groups, which is due at one tick, and those behind it up to a tick as long as both step
-    /// together and there are slots.
+    /// Puts in the next step of two groups, which is due at one tick, and the steps that follow up to a tick as long as both
+    /// step together and there are slots.
     #[inline(always)]
     pub fn put_pairs(&mut self, [first, second]: [&mut impl StepTimes; 2], until: u32, word: u32) {
         let word = self.word.0 | word;
@@ -81,7 +81,7 @@ impl Run<'_> {
         second.advance_by(count);
     }
 
-    /// Puts in the next step of a group, and those behind it up to a tick, as long as there are slots.
+    /// Puts in the next step of a group, and the steps that follow up to a tick, as long as there are slots.
     #[inline(always)]
     pub fn put_steps(&mut self, steps: &mut impl StepTimes, until: u32, word: u32) {
         loop {
@@ -99,7 +99,7 @@ pub struct StepsIn<'m> {
     queue: &'m StepQueue,
     /// Events ever put in, wrapping.
     made: u32,
-    /// The event before; at first none, which none is like.
+    /// The event before; NONE at first, which no event is like.
     previous: PackedEvent,
     /// Groups whose steps the Stepper is to look at closely.
     slow: GroupSet,
@@ -167,7 +167,7 @@ impl<'m> StepsIn<'m> {
         let mut left = most as usize;
         let mut has_more = true;
         while has_more && left > 0 {
-            // The events behind the first are plain if they can be. So a run ends in front of one that may not be.
+            // The events after the first are plain if they can be. So a run ends in front of one that may not be.
             let longest = (self.len() / 4).max(SHORTEST_RUN);
             let begin = self.made as usize % LENGTH;
             let slots = self.queue.events.get(begin + 1..begin - begin % REGULAR as usize + REGULAR as usize);
@@ -197,14 +197,15 @@ impl<'m> StepsIn<'m> {
 
     /// Shows the Stepper `count` events, of which all but the first stand in their slots.
     fn publish(&mut self, interval: u32, word: PackedEvent, count: u32) {
-        // A direction that is taken back with an epoch is set anew in the next.
+        // A direction that is taken back with an epoch is set again in the next.
         let is_plain = word.has_only_steps(self.slow)
             && (word.0 ^ self.previous.0) & PackedEvent::SETTING == 0
             && interval < LONG
             && !self.made.is_multiple_of(REGULAR);
         self.previous = word;
         let word = if is_plain { word } else { word.special() };
-        // Whoever sees the first word must find its time, the other events, and the end of the queue after them.
+        // All slots from here on are the generator's until the store of the first event. A Stepper that sees this event must
+        // find its interval, the other events, and the end of the queue after them.
         let end = self.made.wrapping_add(count);
         self.queue.end_at(end);
         let [interval_slot, word_slot] = self.queue.slot(self.made);
@@ -264,6 +265,7 @@ impl<'m> StepsIn<'m> {
         let number = self.made.wrapping_sub(left as u32);
         if self.marked != number {
             let before = &self.queue.slot(self.marked)[1];
+            // The generator is the owner of a word that waits; the Stepper only reads it.
             if is_waiting(self.queue, self.marked) {
                 before.store(before.load(Relaxed) & !PackedEvent::REFILL, Relaxed);
             }
@@ -288,10 +290,10 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn a_run_is_shown_when_it_is_whole_and_nothing_is_behind_it() {
+    fn a_run_is_shown_when_it_is_whole_and_nothing_follows_it() {
         let mut queue = StepQueue::new();
-        for place in queue.events.iter().skip(1).flatten() {
-            place.store(7, Relaxed);
+        for word in queue.events.iter().skip(1).flatten() {
+            word.store(7, Relaxed);
         }
         let (mut events_in, mut events_out) = queue.split();
         let setting = PackedEvent::waiting(3, EndstopSet::NONE).stepping(GroupSet::NONE, GroupSet(1));
@@ -316,7 +318,7 @@ mod tests {
             });
             assert_eq!((events_in.made(), now), (made, 1000 + 50 * made));
             let end = queue.slot(made).each_ref().map(|word| word.load(Relaxed));
-            assert_eq!(end, [0, PackedEvent::NONE.0], "nothing is behind the last");
+            assert_eq!(end, [0, PackedEvent::NONE.0], "nothing follows the last");
             for _ in 0..made - done {
                 let (interval, word) = events_out.peek();
                 let is_special = done == 0 || done.is_multiple_of(REGULAR);

@@ -4,13 +4,13 @@
 //! twice y is a whole number of steps. Motors stand on whole steps of u and v, and there this is so: it is within half a
 //! step of where the tool was sent, and the motors need no step to get there. So such a move is laid from there, and goes
 //! on to the end that was planned for its own axis. Its other axes stay beside the planned path until they are asked for
-//! another place. Every other move ends where it was planned to, so nothing adds up.
+//! another position. Every other move ends where it was planned to, so nothing adds up.
 //!
 //! (Half a step cannot be made less for every corner: between a move along x and one along y both twice x and twice y
-//! must be whole, and of these places every other one is between two counts of both motors. The tool would leave it with
+//! must be whole, and of these positions every other one is between two counts of both motors. The tool would leave it with
 //! a step of one motor alone.)
 //!
-//! Where four coordinates hold three axes, counts that do not agree have no such place. There long moves end on whole steps
+//! Where four coordinates hold three axes, counts that do not agree have no such position. There long moves end on whole steps
 //! of x, y and z.
 
 use crate::kinematics::{Groups, count_at};
@@ -23,7 +23,7 @@ use crate::units::Steps;
 /// 0.4 degrees if that is as long; shorter ones are the chords of curves, which would ripple.
 const LONG: u64 = (1 << 32) - 8;
 
-/// The fraction of a place between two counts.
+/// The fraction of a position between two counts.
 const HALF: u32 = 1 << 31;
 
 /// The axes x, y and z.
@@ -51,7 +51,7 @@ impl Alignment {
         self.planned = planned;
     }
 
-    /// Between which places a move is laid, given where the last one ended, and the counts of the motors there if they have
+    /// Between which positions a move is laid, given where the last one ended, and the counts of the motors there if they have
     /// got to it. (A step that is due within the last tick before it may not be made yet.)
     pub fn ends(
         &mut self,
@@ -107,24 +107,24 @@ impl Alignment {
     }
 }
 
-/// A place without the advance.
-const fn position(place: &Position) -> [Steps; 4] {
+/// A position without the advance.
+const fn without_advance(place: &Position) -> [Steps; 4] {
     let [x, y, z, e, _] = *place;
     [x, y, z, e]
 }
 
-/// The counts of the motors when they have got to a place.
+/// The counts of the motors when they have got to a position.
 fn counts_at(place: &Position, groups: &Groups) -> [i32; MOST_GROUPS] {
     let mut counts = [0; MOST_GROUPS];
     for (count, group) in counts.iter_mut().zip(groups.iter()) {
-        *count = count_at(group.coordinate(position(place)));
+        *count = count_at(group.coordinate(without_advance(place)));
     }
     counts
 }
 
-/// Whether a motor that an axis moves is just between two counts at a place.
+/// Whether a motor that an axis moves is just between two counts at a position.
 fn is_between_counts(place: &Position, axis: usize, groups: &Groups) -> bool {
     let follows = |row: &[i8; 4]| row.get(axis).is_some_and(|times| *times != 0);
     let mut groups = groups.iter().filter(|group| follows(&group.row));
-    groups.any(|group| group.coordinate(position(place)).to_bits() as u32 == HALF)
+    groups.any(|group| group.coordinate(without_advance(place)).to_bits() as u32 == HALF)
 }

@@ -24,16 +24,16 @@ pub(super) enum Braking {
     No,
     /// It slows down. The next move begins with this speed squared.
     Slowing(SpeedSq),
-    /// It has come to left_sq, and the rest of the epoch's work is dropped.
+    /// It has come to left_sq, and what is left of the epoch's work is dropped.
     Done,
 }
 
 /// A point of a move, and how fast the tool is there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct PathPoint {
-    /// The fraction of the move behind.
+    /// The fraction of the move that is covered.
     pub covered: u32,
-    /// Speed squared, in raw bits of 2^-32 mm2/s2.
+    /// Speed squared.
     pub speed_sq: SpeedSq,
 }
 
@@ -44,7 +44,7 @@ const fn time_over(length: u64, mean: u64) -> SubTicks {
 
 impl PathPoint {
     /// Where a move of a length is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
-    /// fraction `begin` behind.
+    /// fraction `begin` covered.
     pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: SubTicks) -> Self {
         let whole = u64::from(WHOLE);
         let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time).0, phase.time.0)));
@@ -60,8 +60,8 @@ impl PathPoint {
         Self::within(last_phase.length, &last_phase.phase, last_phase.begin, SubTicks::MAX)
     }
 
-    /// Brakes from here on: the phase to play, and the speed squared that is left at its end, which is that of the
-    /// move then.
+    /// Brakes from here on: the phase to play, and the speed squared that is left at its end. If some is left, the phase
+    /// ends where the move ends.
     pub fn brake(self, m: &Move) -> (Phase, SpeedSq) {
         let left = mul_div(m.length, u64::from(WHOLE - self.covered), u64::from(WHOLE));
         let before = speed_of(self.speed_sq);
@@ -104,7 +104,7 @@ impl StepGenerator<'_> {
 
     /// From now on the motion slows down. What is made already is played at its speed.
     pub(super) fn begin_brake(&mut self) {
-        // A tick after the last event, so that its step lies behind, and no earlier than what is laid out for a motor.
+        // A tick after the last event, so that its step is made, and no earlier than what is laid out for a motor.
         let begun = self.group_steppers.iter().map(|stepper| stepper.start).max().unwrap_or_default();
         let now = SubTicks::of_ticks(self.last_tick + 1).max(begun);
         match self.task {
@@ -131,7 +131,7 @@ impl StepGenerator<'_> {
         self.last_phase.map_or(SpeedSq::ZERO, |last_phase| PathPoint::at_end_of(&last_phase).speed_sq)
     }
 
-    /// Goes on with the phase that brakes the move in the course from `point` on.
+    /// Goes on with the phase that brakes the current move from `point` on.
     pub(super) fn brake(&mut self, point: PathPoint) {
         let (phase, left_sq) = point.brake(&self.current_move.m);
         self.current_move.replace_by(phase, point.covered);

@@ -1,4 +1,4 @@
-//! The course: the phases of the move that is being laid as spans, and how far that has got.
+//! The current move: the phases of the move that is being laid as spans, and how far that has got.
 //!
 //! There is one, which takes up move after move where it stands: copies of it would cost as much as the move.
 
@@ -17,9 +17,9 @@ pub(in crate::motion) struct CurrentMove {
     index: usize,
     /// Time of the present phase that is laid.
     elapsed: SubTicks,
-    /// The fraction of the move behind where the present phase begins.
+    /// The fraction of the move that is covered where the present phase begins.
     begin: u32,
-    /// The phase of the last span, the fraction of the move behind where that phase begins, and the span's begin in it.
+    /// The phase of the last span, the fraction of the move that is covered where that phase begins, and the span's begin in it.
     laid: Option<(Phase, u32, SubTicks)>,
 }
 
@@ -27,7 +27,7 @@ pub(in crate::motion) struct CurrentMove {
 #[derive(Clone, Copy)]
 pub(in crate::motion) struct LastPhase {
     pub phase: Phase,
-    /// The fraction of the move behind where it begins.
+    /// The fraction of the move that is covered where it begins.
     pub begin: u32,
     /// Length of the move.
     pub length: u64,
@@ -46,7 +46,7 @@ impl CurrentMove {
         laid: None,
     };
 
-    /// Takes up a move, which is laid between these places; its first phase is to be laid.
+    /// Takes up a move, which is laid between these positions; its first phase is to be laid.
     pub fn take_up(&mut self, m: &Move, (first, last): &(Position, Position)) {
         self.m = *m;
         (self.first, self.last) = (*first, *last);
@@ -98,7 +98,7 @@ impl CurrentMove {
         Some((phase, begin, from + passed))
     }
 
-    /// Goes on with another phase, from where a fraction `begin` of the move is behind.
+    /// Goes on with another phase, from where a fraction `begin` of the move is covered.
     pub fn replace_by(&mut self, phase: Phase, begin: u32) {
         self.phases = Vec::new();
         let _ = self.phases.push(phase);

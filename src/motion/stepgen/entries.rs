@@ -1,4 +1,4 @@
-//! Supply: where the spans of the trajectory come from, and what the end of motion means.
+//! Entries: takes work out of the MoveQueue, lays it as spans, and knows what the end of motion means.
 
 use super::brake::{Braking, PathPoint};
 use super::group_stepper::GroupStepper;
@@ -7,7 +7,7 @@ use crate::motion::work::Work;
 use crate::port::EndstopSet;
 use crate::units::{SpeedSq, Steps, SubTicks};
 
-/// Whether there was more to lay.
+/// Whether a span was laid.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum LayResult {
     Laid,
@@ -113,7 +113,7 @@ impl StepGenerator<'_> {
                 for ((stepper, published), group) in steppers.zip(self.mechanism.iter()) {
                     let before = stepper.count();
                     stepper.stand_at(group.coordinate([*x, *y, *z, *e]), self.last_tick as u32);
-                    // A new name for a place is no step.
+                    // A new name for a position is no step.
                     *published = published.wrapping_add(stepper.count().wrapping_sub(before));
                 }
                 true
@@ -126,7 +126,7 @@ impl StepGenerator<'_> {
         true
     }
 
-    /// All motors rest. Ends what that was waited for, or begins what comes next; false if nothing does.
+    /// All motors stand still. Ends the task that waited for this, or begins the next one; false if there is none.
     pub(super) fn rest(&mut self) -> bool {
         match self.task {
             Task::Nothing => {
@@ -161,7 +161,7 @@ impl StepGenerator<'_> {
                     self.finish();
                 }
             }
-            // Their motors are under way from the moment at which they begin.
+            // The motors are under way from the moment at which a move begins.
             Task::Move | Task::Brake(_) => {}
         }
         true

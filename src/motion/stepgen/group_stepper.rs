@@ -1,4 +1,4 @@
-//! Tracks: the way of one motor group along the trajectory, step by step.
+//! Group stepper: how one motor group follows the trajectory, piece by piece and step by step.
 
 use super::step_time_buffer::StepTimeBuffer;
 use super::step_time_solver::{Endpoint, StepTimeSolver};
@@ -19,21 +19,22 @@ const LEAST_TIME: f32 = 2.0;
 pub(in crate::motion) struct GroupStepper {
     /// Its next steps.
     pub step_times: StepTimeBuffer,
-    /// Steps of its present piece that are not among them, and whether none of these comes before the piece ends.
+    /// Steps of the present piece whose times are not found yet. Rounding may leave some for the next piece.
     unsolved: u32,
+    /// Whether all steps that come before the piece ends are found.
     is_piece_solved: bool,
-    /// The tick at which it ends.
+    /// The tick at which the piece ends.
     end_tick: u32,
     solver: StepTimeSolver,
     /// Whether the steps lead forward.
     is_forward: bool,
-    /// The group's count of steps when none are left.
+    /// The group's count when all steps of the piece are made.
     target_count: i32,
     /// When its present piece began.
     pub start: SubTicks,
-    /// Where it ends.
+    /// Where the piece ends; at rest its time is never.
     pub end: Endpoint,
-    /// Where the trajectory next changes, if the present piece ends before in a reversal.
+    /// Where the trajectory next changes, if the present piece ends in a reversal before that.
     after_reversal: Option<Endpoint>,
 }
 
@@ -73,8 +74,8 @@ impl GroupStepper {
         after_reversal: None,
     };
 
-    /// Finds its next steps, if all were made that were known, and it does not end there. If it rests, it goes on resting
-    /// from `now`.
+    /// Finds the next steps, if all that were known are made and the piece goes on. A group at rest goes on resting from
+    /// `now`.
     #[inline(always)]
     pub fn refill(&mut self, now: u32) {
         if self.step_times.left() == 0 {
@@ -94,7 +95,7 @@ impl GroupStepper {
         }
     }
 
-    /// Whether its way goes on otherwise at a tick, up to which it is known.
+    /// Whether the present piece ends at a tick, and all its steps are made.
     pub fn piece_ends_at(&self, tick: u32) -> bool {
         self.is_piece_solved && self.step_times.left() == 0 && self.end_tick == tick && self.end.time != SubTicks::MAX
     }
@@ -153,7 +154,7 @@ impl GroupStepper {
         }
     }
 
-    /// Goes on behind a reversal, if its present piece ends in one.
+    /// Begins the way back after a reversal, if the present piece ends in one.
     pub fn begin_return(&mut self) -> bool {
         let Some(after_reversal) = self.after_reversal.take() else {
             return false;
@@ -162,7 +163,7 @@ impl GroupStepper {
         true
     }
 
-    /// The way to the next change, which may lead there and back.
+    /// Begins the way to the next change; if it leads there and back, only as far as the reversal.
     fn begin_way(&mut self, from: Endpoint, to: Endpoint) {
         if from.speed * to.speed < 0.0 {
             let all = ticks(to.time - from.time);
@@ -213,7 +214,7 @@ impl GroupStepper {
         self.after_reversal = None;
     }
 
-    /// What rounding has left over is made up at once.
+    /// The group rests from `at` on; steps that rounding has left over are made up at once.
     fn come_to_rest(&mut self, at: Endpoint) {
         self.set_bounds(at.time, Endpoint { time: SubTicks::MAX, ..at });
         self.end_tick = whole(at.time).wrapping_add(FAR);

@@ -1,4 +1,19 @@
 //! Merging: the steps of all groups in the order of their ticks, as events.
+//!
+//! An example with three groups that step. All steps are known up to the tick 30 (`until`), and nobody else steps before.
+//!
+//! ```text
+//! tick        10   12   14   16   18   20   22   24   26   28   30
+//! first  (a)   x         x         x              x         x
+//! second (b)   x              x              x              x
+//! third  (c)                       x                             x
+//! event       ab    .    a    b   ac    .    b    a    .   ab   |
+//! ```
+//!
+//! `stop` is where the two belts must pause for the third group: 18 at first, then 30. Up to 18 the belts are merged: a pair at
+//! 10, `a` at 14 and `b` at 16, each as long a row as the other belt's next step lets it be. At 18 the third group's step
+//! is put in, together with the step that `a` has there. From there on the belts are merged up to `limit`, which is the
+//! least of `until`, the first step of a fourth group, and the tick after which enough is made.
 
 use super::StepGenerator;
 use crate::kinematics::Groups;
@@ -9,7 +24,7 @@ use crate::motion::ticks::{earlier, is_before};
 const OF_FIRST: u32 = PackedEvent::steps_of(0);
 const OF_SECOND: u32 = PackedEvent::steps_of(1);
 
-/// Directions are set so many ticks ahead of the step that needs them, if it comes no sooner than twice that behind the one
+/// Directions are set so many ticks ahead of the step that needs them, if that step comes no sooner than twice as many after the one
 /// before: 3 us, more than twice what the Stepper takes to set them.
 const TURN_AHEAD: u32 = 30;
 
@@ -20,11 +35,10 @@ fn is_unstrained(groups: &Groups, word: PackedEvent) -> bool {
 }
 
 impl StepGenerator<'_> {
-    /// Makes up to `most` events of the steps that come before the tick `until`, at least one, and no more when they are
-    /// far enough ahead; false if there are no steps. All groups that step in one tick step in one event.
+    /// Makes up to `most` events of the steps that come before the tick `until`, at least one, and none after the tick `enough`; false if there are no steps. All groups that step in one tick step in one event.
     ///
     /// Three groups at once: the first two, which are the belts, and whichever of the others steps first. The others rest
-    /// or step seldom, and a step of theirs ends the round.
+    /// or step seldom, and a step of theirs ends the merging.
     #[inline(never)]
     pub(super) fn merge(&mut self, until: u32, most: u32, enough: u32) -> bool {
         let (setting, mechanism) = (self.waiting(), self.mechanism);

@@ -1,4 +1,15 @@
-//! The step generator: from released moves to step events.
+//! The step generator: from released moves to step events. It runs in an interrupt below the Stepper's.
+//!
+//! ```text
+//! MoveQueue -> entries -> alignment -> current_move -> trajectory           what the axes do
+//!                 ^ brake replaces what is left of the move                      |
+//!        +-------------------------------+------------------------------+       v
+//!  group_stepper 0: a piece        group_stepper 1: a piece         ...         what each group does
+//!    step_time_solver              step_time_solver                             when it crosses a half step
+//!    step_time_buffer 12 19 26     step_time_buffer 12 20 28                    ticks of the next steps
+//!        +---------------+---------------+
+//!                      merge -> StepQueue                                       events in order of time
+//! ```
 //!
 //! Moves are laid out as a [`Trajectory`], which every motor group follows in pieces in which its position is a
 //! quadratic in time. A group's count is always the position rounded to the nearest step, a step being due where the
@@ -7,6 +18,16 @@
 //!
 //! Time is counted in ticks times 2^16 from the start of the epoch; only the instant of a step is rounded to a whole
 //! tick.
+//!
+//! # Words
+//!
+//! - **group**: motors that step together. **piece**: the time in which a group's position is one quadratic: up to the next
+//!   change of a tap of one of its axes, or a reversal.
+//! - **step time**: the tick of a step. **step threshold**: the position between two counts, where a step is due.
+//! - **slow end**: that end of a piece at which the group is slower; all step times are computed from there.
+//! - **cubic run**: step times in a row that lie on one cubic. **run** (of events): events that the Stepper sees all at once.
+//! - **task**: what the generator is about: a move, a brake, a dwell, or waiting until the motors have come to rest.
+//! - **to publish**: to let the other contexts know how many events and steps are made.
 
 mod alignment;
 mod brake;
@@ -39,15 +60,15 @@ use heapless::spsc::Consumer;
 /// the interrupts of the same priority get their turn.
 const BATCH: u32 = 128;
 
-/// With less room the queue is as good as full: whoever fills up every place as it gets free has no rest.
+/// With less room the queue is as good as full: whoever fills up every slot as it gets free never pauses.
 const LEAST_ROOM: usize = 32;
 
 /// What is being done.
 enum Task {
     Nothing,
-    /// The move in the course is being laid.
+    /// The current move is being laid.
     Move,
-    /// It is being braked, and this speed squared is left at its end.
+    /// The current move is being braked, and this speed squared is left at its end.
     Brake(SpeedSq),
     /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
     ComingToRest(bool),
@@ -67,7 +88,7 @@ pub struct StepGenerator<'m> {
     alignment: Alignment,
     trajectory: Trajectory<'m>,
     group_steppers: [GroupStepper; MOST_GROUPS],
-    /// Their counts when they were last told.
+    /// Their counts when they were last published.
     published: [i32; MOST_GROUPS],
     /// Tick of the last event.
     last_tick: u64,
@@ -120,7 +141,7 @@ impl<'m> StepGenerator<'m> {
     /// done; in the last case it pends itself. Call it whenever either queue may have moved.
     pub fn run(&mut self, pend: &impl Pend) {
         let is_more_to_do = self.make_events();
-        // A stepper that rests at what it has done last needs to be told of more.
+        // A Stepper that rests after the last event needs a call when there are more.
         if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
             pend.pend_stepper();
         }
@@ -158,7 +179,7 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Tells what is made.
+    /// Publishes what is made.
     fn publish(&mut self) {
         let counts = self.group_steppers.each_ref().map(GroupStepper::count);
         let before = core::mem::replace(&mut self.published, counts);
@@ -194,7 +215,7 @@ impl<'m> StepGenerator<'m> {
     /// Some steps, a piece or an entry further; false if there is nothing to do.
     fn advance(&mut self, most: u32, enough: u32) -> bool {
         let now = self.last_tick as u32;
-        // Up to there all groups' ways are known.
+        // Up to there the steps of all groups are known.
         let mut until = now.wrapping_add(NEAR);
         for stepper in &mut self.group_steppers {
             stepper.refill(now);
@@ -217,8 +238,8 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. One round for all, for an
-    /// axis that one group has followed further than its next piece is lost for the others.
+    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. All of them in one go: when
+    /// one group has followed an axis into its next piece, the others can no longer see the end of the present one.
     fn lay_out(&mut self, tick: u32) -> bool {
         for (number, group) in self.mechanism.iter().enumerate() {
             let Some(stepper) = self.group_steppers.get_mut(number) else { continue };
@@ -286,7 +307,7 @@ mod tests {
     use crate::status::Status;
     use crate::units::{Mm, MmPerSec, StepsPerMm};
 
-    /// Reproducer: at 300,000 events a second the generator filled every place as the Stepper freed it, one event a round,
+    /// Reproducer: at 300,000 events a second the generator filled every slot as the Stepper freed it, one event a call,
     /// which took four times as long as usual and left the Console nothing.
     #[test]
     fn a_queue_that_is_nearly_full_is_left_alone() {
@@ -326,7 +347,7 @@ mod tests {
         assert!(generator.events.room() < LEAST_ROOM, "{full} events");
         play(10);
         generator.make_events();
-        assert_eq!(generator.events.len(), full - 10, "too few places to begin with");
+        assert_eq!(generator.events.len(), full - 10, "too few slots to begin with");
         play(200);
         generator.make_events();
         assert_eq!(generator.events.len(), full - 210 + BATCH as usize);

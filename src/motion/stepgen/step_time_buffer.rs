@@ -1,11 +1,11 @@
-//! Ahead: the ticks of a motor group's next steps, as far as they are known.
+//! Step time buffer: the ticks of a motor group's next steps, as far as they are known.
 
 use super::step_time_solver::StepTimeSolver;
 use crate::motion::queue::StepTimes;
 use crate::motion::ticks::{MIN_STEP_INTERVAL, is_before, later};
 
-/// Places for ticks, a power of two: 0.5 KiB a group. With 32 an event takes 13 instructions more, for rounds
-/// of events end most often because the steps known of one group do.
+/// Slots for ticks, a power of two: 0.5 KiB a group. With 32 an event takes 13 instructions more, for merging
+/// stops most often because the known steps of one group end.
 const SLOTS: usize = 128;
 const _: () = assert!(SLOTS.is_power_of_two());
 
@@ -16,21 +16,21 @@ pub(in crate::motion) const MOST: usize = SLOTS - 1;
 pub(in crate::motion) struct StepTimeBuffer {
     /// The first tick at which nothing is known.
     known_until: u32,
-    /// The ticks of steps that were made, of those to come, and behind them that one.
+    /// The ticks of steps that were made, then of steps to come, and after them `known_until`.
     ticks: [u32; SLOTS],
-    /// Where the next step stands, and where the steps end.
+    /// The slot of the next step, and the slot after the last one.
     next: usize,
     end: usize,
-    /// When the first of them may come at the earliest.
+    /// When the first step may come at the earliest.
     earliest: u32,
 }
 
 /// Steps being made, in order.
 pub(in crate::motion) struct StepTimeReader<'a> {
     ticks: &'a [u32; SLOTS],
-    /// Where the next one stands.
+    /// The slot of the next one.
     next: usize,
-    /// When the next one comes; behind the last, from when on nothing is known.
+    /// When the next one comes; after the last, from when on nothing is known.
     pub tick: u32,
 }
 
@@ -67,7 +67,7 @@ impl StepTimes for StepTimeReader<'_> {
 }
 
 impl StepTimeBuffer {
-    /// Nothing, and nothing behind it.
+    /// No steps, and nothing is known.
     pub const NONE: Self = Self { known_until: 0, ticks: [0; SLOTS], next: 0, end: 0, earliest: 0 };
 
     /// The same from a tick on.
@@ -108,7 +108,7 @@ impl StepTimeBuffer {
         self.ticks[0] = until;
     }
 
-    /// Drops the steps that are left, and begins anew at a tick.
+    /// Drops the steps that are left, and begins again at a tick.
     pub fn begin(&mut self, tick: u32) {
         self.clear(tick);
         if is_before(self.earliest, tick) {
@@ -116,7 +116,7 @@ impl StepTimeBuffer {
         }
     }
 
-    /// Fills it with as many of the next `left` steps as come before a tick, if there are so many places. How many there
+    /// Fills it with as many of the next `left` steps as come before a tick, if there are so many slots. How many there
     /// are, and whether more may come before that tick.
     pub fn fill(&mut self, solver: &mut StepTimeSolver, left: u32, end_tick: u32) -> (u32, bool) {
         self.clear(end_tick);
@@ -153,7 +153,7 @@ impl StepTimeBuffer {
     }
 }
 
-/// The first tick at which there may be another pulse behind one.
+/// The first tick at which another pulse may follow one.
 const fn after(tick: u32) -> u32 {
     tick.wrapping_add(MIN_STEP_INTERVAL as u32)
 }
@@ -203,7 +203,7 @@ mod tests {
         let mut solver = StepTimeSolver::at_once(SubTicks::ZERO);
         let most = MOST as u32;
         assert_eq!(buffer.fill(&mut solver, most + 1, 5000), (most, false));
-        assert_eq!(buffer.known_until(), 17 * most - 16, "a tick behind the last");
+        assert_eq!(buffer.known_until(), 17 * most - 16, "a tick after the last");
         buffer.advance_to(MOST);
         assert_eq!(buffer.fill(&mut solver, 1, 5000), (1, true));
         assert_eq!(all(&buffer), [17 * most, 5000]);

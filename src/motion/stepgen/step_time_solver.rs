@@ -1,4 +1,4 @@
-//! Crossings: when a motor's position crosses from one step to the next.
+//! Step time solver: when a motor's position crosses from one step to the next.
 //!
 //! In one piece of its way a motor's position is a quadratic in time. Seen from the end of the piece where it is slower,
 //! with v the speed there, a distance of d steps is covered after
@@ -10,8 +10,8 @@
 //! D being the way of the piece and T its time, u the speed there: nothing cancels, and both ends are exact. Nothing is
 //! summed up from piece to piece, so an error cannot grow.
 //!
-//! StepTimeSolver are found by stretches of n, of which the first is computed like that and the others lie on the cubic that
-//! has the right slope 1/u at both ends of the stretch: three sums a step. Hermite's remainder, f n^4 / 384 with the
+//! Step times are found in cubic runs of n. The first time of a run is computed like that; the others lie on the cubic that
+//! has the right slope 1/u at both ends of the run: three sums a step. Hermite's remainder, f n^4 / 384 with the
 //! fourth derivative f = 120 h^3 / u^7 of the slow end, says how much that is off. With r = 4 h n / u^2, by which part u^2 changes in
 //! the run, that is
 //!
@@ -19,7 +19,7 @@
 //! 15 / 3072 r^3 n / u ticks
 //! ```
 //!
-//! Where that is too much a stretch is shorter, in the end of a single crossing.
+//! Where that is too much a run is shorter, in the end of a single step.
 
 use crate::motion::number::{root, ticks, to_f32};
 use crate::motion::ticks::MIN_STEP_INTERVAL;
@@ -37,26 +37,26 @@ pub(in crate::motion) struct Endpoint {
     pub speed: f32,
 }
 
-/// Lengths of a stretch in which speed changes. They get no longer at once, for the one that is too long by a little may
+/// Lengths of a run in which speed changes. They get no longer at once, for the one that is too long by a little may
 /// well be too long by far.
 const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 
-/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a stretch of 32 sums up twice what is
+/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a run of 32 sums up twice what is
 /// rounded to half a bit of [`FINE`], and three times what is cut to a bit of [`FINER`].
 const MOST_ERROR: f32 = 0.125;
 
 /// Of the formula above, squared.
 const MOST_ROUGHNESS: f32 = (MOST_ERROR * 3072.0 / 15.0) * (MOST_ERROR * 3072.0 / 15.0);
 
-/// Bits of a tick's fraction within a stretch; and how many more there are in what is summed up twice. The change of a
-/// step's time is less than 1,000 ticks where a stretch is smooth and not too long.
+/// Bits of a tick's fraction within a run; and how many more there are in what is summed up twice. The change of a
+/// step's time is less than 1,000 ticks where a run is smooth and not too long.
 const FINE: u32 = 14;
 const FINER: u32 = 6;
 
 /// What makes of a shift by [`FINER`] bits a rounding.
 const HALF: i32 = 1 << (FINER - 1);
 
-/// A longer stretch than this, in ticks, would leave less than 32 bits can hold.
+/// A longer run than this, in ticks, would leave less than 32 bits can hold.
 const LONGEST_RUN: f32 = (1 << (31 - FINE)) as f32;
 
 /// Where steps come at most this often, in steps a tick, no two pulses can come too close to each other: rounding and
@@ -71,11 +71,11 @@ const _: () = assert!((MIN_STEP_INTERVAL + ROUNDING) * STEP_RATE as u64 <= TICKS
 /// A piece is steady if the change of its speed shifts no step by more than a quarter of this, in ticks.
 const LEAST_SHIFT: f32 = 0.2;
 
-/// The crossings of one piece, in order.
+/// The step times of one piece, in order.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct StepTimeSolver {
     curve: Curve,
-    /// Distance of the next crossing from the slow end: whole steps, which are counted, and the rest. A sum would lose the
+    /// Distance of the next step from the slow end: whole steps, which are counted, and the part of one. A sum would lose the
     /// digits that matter where few steps are left.
     whole: i32,
     part: f32,
@@ -86,16 +86,16 @@ pub(in crate::motion) struct StepTimeSolver {
     /// Time of the slow end from the whole tick `base`, and half a tick for rounding.
     offset: f32,
     base: u32,
-    /// Speed at the next crossing.
+    /// Speed at the next step.
     fast: f32,
-    /// How long the stretches are: an index of [`LENGTHS`].
+    /// How long the runs are: an index of [`LENGTHS`].
     level: u8,
     /// Whether two pulses may come too close to each other: it is fast, or a step is late that rounding has left over from
     /// the piece before.
     pub is_dense: bool,
 }
 
-/// StepTimeSolver in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
+/// Step times in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
 /// differences, the latter two with [`FINER`] more.
 struct CubicRun {
     base: u32,
@@ -106,7 +106,7 @@ struct CubicRun {
 }
 
 impl CubicRun {
-    /// A single crossing, or several in the same tick.
+    /// A single step, or several in the same tick.
     fn at(base: u32, ticks: f32) -> Self {
         // Not `max`, which the target has no instruction for.
         let ticks = if ticks < 0.0 { 0.0 } else { ticks };
@@ -118,14 +118,14 @@ impl CubicRun {
     #[inline(always)]
     fn write(mut self, ticks: &mut [u32]) {
         // Four at a time, which takes 6 instructions for each instead of 10.
-        let (fours, rest) = ticks.as_chunks_mut();
+        let (fours, remainder) = ticks.as_chunks_mut();
         for [first, second, third, fourth] in fours {
             *first = self.next();
             *second = self.next();
             *third = self.next();
             *fourth = self.next();
         }
-        for tick in rest {
+        for tick in remainder {
             *tick = self.next();
         }
     }
@@ -165,7 +165,7 @@ impl StepTimeSolver {
         is_dense: true,
     };
 
-    /// The crossings between `from` and `to`, the first of which is at `first`; between them the direction does not
+    /// The step times between `from` and `to`, the first of which is at `first`; between them the direction does not
     /// change.
     pub fn new(from: &Endpoint, to: &Endpoint, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
         let distance = |from: Steps, to: Steps| {
@@ -199,7 +199,7 @@ impl StepTimeSolver {
         }
     }
 
-    /// The first crossing is so far from the slow end.
+    /// The first step is so far from the slow end.
     fn seen_from_slow_end(self, distance: Steps) -> Self {
         let bits = distance.to_bits();
         let part = ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 };
@@ -213,12 +213,12 @@ impl StepTimeSolver {
         self.slow * self.slow + 4.0 * (self.rise * distance)
     }
 
-    /// All crossings at once.
+    /// All steps at once.
     pub fn at_once(time: SubTicks) -> Self {
         Self { base: time.whole_ticks() as u32, offset: 0.5, ..Self::NONE }
     }
 
-    /// The ticks of the next crossings; there may be more of them than the piece has.
+    /// The ticks of the next step times; there may be more of them than the piece has.
     pub fn fill(&mut self, ticks: &mut [u32]) {
         let mut left = ticks;
         while !left.is_empty() {
@@ -226,13 +226,13 @@ impl StepTimeSolver {
                 Curve::Steady => self.steady(left.len()),
                 Curve::Speeding | Curve::Slowing => self.curved(left.len()),
             };
-            let Some((now, behind)) = left.split_at_mut_checked(count) else { return };
+            let Some((now, following)) = left.split_at_mut_checked(count) else { return };
             run.write(now);
-            left = behind;
+            left = following;
         }
     }
 
-    /// The next stretch where all steps take the same time, and how long it is.
+    /// The next run where all steps take the same time, and how long it is.
     fn steady(&mut self, most: usize) -> (CubicRun, usize) {
         let at = self.offset + (self.whole as f32 + self.part) * self.slow;
         let mut count = if at < 0.0 { 1 } else { most };
@@ -244,7 +244,7 @@ impl StepTimeSolver {
         (CubicRun { pace: fine(self.slow), ..CubicRun::at(self.base, at) }, count)
     }
 
-    /// The next stretch where speed changes, and how long it is.
+    /// The next run where speed changes, and how long it is.
     fn curved(&mut self, most: usize) -> (CubicRun, usize) {
         let distance = self.whole as f32 + self.part;
         let fast = self.fast;
@@ -273,7 +273,7 @@ impl StepTimeSolver {
         (CubicRun { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
     }
 
-    /// How long the next stretch can be, which begins at a distance from the slow end.
+    /// How long the next run can be, which begins at a distance from the slow end.
     fn length(&mut self, distance: f32, most: usize) -> usize {
         let length = |level: u8| LENGTHS.get(usize::from(level)).copied();
         let mut long = length(self.level).unwrap_or(1);
@@ -313,8 +313,8 @@ mod tests {
     /// Where it begins: not at a whole tick, and shortly before ticks of 32 bits wrap.
     const BEGIN: u64 = ((1 << 32) - 1000) << 16 | 0x5555;
 
-    /// All crossings of a way from 0 with these speeds, and when they should be.
-    fn crossings(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
+    /// All step times of a way from 0 with these speeds, and when they should be.
+    fn step_times(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
         let way = (v0 + v1) / 2.0 * time;
         let endpoint = |time: u64, position: f64, speed: f64| Endpoint {
             time: SubTicks(time),
@@ -343,13 +343,13 @@ mod tests {
             for fast in [0.000_2, 0.001, 0.004, 0.02, 0.05] {
                 for slow in [0.0, 0.01, 0.3, 0.9, 0.999, 1.0] {
                     for (v0, v1) in [(slow * fast, fast), (fast, slow * fast)] {
-                        let (ticks, exact) = crossings(v0, v1, time, 1.0);
+                        let (ticks, exact) = step_times(v0, v1, time, 1.0);
                         for (tick, exact) in ticks.iter().zip(exact) {
                             let error = f64::from(tick.wrapping_sub(exact as u64 as u32).cast_signed()) - exact.fract();
                             worst = worst.max(error.abs());
                             count += 1;
                         }
-                        assert_eq!(ticks, crossings(v0, v1, time, -1.0).0, "backward as forward");
+                        assert_eq!(ticks, step_times(v0, v1, time, -1.0).0, "backward as forward");
                     }
                 }
             }

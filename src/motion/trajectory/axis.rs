@@ -94,7 +94,7 @@ impl Axis {
         };
     }
 
-    /// How close its taps stand at a place; going there from where they stand at `before` within `time`, so that no tap
+    /// How close its taps stand at a position; going there from where they stand at `before` within `time`, so that no tap
     /// runs more than a quarter faster or slower.
     pub fn scale(&self, at: Steps, before: Option<(u32, SubTicks)>) -> u32 {
         if self.lateness.stiffening.is_none() {

@@ -1,7 +1,22 @@
-//! The trajectory: where every axis is at every time, given the moves so far.
+//! The trajectory: where every axis is at every time, given the moves so far. The generator runs it.
 //!
-//! Moves are laid as [`Span`]s, one behind the other, and each axis follows them through its [`Tap`]s. Time is that of
+//! ```text
+//! spans:  |--speeding--|-----steady-----|--slowing--|            laid one after the other, a ring of them
+//! tap 1:        |--speeding--|-----steady-----|--slowing--|      a copy that is late by d1, with the weight w1
+//! tap 2:             |--speeding--|-----steady-----|--slowing--| late by d2, weight w2
+//! axis:   sum of w * copy, a quadratic between any two changes of a copy
+//! ```
+//!
+//! Moves are laid as [`Span`]s, one after the other, and each axis follows them through its [`Tap`]s. Time is that of
 //! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
+//!
+//! # Words
+//!
+//! - **span**: a piece of the trajectory in which the tool goes straight and its speed changes evenly; a phase of a move, or a
+//!   part of a long phase. **boundary**: where and when one span ends and the next begins.
+//! - **tap**: a delayed copy with a weight, as in a filter with a tapped delay line; an input shaper has one for each impulse.
+//! - **advance**: the axis of the pressure in the extruder. **stiffening**: see [`stiffening`].
+//! - **position**: where all axes are, in steps.
 
 mod axis;
 pub(in crate::motion) mod phase;
@@ -22,7 +37,7 @@ use phase::{Curve, Phase, point};
 use span::ONE;
 
 /// Spans that are remembered; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
-/// shaper of 60 Hz with two humps takes 25. Longer ones stretch the time of so short moves.
+/// shaper of 60 Hz with two humps takes 25. A longer shaper makes so short moves take longer.
 const SPANS: usize = 128;
 const _: () = assert!(SPANS.is_power_of_two());
 
@@ -81,7 +96,7 @@ fn between(from: u32, to: u32, SubTicks(part): SubTicks, SubTicks(whole): SubTic
 pub(crate) struct Trajectory<'m> {
     ring: Ring<'m>,
     axes: [Axis; AXES],
-    /// The last span was taken back, and is to be laid anew as far as it has passed: how close the taps would have stood
+    /// The last span was taken back, and is to be laid again as far as it has passed: how close the taps would have stood
     /// at its end, and how long it would have taken.
     cut: Option<([u32; 2], SubTicks)>,
 }
@@ -114,14 +129,14 @@ impl<'m> Trajectory<'m> {
         }
     }
 
-    /// How close the taps of x and y stand at a position, to which a span of so much `time` leads from another one.
+    /// How close the taps of x and y stand at a position, to which a span of so much `time` leads from a boundary.
     fn scales(&self, position: &Position, from: Option<(&Boundary, SubTicks)>) -> [u32; 2] {
         let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, position);
         let before = |axis: usize| from.map(|(end, time)| (end.scale.get(axis).copied().unwrap_or(ONE), time));
         [x.scale(*at_x, before(0)), y.scale(*at_y, before(1))]
     }
 
-    /// Rests at a place from `time` on.
+    /// Rests at a position from `time` on.
     pub fn rest_at(&mut self, position: Position, time: SubTicks) {
         let scale = self.scales(&position, None);
         self.ring.end = Boundary { time: time.saturating_sub(self.shortest_delay()), position, scale };
@@ -154,15 +169,15 @@ impl<'m> Trajectory<'m> {
         self.axes.iter().flat_map(Axis::delays).min().unwrap_or_default()
     }
 
-    /// The least time of a span that is laid now: none, unless so many short ones wait for the slowest tap that another
-    /// could take the place of one that is still needed. Then time is stretched, so that it cannot come to that.
+    /// The least time of a span that is laid now: none, unless so many short spans wait for the slowest tap that another
+    /// could take the slot of a span that is still needed. Then spans take longer, so that it cannot come to that.
     pub fn least_time(&self) -> SubTicks {
         let used = |axis: &Axis| self.ring.laid.wrapping_sub(axis.oldest(self.ring.laid)) as usize;
         let free = SPANS - 1 - self.axes.iter().map(used).max().unwrap_or_default().min(SPANS - 2);
         if free >= SPANS / 4 { SubTicks::ZERO } else { SubTicks(self.longest_delay().0 / free as u64) }
     }
 
-    /// Lays a phase of a way from `first` to `last`, or a part of one, behind the last span.
+    /// Lays a phase of the way from `first` to `last`, or a part of a phase, after the last span.
     pub fn lay(&mut self, first: &Position, last: &Position, phase: &Phase) {
         let begin = self.ring.end;
         let span = Span::new(begin, phase.time, phase.curve, phase.slow_share);
@@ -220,7 +235,7 @@ impl<'m> Trajectory<'m> {
         self.axes.get(axis).map_or(AxisState::rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
     }
 
-    /// Takes back the last span, which is to be laid anew as far as the first tap has got in it at `time`. `None` if it
+    /// Takes back the last span, which is to be laid again as far as the first tap has got in it at `time`. `None` if it
     /// has ended by then.
     pub fn take_back(&mut self, time: SubTicks) -> Option<SubTicks> {
         let time = time.saturating_sub(self.shortest_delay());

@@ -20,7 +20,7 @@ pub enum Curve {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Phase {
     pub curve: Curve,
-    /// Fraction of the move behind at its end.
+    /// Fraction of the move that is covered at its end.
     pub end: u32,
     /// The part of its way that its lower speed alone would cover in its time.
     pub slow_share: u32,
@@ -33,7 +33,7 @@ const fn part(a: u64, b: u64) -> u64 {
 }
 
 impl Phase {
-    /// The fraction of its way behind after the fraction `x` of its time, and the speed there as a part of the mean
+    /// The fraction of its way that is covered after the fraction `x` of its time, and the speed there as a part of the mean
     /// one, both scaled by [`WHOLE`].
     pub fn progress(&self, x: u64) -> (u64, u64) {
         let (whole, share) = (u64::from(WHOLE), u64::from(self.slow_share.min(WHOLE)));
@@ -46,16 +46,16 @@ impl Phase {
         }
     }
 
-    /// A part of a steady phase that begins with the fraction `begin` of the move behind and a time `from`, and takes about
-    /// so long: as long as the fraction behind at its end, which has 31 bits, says. In a move of minutes one of them is
-    /// ticks.
+    /// A part of a steady phase that begins with the fraction `begin` of the move covered and a time `from`, and takes about
+    /// so long: as long as the fraction that is covered at its end says, which has 31 bits. In a move of minutes the last of these bits
+    /// is ticks.
     pub fn cut_evenly(&self, begin: u32, from: SubTicks, time: SubTicks) -> Self {
         let (whole, part) = (u64::from(self.end.saturating_sub(begin)), self.cut(begin, from, from + time));
         let to = SubTicks(mul_div(self.time.0, u64::from(part.end.saturating_sub(begin)), whole));
         if part.end == self.end || to <= from { part } else { Self { time: to - from, ..part } }
     }
 
-    /// Its part between two points of its time; it begins with the fraction `begin` of the move behind.
+    /// Its part between two points of its time; it begins with the fraction `begin` of the move covered.
     pub fn cut(&self, begin: u32, from: SubTicks, to: SubTicks) -> Self {
         let x = |at: SubTicks| u64::from(fraction(at.min(self.time).0, self.time.0));
         let (_, pace_from) = self.progress(x(from));

@@ -130,7 +130,7 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
 
 /// How x and y ring away from their middle: belts of the lengths l1 and l2 on both sides of the tool have the stiffness
 /// `EA (1/l1 + 1/l2)`, which is least in the middle and 1 / (1 - (2 d/L)^2) times as great at the distance d from it, L being
-/// their sum. The motors behind them are as soft everywhere: `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
+/// their sum. The motors that drive the belts are as soft everywhere: `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
 #[must_use]
 pub fn stiffenings(s: &Settings) -> [Stiffening; 2] {
     [stiffening(&s.shapers.x, &s.axes.x), stiffening(&s.shapers.y, &s.axes.y)]

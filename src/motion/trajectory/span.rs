@@ -1,6 +1,6 @@
 //! Spans: pieces of the trajectory in which the tool goes straight and its speed changes evenly.
 //!
-//! All axes share the fraction of the way that is behind. With x, the fraction of the span's time that has passed
+//! All axes share the fraction of the way that is covered. With x, the fraction of the span's time that has passed
 //! since its slow end, it is `g(x) = s x + (1 - s) x^2`, s being what the slow end's speed alone would cover. A span
 //! in which speed falls is the same seen from its end, so a position is exact at both ends and most accurate where
 //! it is slowest.
@@ -42,7 +42,7 @@ impl AxisState {
     }
 }
 
-/// An end of a span.
+/// Where and when a span begins or ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Boundary {
     /// In ticks times 2^16.
@@ -53,7 +53,7 @@ pub(crate) struct Boundary {
 }
 
 impl Boundary {
-    /// At a place where taps stand as they were given.
+    /// At a position where taps stand as they were given.
     pub const fn new(time: SubTicks, position: Position) -> Self {
         Self { time, position, scale: [ONE; 2] }
     }
@@ -127,12 +127,12 @@ impl Span {
             let position = if time >= ends { to } else { from.wrapping_add(from_f32(way * from_begin)) };
             return AxisState { position, speed: mean };
         }
-        let rest = 1.0 - self.slow_share;
+        let fast_share = 1.0 - self.slow_share;
         let is_slowing = self.curve == Curve::Slowing;
         let x = if is_slowing { ticks(ends.saturating_sub(time)) * rate } else { from_begin };
         let x = x.min(1.0);
-        let speed = mean * (self.slow_share + 2.0 * (rest * x));
-        let gone = way * (x * (self.slow_share + rest * x));
+        let speed = mean * (self.slow_share + 2.0 * (fast_share * x));
+        let gone = way * (x * (self.slow_share + fast_share * x));
         let position = if time >= ends {
             to
         } else if time <= begins {
