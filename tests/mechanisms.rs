@@ -6,10 +6,15 @@
 #[allow(dead_code, reason = "other tests need the rest of it")]
 mod line;
 
-use corehbot::kinematics::{BeltSteps, ForwardKinematics, Groups, Mechanism, MechanismError, Row, residual};
+#[path = "support/corehbot.rs"]
+#[allow(dead_code, reason = "other tests need the rest of it")]
+mod equations;
+
+use corehbot::kinematics::{ForwardKinematics, Groups, Mechanism, MechanismError, Row};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::{MmPerSec, MmPerSec2, Ratio, Steps, StepsPerMm};
+use equations::{BeltSteps, residual};
 use line::{Step, generate_on, plan};
 use proptest::prelude::*;
 

@@ -57,8 +57,8 @@ pub(crate) fn root_of(square: u64) -> u32 {
 pub(crate) fn large_root(square: u64) -> u32 {
     let guess = root(((square >> 32) as u32) as f32);
     let whole = (guess * 65536.0) as u32;
-    let rest = square.wrapping_sub(u64::from(whole) * u64::from(whole)) as i64;
-    let correction = ((rest >> 16) as i32) as f32 / (guess + guess);
+    let remainder = square.wrapping_sub(u64::from(whole) * u64::from(whole)) as i64;
+    let correction = ((remainder >> 16) as i32) as f32 / (guess + guess);
     whole.saturating_add_signed(correction as i32)
 }
 

@@ -5,11 +5,14 @@ mod circles;
 mod corners;
 mod curves;
 mod dice;
+#[path = "../support/corehbot.rs"]
+#[allow(dead_code, reason = "other tests need the rest of it")]
+mod equations;
 mod line;
 mod longest;
 mod model;
+mod passes;
 mod properties;
-mod rounds;
 mod shaped;
 mod shapers;
 mod speeds;

@@ -2,9 +2,9 @@
 
 use super::corners::machine;
 use super::dice::Dice;
+use super::equations::{BeltSteps, residual};
 use super::line::{Step, generate, plan, target};
 use super::speeds::speeds;
-use corehbot::kinematics::{BeltSteps, residual};
 use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner};
 use corehbot::motors::Motor;
 use corehbot::settings::{CornerRule, Settings};

@@ -164,8 +164,8 @@ fn sign(value: i64) -> f32 {
 fn reciprocal(root: u32) -> i32 {
     let one = const { (1u64 << 61) as f32 };
     let guess = (one / root as f32) as i32;
-    let rest = (1i64 << 61) - i64::from(guess) * i64::from(root);
-    let correction = ((rest >> 8) as i32) as f32 * 256.0 / root as f32;
+    let remainder = (1i64 << 61) - i64::from(guess) * i64::from(root);
+    let correction = ((remainder >> 8) as i32) as f32 * 256.0 / root as f32;
     guess.saturating_add(correction as i32)
 }
 

@@ -26,9 +26,9 @@ fn cruise_time(level: u64, nominal: u32) -> SubTicks {
     let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 }).0;
     // Both products may wrap; their difference fits 63 bits.
     let product = level.wrapping_mul(TICKS_PER_SECOND.into());
-    let rest = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
-    let rest = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 + (rest as u32) as f32;
-    SubTicks(guess.saturating_add_signed(i64::from((rest / nominal as f32) as i32)))
+    let remainder = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
+    let remainder = ((remainder >> 32) as i32) as f32 * 4_294_967_296.0 + (remainder as u32) as f32;
+    SubTicks(guess.saturating_add_signed(i64::from((remainder / nominal as f32) as i32)))
 }
 
 /// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.

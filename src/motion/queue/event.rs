@@ -1,4 +1,5 @@
-//! A step event: all the motors that step in one instant.
+//! A step event: all the motors that step in one instant. Tests and benchmarks put such events in and take them out; the
+//! generator and the Stepper know them as a [`PackedEvent`](super::PackedEvent) and an interval.
 
 use crate::motion::ticks::NEAR;
 use crate::port::{EndstopSet, GroupSet};

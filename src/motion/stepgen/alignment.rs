@@ -56,21 +56,21 @@ impl Alignment {
     pub fn ends(
         &mut self,
         m: &Move,
-        place: &Position,
+        position: &Position,
         counts: Option<[i32; MOST_GROUPS]>,
         groups: &Groups,
     ) -> (Position, Position) {
         let [x, y, z, e] = m.end;
         let before = core::mem::replace(&mut self.planned, [x, y, z]);
-        let (mut begin, [.., advance]) = (*place, *place);
+        let (mut begin, [.., advance]) = (*position, *position);
         let mut end = [x, y, z, e, advance.wrapping_add(m.advance)];
         let mut moving = 0u8;
         for (axis, (planned, before)) in self.planned.iter().zip(before).enumerate() {
             if *planned != before {
                 moving |= 1 << axis;
-            } else if let (Some(end), Some(place)) = (end.get_mut(axis), place.get(axis)) {
+            } else if let (Some(end), Some(position)) = (end.get_mut(axis), position.get(axis)) {
                 // Asked for the same again it stays where it is.
-                *end = *place;
+                *end = *position;
             }
         }
         let is_long = moving != 0 && m.length >= LONG;
@@ -85,11 +85,11 @@ impl Alignment {
                 continue;
             }
             if is_long {
-                let [x, y, z, _] = groups.position(counts.unwrap_or_else(|| counts_at(place, groups)));
+                let [x, y, z, _] = groups.position(counts.unwrap_or_else(|| counts_at(position, groups)));
                 let stands = [x, y, z];
                 for (other, stands) in stands.iter().enumerate().filter(|(other, _)| sharing >> other & 1 == 1) {
-                    for place in [&mut begin, &mut end] {
-                        if let Some(at) = place.get_mut(other) {
+                    for position in [&mut begin, &mut end] {
+                        if let Some(at) = position.get_mut(other) {
                             *at = *stands;
                         }
                     }
@@ -108,23 +108,23 @@ impl Alignment {
 }
 
 /// A position without the advance.
-const fn without_advance(place: &Position) -> [Steps; 4] {
-    let [x, y, z, e, _] = *place;
+const fn without_advance(position: &Position) -> [Steps; 4] {
+    let [x, y, z, e, _] = *position;
     [x, y, z, e]
 }
 
 /// The counts of the motors when they have got to a position.
-fn counts_at(place: &Position, groups: &Groups) -> [i32; MOST_GROUPS] {
+fn counts_at(position: &Position, groups: &Groups) -> [i32; MOST_GROUPS] {
     let mut counts = [0; MOST_GROUPS];
     for (count, group) in counts.iter_mut().zip(groups.iter()) {
-        *count = count_at(group.coordinate(without_advance(place)));
+        *count = count_at(group.coordinate(without_advance(position)));
     }
     counts
 }
 
 /// Whether a motor that an axis moves is just between two counts at a position.
-fn is_between_counts(place: &Position, axis: usize, groups: &Groups) -> bool {
+fn is_between_counts(position: &Position, axis: usize, groups: &Groups) -> bool {
     let follows = |row: &[i8; 4]| row.get(axis).is_some_and(|times| *times != 0);
     let mut groups = groups.iter().filter(|group| follows(&group.row));
-    groups.any(|group| group.coordinate(without_advance(place)).to_bits() as u32 == HALF)
+    groups.any(|group| group.coordinate(without_advance(position)).to_bits() as u32 == HALF)
 }

@@ -127,7 +127,7 @@ impl StepGenerator<'_> {
     }
 
     /// All motors stand still. Ends the task that waited for this, or begins the next one; false if there is none.
-    pub(super) fn rest(&mut self) -> bool {
+    pub(super) fn go_on_from_rest(&mut self) -> bool {
         match self.task {
             Task::Nothing => {
                 if !self.next_entry() {

@@ -46,7 +46,7 @@ fn axes(group: &Group) -> impl Iterator<Item = (usize, i8)> {
 
 /// The state of a group, as a sum of the axes'.
 fn sum(group: &Group, trajectory: &Trajectory, at: SubTicks) -> AxisState {
-    let mut sum = AxisState::rest(Steps::ZERO);
+    let mut sum = AxisState::at_rest(Steps::ZERO);
     for (axis, times) in axes(group) {
         let state = trajectory.state(axis, at);
         let (position, speed) = match times {
@@ -178,14 +178,16 @@ impl GroupStepper {
         self.begin_piece(from, to, None);
     }
 
+    /// Begins a piece without a reversal. Its steps lead to the count at its end, unless rounding has the group already
+    /// beyond that.
     fn begin_piece(&mut self, from: Endpoint, to: Endpoint, shape: Option<(Curve, f32)>) {
         let count = self.count();
-        let goal = count_at(to.position);
-        let ahead = to.position.wrapping_sub(from.position);
-        let way = goal.wrapping_sub(count);
+        let target = count_at(to.position);
+        let distance = to.position.wrapping_sub(from.position);
+        let steps = target.wrapping_sub(count);
         self.set_bounds(from.time, to);
-        if (way > 0 && ahead > Steps::ZERO) || (way < 0 && ahead < Steps::ZERO) {
-            self.set_target(goal, count);
+        if (steps > 0 && distance > Steps::ZERO) || (steps < 0 && distance < Steps::ZERO) {
+            self.set_target(target, count);
             self.solver =
                 StepTimeSolver::new(&from, &to, step_threshold(count, self.is_forward), self.is_forward, shape);
         } else {
@@ -195,9 +197,9 @@ impl GroupStepper {
     }
 
     /// Its steps lead from one count to another.
-    fn set_target(&mut self, goal: i32, count: i32) {
-        let way = goal.wrapping_sub(count);
-        (self.target_count, self.unsolved, self.is_forward) = (goal, way.unsigned_abs(), way > 0);
+    fn set_target(&mut self, target: i32, count: i32) {
+        let steps = target.wrapping_sub(count);
+        (self.target_count, self.unsolved, self.is_forward) = (target, steps.unsigned_abs(), steps > 0);
     }
 
     /// Its count of steps.

@@ -234,7 +234,7 @@ impl<'m> StepGenerator<'m> {
         if self.group_steppers.iter().any(|stepper| stepper.piece_ends_at(until)) {
             self.lay_out(until)
         } else {
-            self.rest()
+            self.go_on_from_rest()
         }
     }
 

@@ -179,7 +179,7 @@ impl Axis {
     pub fn state(&self, spans: &impl Spans, time: SubTicks) -> AxisState {
         let copy = |tap: &Tap, cursor: &Cursor| {
             if cursor.span == spans.laid() {
-                return AxisState::rest(spans.end().at(self.index));
+                return AxisState::at_rest(spans.end().at(self.index));
             }
             let (span, end) = spans.get(cursor.span);
             if cursor.is_inside && self.lateness.stiffening.is_some() {
@@ -189,12 +189,12 @@ impl Axis {
             } else if cursor.is_inside {
                 span.state(self.index, end, time.saturating_sub(tap.late()))
             } else {
-                AxisState::rest(span.begin.at(self.index))
+                AxisState::at_rest(span.begin.at(self.index))
             }
         };
         let mut copies = self.taps.iter().zip(&self.cursors);
         let Some((tap, cursor)) = copies.next() else {
-            return AxisState::rest(Steps::ZERO);
+            return AxisState::at_rest(Steps::ZERO);
         };
         let first = copy(tap, cursor);
         if self.is_position && self.taps.len() == 1 {

@@ -232,7 +232,7 @@ impl<'m> Trajectory<'m> {
 
     /// The state of an axis at a time up to its next change.
     pub fn state(&self, axis: usize, time: SubTicks) -> AxisState {
-        self.axes.get(axis).map_or(AxisState::rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
+        self.axes.get(axis).map_or(AxisState::at_rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
     }
 
     /// Takes back the last span, which is to be laid again as far as the first tap has got in it at `time`. `None` if it

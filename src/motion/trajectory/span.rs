@@ -37,7 +37,7 @@ pub(crate) struct AxisState {
 
 impl AxisState {
     /// At rest.
-    pub const fn rest(position: Steps) -> Self {
+    pub const fn at_rest(position: Steps) -> Self {
         Self { position, speed: 0.0 }
     }
 }
@@ -118,7 +118,7 @@ impl Span {
         let (from, to) = (self.begin.at(axis), end.at(axis));
         let way = to.wrapping_sub(from);
         if way == Steps::ZERO {
-            return AxisState::rest(from);
+            return AxisState::at_rest(from);
         }
         let way = to_f32(way);
         let mean = way * rate;

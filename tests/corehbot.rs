@@ -1,0 +1,75 @@
+//! The CoreH-bot: what the machine makes of its rows is what the paper's equations say.
+
+#[path = "support/corehbot.rs"]
+mod equations;
+
+use corehbot::kinematics::{Group, Groups, Mechanism};
+use corehbot::motors::{Motor, MotorSet};
+use equations::{BeltSteps, ToolSteps, forward, inverse, residual};
+
+/// The paper's table of signs: +x turns 1 and 4 clockwise, 8 and 11 counter-clockwise; +y turns 1 and
+/// 11 counter-clockwise, 4 and 8 clockwise.
+#[test]
+fn ten_millimetres_turn_the_motors_as_the_paper_says() {
+    let right = inverse(ToolSteps { x: 800, y: 0, c: 0 });
+    assert_eq!(right, BeltSteps { n1: -800, n4: -800, n8: 800, n11: 800 });
+    let back = inverse(ToolSteps { x: 0, y: 800, c: 0 });
+    assert_eq!(back, BeltSteps { n1: 800, n4: -800, n8: -800, n11: 800 });
+    let round = inverse(ToolSteps { x: 0, y: 0, c: 800 });
+    assert_eq!(round, BeltSteps { n1: 800, n4: 800, n8: 800, n11: 800 });
+}
+
+#[test]
+fn forward_undoes_inverse_and_the_belt_is_never_strained() {
+    for x in -20..20 {
+        for y in -20..20 {
+            for c in -3..3 {
+                let belt = inverse(ToolSteps { x, y, c });
+                assert_eq!(forward(belt), ToolSteps { x: 4 * x, y: 4 * y, c: 4 * c });
+                assert_eq!(residual(belt), 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_motor_that_slips_shows_in_the_residual() {
+    let mut belt = inverse(ToolSteps { x: 100, y: 50, c: 0 });
+    belt.n4 += 4;
+    assert_eq!(residual(belt), -4);
+}
+
+#[test]
+fn the_mechanism_says_what_the_equations_say() {
+    let tool = ToolSteps { x: 7, y: 3, c: 0 };
+    let BeltSteps { n1, n4, n8, n11 } = inverse(tool);
+    assert_eq!(Mechanism::corehbot().inverse([tool.x, tool.y, 5, 2]), [n1, n4, n8, n11, 5, 5, 2]);
+    assert_eq!(Mechanism::corehbot().check(), Ok(()));
+}
+
+#[test]
+fn a_step_of_one_motor_alone_strains_the_belt() {
+    let pair = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M8));
+    let is_unstrained = |steps, forward| Mechanism::corehbot().is_unstrained(steps, forward);
+    assert!(is_unstrained(pair, MotorSet::of(Motor::M8)));
+    assert!(!is_unstrained(pair, pair));
+    assert!(!is_unstrained(MotorSet::of(Motor::M8), pair));
+    assert!(is_unstrained(MotorSet::Z, MotorSet::NONE));
+    assert!(!is_unstrained(MotorSet::Z, MotorSet::of(Motor::Z1)));
+}
+
+/// u = x + y leads with motor 11, v = x - y with motor 8.
+#[test]
+fn the_motors_come_in_two_pairs() {
+    let groups = Groups::new(&Mechanism::corehbot());
+    let of = |lead, row, with, against| Group { row, with, against, lead };
+    let one = MotorSet::of;
+    let expected = [
+        of(Motor::M11, [1, 1, 0, 0], one(Motor::M11), one(Motor::M4)),
+        of(Motor::M8, [1, -1, 0, 0], one(Motor::M8), one(Motor::M1)),
+        of(Motor::Z1, [0, 0, 1, 0], MotorSet::Z, MotorSet::NONE),
+        of(Motor::E0, [0, 0, 0, 1], MotorSet::E, MotorSet::NONE),
+    ];
+    assert_eq!(groups.iter().take(4).copied().collect::<Vec<_>>(), expected);
+    assert!(!groups.is_redundant());
+}
