@@ -44,6 +44,7 @@ impl StepGenerator<'_> {
         let (setting, mechanism) = (self.waiting(), self.mechanism);
         let begin = self.last_tick as u32;
         let [first, second, others @ ..] = &mut self.group_steppers;
+        // The third group is that of the others which steps first, at `tick`; up to `limit` no other of them steps.
         let (mut number, mut limit, mut tick) = (0, until, until);
         for (i, stepper) in others.iter().enumerate() {
             let own = stepper.step_times.tick();
@@ -54,6 +55,7 @@ impl StepGenerator<'_> {
             }
         }
         let Some(third) = others.get_mut(number) else { return false };
+        // The steps of the first, the second and the third group.
         let (mut a, mut b, mut c) = (first.step_times.steps(), second.step_times.steps(), third.step_times.steps());
         let earliest = earlier(earlier(a.tick, b.tick), tick);
         if !is_before(earliest, until) {
@@ -74,6 +76,7 @@ impl StepGenerator<'_> {
             limit = earlier(limit, enough.wrapping_add(1));
         }
         let of_third = self.events.step_of(number + 2);
+        // The first two groups are merged up to here; then comes a step of the third, or the end.
         let mut stop = earlier(c.tick, limit);
         let mut now = begin;
         let check = |steps| {
@@ -101,6 +104,7 @@ impl StepGenerator<'_> {
                 if run.is_full() {
                     return true;
                 }
+                // The step of the third group, and what the first two have in the same tick.
                 let tick = stop;
                 if tick == limit {
                     return false;
@@ -128,7 +132,7 @@ impl StepGenerator<'_> {
         true
     }
 
-    /// Makes an event of all groups' steps at a tick.
+    /// Makes an event of all groups' steps at a tick: two of the groups beyond the first two step there.
     #[cold]
     fn step_together(&mut self, tick: u32) {
         let mut word = self.waiting();
