@@ -17,8 +17,8 @@
 //! |---|---|---|
 //! | `planner/` | targets to moves with speeds | Console |
 //! | `link` | puts work into the MoveQueue, brakes, aborts | Console |
-//! | `trajectory/` | where each axis is at each time, shaped | generator |
-//! | `stepgen/` | moves to step events | generator; `settings` decide the taps in the Console |
+//! | `trajectory/` | where each axis is at each time, shaped | generator; `shaper` makes taps of settings in the Console |
+//! | `stepgen/` | moves to step events | generator |
 //! | `queue/` | the StepQueue | generator writes, Stepper reads |
 //! | `stepper` | step events to pins | Stepper |
 //! | `moves`, `work` | what stands in the MoveQueue | Console writes, generator reads |
@@ -39,7 +39,7 @@
 //! Types in [`units`](crate::units) say what a number is where it is handed on. Elsewhere names do: `_sq` is a square of a
 //! speed, `_tick` a whole tick of 0.1 us that wraps, `_time` a time in ticks times 2^16. A `fraction`, `part` or `share` that is
 //! a `u32` is scaled by [`WHOLE`]. A `length` that is a `u64` has the bits of `Mm`; one that is an `f32` is in mm. Formulas
-//! call speeds v, u and w, accelerations a, times t and T.
+//! call speeds v and u, accelerations a, times t and T, lengths L and d; w is a square of a speed there.
 
 mod link;
 mod moves;

@@ -24,23 +24,23 @@ use crate::settings::{CornerRule, Settings};
 use crate::units::SpeedSq;
 use core::f32::consts::SQRT_2;
 
-/// Half an angle with less than this is that of a way back: directions have 30 bits.
+/// Where the sine of half the angle is less than this, the second move goes straight back: directions have 30 bits.
 const LEAST_SINE: f32 = 1e-7;
 
-/// The square of a turn that is none: by less than a millionth the coordinates' own digits turn moves of a metre. At 1 m/s the
-/// tool's speed jumps by a thousandth of a mm/s.
+/// A turn with a smaller square is none. That is a turn of a millionth: the last digits of coordinates turn a move of a metre
+/// by as much, and at 1 m/s the tool's speed jumps by a thousandth of a mm/s.
 const LEAST_TURN_SQ: f32 = 1e-12;
 
 /// Chords of at least so many mm are rated corner by corner, shorter ones by the [curvature](super::path_curvature) of the path,
 /// which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
 
-/// The lead is made up for so much faster than the acceleration says: a circle at the limit shall be limited by its curvature
-/// alone, which rounded coordinates hardly change.
+/// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by its
+/// curvature alone, which rounded coordinates hardly change.
 const MAKING_UP: f32 = 1.15;
 
-/// What a corner turned by counts for so many seconds. That is half a period at 125 Hz, above which printers hardly resonate, and
-/// what `corehbot run` looks at.
+/// A corner counts for so many seconds after it was passed: half a period at 125 Hz, above which printers hardly resonate, and
+/// the time over which `corehbot run` looks at changes of velocity.
 const WINDOW: f32 = 0.004;
 
 /// What a corner depends on beside its two moves.

@@ -8,15 +8,16 @@ use crate::motion::ticks::{NEAR, is_before};
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 
-/// A first event of a run that is this long, 0.4 s, is not a plain one; and neither is one of so many. The others of a run
-/// are within [`NEAR`] of its begin. Thus the plain ones between two others take less than the 429 s at which a tick of 32
-/// bits wraps.
+/// The first event of a run is special if its interval is this long, 0.4 s. All other events of the run are within [`NEAR`] of
+/// the run's begin.
 const LONG: u32 = 1 << 22;
+/// One of so many events is special, however short its interval is. Thus all plain events between two special ones take less
+/// than the 429 s after which a tick of 32 bits wraps: the Stepper counts all bits of motion time at special events alone.
 pub(super) const REGULAR: u32 = 256;
 const _: () = assert!((LONG + NEAR) as u64 * (REGULAR as u64 / 2) < 1 << 32);
 
-/// The Stepper gets to see events when they are a quarter of those that it has left, but not before they are so many: it
-/// must not run out of events while it waits for them.
+/// The Stepper gets to see a run that is a quarter as long as what it has left to play, but no shorter than this: it must not
+/// run out of events while the run is filled.
 const SHORTEST_RUN: usize = 4;
 
 /// Step times of a group, in order: what a [`Run`] takes its steps from.

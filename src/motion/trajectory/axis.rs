@@ -6,6 +6,9 @@ use super::taps::{TAPS, Tap, Taps};
 use crate::motion::number::{from_f32, to_f32};
 use crate::units::{Steps, SubTicks};
 
+// A delay has 8 bits of a tick and a time 16, so the product of a delay and a scale is shifted by 22 bits.
+const _: () = assert!(ONE == 1 << (22 + 8));
+
 /// How far a tap has got: to the span of this number, and into it, or still before it.
 #[derive(Clone, Copy, Debug)]
 struct Cursor {
