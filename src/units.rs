@@ -34,6 +34,127 @@ pub type Ratio = U16F16;
 /// The one tick of every platform: 0.1 us. An STM32F446 counts it exactly, in 18 cycles of 180 MHz.
 pub const TICKS_PER_SECOND: u32 = 10_000_000;
 
+/// The square of a speed, in 2^-32 mm2/s2: that of a raw [`MmPerSec`]. Ramps and corners are laws of the square, and a
+/// square cannot be taken for the speed itself.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+#[repr(transparent)]
+pub struct SpeedSq(pub u64);
+
+impl SpeedSq {
+    /// At rest.
+    pub const ZERO: Self = Self(0);
+    /// No limit.
+    pub const MAX: Self = Self(u64::MAX);
+
+    /// The square of a speed.
+    #[must_use]
+    #[inline(always)]
+    pub const fn of(speed: MmPerSec) -> Self {
+        Self(speed.to_bits() as u64 * speed.to_bits() as u64)
+    }
+
+    /// The sum, at most [`MAX`](Self::MAX).
+    #[must_use]
+    #[inline(always)]
+    pub const fn saturating_add(self, gain: Self) -> Self {
+        Self(self.0.saturating_add(gain.0))
+    }
+
+    /// What is left of it, at least 0.
+    #[must_use]
+    #[inline(always)]
+    pub const fn saturating_sub(self, loss: Self) -> Self {
+        Self(self.0.saturating_sub(loss.0))
+    }
+
+    /// The sum, which wraps.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_add(self, gain: Self) -> Self {
+        Self(self.0.wrapping_add(gain.0))
+    }
+
+    /// The difference of two sums that have wrapped.
+    #[must_use]
+    #[inline(always)]
+    pub const fn wrapping_sub(self, other: Self) -> Self {
+        Self(self.0.wrapping_sub(other.0))
+    }
+
+    /// By how much the two differ.
+    #[must_use]
+    #[inline(always)]
+    pub const fn abs_diff(self, other: Self) -> Self {
+        Self(self.0.abs_diff(other.0))
+    }
+}
+
+/// Motion time, or a length of it, in ticks times 2^16; 64 bits, so it never wraps. Only the step event itself is rounded to
+/// a whole tick.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
+#[repr(transparent)]
+pub struct SubTicks(pub u64);
+
+impl SubTicks {
+    /// No time.
+    pub const ZERO: Self = Self(0);
+    /// Never.
+    pub const MAX: Self = Self(u64::MAX);
+
+    /// So many whole ticks.
+    #[must_use]
+    #[inline(always)]
+    pub const fn of_ticks(ticks: u64) -> Self {
+        Self(ticks << 16)
+    }
+
+    /// Whole ticks, cut off.
+    #[must_use]
+    #[inline(always)]
+    pub const fn whole_ticks(self) -> u64 {
+        self.0 >> 16
+    }
+
+    /// The tick nearest to it.
+    #[must_use]
+    #[inline(always)]
+    pub const fn nearest_tick(self) -> u64 {
+        self.0.saturating_add(1 << 15) >> 16
+    }
+
+    /// What is left of it, at least none.
+    #[must_use]
+    #[inline(always)]
+    pub const fn saturating_sub(self, earlier: Self) -> Self {
+        Self(self.0.saturating_sub(earlier.0))
+    }
+}
+
+impl core::ops::Add for SubTicks {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl core::ops::AddAssign for SubTicks {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        self.0 += other.0;
+    }
+}
+
+impl core::ops::Sub for SubTicks {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
 /// Ticks in a millisecond.
 pub const TICKS_PER_MS: u32 = TICKS_PER_SECOND / 1000;
 

@@ -9,7 +9,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-use corehbot::kinematics::WayBack;
+use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -37,7 +37,7 @@ impl Rig {
         for ((steps, mm), pitch) in steps.iter_mut().zip(start.unwrap_or(AT_POWER_UP)).zip(pitch) {
             *steps = ((i128::from(mm.to_bits()) * i128::from(pitch.to_bits())) >> 48) as i32;
         }
-        let back = settings.mechanism.way_back().unwrap_or(WayBack::NONE);
+        let back = settings.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
         let mut rig = Self { counts: [0; Motor::ALL.len()], weights: [[0; Motor::ALL.len()]; 3], start: [0; 3] };
         for motor in 0..Motor::ALL.len() {
             let mut one = [0; Motor::ALL.len()];

@@ -3,8 +3,8 @@
 //! They follow from the [`Mechanism`]: motors whose rows are equal or opposite are a group. Everything in motion counts
 //! groups, not motors, so a second ball screw or the second motor of a pair costs no time.
 
+use super::forward::ForwardKinematics;
 use super::mechanism::{Mechanism, Row, mirrored};
-use super::way_back::WayBack;
 use crate::motors::{GroupSet, MOST_GROUPS, Motor, MotorSet};
 use crate::units::Steps;
 
@@ -84,7 +84,7 @@ pub struct Groups {
     mechanism: Mechanism,
     fitted: MotorSet,
     groups: [Group; MOST_GROUPS],
-    back: WayBack<MOST_GROUPS>,
+    back: ForwardKinematics<MOST_GROUPS>,
 }
 
 impl Groups {
@@ -93,7 +93,7 @@ impl Groups {
         mechanism: Mechanism { rows: [[0; 4]; Motor::ALL.len()] },
         fitted: MotorSet::NONE,
         groups: [Group::NONE; MOST_GROUPS],
-        back: WayBack::NONE,
+        back: ForwardKinematics::NONE,
     };
 
     /// The groups of a mechanism that [`Mechanism::check`] finds sound.
@@ -121,7 +121,7 @@ impl Groups {
                 *group = Group { row, with, against, lead };
             }
         }
-        groups.back = WayBack::new(groups.groups.map(|group| group.row)).unwrap_or(WayBack::NONE);
+        groups.back = ForwardKinematics::new(groups.groups.map(|group| group.row)).unwrap_or(ForwardKinematics::NONE);
         groups
     }
 

@@ -4,7 +4,7 @@
 //! its motors must do is rows times position, and everything else follows from the rows ([`Groups`](super::Groups)).
 //! A row of zeros is a motor that is not fitted.
 
-use super::way_back::{WayBack, is_held};
+use super::forward::{ForwardKinematics, is_held};
 use crate::motors::{MOST_GROUPS, Motor, MotorSet};
 use serde::{Deserialize, Serialize};
 
@@ -141,8 +141,8 @@ impl Mechanism {
 
     /// The way back from what the motors have turned; `None` if they do not hold the tool.
     #[must_use]
-    pub fn way_back(&self) -> Option<WayBack<{ Motor::ALL.len() }>> {
-        WayBack::new(self.rows)
+    pub fn forward_kinematics(&self) -> Option<ForwardKinematics<{ Motor::ALL.len() }>> {
+        ForwardKinematics::new(self.rows)
     }
 
     /// Whether these are the rows of a machine.

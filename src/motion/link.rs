@@ -1,10 +1,11 @@
 //! The Console's end of the motion: puts work into the MoveQueue and knows how much of it is left.
 
-use super::moves::{Entry, Work};
 use super::step_counts::StepCounts;
+use super::work::{Entry, Work};
 use crate::motors::MOST_GROUPS;
 use crate::port::Pend;
 use crate::status::Status;
+use crate::units::SubTicks;
 use heapless::spsc::Producer;
 
 /// The Console's end of the MoveQueue.
@@ -17,7 +18,7 @@ pub struct Link<'m, W: Pend> {
     /// Entries ever queued, wrapping.
     entries: u32,
     /// Motion time queued and not yet seen to be stepped, in ticks times 2^16.
-    left: u64,
+    left: SubTicks,
     /// The Stepper's tick when last looked at.
     seen: u32,
 }
@@ -25,7 +26,16 @@ pub struct Link<'m, W: Pend> {
 impl<'m, W: Pend> Link<'m, W> {
     /// The end `queue` of the MoveQueue.
     pub fn new(queue: Producer<'m, Entry>, status: &'m Status, counts: StepCounts<'m>, pend: W) -> Self {
-        Self { queue, status, counts, pend, epoch: status.epoch(), entries: 0, left: 0, seen: status.tick() }
+        Self {
+            queue,
+            status,
+            counts,
+            pend,
+            epoch: status.epoch(),
+            entries: 0,
+            left: SubTicks::ZERO,
+            seen: status.tick(),
+        }
     }
 
     /// What the contexts know of each other.
@@ -68,7 +78,7 @@ impl<'m, W: Pend> Link<'m, W> {
         let time = match &work {
             Work::Move(m) => m.time(),
             Work::Dwell(time) => *time,
-            Work::Position(_) | Work::Follow(..) | Work::Stiffen(..) => 0,
+            Work::Position(_) | Work::Follow(..) | Work::Stiffen(..) => SubTicks::ZERO,
         };
         if self.queue.enqueue(Entry { epoch: self.epoch, work }).is_ok() {
             self.entries = self.entries.wrapping_add(1);
@@ -80,10 +90,10 @@ impl<'m, W: Pend> Link<'m, W> {
     /// Motion time queued and not yet stepped, in ticks. Ask more often than every 429 s.
     pub fn left(&mut self) -> u64 {
         let tick = self.status.tick();
-        let done = u64::from(tick.wrapping_sub(self.seen)) << 16;
+        let done = SubTicks::of_ticks(tick.wrapping_sub(self.seen).into());
         self.seen = tick;
-        self.left = if self.is_idle() { 0 } else { self.left.saturating_sub(done) };
-        self.left >> 16
+        self.left = if self.is_idle() { SubTicks::ZERO } else { self.left.saturating_sub(done) };
+        self.left.whole_ticks()
     }
 
     /// Has the motion come to rest along its path, as fast as its accelerations allow. Work goes on being taken:
@@ -106,10 +116,10 @@ impl<'m, W: Pend> Link<'m, W> {
         self.pend.pend_stepper();
     }
 
-    /// Begins counting anew after an abort; the link is idle.
-    pub fn settle(&mut self) {
+    /// Begins to count from 0 after an abort; the link is idle.
+    pub fn restart(&mut self) {
         self.status.clear_triggered();
-        self.left = 0;
+        self.left = SubTicks::ZERO;
         self.seen = self.status.tick();
     }
 }

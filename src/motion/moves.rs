@@ -1,33 +1,35 @@
 //! Moves: what the planner releases and the generator steps. A released move never changes.
 
-use super::trajectory::{Stiffening, Taps};
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec2, Steps};
+use crate::units::{MmPerSec2, Steps, SubTicks};
 
 /// One in the fixed point of fractions of a move.
 pub const WHOLE: u32 = 1 << 31;
 
+/// From here on the 31 bits of a fraction of a move are too few for its time: 27 s, in ticks times 2^16.
+pub(in crate::motion) const LONG_TIME: SubTicks = SubTicks(1 << 44);
+
 /// A straight move with a trapezoid of speed: its distance is cut in three phases, each with its time.
 ///
-/// Fractions are scaled by 2^31, times are ticks times 2^16.
+/// Fractions are scaled by [`WHOLE`], 2^31.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Move {
     /// Where it ends, in steps of x, y, z and e.
     pub end: [Steps; 4],
-    /// The fraction of the path behind when the change from the entry speed ends.
+    /// The fraction of the path that is covered when the change from the entry speed ends.
     pub accelerated: u32,
-    /// The fraction of the path behind when the deceleration begins.
+    /// The fraction of the path that is covered when the deceleration begins.
     pub cruised: u32,
     /// The part of the first phase that the lower of its two speeds alone would cover in its time.
     pub entry_share: u32,
     /// The part of the decelerating phase that its exit speed alone would cover in its time.
     pub exit_share: u32,
     /// Time of the first phase, which accelerates unless the move [brakes first](Self::brakes_first).
-    pub accelerate: u64,
+    pub accelerate: SubTicks,
     /// Time of the cruising phase.
-    pub cruise: u64,
+    pub cruise: SubTicks,
     /// Time of the decelerating phase.
-    pub decelerate: u64,
+    pub decelerate: SubTicks,
     /// Length of its path, in raw `Mm` bits; of the filament if the tool does not move.
     pub length: u64,
     /// Acceleration of its ramps, with which it also brakes where it was not planned.
@@ -50,9 +52,9 @@ impl Move {
         cruised: 0,
         entry_share: 0,
         exit_share: 0,
-        accelerate: 0,
-        cruise: 0,
-        decelerate: 0,
+        accelerate: SubTicks::ZERO,
+        cruise: SubTicks::ZERO,
+        decelerate: SubTicks::ZERO,
         length: 0,
         acceleration: MmPerSec2::ZERO,
         advance: Steps::ZERO,
@@ -63,33 +65,7 @@ impl Move {
 
     /// How long it takes, in ticks times 2^16.
     #[must_use]
-    pub const fn time(&self) -> u64 {
-        self.accelerate + self.cruise + self.decelerate
+    pub const fn time(&self) -> SubTicks {
+        SubTicks(self.accelerate.0 + self.cruise.0 + self.decelerate.0)
     }
 }
-
-/// One entry of the MoveQueue.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Work {
-    /// A move.
-    Move(Move),
-    /// Time without motion, in ticks times 2^16.
-    Dwell(u64),
-    /// At rest: from now on an axis follows these taps. The advance, axis 4, is what its taps differ by.
-    Follow(u8, Taps),
-    /// At rest: from now on an axis rings like that.
-    Stiffen(u8, Stiffening),
-    /// Without motion: here is where the machine stands, in steps of x, y, z and e.
-    Position([Steps; 4]),
-}
-
-/// Work, and the epoch to which it belongs.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Entry {
-    /// The epoch in which it was queued.
-    pub epoch: u8,
-    /// What to do.
-    pub work: Work,
-}
-
-const _: () = assert!(core::mem::size_of::<Entry>() <= 104);

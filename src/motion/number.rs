@@ -3,16 +3,16 @@
 //! IEEE 754 says to the last bit what each sum, difference, product and quotient of two single-precision numbers is,
 //! and nothing else is used here, so every platform computes the same.
 
-use crate::units::Steps;
+use crate::units::{MmPerSec, MmPerSec2, Steps, SubTicks};
 
 /// A time of less than 2^40 (16 s), in ticks times 2^16, as ticks.
-pub(crate) fn ticks(time: u64) -> f32 {
-    ((time >> 8) as u32) as f32 * const { 1.0 / 256.0 }
+pub(crate) fn ticks(time: SubTicks) -> f32 {
+    ((time.0 >> 8) as u32) as f32 * const { 1.0 / 256.0 }
 }
 
 /// Ticks below 2^24 as a time in ticks times 2^16.
-pub(crate) fn time(ticks: f32) -> u64 {
-    u64::from((ticks * 256.0) as u32) << 8
+pub(crate) fn time(ticks: f32) -> SubTicks {
+    SubTicks(u64::from((ticks * 256.0) as u32) << 8)
 }
 
 /// A distance in steps, exact to 2^-24 of itself. One and its opposite have the same digits, so that motors that mirror
@@ -57,8 +57,8 @@ pub(crate) fn root_of(square: u64) -> u32 {
 pub(crate) fn large_root(square: u64) -> u32 {
     let guess = root(((square >> 32) as u32) as f32);
     let whole = (guess * 65536.0) as u32;
-    let rest = square.wrapping_sub(u64::from(whole) * u64::from(whole)) as i64;
-    let correction = ((rest >> 16) as i32) as f32 / (guess + guess);
+    let remainder = square.wrapping_sub(u64::from(whole) * u64::from(whole)) as i64;
+    let correction = ((remainder >> 16) as i32) as f32 / (guess + guess);
     whole.saturating_add_signed(correction as i32)
 }
 
@@ -77,6 +77,16 @@ pub(crate) fn to_bits(number: f32) -> u64 {
     } else {
         u64::MAX
     }
+}
+
+/// A speed in mm/s.
+pub(crate) fn speed(v: MmPerSec) -> f32 {
+    v.to_bits() as f32 * const { 1.0 / 65536.0 }
+}
+
+/// An acceleration in mm/s2.
+pub(crate) fn acceleration(a: MmPerSec2) -> f32 {
+    a.to_bits() as f32 * const { 1.0 / 256.0 }
 }
 
 #[cfg(test)]

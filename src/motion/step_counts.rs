@@ -3,7 +3,7 @@
 //! The step interrupt does not count. The generator tells how many steps it has put into the StepQueue, and those that
 //! still wait stand there.
 
-use super::queue::StepQueue;
+use super::queue::{StepQueue, StepsOut};
 use crate::motors::MOST_GROUPS;
 use crate::status::Status;
 
@@ -17,11 +17,15 @@ pub struct StepCounts<'m> {
     status: &'m Status,
 }
 
-impl<'m> StepCounts<'m> {
-    pub(in crate::motion) const fn new(queue: &'m StepQueue, status: &'m Status) -> Self {
-        Self { queue, status }
+impl<'m> StepsOut<'m> {
+    /// What the motors do with what comes out here.
+    #[must_use]
+    pub const fn counts(&self, status: &'m Status) -> StepCounts<'m> {
+        StepCounts { queue: self.queue(), status }
     }
+}
 
+impl StepCounts<'_> {
     /// Steps played by each group, signed and wrapping; all of one moment, unless the generator comes in between at each of
     /// four looks.
     #[must_use]

@@ -10,7 +10,7 @@ mod line;
 mod prototype;
 
 use belt_equations::{BeltSteps, residual};
-use corehbot::kinematics::{Groups, Mechanism, MechanismError, Row, WayBack};
+use corehbot::kinematics::{ForwardKinematics, Groups, Mechanism, MechanismError, Row};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::{MmPerSec, MmPerSec2, Ratio, Steps, StepsPerMm};
@@ -40,7 +40,7 @@ const COREXYZ: Mechanism =
 const COREXYZ_THREE: Mechanism = Mechanism { rows: [NONE, [-1, -1, 1, 0], [1, -1, 1, 0], [1, 1, 1, 0], NONE, NONE, E] };
 
 /// What motors with these counts say of the tool, if they agree on whole steps.
-fn whole<const N: usize>(back: &WayBack<N>, counts: &[i64; N]) -> Option<[i64; 4]> {
+fn whole<const N: usize>(back: &ForwardKinematics<N>, counts: &[i64; N]) -> Option<[i64; 4]> {
     let fractions = back.fractions(counts);
     fractions.iter().all(|(sum, over)| sum % over == 0).then(|| fractions.map(|(sum, over)| sum / over))
 }
@@ -71,7 +71,7 @@ proptest! {
     fn the_way_back_is_exact(position in prop::array::uniform4(-1_000_000_000i64..1_000_000_000)) {
         for (name, mechanism) in MACHINES {
             let turned = mechanism.inverse(position);
-            prop_assert_eq!(whole(&mechanism.way_back().unwrap(), &turned), Some(position), "{}", name);
+            prop_assert_eq!(whole(&mechanism.forward_kinematics().unwrap(), &turned), Some(position), "{}", name);
         }
     }
 
@@ -96,7 +96,7 @@ proptest! {
     fn what_moves_no_tool(at in prop::array::uniform3(-10_000i64..10_000), c in -1000i64..1000, strain in -1000i64..1000) {
         let [x, y, z] = at;
         for mechanism in [Mechanism::corehbot(), COREXYZ] {
-            let back = mechanism.way_back().unwrap();
+            let back = mechanism.forward_kinematics().unwrap();
             let turned = mechanism.inverse([x, y, z, 0]);
             let [n1, n4, n8, n11, ..] = turned;
             // n1 - n4 + n8 - n11: the CoreH-bot's residual, and -(A - B + C - D).
@@ -110,7 +110,7 @@ proptest! {
         let mechanism = Mechanism::corehbot();
         let mut round = mechanism.inverse([x, y, z, 0]);
         round.iter_mut().take(4).for_each(|count| *count += c);
-        prop_assert_eq!(whole(&mechanism.way_back().unwrap(), &round), Some([x, y, z, 0]));
+        prop_assert_eq!(whole(&mechanism.forward_kinematics().unwrap(), &round), Some([x, y, z, 0]));
     }
 
 }
@@ -185,7 +185,7 @@ fn four_motors_turn_as_carlyles_table_says() {
     assert_eq!(turned([0, 1, 0, 0]), [1, -1, -1, 1]);
     assert_eq!(turned([0, 0, 1, 0]), [1, 1, 1, 1]);
     // With three of them: X = (B - C) / 2, Y = (A - B) / 2, Z = (A + C) / 2.
-    let back = COREXYZ_THREE.way_back().unwrap();
+    let back = COREXYZ_THREE.forward_kinematics().unwrap();
     let (a, b, c) = (37, 11, -5);
     let [x, y, z, _] = back.fractions(&[0, c, b, a, 0, 0, 0]);
     for ((sum, over), twice) in [(x, b - c), (y, a - b), (z, a + c)] {
@@ -256,7 +256,8 @@ fn lateral(way: &[f64; 3], axis: usize) -> f64 {
 
 /// What the motors make of the tool's way, in steps.
 fn tool(mechanism: &Mechanism, counts: &[i64; 7]) -> [f64; 3] {
-    let [x, y, z, _] = mechanism.way_back().unwrap().fractions(counts).map(|(sum, over)| sum as f64 / over as f64);
+    let [x, y, z, _] =
+        mechanism.forward_kinematics().unwrap().fractions(counts).map(|(sum, over)| sum as f64 / over as f64);
     [x, y, z]
 }
 

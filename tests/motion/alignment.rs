@@ -28,7 +28,7 @@ fn axis_moves(path: &Path, moves: &[Move]) -> Vec<(f64, f64, bool)> {
     let mut from = [0.0; 4];
     let each = path.iter().zip(moves).map(|((to, _), m)| {
         let begin = time as f64 / 65536.0;
-        time += m.time();
+        time += m.time().0;
         let d: [f64; 2] = std::array::from_fn(|i| to[i] - from[i]);
         from = *to;
         let is_one = (d[0] == 0.0) != (d[1] == 0.0);

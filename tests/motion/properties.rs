@@ -1,10 +1,10 @@
 //! Properties of any path: limits are kept, every prefix can stop, positions are exact.
 
+use super::belt_equations::{BeltSteps, residual};
 use super::corners::machine;
 use super::dice::Dice;
 use super::line::{Step, generate, plan, target};
 use super::speeds::speeds;
-use crate::belt_equations::{BeltSteps, residual};
 use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner};
 use corehbot::motors::Motor;
 use corehbot::settings::{CornerRule, Settings};
@@ -95,15 +95,15 @@ fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
         prop_assert!(jump[3].abs() <= jerk * 1.001 + 1e-3, "move {i} begins with a jump of {jump:?} mm/s");
         // The belt motors' coordinates stand behind the axes.
         let d = [d[0], d[1], d[2], d[3], d[0] + d[1], d[0] - d[1]];
-        let a = if m.accelerate > 0 { (peak - entry) / (m.accelerate as f64 / 65536.0 / 1e7) } else { 0.0 };
-        let b = if m.decelerate > 0 { (peak - exit) / (m.decelerate as f64 / 65536.0 / 1e7) } else { 0.0 };
+        let a = if m.accelerate.0 > 0 { (peak - entry) / (m.accelerate.0 as f64 / 65536.0 / 1e7) } else { 0.0 };
+        let b = if m.decelerate.0 > 0 { (peak - exit) / (m.decelerate.0 as f64 / 65536.0 / 1e7) } else { 0.0 };
         for axis in 0..6 {
             let v = peak * d[axis].abs();
             prop_assert!(v <= most_speed[axis] * 1.0001 + 1e-3, "move {i}, axis {axis}: {v} mm/s");
             // Ramps shorter than 10 ticks are all rounding.
             for (a, t) in [(a, m.accelerate), (b, m.decelerate)] {
                 let a = a * d[axis].abs();
-                let short = t < 10 << 16;
+                let short = t.0 < 10 << 16;
                 prop_assert!(short || a <= most_acceleration[axis] * 1.001 + 1.0, "move {i}, axis {axis}: {a} mm/s2");
             }
         }

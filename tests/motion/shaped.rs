@@ -116,7 +116,7 @@ fn errors(targets: &[([f64; 4], f64)], s: &Settings) -> (usize, f64) {
     assert_eq!(moves.len(), model.len());
     let mut begins = vec![0.0];
     begins.extend(moves.iter().scan(0u64, |t, m| {
-        *t += m.time();
+        *t += m.time().0;
         Some(*t as f64 / 65536.0 / 1e7)
     }));
     begins.pop();

@@ -9,13 +9,13 @@ pub fn speeds(m: &Move, length: f64) -> [f64; 3] {
     let (rise, fall) = (part(m.accelerated), 1.0 - part(m.cruised));
     let level = 1.0 - rise - fall;
     let peak = if level > rise.max(fall) {
-        mean(level, m.cruise)
+        mean(level, m.cruise.0)
     } else if rise > fall {
-        mean(rise, m.accelerate) * (2.0 - part(m.entry_share))
+        mean(rise, m.accelerate.0) * (2.0 - part(m.entry_share))
     } else {
-        mean(fall, m.decelerate) * (2.0 - part(m.exit_share))
+        mean(fall, m.decelerate.0) * (2.0 - part(m.exit_share))
     };
     let end = |share: u32| peak * part(share) / (2.0 - part(share));
-    let entry = if m.accelerate == 0 { peak } else { end(m.entry_share) };
-    [entry, peak, if m.decelerate == 0 { peak } else { end(m.exit_share) }]
+    let entry = if m.accelerate.0 == 0 { peak } else { end(m.entry_share) };
+    [entry, peak, if m.decelerate.0 == 0 { peak } else { end(m.exit_share) }]
 }

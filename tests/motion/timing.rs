@@ -86,7 +86,7 @@ fn every_step_is_within_a_tick_of_the_model_in_its_move() {
         .iter()
         .scan(0u64, |t, m| {
             let begin = *t;
-            *t += m.time();
+            *t += m.time().0;
             Some(begin as f64 / 65536.0)
         })
         .collect();

@@ -24,7 +24,7 @@ pub fn course(mut from: [Steps; 4], moves: &[Move], s: &Settings) -> Vec<Knot> {
         let way: Velocity = std::array::from_fn(|i| m.end[i].wrapping_sub(from[i]).to_num::<f64>() / pitch[i]);
         let length = size(way);
         from = m.end;
-        let phases = [0, m.accelerate, m.cruise, m.decelerate].map(|t| t as f64 / 65536.0 / 1e7);
+        let phases = [0, m.accelerate.0, m.cruise.0, m.decelerate.0].map(|t| t as f64 / 65536.0 / 1e7);
         let [entry, peak, exit] = if length > 0.0 { speeds(m, length) } else { [0.0; 3] };
         for (phase, speed) in phases.into_iter().zip([entry, peak, peak, exit]) {
             time += phase;

@@ -33,19 +33,19 @@ fn seconds(time: u64) -> f64 {
 }
 
 fn total(moves: &[Move]) -> f64 {
-    moves.iter().map(|m| seconds(m.time())).sum()
+    moves.iter().map(|m| seconds(m.time().0)).sum()
 }
 
 /// Changes a second from accelerating straight into braking, with less than a millisecond between.
 fn flips(moves: &[Move]) -> f64 {
-    let is_flip = |m: &&Move| m.accelerate > 0 && m.decelerate > 0 && seconds(m.cruise) < 1e-3;
+    let is_flip = |m: &&Move| m.accelerate.0 > 0 && m.decelerate.0 > 0 && seconds(m.cruise.0) < 1e-3;
     moves.iter().filter(is_flip).count() as f64 / total(moves)
 }
 
 /// The greatest speed along x, in mm/s.
 fn fastest(moves: &[Move], width: f64) -> f64 {
     let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);
-    let peak = |m: &Move| part(m.accelerated) * width / seconds(m.accelerate) * (2.0 - part(m.entry_share));
+    let peak = |m: &Move| part(m.accelerated) * width / seconds(m.accelerate.0) * (2.0 - part(m.entry_share));
     moves.iter().step_by(2).map(peak).fold(0.0, f64::max)
 }
 
@@ -59,8 +59,8 @@ fn swing(moves: &[Move], width: f64, frequency: f64) -> f64 {
         let is_along = (m.length as f64 / 2f64.powi(32) - width).abs() < 0.05;
         let a = m.acceleration.to_num::<f64>() * if is_along { sign } else { 0.0 };
         for (time, a) in [(m.accelerate, a), (m.cruise, 0.0), (m.decelerate, -a)] {
-            let steps = (seconds(time) / 20e-6).ceil();
-            let dt = seconds(time) / steps.max(1.0);
+            let steps = (seconds(time.0) / 20e-6).ceil();
+            let dt = seconds(time.0) / steps.max(1.0);
             for _ in 0..steps as u32 {
                 v += (-w * w * x - 2.0 * d * w * v - a) * dt;
                 x += v * dt;

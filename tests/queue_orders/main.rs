@@ -13,7 +13,3 @@ mod motors {
 mod port {
     pub use corehbot::port::*;
 }
-
-mod status {
-    pub use corehbot::status::*;
-}

@@ -112,7 +112,7 @@ proptest! {
             link.abort();
             play(&bench, (&mut stepper, &mut generator), &counts, (20, 1));
             prop_assert!(link.is_idle());
-            link.settle();
+            link.restart();
         }
         prop_assert_eq!(counts.read(), bench.counts.get());
     }

@@ -24,7 +24,7 @@
 use self::changes::Changes;
 use crate::limits::{Limit, Limits, belts};
 use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
-use corehbot::kinematics::{Group, Groups, WayBack};
+use corehbot::kinematics::{ForwardKinematics, Group, Groups};
 use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::motors::{MOST_GROUPS, Motor, MotorSet};
 use corehbot::settings::Settings;
@@ -201,7 +201,7 @@ impl Checker {
 
 /// What measures the coordinates.
 struct Gauge {
-    back: WayBack<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ Motor::ALL.len() }>,
     belts: Vec<Group>,
     /// In the order of [`Limits::of`]; none if there is nothing to judge.
     coordinates: Vec<Coordinate>,
@@ -209,7 +209,7 @@ struct Gauge {
 
 impl Gauge {
     fn new(s: &Settings, limits: &Limits) -> Self {
-        let back = s.mechanism.way_back().unwrap_or(WayBack::NONE);
+        let back = s.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
         let parts = back.fractions(&[0; Motor::ALL.len()]).map(|(_, over)| over);
         let parts = parts.into_iter().chain(std::iter::repeat(1));
         let judged = if limits.is_judged { &limits.of[..] } else { &[] };

@@ -13,7 +13,7 @@ mod store;
 pub use store::{Bounds, CHUNK, Chunk, Stored};
 
 use crate::sampler::Counts;
-use corehbot::kinematics::WayBack;
+use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use filament::Filament;
@@ -55,7 +55,7 @@ pub struct Vertex {
 
 /// Follows the steps and stores the lines.
 pub struct ToolPath {
-    back: WayBack<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ Motor::ALL.len() }>,
     /// mm a step of x, y and z.
     step: [f64; 3],
     origin: [f64; 3],
@@ -79,7 +79,7 @@ impl ToolPath {
         let mut store = Store::new()?;
         store.add(Vertex { at: begin.at, tick: 0, is_printing: false });
         Ok(Self {
-            back: s.mechanism.way_back().unwrap_or(WayBack::NONE),
+            back: s.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE),
             step,
             origin,
             tolerance: step[0].max(step[1]),

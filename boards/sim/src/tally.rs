@@ -6,7 +6,7 @@
 
 use crate::sampler::{Counts, SAMPLES_PER_SECOND, Sample, Sampler};
 use crate::series::{Bin, Series};
-use corehbot::kinematics::WayBack;
+use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 
@@ -30,7 +30,7 @@ pub struct Tally {
 /// What is measured on samples.
 struct Measure {
     /// Where motors bring the tool.
-    back: WayBack<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ Motor::ALL.len() }>,
     /// mm a step of x, y and z.
     step: [f64; 3],
     origin: [f64; 3],
@@ -73,7 +73,7 @@ impl Tally {
     #[must_use]
     pub fn new(s: &Settings, origin: [f64; 3]) -> Self {
         let measure = Measure {
-            back: s.mechanism.way_back().unwrap_or(WayBack::NONE),
+            back: s.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE),
             step: [s.axes.x, s.axes.y, s.axes.z].map(|a| 1.0 / a.steps_per_mm.to_num::<f64>()),
             origin,
             places: [Place { at: origin, ..Place::default() }; SPEED_WINDOW + 1],

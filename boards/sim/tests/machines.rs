@@ -109,7 +109,7 @@ fn every_axis_of_every_machine_finds_its_switch() {
         ] {
             let print = print(&s, None, gcode);
             assert_eq!(print.findings, Findings::default(), "{name}: {gcode}");
-            let back = s.mechanism.way_back().unwrap();
+            let back = s.mechanism.forward_kinematics().unwrap();
             let way = back.fractions(&print.counts).map(|(sum, over)| sum as f64 / over as f64);
             let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
             for axis in 0..3 {
@@ -138,8 +138,9 @@ fn homing_again_and_again_adds_up_to_nothing() {
         assert_eq!(print.findings, Findings::default(), "{name}");
         let to = s.mechanism.inverse(steps_of(&s, [50.0, 60.0, 5.0, 0.0]));
         let end = print.counts;
-        let way = s.mechanism.way_back().unwrap().fractions(&end).map(|(sum, over)| sum as f64 / over as f64);
-        let wanted = s.mechanism.way_back().unwrap().fractions(&to).map(|(sum, over)| sum as f64 / over as f64);
+        let way = s.mechanism.forward_kinematics().unwrap().fractions(&end).map(|(sum, over)| sum as f64 / over as f64);
+        let wanted =
+            s.mechanism.forward_kinematics().unwrap().fractions(&to).map(|(sum, over)| sum as f64 / over as f64);
         for axis in 0..3 {
             assert!((way[axis] - wanted[axis]).abs() <= 2.0, "{name}: axis {axis} {way:?} {wanted:?}");
         }
@@ -276,7 +277,8 @@ fn quick_stops_leave_the_position_true() {
         assert_eq!(positions.len(), 21, "{name}");
         let stopped = positions.iter().filter(|line| !line.contains("X:150.0 ") && !line.contains("X:31.00 ")).count();
         assert!(stopped > 15, "{name}: {positions:?}");
-        let back = s.mechanism.way_back().unwrap().fractions(&counts).map(|(sum, over)| sum as f64 / over as f64);
+        let back =
+            s.mechanism.forward_kinematics().unwrap().fractions(&counts).map(|(sum, over)| sum as f64 / over as f64);
         let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
         let mut last = positions[20].split([' ', ':']);
         for (axis, letter) in ["X", "Y", "Z"].into_iter().enumerate() {

@@ -12,7 +12,7 @@ use crate::machine::reports::answer::Answer;
 use crate::machine::reports::autoreport::Report;
 use crate::motion::Work;
 use crate::port::{Clock, MotorSet, Pend};
-use crate::units::{Mm, TICKS_PER_MS, part_of};
+use crate::units::{Mm, SubTicks, TICKS_PER_MS, part_of};
 
 /// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
 const DRY_RUN: u32 = 8;
@@ -337,7 +337,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         self.until(|c| c.link.has_room()).await?;
         self.wait.is_dwelling = true;
-        self.link.send(Work::Dwell((u64::from(ms) * u64::from(TICKS_PER_MS)) << 16));
+        self.link.send(Work::Dwell(SubTicks::of_ticks(u64::from(ms) * u64::from(TICKS_PER_MS))));
         self.until(|c| c.wait.is_over || c.link.is_idle()).await?;
         if !self.link.is_idle() {
             self.drop_motion().await?;

@@ -47,7 +47,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         while !self.has_room() {
             self.flow.fill();
-            if !self.planner.plan_anew() {
+            if !self.planner.replan() {
                 self.comes_again = true;
             } else if !self.planner.has_room() && !self.planner.has_ready() {
                 self.comes_again = true;
@@ -97,7 +97,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// leave before the next: a host that changes the feed all the time would keep them all back.
     pub(in crate::machine) async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
         if !self.planner.is_planned() {
-            while !self.planner.plan_anew() {
+            while !self.planner.replan() {
                 self.turn_again().await?;
             }
             self.turn_again().await?;
@@ -144,7 +144,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             return false;
         }
-        if !self.planner.plan_anew() {
+        if !self.planner.replan() {
             self.comes_again = true;
             return false;
         }
@@ -207,7 +207,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             halted?;
         }
-        self.link.settle();
+        self.link.restart();
         self.flow.drain();
         self.flow.rest(self.ports.clock.now());
         let real = self.real_steps();

@@ -4,10 +4,9 @@
 //! precision (see [`number`](crate::motion::number)).
 
 use crate::kinematics::Groups;
-use crate::motion::number::{from_bits, large_root};
+use crate::motion::number::{acceleration, from_bits, large_root, speed};
 use crate::motors::MOST_GROUPS;
 use crate::settings::{Axes, AxisSettings, Settings};
-use crate::units::{MmPerSec, MmPerSec2};
 use heapless::Vec;
 
 /// One in the fixed point of unit vectors.
@@ -111,16 +110,6 @@ impl Belts {
     }
 }
 
-/// A speed in mm/s.
-pub(in crate::motion) fn speed(v: MmPerSec) -> f32 {
-    v.to_bits() as f32 * const { 1.0 / 65536.0 }
-}
-
-/// An acceleration in mm/s2.
-pub(in crate::motion) fn acceleration(a: MmPerSec2) -> f32 {
-    a.to_bits() as f32 * const { 1.0 / 256.0 }
-}
-
 impl Geometry {
     /// The vector `delta` (x, y, z, e in raw `Mm` bits).
     #[inline(always)]
@@ -175,8 +164,8 @@ fn sign(value: i64) -> f32 {
 fn reciprocal(root: u32) -> i32 {
     let one = const { (1u64 << 61) as f32 };
     let guess = (one / root as f32) as i32;
-    let rest = (1i64 << 61) - i64::from(guess) * i64::from(root);
-    let correction = ((rest >> 8) as i32) as f32 * 256.0 / root as f32;
+    let remainder = (1i64 << 61) - i64::from(guess) * i64::from(root);
+    let correction = ((remainder >> 8) as i32) as f32 * 256.0 / root as f32;
     guess.saturating_add(correction as i32)
 }
 

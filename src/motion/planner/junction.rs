@@ -8,8 +8,8 @@
 //!
 //! A curve that is cut into chords of length L is a row of such corners, each of them harmless and all of them
 //! together a turn of radius `L/2 tan(t/2)`: its speed is limited by `v^2 = a L/2 tan(t/2)` too. Where chords are shorter than
-//! a millimetre, a corner says nothing of the curve that it belongs to, and what the path does over some distance takes the place
-//! of that (see [`trend`](super::trend)): its curvature, by `v^2 = a r`, and how far the direction of the tool leads a velocity
+//! a millimetre, a corner says nothing of the curve that it belongs to, and what the path does over some distance counts
+//! instead (see [`path_curvature`](super::path_curvature)): its curvature, by `v^2 = a r`, and how far the direction of the tool leads a velocity
 //! that keeps to the acceleration. At a corner of a small turn t, junction deviation allows a jump of `v t = sqrt(8 a d)`; all
 //! the corners of a bend together have no more than that, beside what the acceleration makes up for on the way between them.
 //! Corners that are more than [`WINDOW`] apart are no bend.
@@ -17,44 +17,45 @@
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 
-use super::geometry::{Belts, Geometry, Limits, Shares, UNIT, speed};
-use super::trend::Trend;
-use crate::motion::number::{from_bits, root, to_bits};
+use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
+use super::path_curvature::PathCurvature;
+use crate::motion::number::{from_bits, root, speed, to_bits};
 use crate::settings::{CornerRule, Settings};
+use crate::units::SpeedSq;
 use core::f32::consts::SQRT_2;
 
-/// Half an angle with less than this is that of a way back: directions have 30 bits.
+/// Where the sine of half the angle is less than this, the second move goes straight back: directions have 30 bits.
 const LEAST_SINE: f32 = 1e-7;
 
-/// The square of a turn that is none: by less than a millionth the coordinates' own digits turn moves of a metre. At 1 m/s the
-/// tool's speed jumps by a thousandth of a mm/s.
+/// A turn with a smaller square is none. That is a turn of a millionth: the last digits of coordinates turn a move of a metre
+/// by as much, and at 1 m/s the tool's speed jumps by a thousandth of a mm/s.
 const LEAST_TURN_SQ: f32 = 1e-12;
 
-/// Chords of at least so many mm are judged corner by corner, shorter ones by the [trend](super::trend) of the path, which
-/// forgets a corner over a millimetre.
+/// Chords of at least so many mm are rated corner by corner, shorter ones by the [curvature](super::path_curvature) of the path,
+/// which forgets a corner over a millimetre.
 const LONG_CHORD: f32 = 1.0;
 
-/// The lead is made up for so much faster than the acceleration says: a circle at the limit shall be limited by its curvature
-/// alone, which rounded coordinates hardly change.
+/// The lead is made up for faster than the acceleration says, by this factor. So a circle at the limit is limited by its
+/// curvature alone, which rounded coordinates hardly change.
 const MAKING_UP: f32 = 1.15;
 
-/// What a corner turned by counts for so many seconds. That is half a period at 125 Hz, above which printers hardly resonate, and
-/// what `corehbot run` looks at.
+/// A corner counts for so many seconds after it was passed: half a period at 125 Hz, above which printers hardly resonate, and
+/// the time over which `corehbot run` looks at changes of velocity.
 const WINDOW: f32 = 0.004;
 
 /// What a corner depends on beside its two moves.
-pub(in crate::motion) struct Bearing<'a> {
+pub(in crate::motion) struct AccelLimits<'a> {
     /// Acceleration of the second move, in mm/s2.
     pub acceleration: f32,
     /// The greatest speed of the second move that axes and motors bear, in mm/s.
-    pub fastest: f32,
+    pub max_speed: f32,
     /// What axes and motors bear of it.
     pub limits: &'a Limits,
     /// The belt motors.
     pub belts: &'a Belts,
 }
 
-impl Bearing<'_> {
+impl AccelLimits<'_> {
     /// What axes and motors bear along a change of direction of that length.
     fn along(&self, [x, y, z]: [f32; 3], length: f32) -> f32 {
         let part = 1.0 / length;
@@ -62,38 +63,51 @@ impl Bearing<'_> {
     }
 }
 
-/// The greatest speed squared, in raw bits of 2^-32 mm2/s2, at which `before` may turn into `after`, with which the path goes
-/// on in its trend.
+/// The greatest speed squared at which `before` may turn into `after`. The curvature of the path takes up that corner, and
+/// `after`.
 #[inline(always)]
-pub(in crate::motion) fn corner_speed_sq(
+pub(in crate::motion) fn junction_speed_sq(
     before: &Geometry,
     after: &Geometry,
-    trend: &mut Trend,
-    bearing: &Bearing<'_>,
+    curvature: &mut PathCurvature,
+    accel_limits: &AccelLimits<'_>,
     s: &Settings,
-) -> u64 {
+) -> SpeedSq {
     if before.is_extruder_only() || after.is_extruder_only() {
         // The tool stands still in one of the two, and which way it came is of no account any more.
-        *trend = Trend::default();
-        return if before.is_extruder_only() && after.is_extruder_only() { extruder_only(before, after) } else { 0 };
+        *curvature = PathCurvature::default();
+        return if before.is_extruder_only() && after.is_extruder_only() {
+            extruder_only(before, after)
+        } else {
+            SpeedSq::ZERO
+        };
     }
-    let mut most = bend(before, after, trend, bearing, s);
+    let mut most = bend(before, after, curvature, accel_limits, s);
     let jump = (before.extrusion - after.extrusion).abs();
     if jump > 0.0 {
         let jerk = speed(s.extruder_jerk) / jump;
         most = least(most, jerk * jerk);
     }
-    to_bits(most)
+    SpeedSq(to_bits(most))
 }
 
 /// The greatest speed squared, in mm2/s2, at which the tool may turn from `before` to `after`.
 #[inline(always)]
-fn bend(before: &Geometry, after: &Geometry, trend: &mut Trend, bearing: &Bearing<'_>, s: &Settings) -> f32 {
+fn bend(
+    before: &Geometry,
+    after: &Geometry,
+    curvature: &mut PathCurvature,
+    accel_limits: &AccelLimits<'_>,
+    s: &Settings,
+) -> f32 {
     let turn = difference(before, after);
-    let curve = trend.follow(turn, after.size);
-    let most =
-        if curve.curvature > 0.0 { bearing.along(curve.turn, curve.size) / curve.curvature } else { f32::INFINITY };
-    let (lead, past) = (trend.lead_with(turn), trend.greatest_lead());
+    let curve = curvature.advance(turn, after.size);
+    let most = if curve.curvature > 0.0 {
+        accel_limits.along(curve.turn, curve.size) / curve.curvature
+    } else {
+        f32::INFINITY
+    };
+    let (lead, past) = (curvature.lead_with(turn), curvature.greatest_lead());
     let (turn_sq, lead_sq) = (square(turn), square(lead));
     // The acceleration is that of the greater of the two, for the other may be none.
     let (change, change_sq) = if lead_sq > turn_sq { (lead, lead_sq) } else { (turn, turn_sq) };
@@ -101,9 +115,9 @@ fn bend(before: &Geometry, after: &Geometry, trend: &mut Trend, bearing: &Bearin
     if is_straight && past <= 0.0 {
         return most;
     }
-    let bears = if is_straight { bearing.acceleration } else { bearing.along(change, root(change_sq)) };
+    let max_accel = if is_straight { accel_limits.acceleration } else { accel_limits.along(change, root(change_sq)) };
     let base = match s.corner {
-        CornerRule::JunctionDeviation(d) => bears * from_bits(d.to_bits().unsigned_abs()),
+        CornerRule::JunctionDeviation(d) => max_accel * from_bits(d.to_bits().unsigned_abs()),
         CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),
     };
     let lead_length = root(lead_sq);
@@ -111,23 +125,23 @@ fn bend(before: &Geometry, after: &Geometry, trend: &mut Trend, bearing: &Bearin
         most
     } else {
         let leads = lead_length + past;
-        least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, bears, base))
+        least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, max_accel, base))
     };
     // It was no faster at the corner of the greatest lead. From rest it accelerates all along.
     let greatest = if lead_length > past { lead_length } else { past };
-    let gain = bears * after.size;
-    let slow = least(least(most, 8.0 * base / (greatest * greatest)), bearing.fastest * bearing.fastest);
+    let gain = max_accel * after.size;
+    let slow = least(least(most, 8.0 * base / (greatest * greatest)), accel_limits.max_speed * accel_limits.max_speed);
     let fast = if slow < gain { gain } else { slow };
-    let farthest = WINDOW * (root(slow) + 0.5 * WINDOW * bearing.acceleration);
+    let farthest = WINDOW * (root(slow) + 0.5 * WINDOW * accel_limits.acceleration);
     let made_up = if after.size < farthest { MAKING_UP * gain / fast } else { f32::INFINITY };
-    trend.follow_lead(lead, lead_length, made_up);
+    curvature.follow_lead(lead, lead_length, made_up);
     most
 }
 
 /// The greatest speed squared, in mm2/s2, of a corner by itself: that of junction deviation for the product of acceleration and
 /// deviation in `base`, and that of long chords.
 #[inline(always)]
-fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, bears: f32, base: f32) -> f32 {
+fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, max_accel: f32, base: f32) -> f32 {
     // The angle between the moves is pi minus the change of direction: its half has the cosine and the sine of half
     // the difference and half the sum of the two directions.
     let sine = 0.5 * root(square(sum(before, after)));
@@ -137,7 +151,7 @@ fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, bears: f32, base: f
     // 1 - sine without its cancellation.
     let corner = 4.0 * base * sine * (1.0 + sine) / turn_sq;
     let size = least(before.size, after.size);
-    if size < LONG_CHORD { corner } else { least(corner, size * bears * sine / root(turn_sq)) }
+    if size < LONG_CHORD { corner } else { least(corner, size * max_accel * sine / root(turn_sq)) }
 }
 
 /// The lesser of two limits; one over nothing is none.
@@ -164,24 +178,30 @@ fn square([x, y, z]: [f32; 3]) -> f32 {
 }
 
 /// Two retractions in a row are one if they go the same way.
-fn extruder_only(before: &Geometry, after: &Geometry) -> u64 {
-    if (before.extrusion < 0.0) == (after.extrusion < 0.0) { u64::MAX } else { 0 }
+fn extruder_only(before: &Geometry, after: &Geometry) -> SpeedSq {
+    if (before.extrusion < 0.0) == (after.extrusion < 0.0) { SpeedSq::MAX } else { SpeedSq::ZERO }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion::planner::geometry::acceleration;
+    use crate::motion::number::acceleration;
     use crate::units::{Mm, MmPerSec, MmPerSec2};
 
     fn belts(s: &Settings) -> Belts {
         Belts::new(&crate::kinematics::Groups::new(&s.mechanism))
     }
 
-    fn at_corner(before: &Geometry, after: &Geometry, trend: &mut Trend, a: MmPerSec2, s: &Settings) -> u64 {
+    fn at_corner(
+        before: &Geometry,
+        after: &Geometry,
+        curvature: &mut PathCurvature,
+        a: MmPerSec2,
+        s: &Settings,
+    ) -> u64 {
         let limits = &Limits::of_acceleration(s);
-        let bearing = Bearing { acceleration: acceleration(a), fastest: 300.0, limits, belts: &belts(s) };
-        corner_speed_sq(before, after, trend, &bearing, s)
+        let accel_limits = AccelLimits { acceleration: acceleration(a), max_speed: 300.0, limits, belts: &belts(s) };
+        junction_speed_sq(before, after, curvature, &accel_limits, s).0
     }
 
     fn heading(degrees: f64) -> Geometry {
@@ -189,9 +209,9 @@ mod tests {
         Geometry::new([Mm::from_num(10.0 * cos).to_bits(), Mm::from_num(10.0 * sin).to_bits(), 0, 0])
     }
 
-    /// Behind a long way that led to `before`.
+    /// After a long way that led to `before`.
     fn corner(before: &Geometry, after: &Geometry, a: MmPerSec2, s: &Settings) -> u64 {
-        at_corner(before, after, &mut Trend::default(), a, s)
+        at_corner(before, after, &mut PathCurvature::default(), a, s)
     }
 
     fn speed(turn: f64, s: &Settings) -> f64 {
@@ -238,30 +258,30 @@ mod tests {
     fn a_row_of_small_corners_turns_no_faster_than_its_circle_allows() {
         let (s, a) = (Settings::prototype(), MmPerSec2::from_num(3000));
         for (radius, length) in [(1.0, 0.1), (1.0, 0.02), (10.0, 0.1), (0.2, 0.005)] {
-            let mut trend = Trend::default();
+            let mut curvature = PathCurvature::default();
             let mut sq = 0.0;
             for i in 0..(5.0 * radius / length) as u32 {
                 let angle = f64::from(i) * length / radius;
                 let (p, q) = (chord(angle, length), chord(angle + length / radius, length));
-                sq = at_corner(&p, &q, &mut trend, a, &s) as f64 / 2f64.powi(32);
+                sq = at_corner(&p, &q, &mut curvature, a, &s) as f64 / 2f64.powi(32);
             }
             // Where the radius is not much more than the shortest distance, means see less of it: 12 % in speed.
             assert!((0.9..1.25).contains(&(sq / (3000.0 * radius))), "{radius} {length}: {sq}");
         }
     }
 
-    /// What a bend of 0.004 mm is taken with cannot be told from what its corner is taken with.
+    /// A bend of 0.004 mm is passed with the speed of the corner that it makes.
     #[test]
     fn a_corner_in_pieces_is_no_faster_than_one() {
         let (s, a) = (Settings::prototype(), MmPerSec2::from_num(3000));
         let (p, q) = (chord(0.0, 1.0), chord(1.0, 1.0));
         let whole = corner(&p, &q, a, &s);
-        let mut trend = Trend::default();
+        let mut curvature = PathCurvature::default();
         let mut least = u64::MAX;
         for i in 0..4 {
             let angle = 0.25 * f64::from(i);
             let (p, q) = (chord(angle, 0.001), chord(angle + 0.25, 0.001));
-            least = least.min(at_corner(&p, &q, &mut trend, a, &s));
+            least = least.min(at_corner(&p, &q, &mut curvature, a, &s));
         }
         assert!(least < whole + whole / 10, "{least} {whole}");
     }

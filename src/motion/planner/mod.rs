@@ -1,33 +1,52 @@
-//! The planner: from targets to moves with speeds, looking ahead.
+//! The planner: from targets to moves with speeds, looking ahead. The Console runs it.
+//!
+//! ```text
+//! push(Target) -> step_scale -> geometry -> junction -> | window: moves that wait  | -> profile -> pop() -> Move
+//!                 mm to steps   length,     speed at    | planned, planned, ...    |    trapezoid
+//!                               direction   the corner  | ^ passes: replan, freeze |
+//! ```
 //!
 //! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
 //! the geometry of a move is that of the commanded positions. Where its steps fall is the generator's business.
+//!
+//! # Words
+//!
+//! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is stored.
+//! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
+//! - **final**: an exit speed that no later move can change. **frozen**: one that is kept though it is not final, for the move
+//!   was made to leave (**forced**).
+//! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
+//! - **pass**: work over all moves of the window, done a few moves at a time.
+//! - **chord**: a move that is a part of a curve. **bend**: where several of them turn the path. **lead**: see
+//!   [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed changes, and holds.
 
 mod geometry;
 mod junction;
 mod overrides;
-mod pitch;
+mod pass_progress;
+mod passes;
+mod path_curvature;
 mod planned;
-pub(in crate::motion) mod profile;
-mod rounds;
-mod trend;
+mod profile;
+mod step_scale;
 mod window;
 
 pub use overrides::WHOLE_SHARE;
 
 use crate::kinematics::Groups;
-use crate::motion::moves::Move;
+use crate::motion::moves::{LONG_TIME, Move};
+use crate::motion::number::acceleration;
 use crate::port::EndstopSet;
 use crate::settings::Settings;
-use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, Steps};
-use geometry::{Belts, Geometry, Limits, Shares, acceleration};
-use junction::{Bearing, corner_speed_sq};
+use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
+use geometry::{Belts, Geometry, Limits, Shares};
+use junction::{AccelLimits, junction_speed_sq};
 use overrides::Override;
-use pitch::Pitch;
-use planned::{FORCED_BATCH, OPEN, Planned};
+use path_curvature::PathCurvature;
+use planned::{FORCED_BATCH, NOT_FROZEN, Planned};
 pub use planned::{MoveMemory, WINDOW};
-use profile::{Way, ramps_of};
-use trend::Trend;
+use profile::{MoveSpec, max_ramp_length};
+use step_scale::StepScale;
 use window::Window;
 
 /// Where to go, and how fast.
@@ -48,12 +67,12 @@ pub struct Target {
 const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 
 /// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
-const LONG_TICKS: u32 = 1 << 28;
+const LONG_TICKS: u32 = LONG_TIME.whole_ticks() as u32;
 
 /// Looks ahead over targets and releases moves.
 pub struct Planner<'m> {
     pub(in crate::motion) window: Window<'m>,
-    pub(in crate::motion) pitch: [Pitch; 4],
+    pub(in crate::motion) step_scale: [StepScale; 4],
     pub(in crate::motion) belts: Belts,
     /// Where the last move ends.
     pub(in crate::motion) end: [Steps; 4],
@@ -61,16 +80,16 @@ pub struct Planner<'m> {
     pub(in crate::motion) asked: [Mm; 4],
     /// The last move, for the corner to the next.
     last: Geometry,
-    /// The speed squared that it passes on.
-    pub(in crate::motion) passed_on: u64,
+    /// The limit of its exit speed squared.
+    pub(in crate::motion) last_exit_limit_sq: SpeedSq,
     /// How the path bends there.
-    trend: Trend,
+    path_curvature: PathCurvature,
     /// Nominal time of the moves in the window, in ticks.
     pub(in crate::motion) waiting: u64,
     /// How much of the feed is wanted.
     pub(in crate::motion) wanted: Override,
     /// Filament where the last move ends that has left.
-    pub(in crate::motion) gone: Steps,
+    pub(in crate::motion) released_filament: Steps,
     moves: u32,
     /// Path of the tool, raw `Mm` bits.
     path: u64,
@@ -82,33 +101,33 @@ impl<'m> Planner<'m> {
     pub fn new(memory: &'m mut MoveMemory, settings: &Settings, position: [Mm; 4]) -> Self {
         let mut planner = Self {
             window: Window::new(memory),
-            pitch: settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array(),
+            step_scale: settings.axes.map(|a| StepScale::new(a.steps_per_mm)).to_array(),
             belts: Belts::new(&Groups::new(&settings.mechanism)),
             end: [Steps::ZERO; 4],
             asked: position,
             last: Geometry::new([0; 4]),
-            passed_on: 0,
-            trend: Trend::default(),
+            last_exit_limit_sq: SpeedSq::ZERO,
+            path_curvature: PathCurvature::default(),
             waiting: 0,
             wanted: Override::NONE,
-            gone: Steps::ZERO,
+            released_filament: Steps::ZERO,
             moves: 0,
             path: 0,
         };
         planner.end = planner.steps(position);
-        planner.gone = planner.end[3];
+        planner.released_filament = planner.end[3];
         planner
     }
 
     /// Takes over new resolutions (M92); the machine stands.
     pub fn set_resolution(&mut self, settings: &Settings) {
-        self.pitch = settings.axes.map(|a| Pitch::new(a.steps_per_mm)).to_array();
+        self.step_scale = settings.axes.map(|a| StepScale::new(a.steps_per_mm)).to_array();
     }
 
     /// A position in steps.
     #[must_use]
     pub fn steps(&self, position: [Mm; 4]) -> [Steps; 4] {
-        let [x, y, z, e] = self.pitch;
+        let [x, y, z, e] = self.step_scale;
         let [px, py, pz, pe] = position;
         [x.steps(px), y.steps(py), z.steps(pz), e.steps(pe)]
     }
@@ -116,7 +135,7 @@ impl<'m> Planner<'m> {
     /// A position in mm. Of e, whose counts wrap in a long print, the one that is nearest to the last target.
     #[must_use]
     pub fn mm(&self, steps: [Steps; 4]) -> [Mm; 4] {
-        let ([x, y, z, e], [.., asked]) = (self.pitch, self.asked);
+        let ([x, y, z, e], [.., asked]) = (self.step_scale, self.asked);
         let [sx, sy, sz, se] = steps;
         let [x, y, z] = [x.mm_bits(sx), y.mm_bits(sy), z.mm_bits(sz)].map(Mm::from_bits);
         [x, y, z, e.mm_near(se, asked)]
@@ -125,9 +144,9 @@ impl<'m> Planner<'m> {
     /// The way from the end of the last move to `end`.
     #[inline(never)]
     fn geometry_to(&self, [x, y, z, e]: [Steps; 4]) -> Geometry {
-        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.pitch, self.end);
-        let (x, y) = (px.way(x.wrapping_sub(from_x)), py.way(y.wrapping_sub(from_y)));
-        Geometry::new([x, y, pz.way(z.wrapping_sub(from_z)), pe.way(e.wrapping_sub(from_e))])
+        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.step_scale, self.end);
+        let (x, y) = (px.distance(x.wrapping_sub(from_x)), py.distance(y.wrapping_sub(from_y)));
+        Geometry::new([x, y, pz.distance(z.wrapping_sub(from_z)), pe.distance(e.wrapping_sub(from_e))])
     }
 
     /// Forgets all moves: the machine stands at `position` in steps.
@@ -137,7 +156,7 @@ impl<'m> Planner<'m> {
         self.last = Geometry::new([0; 4]);
         self.waiting = 0;
         self.end = position;
-        self.gone = position[3];
+        self.released_filament = position[3];
         self.asked = self.mm(position);
     }
 
@@ -151,9 +170,9 @@ impl<'m> Planner<'m> {
     /// [`has_room`](Self::has_room).
     pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
         while !self.prepare() {}
-        let laid_out = self.lay_out(target.position);
+        let path = self.path_to(target.position);
         self.asked = target.position;
-        let Some((end, vector)) = laid_out else {
+        let Some((end, vector)) = path else {
             return false;
         };
         let is_extruder_only = vector.is_extruder_only();
@@ -161,39 +180,39 @@ impl<'m> Planner<'m> {
         let feed = target.speed.max(least);
         let shares = Shares::new(vector.direction, vector.extrusion, &self.belts);
         let limits = Limits::of_acceleration(settings);
-        let bears = shares.bound(acceleration(most), &limits);
-        let fastest = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
-        let bearing = Bearing { acceleration: bears, fastest, limits: &limits, belts: &self.belts };
-        let corner = corner_speed_sq(&self.last, &vector, &mut self.trend, &bearing, settings);
+        let max_accel = shares.bound(acceleration(most), &limits);
+        let max_speed = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
+        let accel_limits = AccelLimits { acceleration: max_accel, max_speed, limits: &limits, belts: &self.belts };
+        let junction_sq = junction_speed_sq(&self.last, &vector, &mut self.path_curvature, &accel_limits, settings);
         let mut planned = Planned {
-            way: Way {
+            spec: MoveSpec {
                 length: vector.length,
-                ramps: if is_extruder_only {
+                max_ramp_length: if is_extruder_only {
                     vector.length
                 } else {
-                    ramps_of(vector.length, settings.minimum_cruise_ratio)
+                    max_ramp_length(vector.length, settings.minimum_cruise_ratio)
                 },
-                acceleration: MmPerSec2::from_bits((bears * 256.0) as u32).max(MmPerSec2::DELTA),
+                acceleration: MmPerSec2::from_bits((max_accel * 256.0) as u32).max(MmPerSec2::DELTA),
                 nominal: feed,
                 end,
                 watch: target.watch,
             },
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
-            most: MmPerSec::from_bits((fastest * 65536.0) as u32),
-            corner,
-            cap: 0,
-            before: self.window.sum(),
-            exit: OPEN,
+            max_speed: MmPerSec::from_bits((max_speed * 65536.0) as u32),
+            junction_sq,
+            max_entry_sq: SpeedSq::ZERO,
+            cumulative_gain_sq: self.window.total_gain_sq(),
+            frozen_exit_sq: NOT_FROZEN,
             nominal_ticks: 0,
             advance: if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO },
         };
         planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed });
         if planned.nominal_ticks >= LONG_TICKS {
-            planned.way.length = self.exact_length(end, vector.length);
+            planned.spec.length = self.exact_length(end, vector.length);
         }
         self.waiting += u64::from(planned.nominal_ticks);
-        planned.limit_entry(self.passed_on);
-        self.passed_on = planned.passed_on();
+        planned.limit_entry(self.last_exit_limit_sq);
+        self.last_exit_limit_sq = planned.exit_limit_sq();
         self.last = vector;
         self.window.push(planned);
         self.end = end;
@@ -207,11 +226,11 @@ impl<'m> Planner<'m> {
     /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been done.
     /// Without it [`push`](Self::push) does all of it.
     pub fn prepare(&mut self) -> bool {
-        if self.plan_anew() && self.window.is_settled() {
+        if self.replan() && self.window.are_exits_frozen() {
             return true;
         }
         if self.is_planned() {
-            self.window.settle();
+            self.window.freeze_exits();
         }
         false
     }
@@ -220,7 +239,7 @@ impl<'m> Planner<'m> {
     #[must_use]
     #[inline(never)]
     pub fn is_move(&self, position: [Mm; 4]) -> bool {
-        self.lay_out(position).is_some()
+        self.path_to(position).is_some()
     }
 
     /// The last move ended early, at `position`: takes back the path that was not made.
@@ -233,17 +252,17 @@ impl<'m> Planner<'m> {
 
     /// Where the move to `position` ends and which way it goes; `None` if it is too short to be one.
     #[inline(always)]
-    fn lay_out(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
+    fn path_to(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
         // Written out: firmware is made for size, which leaves loops and arrays as they are.
         let ([x, y, z, e], [asked_x, asked_y, asked_z, asked_e]) = (position, self.asked);
-        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.pitch, self.end);
-        let (x, dx) = px.lay_out(x, asked_x, from_x);
-        let (y, dy) = py.lay_out(y, asked_y, from_y);
-        let (z, dz) = pz.lay_out(z, asked_z, from_z);
-        let (e, de) = pe.lay_out(e, asked_e, from_e);
+        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.step_scale, self.end);
+        let (x, dx) = px.end_and_distance(x, asked_x, from_x);
+        let (y, dy) = py.end_and_distance(y, asked_y, from_y);
+        let (z, dz) = pz.end_and_distance(z, asked_z, from_z);
+        let (e, de) = pe.end_and_distance(e, asked_e, from_e);
         let vector = Geometry::new([dx, dy, dz, de]);
         if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
-            // What an axis still lacks is made up when it is next asked for another place.
+            // What an axis still lacks is made up when it is next asked for another position.
             let extrusion = Geometry::new([0, 0, 0, de]);
             return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
         }
@@ -255,8 +274,8 @@ impl<'m> Planner<'m> {
     #[inline(never)]
     fn exact_length(&self, end: [Steps; 4], about: u64) -> u64 {
         let mut ways = [0; 4];
-        for (((way, pitch), to), from) in ways.iter_mut().zip(&self.pitch).zip(end).zip(self.end) {
-            *way = pitch.mm_bits(to.wrapping_sub(from));
+        for (((way, scale), to), from) in ways.iter_mut().zip(&self.step_scale).zip(end).zip(self.end) {
+            *way = scale.mm_bits(to.wrapping_sub(from));
         }
         let [x, y, z, e] = ways;
         let square = |way: i64| i128::from(way) * i128::from(way);
@@ -285,7 +304,7 @@ impl<'m> Planner<'m> {
     }
 
     /// Whether the first move waits for more moves, or there is none; as far as is known, it is not so while moves are
-    /// [planned anew](Self::plan_anew).
+    /// [planned again](Self::replan).
     #[must_use]
     pub fn lacks_moves(&self) -> bool {
         self.window.is_planned() && !self.window.has_ready()
@@ -318,7 +337,7 @@ impl<'m> Planner<'m> {
     /// Looks at a few more moves whether they are final. Gives the nominal time of those that are known to be, in ticks, and
     /// whether that is all of them.
     pub fn final_time(&mut self) -> (u64, bool) {
-        if self.plan_anew() { self.window.judge() } else { (0, false) }
+        if self.replan() { self.window.count_final() } else { (0, false) }
     }
 
     /// Lets the first move leave, final or not.
@@ -338,14 +357,14 @@ impl<'m> Planner<'m> {
         self.window.force(usize::MAX);
     }
 
-    /// Takes the next move that may leave; none does while moves are [planned anew](Self::plan_anew).
+    /// Takes the next move that may leave; none does while moves are [planned again](Self::replan).
     pub fn pop(&mut self) -> Option<Move> {
         if !self.window.is_planned() {
             return None;
         }
-        let (released, ticks) = self.window.pop(self.gone)?;
+        let (released, ticks) = self.window.pop(self.released_filament)?;
         self.waiting = self.waiting.saturating_sub(u64::from(ticks));
-        self.gone = released.end[3];
+        self.released_filament = released.end[3];
         Some(released)
     }
 }

@@ -27,10 +27,10 @@ impl Override {
         if self == Self::NONE {
             return speed;
         }
-        // By hundreds and what is left, for a division of 64 bits takes a hundred instructions.
-        let (hundreds, rest) = (speed.to_bits() / 100, speed.to_bits() % 100);
+        // By hundreds and the remainder, for a division of 64 bits takes a hundred instructions.
+        let (hundreds, remainder) = (speed.to_bits() / 100, speed.to_bits() % 100);
         let percent = u32::from(self.percent);
-        let bits = u64::from(hundreds) * u64::from(percent) + u64::from(rest * percent / 100);
+        let bits = u64::from(hundreds) * u64::from(percent) + u64::from(remainder * percent / 100);
         let bits = bits * u64::from(self.share) / u64::from(WHOLE_SHARE);
         MmPerSec::from_bits(bits.min(u64::from(u32::MAX)) as u32)
     }
@@ -43,7 +43,7 @@ impl Planner<'_> {
         self.wanted.percent
     }
 
-    /// Changes the feed override (M220), also for the moves that wait, which are [planned anew](Self::plan_anew).
+    /// Changes the feed override (M220), also for the moves that wait, which are [planned again](Self::replan).
     pub fn override_feed(&mut self, percent: u16) {
         self.want(Override { percent, ..self.wanted });
     }
@@ -55,32 +55,32 @@ impl Planner<'_> {
 
     fn want(&mut self, wanted: Override) {
         if core::mem::replace(&mut self.wanted, wanted) != wanted {
-            self.window.begin_anew();
+            self.window.begin_replan();
         }
     }
 
-    /// Whether no move is left to be planned anew.
+    /// Whether no move is left to be planned again.
     #[inline(always)]
     #[must_use]
     pub const fn is_planned(&self) -> bool {
         self.window.is_planned()
     }
 
-    /// Whether no move was left to be planned anew after a change of the feed. If not, the next few of them have been. Until
+    /// Whether no move was left to be planned again after a change of the feed. If not, the next few of them have been. Until
     /// then nothing leaves.
     #[inline(always)]
-    pub fn plan_anew(&mut self) -> bool {
+    pub fn replan(&mut self) -> bool {
         if !self.window.is_planned() {
-            self.plan_few_anew();
+            self.replan_some();
             return false;
         }
         true
     }
 
     #[inline(never)]
-    fn plan_few_anew(&mut self) {
+    fn replan_some(&mut self) {
         let (wanted, waiting) = (self.wanted, &mut self.waiting);
-        self.window.plan_anew(|planned| {
+        self.window.replan(|planned| {
             if planned.feed > MmPerSec::ZERO {
                 *waiting = waiting.saturating_sub(u64::from(planned.nominal_ticks));
                 planned.set_nominal(wanted.of(planned.feed));
@@ -90,7 +90,7 @@ impl Planner<'_> {
         if self.window.is_planned()
             && let Some(last) = self.window.last()
         {
-            self.passed_on = last.passed_on();
+            self.last_exit_limit_sq = last.exit_limit_sq();
         }
     }
 }

@@ -1,39 +1,42 @@
 //! A move in the look-ahead, and the memory for a window of them.
 
-use super::geometry::speed;
-use super::profile::{Way, gain};
-use crate::motion::number::from_bits;
-use crate::units::{MmPerSec, Seconds, TICKS_PER_SECOND};
+use super::profile::MoveSpec;
+use crate::motion::number::{from_bits, speed};
+use crate::motion::ramps::gain_sq;
+use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 
-/// Moves that leave when the window is full and the first is not final: some at a time, so that the queue behind has
+/// Moves that leave when the window is full and the first is not final: some at a time, so that the MoveQueue has
 /// enough while the window fills again.
 pub const FORCED_BATCH: usize = 16;
 
 /// Capacity of the window; the look-ahead sees no fewer than 128 moves when the stream is fast enough.
 pub const WINDOW: usize = 128 + FORCED_BATCH;
+// Slots of moves are kept in bytes, in a ring of 256 of them.
+const _: () = assert!(WINDOW < 256);
 
 /// The most that a move counts to gain: as much as 3,400 mm/s from rest. The sum over a full window then fits 63 bits.
-const MOST_GAIN: u64 = 50_000_000_000_000_000;
+const MOST_GAIN_SQ: SpeedSq = SpeedSq(50_000_000_000_000_000);
+const _: () = assert!(MOST_GAIN_SQ.0 <= i64::MAX as u64 / WINDOW as u64);
 
-/// No speed is settled.
-pub(in crate::motion) const OPEN: u64 = u64::MAX;
+/// The exit speed is not frozen.
+pub(in crate::motion) const NOT_FROZEN: SpeedSq = SpeedSq::MAX;
 
 /// A move in the window.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Planned {
-    pub way: Way,
+    pub spec: MoveSpec,
     /// Commanded speed before the feed override; 0 if overrides have no say.
     pub feed: MmPerSec,
     /// The fastest that axes and motors let it be.
-    pub most: MmPerSec,
-    /// Greatest speed squared that the corner before it allows.
-    pub corner: u64,
-    /// Greatest speed squared at that corner, by the nominal speeds of the two moves too.
-    pub cap: u64,
-    /// G of the window's formula, wrapping.
-    pub before: u64,
-    /// Speed squared at its end, if that was settled when it was made to leave, else [`OPEN`].
-    pub exit: u64,
+    pub max_speed: MmPerSec,
+    /// Greatest speed squared that the corner before it allows, by its geometry alone.
+    pub junction_sq: SpeedSq,
+    /// Greatest entry speed squared: that of the junction, and by the nominal speeds of the two moves too.
+    pub max_entry_sq: SpeedSq,
+    /// What all moves before it could gain, G of the [window](super::window)'s formula; wraps.
+    pub cumulative_gain_sq: SpeedSq,
+    /// Exit speed squared, if that was frozen when the move was made to leave, else [`NOT_FROZEN`].
+    pub frozen_exit_sq: SpeedSq,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
     /// The advance that its filament needs.
@@ -44,62 +47,65 @@ const _: () = assert!(core::mem::size_of::<Planned>() <= 112);
 
 impl Planned {
     const NONE: Self = Self {
-        way: Way::NONE,
+        spec: MoveSpec::NONE,
         feed: MmPerSec::ZERO,
-        most: MmPerSec::ZERO,
-        corner: 0,
-        cap: 0,
-        before: 0,
-        exit: 0,
+        max_speed: MmPerSec::ZERO,
+        junction_sq: SpeedSq::ZERO,
+        max_entry_sq: SpeedSq::ZERO,
+        cumulative_gain_sq: SpeedSq::ZERO,
+        frozen_exit_sq: SpeedSq::ZERO,
         nominal_ticks: 0,
         advance: Seconds::ZERO,
     };
 
     /// What it can gain of speed squared.
     #[inline(always)]
-    pub fn gain(&self) -> u64 {
-        gain(self.way.acceleration, self.way.length).min(MOST_GAIN)
+    pub fn gain_sq(&self) -> SpeedSq {
+        gain_sq(self.spec.acceleration, self.spec.length).min(MOST_GAIN_SQ)
     }
 
-    /// `cap + G` of the window's formula.
+    /// `m + G` of the window's formula; wraps.
     #[inline(always)]
-    pub fn bound(&self) -> u64 {
-        self.cap.wrapping_add(self.before)
+    pub fn bound_sq(&self) -> SpeedSq {
+        self.max_entry_sq.wrapping_add(self.cumulative_gain_sq)
     }
 
     /// The nominal speed squared.
     #[inline(always)]
-    fn nominal_sq(&self) -> u64 {
-        u64::from(self.way.nominal.to_bits()) * u64::from(self.way.nominal.to_bits())
+    fn nominal_sq(&self) -> SpeedSq {
+        SpeedSq::of(self.spec.nominal)
     }
 
-    /// The speed squared above which the corner behind it must not be; none at all behind a move that an endstop may
-    /// end.
+    /// The greatest exit speed squared as far as this move is concerned; 0 for a move that an endstop may end.
     #[inline(always)]
-    pub fn passed_on(&self) -> u64 {
-        if self.way.watch.is_empty() { self.nominal_sq() } else { 0 }
+    pub fn exit_limit_sq(&self) -> SpeedSq {
+        if self.spec.watch.is_empty() { self.nominal_sq() } else { SpeedSq::ZERO }
     }
 
     /// Takes `wanted` as its nominal speed, as far as the axes and the motors allow.
     #[inline(always)]
     pub fn set_nominal(&mut self, wanted: MmPerSec) {
         // Nothing stands still that was asked to move.
-        self.way.nominal = wanted.min(self.most).max(MmPerSec::DELTA);
-        let seconds = from_bits(self.way.length) / speed(self.way.nominal);
+        self.spec.nominal = wanted.min(self.max_speed).max(MmPerSec::DELTA);
+        let seconds = from_bits(self.spec.length) / speed(self.spec.nominal);
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
 
-    /// Takes a new cap behind a move that passes on `before`.
+    /// Takes a new greatest entry speed, after a move whose exit speed has this limit.
     #[inline(always)]
-    pub fn limit_entry(&mut self, before: u64) {
-        self.cap = if self.way.watch.is_empty() { self.corner.min(before).min(self.nominal_sq()) } else { 0 };
+    pub fn limit_entry(&mut self, previous_exit_limit_sq: SpeedSq) {
+        self.max_entry_sq = if self.spec.watch.is_empty() {
+            self.junction_sq.min(previous_exit_limit_sq).min(self.nominal_sq())
+        } else {
+            SpeedSq::ZERO
+        };
     }
 }
 
 /// Memory for the moves of a window.
 pub struct MoveMemory {
     pub(in crate::motion) moves: [Planned; WINDOW],
-    /// Places of moves; see [`Window`](super::window::Window).
+    /// Slots of moves; see [`Window`](super::window::Window).
     pub(in crate::motion) minima: [u8; 256],
 }
 

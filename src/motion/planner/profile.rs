@@ -7,66 +7,33 @@
 //! them (Klipper's minimum_cruise_ratio). A move that must accelerate or brake all along, because the next corner is that
 //! much faster or slower, still does. A move that is entered above its nominal speed brakes to it first.
 
-use super::geometry::acceleration;
-use crate::motion::moves::{Move, WHOLE};
-use crate::motion::number::{from_bits, root, root_of, to_bits};
-use crate::motion::stepgen::course::LONG;
+use crate::motion::moves::{LONG_TIME, Move, WHOLE};
+use crate::motion::number::{acceleration, from_bits, root, to_bits};
+use crate::motion::ramps::gain_sq;
 use crate::port::EndstopSet;
-use crate::units::{MmPerSec, MmPerSec2, Ratio, Steps, TICKS_PER_SECOND};
-
-/// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
-#[must_use]
-pub const fn gain(a: MmPerSec2, length: u64) -> u64 {
-    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7; in two halves, to save its upper 64 bits.
-    let a = a.to_bits() as u64;
-    let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
-    if high >> 38 != 0 { u64::MAX } else { (high << 25).saturating_add(low) }
-}
-
-/// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
-/// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
-pub(in crate::motion) fn speed(square: u64) -> u64 {
-    let shift = square.leading_zeros() & !1;
-    if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
-}
+use crate::units::{MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
 
 /// Ticks as a time in ticks times 2^16.
-fn to_time(ticks: f32) -> u64 {
-    to_bits(ticks * const { 1.0 / 65536.0 })
+fn to_time(ticks: f32) -> SubTicks {
+    SubTicks(to_bits(ticks * const { 1.0 / 65536.0 }))
 }
 
 /// Time in ticks times 2^16 over `level` (raw `Mm` bits) at a nominal speed (raw `MmPerSec` bits). It may be long, so
 /// every bit counts: what single precision leaves is made up by one of Newton's steps, to 2^-16 of a tick in three
 /// minutes and to a thousandth of one in hours.
-fn cruise_time(level: u64, nominal: u32) -> u64 {
+fn cruise_time(level: u64, nominal: u32) -> SubTicks {
     let speed = nominal as f32 * const { 1.0 / 65536.0 };
-    let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 });
+    let guess = to_time(from_bits(level) / speed * const { TICKS_PER_SECOND as f32 }).0;
     // Both products may wrap; their difference fits 63 bits.
     let product = level.wrapping_mul(TICKS_PER_SECOND.into());
-    let rest = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
-    let rest = ((rest >> 32) as i32) as f32 * 4_294_967_296.0 + (rest as u32) as f32;
-    guess.saturating_add_signed(i64::from((rest / nominal as f32) as i32))
-}
-
-/// `part / whole`, scaled by [`WHOLE`].
-pub(in crate::motion) const fn fraction(part: u64, whole: u64) -> u32 {
-    // 33 bits of the whole are enough, and the product fits.
-    let shift = 31u32.saturating_sub(whole.leading_zeros());
-    let (part, whole) = (part >> shift, whole >> shift);
-    match (part * WHOLE as u64).checked_div(whole) {
-        Some(scaled) if scaled < WHOLE as u64 => scaled as u32,
-        _ => WHOLE,
-    }
-}
-
-/// Distance in raw `Mm` bits over which the squared speed changes by `change`: v^2 / 2a.
-pub(in crate::motion) fn ramp_length(change: u64, a: MmPerSec2) -> u64 {
-    to_bits(from_bits(change) / (acceleration(a) * 2.0))
+    let remainder = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();
+    let remainder = ((remainder >> 32) as i32) as f32 * 4_294_967_296.0 + (remainder as u32) as f32;
+    SubTicks(guess.saturating_add_signed(i64::from((remainder / nominal as f32) as i32)))
 }
 
 /// A part of a way that only ramps may take up, in raw `Mm` bits, given the ratio of it that is to be a cruise.
 #[must_use]
-pub(in crate::motion) fn ramps_of(length: u64, cruise: Ratio) -> u64 {
+pub(in crate::motion) fn max_ramp_length(length: u64, cruise: Ratio) -> u64 {
     const WIDTH: u32 = Ratio::FRAC_NBITS;
     let part = u64::from((Ratio::ONE.saturating_sub(cruise)).to_bits());
     (((length >> 32) * part) << (32 - WIDTH)) + (((length & 0xFFFF_FFFF) * part) >> WIDTH)
@@ -74,11 +41,11 @@ pub(in crate::motion) fn ramps_of(length: u64, cruise: Ratio) -> u64 {
 
 /// What a trapezoid is made of.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion) struct Way {
+pub(in crate::motion) struct MoveSpec {
     /// Its length in raw `Mm` bits.
     pub length: u64,
     /// So much of that is for accelerating and braking, if entry and exit allow it.
-    pub ramps: u64,
+    pub max_ramp_length: u64,
     /// Acceleration of the ramps.
     pub acceleration: MmPerSec2,
     /// Speed not to be exceeded.
@@ -89,11 +56,11 @@ pub(in crate::motion) struct Way {
     pub watch: EndstopSet,
 }
 
-impl Way {
+impl MoveSpec {
     /// None.
     pub const NONE: Self = Self {
         length: 0,
-        ramps: 0,
+        max_ramp_length: 0,
         acceleration: MmPerSec2::ZERO,
         nominal: MmPerSec::ZERO,
         end: [Steps::ZERO; 4],
@@ -102,27 +69,31 @@ impl Way {
 }
 
 /// The move over a way that is entered and left with these speeds squared, in raw bits of 2^-32 mm2/s2, and its exit speed
-/// in mm/s; that of the entry is known. They must be possible: `|exit - entry| <= gain(a, length)` but for rounding.
+/// in mm/s; that of the entry is known. They must be possible: `|exit_sq - entry_sq| <= gain_sq(a, length)` but for rounding.
 #[must_use]
 #[inline(always)]
-pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), exit: u64) -> (Move, f32) {
-    let Way { length, ramps, acceleration: a, nominal, end, watch } = *way;
-    let nominal_sq = u64::from(nominal.to_bits()) * u64::from(nominal.to_bits());
-    let meet = entry / 2 + exit / 2 + gain(a, ramps) / 2;
-    let brakes_first = entry > nominal_sq;
-    let least = if brakes_first { 1 } else { entry.max(1) };
-    let peak = nominal_sq.min(meet).max(exit).max(least);
+pub(in crate::motion) fn profile(
+    spec: &MoveSpec,
+    (entry_sq, entry_speed): (SpeedSq, f32),
+    exit_sq: SpeedSq,
+) -> (Move, f32) {
+    let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, watch } = *spec;
+    let nominal_sq = SpeedSq::of(nominal);
+    let meet_sq = SpeedSq(entry_sq.0 / 2 + exit_sq.0 / 2 + gain_sq(a, max_ramp_length).0 / 2);
+    let brakes_first = entry_sq > nominal_sq;
+    let least_sq = if brakes_first { SpeedSq(1) } else { entry_sq.max(SpeedSq(1)) };
+    let peak_sq = nominal_sq.min(meet_sq).max(exit_sq).max(least_sq);
     let size = from_bits(length);
     let twice_a = acceleration(a) * 2.0;
-    let exit_speed = if exit == entry { entry_speed } else { root(from_bits(exit)) };
+    let exit_speed = if exit_sq == entry_sq { entry_speed } else { root(from_bits(exit_sq.0)) };
     // In the middle of a long ramp the peak is one of the ends, and its root known.
-    let peak_speed = match peak {
-        _ if peak == exit => exit_speed,
-        _ if peak == entry => entry_speed,
-        _ => root(from_bits(peak)),
+    let peak_speed = match peak_sq {
+        _ if peak_sq == exit_sq => exit_speed,
+        _ if peak_sq == entry_sq => entry_speed,
+        _ => root(from_bits(peak_sq.0)),
     };
-    let rise = Ramp::new(peak.abs_diff(entry), twice_a, entry_speed, peak_speed);
-    let fall = Ramp::new(peak - exit, twice_a, exit_speed, peak_speed);
+    let rise = Ramp::new(peak_sq.abs_diff(entry_sq), twice_a, entry_speed, peak_speed);
+    let fall = Ramp::new(peak_sq.wrapping_sub(exit_sq), twice_a, exit_speed, peak_speed);
     // In integers, for a cruise may be long.
     let level = length.saturating_sub(to_bits(rise.length)).saturating_sub(to_bits(fall.length));
     let scale = const { WHOLE as f32 } / size;
@@ -130,12 +101,12 @@ pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), ex
     let cruised = (WHOLE - ((fall.length * scale) as u32).min(WHOLE)).max(accelerated);
     // What rounding leaves of a move that only ramps fill is no cruise: it would have time, but no way.
     let cruise = match level {
-        _ if cruised == accelerated => 0,
-        _ if peak == nominal_sq => cruise_time(level, nominal.to_bits()),
+        _ if cruised == accelerated => SubTicks::ZERO,
+        _ if peak_sq == nominal_sq => cruise_time(level, nominal.to_bits()),
         _ => to_time(from_bits(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };
-    let times = match (rise.time, cruise, fall.time) {
-        long if cruise >= LONG => evened(long, (rise.length * scale, fall.length * scale)),
+    let times = match [rise.time, cruise, fall.time] {
+        long if cruise >= LONG_TIME => evened(long, (rise.length * scale, fall.length * scale)),
         times => times,
     };
     let planned = Move {
@@ -144,14 +115,14 @@ pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), ex
         cruised,
         entry_share: rise.share,
         exit_share: fall.share,
-        accelerate: times.0,
-        cruise: times.1,
-        decelerate: times.2,
+        accelerate: times[0],
+        cruise: times[1],
+        decelerate: times[2],
         length,
         acceleration: a,
         advance: Steps::ZERO,
         brakes_first,
-        rests: exit == 0,
+        rests: exit_sq == SpeedSq::ZERO,
         watch,
     };
     (planned, exit_speed)
@@ -161,14 +132,14 @@ pub(in crate::motion) fn profile(way: &Way, (entry, entry_speed): (u64, f32), ex
 /// whole ones, given the fractions of both ramps; what they lack of the ramps is cruised.
 #[cold]
 #[inline(never)]
-fn evened((rise, cruise, fall): (u64, u64, u64), (accelerated, decelerated): (f32, f32)) -> (u64, u64, u64) {
+fn evened([rise, cruise, fall]: [SubTicks; 3], (accelerated, decelerated): (f32, f32)) -> [SubTicks; 3] {
     // A fraction of one takes so long at the speed of the cruise, in ticks times 2^16.
     let ramps = u64::from(accelerated as u32) + u64::from(decelerated as u32);
     let level = u64::from(WHOLE).saturating_sub(ramps).max(1);
-    let one = u32::try_from(cruise / level).unwrap_or(u32::MAX) as f32;
-    let lacking = |fraction: f32| u64::from(((fraction - (fraction as u32) as f32) * one) as u32);
+    let one = u32::try_from(cruise.0 / level).unwrap_or(u32::MAX) as f32;
+    let lacking = |fraction: f32| SubTicks(u64::from(((fraction - (fraction as u32) as f32) * one) as u32));
     let (begin, end) = (lacking(accelerated).min(rise), lacking(decelerated).min(fall));
-    (rise - begin, cruise + begin + end, fall - end)
+    [rise - begin, cruise + begin + end, fall - end]
 }
 
 /// A phase in which the speed changes.
@@ -176,7 +147,7 @@ struct Ramp {
     /// In mm.
     length: f32,
     /// In ticks times 2^16.
-    time: u64,
+    time: SubTicks,
     /// The part of it that its lower speed alone would cover in its time, scaled by [`WHOLE`].
     share: u32,
 }
@@ -186,17 +157,17 @@ impl Ramp {
     /// time is its length over the mean of the two, in which nothing cancels; the difference of two roots would. Neither
     /// does it in its share: of two speeds that are nearly the same it is one less their difference.
     #[inline(always)]
-    fn new(change: u64, twice_a: f32, end: f32, peak: f32) -> Self {
+    fn new(change: SpeedSq, twice_a: f32, end: f32, peak: f32) -> Self {
         let sum = end + peak;
         let slow = if end < peak { end } else { peak };
-        let gain = from_bits(change);
+        let gain = from_bits(change.0);
         let share = if slow * 3.0 <= sum {
             ((slow + slow) / sum * const { WHOLE as f32 }) as u32
         } else {
             WHOLE.saturating_sub((gain / (sum * sum) * const { WHOLE as f32 }) as u32)
         };
-        if change == 0 {
-            return Self { length: 0.0, time: 0, share };
+        if change == SpeedSq::ZERO {
+            return Self { length: 0.0, time: SubTicks::ZERO, share };
         }
         let length = gain / twice_a;
         Self { length, time: to_time(length / sum * const { 2.0 * TICKS_PER_SECOND as f32 }), share }
@@ -208,12 +179,12 @@ mod tests {
     use super::*;
     use crate::units::Mm;
 
-    fn sq(v: f64) -> u64 {
-        (v * v * 2f64.powi(32)) as u64
+    fn sq(v: f64) -> SpeedSq {
+        SpeedSq((v * v * 2f64.powi(32)) as u64)
     }
 
-    fn seconds(t: u64) -> f64 {
-        t as f64 / 65536.0 / 1e7
+    fn seconds(t: SubTicks) -> f64 {
+        t.0 as f64 / 65536.0 / 1e7
     }
 
     fn run(length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
@@ -222,15 +193,15 @@ mod tests {
 
     fn cruising(ratio: f64, length: f64, a: f64, entry: f64, nominal: f64, exit: f64) -> Move {
         let length = Mm::from_num(length).to_bits() as u64;
-        let way = Way {
+        let spec = MoveSpec {
             length,
-            ramps: ramps_of(length, Ratio::from_num(ratio)),
+            max_ramp_length: max_ramp_length(length, Ratio::from_num(ratio)),
             acceleration: MmPerSec2::from_num(a),
             nominal: MmPerSec::from_num(nominal),
             end: [Steps::ZERO; 4],
             watch: EndstopSet::NONE,
         };
-        let (planned, exit_speed) = profile(&way, (sq(entry), entry as f32), sq(exit));
+        let (planned, exit_speed) = profile(&spec, (sq(entry), entry as f32), sq(exit));
         assert!((f64::from(exit_speed) - exit).abs() <= 1e-7 * exit);
         planned
     }
@@ -261,7 +232,7 @@ mod tests {
     fn a_cruise_is_right_to_the_tick_however_long() {
         for (length, nominal) in [(468.0, 0.5), (4000.0, 0.25), (300.0, 33.5), (20.0, 20.0), (2.0, 255.0)] {
             let m = run(length, 3000.0, nominal, nominal, nominal);
-            let error = m.cruise as f64 / 65536.0 - length / nominal * 1e7;
+            let error = m.cruise.0 as f64 / 65536.0 - length / nominal * 1e7;
             assert!(error.abs() < 0.01, "{length} mm at {nominal} mm/s: off by {error} ticks");
         }
     }
@@ -300,7 +271,7 @@ mod tests {
     #[test]
     fn a_move_at_one_speed_only_cruises() {
         let m = run(5.0, 1000.0, 50.0, 50.0, 50.0);
-        assert_eq!((m.accelerate, m.decelerate), (0, 0));
+        assert_eq!((m.accelerate, m.decelerate), (SubTicks::ZERO, SubTicks::ZERO));
         assert_eq!((m.accelerated, m.cruised), (0, WHOLE));
         assert!((seconds(m.cruise) - 0.1).abs() < 1e-7);
     }

@@ -1,45 +1,46 @@
 //! The look-ahead window: moves whose speeds may still change.
 //!
-//! The speed at the end of the last move is 0, for nobody knows what follows. With `w` for squared speeds, `cap_k` for
-//! the greatest at the corner before move k, and `G_k` for the sum of what the moves before it could gain (2 a L each),
-//! the greatest speed from which the rest can still brake is
+//! The speed at the end of the last move is 0, for nobody knows what follows. With `w_i` for the
+//! square of the entry speed of move i, `m_k` for the greatest one that move k allows ([`Planned::max_entry_sq`]), and `G_k`
+//! for the sum of what the moves before move k could gain, 2 a L each ([`Planned::cumulative_gain_sq`]), the greatest speed from
+//! which the moves that follow can still brake is
 //!
 //! ```text
-//! w_i = min over k >= i of (cap_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
+//! w_i = min over k >= i of (m_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
 //! ```
 //!
-//! The minimum over all that follow is kept up to date as moves come and go, by a queue of those corners alone behind
-//! which there is none with a smaller `cap_k + G_k`: a move that is added costs as much whether three or a hundred wait.
-//! What has to go over all of them is done a few at a time (see [`rounds`](super::rounds)).
+//! The minimum is kept up to date as moves come and go, by a queue of corners: a corner stays in it while no following
+//! corner has a smaller `m_k + G_k`. So a move that is added costs as much whether three or a hundred wait.
+//! What has to go over all of them is done a few at a time (see [`passes`](super::passes)).
 //!
 //! A corner whose speed is not limited by the end of the window is **final**: what is added counts with at least as much
 //! as that end. The move before it may leave, sooner or later, without a difference to the steps. When a move must
 //! leave that is not final, the outcome would depend on when; so that happens only where the stream of commands itself
-//! says so (the window is full of unfinished moves, or a command waits for the motion), or when the stream is dry.
+//! says so (the window is full of unfinished moves, or a command waits for the motion), or when no commands come any more.
 
-use super::planned::{MoveMemory, OPEN, Planned, WINDOW};
+use super::pass_progress::{FinalCount, Passes};
+use super::planned::{MoveMemory, NOT_FROZEN, Planned, WINDOW};
 use super::profile::profile;
-use super::rounds::{Judged, Rounds};
 use crate::motion::moves::Move;
-use crate::units::{Seconds, Steps};
+use crate::units::{Seconds, SpeedSq, Steps};
 
 /// Whether `a` is less than `b`, both of which wrap.
-const fn is_less(a: u64, b: u64) -> bool {
-    (a.wrapping_sub(b) as i64) < 0
+const fn is_less(a: SpeedSq, b: SpeedSq) -> bool {
+    (a.wrapping_sub(b).0 as i64) < 0
 }
 
-/// Places of the moves whose corners are less than all behind them, in `cap + G`; in order.
+/// Slots of the moves whose corners have a smaller `m + G` than all that follow; in order.
 pub(in crate::motion) struct Minima<'m> {
-    places: &'m mut [u8; 256],
-    /// Both wrap with the places.
+    slots: &'m mut [u8; 256],
+    /// Both wrap with the ring.
     begin: u8,
     end: u8,
 }
 
 impl Minima<'_> {
     fn get(&self, index: u8) -> Option<usize> {
-        let place = self.places.get(usize::from(self.begin.wrapping_add(index)))?;
-        (index < self.len()).then_some(usize::from(*place))
+        let slot = self.slots.get(usize::from(self.begin.wrapping_add(index)))?;
+        (index < self.len()).then_some(usize::from(*slot))
     }
 
     const fn len(&self) -> u8 {
@@ -54,37 +55,37 @@ impl Minima<'_> {
 pub(in crate::motion) struct Window<'m> {
     pub(in crate::motion) moves: &'m mut [Planned; WINDOW],
     pub(in crate::motion) minima: Minima<'m>,
-    /// The place of the first move.
+    /// The slot of the first move.
     first: usize,
     pub(in crate::motion) len: usize,
-    /// G behind the last move.
-    sum: u64,
+    /// G at the end of the last move.
+    total_gain_sq: SpeedSq,
     /// So many moves leave though they may not be final.
     pub(in crate::motion) forced: usize,
     /// The first move may not leave, until it is made to or something else changes.
     pub(in crate::motion) is_stuck: bool,
     /// Speed squared at the end of the last move that left.
-    pub(in crate::motion) front: u64,
+    pub(in crate::motion) front_sq: SpeedSq,
     /// That speed, in mm/s.
     front_speed: f32,
-    pub(in crate::motion) rounds: Rounds,
+    pub(in crate::motion) passes: Passes,
 }
 
 impl<'m> Window<'m> {
     pub const fn new(memory: &'m mut MoveMemory) -> Self {
         let MoveMemory { moves, minima } = memory;
-        let minima = Minima { places: minima, begin: 0, end: 0 };
+        let minima = Minima { slots: minima, begin: 0, end: 0 };
         Self {
             moves,
             minima,
             first: 0,
             len: 0,
-            sum: 0,
+            total_gain_sq: SpeedSq::ZERO,
             forced: 0,
             is_stuck: false,
-            front: 0,
+            front_sq: SpeedSq::ZERO,
             front_speed: 0.0,
-            rounds: Rounds::NONE,
+            passes: Passes::NONE,
         }
     }
 
@@ -104,115 +105,115 @@ impl<'m> Window<'m> {
         self.len == WINDOW
     }
 
-    /// The place of the move of that index.
+    /// The slot of the move of that index.
     #[inline(always)]
-    pub const fn place(&self, index: usize) -> usize {
-        let place = self.first + index;
-        if place >= WINDOW { place - WINDOW } else { place }
+    pub const fn slot(&self, index: usize) -> usize {
+        let slot = self.first + index;
+        if slot >= WINDOW { slot - WINDOW } else { slot }
     }
 
-    /// The index of the move in that place.
-    const fn index(&self, place: usize) -> usize {
-        if place >= self.first { place - self.first } else { place + WINDOW - self.first }
+    /// The index of the move in that slot.
+    const fn index(&self, slot: usize) -> usize {
+        if slot >= self.first { slot - self.first } else { slot + WINDOW - self.first }
     }
 
     pub fn get(&self, index: usize) -> Option<&Planned> {
-        if index < self.len { self.moves.get(self.place(index)) } else { None }
+        if index < self.len { self.moves.get(self.slot(index)) } else { None }
     }
 
-    /// G behind the last move.
+    /// G at the end of the last move.
     #[inline(always)]
-    pub const fn sum(&self) -> u64 {
-        self.sum
+    pub const fn total_gain_sq(&self) -> SpeedSq {
+        self.total_gain_sq
     }
 
-    /// Adds a move, whose G is that [behind the last one](Self::sum); the caller has made room.
+    /// Adds a move, whose G is that [at the end of the last one](Self::total_gain_sq); the caller has made room.
     #[inline(always)]
     pub fn push(&mut self, planned: Planned) {
         debug_assert!(!self.is_full(), "the caller has made room");
-        let place = self.place(self.len);
-        self.sum = self.sum.wrapping_add(planned.gain());
-        let bound = planned.bound();
-        if let Some(slot) = self.moves.get_mut(place) {
-            *slot = planned;
+        let slot = self.slot(self.len);
+        self.total_gain_sq = self.total_gain_sq.wrapping_add(planned.gain_sq());
+        let bound_sq = planned.bound_sq();
+        if let Some(kept) = self.moves.get_mut(slot) {
+            *kept = planned;
         }
-        self.note(place, bound);
+        self.add_minimum(slot, bound_sq);
         self.len += 1;
-        (self.rounds.judged.is_done, self.is_stuck) = (false, false);
+        (self.passes.counted.is_done, self.is_stuck) = (false, false);
     }
 
-    /// Notes the corner before a move, behind which there is none yet.
-    pub(in crate::motion) fn note(&mut self, place: usize, bound: u64) {
+    /// Adds the corner before a move to the queue of minima; no corner follows it yet.
+    pub(in crate::motion) fn add_minimum(&mut self, slot: usize, bound_sq: SpeedSq) {
         while self.minima.len() > 0 {
             let last = self.minima.get(self.minima.len() - 1);
-            if last.is_some_and(|other| is_less(self.bound(other), bound)) {
+            if last.is_some_and(|other| is_less(self.bound_sq(other), bound_sq)) {
                 break;
             }
             self.minima.end = self.minima.end.wrapping_sub(1);
         }
-        if let Some(slot) = self.minima.places.get_mut(usize::from(self.minima.end)) {
-            *slot = place as u8;
+        if let Some(entry) = self.minima.slots.get_mut(usize::from(self.minima.end)) {
+            *entry = slot as u8;
         }
         self.minima.end = self.minima.end.wrapping_add(1);
     }
 
-    /// `cap + G` of the move in that place.
-    fn bound(&self, place: usize) -> u64 {
-        self.moves.get(place).map_or(0, Planned::bound)
+    /// `m + G` of the move in that slot.
+    fn bound_sq(&self, slot: usize) -> SpeedSq {
+        self.moves.get(slot).map_or(SpeedSq::ZERO, Planned::bound_sq)
     }
 
     /// Forgets every move; the machine stands.
     pub fn clear(&mut self) {
         self.minima.clear();
-        (self.len, self.sum, self.forced, self.rounds) = (0, 0, 0, Rounds::NONE);
+        (self.len, self.total_gain_sq, self.forced, self.passes) = (0, SpeedSq::ZERO, 0, Passes::NONE);
         self.is_stuck = false;
-        (self.front, self.front_speed) = (0, 0.0);
+        (self.front_sq, self.front_speed) = (SpeedSq::ZERO, 0.0);
     }
 
-    /// Which of the minima is the least corner behind the move of that index, given one that is none behind it. They stand in
-    /// order, so whoever goes on to the next move begins where he was.
+    /// The index, in the queue of minima, of the least corner that follows the move of that index. The search begins at
+    /// `least`, which must not be beyond it. The queue is in order, so the next move's search begins where this one ended.
     #[inline(always)]
-    pub(in crate::motion) fn least_behind(&self, index: usize, mut least: u8) -> u8 {
-        while self.minima.get(least).is_some_and(|place| self.index(place) <= index) {
+    pub(in crate::motion) fn first_minimum_after(&self, index: usize, mut least: u8) -> u8 {
+        while self.minima.get(least).is_some_and(|slot| self.index(slot) <= index) {
             least += 1;
         }
         least
     }
 
-    /// The greatest speed squared behind the move of that index, which is entered with `entry`, and whether that is final;
-    /// `None` if no move is behind it.
-    pub(in crate::motion) fn exit(&self, index: usize, entry: u64, least: u8) -> Option<(u64, bool)> {
+    /// The greatest exit speed squared of the move of that index, which is entered with `entry_sq`, and whether it is final;
+    /// `None` if no move follows.
+    pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: SpeedSq, least: u8) -> Option<(SpeedSq, bool)> {
         let (this, next) = (self.get(index)?, self.get(index + 1)?);
-        Some(self.exit_between(this, next, entry, self.minima.get(least)?))
+        Some(self.exit_sq_between(this, next, entry_sq, self.minima.get(least)?))
     }
 
-    /// The same between two moves, given the place of the least corner behind the first one.
+    /// The exit speed of `this` towards `next`, given the slot of the least corner that follows `this`.
     #[inline(always)]
-    fn exit_between(&self, this: &Planned, next: &Planned, entry: u64, least: usize) -> (u64, bool) {
-        let bound = self.bound(least).wrapping_sub(next.before);
-        let reach = entry.saturating_add(next.before.wrapping_sub(this.before));
-        let (known, end) = (bound.min(reach), self.sum.wrapping_sub(next.before));
+    fn exit_sq_between(&self, this: &Planned, next: &Planned, entry_sq: SpeedSq, least: usize) -> (SpeedSq, bool) {
+        let bound_sq = self.bound_sq(least).wrapping_sub(next.cumulative_gain_sq);
+        let reach = entry_sq.saturating_add(next.cumulative_gain_sq.wrapping_sub(this.cumulative_gain_sq));
+        let (known, end) = (bound_sq.min(reach), self.total_gain_sq.wrapping_sub(next.cumulative_gain_sq));
         (known.min(end), known <= end)
     }
 
-    /// The same behind the first move.
+    /// The exit speed squared of the first move, and whether it is final; `None` if no move follows.
     #[inline(always)]
-    fn first_exit(&self) -> Option<(u64, bool)> {
+    fn first_exit_sq(&self) -> Option<(SpeedSq, bool)> {
         if self.len < 2 {
             return None;
         }
-        let (this, next) = (self.moves.get(self.first)?, self.moves.get(self.place(1))?);
+        let (this, next) = (self.moves.get(self.first)?, self.moves.get(self.slot(1))?);
         // The first of the minima may be its own corner.
         let least = match self.minima.get(0)? {
             least if least == self.first => self.minima.get(1)?,
             least => least,
         };
-        Some(self.exit_between(this, next, self.front, least))
+        Some(self.exit_sq_between(this, next, self.front_sq, least))
     }
 
     /// Whether the first move may leave.
     pub fn has_ready(&self) -> bool {
-        self.forced > 0 || self.first_exit().is_some_and(|(_, is_final)| is_final)
+        self.forced > 0 || self.first_exit_sq().is_some_and(|(_, is_final)| is_final)
     }
 
     /// Lets the first `count` moves leave though they may not be final.
@@ -220,7 +221,7 @@ impl<'m> Window<'m> {
         let count = count.min(self.len);
         if count > self.forced {
             (self.forced, self.is_stuck) = (count, false);
-            self.rounds.begin_to_settle(self.front);
+            self.passes.begin_freeze(self.front_sq);
         }
     }
 
@@ -231,35 +232,35 @@ impl<'m> Window<'m> {
         if self.is_stuck || self.len == 0 {
             return None;
         }
-        let exit = self.first_exit();
+        let exit = self.first_exit_sq();
         if self.forced == 0 && !exit.is_some_and(|(_, is_final)| is_final) {
             self.is_stuck = true;
             return None;
         }
-        let place = self.first;
-        let planned = self.moves.get(place)?;
+        let slot = self.first;
+        let planned = self.moves.get(slot)?;
         // Planned as `min`, so the ramps fit but for what squares and roots round away.
-        let speed = match exit {
-            Some((exit, _)) if planned.exit == OPEN => exit,
-            Some(_) => planned.exit,
-            None => 0,
+        let exit_sq = match exit {
+            Some((exit, _)) if planned.frozen_exit_sq == NOT_FROZEN => exit,
+            Some(_) => planned.frozen_exit_sq,
+            None => SpeedSq::ZERO,
         };
-        let (mut released, exit_speed) = profile(&planned.way, (self.front, self.front_speed), speed);
+        let (mut released, exit_speed) = profile(&planned.spec, (self.front_sq, self.front_speed), exit_sq);
         released.rests = exit.is_none();
         if planned.advance > Seconds::ZERO {
-            let [.., end] = planned.way.end;
+            let [.., end] = planned.spec.end;
             let way = i128::from(end.wrapping_sub(filament).to_bits()) * i128::from(planned.advance.to_bits());
             released.advance = Steps::from_bits((way >> Seconds::FRAC_NBITS) as i64);
         }
         let ticks = planned.nominal_ticks;
-        (self.first, self.front, self.len) = (self.place(1), speed, self.len - 1);
+        (self.first, self.front_sq, self.len) = (self.slot(1), exit_sq, self.len - 1);
         self.front_speed = exit_speed;
         self.forced = self.forced.saturating_sub(1);
-        if self.minima.get(0) == Some(place) {
+        if self.minima.get(0) == Some(slot) {
             self.minima.begin = self.minima.begin.wrapping_add(1);
         }
-        self.rounds.settled.pop(speed);
-        self.rounds.judged = Judged::new(speed);
+        self.passes.frozen.pop(exit_sq);
+        self.passes.counted = FinalCount::new(exit_sq);
         Some((released, ticks))
     }
 

@@ -1,5 +1,7 @@
-//! A step event: all the motors that step in one instant.
+//! A step event: all the motors that step in one instant. Tests and benchmarks put such events in and take them out; the
+//! generator and the Stepper know them as a [`PackedEvent`](super::PackedEvent) and an interval.
 
+use crate::motion::ticks::NEAR;
 use crate::port::{EndstopSet, GroupSet};
 
 /// One entry of the StepQueue.
@@ -20,5 +22,7 @@ pub struct StepEvent {
 /// Longest time between two events: a third of what [`Tick::is_before`](crate::units::Tick::is_before)
 /// can tell apart. Longer pauses are cut by events without steps.
 pub const LONGEST_INTERVAL: u32 = 1 << 30;
+// The generator lets time pass in events of this length.
+const _: () = assert!(NEAR <= LONGEST_INTERVAL);
 
 const _: () = assert!(core::mem::size_of::<StepEvent>() == 8);

@@ -1,28 +1,62 @@
 //! The StepQueue: step events on their way from the StepGenerator to the Stepper.
 //!
-//! A ring whose two ends have one owner each, on one core: the Stepper interrupts the generator, never the other way
-//! round, so what keeps the compiler from changing an order is enough (`dmb` would take a tenth of a step). An event takes
-//! two words; those after the newest say that there is no event, and that it is due at once, so the Stepper need not ask
-//! how many there are. What an event wants beyond steps is one bit of it, which is set when it is made.
+//! ```text
+//!            done                         made
+//!             v                            v
+//! [ played ][ held ][ event ][ event ] ... [ end: 0, NONE ][ played ] ...     512 slots, a ring
+//!             ^ the Stepper has looked at it, and it is still in the queue
+//! ```
 //!
-//! `tests/queue_orders` has these files on a memory of its own, in which the Stepper comes in at every place between two
+//! A ring whose two ends have one owner each, on one core: the Stepper interrupts the generator, never the other way
+//! round, so what keeps the compiler from changing an order is enough (`dmb` would take a tenth of a step). A slot is two
+//! words: the interval since the event before, and a [`PackedEvent`]. The slot after the newest event says that there is no
+//! event, and that it is due at once, so the Stepper need not ask how many there are. What an event wants beyond steps is one
+//! bit of its word, which is set when it is made.
+//!
+//! # Who writes which word when
+//!
+//! | word | owner, who writes it | when | who else reads it |
+//! |---|---|---|---|
+//! | slots from `made + 1` on | generator | while a run is filled | nobody before the store of the first event |
+//! | slot at the new end | generator | before the run is shown | Stepper, as "no event" |
+//! | slot at `made`: interval | generator | before the fence | Stepper, which may find it under an event that is still NONE |
+//! | slot at `made`: event | generator | **last**, between two fences | Stepper: from now on it sees the run |
+//! | REFILL of a waiting event | generator | any time; the Stepper may have read it before | Stepper |
+//! | `done` | Stepper | when it lets go of an event | generator, Console |
+//! | `made` | generator, in its own memory | after the second fence | others by `Status`, when published |
+//!
+//! The order matters in three places. The end is stored before the event that leads to it, or the Stepper would run into what
+//! stands there from the last turn of the ring. All following events of a run are stored before the first one, for the
+//! Stepper that sees the first may play them all. And the first one's interval is stored before its event; a Stepper that has
+//! taken the interval of the slot while the event was NONE looks at the event again when it is due (`Stepper::check_event`).
+//!
+//! `tests/queue_orders` has these files on a memory of its own, in which the Stepper comes in at every point between two
 //! stores, in every order that the compiler may give them.
+//!
+//! # Words
+//!
+//! - **slot**: where an event is stored. **word**: 32 bits, which are read and written in one piece.
+//! - **plain event**: steps in directions that are set, in time, and nothing else. **special event**: any other.
+//! - **run**: events that are shown at once. **mark**: the event at which the Stepper calls the generator.
 
 mod event;
+mod packed_event;
 mod steps_in;
-mod word;
 
 use super::atomic::{AtomicU32, Ordering::Relaxed};
-use super::step_counts::StepCounts;
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
-use crate::status::Status;
 pub use event::{LONGEST_INTERVAL, StepEvent};
+pub(super) use packed_event::PackedEvent;
+use steps_in::REGULAR;
+pub(super) use steps_in::StepTimes;
 pub use steps_in::StepsIn;
-pub(super) use word::Word;
 
-/// Places in the ring, one of which stays empty.
+/// Slots of the ring, one of which stays empty.
 const LENGTH: usize = 512;
+// The numbers of events wrap at 2^32, where slots must go on in order; and every so many events one is not plain, which
+// must fall on the same slots in each turn of the ring.
+const _: () = assert!(LENGTH.is_power_of_two() && LENGTH.is_multiple_of(REGULAR as usize));
 
 /// Step events between StepGenerator and Stepper. As good as full: the generator waits. Empty: motion rests, or has
 /// starved, which is counted. 511 events are 5 ms at 100,000 events a second.
@@ -30,7 +64,7 @@ const LENGTH: usize = 512;
 pub struct StepQueue {
     /// Events taken out, wrapping. In front, where the step interrupt reaches it with one load.
     done: AtomicU32,
-    /// Interval and [`Word`] of each event.
+    /// Interval and [`PackedEvent`] of each event.
     events: [[AtomicU32; 2]; LENGTH],
 }
 
@@ -62,7 +96,7 @@ impl StepQueue {
         // More than there is room for: the generator has made some since, and whoever asks looks again.
         let count = Some(made.wrapping_sub(done)).filter(|count| *count < LENGTH as u32).unwrap_or(0);
         for number in 0..count {
-            let word = Word(self.place(done.wrapping_add(number))[1].load(Relaxed));
+            let word = PackedEvent(self.slot(done.wrapping_add(number))[1].load(Relaxed));
             for (group, steps) in steps.iter_mut().enumerate() {
                 let is_in = |set: GroupSet| i32::from(set.0 >> group & 1);
                 *steps += is_in(word.steps()) * (2 * is_in(word.forward()) - 1);
@@ -74,13 +108,13 @@ impl StepQueue {
     /// There are no events from here on.
     #[inline(always)]
     fn end_at(&self, number: u32) {
-        let [interval, word] = self.place(number);
+        let [interval, word] = self.slot(number);
         interval.store(0, Relaxed);
-        word.store(Word::NONE.0, Relaxed);
+        word.store(PackedEvent::NONE.0, Relaxed);
     }
 
     #[inline(always)]
-    fn place(&self, number: u32) -> &[AtomicU32; 2] {
+    fn slot(&self, number: u32) -> &[AtomicU32; 2] {
         &self.events[number as usize % LENGTH]
     }
 }
@@ -91,33 +125,33 @@ pub struct StepsOut<'m> {
 }
 
 impl<'m> StepsOut<'m> {
-    /// What the motors do with what comes out here.
-    #[must_use]
-    pub const fn counts(&self, status: &'m Status) -> StepCounts<'m> {
-        StepCounts::new(self.queue, status)
+    /// The queue itself, for what counts the steps that wait in it.
+    pub(super) const fn queue(&self) -> &'m StepQueue {
+        self.queue
     }
 
-    /// The event that comes next, which stays where it is: its interval, and the word that is [`Word::NONE`] if there
+    /// The event that comes next, which stays where it is: its interval, and the word that is [`PackedEvent::NONE`] if there
     /// is none.
     #[inline(always)]
-    pub(super) fn peek(&self) -> (u32, Word) {
+    pub(super) fn peek(&self) -> (u32, PackedEvent) {
         Self::numbered(self.queue, self.queue.done.load(Relaxed))
     }
 
-    /// Lets go of the event that came next, and looks at the one behind.
+    /// Lets go of the event that came next, and looks at the one that follows.
     #[inline(always)]
-    pub(super) fn advance(&mut self) -> (u32, Word) {
+    pub(super) fn advance(&mut self) -> (u32, PackedEvent) {
         let queue = self.queue;
+        // `done` is the Stepper's own: nobody else writes it.
         let done = queue.done.load(Relaxed).wrapping_add(1);
         queue.done.store(done, Relaxed);
         Self::numbered(queue, done)
     }
 
     #[inline(always)]
-    fn numbered(queue: &StepQueue, number: u32) -> (u32, Word) {
-        let [interval, word] = queue.place(number);
-        // In any order, for the generator does nothing in between.
-        (interval.load(Relaxed), Word(word.load(Relaxed)))
+    fn numbered(queue: &StepQueue, number: u32) -> (u32, PackedEvent) {
+        let [interval, word] = queue.slot(number);
+        // The generator is the owner. In any order, for it is interrupted and does nothing in between.
+        (interval.load(Relaxed), PackedEvent(word.load(Relaxed)))
     }
 
     /// Events taken out so far, wrapping.
@@ -128,7 +162,7 @@ impl<'m> StepsOut<'m> {
     /// Takes an event out.
     pub fn dequeue(&mut self) -> Option<StepEvent> {
         let (interval, word) = self.peek();
-        if word == Word::NONE {
+        if word == PackedEvent::NONE {
             return None;
         }
         self.advance();

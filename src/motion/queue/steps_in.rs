@@ -1,63 +1,75 @@
 //! The StepGenerator's end of the StepQueue.
 
 use super::event::StepEvent;
-use super::word::Word;
+use super::packed_event::PackedEvent;
 use super::{LENGTH, StepQueue};
 use crate::motion::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
-use crate::motion::stepgen::ahead::{Steps, is_before};
-use crate::motion::stepgen::track::NEAR;
+use crate::motion::ticks::{NEAR, is_before};
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 
-/// A first event of a run that is this long, 0.4 s, is not a plain one; and neither is one of so many. The others of a run
-/// are within [`NEAR`] of its begin. Thus the plain ones between two others take less than the 429 s at which a tick of 32
-/// bits wraps.
+/// The first event of a run is special if its interval is this long, 0.4 s. All other events of the run are within [`NEAR`] of
+/// the run's begin.
 const LONG: u32 = 1 << 22;
-const REGULAR: u32 = 256;
+/// One of so many events is special, however short its interval is. Thus all plain events between two special ones take less
+/// than the 429 s after which a tick of 32 bits wraps: the Stepper counts all bits of motion time at special events alone.
+pub(super) const REGULAR: u32 = 256;
 const _: () = assert!((LONG + NEAR) as u64 * (REGULAR as u64 / 2) < 1 << 32);
 
-/// The Stepper gets to see events when they are a quarter of those that it has left, but not before they are so many: it
-/// must not run dry while it waits for them.
+/// The Stepper gets to see a run that is a quarter as long as what it has left to play, but no shorter than this: it must not
+/// run out of events while the run is filled.
 const SHORTEST_RUN: usize = 4;
 
-/// Events with steps that are put in one behind the other. The Stepper sees none of them before all are in: the first one
-/// comes into its place last.
+/// Step times of a group, in order: what a [`Run`] takes its steps from.
+pub(in crate::motion) trait StepTimes {
+    /// When the next step comes.
+    fn tick(&self) -> u32;
+    /// So many steps are put in; there must be so many.
+    fn advance_by(&mut self, count: usize);
+    /// The ticks that follow the next one's, whatever comes after the last step.
+    fn following(&self) -> &[u32];
+}
+
+/// Events with steps that are put in one after the other. The Stepper sees none of them before all are in: the first one
+/// comes into its slot last.
 pub(in crate::motion) struct Run<'q> {
     /// The tick of the last event.
     now: u32,
-    word: Word,
-    /// Where the next events go, and those behind them.
-    places: &'q [[AtomicU32; 2]],
-    rest: &'q [[AtomicU32; 2]],
+    word: PackedEvent,
+    /// Where the next events go, and where the events after these go.
+    slots: &'q [[AtomicU32; 2]],
+    next_slots: &'q [[AtomicU32; 2]],
 }
 
 impl Run<'_> {
-    /// Whether there is no place left where events are to be put now.
+    /// Whether there is no slot left where events are to be put now.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
-        self.places.is_empty()
+        self.slots.is_empty()
     }
 
-    /// Puts an event in, if there is a place; its steps are those of [`Word::steps_of`].
+    /// Puts an event in, if there is a slot; its steps are those of [`PackedEvent::steps_of`].
     #[inline(always)]
     pub fn put(&mut self, tick: u32, steps: u32) {
-        if let [[time, place], behind @ ..] = self.places {
-            time.store(tick.wrapping_sub(self.now), Relaxed);
-            place.store(self.word.0 | steps, Relaxed);
+        if let [[interval_slot, word_slot], following @ ..] = self.slots {
+            interval_slot.store(tick.wrapping_sub(self.now), Relaxed);
+            word_slot.store(self.word.0 | steps, Relaxed);
             self.now = tick;
-            self.places = behind;
+            self.slots = following;
         }
     }
 
-    /// Puts in the next step of two groups, which is due at one tick, and those behind it up to a tick as long as both step
-    /// together and there are places.
+    /// Puts in the next step of two groups, which is due at one tick, and the steps that follow up to a tick as long as both
+    /// step together and there are slots.
     #[inline(always)]
-    pub fn put_pairs(&mut self, [first, second]: [&mut Steps; 2], until: u32, word: u32) {
+    pub fn put_pairs(&mut self, [first, second]: [&mut impl StepTimes; 2], until: u32, word: u32) {
         let word = self.word.0 | word;
-        let (mut now, mut tick, mut count) = (self.now, first.tick, 0);
-        for (([time, place], after), other) in self.places.iter().zip(first.following()).zip(second.following()) {
-            time.store(tick.wrapping_sub(now), Relaxed);
-            place.store(word, Relaxed);
+        let (mut now, mut tick, mut count) = (self.now, first.tick(), 0);
+        for (([interval_slot, word_slot], after), other) in
+            self.slots.iter().zip(first.following()).zip(second.following())
+        {
+            interval_slot.store(tick.wrapping_sub(now), Relaxed);
+            word_slot.store(word, Relaxed);
             (now, tick) = (tick, *after);
             count += 1;
             if tick != *other || !is_before(tick, until) {
@@ -65,18 +77,18 @@ impl Run<'_> {
             }
         }
         self.now = now;
-        self.places = self.places.get(count..).unwrap_or_default();
-        first.go_on_by(count);
-        second.go_on_by(count);
+        self.slots = self.slots.get(count..).unwrap_or_default();
+        first.advance_by(count);
+        second.advance_by(count);
     }
 
-    /// Puts in the next step of a group, and those behind it up to a tick, as long as there are places.
+    /// Puts in the next step of a group, and the steps that follow up to a tick, as long as there are slots.
     #[inline(always)]
-    pub fn put_steps(&mut self, steps: &mut Steps, until: u32, word: u32) {
+    pub fn put_steps(&mut self, steps: &mut impl StepTimes, until: u32, word: u32) {
         loop {
-            self.put(steps.tick, word);
-            steps.go_on();
-            if self.is_full() || !is_before(steps.tick, until) {
+            self.put(steps.tick(), word);
+            steps.advance_by(1);
+            if self.is_full() || !is_before(steps.tick(), until) {
                 return;
             }
         }
@@ -88,8 +100,8 @@ pub struct StepsIn<'m> {
     queue: &'m StepQueue,
     /// Events ever put in, wrapping.
     made: u32,
-    /// The event before; at first none, which none is like.
-    before: Word,
+    /// The event before; NONE at first, which no event is like.
+    previous: PackedEvent,
     /// Groups whose steps the Stepper is to look at closely.
     slow: GroupSet,
     /// The event at which the Stepper asks for more.
@@ -98,7 +110,7 @@ pub struct StepsIn<'m> {
 
 impl<'m> StepsIn<'m> {
     pub(super) const fn new(queue: &'m StepQueue, made: u32) -> Self {
-        Self { queue, made, before: Word::NONE, slow: GroupSet::NONE, marked: made }
+        Self { queue, made, previous: PackedEvent::NONE, slow: GroupSet::NONE, marked: made }
     }
 
     /// The groups that a run is made of; steps of others come in between.
@@ -107,12 +119,12 @@ impl<'m> StepsIn<'m> {
     /// What a step of a group in a run adds to its event, beyond the first two groups.
     pub(in crate::motion) const fn step_of(&self, group: usize) -> u32 {
         let is_slow = self.slow.0 >> group & 1 != 0;
-        Word::steps_of(group) | if is_slow { Word::SPECIAL } else { 0 }
+        PackedEvent::steps_of(group) | if is_slow { PackedEvent::SPECIAL } else { 0 }
     }
 
     /// Whether an event would set directions that those before it did not.
-    pub(in crate::motion) const fn turns_with(&self, word: Word) -> bool {
-        !word.goes_as(self.before)
+    pub(in crate::motion) const fn turns_with(&self, word: PackedEvent) -> bool {
+        !word.goes_as(self.previous)
     }
 
     /// Has the Stepper look closely at steps of these groups.
@@ -130,12 +142,12 @@ impl<'m> StepsIn<'m> {
             return Err(event);
         }
         let StepEvent { interval, steps, forward, epoch, watch } = event;
-        self.put(interval, Word::waiting(epoch, watch).stepping(steps, forward));
+        self.put(interval, PackedEvent::waiting(epoch, watch).stepping(steps, forward));
         Ok(())
     }
 
     /// Puts an event in where there is room.
-    pub(in crate::motion) fn put(&mut self, interval: u32, word: Word) {
+    pub(in crate::motion) fn put(&mut self, interval: u32, word: PackedEvent) {
         self.publish(interval, word, 1);
     }
 
@@ -145,7 +157,7 @@ impl<'m> StepsIn<'m> {
     #[inline(always)]
     pub(in crate::motion) fn put_runs(
         &mut self,
-        setting: Word,
+        setting: PackedEvent,
         most: u32,
         now: &mut u32,
         mut fill: impl FnMut(&mut Run) -> bool,
@@ -156,46 +168,51 @@ impl<'m> StepsIn<'m> {
         let mut left = most as usize;
         let mut has_more = true;
         while has_more && left > 0 {
-            // The events behind the first are plain if they can be. So a run ends in front of one that may not be.
+            // The events after the first are plain if they can be. So a run ends in front of one that may not be.
             let longest = (self.len() / 4).max(SHORTEST_RUN);
             let begin = self.made as usize % LENGTH;
-            let places = self.queue.events.get(begin + 1..begin - begin % REGULAR as usize + REGULAR as usize);
-            let places = places.unwrap_or_default();
-            let places = places.get(..left.min(longest) - 1).unwrap_or(places);
-            let mut run = Run { now: *now, word, places: &first, rest: places };
+            let slots = self.queue.events.get(begin + 1..begin - begin % REGULAR as usize + REGULAR as usize);
+            let slots = slots.unwrap_or_default();
+            let slots = slots.get(..left.min(longest) - 1).unwrap_or(slots);
+            let mut run = Run { now: *now, word, slots: &first, next_slots: slots };
             while has_more && !run.is_full() {
                 has_more = fill(&mut run);
                 if has_more {
-                    run.places = core::mem::take(&mut run.rest);
+                    run.slots = core::mem::take(&mut run.next_slots);
                 }
             }
             *now = run.now;
-            let made = 1 + places.len() - run.places.len() - run.rest.len();
+            let made = 1 + slots.len() - run.slots.len() - run.next_slots.len();
             if made == 0 {
                 return;
             }
             let [[interval, first]] = &first;
-            self.publish(interval.load(Relaxed), Word(setting.0 | first.load(Relaxed) & Word::STEPS), made as u32);
+            self.publish(
+                interval.load(Relaxed),
+                PackedEvent(setting.0 | first.load(Relaxed) & PackedEvent::STEPS),
+                made as u32,
+            );
             left -= made;
         }
     }
 
-    /// Shows the Stepper `count` events, of which all but the first stand in their places.
-    fn publish(&mut self, interval: u32, word: Word, count: u32) {
-        // A direction that is taken back with an epoch is set anew in the next.
+    /// Shows the Stepper `count` events, of which all but the first stand in their slots.
+    fn publish(&mut self, interval: u32, word: PackedEvent, count: u32) {
+        // A direction that is taken back with an epoch is set again in the next.
         let is_plain = word.has_only_steps(self.slow)
-            && (word.0 ^ self.before.0) & Word::SETTING == 0
+            && (word.0 ^ self.previous.0) & PackedEvent::SETTING == 0
             && interval < LONG
             && !self.made.is_multiple_of(REGULAR);
-        self.before = word;
+        self.previous = word;
         let word = if is_plain { word } else { word.special() };
-        // Whoever sees the first word must find its time, the other events, and the end of the queue after them.
+        // All slots from here on are the generator's until the store of the first event. A Stepper that sees this event must
+        // find its interval, the other events, and the end of the queue after them.
         let end = self.made.wrapping_add(count);
         self.queue.end_at(end);
-        let [time, place] = self.queue.place(self.made);
-        time.store(interval, Relaxed);
+        let [interval_slot, word_slot] = self.queue.slot(self.made);
+        interval_slot.store(interval, Relaxed);
         compiler_fence(AcqRel);
-        place.store(word.0, Relaxed);
+        word_slot.store(word.0, Relaxed);
         compiler_fence(AcqRel);
         self.made = end;
     }
@@ -207,7 +224,7 @@ impl<'m> StepsIn<'m> {
         self.made = self.done();
         self.marked = self.made;
         // Its direction may never have reached the pins.
-        self.before = Word::NONE;
+        self.previous = PackedEvent::NONE;
         self.queue.end_at(self.made);
         steps
     }
@@ -248,16 +265,17 @@ impl<'m> StepsIn<'m> {
         };
         let number = self.made.wrapping_sub(left as u32);
         if self.marked != number {
-            let before = &self.queue.place(self.marked)[1];
+            let before = &self.queue.slot(self.marked)[1];
+            // The generator is the owner of a word that waits; the Stepper only reads it.
             if is_waiting(self.queue, self.marked) {
-                before.store(before.load(Relaxed) & !Word::REFILL, Relaxed);
+                before.store(before.load(Relaxed) & !PackedEvent::REFILL, Relaxed);
             }
         }
         if left == 0 {
             return false;
         }
-        let word = &self.queue.place(number)[1];
-        word.store(word.load(Relaxed) | Word::SPECIAL | Word::REFILL, Relaxed);
+        let word = &self.queue.slot(number)[1];
+        word.store(word.load(Relaxed) | PackedEvent::SPECIAL | PackedEvent::REFILL, Relaxed);
         compiler_fence(AcqRel);
         self.marked = number;
         // The Stepper has looked at the event it holds before.
@@ -273,34 +291,35 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn a_run_is_shown_when_it_is_whole_and_nothing_is_behind_it() {
+    fn a_run_is_shown_when_it_is_whole_and_nothing_follows_it() {
         let mut queue = StepQueue::new();
-        for place in queue.events.iter().skip(1).flatten() {
-            place.store(7, Relaxed);
+        for word in queue.events.iter().skip(1).flatten() {
+            word.store(7, Relaxed);
         }
         let (mut events_in, mut events_out) = queue.split();
-        let setting = Word::waiting(3, EndstopSet::NONE).stepping(GroupSet::NONE, GroupSet(1));
+        let setting = PackedEvent::waiting(3, EndstopSet::NONE).stepping(GroupSet::NONE, GroupSet(1));
         let (mut now, mut made, mut done) = (1000, 0, 0);
         while done < 3 * LENGTH as u32 {
             let most = (events_in.room() as u32).min(100);
             let queue = events_out.queue;
             let mut run = Vec::new();
-            events_in.put_runs(setting, most, &mut now, |places| {
-                while !places.is_full() {
+            events_in.put_runs(setting, most, &mut now, |slots| {
+                while !slots.is_full() {
                     // The Stepper stops where nothing is, wherever it is until then.
-                    let shown = (0..LENGTH as u32).find(|i| queue.place(done + i)[1].load(Relaxed) == Word::NONE.0);
+                    let shown =
+                        (0..LENGTH as u32).find(|i| queue.slot(done + i)[1].load(Relaxed) == PackedEvent::NONE.0);
                     let first = done + shown.unwrap_or(u32::MAX);
                     assert!((made - run.len() as u32..=made).contains(&first), "{first} of {made}");
-                    assert_eq!(queue.place(first)[0].load(Relaxed), 0);
-                    places.put(1000 + 50 * (made + 1), Word::steps_of(0));
+                    assert_eq!(queue.slot(first)[0].load(Relaxed), 0);
+                    slots.put(1000 + 50 * (made + 1), PackedEvent::steps_of(0));
                     run.push(made);
                     made += 1;
                 }
                 true
             });
             assert_eq!((events_in.made(), now), (made, 1000 + 50 * made));
-            let end = queue.place(made).each_ref().map(|word| word.load(Relaxed));
-            assert_eq!(end, [0, Word::NONE.0], "nothing is behind the last");
+            let end = queue.slot(made).each_ref().map(|word| word.load(Relaxed));
+            assert_eq!(end, [0, PackedEvent::NONE.0], "nothing follows the last");
             for _ in 0..made - done {
                 let (interval, word) = events_out.peek();
                 let is_special = done == 0 || done.is_multiple_of(REGULAR);

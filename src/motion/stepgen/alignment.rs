@@ -4,18 +4,18 @@
 //! twice y is a whole number of steps. Motors stand on whole steps of u and v, and there this is so: it is within half a
 //! step of where the tool was sent, and the motors need no step to get there. So such a move is laid from there, and goes
 //! on to the end that was planned for its own axis. Its other axes stay beside the planned path until they are asked for
-//! another place. Every other move ends where it was planned to, so nothing adds up.
+//! another position. Every other move ends where it was planned to, so nothing adds up.
 //!
 //! (Half a step cannot be made less for every corner: between a move along x and one along y both twice x and twice y
-//! must be whole, and of these places every other one is between two counts of both motors. The tool would leave it with
+//! must be whole, and of these positions every other one is between two counts of both motors. The tool would leave it with
 //! a step of one motor alone.)
 //!
-//! Where four coordinates hold three axes, counts that do not agree have no such place. There long moves end on whole steps
+//! Where four coordinates hold three axes, counts that do not agree have no such position. There long moves end on whole steps
 //! of x, y and z.
 
 use crate::kinematics::{Groups, count_at};
 use crate::motion::moves::Move;
-use crate::motion::trajectory::Place;
+use crate::motion::trajectory::Position;
 use crate::motors::MOST_GROUPS;
 use crate::units::Steps;
 
@@ -23,7 +23,7 @@ use crate::units::Steps;
 /// 0.4 degrees if that is as long; shorter ones are the chords of curves, which would ripple.
 const LONG: u64 = (1 << 32) - 8;
 
-/// The fraction of a place between two counts.
+/// The fraction of a position between two counts.
 const HALF: u32 = 1 << 31;
 
 /// The axes x, y and z.
@@ -51,26 +51,26 @@ impl Alignment {
         self.planned = planned;
     }
 
-    /// Between which places a move is laid, given where the last one ended, and the counts of the motors there if they have
+    /// Between which positions a move is laid, given where the last one ended, and the counts of the motors there if they have
     /// got to it. (A step that is due within the last tick before it may not be made yet.)
     pub fn ends(
         &mut self,
         m: &Move,
-        place: &Place,
+        position: &Position,
         counts: Option<[i32; MOST_GROUPS]>,
         groups: &Groups,
-    ) -> (Place, Place) {
+    ) -> (Position, Position) {
         let [x, y, z, e] = m.end;
         let before = core::mem::replace(&mut self.planned, [x, y, z]);
-        let (mut begin, [.., advance]) = (*place, *place);
+        let (mut begin, [.., advance]) = (*position, *position);
         let mut end = [x, y, z, e, advance.wrapping_add(m.advance)];
         let mut moving = 0u8;
         for (axis, (planned, before)) in self.planned.iter().zip(before).enumerate() {
             if *planned != before {
                 moving |= 1 << axis;
-            } else if let (Some(end), Some(place)) = (end.get_mut(axis), place.get(axis)) {
+            } else if let (Some(end), Some(position)) = (end.get_mut(axis), position.get(axis)) {
                 // Asked for the same again it stays where it is.
-                *end = *place;
+                *end = *position;
             }
         }
         let is_long = moving != 0 && m.length >= LONG;
@@ -85,11 +85,11 @@ impl Alignment {
                 continue;
             }
             if is_long {
-                let [x, y, z, _] = groups.position(counts.unwrap_or_else(|| counts_at(place, groups)));
+                let [x, y, z, _] = groups.position(counts.unwrap_or_else(|| counts_at(position, groups)));
                 let stands = [x, y, z];
                 for (other, stands) in stands.iter().enumerate().filter(|(other, _)| sharing >> other & 1 == 1) {
-                    for place in [&mut begin, &mut end] {
-                        if let Some(at) = place.get_mut(other) {
+                    for position in [&mut begin, &mut end] {
+                        if let Some(at) = position.get_mut(other) {
                             *at = *stands;
                         }
                     }
@@ -107,24 +107,24 @@ impl Alignment {
     }
 }
 
-/// A place without the advance.
-const fn position(place: &Place) -> [Steps; 4] {
-    let [x, y, z, e, _] = *place;
+/// A position without the advance.
+const fn without_advance(position: &Position) -> [Steps; 4] {
+    let [x, y, z, e, _] = *position;
     [x, y, z, e]
 }
 
-/// The counts of the motors when they have got to a place.
-fn counts_at(place: &Place, groups: &Groups) -> [i32; MOST_GROUPS] {
+/// The counts of the motors when they have got to a position.
+fn counts_at(position: &Position, groups: &Groups) -> [i32; MOST_GROUPS] {
     let mut counts = [0; MOST_GROUPS];
     for (count, group) in counts.iter_mut().zip(groups.iter()) {
-        *count = count_at(group.coordinate(position(place)));
+        *count = count_at(group.coordinate(without_advance(position)));
     }
     counts
 }
 
-/// Whether a motor that an axis moves is just between two counts at a place.
-fn is_between_counts(place: &Place, axis: usize, groups: &Groups) -> bool {
+/// Whether a motor that an axis moves is just between two counts at a position.
+fn is_between_counts(position: &Position, axis: usize, groups: &Groups) -> bool {
     let follows = |row: &[i8; 4]| row.get(axis).is_some_and(|times| *times != 0);
     let mut groups = groups.iter().filter(|group| follows(&group.row));
-    groups.any(|group| group.coordinate(position(place)).to_bits() as u32 == HALF)
+    groups.any(|group| group.coordinate(without_advance(position)).to_bits() as u32 == HALF)
 }

@@ -1,15 +1,15 @@
-//! Braking where it was not planned: from any point of a move to rest, along the path.
+//! Braking where it was not planned: from any point of a move to left_sq, along the path.
 //!
 //! The tool slows down with the acceleration of the move it is in, so it is nowhere faster than planned, and enters
 //! every corner at most as fast as planned. Where a move is too short the next one goes on from the speed that is
 //! left.
 
-use super::course::Tail;
+use super::current_move::LastPhase;
 use super::{StepGenerator, Task};
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::planner::profile::{fraction, gain, ramp_length, speed};
+use crate::motion::ramps::{fraction, gain_sq, ramp_length, speed_of};
 use crate::motion::trajectory::phase::{Curve, Phase};
-use crate::units::{TICKS_PER_SECOND, mul_div};
+use crate::units::{SpeedSq, SubTicks, TICKS_PER_SECOND, mul_div};
 
 /// Events are made this far ahead, in ticks, and no farther: 10 ms, as long as a full queue lasts at the greatest
 /// speed. What is made cannot be braked any more.
@@ -18,118 +18,123 @@ const AHEAD: u32 = 100_000;
 /// So many events are made ahead however long they take.
 const LEAST_AHEAD: usize = 4;
 
-/// Whether motion is to come to rest.
+/// Whether motion is to come to left_sq.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Braking {
     No,
     /// It slows down. The next move begins with this speed squared.
-    Slowing(u64),
-    /// It has come to rest, and the rest of the epoch's work is dropped.
+    Slowing(SpeedSq),
+    /// It has come to left_sq, and what is left of the epoch's work is dropped.
     Done,
 }
 
 /// A point of a move, and how fast the tool is there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Moment {
-    /// The fraction of the move behind.
-    pub done: u32,
-    /// Speed squared, in raw bits of 2^-32 mm2/s2.
-    pub square: u64,
+pub(super) struct PathPoint {
+    /// The fraction of the move that is covered.
+    pub covered: u32,
+    /// Speed squared.
+    pub speed_sq: SpeedSq,
 }
 
 /// Time over `length` (raw `Mm` bits) at a mean speed (2^-32 mm/s), in ticks times 2^16.
-const fn time_over(length: u64, mean: u64) -> u64 {
-    if length == 0 { 0 } else { mul_div(length, (TICKS_PER_SECOND as u64) << 16, mean) }
+const fn time_over(length: u64, mean: u64) -> SubTicks {
+    SubTicks(if length == 0 { 0 } else { mul_div(length, (TICKS_PER_SECOND as u64) << 16, mean) })
 }
 
-impl Moment {
+impl PathPoint {
     /// Where a move of a length is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
-    /// fraction `begin` behind.
-    pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: u64) -> Self {
+    /// fraction `begin` covered.
+    pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: SubTicks) -> Self {
         let whole = u64::from(WHOLE);
-        let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time), phase.time)));
+        let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time).0, phase.time.0)));
         let share = u64::from(phase.end.saturating_sub(begin));
-        let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time);
+        let mean = mul_div(mul_div(length, share, whole), u64::from(TICKS_PER_SECOND) << 16, phase.time.0);
         let speed = mul_div(mean, pace, whole) >> 16;
-        let done = begin + (share * way / whole) as u32;
-        Self { done: done.min(WHOLE), square: speed.saturating_mul(speed) }
+        let covered = begin + (share * way / whole) as u32;
+        Self { covered: covered.min(WHOLE), speed_sq: SpeedSq(speed.saturating_mul(speed)) }
     }
 
     /// At the end of a move.
-    pub fn behind(tail: &Tail) -> Self {
-        Self::within(tail.length, &tail.phase, tail.begin, u64::MAX)
+    pub fn at_end_of(last_phase: &LastPhase) -> Self {
+        Self::within(last_phase.length, &last_phase.phase, last_phase.begin, SubTicks::MAX)
     }
 
-    /// Brakes from here on: the phase to play, and the speed squared that is left at its end, which is that of the
-    /// move then.
-    pub fn brake(self, m: &Move) -> (Phase, u64) {
-        let left = mul_div(m.length, u64::from(WHOLE - self.done), u64::from(WHOLE));
-        let before = speed(self.square);
-        let rest = self.square.saturating_sub(gain(m.acceleration, left));
-        if rest > 0 {
-            let after = speed(rest);
+    /// Brakes from here on: the phase to play, and the speed squared that is left at its end. If some is left, the phase
+    /// ends where the move ends.
+    pub fn brake(self, m: &Move) -> (Phase, SpeedSq) {
+        let left = mul_div(m.length, u64::from(WHOLE - self.covered), u64::from(WHOLE));
+        let before = speed_of(self.speed_sq);
+        let left_sq = self.speed_sq.saturating_sub(gain_sq(m.acceleration, left));
+        if left_sq > SpeedSq::ZERO {
+            let after = speed_of(left_sq);
             let time = time_over(left, before.midpoint(after).max(1));
             let slow_share = fraction(2 * after, before + after);
-            return (Phase { curve: Curve::Slowing, end: WHOLE, slow_share, time }, if m.rests { 0 } else { rest });
+            return (
+                Phase { curve: Curve::Slowing, end: WHOLE, slow_share, time },
+                if m.rests { SpeedSq::ZERO } else { left_sq },
+            );
         }
-        let length = ramp_length(self.square, m.acceleration).min(left);
-        let way = mul_div(length, u64::from(WHOLE), m.length).min(u64::from(WHOLE - self.done)) as u32;
+        let length = ramp_length(self.speed_sq, m.acceleration).min(left);
+        let way = mul_div(length, u64::from(WHOLE), m.length).min(u64::from(WHOLE - self.covered)) as u32;
         let time = time_over(length, (before / 2).max(1));
-        (Phase { curve: Curve::Slowing, end: self.done + way, slow_share: 0, time }, 0)
+        (Phase { curve: Curve::Slowing, end: self.covered + way, slow_share: 0, time }, SpeedSq::ZERO)
     }
 }
 
 impl StepGenerator<'_> {
     /// The tick up to which events are to be made.
-    pub(super) fn enough(&self) -> u32 {
-        self.status.tick().wrapping_sub(self.base).wrapping_add(AHEAD)
+    pub(super) fn far_enough(&self) -> u32 {
+        self.status.tick().wrapping_sub(self.base_tick).wrapping_add(AHEAD)
     }
 
     /// Whether the events made reach far enough, and are not too few.
     pub(super) fn is_ahead(&self, enough: u32) -> bool {
-        (self.last as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
+        (self.last_tick as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
     }
 
     /// The next move begins with this speed squared.
-    pub(super) fn go_on_with(&mut self, rest: u64) {
-        self.braking = if rest > 0 { Braking::Slowing(rest) } else { Braking::Done };
-        if rest == 0 && !matches!(self.task, Task::Settling(_)) {
+    pub(super) fn continue_brake(&mut self, left_sq: SpeedSq) {
+        self.braking = if left_sq > SpeedSq::ZERO { Braking::Slowing(left_sq) } else { Braking::Done };
+        if left_sq == SpeedSq::ZERO && !matches!(self.task, Task::ComingToRest(_)) {
             // A move may still be on its way out, though nothing of it is left to be laid.
-            self.task = Task::Settling(false);
+            self.task = Task::ComingToRest(false);
         }
     }
 
     /// From now on the motion slows down. What is made already is played at its speed.
     pub(super) fn begin_brake(&mut self) {
-        // A tick after the last event, so that its step lies behind, and no earlier than what is laid out for a motor.
-        let begun = self.tracks.iter().map(|track| track.start).max().unwrap_or_default();
-        let now = ((self.last + 1) << 16).max(begun);
+        // A tick after the last event, so that its step is made, and no earlier than what is laid out for a motor.
+        let begun = self.group_steppers.iter().map(|stepper| stepper.start).max().unwrap_or_default();
+        let now = SubTicks::of_ticks(self.last_tick + 1).max(begun);
         match self.task {
             Task::Move => {
-                let moment = match self.course.cut(&mut self.trajectory, now) {
-                    Some((phase, begin, elapsed)) => Moment::within(self.course.m.length, &phase, begin, elapsed),
-                    None => Moment { done: 0, square: self.speed_behind() },
+                let point = match self.current_move.cut(&mut self.trajectory, now) {
+                    Some((phase, begin, elapsed)) => {
+                        PathPoint::within(self.current_move.m.length, &phase, begin, elapsed)
+                    }
+                    None => PathPoint { covered: 0, speed_sq: self.speed_sq_after_last() },
                 };
-                self.brake(moment);
-                self.tracks.iter_mut().for_each(|track| track.break_off(now));
+                self.brake(point);
+                self.group_steppers.iter_mut().for_each(|stepper| stepper.break_off(now));
             }
-            Task::Nothing => self.go_on_with(self.speed_behind()),
+            Task::Nothing => self.continue_brake(self.speed_sq_after_last()),
             Task::Dwell(_) => {
                 self.finish();
-                self.go_on_with(0);
+                self.continue_brake(SpeedSq::ZERO);
             }
-            Task::Brake(_) | Task::Settling(_) => {}
+            Task::Brake(_) | Task::ComingToRest(_) => {}
         }
     }
 
-    fn speed_behind(&self) -> u64 {
-        self.behind.map_or(0, |tail| Moment::behind(&tail).square)
+    fn speed_sq_after_last(&self) -> SpeedSq {
+        self.last_phase.map_or(SpeedSq::ZERO, |last_phase| PathPoint::at_end_of(&last_phase).speed_sq)
     }
 
-    /// Goes on with the phase that brakes the move in the course from `moment` on.
-    pub(super) fn brake(&mut self, moment: Moment) {
-        let (phase, rest) = moment.brake(&self.course.m);
-        self.course.turn_to(phase, moment.done);
-        self.task = Task::Brake(rest);
+    /// Goes on with the phase that brakes the current move from `point` on.
+    pub(super) fn brake(&mut self, point: PathPoint) {
+        let (phase, left_sq) = point.brake(&self.current_move.m);
+        self.current_move.replace_by(phase, point.covered);
+        self.task = Task::Brake(left_sq);
     }
 }

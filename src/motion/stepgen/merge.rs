@@ -1,38 +1,53 @@
 //! Merging: the steps of all groups in the order of their ticks, as events.
+//!
+//! An example with three groups that step. All steps are known up to the tick 30 (`until`), and nobody else steps before.
+//!
+//! ```text
+//! tick        10   12   14   16   18   20   22   24   26   28   30
+//! first  (a)   x         x         x              x         x
+//! second (b)   x              x              x              x
+//! third  (c)                       x                             x
+//! event       ab    .    a    b   ac    .    b    a    .   ab   |
+//! ```
+//!
+//! `stop` is where the two belts must pause for the third group: 18 at first, then 30. Up to 18 the belts are merged: a pair at
+//! 10, `a` at 14 and `b` at 16, each as long a row as the other belt's next step lets it be. At 18 the third group's step
+//! is put in, together with the step that `a` has there. From there on the belts are merged up to `limit`, which is the
+//! least of `until`, the first step of a fourth group, and the tick after which enough is made.
 
 use super::StepGenerator;
-use super::ahead::{earlier, is_before};
 use crate::kinematics::Groups;
-use crate::motion::queue::Word;
+use crate::motion::queue::PackedEvent;
+use crate::motion::ticks::{earlier, is_before};
 
 /// A step of the first and the second group.
-const OF_FIRST: u32 = Word::steps_of(0);
-const OF_SECOND: u32 = Word::steps_of(1);
+const OF_FIRST: u32 = PackedEvent::steps_of(0);
+const OF_SECOND: u32 = PackedEvent::steps_of(1);
 
-/// Directions are set so many ticks ahead of the step that needs them, if it comes no sooner than twice that behind the one
+/// Directions are set so many ticks ahead of the step that needs them, if that step comes no sooner than twice as many after the one
 /// before: 3 us, more than twice what the Stepper takes to set them.
 const TURN_AHEAD: u32 = 30;
 
 /// Whether the steps of an event leave no motor pulling against another of its group.
-fn is_unstrained(groups: &Groups, word: Word) -> bool {
+fn is_unstrained(groups: &Groups, word: PackedEvent) -> bool {
     let (motors, forward) = (groups.motors(word.steps()), groups.forward_motors(word.forward()));
     groups.mechanism().is_unstrained(motors, forward)
 }
 
 impl StepGenerator<'_> {
-    /// Makes up to `most` events of the steps that come before the tick `until`, at least one, and no more when they are
-    /// far enough ahead; false if there are no steps. All groups that step in one tick step in one event.
+    /// Makes up to `most` events of the steps that come before the tick `until`, at least one, and none after the tick `enough`; false if there are no steps. All groups that step in one tick step in one event.
     ///
     /// Three groups at once: the first two, which are the belts, and whichever of the others steps first. The others rest
-    /// or step seldom, and a step of theirs ends the round.
+    /// or step seldom, and a step of theirs ends the merging.
     #[inline(never)]
     pub(super) fn merge(&mut self, until: u32, most: u32, enough: u32) -> bool {
         let (setting, mechanism) = (self.waiting(), self.mechanism);
-        let begin = self.last as u32;
-        let [first, second, others @ ..] = &mut self.tracks;
+        let begin = self.last_tick as u32;
+        let [first, second, others @ ..] = &mut self.group_steppers;
+        // The third group is that of the others which steps first, at `tick`; up to `limit` no other of them steps.
         let (mut number, mut limit, mut tick) = (0, until, until);
-        for (i, track) in others.iter().enumerate() {
-            let own = track.ahead.tick();
+        for (i, stepper) in others.iter().enumerate() {
+            let own = stepper.step_times.tick();
             if is_before(own, tick) {
                 (number, limit, tick) = (i, tick, own);
             } else {
@@ -40,7 +55,8 @@ impl StepGenerator<'_> {
             }
         }
         let Some(third) = others.get_mut(number) else { return false };
-        let (mut a, mut b, mut c) = (first.ahead.steps(), second.ahead.steps(), third.ahead.steps());
+        // The steps of the first, the second and the third group.
+        let (mut a, mut b, mut c) = (first.step_times.steps(), second.step_times.steps(), third.step_times.steps());
         let earliest = earlier(earlier(a.tick, b.tick), tick);
         if !is_before(earliest, until) {
             return false;
@@ -60,10 +76,11 @@ impl StepGenerator<'_> {
             limit = earlier(limit, enough.wrapping_add(1));
         }
         let of_third = self.events.step_of(number + 2);
+        // The first two groups are merged up to here; then comes a step of the third, or the end.
         let mut stop = earlier(c.tick, limit);
         let mut now = begin;
         let check = |steps| {
-            debug_assert!(is_unstrained(mechanism, Word(setting.0 | steps)), "motors pull against each other");
+            debug_assert!(is_unstrained(mechanism, PackedEvent(setting.0 | steps)), "motors pull against each other");
         };
         self.events.put_runs(setting, most, &mut now, |run| {
             loop {
@@ -87,19 +104,20 @@ impl StepGenerator<'_> {
                 if run.is_full() {
                     return true;
                 }
+                // The step of the third group, and what the first two have in the same tick.
                 let tick = stop;
                 if tick == limit {
                     return false;
                 }
                 let mut steps = of_third;
-                c.go_on();
+                c.advance();
                 stop = earlier(c.tick, limit);
                 if a.tick == tick {
-                    a.go_on();
+                    a.advance();
                     steps |= OF_FIRST;
                 }
                 if b.tick == tick {
-                    b.go_on();
+                    b.advance();
                     steps |= OF_SECOND;
                 }
                 check(steps);
@@ -107,26 +125,26 @@ impl StepGenerator<'_> {
             }
         });
         let (a, b, c) = (a.reached(), b.reached(), c.reached());
-        first.ahead.go_on_to(a);
-        second.ahead.go_on_to(b);
-        third.ahead.go_on_to(c);
-        self.last += u64::from(now.wrapping_sub(begin));
+        first.step_times.advance_to(a);
+        second.step_times.advance_to(b);
+        third.step_times.advance_to(c);
+        self.last_tick += u64::from(now.wrapping_sub(begin));
         true
     }
 
-    /// Makes an event of all groups' steps at a tick.
+    /// Makes an event of all groups' steps at a tick: two of the groups beyond the first two step there.
     #[cold]
     fn step_together(&mut self, tick: u32) {
         let mut word = self.waiting();
-        for (number, track) in self.tracks.iter_mut().enumerate() {
-            if track.ahead.left() > 0 && track.ahead.tick() == tick {
-                word = Word(word.0 | Word::steps_of(number));
-                let reached = track.ahead.steps().reached() + 1;
-                track.ahead.go_on_to(reached);
+        for (number, stepper) in self.group_steppers.iter_mut().enumerate() {
+            if stepper.step_times.left() > 0 && stepper.step_times.tick() == tick {
+                word = PackedEvent(word.0 | PackedEvent::steps_of(number));
+                let reached = stepper.step_times.steps().reached() + 1;
+                stepper.step_times.advance_to(reached);
             }
         }
-        let interval = tick.wrapping_sub(self.last as u32);
+        let interval = tick.wrapping_sub(self.last_tick as u32);
         self.events.put(interval, word);
-        self.last += u64::from(interval);
+        self.last_tick += u64::from(interval);
     }
 }

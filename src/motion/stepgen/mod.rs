@@ -1,4 +1,15 @@
-//! The step generator: from released moves to step events.
+//! The step generator: from released moves to step events. It runs in an interrupt below the Stepper's.
+//!
+//! ```text
+//! MoveQueue -> entries -> alignment -> current_move -> trajectory           what the axes do
+//!                 ^ brake replaces what is left of the move                      |
+//!        +-------------------------------+------------------------------+       v
+//!  group_stepper 0: a piece        group_stepper 1: a piece         ...         what each group does
+//!    step_time_solver              step_time_solver                             when it crosses a half step
+//!    step_time_buffer 12 19 26     step_time_buffer 12 20 28                    ticks of the next steps
+//!        +---------------+---------------+
+//!                      merge -> StepQueue                                       events in order of time
+//! ```
 //!
 //! Moves are laid out as a [`Trajectory`], which every motor group follows in pieces in which its position is a
 //! quadratic in time. A group's count is always the position rounded to the nearest step, a step being due where the
@@ -7,52 +18,62 @@
 //!
 //! Time is counted in ticks times 2^16 from the start of the epoch; only the instant of a step is rounded to a whole
 //! tick.
+//!
+//! # Words
+//!
+//! - **group**: motors that step together. **piece**: the time in which a group's position is one quadratic: up to the next
+//!   change of a tap of one of its axes, or a reversal.
+//! - **step time**: the tick of a step. **step threshold**: the position between two counts, where a step is due.
+//! - **slow end**: that end of a piece at which the group is slower; all step times are computed from there.
+//! - **cubic run**: step times in a row that lie on one cubic. **run** (of events): events that the Stepper sees all at once.
+//! - **task**: what the generator is about: a move, a brake, a dwell, or waiting until the motors have come to rest.
+//! - **to publish**: to let the other contexts know how many events and steps are made.
 
-pub(in crate::motion) mod ahead;
 mod alignment;
 mod brake;
-pub(in crate::motion) mod course;
-mod crossing;
+mod current_move;
+mod entries;
+mod group_stepper;
 mod merge;
-mod supply;
-pub(in crate::motion) mod track;
-
-pub use track::MIN_STEP_INTERVAL;
+mod step_time_buffer;
+mod step_time_solver;
 
 use crate::kinematics::Groups;
-use crate::motion::moves::Entry;
 use crate::motion::queue::LONGEST_INTERVAL;
-use crate::motion::queue::{StepsIn, Word};
-use crate::motion::trajectory::{Place, SpanMemory, Trajectory};
+use crate::motion::queue::{PackedEvent, StepsIn};
+use crate::motion::ticks::{NEAR, earlier};
+use crate::motion::trajectory::{Position, SpanMemory, Trajectory};
+use crate::motion::work::Entry;
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
 use crate::status::Status;
-use ahead::earlier;
+use crate::units::SpeedSq;
+use crate::units::SubTicks;
 use alignment::Alignment;
 use brake::Braking;
-use course::{Course, Tail};
+use current_move::{CurrentMove, LastPhase};
+use entries::LayResult;
+use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
-use supply::Supply;
-use track::{NEAR, Track};
 
 /// Events made in one call of [`StepGenerator::run`]: some 10,000 instructions, 0.1 ms at 125 million a second, after which
 /// the interrupts of the same priority get their turn.
 const BATCH: u32 = 128;
 
-/// With less room the queue is as good as full: whoever fills up every place as it gets free has no rest.
+/// With less room the queue is as good as full: whoever fills up every slot as it gets free never pauses.
 const LEAST_ROOM: usize = 32;
 
 /// What is being done.
 enum Task {
     Nothing,
-    /// The move in the course is being laid.
+    /// The current move is being laid.
     Move,
-    /// It is being braked, and this speed squared is left at its end.
-    Brake(u64),
+    /// The current move is being braked, and this speed squared is left at its end.
+    Brake(SpeedSq),
     /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
-    Settling(bool),
+    ComingToRest(bool),
     /// Time without motion, up to then.
-    Dwell(u64),
+    Dwell(SubTicks),
 }
 
 /// Turns moves into step events.
@@ -63,21 +84,21 @@ pub struct StepGenerator<'m> {
     mechanism: &'m Groups,
     epoch: u8,
     task: Task,
-    course: Course,
+    current_move: CurrentMove,
     alignment: Alignment,
     trajectory: Trajectory<'m>,
-    tracks: [Track; MOST_GROUPS],
-    /// Their counts when they were last told.
-    told: [i32; MOST_GROUPS],
+    group_steppers: [GroupStepper; MOST_GROUPS],
+    /// Their counts when they were last published.
+    published: [i32; MOST_GROUPS],
     /// Tick of the last event.
-    last: u64,
+    last_tick: u64,
     /// The Stepper's tick when the epoch began.
-    base: u32,
+    base_tick: u32,
     braking: Braking,
     /// How the last move ended, if not at rest.
-    behind: Option<Tail>,
+    last_phase: Option<LastPhase>,
     /// Where the last move ended.
-    place: Place,
+    position: Position,
     forward: GroupSet,
     watch: EndstopSet,
 }
@@ -85,7 +106,7 @@ pub struct StepGenerator<'m> {
 impl<'m> StepGenerator<'m> {
     /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. The
     /// Stepper is there already. It learns where the machine stands from the first
-    /// [`Work::Position`](crate::motion::moves::Work::Position).
+    /// [`Work::Position`](crate::motion::work::Work::Position).
     pub fn new(
         moves: Consumer<'m, Entry>,
         mut events: StepsIn<'m>,
@@ -101,16 +122,16 @@ impl<'m> StepGenerator<'m> {
             mechanism,
             epoch: status.epoch(),
             task: Task::Nothing,
-            course: Course::NONE,
+            current_move: CurrentMove::NONE,
             alignment: Alignment::new(mechanism),
             trajectory: Trajectory::new(spans),
-            tracks: [Track::STILL; MOST_GROUPS],
-            told: [0; MOST_GROUPS],
-            last: 0,
-            base: status.tick(),
+            group_steppers: [GroupStepper::STILL; MOST_GROUPS],
+            published: [0; MOST_GROUPS],
+            last_tick: 0,
+            base_tick: status.tick(),
             braking: Braking::No,
-            behind: None,
-            place: Place::default(),
+            last_phase: None,
+            position: Position::default(),
             forward: GroupSet::NONE,
             watch: EndstopSet::NONE,
         }
@@ -120,7 +141,7 @@ impl<'m> StepGenerator<'m> {
     /// done; in the last case it pends itself. Call it whenever either queue may have moved.
     pub fn run(&mut self, pend: &impl Pend) {
         let is_more_to_do = self.make_events();
-        // A stepper that rests at what it has done last needs to be told of more.
+        // A Stepper that rests after the last event needs a call when there are more.
         if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
             pend.pend_stepper();
         }
@@ -137,7 +158,7 @@ impl<'m> StepGenerator<'m> {
         if self.braking == Braking::No && self.status.is_braking(self.epoch) && !self.has_met_endstop() {
             self.begin_brake();
         }
-        let enough = self.enough();
+        let enough = self.far_enough();
         let begin = self.events.made();
         loop {
             let made = self.events.made().wrapping_sub(begin);
@@ -158,10 +179,10 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Tells what is made.
+    /// Publishes what is made.
     fn publish(&mut self) {
-        let counts = self.tracks.each_ref().map(Track::count);
-        let before = core::mem::replace(&mut self.told, counts);
+        let counts = self.group_steppers.each_ref().map(GroupStepper::count);
+        let before = core::mem::replace(&mut self.published, counts);
         self.status.add_steps_made(core::array::from_fn(|group| counts[group].wrapping_sub(before[group])));
         self.status.set_events_made(self.events.made());
     }
@@ -176,63 +197,69 @@ impl<'m> StepGenerator<'m> {
         self.epoch = self.status.epoch();
         let unplayed = self.events.take_back();
         self.status.add_steps_made(unplayed.map(i32::wrapping_neg));
-        let is_under_way = !matches!(self.task, Task::Nothing | Task::Settling(false));
+        let is_under_way = !matches!(self.task, Task::Nothing | Task::ComingToRest(false));
         self.task = Task::Nothing;
         if is_under_way {
             self.status.entry_done();
         }
-        self.last = 0;
-        self.base = self.status.tick();
+        self.last_tick = 0;
+        self.base_tick = self.status.tick();
         self.braking = Braking::No;
-        self.behind = None;
+        self.last_phase = None;
         self.status.set_stopped(None);
-        for track in &mut self.tracks {
-            track.stop(0);
+        for stepper in &mut self.group_steppers {
+            stepper.stop(0);
         }
     }
 
     /// Some steps, a piece or an entry further; false if there is nothing to do.
     fn advance(&mut self, most: u32, enough: u32) -> bool {
-        let now = self.last as u32;
-        // Up to there all groups' ways are known.
+        let now = self.last_tick as u32;
+        // Up to there the steps of all groups are known.
         let mut until = now.wrapping_add(NEAR);
-        for track in &mut self.tracks {
-            track.look_ahead(now);
-            until = earlier(until, track.ahead.until());
+        for stepper in &mut self.group_steppers {
+            stepper.refill(now);
+            until = earlier(until, stepper.step_times.known_until());
         }
         if self.merge(until, most, enough) {
             return true;
         }
         // So slow that the next piece is too far from the last event.
-        if until == now.wrapping_add(NEAR) && self.tracks.iter().any(|track| track.end.time != u64::MAX) {
+        if until == now.wrapping_add(NEAR)
+            && self.group_steppers.iter().any(|stepper| stepper.end.time != SubTicks::MAX)
+        {
             self.wait(NEAR);
             return true;
         }
-        if self.tracks.iter().any(|track| track.changes_at(until)) { self.lay_out(until) } else { self.rest() }
+        if self.group_steppers.iter().any(|stepper| stepper.piece_ends_at(until)) {
+            self.lay_out(until)
+        } else {
+            self.go_on_from_rest()
+        }
     }
 
-    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. One round for all, for an
-    /// axis that one group has followed further than its next piece is lost for the others.
+    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. All of them in one go: when
+    /// one group has followed an axis into its next piece, the others can no longer see the end of the present one.
     fn lay_out(&mut self, tick: u32) -> bool {
         for (number, group) in self.mechanism.iter().enumerate() {
-            let Some(track) = self.tracks.get_mut(number) else { continue };
-            if !track.changes_at(tick) {
+            let Some(stepper) = self.group_steppers.get_mut(number) else { continue };
+            if !stepper.piece_ends_at(tick) {
                 continue;
             }
-            if track.go_back() {
+            if stepper.begin_return() {
                 self.turn(number);
                 continue;
             }
-            let time = track.end.time;
-            while !Track::is_known(group, &mut self.trajectory, time) {
+            let time = stepper.end.time;
+            while !GroupStepper::is_known(group, &mut self.trajectory, time) {
                 match self.lay_more() {
-                    Supply::Laid => {}
-                    Supply::Rests => break,
-                    Supply::Starved => return false,
+                    LayResult::Laid => {}
+                    LayResult::AtRest => break,
+                    LayResult::Starved => return false,
                 }
             }
-            if let Some(track) = self.tracks.get_mut(number) {
-                track.go_on(group, &self.trajectory, time);
+            if let Some(stepper) = self.group_steppers.get_mut(number) {
+                stepper.begin_next_piece(group, &self.trajectory, time);
                 self.turn(number);
             }
         }
@@ -241,15 +268,15 @@ impl<'m> StepGenerator<'m> {
 
     /// Sets the direction in which a group's steps lead now.
     fn turn(&mut self, number: usize) {
-        if let Some(is_forward) = self.tracks.get(number).and_then(Track::direction) {
+        if let Some(is_forward) = self.group_steppers.get(number).and_then(GroupStepper::direction) {
             let group = 1 << number;
             self.forward.0 = if is_forward { self.forward.0 | group } else { self.forward.0 & !group };
         }
     }
 
     /// Lets time pass; true when `time` is reached.
-    fn pass_until(&mut self, time: u64) -> bool {
-        let left = ((time + (1 << 15)) >> 16).saturating_sub(self.last);
+    fn pass_until(&mut self, time: SubTicks) -> bool {
+        let left = time.nearest_tick().saturating_sub(self.last_tick);
         if left > 0 {
             self.wait(left.min(u64::from(LONGEST_INTERVAL)) as u32);
         }
@@ -258,13 +285,13 @@ impl<'m> StepGenerator<'m> {
 
     /// Lets so much time pass in an event without steps.
     fn wait(&mut self, interval: u32) {
-        self.last += u64::from(interval);
+        self.last_tick += u64::from(interval);
         self.events.put(interval, self.waiting());
     }
 
     /// An event without steps.
-    fn waiting(&self) -> Word {
-        Word::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward)
+    fn waiting(&self) -> PackedEvent {
+        PackedEvent::waiting(self.epoch, self.watch).stepping(GroupSet::NONE, self.forward)
     }
 }
 
@@ -272,15 +299,15 @@ impl<'m> StepGenerator<'m> {
 mod tests {
     use super::{BATCH, LEAST_ROOM, StepGenerator};
     use crate::kinematics::Groups;
-    use crate::motion::moves::{Entry, Work};
     use crate::motion::planner::{Planner, Target};
+    use crate::motion::work::{Entry, Work};
     use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
     use crate::port::EndstopSet;
     use crate::settings::Settings;
     use crate::status::Status;
     use crate::units::{Mm, MmPerSec, StepsPerMm};
 
-    /// Reproducer: at 300,000 events a second the generator filled every place as the Stepper freed it, one event a round,
+    /// Reproducer: at 300,000 events a second the generator filled every slot as the Stepper freed it, one event a call,
     /// which took four times as long as usual and left the Console nothing.
     #[test]
     fn a_queue_that_is_nearly_full_is_left_alone() {
@@ -320,7 +347,7 @@ mod tests {
         assert!(generator.events.room() < LEAST_ROOM, "{full} events");
         play(10);
         generator.make_events();
-        assert_eq!(generator.events.len(), full - 10, "too few places to begin with");
+        assert_eq!(generator.events.len(), full - 10, "too few slots to begin with");
         play(200);
         generator.make_events();
         assert_eq!(generator.events.len(), full - 210 + BATCH as usize);

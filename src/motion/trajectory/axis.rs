@@ -1,10 +1,13 @@
 //! An axis of the trajectory: the taps that it follows, and how far each has got.
 
-use super::span::{End, ONE, Span, State};
+use super::span::{AxisState, Boundary, ONE, Span};
 use super::stiffening::Stiffening;
 use super::taps::{TAPS, Tap, Taps};
 use crate::motion::number::{from_f32, to_f32};
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
+
+// A delay has 8 bits of a tick and a time 16, so the product of a delay and a scale is shifted by 22 bits.
+const _: () = assert!(ONE == 1 << (22 + 8));
 
 /// How far a tap has got: to the span of this number, and into it, or still before it.
 #[derive(Clone, Copy, Debug)]
@@ -18,9 +21,9 @@ pub(super) trait Spans {
     /// Spans ever laid.
     fn laid(&self) -> u32;
     /// A span, and where it ends.
-    fn get(&self, number: u32) -> (&Span, &End);
+    fn get(&self, number: u32) -> (&Span, &Boundary);
     /// Where the last one ends.
-    fn end(&self) -> &End;
+    fn end(&self) -> &Boundary;
 }
 
 /// An axis.
@@ -46,13 +49,13 @@ struct Lateness {
 impl Lateness {
     /// How late a tap is at an end of a span, in ticks times 2^16.
     #[inline]
-    fn of(self, tap: &Tap, at: &End) -> u64 {
+    fn of(self, tap: &Tap, at: &Boundary) -> SubTicks {
         let Some(axis) = self.stiffening else {
             return tap.late();
         };
         let scale = i64::from(at.scale.get(axis).copied().unwrap_or(ONE));
         let own = ((i64::from(tap.delay) - self.mean) * scale) >> 22;
-        ((self.mean << 8) + own).max(0) as u64
+        SubTicks(((self.mean << 8) + own).max(0) as u64)
     }
 }
 
@@ -73,47 +76,48 @@ impl Axis {
     pub fn follow(&mut self, taps: &[Tap], is_position: bool) {
         self.taps = taps.iter().copied().take(TAPS).collect();
         self.is_position = is_position;
-        self.judge();
+        self.update_lateness();
     }
 
     /// Rings like that from now on; the axis is at rest.
     pub fn stiffen(&mut self, stiffening: Stiffening) {
         self.stiffening = stiffening;
-        self.judge();
+        self.update_lateness();
     }
 
     /// Finds out how late its taps are.
-    fn judge(&mut self) {
+    fn update_lateness(&mut self) {
         let first = self.taps.first().map_or(0, |tap| tap.delay);
-        let behind: f32 = self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
+        let mean_beyond_first: f32 =
+            self.taps.iter().map(|tap| tap.weight * (tap.delay.wrapping_sub(first) as f32)).sum();
         let is_stiffening = self.stiffening.rate > 0.0 && self.taps.len() > 1;
         self.lateness = Lateness {
             stiffening: is_stiffening.then_some(self.index),
-            mean: i64::from(first) + i64::from(behind as i32),
+            mean: i64::from(first) + i64::from(mean_beyond_first as i32),
         };
     }
 
-    /// How close its taps stand at a place; going there from where they stand at `before` within `time`, so that no tap
+    /// How close its taps stand at a position; going there from where they stand at `before` within `time`, so that no tap
     /// runs more than a quarter faster or slower.
-    pub fn scale(&self, at: Steps, before: Option<(u32, u64)>) -> u32 {
+    pub fn scale(&self, at: Steps, before: Option<(u32, SubTicks)>) -> u32 {
         if self.lateness.stiffening.is_none() {
             return ONE;
         }
         let scale = self.stiffening.scale(at);
         let Some((before, time)) = before else { return scale };
         let farthest = self.taps.iter().map(|tap| (i64::from(tap.delay) - self.lateness.mean).unsigned_abs()).max();
-        let most = (time >> 2).min(1 << 32) * (1 << 22) / farthest.unwrap_or_default().max(1);
+        let most = (time.0 >> 2).min(1 << 32) * (1 << 22) / farthest.unwrap_or_default().max(1);
         let most = most.min(u64::from(ONE)) as u32;
         scale.clamp(before.saturating_sub(most), before.saturating_add(most))
     }
 
     /// How late its taps are, in ticks times 2^16.
-    pub fn delays(&self) -> impl Iterator<Item = u64> {
+    pub fn delays(&self) -> impl Iterator<Item = SubTicks> {
         self.taps.iter().map(Tap::late)
     }
 
     /// Nothing lies before the spans that are laid from now on.
-    pub fn settle(&mut self, laid: u32) {
+    pub fn restart(&mut self, laid: u32) {
         self.cursors = [Cursor { span: laid, is_inside: false }; TAPS];
     }
 
@@ -124,7 +128,7 @@ impl Axis {
     }
 
     /// Goes on to `time`; false if a tap needs a span that is not laid yet.
-    pub fn advance(&mut self, spans: &impl Spans, time: u64) -> bool {
+    pub fn advance(&mut self, spans: &impl Spans, time: SubTicks) -> bool {
         let late = self.lateness;
         for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
             while cursor.span != spans.laid() {
@@ -146,21 +150,21 @@ impl Axis {
         self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
     }
 
-    /// When one of its taps next begins or ends a span; `u64::MAX` if none does.
-    pub fn next_change(&self, spans: &impl Spans) -> u64 {
+    /// When one of its taps next begins or ends a span; `SubTicks::MAX` if none does.
+    pub fn next_change(&self, spans: &impl Spans) -> SubTicks {
         let change = |(tap, cursor): (&Tap, &Cursor)| {
             if cursor.span == spans.laid() {
-                return u64::MAX;
+                return SubTicks::MAX;
             }
             let (span, end) = spans.get(cursor.span);
-            let edge = if cursor.is_inside { end } else { &span.begin };
-            edge.time + self.lateness.of(tap, edge)
+            let bound = if cursor.is_inside { end } else { &span.begin };
+            bound.time + self.lateness.of(tap, bound)
         };
-        self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(u64::MAX)
+        self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(SubTicks::MAX)
     }
 
     /// The span that it follows as it is, and its number, if that begins at `time`: its shape is that of the whole.
-    pub fn follows<'a>(&self, spans: &'a impl Spans, time: u64) -> Option<(u32, &'a Span)> {
+    pub fn follows<'a>(&self, spans: &'a impl Spans, time: SubTicks) -> Option<(u32, &'a Span)> {
         let ([tap], [cursor, ..], true) = (self.taps.as_slice(), &self.cursors, self.is_position) else {
             return None;
         };
@@ -175,25 +179,25 @@ impl Axis {
     }
 
     /// Its state at a time up to the next change.
-    pub fn state(&self, spans: &impl Spans, time: u64) -> State {
+    pub fn state(&self, spans: &impl Spans, time: SubTicks) -> AxisState {
         let copy = |tap: &Tap, cursor: &Cursor| {
             if cursor.span == spans.laid() {
-                return State::rest(spans.end().at(self.index));
+                return AxisState::at_rest(spans.end().at(self.index));
             }
             let (span, end) = spans.get(cursor.span);
             if cursor.is_inside && self.lateness.stiffening.is_some() {
                 let late = self.lateness;
-                let edges = (span.begin.time + late.of(tap, &span.begin), end.time + late.of(tap, end));
-                span.warped(self.index, end, edges, time)
+                let bounds = (span.begin.time + late.of(tap, &span.begin), end.time + late.of(tap, end));
+                span.warped(self.index, end, bounds, time)
             } else if cursor.is_inside {
                 span.state(self.index, end, time.saturating_sub(tap.late()))
             } else {
-                State::rest(span.begin.at(self.index))
+                AxisState::at_rest(span.begin.at(self.index))
             }
         };
         let mut copies = self.taps.iter().zip(&self.cursors);
         let Some((tap, cursor)) = copies.next() else {
-            return State::rest(Steps::ZERO);
+            return AxisState::at_rest(Steps::ZERO);
         };
         let first = copy(tap, cursor);
         if self.is_position && self.taps.len() == 1 {
@@ -207,6 +211,6 @@ impl Axis {
             speed += tap.weight * other.speed;
         }
         let common = if self.is_position { first.position } else { Steps::ZERO };
-        State { position: common.wrapping_add(from_f32(way)), speed }
+        AxisState { position: common.wrapping_add(from_f32(way)), speed }
     }
 }

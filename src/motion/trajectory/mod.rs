@@ -1,7 +1,22 @@
-//! The trajectory: where every axis is at every time, given the moves so far.
+//! The trajectory: where every axis is at every time, given the moves so far. The generator runs it.
 //!
-//! Moves are laid as [`Span`]s, one behind the other, and each axis follows them through its [`Tap`]s. Time is that of
+//! ```text
+//! spans:  |--speeding--|-----steady-----|--slowing--|            laid one after the other, a ring of them
+//! tap 1:        |--speeding--|-----steady-----|--slowing--|      a copy that is late by d1, with the weight w1
+//! tap 2:             |--speeding--|-----steady-----|--slowing--| late by d2, weight w2
+//! axis:   sum of w * copy, a quadratic between any two changes of a copy
+//! ```
+//!
+//! Moves are laid as [`Span`]s, one after the other, and each axis follows them through its [`Tap`]s. Time is that of
 //! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
+//!
+//! # Words
+//!
+//! - **span**: a piece of the trajectory in which the tool goes straight and its speed changes evenly; a phase of a move, or a
+//!   part of a long phase. **boundary**: where and when one span ends and the next begins.
+//! - **tap**: a delayed copy with a weight, as in a filter with a tapped delay line; an input shaper has one for each impulse.
+//! - **advance**: the axis of the pressure in the extruder. **stiffening**: see [`stiffening`].
+//! - **position**: where all axes are, in steps.
 
 mod axis;
 pub(in crate::motion) mod phase;
@@ -11,19 +26,20 @@ mod stiffening;
 mod taps;
 
 pub use shaper::{stiffenings, taps};
-pub(crate) use span::{ADVANCE, AXES, End, LONGEST, Place, Span, State};
+pub(crate) use span::{ADVANCE, AXES, AxisState, Boundary, LONGEST, Position, Span};
 pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};
 
 use crate::motion::moves::WHOLE;
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks};
 use axis::{Axis, Spans};
 use phase::{Curve, Phase, point};
 use span::ONE;
 
 /// Spans that are remembered; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
-/// shaper of 60 Hz with two humps takes 25. Longer ones stretch the time of so short moves.
+/// shaper of 60 Hz with two humps takes 25. A longer shaper makes so short moves take longer.
 const SPANS: usize = 128;
+const _: () = assert!(SPANS.is_power_of_two());
 
 /// Memory for the spans.
 pub struct SpanMemory([Span; SPANS]);
@@ -45,7 +61,7 @@ impl Default for SpanMemory {
 struct Ring<'m> {
     spans: &'m mut SpanMemory,
     laid: u32,
-    end: End,
+    end: Boundary,
 }
 
 impl Ring<'_> {
@@ -60,18 +76,18 @@ impl Spans for Ring<'_> {
         self.laid
     }
 
-    fn get(&self, number: u32) -> (&Span, &End) {
+    fn get(&self, number: u32) -> (&Span, &Boundary) {
         let next = number.wrapping_add(1);
         (self.span(number), if next == self.laid { &self.end } else { &self.span(next).begin })
     }
 
-    fn end(&self) -> &End {
+    fn end(&self) -> &Boundary {
         &self.end
     }
 }
 
 /// The value that goes evenly from `from` to `to` in `whole`, after `part` of it.
-fn between(from: u32, to: u32, part: u64, whole: u64) -> u32 {
+fn between(from: u32, to: u32, SubTicks(part): SubTicks, SubTicks(whole): SubTicks) -> u32 {
     let way = i128::from(i64::from(to) - i64::from(from)) * i128::from(part.min(whole)) / i128::from(whole.max(1));
     (i64::from(from) + way as i64) as u32
 }
@@ -80,15 +96,15 @@ fn between(from: u32, to: u32, part: u64, whole: u64) -> u32 {
 pub(crate) struct Trajectory<'m> {
     ring: Ring<'m>,
     axes: [Axis; AXES],
-    /// The last span was taken back, and is to be laid anew as far as it has passed: how close the taps would have stood
+    /// The last span was taken back, and is to be laid again as far as it has passed: how close the taps would have stood
     /// at its end, and how long it would have taken.
-    cut: Option<([u32; 2], u64)>,
+    cut: Option<([u32; 2], SubTicks)>,
 }
 
 impl<'m> Trajectory<'m> {
     /// At rest at time 0; every axis follows at once.
     pub fn new(spans: &'m mut SpanMemory) -> Self {
-        let end = End::new(0, [Steps::ZERO; AXES]);
+        let end = Boundary::new(SubTicks::ZERO, [Steps::ZERO; AXES]);
         let ring = Ring { spans, laid: 0, end };
         let mut axes = core::array::from_fn(Axis::new);
         for axis in axes.iter_mut().take(ADVANCE) {
@@ -102,7 +118,7 @@ impl<'m> Trajectory<'m> {
         let is_position = axis != ADVANCE;
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.follow(taps, is_position);
-            axis.settle(self.ring.laid);
+            axis.restart(self.ring.laid);
         }
     }
 
@@ -113,96 +129,96 @@ impl<'m> Trajectory<'m> {
         }
     }
 
-    /// How close the taps of x and y stand at a place, to which a span of so much `time` leads from another one.
-    fn scales(&self, place: &Place, from: Option<(&End, u64)>) -> [u32; 2] {
-        let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, place);
+    /// How close the taps of x and y stand at a position, to which a span of so much `time` leads from a boundary.
+    fn scales(&self, position: &Position, from: Option<(&Boundary, SubTicks)>) -> [u32; 2] {
+        let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, position);
         let before = |axis: usize| from.map(|(end, time)| (end.scale.get(axis).copied().unwrap_or(ONE), time));
         [x.scale(*at_x, before(0)), y.scale(*at_y, before(1))]
     }
 
-    /// Rests at a place from `time` on.
-    pub fn settle(&mut self, place: Place, time: u64) {
-        let scale = self.scales(&place, None);
-        self.ring.end = End { time: time.saturating_sub(self.shortest_delay()), place, scale };
+    /// Rests at a position from `time` on.
+    pub fn rest_at(&mut self, position: Position, time: SubTicks) {
+        let scale = self.scales(&position, None);
+        self.ring.end = Boundary { time: time.saturating_sub(self.shortest_delay()), position, scale };
         self.cut = None;
         for axis in &mut self.axes {
-            axis.settle(self.ring.laid);
+            axis.restart(self.ring.laid);
         }
     }
 
     /// Where the last span ends.
-    pub const fn end(&self) -> &End {
+    pub const fn end(&self) -> &Boundary {
         &self.ring.end
     }
 
     /// When all axes have got to where the last span ends.
-    pub fn settles(&self) -> u64 {
+    pub fn rest_time(&self) -> SubTicks {
         self.ring.end.time + self.longest_delay()
     }
 
     /// Whether no axis is late, so that all have got to where the last span ends when it is asked for the next.
     pub fn is_prompt(&self) -> bool {
-        self.longest_delay() == 0
+        self.longest_delay() == SubTicks::ZERO
     }
 
-    fn longest_delay(&self) -> u64 {
+    fn longest_delay(&self) -> SubTicks {
         self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
     }
 
-    fn shortest_delay(&self) -> u64 {
+    fn shortest_delay(&self) -> SubTicks {
         self.axes.iter().flat_map(Axis::delays).min().unwrap_or_default()
     }
 
-    /// The least time of a span that is laid now: none, unless so many short ones wait for the slowest tap that another
-    /// could take the place of one that is still needed. Then time is stretched, so that it cannot come to that.
-    pub fn least_time(&self) -> u64 {
+    /// The least time of a span that is laid now: none, unless so many short spans wait for the slowest tap that another
+    /// could take the slot of a span that is still needed. Then spans take longer, so that it cannot come to that.
+    pub fn least_time(&self) -> SubTicks {
         let used = |axis: &Axis| self.ring.laid.wrapping_sub(axis.oldest(self.ring.laid)) as usize;
         let free = SPANS - 1 - self.axes.iter().map(used).max().unwrap_or_default().min(SPANS - 2);
-        if free >= SPANS / 4 { 0 } else { self.longest_delay() / free as u64 }
+        if free >= SPANS / 4 { SubTicks::ZERO } else { SubTicks(self.longest_delay().0 / free as u64) }
     }
 
-    /// Lays a phase of a way from `first` to `last`, or a part of one, behind the last span.
-    pub fn lay(&mut self, first: &Place, last: &Place, phase: &Phase) {
+    /// Lays a phase of the way from `first` to `last`, or a part of a phase, after the last span.
+    pub fn lay(&mut self, first: &Position, last: &Position, phase: &Phase) {
         let begin = self.ring.end;
         let span = Span::new(begin, phase.time, phase.curve, phase.slow_share);
-        if let Some(place) = self.ring.spans.0.get_mut(self.ring.laid as usize % SPANS) {
-            *place = span;
+        if let Some(slot) = self.ring.spans.0.get_mut(self.ring.laid as usize % SPANS) {
+            *slot = span;
         }
         self.ring.laid = self.ring.laid.wrapping_add(1);
-        let place = core::array::from_fn(|axis| match (first.get(axis), last.get(axis)) {
+        let position = core::array::from_fn(|axis| match (first.get(axis), last.get(axis)) {
             (Some(first), Some(last)) => point(*first, *last, phase.end),
             _ => Steps::ZERO,
         });
         let scale = match self.cut.take() {
-            None => self.scales(&place, Some((&begin, phase.time))),
+            None => self.scales(&position, Some((&begin, phase.time))),
             // What has passed of it stays as it was: the taps move evenly within a span.
             Some((scale, time)) => core::array::from_fn(|i| match (begin.scale.get(i), scale.get(i)) {
                 (Some(from), Some(to)) => between(*from, *to, phase.time, time),
                 _ => ONE,
             }),
         };
-        self.ring.end = End { time: begin.time + phase.time, place, scale };
+        self.ring.end = Boundary { time: begin.time + phase.time, position, scale };
     }
 
-    /// Goes on from another place, so near that no motor is meant to feel it.
-    pub fn shift(&mut self, place: &Place) {
-        let from = self.ring.end.place;
-        self.lay(&from, place, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: 0 });
+    /// Goes on from another position, so near that no motor is meant to feel it.
+    pub fn shift(&mut self, position: &Position) {
+        let from = self.ring.end.position;
+        self.lay(&from, position, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: SubTicks::ZERO });
     }
 
     /// Has an axis go on to `time`; false if it needs a span that is not laid yet.
-    pub fn advance(&mut self, axis: usize, time: u64) -> bool {
+    pub fn advance(&mut self, axis: usize, time: SubTicks) -> bool {
         let Self { ring, axes, .. } = self;
         axes.get_mut(axis).is_none_or(|axis| axis.advance(ring, time))
     }
 
-    /// When an axis next begins or ends to move otherwise; `u64::MAX` if that is not known.
-    pub fn next_change(&self, axis: usize) -> u64 {
-        self.axes.get(axis).map_or(u64::MAX, |axis| axis.next_change(&self.ring))
+    /// When an axis next begins or ends to move otherwise; `SubTicks::MAX` if that is not known.
+    pub fn next_change(&self, axis: usize) -> SubTicks {
+        self.axes.get(axis).map_or(SubTicks::MAX, |axis| axis.next_change(&self.ring))
     }
 
     /// The span that all of some axes follow as it is from `time` on, if there is one.
-    pub fn follows(&self, axes: impl Iterator<Item = usize>, time: u64) -> Option<&Span> {
+    pub fn follows(&self, axes: impl Iterator<Item = usize>, time: SubTicks) -> Option<&Span> {
         let mut common = None;
         for axis in axes.filter_map(|axis| self.axes.get(axis)).filter(|axis| !axis.is_still()) {
             let (number, span) = axis.follows(&self.ring, time)?;
@@ -215,13 +231,13 @@ impl<'m> Trajectory<'m> {
     }
 
     /// The state of an axis at a time up to its next change.
-    pub fn state(&self, axis: usize, time: u64) -> State {
-        self.axes.get(axis).map_or(State::rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
+    pub fn state(&self, axis: usize, time: SubTicks) -> AxisState {
+        self.axes.get(axis).map_or(AxisState::at_rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
     }
 
-    /// Takes back the last span, which is to be laid anew as far as the first tap has got in it at `time`. `None` if it
+    /// Takes back the last span, which is to be laid again as far as the first tap has got in it at `time`. `None` if it
     /// has ended by then.
-    pub fn take_back(&mut self, time: u64) -> Option<u64> {
+    pub fn take_back(&mut self, time: SubTicks) -> Option<SubTicks> {
         let time = time.saturating_sub(self.shortest_delay());
         if self.ring.laid == 0 || time >= self.ring.end.time {
             return None;
@@ -230,7 +246,7 @@ impl<'m> Trajectory<'m> {
         let begin = self.ring.span(self.ring.laid).begin;
         let was = core::mem::replace(&mut self.ring.end, begin);
         let passed = time.saturating_sub(self.ring.end.time);
-        self.cut = (passed > 0).then_some((was.scale, was.time - self.ring.end.time));
+        self.cut = (passed > SubTicks::ZERO).then_some((was.scale, was.time - self.ring.end.time));
         Some(passed)
     }
 }

@@ -1,8 +1,8 @@
 //! Phases: the parts of a move in which its speed rises, holds, or falls.
 
 use crate::motion::moves::{Move, WHOLE};
-use crate::motion::planner::profile::fraction;
-use crate::units::{Steps, mul_div};
+use crate::motion::ramps::fraction;
+use crate::units::{Steps, SubTicks, mul_div};
 use heapless::Vec;
 
 /// How speed changes in a phase.
@@ -20,12 +20,12 @@ pub enum Curve {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Phase {
     pub curve: Curve,
-    /// Fraction of the move behind at its end.
+    /// Fraction of the move that is covered at its end.
     pub end: u32,
     /// The part of its way that its lower speed alone would cover in its time.
     pub slow_share: u32,
     /// In ticks times 2^16.
-    pub time: u64,
+    pub time: SubTicks,
 }
 
 const fn part(a: u64, b: u64) -> u64 {
@@ -33,7 +33,7 @@ const fn part(a: u64, b: u64) -> u64 {
 }
 
 impl Phase {
-    /// The fraction of its way behind after the fraction `x` of its time, and the speed there as a part of the mean
+    /// The fraction of its way that is covered after the fraction `x` of its time, and the speed there as a part of the mean
     /// one, both scaled by [`WHOLE`].
     pub fn progress(&self, x: u64) -> (u64, u64) {
         let (whole, share) = (u64::from(WHOLE), u64::from(self.slow_share.min(WHOLE)));
@@ -46,18 +46,18 @@ impl Phase {
         }
     }
 
-    /// A part of a steady phase that begins with the fraction `begin` of the move behind and a time `from`, and takes about
-    /// so long: as long as the fraction behind at its end, which has 31 bits, says. In a move of minutes one of them is
-    /// ticks.
-    pub fn cut_evenly(&self, begin: u32, from: u64, time: u64) -> Self {
+    /// A part of a steady phase that begins with the fraction `begin` of the move covered and a time `from`, and takes about
+    /// so long: as long as the fraction that is covered at its end says, which has 31 bits. In a move of minutes the last of these bits
+    /// is ticks.
+    pub fn cut_evenly(&self, begin: u32, from: SubTicks, time: SubTicks) -> Self {
         let (whole, part) = (u64::from(self.end.saturating_sub(begin)), self.cut(begin, from, from + time));
-        let to = mul_div(self.time, u64::from(part.end.saturating_sub(begin)), whole);
+        let to = SubTicks(mul_div(self.time.0, u64::from(part.end.saturating_sub(begin)), whole));
         if part.end == self.end || to <= from { part } else { Self { time: to - from, ..part } }
     }
 
-    /// Its part between two points of its time; it begins with the fraction `begin` of the move behind.
-    pub fn cut(&self, begin: u32, from: u64, to: u64) -> Self {
-        let x = |at: u64| u64::from(fraction(at.min(self.time), self.time));
+    /// Its part between two points of its time; it begins with the fraction `begin` of the move covered.
+    pub fn cut(&self, begin: u32, from: SubTicks, to: SubTicks) -> Self {
+        let x = |at: SubTicks| u64::from(fraction(at.min(self.time).0, self.time.0));
         let (_, pace_from) = self.progress(x(from));
         let (way_to, pace_to) = self.progress(x(to));
         let whole = u64::from(self.end.saturating_sub(begin));
@@ -71,18 +71,18 @@ impl Phase {
 /// The phases of a move; one without time is left out, and the last one ends where the move does.
 pub(crate) fn phases(m: &Move) -> Vec<Phase, 3> {
     let mut phases = Vec::new();
-    let end = |fraction: u32, behind: u64| if behind == 0 { WHOLE } else { fraction };
+    let end = |fraction: u32, following: SubTicks| if following == SubTicks::ZERO { WHOLE } else { fraction };
     // Written out: firmware is made for size, which leaves loops and arrays as they are.
-    if m.accelerate > 0 {
+    if m.accelerate > SubTicks::ZERO {
         let curve = if m.brakes_first { Curve::Slowing } else { Curve::Speeding };
-        let end = end(m.accelerated, m.cruise | m.decelerate);
+        let end = end(m.accelerated, m.cruise + m.decelerate);
         let _ = phases.push(Phase { curve, end, slow_share: m.entry_share, time: m.accelerate });
     }
-    if m.cruise > 0 {
+    if m.cruise > SubTicks::ZERO {
         let end = end(m.cruised, m.decelerate);
         let _ = phases.push(Phase { curve: Curve::Steady, end, slow_share: 0, time: m.cruise });
     }
-    if m.decelerate > 0 {
+    if m.decelerate > SubTicks::ZERO {
         let _ = phases.push(Phase { curve: Curve::Slowing, end: WHOLE, slow_share: m.exit_share, time: m.decelerate });
     }
     phases

@@ -7,7 +7,7 @@
 //!
 //! All axes are delayed alike, by as much as the slowest shaper and the advance need, so that they stay together.
 
-use super::{AXES, Stiffening, Tap, Taps};
+use super::{AXES, Stiffening, TAPS, Tap, Taps};
 use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers};
 use crate::units::{Mm, Seconds, Steps, TICKS_PER_SECOND};
 use heapless::Vec;
@@ -15,8 +15,18 @@ use heapless::Vec;
 /// An impulse: when, in s, and how much.
 type Impulse = (f32, f32);
 
+/// Most impulses of a shaper: one with two humps has four. Each becomes a tap.
+const MOST_IMPULSES: usize = 4;
+const _: () = assert!(MOST_IMPULSES <= TAPS);
+
 /// Impulses of a shaper.
-type Impulses = Vec<Impulse, 4>;
+type Impulses = Vec<Impulse, MOST_IMPULSES>;
+
+/// So many impulses; more than there is room for do not compile.
+fn all_of<const N: usize>(impulses: [Impulse; N]) -> Impulses {
+    const { assert!(N <= MOST_IMPULSES) };
+    impulses.into_iter().collect()
+}
 
 /// What vibration EI shapers leave.
 const LEFT: f32 = 0.05;
@@ -42,14 +52,14 @@ fn impulses(shaper: &Shaper) -> Impulses {
     let root = crate::motion::number::root(1.0 - z * z);
     let period = 1.0 / (frequency * root);
     let k = decay(z * core::f32::consts::PI / root);
-    let all: Impulses = match shaper.kind {
-        ShaperKind::None => [(0.0, 1.0)].into_iter().collect(),
-        ShaperKind::Zv => [(0.0, 1.0), (0.5, k)].into_iter().collect(),
-        ShaperKind::Zvd => [(0.0, 1.0), (0.5, 2.0 * k), (1.0, k * k)].into_iter().collect(),
+    let all = match shaper.kind {
+        ShaperKind::None => all_of([(0.0, 1.0)]),
+        ShaperKind::Zv => all_of([(0.0, 1.0), (0.5, k)]),
+        ShaperKind::Zvd => all_of([(0.0, 1.0), (0.5, 2.0 * k), (1.0, k * k)]),
         ShaperKind::Mzv => {
             let k = decay(0.75 * z * core::f32::consts::PI / root);
             let first = 1.0 - core::f32::consts::FRAC_1_SQRT_2;
-            [(0.0, first), (0.375, (core::f32::consts::SQRT_2 - 1.0) * k), (0.75, first * k * k)].into_iter().collect()
+            all_of([(0.0, first), (0.375, (core::f32::consts::SQRT_2 - 1.0) * k), (0.75, first * k * k)])
         }
         ShaperKind::Ei => {
             let at = |a: [[f32; 3]; 3]| polynomial(a.map(|row| polynomial(row, LEFT)), z);
@@ -64,7 +74,7 @@ fn impulses(shaper: &Shaper) -> Impulses {
                 ],
                 z,
             );
-            [(0.0, first), (time, 1.0 - first - last), (1.0, last)].into_iter().collect()
+            all_of([(0.0, first), (time, 1.0 - first - last), (1.0, last)])
         }
         ShaperKind::TwoHumpEi => {
             let weights = [
@@ -80,7 +90,9 @@ fn impulses(shaper: &Shaper) -> Impulses {
                 [1.4992, -0.09297, -0.28338, 1.8571],
             ];
             // These are in periods without damping.
-            times.map(|t| root * polynomial(t, z)).into_iter().zip(weights.map(|w| polynomial(w, z))).collect()
+            let ([t0, t1, t2, t3], [w0, w1, w2, w3]) =
+                (times.map(|t| root * polynomial(t, z)), weights.map(|w| polynomial(w, z)));
+            all_of([(t0, w0), (t1, w1), (t2, w2), (t3, w3)])
         }
     };
     let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
@@ -118,7 +130,7 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
 
 /// How x and y ring away from their middle: belts of the lengths l1 and l2 on both sides of the tool have the stiffness
 /// `EA (1/l1 + 1/l2)`, which is least in the middle and 1 / (1 - (2 d/L)^2) times as great at the distance d from it, L being
-/// their sum. The motors behind them are as soft everywhere: `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
+/// their sum. The motors that drive the belts are as soft everywhere: `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
 #[must_use]
 pub fn stiffenings(s: &Settings) -> [Stiffening; 2] {
     [stiffening(&s.shapers.x, &s.axes.x), stiffening(&s.shapers.y, &s.axes.y)]

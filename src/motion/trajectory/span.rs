@@ -1,6 +1,6 @@
 //! Spans: pieces of the trajectory in which the tool goes straight and its speed changes evenly.
 //!
-//! All axes share the fraction of the way that is behind. With x, the fraction of the span's time that has passed
+//! All axes share the fraction of the way that is covered. With x, the fraction of the span's time that has passed
 //! since its slow end, it is `g(x) = s x + (1 - s) x^2`, s being what the slow end's speed alone would cover. A span
 //! in which speed falls is the same seen from its end, so a position is exact at both ends and most accurate where
 //! it is slowest.
@@ -8,7 +8,8 @@
 use super::phase::Curve;
 use crate::motion::moves::WHOLE;
 use crate::motion::number::{from_f32, ticks, to_f32};
-use crate::units::Steps;
+use crate::motion::ticks::FAR;
+use crate::units::{Steps, SubTicks};
 
 /// Axes of the trajectory: x, y, z, e, and the advance, whose speed is the pressure that the extruder builds up.
 pub(crate) const AXES: usize = 5;
@@ -17,54 +18,56 @@ pub(crate) const AXES: usize = 5;
 pub(crate) const ADVANCE: usize = 4;
 
 /// Longest span, in ticks times 2^16: single precision is finer than a 20th of a tick in it.
-pub(crate) const LONGEST: u64 = (1 << 19) << 16;
+pub(crate) const LONGEST: SubTicks = SubTicks::of_ticks(1 << 19);
+// What is known to rest must rest for longer, and a time of a span has less than 40 bits.
+const _: () = assert!(LONGEST.0 < (FAR as u64) << 16 && LONGEST.0 < 1 << 40);
 
 /// One in the fixed point of scales.
 pub(crate) const ONE: u32 = 1 << 30;
 
 /// Where all axes are.
-pub(crate) type Place = [Steps; AXES];
+pub(crate) type Position = [Steps; AXES];
 
 /// Where an axis is, and how fast, in steps and steps a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) struct State {
+pub(crate) struct AxisState {
     pub position: Steps,
     pub speed: f32,
 }
 
-impl State {
+impl AxisState {
     /// At rest.
-    pub const fn rest(position: Steps) -> Self {
+    pub const fn at_rest(position: Steps) -> Self {
         Self { position, speed: 0.0 }
     }
 }
 
-/// An end of a span.
+/// Where and when a span begins or ends.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct End {
+pub(crate) struct Boundary {
     /// In ticks times 2^16.
-    pub time: u64,
-    pub place: Place,
+    pub time: SubTicks,
+    pub position: Position,
     /// By how much the taps of x and y stand closer here.
     pub scale: [u32; 2],
 }
 
-impl End {
-    /// At a place where taps stand as they were given.
-    pub const fn new(time: u64, place: Place) -> Self {
-        Self { time, place, scale: [ONE; 2] }
+impl Boundary {
+    /// At a position where taps stand as they were given.
+    pub const fn new(time: SubTicks, position: Position) -> Self {
+        Self { time, position, scale: [ONE; 2] }
     }
 
     /// Where an axis is.
     pub fn at(&self, axis: usize) -> Steps {
-        self.place.get(axis).copied().unwrap_or_default()
+        self.position.get(axis).copied().unwrap_or_default()
     }
 }
 
 /// A piece of the trajectory. It ends where and when the next one begins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Span {
-    pub begin: End,
+    pub begin: Boundary,
     /// One over its time, in ticks.
     rate: f32,
     /// s of the formula.
@@ -75,49 +78,61 @@ pub(crate) struct Span {
 impl Span {
     /// No span; of zeros, which take no flash where they are static.
     pub const EMPTY: Self = Self {
-        begin: End { time: 0, place: [Steps::ZERO; AXES], scale: [0; 2] },
+        begin: Boundary { time: SubTicks::ZERO, position: [Steps::ZERO; AXES], scale: [0; 2] },
         rate: 0.0,
         slow_share: 0.0,
         curve: Curve::Steady,
     };
 
     /// A span that takes `time`; its slow end's speed alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
-    pub fn new(begin: End, time: u64, curve: Curve, slow_share: u32) -> Self {
+    pub fn new(begin: Boundary, time: SubTicks, curve: Curve, slow_share: u32) -> Self {
         let slow_share = slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
         Self { begin, rate: 1.0 / ticks(time).max(1.0 / 256.0), slow_share, curve }
     }
 
     /// The state of an axis at `time` within the span, which ends at `end`.
-    pub fn state(&self, axis: usize, end: &End, time: u64) -> State {
+    pub fn state(&self, axis: usize, end: &Boundary, time: SubTicks) -> AxisState {
         self.state_between(axis, end, (self.begin.time, end.time, self.rate), time)
     }
 
     /// The same for a copy that begins and ends at other times.
-    pub fn warped(&self, axis: usize, end: &End, (begins, ends): (u64, u64), time: u64) -> State {
+    pub fn warped(
+        &self,
+        axis: usize,
+        end: &Boundary,
+        (begins, ends): (SubTicks, SubTicks),
+        time: SubTicks,
+    ) -> AxisState {
         let rate = 1.0 / ticks(ends.saturating_sub(begins)).max(1.0 / 256.0);
         self.state_between(axis, end, (begins, ends, rate), time)
     }
 
     #[inline]
-    fn state_between(&self, axis: usize, end: &End, (begins, ends, rate): (u64, u64, f32), time: u64) -> State {
+    fn state_between(
+        &self,
+        axis: usize,
+        end: &Boundary,
+        (begins, ends, rate): (SubTicks, SubTicks, f32),
+        time: SubTicks,
+    ) -> AxisState {
         let (from, to) = (self.begin.at(axis), end.at(axis));
         let way = to.wrapping_sub(from);
         if way == Steps::ZERO {
-            return State::rest(from);
+            return AxisState::at_rest(from);
         }
         let way = to_f32(way);
         let mean = way * rate;
         let from_begin = ticks(time.saturating_sub(begins)) * rate;
         if self.curve == Curve::Steady {
             let position = if time >= ends { to } else { from.wrapping_add(from_f32(way * from_begin)) };
-            return State { position, speed: mean };
+            return AxisState { position, speed: mean };
         }
-        let rest = 1.0 - self.slow_share;
+        let fast_share = 1.0 - self.slow_share;
         let is_slowing = self.curve == Curve::Slowing;
         let x = if is_slowing { ticks(ends.saturating_sub(time)) * rate } else { from_begin };
         let x = x.min(1.0);
-        let speed = mean * (self.slow_share + 2.0 * (rest * x));
-        let gone = way * (x * (self.slow_share + rest * x));
+        let speed = mean * (self.slow_share + 2.0 * (fast_share * x));
+        let gone = way * (x * (self.slow_share + fast_share * x));
         let position = if time >= ends {
             to
         } else if time <= begins {
@@ -127,6 +142,6 @@ impl Span {
         } else {
             from.wrapping_add(from_f32(gone))
         };
-        State { position, speed }
+        AxisState { position, speed }
     }
 }

@@ -32,7 +32,7 @@ impl Stiffening {
         let d = to_f32(at.wrapping_sub(self.centre));
         let scale = root(1.0 - self.rate * (d * d));
         let scale = if scale > LEAST { scale } else { LEAST };
-        ((scale * const { (1 << 24) as f32 }) as u32) << 6
+        ((scale * const { (ONE >> 6) as f32 }) as u32) << 6
     }
 }
 

@@ -5,6 +5,7 @@
 //! A sum of copies of something that is quadratic piece by piece is itself quadratic piece by piece, so nothing has
 //! to be sampled, and where nothing changes nothing is computed.
 
+use crate::units::SubTicks;
 use heapless::Vec;
 
 /// Most copies of an axis; a shaper with two humps has four impulses.
@@ -26,8 +27,8 @@ impl Tap {
 
 impl Tap {
     /// How late it is, in ticks times 2^16.
-    pub const fn late(&self) -> u64 {
-        (self.delay as u64) << 8
+    pub const fn late(&self) -> SubTicks {
+        SubTicks((self.delay as u64) << 8)
     }
 }
 

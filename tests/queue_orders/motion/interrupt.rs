@@ -1,7 +1,7 @@
 //! What the step interrupt does with the queue, as `motion::stepper` does it.
 
 use super::explore::choose;
-use super::queue::{StepsOut, Word};
+use super::queue::{PackedEvent, StepsOut};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ pub type Played = Rc<RefCell<Vec<(u32, u8, bool)>>>;
 /// The Stepper: the event that comes next, when it is due in motion time, and the epoch that counts.
 pub struct Interrupt {
     events: StepsOut<'static>,
-    next: Word,
+    next: PackedEvent,
     due: u32,
     /// When the last event was due.
     played_at: u32,
@@ -21,7 +21,7 @@ pub struct Interrupt {
 
 impl Interrupt {
     pub fn new(events: StepsOut<'static>, epoch: Rc<Cell<u8>>, played: Played) -> Self {
-        Self { events, next: Word::RESTING, due: 0, played_at: 0, epoch, played }
+        Self { events, next: PackedEvent::RESTING, due: 0, played_at: 0, epoch, played }
     }
 
     /// Plays one event, or two that are due.
@@ -38,14 +38,14 @@ impl Interrupt {
 
     /// Plays an event; false if there is none.
     fn run(&mut self) -> bool {
-        if self.next == Word::NONE {
+        if self.next == PackedEvent::NONE {
             self.next = self.events.peek().1;
         }
-        if self.next == Word::NONE || !self.next.is_of(self.epoch.get().into()) {
+        if self.next == PackedEvent::NONE || !self.next.is_of(self.epoch.get().into()) {
             // At rest, from which the next event is taken up anew.
             let (interval, word) = self.events.peek();
             if !word.is_of(self.epoch.get().into()) {
-                self.next = Word::RESTING;
+                self.next = PackedEvent::RESTING;
                 return false;
             }
             (self.next, self.due) = (word, self.played_at.wrapping_add(interval));
@@ -54,9 +54,9 @@ impl Interrupt {
         self.played_at = self.due;
         let (interval, word) = self.events.advance();
         (self.next, self.due) = (word, self.due.wrapping_add(interval));
-        if interval == 0 && word == Word::NONE {
+        if interval == 0 && word == PackedEvent::NONE {
             // Due at once, so the same interrupt finds that there is nothing.
-            self.next = Word::RESTING;
+            self.next = PackedEvent::RESTING;
         }
         true
     }

@@ -15,50 +15,5 @@ mod orders;
 #[path = "../../../src/motion/queue/mod.rs"]
 pub mod queue;
 
-/// Counts of steps, which nobody asks for here.
-pub mod step_counts {
-    use super::queue::StepQueue;
-    use crate::status::Status;
-    use std::marker::PhantomData;
-
-    pub struct StepCounts<'m>(PhantomData<&'m ()>);
-
-    impl<'m> StepCounts<'m> {
-        pub const fn new(_: &'m StepQueue, _: &'m Status) -> Self {
-            Self(PhantomData)
-        }
-    }
-}
-
-/// What the queue needs of the room that fills it.
-pub mod stepgen {
-    /// The steps of a group that are known, in whose place there is nothing here.
-    pub mod ahead {
-        pub struct Steps {
-            pub tick: u32,
-        }
-
-        impl Steps {
-            pub fn go_on(&mut self) {
-                self.go_on_by(1);
-            }
-
-            pub fn go_on_by(&mut self, count: usize) {
-                self.tick = self.tick.wrapping_add(count as u32);
-            }
-
-            pub fn following(&self) -> &[u32] {
-                &[]
-            }
-        }
-
-        pub fn is_before(a: u32, b: u32) -> bool {
-            (a.wrapping_sub(b)).cast_signed() < 0
-        }
-    }
-
-    pub mod track {
-        /// As far as the generator makes steps ahead; here only in a bound at compile time.
-        pub const NEAR: u32 = 1 << 18;
-    }
-}
+#[path = "../../../src/motion/ticks.rs"]
+pub mod ticks;

@@ -4,7 +4,7 @@ use super::atomic;
 use super::explore::explore;
 use super::interrupt::{Interrupt, Played};
 use super::queue::StepEvent;
-use super::queue::{StepQueue, StepsIn, Word};
+use super::queue::{PackedEvent, StepQueue, StepsIn};
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet};
 use std::cell::Cell;
@@ -91,10 +91,10 @@ fn a_run_of_events_is_played_once_each_at_their_time() {
         |bench| {
             let mut now = 10;
             let mut ticks = 1..=3;
-            bench.events.put_runs(Word::waiting(0, EndstopSet::NONE), 3, &mut now, |run| {
+            bench.events.put_runs(PackedEvent::waiting(0, EndstopSet::NONE), 3, &mut now, |run| {
                 while !run.is_full() {
                     let Some(number) = ticks.next() else { return false };
-                    run.put(10 + 20 * number, Word::steps_of(1));
+                    run.put(10 + 20 * number, PackedEvent::steps_of(1));
                 }
                 true
             });

@@ -52,7 +52,8 @@ impl Room {
         if let Some(file) = below("src/motion/") {
             return Some(match file {
                 "stepper.rs" => Self::Stepper,
-                "number.rs" => return None,
+                // Numbers, formulas and comparisons count for whoever uses them.
+                "number.rs" | "ramps.rs" | "ticks.rs" => return None,
                 // What the planner finds out of a move, and the generator takes up.
                 "trajectory/phase.rs" | "trajectory/shaper.rs" => Self::Planner,
                 _ if ["stepgen/", "trajectory/", "queue/"].iter().any(|begin| file.starts_with(begin)) => Self::Stepgen,

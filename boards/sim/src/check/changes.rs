@@ -104,7 +104,7 @@ pub(super) struct Changes {
 
 impl Changes {
     pub fn new(s: &Settings, limits: &Limits) -> Self {
-        let back = s.mechanism.way_back();
+        let back = s.mechanism.forward_kinematics();
         let line = |group: &Group| {
             let counts = Motor::ALL.map(|motor| i64::from(group.with.has(motor)) - i64::from(group.against.has(motor)));
             let [x, y, ..] = back.as_ref().map_or([(0, 1); 4], |back| back.fractions(&counts));

@@ -1,7 +1,7 @@
 //! The screen: one line on a terminal that tells how the printer is.
 
 use crate::world::World;
-use corehbot::kinematics::WayBack;
+use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
@@ -24,7 +24,7 @@ pub(crate) struct Screen {
     /// What the printer has said of temperatures last.
     temperatures: String,
     /// Where motors bring the tool.
-    back: WayBack<{ Motor::ALL.len() }>,
+    back: ForwardKinematics<{ Motor::ALL.len() }>,
     /// Where the tool stood at power-up, in mm.
     start: [f64; 3],
     /// Steps a mm of x, y and z.
@@ -47,7 +47,7 @@ impl Screen {
             seen_tick: 0,
             spoken: String::new(),
             temperatures: "no temperatures yet".to_owned(),
-            back: settings.mechanism.way_back().unwrap_or(WayBack::NONE),
+            back: settings.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE),
             start: start.map(Mm::to_num),
             pitch: [a.x.steps_per_mm, a.y.steps_per_mm, a.z.steps_per_mm].map(|pitch| pitch.to_num()),
         }

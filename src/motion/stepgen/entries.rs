@@ -1,58 +1,58 @@
-//! Supply: where the spans of the trajectory come from, and what the end of motion means.
+//! Entries: takes work out of the MoveQueue, lays it as spans, and knows what the end of motion means.
 
-use super::brake::{Braking, Moment};
-use super::track::Track;
+use super::brake::{Braking, PathPoint};
+use super::group_stepper::GroupStepper;
 use super::{StepGenerator, Task};
-use crate::motion::moves::Work;
+use crate::motion::work::Work;
 use crate::port::EndstopSet;
-use crate::units::Steps;
+use crate::units::{SpeedSq, Steps, SubTicks};
 
-/// Whether there was more to lay.
+/// Whether a span was laid.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Supply {
+pub(super) enum LayResult {
     Laid,
     /// Motion ends here.
-    Rests,
+    AtRest,
     /// Motion goes on, but nobody has said how.
     Starved,
 }
 
 impl StepGenerator<'_> {
     /// Lays the next span of the trajectory.
-    pub(super) fn lay_more(&mut self) -> Supply {
+    pub(super) fn lay_more(&mut self) -> LayResult {
         loop {
             if matches!(self.task, Task::Move | Task::Brake(_))
-                && let Some(added) = self.course.lay_next(&mut self.trajectory)
+                && let Some(added) = self.current_move.lay_next(&mut self.trajectory)
             {
-                if added > 0 {
-                    self.status.count_squeezed((added >> 16) as u32);
+                if added > SubTicks::ZERO {
+                    self.status.count_squeezed(added.whole_ticks() as u32);
                 }
-                return Supply::Laid;
+                return LayResult::Laid;
             }
             match self.task {
                 Task::Move => {
-                    let rests = self.course.m.rests;
-                    self.place = self.course.last;
-                    self.behind = if rests { None } else { self.course.tail() };
+                    let rests = self.current_move.m.rests;
+                    self.position = self.current_move.last;
+                    self.last_phase = if rests { None } else { self.current_move.last_phase() };
                     if rests {
-                        self.task = Task::Settling(true);
+                        self.task = Task::ComingToRest(true);
                     } else {
                         self.finish();
                     }
                 }
-                Task::Brake(rest) => {
-                    self.place = self.trajectory.end().place;
-                    if rest == 0 {
-                        self.task = Task::Settling(true);
+                Task::Brake(left_sq) => {
+                    self.position = self.trajectory.end().position;
+                    if left_sq == SpeedSq::ZERO {
+                        self.task = Task::ComingToRest(true);
                     } else {
                         self.finish();
                     }
-                    self.go_on_with(rest);
+                    self.continue_brake(left_sq);
                 }
-                Task::Settling(_) | Task::Dwell(_) => return Supply::Rests,
+                Task::ComingToRest(_) | Task::Dwell(_) => return LayResult::AtRest,
                 Task::Nothing => {
                     if !self.next_entry() {
-                        return if self.behind.is_none() { Supply::Rests } else { Supply::Starved };
+                        return if self.last_phase.is_none() { LayResult::AtRest } else { LayResult::Starved };
                     }
                 }
             }
@@ -79,22 +79,23 @@ impl StepGenerator<'_> {
         let is_done = match &entry.work {
             Work::Move(m) => {
                 self.watch = m.watch;
-                let counts = (self.trajectory.is_prompt()).then(|| self.tracks.each_ref().map(Track::count));
-                let ends = self.alignment.ends(m, &self.place, counts, self.mechanism);
-                if ends.0 != self.place {
-                    self.place = ends.0;
-                    self.trajectory.shift(&self.place);
+                let counts =
+                    (self.trajectory.is_prompt()).then(|| self.group_steppers.each_ref().map(GroupStepper::count));
+                let ends = self.alignment.ends(m, &self.position, counts, self.mechanism);
+                if ends.0 != self.position {
+                    self.position = ends.0;
+                    self.trajectory.shift(&self.position);
                 }
-                self.course.take_up(m, &ends);
+                self.current_move.take_up(m, &ends);
                 match self.braking {
-                    Braking::Slowing(square) => self.brake(Moment { done: 0, square }),
+                    Braking::Slowing(speed_sq) => self.brake(PathPoint { covered: 0, speed_sq }),
                     Braking::No | Braking::Done => self.task = Task::Move,
                 }
                 false
             }
             Work::Dwell(time) => {
                 self.watch = EndstopSet::NONE;
-                self.task = Task::Dwell((self.last << 16) + time);
+                self.task = Task::Dwell(SubTicks::of_ticks(self.last_tick) + *time);
                 false
             }
             Work::Follow(axis, taps) => {
@@ -106,14 +107,14 @@ impl StepGenerator<'_> {
                 true
             }
             Work::Position([x, y, z, e]) => {
-                self.place = [*x, *y, *z, *e, Steps::ZERO];
+                self.position = [*x, *y, *z, *e, Steps::ZERO];
                 self.alignment.stand_at([*x, *y, *z]);
-                let tracks = self.tracks.iter_mut().zip(&mut self.told);
-                for ((track, told), group) in tracks.zip(self.mechanism.iter()) {
-                    let before = track.count();
-                    track.stand_at(group.coordinate([*x, *y, *z, *e]), self.last as u32);
-                    // A new name for a place is no step.
-                    *told = told.wrapping_add(track.count().wrapping_sub(before));
+                let steppers = self.group_steppers.iter_mut().zip(&mut self.published);
+                for ((stepper, published), group) in steppers.zip(self.mechanism.iter()) {
+                    let before = stepper.count();
+                    stepper.stand_at(group.coordinate([*x, *y, *z, *e]), self.last_tick as u32);
+                    // A new name for a position is no step.
+                    *published = published.wrapping_add(stepper.count().wrapping_sub(before));
                 }
                 true
             }
@@ -125,24 +126,24 @@ impl StepGenerator<'_> {
         true
     }
 
-    /// All motors rest. Ends what that was waited for, or begins what comes next; false if nothing does.
-    pub(super) fn rest(&mut self) -> bool {
+    /// All motors stand still. Ends the task that waited for this, or begins the next one; false if there is none.
+    pub(super) fn go_on_from_rest(&mut self) -> bool {
         match self.task {
             Task::Nothing => {
                 if !self.next_entry() {
                     return false;
                 }
                 if matches!(self.task, Task::Move | Task::Brake(_)) {
-                    let now = self.last << 16;
-                    self.trajectory.settle(self.place, now);
-                    self.tracks.iter_mut().for_each(|track| track.break_off(now));
+                    let now = SubTicks::of_ticks(self.last_tick);
+                    self.trajectory.rest_at(self.position, now);
+                    self.group_steppers.iter_mut().for_each(|stepper| stepper.break_off(now));
                 }
             }
             // At a standstill an event without steps marks the end of the motion: time is whole there, and the Stepper knows
             // that nothing is missing.
-            Task::Settling(ends_entry) => {
+            Task::ComingToRest(ends_entry) => {
                 let before = self.events.made();
-                if self.pass_until(self.trajectory.settles()) {
+                if self.pass_until(self.trajectory.rest_time()) {
                     if self.events.made() == before {
                         self.wait(0);
                     }
@@ -160,7 +161,7 @@ impl StepGenerator<'_> {
                     self.finish();
                 }
             }
-            // Their motors are under way from the moment at which they begin.
+            // The motors are under way from the moment at which a move begins.
             Task::Move | Task::Brake(_) => {}
         }
         true

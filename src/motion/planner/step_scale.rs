@@ -1,12 +1,12 @@
-//! Pitch: between millimetres and steps of one axis.
+//! StepScale: between millimetres and steps of one axis.
 //!
-//! Positions are exact to a bit, for they are compared and stand in traces. A way has 32 bits, whatever its length.
+//! Positions are exact to a bit, for they are compared and stand in traces. A distance has 32 bits, whatever its length.
 
 use crate::units::{Mm, Steps, StepsPerMm};
 
 /// Between millimetres and steps of one axis.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion) struct Pitch {
+pub(in crate::motion) struct StepScale {
     steps_per_mm: u32,
     /// Raw `Mm` bits a raw `Steps` bit, times 2^48.
     mm_per_step: u64,
@@ -15,7 +15,7 @@ pub(in crate::motion) struct Pitch {
     shift: u8,
 }
 
-impl Pitch {
+impl StepScale {
     pub fn new(steps_per_mm: StepsPerMm) -> Self {
         // No axis has less than one step a millimetre.
         let raw = steps_per_mm.to_bits().max(1 << 16);
@@ -25,15 +25,15 @@ impl Pitch {
         Self { steps_per_mm: raw, mm_per_step, mantissa, shift: shift as u8 }
     }
 
-    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for, and its way. An axis that
+    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for, and its distance. An axis that
     /// is asked for the same again stays where it is.
     #[inline(always)]
-    pub fn lay_out(&self, to: Mm, asked: Mm, from: Steps) -> (Steps, i64) {
+    pub fn end_and_distance(&self, to: Mm, asked: Mm, from: Steps) -> (Steps, i64) {
         if to == asked {
             return (from, 0);
         }
         let end = self.steps(to);
-        (end, self.way(end.wrapping_sub(from)))
+        (end, self.distance(end.wrapping_sub(from)))
     }
 
     /// The position in steps; wraps with the step counters.
@@ -57,7 +57,7 @@ impl Pitch {
 
     /// A distance of `steps` in raw `Mm` bits, of which 32 are right.
     #[inline(always)]
-    pub fn way(&self, steps: Steps) -> i64 {
+    pub fn distance(&self, steps: Steps) -> i64 {
         let bits = steps.to_bits();
         let (high, low) = (i64::from((bits >> 32) as i32), u64::from(bits as u32));
         let mantissa = u64::from(self.mantissa);
@@ -76,23 +76,23 @@ mod tests {
 
     #[test]
     fn steps_and_millimetres_agree() {
-        let pitch = Pitch::new(StepsPerMm::from_num(80));
+        let scale = StepScale::new(StepsPerMm::from_num(80));
         for v in [-417.6, -1.0, 0.0125, 0.3, 390.0] {
-            let steps = pitch.steps(Mm::from_num(v));
+            let steps = scale.steps(Mm::from_num(v));
             assert!((steps.to_num::<f64>() - 80.0 * v).abs() < 1e-6);
-            assert!((pitch.mm_bits(steps) - mm(v)).abs() <= 1);
+            assert!((scale.mm_bits(steps) - mm(v)).abs() <= 1);
         }
     }
 
     #[test]
     fn counts_that_have_wrapped_are_read_beside_what_is_known() {
         for (resolution, known) in [(400.0, 5_368_709.0), (25_600.0, 83_886.07), (25_600.0, 1e9), (1.0, -2e9)] {
-            let (pitch, near) = (Pitch::new(StepsPerMm::from_num(resolution)), Mm::from_num(known));
-            assert_eq!(pitch.mm_near(pitch.steps(near), near), near);
-            for way in [-150.0, -0.3, 0.01, 0.02, 70.0] {
-                let steps = pitch.steps(near + Mm::from_num(way));
-                let error = (pitch.mm_near(steps, near) - near).to_num::<f64>() - way;
-                assert!(error.abs() < 1e-7, "{known} mm of {resolution} steps and {way}: off by {error}");
+            let (scale, near) = (StepScale::new(StepsPerMm::from_num(resolution)), Mm::from_num(known));
+            assert_eq!(scale.mm_near(scale.steps(near), near), near);
+            for distance in [-150.0, -0.3, 0.01, 0.02, 70.0] {
+                let steps = scale.steps(near + Mm::from_num(distance));
+                let error = (scale.mm_near(steps, near) - near).to_num::<f64>() - distance;
+                assert!(error.abs() < 1e-7, "{known} mm of {resolution} steps and {distance}: off by {error}");
             }
         }
     }
@@ -100,12 +100,12 @@ mod tests {
     #[test]
     fn ways_are_right_to_32_bits_at_every_resolution() {
         for resolution in [1.0, 1.5, 80.0, 93.0, 400.0, 25_600.0] {
-            let pitch = Pitch::new(StepsPerMm::from_num(resolution));
+            let scale = StepScale::new(StepsPerMm::from_num(resolution));
             for v in [-417.6, -1.0, -0.001, 0.0125, 0.3, 390.0] {
                 let exact = (v * 2f64.powi(32)).abs();
-                let way = pitch.way(Steps::from_num(v * resolution));
-                let error = (way as f64 - v * 2f64.powi(32)).abs();
-                assert!(error <= 1.5 + exact * 5e-10, "{v} mm of {resolution} steps: {way}, off by {error}");
+                let distance = scale.distance(Steps::from_num(v * resolution));
+                let error = (distance as f64 - v * 2f64.powi(32)).abs();
+                assert!(error <= 1.5 + exact * 5e-10, "{v} mm of {resolution} steps: {distance}, off by {error}");
             }
         }
     }

@@ -38,7 +38,7 @@ fn a_changed_feed_is_planned_a_few_moves_at_a_time() {
     assert!(planner.has_ready() && planner.len() > 120);
     planner.override_feed(200);
     let mut parts = 0;
-    while !planner.plan_anew() {
+    while !planner.replan() {
         parts += 1;
         let is_planned = planner.is_planned();
         assert_eq!(planner.has_ready(), is_planned, "part {parts}");
@@ -61,10 +61,10 @@ fn the_last_of_two_changes_counts() {
     let mut planner = full(&mut memory, &settings);
     planner.override_feed(300);
     for _ in 0..5 {
-        assert!(!planner.plan_anew());
+        assert!(!planner.replan());
     }
     planner.override_feed(100);
-    while !planner.plan_anew() {}
+    while !planner.replan() {}
     planner.release_all();
     assert!(leaving(&mut planner) == plan(&targets(), &settings));
 }

@@ -1,42 +1,39 @@
-//! The course: the phases of the move that is being laid as spans, and how far that has got.
+//! The current move: the phases of the move that is being laid as spans, and how far that has got.
 //!
 //! There is one, which takes up move after move where it stands: copies of it would cost as much as the move.
 
-use crate::motion::moves::Move;
+use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::trajectory::phase::{Curve, Phase, phases};
-use crate::motion::trajectory::{AXES, LONGEST, Place, Trajectory};
-use crate::units::Steps;
+use crate::motion::trajectory::{AXES, LONGEST, Position, Trajectory};
+use crate::units::{Steps, SubTicks};
 use heapless::Vec;
 
-/// From here on the 31 bits of a fraction of a move are too few for its time: 27 s, in ticks times 2^16.
-pub(in crate::motion) const LONG: u64 = 1 << 44;
-
 /// What of a move is laid.
-pub(in crate::motion) struct Course {
+pub(in crate::motion) struct CurrentMove {
     pub m: Move,
-    pub first: Place,
-    pub last: Place,
+    pub first: Position,
+    pub last: Position,
     phases: Vec<Phase, 3>,
     index: usize,
     /// Time of the present phase that is laid.
-    elapsed: u64,
-    /// The fraction of the move behind where the present phase begins.
+    elapsed: SubTicks,
+    /// The fraction of the move that is covered where the present phase begins.
     begin: u32,
-    /// The phase of the last span, the fraction of the move behind where that phase begins, and the span's begin in it.
-    laid: Option<(Phase, u32, u64)>,
+    /// The phase of the last span, the fraction of the move that is covered where that phase begins, and the span's begin in it.
+    laid: Option<(Phase, u32, SubTicks)>,
 }
 
 /// The last phase of a move.
 #[derive(Clone, Copy)]
-pub(in crate::motion) struct Tail {
+pub(in crate::motion) struct LastPhase {
     pub phase: Phase,
-    /// The fraction of the move behind where it begins.
+    /// The fraction of the move that is covered where it begins.
     pub begin: u32,
     /// Length of the move.
     pub length: u64,
 }
 
-impl Course {
+impl CurrentMove {
     /// No move.
     pub const NONE: Self = Self {
         m: Move::NONE,
@@ -44,37 +41,37 @@ impl Course {
         last: [Steps::ZERO; AXES],
         phases: Vec::new(),
         index: 0,
-        elapsed: 0,
+        elapsed: SubTicks::ZERO,
         begin: 0,
         laid: None,
     };
 
-    /// Takes up a move, which is laid between these places; its first phase is to be laid.
-    pub fn take_up(&mut self, m: &Move, (first, last): &(Place, Place)) {
+    /// Takes up a move, which is laid between these positions; its first phase is to be laid.
+    pub fn take_up(&mut self, m: &Move, (first, last): &(Position, Position)) {
         self.m = *m;
         (self.first, self.last) = (*first, *last);
         self.phases = phases(m);
-        (self.index, self.elapsed, self.begin, self.laid) = (0, 0, 0, None);
+        (self.index, self.elapsed, self.begin, self.laid) = (0, SubTicks::ZERO, 0, None);
     }
 
     /// How the move ends.
-    pub fn tail(&self) -> Option<Tail> {
+    pub fn last_phase(&self) -> Option<LastPhase> {
         let (last, before) = self.phases.split_last()?;
         let begin = before.last().map_or(0, |phase| phase.end);
-        Some(Tail { phase: *last, begin, length: self.m.length })
+        Some(LastPhase { phase: *last, begin, length: self.m.length })
     }
 
     /// Lays the next span, and says how much longer it was made than planned, in ticks times 2^16; `None` if all are
     /// laid.
-    pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> Option<u64> {
+    pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> Option<SubTicks> {
         let phase = self.phases.get(self.index).copied()?;
         let left = phase.time - self.elapsed;
         // The last two are alike, so that none is too short.
-        let time = if left <= LONGEST { left } else { LONGEST.min(left / 2) };
+        let time = if left <= LONGEST { left } else { LONGEST.min(SubTicks(left.0 / 2)) };
         let from = self.elapsed;
         let span = match phase.curve {
             _ if time == phase.time => phase,
-            Curve::Steady if phase.time >= LONG && time < left => phase.cut_evenly(self.begin, from, time),
+            Curve::Steady if phase.time >= LONG_TIME && time < left => phase.cut_evenly(self.begin, from, time),
             _ => phase.cut(self.begin, from, from + time),
         };
         let added = trajectory.least_time().saturating_sub(span.time);
@@ -82,29 +79,29 @@ impl Course {
         self.laid = Some((phase, self.begin, from));
         self.elapsed += span.time;
         if self.elapsed >= phase.time {
-            (self.index, self.elapsed, self.begin) = (self.index + 1, 0, phase.end);
+            (self.index, self.elapsed, self.begin) = (self.index + 1, SubTicks::ZERO, phase.end);
         }
         Some(added)
     }
 
     /// Cuts the last span where the first tap has got to at `time`. What is left of the move is no longer laid out.
     /// Says the phase and how much of its time has passed there; `None` if nothing of it was laid.
-    pub fn cut(&mut self, trajectory: &mut Trajectory, time: u64) -> Option<(Phase, u32, u64)> {
+    pub fn cut(&mut self, trajectory: &mut Trajectory, time: SubTicks) -> Option<(Phase, u32, SubTicks)> {
         let (phase, begin, from) = self.laid?;
         let Some(passed) = trajectory.take_back(time) else {
             // All that is laid has passed.
-            return Some((phase, begin, if self.elapsed > 0 { self.elapsed } else { phase.time }));
+            return Some((phase, begin, if self.elapsed > SubTicks::ZERO { self.elapsed } else { phase.time }));
         };
-        if passed > 0 {
+        if passed > SubTicks::ZERO {
             trajectory.lay(&self.first, &self.last, &phase.cut(begin, from, from + passed));
         }
         Some((phase, begin, from + passed))
     }
 
-    /// Goes on with another phase, from where a fraction `begin` of the move is behind.
-    pub fn turn_to(&mut self, phase: Phase, begin: u32) {
+    /// Goes on with another phase, from where a fraction `begin` of the move is covered.
+    pub fn replace_by(&mut self, phase: Phase, begin: u32) {
         self.phases = Vec::new();
         let _ = self.phases.push(phase);
-        (self.index, self.elapsed, self.begin, self.laid) = (0, 0, begin, None);
+        (self.index, self.elapsed, self.begin, self.laid) = (0, SubTicks::ZERO, begin, None);
     }
 }

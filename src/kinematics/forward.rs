@@ -71,12 +71,12 @@ pub(super) fn is_held(rows: &[Row]) -> bool {
 
 /// From N counts to x, y, z and e.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct WayBack<const N: usize> {
+pub struct ForwardKinematics<const N: usize> {
     rows: [Row; N],
     weights: Weights,
 }
 
-impl<const N: usize> WayBack<N> {
+impl<const N: usize> ForwardKinematics<N> {
     /// Of counts that say nothing: all axes are 0.
     pub const NONE: Self =
         Self { rows: [[0; 4]; N], weights: Weights { adjugate: [[0; 3]; 3], determinant: 0, filament: 0 } };

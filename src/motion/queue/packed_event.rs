@@ -1,4 +1,4 @@
-//! Words: all of a step event but its time, in 32 bits.
+//! Packed event: all of a step event but its time, in a word of 32 bits.
 
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet};
@@ -6,8 +6,8 @@ use crate::port::{EndstopSet, GroupSet};
 /// A bit for each group.
 const GROUPS: u32 = (1 << MOST_GROUPS) - 1;
 
-/// Where the groups that step begin, behind four endstops, and where the directions do. (A port that has four words for
-/// each set of groups finds them so with one instruction less.)
+/// The first bit of the groups that step, above four endstops, and the first bit of the directions. (A port that has four
+/// words for each set of groups finds them so with one instruction less.)
 const STEPS_AT: usize = 4;
 const FORWARD_AT: usize = STEPS_AT + MOST_GROUPS;
 const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::PROBE.0 == 8);
@@ -15,9 +15,9 @@ const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::PROBE.0 == 8
 /// All of an event but its time: the endstops it watches in bits 0 to 3, then the groups, directions above steps, its
 /// epoch from bit 16 on, and what is special about it.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(in crate::motion) struct Word(pub u32);
+pub(in crate::motion) struct PackedEvent(pub u32);
 
-impl Word {
+impl PackedEvent {
     /// No event, which is not a plain one either.
     pub const NONE: Self = Self(1 << 27);
     /// What a Stepper without an event holds.

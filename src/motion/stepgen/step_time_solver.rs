@@ -1,4 +1,4 @@
-//! Crossings: when a motor's position crosses from one step to the next.
+//! Step time solver: when a motor's position crosses from one step to the next.
 //!
 //! In one piece of its way a motor's position is a quadratic in time. Seen from the end of the piece where it is slower,
 //! with v the speed there, a distance of d steps is covered after
@@ -10,66 +10,72 @@
 //! D being the way of the piece and T its time, u the speed there: nothing cancels, and both ends are exact. Nothing is
 //! summed up from piece to piece, so an error cannot grow.
 //!
-//! Crossings are found by stretches of n, of which the first is computed like that and the others lie on the cubic that
-//! has the right slope 1/u at both ends of the stretch: three sums a step. Hermite's remainder, f n^4 / 384 with the
+//! Step times are found in cubic runs of n. The first time of a run is computed like that; the others lie on the cubic that
+//! has the right slope 1/u at both ends of the run: three sums a step. Hermite's remainder, f n^4 / 384 with the
 //! fourth derivative f = 120 h^3 / u^7 of the slow end, says how much that is off. With r = 4 h n / u^2, by which part u^2 changes in
-//! the stretch, that is
+//! the run, that is
 //!
 //! ```text
 //! 15 / 3072 r^3 n / u ticks
 //! ```
 //!
-//! Where that is too much a stretch is shorter, in the end of a single crossing.
+//! Where that is too much a run is shorter, in the end of a single step.
 
-use super::track::MIN_STEP_INTERVAL;
 use crate::motion::number::{root, ticks, to_f32};
+use crate::motion::ticks::MIN_STEP_INTERVAL;
 use crate::motion::trajectory::phase::Curve;
-use crate::units::Steps;
+use crate::settings::ranges::STEP_RATE;
+use crate::units::{Steps, SubTicks, TICKS_PER_SECOND};
 
 /// Where and how fast a piece begins or ends.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion) struct Edge {
+pub(in crate::motion) struct Endpoint {
     /// In ticks times 2^16.
-    pub time: u64,
+    pub time: SubTicks,
     pub position: Steps,
     /// In steps a tick.
     pub speed: f32,
 }
 
-/// Lengths of a stretch in which speed changes. They get no longer at once, for the one that is too long by a little may
+/// Lengths of a run in which speed changes. They get no longer at once, for the one that is too long by a little may
 /// well be too long by far.
 const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 
-/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a stretch of 32 sums up twice what is
+/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a run of 32 sums up twice what is
 /// rounded to half a bit of [`FINE`], and three times what is cut to a bit of [`FINER`].
 const MOST_ERROR: f32 = 0.125;
 
 /// Of the formula above, squared.
 const MOST_ROUGHNESS: f32 = (MOST_ERROR * 3072.0 / 15.0) * (MOST_ERROR * 3072.0 / 15.0);
 
-/// Bits of a tick's fraction within a stretch; and how many more there are in what is summed up twice. The change of a
-/// step's time is less than 1,000 ticks where a stretch is smooth and not too long.
+/// Bits of a tick's fraction within a run; and how many more there are in what is summed up twice. The change of a
+/// step's time is less than 1,000 ticks where a run is smooth and not too long.
 const FINE: u32 = 14;
 const FINER: u32 = 6;
 
 /// What makes of a shift by [`FINER`] bits a rounding.
 const HALF: i32 = 1 << (FINER - 1);
 
-/// A longer stretch than this, in ticks, would leave less than 32 bits can hold.
-const LONGEST_STRETCH: f32 = (1 << (31 - FINE)) as f32;
+/// A longer run than this, in ticks, would leave less than 32 bits can hold.
+const LONGEST_RUN: f32 = (1 << (31 - FINE)) as f32;
 
 /// Where steps come at most this often, in steps a tick, no two pulses can come too close to each other: rounding and
 /// interpolation take less than 2 ticks of 19.
-const SPARSE: f32 = 1.0 / (MIN_STEP_INTERVAL + 2) as f32;
+const SPARSE: f32 = 1.0 / (MIN_STEP_INTERVAL + ROUNDING) as f32;
+
+/// Ticks by which rounding and interpolation may bring two steps nearer to each other.
+const ROUNDING: u64 = 2;
+// The greatest legal step rate is sparse, so that no step of it is ever late.
+const _: () = assert!((MIN_STEP_INTERVAL + ROUNDING) * STEP_RATE as u64 <= TICKS_PER_SECOND as u64);
 
 /// A piece is steady if the change of its speed shifts no step by more than a quarter of this, in ticks.
 const LEAST_SHIFT: f32 = 0.2;
 
-/// The crossings of one piece, in order.
+/// The step times of one piece, in order.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::motion) struct Crossings {
+pub(in crate::motion) struct StepTimeSolver {
     curve: Curve,
-    /// Distance of the next crossing from the slow end: whole steps, which are counted, and the rest. A sum would lose the
+    /// Distance of the next step from the slow end: whole steps, which are counted, and the part of one. A sum would lose the
     /// digits that matter where few steps are left.
     whole: i32,
     part: f32,
@@ -80,18 +86,18 @@ pub(in crate::motion) struct Crossings {
     /// Time of the slow end from the whole tick `base`, and half a tick for rounding.
     offset: f32,
     base: u32,
-    /// Speed at the next crossing.
+    /// Speed at the next step.
     fast: f32,
-    /// How long the stretches are: an index of [`LENGTHS`].
+    /// How long the runs are: an index of [`LENGTHS`].
     level: u8,
     /// Whether two pulses may come too close to each other: it is fast, or a step is late that rounding has left over from
     /// the piece before.
     pub is_dense: bool,
 }
 
-/// Crossings in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
+/// Step times in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
 /// differences, the latter two with [`FINER`] more.
-struct Stretch {
+struct CubicRun {
     base: u32,
     at: u32,
     pace: i32,
@@ -99,8 +105,8 @@ struct Stretch {
     jerk: i32,
 }
 
-impl Stretch {
-    /// A single crossing, or several in the same tick.
+impl CubicRun {
+    /// A single step, or several in the same tick.
     fn at(base: u32, ticks: f32) -> Self {
         // Not `max`, which the target has no instruction for.
         let ticks = if ticks < 0.0 { 0.0 } else { ticks };
@@ -112,14 +118,14 @@ impl Stretch {
     #[inline(always)]
     fn write(mut self, ticks: &mut [u32]) {
         // Four at a time, which takes 6 instructions for each instead of 10.
-        let (fours, rest) = ticks.as_chunks_mut();
+        let (fours, remainder) = ticks.as_chunks_mut();
         for [first, second, third, fourth] in fours {
             *first = self.next();
             *second = self.next();
             *third = self.next();
             *fourth = self.next();
         }
-        for tick in rest {
+        for tick in remainder {
             *tick = self.next();
         }
     }
@@ -144,7 +150,7 @@ fn finer(ticks: f32) -> i32 {
     (ticks * const { (1 << (FINE + FINER)) as f32 }) as i32
 }
 
-impl Crossings {
+impl StepTimeSolver {
     /// No piece.
     pub const NONE: Self = Self {
         curve: Curve::Steady,
@@ -159,9 +165,9 @@ impl Crossings {
         is_dense: true,
     };
 
-    /// The crossings between `from` and `to`, the first of which is at `first`; between them the direction does not
+    /// The step times between `from` and `to`, the first of which is at `first`; between them the direction does not
     /// change.
-    pub fn new(from: &Edge, to: &Edge, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
+    pub fn new(from: &Endpoint, to: &Endpoint, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
         let distance = |from: Steps, to: Steps| {
             if is_forward { to.wrapping_sub(from) } else { from.wrapping_sub(to) }
         };
@@ -177,8 +183,8 @@ impl Crossings {
             None => (even, v0.min(v1) * time),
         };
         let gain = way - covered;
-        let begin = ((from.time & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
-        let piece = Self { base: (from.time >> 16) as u32, offset: begin, ..Self::NONE };
+        let begin = ((from.time.0 & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
+        let piece = Self { base: from.time.whole_ticks() as u32, offset: begin, ..Self::NONE };
         if gain * time < LEAST_SHIFT * way {
             return Self { slow: time / way, is_dense: way > time * SPARSE, ..piece }
                 .seen_from_slow_end(distance(from.position, first));
@@ -193,7 +199,7 @@ impl Crossings {
         }
     }
 
-    /// The first crossing is so far from the slow end.
+    /// The first step is so far from the slow end.
     fn seen_from_slow_end(self, distance: Steps) -> Self {
         let bits = distance.to_bits();
         let part = ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 };
@@ -207,39 +213,39 @@ impl Crossings {
         self.slow * self.slow + 4.0 * (self.rise * distance)
     }
 
-    /// All crossings at once.
-    pub fn at_once(time: u64) -> Self {
-        Self { base: (time >> 16) as u32, offset: 0.5, ..Self::NONE }
+    /// All steps at once.
+    pub fn at_once(time: SubTicks) -> Self {
+        Self { base: time.whole_ticks() as u32, offset: 0.5, ..Self::NONE }
     }
 
-    /// The ticks of the next crossings; there may be more of them than the piece has.
+    /// The ticks of the next step times; there may be more of them than the piece has.
     pub fn fill(&mut self, ticks: &mut [u32]) {
         let mut left = ticks;
         while !left.is_empty() {
-            let (stretch, count) = match self.curve {
+            let (run, count) = match self.curve {
                 Curve::Steady => self.steady(left.len()),
                 Curve::Speeding | Curve::Slowing => self.curved(left.len()),
             };
-            let Some((now, behind)) = left.split_at_mut_checked(count) else { return };
-            stretch.write(now);
-            left = behind;
+            let Some((now, following)) = left.split_at_mut_checked(count) else { return };
+            run.write(now);
+            left = following;
         }
     }
 
-    /// The next stretch where all steps take the same time, and how long it is.
-    fn steady(&mut self, most: usize) -> (Stretch, usize) {
+    /// The next run where all steps take the same time, and how long it is.
+    fn steady(&mut self, most: usize) -> (CubicRun, usize) {
         let at = self.offset + (self.whole as f32 + self.part) * self.slow;
         let mut count = if at < 0.0 { 1 } else { most };
-        while count > 1 && self.slow * count as f32 >= LONGEST_STRETCH {
+        while count > 1 && self.slow * count as f32 >= LONGEST_RUN {
             count /= 2;
         }
         self.is_dense |= at < 0.0;
         self.whole += count as i32;
-        (Stretch { pace: fine(self.slow), ..Stretch::at(self.base, at) }, count)
+        (CubicRun { pace: fine(self.slow), ..CubicRun::at(self.base, at) }, count)
     }
 
-    /// The next stretch where speed changes, and how long it is.
-    fn curved(&mut self, most: usize) -> (Stretch, usize) {
+    /// The next run where speed changes, and how long it is.
+    fn curved(&mut self, most: usize) -> (CubicRun, usize) {
         let distance = self.whole as f32 + self.part;
         let fast = self.fast;
         let from_slow_end = if distance > 0.0 { (distance + distance) / (self.slow + fast) } else { 0.0 };
@@ -250,7 +256,7 @@ impl Crossings {
         self.is_dense |= !is_within;
         self.whole += if is_slowing { -(count as i32) } else { count as i32 };
         self.fast = root(self.square(self.whole as f32 + self.part));
-        let single = Stretch::at(self.base, at);
+        let single = CubicRun::at(self.base, at);
         if count == 1 {
             return (single, 1);
         }
@@ -264,10 +270,10 @@ impl Crossings {
         let cube = change * gain * (share * share);
         let pace = mean + change * self.fast + (square + cube);
         let jerk = 6.0 * cube;
-        (Stretch { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
+        (CubicRun { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
     }
 
-    /// How long the next stretch can be, which begins at a distance from the slow end.
+    /// How long the next run can be, which begins at a distance from the slow end.
     fn length(&mut self, distance: f32, most: usize) -> usize {
         let length = |level: u8| LENGTHS.get(usize::from(level)).copied();
         let mut long = length(self.level).unwrap_or(1);
@@ -286,7 +292,7 @@ impl Crossings {
         most.min(long)
     }
 
-    /// Whether a cubic does for so many crossings.
+    /// Whether a cubic does for so many solver.
     fn is_smooth(&self, distance: f32, count: usize) -> bool {
         let count = count as f32;
         let slowest = self.square(if self.curve == Curve::Slowing { distance - count } else { distance });
@@ -294,7 +300,7 @@ impl Crossings {
         let error = rough * rough * rough * count;
         slowest > 0.0
             && error * error <= MOST_ROUGHNESS * slowest
-            && count * count < LONGEST_STRETCH * LONGEST_STRETCH * slowest
+            && count * count < LONGEST_RUN * LONGEST_RUN * slowest
     }
 }
 
@@ -307,20 +313,20 @@ mod tests {
     /// Where it begins: not at a whole tick, and shortly before ticks of 32 bits wrap.
     const BEGIN: u64 = ((1 << 32) - 1000) << 16 | 0x5555;
 
-    /// All crossings of a way from 0 with these speeds, and when they should be.
-    fn crossings(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
+    /// All step times of a way from 0 with these speeds, and when they should be.
+    fn step_times(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
         let way = (v0 + v1) / 2.0 * time;
-        let edge = |time: u64, position: f64, speed: f64| Edge {
-            time,
+        let endpoint = |time: u64, position: f64, speed: f64| Endpoint {
+            time: SubTicks(time),
             position: Steps::from_num(sign * position),
             speed: (sign * speed) as f32,
         };
-        let (from, to) = (edge(BEGIN, 0.0, v0), edge(BEGIN + (time * 65536.0) as u64, way, v1));
-        let mut crossings = Crossings::new(&from, &to, Steps::from_num(sign * 0.5), sign > 0.0, None);
+        let (from, to) = (endpoint(BEGIN, 0.0, v0), endpoint(BEGIN + (time * 65536.0) as u64, way, v1));
+        let mut solver = StepTimeSolver::new(&from, &to, Steps::from_num(sign * 0.5), sign > 0.0, None);
         let count = (way + 0.5) as usize;
         let mut ticks = vec![0; count];
-        for ticks in ticks.chunks_mut(crate::motion::stepgen::ahead::MOST) {
-            crossings.fill(ticks);
+        for ticks in ticks.chunks_mut(crate::motion::stepgen::step_time_buffer::MOST) {
+            solver.fill(ticks);
         }
         let rise = 2.0 * (v1 - v0) / time;
         let exact = |i: usize| {
@@ -337,13 +343,13 @@ mod tests {
             for fast in [0.000_2, 0.001, 0.004, 0.02, 0.05] {
                 for slow in [0.0, 0.01, 0.3, 0.9, 0.999, 1.0] {
                     for (v0, v1) in [(slow * fast, fast), (fast, slow * fast)] {
-                        let (ticks, exact) = crossings(v0, v1, time, 1.0);
+                        let (ticks, exact) = step_times(v0, v1, time, 1.0);
                         for (tick, exact) in ticks.iter().zip(exact) {
                             let error = f64::from(tick.wrapping_sub(exact as u64 as u32).cast_signed()) - exact.fract();
                             worst = worst.max(error.abs());
                             count += 1;
                         }
-                        assert_eq!(ticks, crossings(v0, v1, time, -1.0).0, "backward as forward");
+                        assert_eq!(ticks, step_times(v0, v1, time, -1.0).0, "backward as forward");
                     }
                 }
             }
@@ -356,14 +362,18 @@ mod tests {
     #[test]
     fn a_step_that_is_left_over_comes_at_once() {
         for (v0, v1) in [(0.001, 0.001), (0.0, 0.002), (0.002, 0.0), (0.001, 0.002), (0.002, 0.001)] {
-            let from = Edge { time: 1000 << 16, position: Steps::ZERO, speed: v0 };
-            let to = Edge { time: 101_000 << 16, position: Steps::from_num((v0 + v1) * 50_000.0), speed: v1 };
-            let mut crossings = Crossings::new(&from, &to, Steps::from_num(-0.01), true, None);
+            let from = Endpoint { time: SubTicks::of_ticks(1000), position: Steps::ZERO, speed: v0 };
+            let to = Endpoint {
+                time: SubTicks::of_ticks(101_000),
+                position: Steps::from_num((v0 + v1) * 50_000.0),
+                speed: v1,
+            };
+            let mut solver = StepTimeSolver::new(&from, &to, Steps::from_num(-0.01), true, None);
             let mut ticks = [0; 4];
-            crossings.fill(&mut ticks);
+            solver.fill(&mut ticks);
             assert_eq!(ticks[0], 1000, "{v0} to {v1}");
             assert!(ticks.is_sorted() && ticks[1] > 1000 && ticks[3] < 101_000, "{ticks:?}");
-            assert!(crossings.is_dense);
+            assert!(solver.is_dense);
         }
     }
 
@@ -371,13 +381,17 @@ mod tests {
     fn where_steps_are_dense_it_says_so() {
         for (speed, is_dense) in [(0.04, false), (0.0526, false), (0.0527, true), (0.2, true)] {
             for slow in [speed, speed / 2.0] {
-                let to = Edge {
-                    time: 100_000 << 16,
+                let to = Endpoint {
+                    time: SubTicks::of_ticks(100_000),
                     position: Steps::from_num((slow + speed) * 50_000.0),
                     speed: speed as f32,
                 };
-                let from = Edge { time: 0, position: Steps::ZERO, speed: slow as f32 };
-                assert_eq!(Crossings::new(&from, &to, Steps::ZERO, true, None).is_dense, is_dense, "{slow} to {speed}");
+                let from = Endpoint { time: SubTicks::ZERO, position: Steps::ZERO, speed: slow as f32 };
+                assert_eq!(
+                    StepTimeSolver::new(&from, &to, Steps::ZERO, true, None).is_dense,
+                    is_dense,
+                    "{slow} to {speed}"
+                );
             }
         }
     }

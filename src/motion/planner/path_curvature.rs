@@ -1,11 +1,11 @@
-//! The trend of the path: how it turns over more than one corner.
+//! The curvature of the path: how it turns over more than one corner.
 //!
-//! A curve that is cut finely is a row of corners each of which is harmless. Two things are kept of the path behind, at a cost
+//! A curve that is cut finely is a row of corners each of which is harmless. Two things are kept of the path so far, at a cost
 //! that depends neither on the chords nor on the curve:
 //!
 //! - **The curvature**, for curves that go on. The direction is averaged with weights that fall by e over the distance l, for
-//!   five distances each twice as long as the one before. On a circle of the radius r such a mean lags behind the direction by
-//!   l/r, and the mean over 2 l lags behind the mean over l by l/r again, whatever the chords: what two neighbours differ by is
+//!   five distances each twice as long as the one before. On a circle of the radius r such a mean lags the direction by
+//!   l/r, and the mean over 2 l lags the mean over l by l/r again, whatever the chords: what two neighbours differ by is
 //!   what the path turns by over l. Short distances see small curves, long ones see through rounded coordinates: a point
 //!   that is off by p turns a mean over l by p/l at most, so that much of each difference is no bend.
 //! - **The lead**, for what is over too soon for that. A velocity that changes by no more than the acceleration allows follows
@@ -22,13 +22,13 @@ const REACH: f32 = 1.28;
 /// Distances: the shortest is 0.08 mm, of which [`ROUNDING`] is less than a hundredth. What turns within less shows as a lead.
 const SCALES: usize = 5;
 
-/// By how much coordinates are off, in mm: thousandths of a millimetre put a point up to 0.0007 mm off its place, and a mean
+/// By how much coordinates are off, in mm: thousandths of a millimetre put a point up to 0.0007 mm off, and a mean
 /// knows several points.
 const ROUNDING: f32 = 0.0006;
 
-/// How the path turns behind its last corner.
+/// How the path has turned up to its last corner, that one included.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::motion) struct Trend {
+pub(in crate::motion) struct PathCurvature {
     /// Mean directions less the direction, from the longest distance to the shortest.
     means: [[f32; 3]; SCALES],
     /// The lead.
@@ -48,8 +48,8 @@ pub(in crate::motion) struct Bend {
     pub curvature: f32,
 }
 
-impl Trend {
-    /// The lead behind a corner that turns the direction by `turn`.
+impl PathCurvature {
+    /// The lead after a corner that turns the direction by `turn`.
     #[inline(always)]
     pub const fn lead_with(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let [lead_x, lead_y, lead_z] = self.lead;
@@ -73,7 +73,7 @@ impl Trend {
 
     /// The path turns by `turn` and goes on straight for `length` mm: how it bends there.
     #[inline(always)]
-    pub fn follow(&mut self, [turn_x, turn_y, turn_z]: [f32; 3], length: f32) -> Bend {
+    pub fn advance(&mut self, [turn_x, turn_y, turn_z]: [f32; 3], length: f32) -> Bend {
         let x = length * const { 1.0 / REACH };
         // e to the power of -x, so far as it matters. Over half the distance it is the square of that.
         let mut left = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x * (const { 1.0 / 6.0 } + x * const { 1.0 / 24.0 }))));
@@ -106,9 +106,9 @@ mod tests {
     use super::*;
 
     /// A chord at `angle`, after one at `before`.
-    fn follow(trend: &mut Trend, before: f64, angle: f64, length: f64) -> Bend {
+    fn follow(curvature: &mut PathCurvature, before: f64, angle: f64, length: f64) -> Bend {
         let turn = [angle.cos() - before.cos(), angle.sin() - before.sin(), 0.0];
-        trend.follow(turn.map(|v| v as f32), length as f32)
+        curvature.advance(turn.map(|v| v as f32), length as f32)
     }
 
     #[test]
@@ -120,11 +120,11 @@ mod tests {
                 if chord > 0.3 * radius {
                     continue;
                 }
-                let (mut trend, mut bend, mut angle) = (Trend::default(), Bend::default(), 0.0);
+                let (mut curvature, mut bend, mut angle) = (PathCurvature::default(), Bend::default(), 0.0);
                 for _ in 0..(8.0 / chord) as u32 {
                     // Chords of two lengths by turns: a third, and two thirds.
                     for part in [1.0 / 3.0, 2.0 / 3.0] {
-                        bend = follow(&mut trend, angle, angle + 0.5 * chord / radius, chord * part);
+                        bend = follow(&mut curvature, angle, angle + 0.5 * chord / radius, chord * part);
                         angle += 0.5 * chord / radius;
                     }
                 }
@@ -136,20 +136,20 @@ mod tests {
 
     #[test]
     fn time_takes_the_lead_away() {
-        let mut trend = Trend::default();
-        trend.follow_lead(trend.lead_with([0.3, 0.4, 0.0]), 0.5, 0.25);
-        assert_eq!((trend.lead_with([0.1, -0.2, 0.0]), trend.greatest_lead()), ([0.25, 0.0, 0.0], 0.25));
+        let mut curvature = PathCurvature::default();
+        curvature.follow_lead(curvature.lead_with([0.3, 0.4, 0.0]), 0.5, 0.25);
+        assert_eq!((curvature.lead_with([0.1, -0.2, 0.0]), curvature.greatest_lead()), ([0.25, 0.0, 0.0], 0.25));
         // There and back: it was far off a moment ago.
-        trend.follow_lead([0.0; 3], 0.0, 0.125);
-        assert_eq!((trend.lead_with([0.0; 3]), trend.greatest_lead()), ([0.0; 3], 0.125));
-        trend.follow_lead(trend.lead_with([0.0; 3]), 0.0, 0.5);
-        assert_eq!(trend.greatest_lead(), 0.0);
+        curvature.follow_lead([0.0; 3], 0.0, 0.125);
+        assert_eq!((curvature.lead_with([0.0; 3]), curvature.greatest_lead()), ([0.0; 3], 0.125));
+        curvature.follow_lead(curvature.lead_with([0.0; 3]), 0.0, 0.5);
+        assert_eq!(curvature.greatest_lead(), 0.0);
     }
 
     #[test]
     fn a_long_way_is_straight_whatever_was_before() {
-        let mut trend = Trend::default();
-        let bend = follow(&mut trend, 0.7, 3.0, 10.0);
+        let mut curvature = PathCurvature::default();
+        let bend = follow(&mut curvature, 0.7, 3.0, 10.0);
         // 3 m/s2 are no limit to it: 380 mm/s.
         assert!(bend.curvature < 0.02, "{bend:?}");
     }
@@ -157,12 +157,12 @@ mod tests {
     #[test]
     fn what_rounding_makes_is_no_bend() {
         for chord in [0.02, 0.05, 0.1, 0.2] {
-            let (mut trend, mut before) = (Trend::default(), 0.0);
+            let (mut curvature, mut before) = (PathCurvature::default(), 0.0);
             let mut most = 0f32;
             for i in 0..500 {
                 // Off by half a thousandth to either side in x and y.
                 let angle = if i % 2 == 0 { 0.0014 / chord } else { -0.0014 / chord };
-                let bend = follow(&mut trend, before, angle, chord);
+                let bend = follow(&mut curvature, before, angle, chord);
                 (before, most) = (angle, most.max(bend.curvature));
             }
             // 200 mm/s with 3 m/s2.

@@ -1,0 +1,211 @@
+//! Step time buffer: the ticks of a motor group's next steps, as far as they are known.
+
+use super::step_time_solver::StepTimeSolver;
+use crate::motion::queue::StepTimes;
+use crate::motion::ticks::{MIN_STEP_INTERVAL, is_before, later};
+
+/// Slots for ticks, a power of two: 0.5 KiB a group. With 32 an event takes 13 instructions more, for merging
+/// stops most often because the known steps of one group end.
+const SLOTS: usize = 128;
+const _: () = assert!(SLOTS.is_power_of_two());
+
+/// Most steps that are found at once.
+pub(in crate::motion) const MOST: usize = SLOTS - 1;
+
+/// The next steps of a group.
+pub(in crate::motion) struct StepTimeBuffer {
+    /// The first tick at which nothing is known.
+    known_until: u32,
+    /// The ticks of steps that were made, then of steps to come, and after them `known_until`.
+    ticks: [u32; SLOTS],
+    /// The slot of the next step, and the slot after the last one.
+    next: usize,
+    end: usize,
+    /// When the first step may come at the earliest.
+    earliest: u32,
+}
+
+/// Steps being made, in order.
+pub(in crate::motion) struct StepTimeReader<'a> {
+    ticks: &'a [u32; SLOTS],
+    /// The slot of the next one.
+    next: usize,
+    /// When the next one comes; after the last, from when on nothing is known.
+    pub tick: u32,
+}
+
+impl StepTimeReader<'_> {
+    /// The next one is made; there must be one.
+    #[inline(always)]
+    pub fn advance(&mut self) {
+        self.next += 1;
+        self.tick = self.ticks[self.next % SLOTS];
+    }
+
+    /// Where the next one stands.
+    pub const fn reached(&self) -> usize {
+        self.next
+    }
+}
+
+impl StepTimes for StepTimeReader<'_> {
+    #[inline(always)]
+    fn tick(&self) -> u32 {
+        self.tick
+    }
+
+    #[inline(always)]
+    fn advance_by(&mut self, count: usize) {
+        self.next += count;
+        self.tick = self.ticks[self.next % SLOTS];
+    }
+
+    #[inline(always)]
+    fn following(&self) -> &[u32] {
+        self.ticks.split_at((self.next + 1).min(SLOTS)).1
+    }
+}
+
+impl StepTimeBuffer {
+    /// No steps, and nothing is known.
+    pub const NONE: Self = Self { known_until: 0, ticks: [0; SLOTS], next: 0, end: 0, earliest: 0 };
+
+    /// The same from a tick on.
+    pub const fn at(now: u32) -> Self {
+        Self { known_until: now, earliest: now, ..Self::NONE }
+    }
+
+    /// The tick at which the next step comes; if none is left, from which on nothing is known.
+    pub const fn tick(&self) -> u32 {
+        self.ticks[self.next % SLOTS]
+    }
+
+    /// The tick from which on nothing is known.
+    pub const fn known_until(&self) -> u32 {
+        self.known_until
+    }
+
+    /// How many steps are left.
+    pub const fn left(&self) -> usize {
+        self.end - self.next
+    }
+
+    /// Its steps, to be made.
+    pub fn steps(&self) -> StepTimeReader<'_> {
+        StepTimeReader { ticks: &self.ticks, next: self.next, tick: self.tick() }
+    }
+
+    /// So many steps were made since it was filled.
+    pub fn advance_to(&mut self, reached: usize) {
+        self.next = reached;
+    }
+
+    /// Drops the steps that are left. Nothing is known from a tick on.
+    pub fn clear(&mut self, until: u32) {
+        self.earliest = self.earliest();
+        (self.next, self.end) = (0, 0);
+        self.known_until = until;
+        self.ticks[0] = until;
+    }
+
+    /// Drops the steps that are left, and begins again at a tick.
+    pub fn begin(&mut self, tick: u32) {
+        self.clear(tick);
+        if is_before(self.earliest, tick) {
+            self.earliest = tick;
+        }
+    }
+
+    /// Fills it with as many of the next `left` steps as come before a tick, if there are so many slots. How many there
+    /// are, and whether more may come before that tick.
+    pub fn fill(&mut self, solver: &mut StepTimeSolver, left: u32, end_tick: u32) -> (u32, bool) {
+        self.clear(end_tick);
+        let wanted = (left as usize).min(MOST);
+        let Some(ticks) = self.ticks.get_mut(..wanted) else { return (0, false) };
+        solver.fill(ticks);
+        if solver.is_dense || ticks.first().is_some_and(|first| is_before(*first, self.earliest)) {
+            let mut earliest = self.earliest;
+            for tick in &mut *ticks {
+                *tick = later(*tick, earliest);
+                earliest = after(*tick);
+            }
+        }
+        // Steps on the boundary between two pieces belong to the later one, where they meet those of other groups.
+        let mut count = wanted;
+        let mut last = end_tick;
+        while let Some(tick) = count.checked_sub(1).and_then(|last| ticks.get(last)) {
+            if is_before(*tick, end_tick) {
+                last = *tick;
+                break;
+            }
+            count -= 1;
+        }
+        let is_over = count < MOST || count as u32 == left;
+        self.end = count;
+        self.known_until = if is_over { end_tick } else { last.wrapping_add(1) };
+        self.ticks[count % SLOTS] = self.known_until;
+        (count as u32, is_over)
+    }
+
+    /// When the next step may come at the earliest.
+    fn earliest(&self) -> u32 {
+        self.next.checked_sub(1).map_or(self.earliest, |last| after(self.ticks[last % SLOTS]))
+    }
+}
+
+/// The first tick at which another pulse may follow one.
+const fn after(tick: u32) -> u32 {
+    tick.wrapping_add(MIN_STEP_INTERVAL as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::units::SubTicks;
+    use std::vec::Vec;
+
+    fn all(buffer: &StepTimeBuffer) -> Vec<u32> {
+        let mut steps = buffer.steps();
+        let next = |_| {
+            let tick = steps.tick;
+            steps.advance();
+            tick
+        };
+        (0..=buffer.left()).map(next).collect()
+    }
+
+    #[test]
+    fn steps_that_are_late_come_one_after_the_other() {
+        let mut buffer = StepTimeBuffer::NONE;
+        let mut solver = StepTimeSolver::at_once(SubTicks::of_ticks(1000));
+        buffer.begin(1000);
+        assert_eq!(buffer.fill(&mut solver, 3, 5000), (3, true));
+        assert_eq!(all(&buffer), [1000, 1017, 1034, 5000]);
+        // Two are made, the third is given up: the next pulse keeps its distance from the second one.
+        buffer.advance_to(2);
+        buffer.begin(1012);
+        assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1012)), 1, 5000), (1, true));
+        assert_eq!(all(&buffer), [1034, 5000]);
+    }
+
+    #[test]
+    fn steps_at_the_end_are_left_to_what_comes_behind() {
+        let mut buffer = StepTimeBuffer::NONE;
+        buffer.begin(1000);
+        assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1000)), 9, 1051), (3, true));
+        assert_eq!(all(&buffer), [1000, 1017, 1034, 1051]);
+    }
+
+    #[test]
+    fn it_is_filled_again_where_it_ended() {
+        let mut buffer = StepTimeBuffer::NONE;
+        let mut solver = StepTimeSolver::at_once(SubTicks::ZERO);
+        let most = MOST as u32;
+        assert_eq!(buffer.fill(&mut solver, most + 1, 5000), (most, false));
+        assert_eq!(buffer.known_until(), 17 * most - 16, "a tick after the last");
+        buffer.advance_to(MOST);
+        assert_eq!(buffer.fill(&mut solver, 1, 5000), (1, true));
+        assert_eq!(all(&buffer), [17 * most, 5000]);
+    }
+}

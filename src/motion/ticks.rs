@@ -1,0 +1,31 @@
+//! Ticks: how 32-bit ticks of motion time are compared, and how near to each other steps may come.
+//!
+//! Motion time counts ticks of 0.1 us and wraps after 429 s, so ticks are compared by their difference.
+
+/// Between the ticks of two pulses of a motor there are at least so many: 1.7 us. Motion at legal speeds is less dense
+/// (2 us); a motor that reverses within half a step can come near it.
+pub const MIN_STEP_INTERVAL: u64 = 17;
+
+/// A group that rests is known to rest for so many ticks from now: 3 s, far longer than the longest span.
+pub(in crate::motion) const FAR: u32 = 1 << 25;
+
+/// Less than [`FAR`]: until when a group rests is only looked at when the end of that rest is so near. Time passes in events
+/// of so many ticks where motors are under way for longer without a step.
+pub(in crate::motion) const NEAR: u32 = FAR / 2;
+
+/// Whether a tick comes before another.
+#[inline(always)]
+pub(in crate::motion) const fn is_before(a: u32, b: u32) -> bool {
+    (a.wrapping_sub(b) as i32) < 0
+}
+
+/// The earlier of two ticks.
+#[inline(always)]
+pub(in crate::motion) const fn earlier(a: u32, b: u32) -> u32 {
+    if is_before(a, b) { a } else { b }
+}
+
+/// The later of two ticks.
+pub(in crate::motion) const fn later(a: u32, b: u32) -> u32 {
+    if is_before(a, b) { b } else { a }
+}

@@ -1,0 +1,31 @@
+//! Work: what the Console puts into the MoveQueue for the generator.
+
+use super::moves::Move;
+use super::trajectory::{Stiffening, Taps};
+use crate::units::{Steps, SubTicks};
+
+/// One entry of the MoveQueue.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Work {
+    /// A move.
+    Move(Move),
+    /// Time without motion, in ticks times 2^16.
+    Dwell(SubTicks),
+    /// At rest: from now on an axis follows these taps. The advance, axis 4, is what its taps differ by.
+    Follow(u8, Taps),
+    /// At rest: from now on an axis rings like that.
+    Stiffen(u8, Stiffening),
+    /// Without motion: here is where the machine stands, in steps of x, y, z and e.
+    Position([Steps; 4]),
+}
+
+/// Work, and the epoch to which it belongs.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Entry {
+    /// The epoch in which it was queued.
+    pub epoch: u8,
+    /// What to do.
+    pub work: Work,
+}
+
+const _: () = assert!(core::mem::size_of::<Entry>() <= 104);
