@@ -4,16 +4,16 @@ use crate::driver::Drivers;
 use crate::gcode;
 use crate::kinematics::Groups;
 use crate::machine::commands::clamps::Clamps;
-use crate::machine::commands::pause::Wait;
+use crate::machine::commands::pauses::Wait;
 use crate::machine::commands::retraction::Retraction;
-pub use crate::machine::halted::Restart;
-use crate::machine::hosts::{Asked, Hosts, Text};
-use crate::machine::modal::Modal;
+pub use crate::machine::hosts::halted::Restart;
+use crate::machine::hosts::serving::{Asked, Hosts, Text};
 use crate::machine::ports::Devices;
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::reports::answer::{Answer, Progress};
-use crate::machine::soft_endstops::Homed;
-use crate::machine::stream::flow::Flow;
+use crate::machine::state::modal::Modal;
+use crate::machine::state::soft_endstops::Homed;
+use crate::machine::stream::release_policy::ReleasePolicy;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
@@ -45,7 +45,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) hosts: Hosts<P::Serial>,
     pub(super) link: Link<'m, W>,
     pub(super) planner: Planner<'m>,
-    pub(super) flow: Flow,
+    pub(super) policy: ReleasePolicy,
     /// There is more to do at once: the next turn is wanted before anything happens.
     pub(super) comes_again: bool,
     /// How far the present answer has been written.
@@ -107,7 +107,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             hosts: Hosts::new(serial, now),
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
-            flow: Flow::new(),
+            policy: ReleasePolicy::new(),
             comes_again: false,
             telling: Progress::default(),
             settings,
@@ -214,7 +214,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     fn activity(&self) -> Activity {
         if self.has_motion() {
             Activity::Moving
-        } else if !self.flow.has_waited() {
+        } else if !self.policy.has_waited() {
             Activity::Resting
         } else if self.is_paused {
             Activity::Paused

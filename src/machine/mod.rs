@@ -6,13 +6,11 @@
 
 mod commands;
 mod console;
-mod halted;
 mod hosts;
-mod modal;
 mod ports;
 mod power;
 mod reports;
-mod soft_endstops;
+mod state;
 mod stream;
 
 pub use console::{Console, PortSet, Ports, Restart};

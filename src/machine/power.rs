@@ -3,7 +3,7 @@
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::machine::console::{Console, Interrupt, PortSet};
 use crate::machine::reports::answer::Answer;
-use crate::machine::soft_endstops::Homed;
+use crate::machine::state::soft_endstops::Homed;
 use crate::port::{Clock, Motor, MotorSet, Pend};
 
 /// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so

@@ -3,8 +3,8 @@
 use super::shaping::{nearest, shortest};
 use crate::gcode::Number;
 use crate::machine::console::{Console, Interrupt, PortSet};
-use crate::machine::modal::{Modal, to_thousandth};
 use crate::machine::reports::answer::Answer;
+use crate::machine::state::modal::{Modal, to_thousandth};
 use crate::port::Pend;
 use crate::settings::{Range, ranges};
 use crate::units::{Mm, MmPerSec};

@@ -1,15 +1,15 @@
 //! Every command, in one match that has an arm for each: a new command does not compile before it is decided what it
 //! does. Arms that await take their time (motion, power, storage, questions), the others are done at once.
 
-use super::arc::{Arc, Shape, join, split};
+use super::arcs::arc::{Arc, Shape, join, split};
 use super::drivers::DriverValue;
+use super::settings::set::CornerWords;
 use super::shaping::ShaperWords;
-use super::tuning::CornerWords;
 use crate::gcode::{ArcShape, AxisFlags, AxisWords, Command, Number};
 use crate::machine::console::{Console, Interrupt, PortSet};
-use crate::machine::modal::{FARTHEST, PERCENT, Wanted};
+use crate::machine::hosts::schedule::Report;
 use crate::machine::reports::answer::Answer;
-use crate::machine::reports::autoreport::Report;
+use crate::machine::state::modal::{FARTHEST, PERCENT, Wanted};
 use crate::motion::Work;
 use crate::port::{Clock, MotorSet, Pend};
 use crate::units::{Mm, TICKS_PER_MS, part_of};

@@ -3,7 +3,7 @@
 //! X and Y both mean the four belt motors, which have one set of settings. A change reaches the drivers of motors
 //! with power within a second, in the background and without stopping the motion; the others before they get it.
 
-use super::setting::exact;
+use super::settings::shown::exact;
 use crate::gcode::{AxisFlags, AxisWords, Number};
 use crate::machine::console::{Console, Interrupt, PortSet};
 use crate::machine::reports::answer::Answer;

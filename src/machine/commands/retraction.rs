@@ -3,7 +3,7 @@
 //! The program knows nothing of it: what it commands goes on meaning the same, and the machine stays away from it by
 //! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
 
-use super::setting::Setting;
+use super::settings::shown::Setting;
 use crate::gcode::Number;
 use crate::machine::console::{Console, Interrupt, PortSet};
 use crate::machine::reports::answer::Answer;

@@ -1,7 +1,7 @@
 //! Shaping: input shapers and pressure advance as lines set them, and what the step generator is told of them.
 
 use super::clamps::Clamps;
-use super::setting::Setting;
+use super::settings::shown::Setting;
 use crate::gcode::{AxisFlags, Number};
 use crate::machine::console::{Console, Interrupt, PortSet};
 use crate::machine::reports::answer::Answer;

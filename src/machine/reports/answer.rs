@@ -11,8 +11,8 @@ use crate::driver::Fault;
 use crate::gcode::{Flaw, Form};
 use crate::machine::commands::clamps::Clamp;
 use crate::machine::commands::drivers::DriverValue;
-use crate::machine::commands::setting::Setting;
-use crate::machine::commands::settings_storage::StorageNews;
+use crate::machine::commands::settings::shown::Setting;
+use crate::machine::commands::settings::stored::StorageNews;
 use crate::machine::commands::shaping::shortest;
 use crate::machine::console::{Console, Interrupt, PortSet};
 use crate::port::{EndstopSet, Pend};
@@ -196,7 +196,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Answer::FlowPercent => {
                 let percent = self.modal.flow_percent;
-                self.say(format_args!("echo:E0 Flow: {percent}%"));
+                self.say(format_args!("echo:E0 ReleasePolicy: {percent}%"));
             }
             Answer::DebugFlags => {
                 let flags = if self.modal.dry_run { "DRYRUN" } else { "off" };

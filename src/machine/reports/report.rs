@@ -2,7 +2,7 @@
 
 use crate::kinematics::Groups;
 use crate::machine::console::{Console, PortSet};
-use crate::machine::soft_endstops::Homed;
+use crate::machine::state::soft_endstops::Homed;
 use crate::motors::MOST_GROUPS;
 use crate::port::{DriverBus as _, EndstopSet, Pend};
 use crate::status::{Late, Overload};

@@ -1,11 +1,11 @@
 //! The Console's dealings with motion: planning moves, waiting for them, stopping them.
 
-use super::flow::{GATHERED, Release};
+use super::release_policy::{GATHERED, Release};
 use crate::kinematics::count_at;
 use crate::machine::console::{Console, Interrupt, PortSet};
-use crate::machine::modal::FARTHEST;
 use crate::machine::reports::answer::Answer;
-use crate::machine::soft_endstops::clamp;
+use crate::machine::state::modal::FARTHEST;
+use crate::machine::state::soft_endstops::clamp;
 use crate::motion::{Target, Work};
 use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, EndstopSet, Pend};
@@ -46,7 +46,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.power(motors).await?;
         }
         while !self.has_room() {
-            self.flow.fill();
+            self.policy.fill();
             if !self.planner.plan_anew() {
                 self.comes_again = true;
             } else if !self.planner.has_room() && !self.planner.has_ready() {
@@ -63,7 +63,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         // The stream may have run dry in these turns too.
         self.note_follower();
         self.planner.push(&target, &self.settings);
-        self.flow.note_news();
+        self.policy.note_news();
         self.note_path();
         Ok(())
     }
@@ -80,15 +80,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// A move is about to be added. If one has left that would have been faster with it, the host was too slow.
     fn note_follower(&mut self) {
-        if self.flow.add(self.ports.clock.now()) {
+        if self.policy.add(self.ports.clock.now()) {
             self.link.status().count_underrun();
         }
     }
 
     /// Slows down for a stream that has run dry and goes on. How long moves last is known when all of them are planned.
     pub(in crate::machine) fn follow_stream(&mut self) {
-        if !self.flow.is_steady() && self.planner.is_planned() {
-            let share = self.flow.share(self.planner.waiting(), self.link.left());
+        if !self.policy.is_steady() && self.planner.is_planned() {
+            let share = self.policy.share(self.planner.waiting(), self.link.left());
             self.planner.take_share(share);
         }
     }
@@ -103,7 +103,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.turn_again().await?;
         }
         self.planner.override_feed(percent);
-        self.flow.note_news();
+        self.policy.note_news();
         Ok(())
     }
 
@@ -118,10 +118,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.link.left();
         let level = (self.planner.len() + self.link.level()) as u32;
         self.link.status().set_level(level);
-        if self.flow.is_level_telling() {
+        if self.policy.is_level_telling() {
             self.link.status().note_level(level);
         }
-        if self.flow.is_gathering() {
+        if self.policy.is_gathering() {
             self.comes_again |= self.begin_motion();
             return;
         }
@@ -134,13 +134,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if !self.link.has_room() {
             return false;
         }
-        let release = self.flow.release(self.link.level(), self.link.left());
+        let release = self.policy.release(self.link.level(), self.link.left());
         if release == Release::Nothing {
             return false;
         }
         if self.planner.is_empty() {
             if self.link.is_idle() {
-                self.flow.rest(self.ports.clock.now());
+                self.policy.rest(self.ports.clock.now());
             }
             return false;
         }
@@ -156,7 +156,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return false;
         }
         self.planner.release_next();
-        self.flow.note_drought();
+        self.policy.note_dry();
         true
     }
 
@@ -164,16 +164,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     fn begin_motion(&mut self) -> bool {
         let now = self.ports.clock.now();
         // Nothing can be final that is not even planned, or was not when as much was planned.
-        if !self.flow.is_worth_asking(now) || self.planner.is_empty() {
+        if !self.policy.is_worth_asking(now) || self.planner.is_empty() {
             return false;
         }
         let is_due = !self.planner.is_planned() || self.planner.waiting() >= GATHERED;
         let (final_time, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
         if !is_all {
-            self.flow.note_news();
+            self.policy.note_news();
             self.comes_again = true;
         }
-        self.flow.begin(final_time, now)
+        self.policy.begin(final_time, now)
     }
 
     /// Whether anything planned has not been stepped yet.
@@ -185,12 +185,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) async fn finish(&mut self) -> Result<(), Interrupt> {
         self.comes_again = true;
         self.until(|c| {
-            c.flow.drain();
+            c.policy.drain();
             c.planner.release_all();
             !c.has_motion()
         })
         .await?;
-        self.flow.rest(self.ports.clock.now());
+        self.policy.rest(self.ports.clock.now());
         Ok(())
     }
 
@@ -208,8 +208,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             halted?;
         }
         self.link.settle();
-        self.flow.drain();
-        self.flow.rest(self.ports.clock.now());
+        self.policy.drain();
+        self.policy.rest(self.ports.clock.now());
         let real = self.real_steps();
         self.planner.fall_short(real);
         self.note_path();

@@ -3,10 +3,10 @@
 //! A report is a whole line, and it is put in only where everything said before has left. So it stands neither inside
 //! a line nor between the lines of one answer, and a host that does not read is not filled with it.
 
-use super::report::Temperatures;
 use crate::gcode::Number;
 use crate::machine::console::{Console, PortSet};
-use crate::machine::hosts::Hosts;
+use crate::machine::hosts::serving::Hosts;
+use crate::machine::reports::report::Temperatures;
 use crate::port::{Clock, Pend, Serial};
 use crate::settings::Range;
 use crate::units::Instant;

@@ -8,7 +8,7 @@
 use crate::driver::Fault;
 use crate::gcode::{self, Command};
 use crate::machine::console::{Console, PortSet, yield_once};
-use crate::machine::hosts::{Asked, Text};
+use crate::machine::hosts::serving::{Asked, Text};
 use crate::machine::reports::answer::{Answer, Progress};
 use crate::port::{Clock, LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
@@ -49,7 +49,7 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The Console after a stop, until M999.
-    pub(super) async fn stay_halted(&mut self) -> Restart {
+    pub(in crate::machine) async fn stay_halted(&mut self) -> Restart {
         self.link.status().set_halted();
         self.stop_and_cut();
         self.link.status().set_awaiting_input(true);

@@ -1,9 +1,9 @@
 //! Settings as the lines that set them: one each for the command without words, all of them for M503.
 
-use super::drivers::DriverValue;
-use super::retraction::Retraction;
-use super::shaping::shortest;
 use crate::gcode::Number;
+use crate::machine::commands::drivers::DriverValue;
+use crate::machine::commands::retraction::Retraction;
+use crate::machine::commands::shaping::shortest;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::reports::answer::Answer;
 use crate::port::Pend;

@@ -5,10 +5,11 @@ use crate::settings::{Range, Settings};
 use crate::units::{Mm, MmPerSec, part_of};
 
 /// Positions are kept within +-10 m, whatever a line says: no machine is larger, and no sum overflows.
-pub(super) const FARTHEST: Range<Mm> = Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
+pub(in crate::machine) const FARTHEST: Range<Mm> =
+    Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
 
 /// Overrides in percent (M220, M221): a tenth to ten times, as Marlin accepts them.
-pub(super) const PERCENT: Range<u16> = Range { least: 10, most: 999 };
+pub(in crate::machine) const PERCENT: Range<u16> = Range { least: 10, most: 999 };
 
 /// The speed of moves before the first F: 50 mm/s suits any axis once its limit is applied.
 const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
@@ -17,14 +18,14 @@ const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 const INCH: (u64, u64) = (127, 5);
 
 /// The value to three decimals.
-pub(super) fn to_thousandth(value: Mm) -> Mm {
+pub(in crate::machine) fn to_thousandth(value: Mm) -> Mm {
     let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
     Mm::from_bits((doubled + 1) >> 1)
 }
 
 /// What still holds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Modal {
+pub(in crate::machine) struct Modal {
     /// G90; cleared by G91.
     pub absolute: bool,
     /// M82; cleared by M83. E is relative if either this or `absolute` is cleared.
@@ -51,7 +52,7 @@ pub(super) struct Modal {
 
 /// What a line of motion asks for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Wanted {
+pub(in crate::machine) struct Wanted {
     /// Target in machine coordinates.
     pub position: [Mm; 4],
     /// E as the program will count it then.

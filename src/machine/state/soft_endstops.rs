@@ -5,11 +5,11 @@ use crate::units::Mm;
 
 /// The axes whose position is known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(super) struct Homed(pub [bool; 3]);
+pub(in crate::machine) struct Homed(pub [bool; 3]);
 
 /// `position` inside the reachable space, and whether it had to be moved. An axis that was not homed has no
 /// known edges.
-pub(super) fn clamp(position: [Mm; 4], homed: Homed, s: &Settings) -> ([Mm; 4], bool) {
+pub(in crate::machine) fn clamp(position: [Mm; 4], homed: Homed, s: &Settings) -> ([Mm; 4], bool) {
     if !s.soft_endstops {
         return (position, false);
     }

@@ -4,7 +4,7 @@
 //! host that sent it.
 
 use crate::gcode::{self, Command};
-use crate::machine::reports::autoreport::{Report, Schedule};
+use crate::machine::hosts::schedule::{Report, Schedule};
 use crate::port::{LINES, Lines, Received, Serial};
 use crate::protocol::{Activity, Emergency, Incoming, NoRoom, Receiver, Replies, ResendReason};
 use crate::units::Instant;
@@ -12,10 +12,10 @@ use core::fmt;
 use heapless::Vec;
 
 /// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
-pub(super) type Text = Vec<u8, 320>;
+pub(in crate::machine) type Text = Vec<u8, 320>;
 
 /// A serial line and what is under way on it.
-pub(super) struct Host<S> {
+pub(in crate::machine) struct Host<S> {
     line: S,
     receiver: Receiver,
     pub replies: Replies,
@@ -36,7 +36,7 @@ pub(super) struct Host<S> {
 }
 
 /// All hosts, one of which is being served.
-pub(super) struct Hosts<S> {
+pub(in crate::machine) struct Hosts<S> {
     hosts: Lines<Host<S>>,
     serving: usize,
     /// The host being served waits for the answer to a line.
@@ -47,7 +47,7 @@ pub(super) struct Hosts<S> {
 
 /// What a line asks for; a command's text is elsewhere.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Asked {
+pub(in crate::machine) enum Asked {
     /// To carry out a command.
     Command,
     /// To be told `ok`.
@@ -64,7 +64,7 @@ pub(super) enum Asked {
 
 /// What arrived and cannot wait.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(super) struct Urgent {
+pub(in crate::machine) struct Urgent {
     /// M112
     pub stop: bool,
     /// M410
@@ -156,7 +156,7 @@ impl<S: Serial> Host<S> {
 }
 
 impl<S: Serial> Hosts<S> {
-    pub(super) fn new(lines: Lines<S>, now: Instant) -> Self {
+    pub(in crate::machine) fn new(lines: Lines<S>, now: Instant) -> Self {
         let host = |line| Host {
             line,
             receiver: Receiver::new(),
@@ -173,30 +173,35 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// How many there are.
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::machine) fn len(&self) -> usize {
         self.hosts.len()
     }
 
     /// Has `host` hear what is said from now on.
-    pub(super) fn turn_to(&mut self, host: usize) {
+    pub(in crate::machine) fn turn_to(&mut self, host: usize) {
         self.serving = host;
         self.is_gone = false;
     }
 
     /// Whether the host being served waits for the answer to a line.
-    pub(super) const fn owes_ok(&self) -> bool {
+    pub(in crate::machine) const fn owes_ok(&self) -> bool {
         self.owes_ok
     }
 
     /// The line is answered.
-    pub(super) const fn settle(&mut self) {
+    pub(in crate::machine) const fn settle(&mut self) {
         self.owes_ok = false;
     }
 
     /// The next line of a host, beginning with the one after the host served last. A command is put into `text`.
     /// A host that has been silent in the middle of its lines for so many ms, 0 being never, is prompted if it may be
     /// waiting, while the machine is about that activity.
-    pub(super) fn next_line(&mut self, now: Instant, patience: (u32, Activity), text: &mut Text) -> Option<Asked> {
+    pub(in crate::machine) fn next_line(
+        &mut self,
+        now: Instant,
+        patience: (u32, Activity),
+        text: &mut Text,
+    ) -> Option<Asked> {
         let count = self.hosts.len();
         for place in (1..=count).map(|step| (self.serving + step) % count) {
             let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, text)) else {
@@ -210,31 +215,31 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// The host being served.
-    pub(super) const fn serving(&self) -> usize {
+    pub(in crate::machine) const fn serving(&self) -> usize {
         self.serving
     }
 
     /// Marks those that have opened their lines in what arrived last.
-    pub(super) fn note_opened(&self, are_new: &mut [bool; LINES]) {
+    pub(in crate::machine) fn note_opened(&self, are_new: &mut [bool; LINES]) {
         for (is_new, host) in are_new.iter_mut().zip(&self.hosts) {
             *is_new |= host.has_opened;
         }
     }
 
     /// All of them.
-    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<S>> {
+    pub(in crate::machine) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<S>> {
         self.hosts.iter_mut()
     }
 
     /// Has the host being served told a report every `seconds`, unless it has gone.
-    pub(super) fn schedule(&mut self, report: Report, seconds: u8, now: Instant) {
+    pub(in crate::machine) fn schedule(&mut self, report: Report, seconds: u8, now: Instant) {
         if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
             host.schedule.set(report, seconds, now);
         }
     }
 
     /// What the host being served is told. `None` if it has gone.
-    pub(super) fn replies(&mut self) -> Option<&mut Replies> {
+    pub(in crate::machine) fn replies(&mut self) -> Option<&mut Replies> {
         if self.is_gone {
             return None;
         }
@@ -242,13 +247,13 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// The number of the line being served, if it has one, and the bytes that its host may send ahead.
-    pub(super) fn progress(&self) -> (Option<i32>, usize) {
+    pub(in crate::machine) fn progress(&self) -> (Option<i32>, usize) {
         self.hosts.get(self.serving).map_or((None, 0), |host| (host.number, host.receiver.room()))
     }
 
     /// Takes in what has arrived from all. Lines that a quick stop has overtaken, be it another host's, will be
     /// answered, but not carried out.
-    pub(super) fn receive(&mut self) -> Urgent {
+    pub(in crate::machine) fn receive(&mut self) -> Urgent {
         let mut all = Urgent::default();
         for (place, host) in self.hosts.iter_mut().enumerate() {
             host.receive(&mut all);
@@ -263,12 +268,12 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Sends what fits.
-    pub(super) fn send(&mut self) {
+    pub(in crate::machine) fn send(&mut self) {
         self.hosts.iter_mut().for_each(Host::send);
     }
 
     /// Tells hosts that have waited for `every` ms for the answer to a line that there is somebody. 0 is never.
-    pub(super) fn keep_alive(&mut self, now: Instant, every: u32, is_paused: bool) {
+    pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every: u32, is_paused: bool) {
         let say = |replies: &mut Replies| if is_paused { replies.paused() } else { replies.busy() };
         for (place, host) in self.hosts.iter_mut().enumerate() {
             let is_served = self.owes_ok && !self.is_gone && place == self.serving;
@@ -280,14 +285,14 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Says the same line to all; one that has no room for it misses it.
-    pub(super) fn tell_all(&mut self, line: fmt::Arguments<'_>) {
+    pub(in crate::machine) fn tell_all(&mut self, line: fmt::Arguments<'_>) {
         for host in &mut self.hosts {
             let _ = host.replies.line(line);
         }
     }
 
     /// Says the same line to all but the host being served; one that has no room for it misses it.
-    pub(super) fn tell_others(&mut self, line: fmt::Arguments<'_>) {
+    pub(in crate::machine) fn tell_others(&mut self, line: fmt::Arguments<'_>) {
         let serving = self.serving;
         for (_, host) in self.hosts.iter_mut().enumerate().filter(|(place, _)| *place != serving) {
             let _ = host.replies.line(line);
@@ -295,14 +300,14 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Says `what` to those that have opened their lines since the last time, as soon as it fits.
-    pub(super) fn greet(&mut self, what: impl Fn(&mut Replies) -> Result<(), NoRoom>) {
+    pub(in crate::machine) fn greet(&mut self, what: impl Fn(&mut Replies) -> Result<(), NoRoom>) {
         for host in &mut self.hosts {
             host.is_new = host.is_new && what(&mut host.replies).is_err();
         }
     }
 
     /// Has all of them greeted.
-    pub(super) fn count_as_new(&mut self) {
+    pub(in crate::machine) fn count_as_new(&mut self) {
         self.hosts.iter_mut().for_each(|host| host.is_new = true);
     }
 }

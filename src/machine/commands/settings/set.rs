@@ -1,7 +1,7 @@
 //! Settings that lines change: each value is brought into its legal range, and following moves
 //! obey.
 
-use super::setting::{Setting, exact};
+use super::shown::{Setting, exact};
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::console::{Console, Interrupt, PortSet};
 use crate::machine::reports::answer::Answer;

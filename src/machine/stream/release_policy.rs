@@ -6,7 +6,7 @@
 //! is an underrun if a move follows that no command has waited for; otherwise it was the end of the stream, where
 //! the tool rests in any case.
 
-use super::slowdown::Slowdown;
+use super::feed_throttle::FeedThrottle;
 use crate::units::{Instant, TICKS_PER_MS};
 
 /// Motion begins when this much of it is final: sixteen lines of a host behind an USB adapter whose latency
@@ -24,11 +24,11 @@ const LONG_REST_MS: u32 = 1000;
 /// With more than this queued, nothing leaves the look-ahead: what has left is out of reach of the overrides, which
 /// are to count within 100 ms. Fifty turns of a Console that is polled every millisecond, and three lines of a host
 /// behind such an adapter.
-const AMPLE: u64 = 50 * TICKS_PER_MS as u64;
+const QUEUE_HIGH: u64 = 50 * TICKS_PER_MS as u64;
 
 /// With less than this queued, the stream is dry: moves leave though they are not final. Twenty turns of a
 /// Console that is polled every millisecond, so that the machine brakes before it starves.
-const DRY: u64 = 20 * TICKS_PER_MS as u64;
+const QUEUE_LOW: u64 = 20 * TICKS_PER_MS as u64;
 
 /// With so many moves queued the stream is not dry, however short they are: a full window lets sixteen go at once, and
 /// the queue holds twice as many.
@@ -47,7 +47,7 @@ pub(in crate::machine) enum Release {
 
 /// Decides when moves leave.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::machine) struct Flow {
+pub(in crate::machine) struct ReleasePolicy {
     /// Motion has not begun since the last rest.
     gathering: bool,
     /// When the last move was added.
@@ -58,18 +58,18 @@ pub(in crate::machine) struct Flow {
     is_dry: bool,
     /// A command has waited for the end of the motion, and nothing has been added since.
     has_waited: bool,
-    /// Whether the present drought was counted.
+    /// Whether the present underrun was counted.
     counted: bool,
     /// Whether the look-ahead has been full since the last rest.
     was_full: bool,
     /// There are moves that nobody knew of when it was last asked whether motion begins.
     is_news: bool,
-    slowdown: Slowdown,
+    throttle: FeedThrottle,
 }
 
-impl Flow {
+impl ReleasePolicy {
     pub const fn new() -> Self {
-        let slowdown = Slowdown::new();
+        let throttle = FeedThrottle::new();
         let (added, rested) = (Instant(0), None);
         Self {
             gathering: true,
@@ -80,7 +80,7 @@ impl Flow {
             counted: false,
             was_full: false,
             is_news: false,
-            slowdown,
+            throttle,
         }
     }
 
@@ -91,9 +91,9 @@ impl Flow {
             return false;
         }
         if self.rested.is_some_and(|rested| now >= rested.after_ms(LONG_REST_MS)) {
-            self.slowdown.end();
+            self.throttle.end();
         } else {
-            self.slowdown.slow_down();
+            self.throttle.slow_down();
         }
         !core::mem::replace(&mut self.counted, true)
     }
@@ -101,19 +101,19 @@ impl Flow {
     /// The share of the feed that the stream allows, given the nominal time of the moves that wait and the time of those
     /// that are queued, in ticks.
     pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
-        self.slowdown.share(waiting, queued)
+        self.throttle.share(waiting, queued)
     }
 
     /// Whether the stream allows all of the feed, and did when it was last asked.
     pub const fn is_steady(&self) -> bool {
-        self.slowdown.is_steady()
+        self.throttle.is_steady()
     }
 
     /// The look-ahead is full.
     pub const fn fill(&mut self) {
         self.set_out();
         self.was_full = true;
-        self.slowdown.end();
+        self.throttle.end();
     }
 
     /// Whether the look-ahead has once been full, so that its level says something of the host.
@@ -126,7 +126,7 @@ impl Flow {
         self.set_out();
         self.was_full = false;
         (self.is_dry, self.has_waited) = (false, true);
-        self.slowdown.end();
+        self.throttle.end();
     }
 
     /// Whether a command has waited for the end of the motion, and nothing was added since.
@@ -178,10 +178,10 @@ impl Flow {
 
     /// What may leave under way, given the moves queued behind the look-ahead and their time, in ticks.
     pub const fn release(&mut self, moves: usize, queued: u64) -> Release {
-        if queued > AMPLE {
+        if queued > QUEUE_HIGH {
             self.counted = false;
             Release::Nothing
-        } else if queued > DRY || moves >= MANY {
+        } else if queued > QUEUE_LOW || moves >= MANY {
             Release::Final
         } else {
             Release::Next
@@ -189,7 +189,7 @@ impl Flow {
     }
 
     /// A move left before it was final. If nothing follows, that was the end of the stream.
-    pub const fn note_drought(&mut self) {
+    pub const fn note_dry(&mut self) {
         self.is_dry = true;
     }
 }
@@ -200,52 +200,52 @@ mod tests {
 
     #[test]
     fn motion_begins_when_enough_is_gathered_or_the_host_pauses() {
-        let mut flow = Flow::new();
-        flow.add(Instant(0));
-        assert!(!flow.begin(GATHERED - 1, Instant(0).after_ms(99)));
-        assert!(flow.is_gathering());
-        assert!(flow.begin(GATHERED, Instant(0).after_ms(99)));
-        assert!(!flow.is_gathering());
-        let mut flow = Flow::new();
-        assert!(flow.begin(1, Instant(0).after_ms(PAUSE_MS)));
+        let mut policy = ReleasePolicy::new();
+        policy.add(Instant(0));
+        assert!(!policy.begin(GATHERED - 1, Instant(0).after_ms(99)));
+        assert!(policy.is_gathering());
+        assert!(policy.begin(GATHERED, Instant(0).after_ms(99)));
+        assert!(!policy.is_gathering());
+        let mut policy = ReleasePolicy::new();
+        assert!(policy.begin(1, Instant(0).after_ms(PAUSE_MS)));
     }
 
     #[test]
     fn an_ample_queue_lets_nothing_go() {
-        let mut flow = Flow::new();
-        flow.fill();
-        assert_eq!(flow.release(1, AMPLE + 1), Release::Nothing);
-        assert_eq!(flow.release(1, AMPLE), Release::Final);
-        assert_eq!(flow.release(1, DRY), Release::Next);
-        assert_eq!(flow.release(MANY, DRY), Release::Final);
+        let mut policy = ReleasePolicy::new();
+        policy.fill();
+        assert_eq!(policy.release(1, QUEUE_HIGH + 1), Release::Nothing);
+        assert_eq!(policy.release(1, QUEUE_HIGH), Release::Final);
+        assert_eq!(policy.release(1, QUEUE_LOW), Release::Next);
+        assert_eq!(policy.release(MANY, QUEUE_LOW), Release::Final);
     }
 
     #[test]
-    fn a_drought_counts_once_and_when_the_stream_goes_on() {
-        let mut flow = Flow::new();
-        flow.note_drought();
-        assert!(flow.add(Instant(0)));
-        assert!(!flow.add(Instant(0)));
-        flow.note_drought();
-        assert!(!flow.add(Instant(0)), "the same drought");
-        flow.release(0, AMPLE + 1);
-        flow.note_drought();
-        assert!(flow.add(Instant(0)));
+    fn an_underrun_counts_once_and_when_the_stream_goes_on() {
+        let mut policy = ReleasePolicy::new();
+        policy.note_dry();
+        assert!(policy.add(Instant(0)));
+        assert!(!policy.add(Instant(0)));
+        policy.note_dry();
+        assert!(!policy.add(Instant(0)), "the same underrun");
+        policy.release(0, QUEUE_HIGH + 1);
+        policy.note_dry();
+        assert!(policy.add(Instant(0)));
         // A command that waits makes an end of it.
-        flow.note_drought();
-        flow.drain();
-        flow.rest(Instant(0));
-        assert!(!flow.add(Instant(0)));
+        policy.note_dry();
+        policy.drain();
+        policy.rest(Instant(0));
+        assert!(!policy.add(Instant(0)));
     }
 
     #[test]
     fn whoever_pauses_for_long_is_not_slow() {
         for (ms, is_slow) in [(999, true), (1000, false)] {
-            let mut flow = Flow::new();
-            flow.note_drought();
-            flow.rest(Instant(0));
-            assert!(flow.add(Instant(0).after_ms(ms)), "counted in any case");
-            assert_eq!(flow.is_steady(), !is_slow);
+            let mut policy = ReleasePolicy::new();
+            policy.note_dry();
+            policy.rest(Instant(0));
+            assert!(policy.add(Instant(0).after_ms(ms)), "counted in any case");
+            assert_eq!(policy.is_steady(), !is_slow);
         }
     }
 }
