@@ -7,10 +7,13 @@
 mod commands;
 mod console;
 mod hosts;
+mod interrupt;
+mod numbers;
 mod ports;
 mod power;
 mod reports;
 mod state;
 mod stream;
 
-pub use console::{Console, PortSet, Ports, Restart};
+pub use console::{Console, PortSet, Ports};
+pub use interrupt::Restart;

@@ -1,11 +1,8 @@
 //! Values out of range: each is brought to the edge of its range, and the host is told.
 
-use super::shaping::{nearest, shortest};
 use crate::gcode::Number;
-use crate::machine::console::{Console, Interrupt, PortSet};
-use crate::machine::reports::answer::Answer;
-use crate::machine::state::modal::{Modal, to_thousandth};
-use crate::port::Pend;
+use crate::machine::numbers::{nearest, shortest, to_thousandth};
+use crate::machine::state::modal::Modal;
 use crate::settings::{Range, ranges};
 use crate::units::{Mm, MmPerSec};
 use core::fmt;
@@ -49,6 +46,11 @@ impl Clamps {
     /// Nothing was brought into range after all.
     pub fn clear(&mut self) {
         self.list.clear();
+    }
+
+    /// The value at this place, counted from 0.
+    pub fn get(&self, place: usize) -> Option<Clamp> {
+        self.list.get(place).copied()
     }
 
     /// `wanted` in its range. It is what a type can hold of `value`, which is far from it if it was cut off. Whatever
@@ -119,20 +121,6 @@ impl Clamps {
             self.note(word, asked, Number::from(legal));
         }
         legal as u16
-    }
-}
-
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Tells the host what was brought into range.
-    pub(in crate::machine) async fn tell_clamps(&mut self) -> Result<(), Interrupt> {
-        for place in 0..self.clamps.list.len() {
-            if let Some(clamp) = self.clamps.list.get(place) {
-                let clamp = *clamp;
-                self.tell(Answer::Clamp(clamp)).await?;
-            }
-        }
-        self.clamps.clear();
-        Ok(())
     }
 }
 

@@ -16,5 +16,6 @@
 //! | patience | how long a host may be silent in the middle of its lines before it is prompted |
 
 pub(in crate::machine) mod halted;
+pub(in crate::machine) mod host;
 pub(in crate::machine) mod schedule;
 pub(in crate::machine) mod serving;

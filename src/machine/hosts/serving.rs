@@ -1,39 +1,14 @@
-//! The hosts: one to a serial line, each with lines of its own and answers of its own.
+//! The hosts, one of which is being served.
 //!
 //! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
 //! host that sent it.
 
-use crate::gcode::{self, Command};
-use crate::machine::hosts::schedule::{Report, Schedule};
-use crate::port::{LINES, Lines, Received, Serial};
-use crate::protocol::{Activity, Emergency, Incoming, NoRoom, Receiver, Replies, ResendReason};
+use super::host::{Asked, Host, Text, Urgent};
+use super::schedule::Report;
+use crate::port::{LINES, Lines, Serial};
+use crate::protocol::{Activity, NoRoom, Replies};
 use crate::units::Instant;
 use core::fmt;
-use heapless::Vec;
-
-/// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
-pub(in crate::machine) type Text = Vec<u8, 320>;
-
-/// A serial line and what is under way on it.
-pub(in crate::machine) struct Host<S> {
-    line: S,
-    receiver: Receiver,
-    pub replies: Replies,
-    /// What it is told by itself.
-    pub schedule: Schedule,
-    /// When it was last told that there is somebody, or had nothing to wait for.
-    assured: Instant,
-    /// A quick stop was in what it has sent last.
-    has_stopped: bool,
-    /// It opened its line in what it has sent last.
-    has_opened: bool,
-    /// It is to be greeted.
-    is_new: bool,
-    /// The number of the line that it was last served, if that had one.
-    number: Option<i32>,
-    /// Lines up to this place of the receiver came before a quick stop, which forgets them.
-    forgotten: Option<u32>,
-}
 
 /// All hosts, one of which is being served.
 pub(in crate::machine) struct Hosts<S> {
@@ -45,131 +20,14 @@ pub(in crate::machine) struct Hosts<S> {
     is_gone: bool,
 }
 
-/// What a line asks for; a command's text is elsewhere.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum Asked {
-    /// To carry out a command.
-    Command,
-    /// To be told `ok`.
-    Nothing,
-    /// M110, and what it wants to know.
-    LineNumber(Option<i32>),
-    /// Too much.
-    TooLong,
-    /// To be asked for again.
-    Resend(ResendReason, i32),
-    /// Nothing; it may be waiting for an answer to something that was lost.
-    Probe(i32),
-}
-
-/// What arrived and cannot wait.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(in crate::machine) struct Urgent {
-    /// M112
-    pub stop: bool,
-    /// M410
-    pub quick_stop: bool,
-    /// M108
-    pub go_on: bool,
-    /// M24, M602, M876 S
-    pub resume: bool,
-    /// M999, and no M112 since
-    pub restart: bool,
-}
-
-impl<S: Serial> Host<S> {
-    /// Takes in what has arrived. A quick stop forgets the lines before it and not those behind.
-    fn receive(&mut self, urgent: &mut Urgent) {
-        self.has_stopped = false;
-        self.has_opened = false;
-        while self.receiver.has_room() {
-            let Some(received) = self.line.recv() else {
-                break;
-            };
-            if received == Received::Opened {
-                self.replies = Replies::new();
-                self.forgotten = None;
-                self.schedule = Schedule::new();
-                self.has_opened = true;
-                self.is_new = true;
-            }
-            match self.receiver.feed(received) {
-                Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),
-                Some(Emergency::Restart) => urgent.restart = true,
-                Some(Emergency::QuickStop) => {
-                    self.forgotten = Some(self.receiver.place());
-                    self.has_stopped = true;
-                    urgent.quick_stop = true;
-                }
-                Some(Emergency::Continue) => urgent.go_on = true,
-                Some(Emergency::Resume) => urgent.resume = true,
-                None => {}
-            }
-        }
-    }
-
-    fn next_line(&mut self, now: Instant, (patience_ms, activity): (u32, Activity), text: &mut Text) -> Option<Asked> {
-        if !self.replies.pending().is_empty() {
-            self.receiver.hold_silence();
-        }
-        let last = self.receiver.last_line();
-        let mut incoming = self.receiver.next_line(now);
-        if incoming.is_none() && patience_ms > 0 {
-            incoming = self.receiver.break_silence(now, patience_ms, activity);
-        }
-        let asked = match incoming? {
-            Incoming::Command(line) => {
-                text.clear();
-                let _ = text.extend_from_slice(line.get(..text.capacity()).unwrap_or(line));
-                Asked::Command
-            }
-            Incoming::Acknowledge => Asked::Nothing,
-            Incoming::LineNumber { report } => Asked::LineNumber(report),
-            Incoming::TooLong => Asked::TooLong,
-            Incoming::Resend { reason, last } => Asked::Resend(reason, last),
-            Incoming::Silence { last } => Asked::Probe(last),
-        };
-        // Of what nothing is done with, nothing need be kept: the outline of an object, a message.
-        let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);
-        let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
-        let number = self.receiver.last_line();
-        self.number = (number != last).then_some(number);
-        self.assured = now;
-        self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
-        let is_forgotten = asked == Asked::Command && self.forgotten.is_some();
-        Some(if is_forgotten { Asked::Nothing } else { asked })
-    }
-
-    fn send(&mut self) {
-        loop {
-            let pending = self.replies.pending();
-            if pending.is_empty() {
-                return;
-            }
-            let sent = self.line.send(pending);
-            if sent == 0 {
-                return;
-            }
-            self.replies.sent(sent);
-        }
-    }
-}
-
 impl<S: Serial> Hosts<S> {
     pub(in crate::machine) fn new(lines: Lines<S>, now: Instant) -> Self {
-        let host = |line| Host {
-            line,
-            receiver: Receiver::new(),
-            replies: Replies::new(),
-            schedule: Schedule::new(),
-            assured: now,
-            has_stopped: false,
-            has_opened: false,
-            is_new: false,
-            number: None,
-            forgotten: None,
-        };
-        Self { hosts: lines.into_iter().map(host).collect(), serving: 0, owes_ok: false, is_gone: false }
+        Self {
+            hosts: lines.into_iter().map(|line| Host::new(line, now)).collect(),
+            serving: 0,
+            owes_ok: false,
+            is_gone: false,
+        }
     }
 
     /// How many there are.
@@ -189,7 +47,7 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// The line is answered.
-    pub(in crate::machine) const fn settle(&mut self) {
+    pub(in crate::machine) const fn note_answered(&mut self) {
         self.owes_ok = false;
     }
 
@@ -226,8 +84,7 @@ impl<S: Serial> Hosts<S> {
         }
     }
 
-    /// All of them.
-    pub(in crate::machine) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<S>> {
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<S>> {
         self.hosts.iter_mut()
     }
 
@@ -309,5 +166,88 @@ impl<S: Serial> Hosts<S> {
     /// Has all of them greeted.
     pub(in crate::machine) fn count_as_new(&mut self) {
         self.hosts.iter_mut().for_each(|host| host.is_new = true);
+    }
+
+    /// Whether a host is to be told, and has heard everything else.
+    pub(in crate::machine) fn is_due(&mut self, report: Report, now: Instant) -> bool {
+        self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.pending().is_empty())
+    }
+
+    /// Tells those that are to be told it, and have heard everything else.
+    pub(in crate::machine) fn report(&mut self, report: Report, now: Instant, line: fmt::Arguments<'_>) {
+        for host in self.iter_mut() {
+            if host.schedule.is_due(report, now) && host.replies.pending().is_empty() && host.replies.line(line).is_ok()
+            {
+                host.schedule.note_told(report, now);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::port::Received;
+    use std::cell::RefCell;
+    use std::string::String;
+    use std::vec::Vec;
+
+    /// A wire that takes three bytes at a time.
+    struct Slow<'a>(&'a RefCell<Vec<u8>>);
+
+    impl Serial for Slow<'_> {
+        fn recv(&mut self) -> Option<Received> {
+            None
+        }
+
+        fn send(&mut self, bytes: &[u8]) -> usize {
+            let mut heard = self.0.borrow_mut();
+            if heard.len() % 4 == 3 {
+                heard.push(b'~');
+                return 0;
+            }
+            heard.extend(bytes.iter().take(1));
+            bytes.len().min(1)
+        }
+    }
+
+    #[test]
+    fn a_report_stands_neither_in_a_line_nor_in_an_answer() {
+        let heard = RefCell::new(Vec::new());
+        let lines: Lines<Slow<'_>> = core::iter::once(Slow(&heard)).collect();
+        let mut hosts = Hosts::new(lines, Instant(0));
+        hosts.turn_to(0);
+        hosts.schedule(Report::Temperatures, 1, Instant(0));
+        let mut now = Instant(0);
+        for n in 0..200 {
+            // An answer of three lines, of which each leaves in many pieces, and a report that is always due.
+            for part in ["one", "two", "three"] {
+                if let Some(replies) = hosts.replies() {
+                    let _ = replies.line(format_args!("{part} {n}"));
+                }
+                hosts.send();
+                now = now.after_ms(700);
+                hosts.report(Report::Temperatures, now, format_args!(" T:1 /2"));
+            }
+            for _ in 0..60 {
+                hosts.send();
+            }
+            now = now.after_ms(700);
+            hosts.report(Report::Temperatures, now, format_args!(" T:1 /2"));
+            for _ in 0..60 {
+                hosts.send();
+            }
+        }
+        drop(hosts);
+        let text = String::from_utf8(heard.into_inner()).unwrap_or_default().replace('~', "");
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines.len(), 800);
+        for (n, answer) in lines.chunks(4).enumerate() {
+            let expected = [std::format!("one {n}"), std::format!("two {n}"), std::format!("three {n}")];
+            assert_eq!(answer[..3], expected);
+            assert_eq!(answer[3], " T:1 /2");
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Modal state: what earlier lines said that still holds, and what a line therefore means.
 
 use crate::gcode::{AxisWords, Number, Plane};
+use crate::machine::numbers::to_thousandth;
 use crate::settings::{Range, Settings};
 use crate::units::{Mm, MmPerSec, part_of};
 
@@ -16,12 +17,6 @@ const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 
 /// Millimetres an inch, exactly 25.4, as the fraction 127/5.
 const INCH: (u64, u64) = (127, 5);
-
-/// The value to three decimals.
-pub(in crate::machine) fn to_thousandth(value: Mm) -> Mm {
-    let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
-    Mm::from_bits((doubled + 1) >> 1)
-}
 
 /// What still holds.
 #[derive(Clone, Copy, Debug)]
@@ -144,13 +139,20 @@ impl Modal {
         }
     }
 
+    /// The axis carries the machine's own zero again (G28).
+    pub fn forget_origin(&mut self, axis: usize) {
+        if let Some(origin) = self.origin.get_mut(axis) {
+            *origin = Mm::ZERO;
+        }
+    }
+
     /// Where the program believes to be.
     pub fn named_position(&self, position: [Mm; 4]) -> [Mm; 4] {
         let [x, y, z, e] = position;
         let [ox, oy, oz] = self.origin;
-        // Filament not yet moved, in what the program counts.
-        let behind = self.position[3].wrapping_sub(e);
-        [x - ox, y - oy, z - oz, self.extrusion.saturating_sub(behind)]
+        // Filament that was commanded and not yet moved, as the program counts it.
+        let missing = self.position[3].wrapping_sub(e);
+        [x - ox, y - oy, z - oz, self.extrusion.saturating_sub(missing)]
     }
 }
 

@@ -1,13 +1,13 @@
 //! The Console's dealings with motion: planning moves, waiting for them, stopping them.
 
 use super::release_policy::{GATHERED, Release};
-use crate::kinematics::count_at;
-use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
 use crate::machine::state::modal::FARTHEST;
+use crate::machine::state::notices::Notice;
 use crate::machine::state::soft_endstops::clamp;
-use crate::motion::{Target, Work};
-use crate::motors::MOST_GROUPS;
+use crate::motion::{Target, Work, stiffenings, taps};
 use crate::port::{Clock, EndstopSet, Pend};
 use crate::units::{Mm, MmPerSec, Seconds, Steps, TICKS_PER_SECOND};
 
@@ -33,15 +33,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Tells once that a target was beyond the edge.
     pub(in crate::machine) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
-        if core::mem::replace(&mut self.told_of_edge, true) {
-            return Ok(());
+        if self.notices.give(Notice::Edge) {
+            self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
         }
-        self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await
+        Ok(())
     }
 
     /// Plans a move as soon as there is room for it.
     pub(in crate::machine) async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
-        let motors = self.groups.fitted();
+        let motors = self.real.groups().fitted();
         if !self.has_power(motors) && self.planner.is_move(target.position) {
             self.power(motors).await?;
         }
@@ -222,7 +222,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// M410: motion slows down along its path and ends; the position stays true.
     pub(in crate::machine) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
-        if !self.wait.is_dwelling {
+        if !self.pauses.is_dwelling() {
             self.link.brake();
             while !self.link.has_stopped() {
                 // The path may lead on into moves that have not left the planner, so they go on leaving it.
@@ -232,7 +232,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
         }
         self.drop_motion().await?;
-        if core::mem::take(&mut self.is_homing) {
+        if self.homed.end() {
             self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }
         Ok(())
@@ -241,40 +241,31 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
     /// have been dropped with the motion. Motion rests.
     pub(in crate::machine) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
-        let position = if self.groups.is_redundant() { self.whole_steps_away(position) } else { position };
-        self.planner.stand_at(position);
         let counts = self.link.counts();
-        for ((origin, group), count) in self.origin.iter_mut().zip(self.groups.iter()).zip(counts) {
-            *origin = count_at(group.coordinate(position)).wrapping_sub(count);
-        }
+        let position = self.real.whole_steps_away(position, counts);
+        self.planner.stand_at(position);
+        self.real.adopt(position, counts);
         self.until(|c| c.link.has_room()).await?;
         self.link.send(Work::Position(position));
         self.follow().await
     }
 
-    /// The position nearest to this one that is whole steps from where the machine really is. Where four coordinates hold
-    /// three axes, their counts agree only so: a name for a place that lies between whole steps would have them strain
-    /// each other by a step, and the next one by another.
-    fn whole_steps_away(&self, position: [Steps; 4]) -> [Steps; 4] {
-        let mut near = self.real_steps();
-        for (near, wanted) in near.iter_mut().zip(position) {
-            *near = near.wrapping_add(wanted.wrapping_sub(*near).wrapping_round());
+    /// Tells the generator what each axis follows. Motion rests.
+    pub(in crate::machine) async fn follow(&mut self) -> Result<(), Interrupt> {
+        let window = self.advance_in_use.window(&self.settings);
+        for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
+            self.until(|c| c.link.has_room()).await?;
+            self.link.send(Work::Stiffen(axis as u8, stiffening));
         }
-        let ([x, y, z, _], [.., e]) = (near, position);
-        [x, y, z, e]
-    }
-
-    /// Steps of each motor group, from the steps really emitted.
-    pub(in crate::machine) fn real_counts(&self) -> [i32; MOST_GROUPS] {
-        let mut real = self.origin;
-        for (real, count) in real.iter_mut().zip(self.link.counts()) {
-            *real = real.wrapping_add(count);
+        for (axis, taps) in taps(&self.settings.shapers, window).into_iter().enumerate() {
+            self.until(|c| c.link.has_room()).await?;
+            self.link.send(Work::Follow(axis as u8, taps));
         }
-        real
+        Ok(())
     }
 
     /// Where the machine really is, in steps of x, y, z and e.
     pub(in crate::machine) fn real_steps(&self) -> [Steps; 4] {
-        self.groups.position(self.real_counts())
+        self.real.of_axes(self.link.counts())
     }
 }
