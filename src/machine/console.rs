@@ -1,4 +1,7 @@
-//! The console: lines in, replies out, one command after the other.
+//! The Console: lines in, replies out, one command after the other.
+//!
+//! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. Its crank turns in every wait of every
+//! command. The state that commands keep has owners of its own, with private fields; the Console holds them.
 
 use crate::driver::Drivers;
 use crate::gcode;

@@ -4,7 +4,7 @@
 
 use super::driver_value::DriverValue;
 use super::drivers::{mode_words, set_drivers};
-use super::motion::ArcWords;
+use super::moves::ArcWords;
 use super::settings::set::{Resolved, set_resolution};
 use super::settings::setting::Setting;
 use super::shaping::{NO_SUCH_KIND, ShaperWords, set_advance};
@@ -18,11 +18,11 @@ use crate::port::{Motor, MotorSet, Pend};
 
 /// A command that takes time.
 #[derive(Clone, Copy)]
-pub(in crate::machine) enum Blocking {
+pub(in crate::machine) enum Blocking<'c> {
     /// G0, G1.
-    Line { to: AxisWords, feed: Option<Number> },
+    Line { to: &'c AxisWords, feed: Option<Number> },
     /// G2, G3.
-    Arc(ArcWords),
+    Arc(ArcWords<'c>),
     /// G4.
     Dwell { ms: u32 },
     /// G10.
@@ -56,7 +56,7 @@ pub(in crate::machine) enum Blocking {
     /// M504.
     CheckStorage,
     /// M92.
-    StepsPerMm(AxisWords),
+    StepsPerMm(&'c AxisWords),
     /// M593.
     Shaper(ShaperWords),
     /// M900, M572.
@@ -75,11 +75,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Carries out a command that takes time, and returns what there is to say before its `ok`.
     pub(in crate::machine) async fn carry_out_blocking(
         &mut self,
-        command: Blocking,
+        command: Blocking<'_>,
     ) -> Result<Answer<'static>, Interrupt> {
         let z_speed = self.settings.axes.z.max_speed;
         match command {
-            Blocking::Line { to, feed } => return self.line(&to, feed).await,
+            Blocking::Line { to, feed } => return self.line(to, feed).await,
             Blocking::Arc(words) => return self.arc(&words).await,
             Blocking::Dwell { ms } => self.dwell(ms).await?,
             Blocking::Retract => self.retract(self.retraction.moves_away(z_speed)).await?,
@@ -107,7 +107,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Blocking::LoadSettings => return self.load_settings().await.map(Answer::Storage),
             Blocking::DefaultSettings => return self.reset_settings().await.map(Answer::Storage),
             Blocking::CheckStorage => return self.check_storage().await.map(Answer::Storage),
-            Blocking::StepsPerMm(words) => return self.change_resolution(&words).await,
+            Blocking::StepsPerMm(words) => return self.change_resolution(words).await,
             Blocking::Shaper(words) => return self.change_shapers(&words).await,
             Blocking::Advance { time, window } => return self.change_advance(time, window).await,
             Blocking::Stealth { on, axes } => return self.change_mode(on, axes).await,

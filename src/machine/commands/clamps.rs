@@ -38,7 +38,8 @@ impl Clamps {
         Self { list: Vec::new() }
     }
 
-    /// `asked` became `set`.
+    /// `asked` became `set`. Inlined, it would stand in every function for a type.
+    #[inline(never)]
     pub fn note(&mut self, word: [&'static str; 2], asked: Number, set: Number) {
         let _ = self.list.push(Clamp { word, asked, set });
     }
@@ -53,8 +54,8 @@ impl Clamps {
         self.list.get(place).copied()
     }
 
-    /// `wanted` in its range. It is what a type can hold of `value`, which is far from it if it was cut off. Whatever
-    /// is told of it is in units of `scale`.
+    /// `wanted` in its range. `wanted` is what its type can hold of `value`; if they are far apart, the type has cut `value`
+    /// off. The host is told the legal value as `scale` converts it.
     fn bring<T: Fixed + Into<I32F32>>(
         &mut self,
         word: [&'static str; 2],
@@ -137,7 +138,7 @@ mod tests {
         Number::read(text.as_bytes()).unwrap().0
     }
 
-    fn told(clamps: &Clamps) -> Vec<String> {
+    fn texts(clamps: &Clamps) -> Vec<String> {
         clamps.list.iter().map(ToString::to_string).collect()
     }
 
@@ -157,7 +158,7 @@ mod tests {
             clamps.feed(&modal, Some(number(text)));
         }
         clamps.whole(["M113", "S"], number("60.9"), Range { least: 0, most: 60 });
-        assert_eq!(told(&clamps), [""; 0]);
+        assert_eq!(texts(&clamps), [""; 0]);
     }
 
     #[test]
@@ -172,7 +173,7 @@ mod tests {
         assert_eq!(clamps.feed(&modal, Some(number("-5"))), None);
         assert_eq!(clamps.whole(["M220", "S"], number("-5"), Range { least: 10, most: 999 }), 10);
         assert_eq!(
-            told(&clamps),
+            texts(&clamps),
             [
                 "M203 X99999 is out of range, set to 3000",
                 "M201 X0 is out of range, set to 1",

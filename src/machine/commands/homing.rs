@@ -62,7 +62,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.homed.begin(axis.index);
             let result = self.home_axis(&axis).await;
             if !matches!(result, Err(HomeError::Interrupted(_))) {
-                self.homed.end();
+                self.homed.stop();
             }
             match result {
                 Ok(()) => {}

@@ -4,7 +4,7 @@
 use super::blocking::Blocking;
 use super::driver_value::DriverValue;
 use super::drivers::set_drivers;
-use super::motion::ArcWords;
+use super::moves::ArcWords;
 use super::settings::set::{
     CornerWords, set_acceleration, set_corners, set_keepalive, set_max_acceleration, set_max_speed, set_velocity_limit,
 };
@@ -22,21 +22,22 @@ use crate::units::Mm;
 const DRY_RUN: u32 = 8;
 
 /// What has become of a command.
-pub(in crate::machine) enum Outcome<'a> {
+pub(in crate::machine) enum Outcome<'a, 'c> {
     /// It is done, and this is what it has to say before its `ok`.
     Done(Answer<'a>),
     /// It takes time.
-    TakesTime(Blocking),
+    TakesTime(Blocking<'c>),
 }
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Carries out a command if that can be done at once.
-    pub(in crate::machine) fn carry_out_immediate<'a>(&mut self, command: &Command<'a>) -> Outcome<'a> {
+    /// Carries out a command if that can be done at once. Inlined, it would swell the future that awaits the others.
+    #[inline(never)]
+    pub(in crate::machine) fn carry_out_immediate<'a, 'c>(&mut self, command: &'c Command<'a>) -> Outcome<'a, 'c> {
         let Self { settings: s, drivers, modal, retraction, clamps, notices, .. } = self;
         Outcome::Done(match *command {
             // What takes time.
-            Command::Line { rapid: _, to, feed } => return Outcome::TakesTime(Blocking::Line { to, feed }),
-            Command::Arc { clockwise, to, feed, shape, turns } => {
+            Command::Line { rapid: _, ref to, feed } => return Outcome::TakesTime(Blocking::Line { to, feed }),
+            Command::Arc { clockwise, ref to, feed, shape, turns } => {
                 return Outcome::TakesTime(Blocking::Arc(ArcWords { clockwise, to, feed, shape, turns }));
             }
             Command::Dwell { ms } => return Outcome::TakesTime(Blocking::Dwell { ms }),
@@ -55,7 +56,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::LoadSettings => return Outcome::TakesTime(Blocking::LoadSettings),
             Command::DefaultSettings => return Outcome::TakesTime(Blocking::DefaultSettings),
             Command::CheckStorage => return Outcome::TakesTime(Blocking::CheckStorage),
-            Command::StepsPerMm(words) => return Outcome::TakesTime(Blocking::StepsPerMm(words)),
+            Command::StepsPerMm(ref words) => return Outcome::TakesTime(Blocking::StepsPerMm(words)),
             Command::Shaper { axes, frequency, damping, kind } => {
                 return Outcome::TakesTime(Blocking::Shaper(ShaperWords { axes, frequency, damping, kind }));
             }
@@ -70,8 +71,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::ReportEndstops => return Outcome::TakesTime(Blocking::ReportEndstops),
             Command::Diagnose => return Outcome::TakesTime(Blocking::Diagnose),
             // Limits and settings.
-            Command::MaxAcceleration(words) => set_max_acceleration(&words, s, modal, clamps),
-            Command::MaxSpeed(words) => set_max_speed(&words, s, modal, clamps),
+            Command::MaxAcceleration(ref words) => set_max_acceleration(words, s, modal, clamps),
+            Command::MaxSpeed(ref words) => set_max_speed(words, s, modal, clamps),
             Command::Acceleration { print, retract, travel } => {
                 set_acceleration([print, retract, travel], s, modal, clamps)
             }
@@ -79,15 +80,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 let words = CornerWords { deviation, jerk, min_feed, min_travel, min_segment };
                 set_corners(&words, s, modal, clamps, notices)
             }
-            Command::VelocityLimit(words) => set_velocity_limit(&words, s, clamps),
+            Command::VelocityLimit(ref words) => set_velocity_limit(words, s, clamps),
             Command::RetractSettings { length, feed, lift } => retraction.set(length, feed, lift, modal, clamps),
             Command::RecoverSettings { extra, feed } => retraction.set_recovery(extra, feed, modal, clamps),
-            Command::DriverCurrent(words) => set_drivers(DriverValue::Current, &words, s, drivers, modal, clamps),
-            Command::HybridThreshold(words) => {
-                set_drivers(DriverValue::HybridThreshold, &words, s, drivers, modal, clamps)
+            Command::DriverCurrent(ref words) => set_drivers(DriverValue::Current, words, s, drivers, modal, clamps),
+            Command::HybridThreshold(ref words) => {
+                set_drivers(DriverValue::HybridThreshold, words, s, drivers, modal, clamps)
             }
-            Command::StallThreshold(words) => {
-                set_drivers(DriverValue::StallThreshold, &words, s, drivers, modal, clamps)
+            Command::StallThreshold(ref words) => {
+                set_drivers(DriverValue::StallThreshold, words, s, drivers, modal, clamps)
             }
             Command::SoftEndstops(None) => Answer::SoftEndstops,
             Command::SoftEndstops(Some(on)) => {
@@ -128,8 +129,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 modal.absolute_extrusion = false;
                 Answer::Nothing
             }
-            Command::SetPosition(words) => {
-                self.set_position(&words);
+            Command::SetPosition(ref words) => {
+                self.set_position(words);
                 Answer::Nothing
             }
             Command::FeedPercent(None) => Answer::FeedPercent,
@@ -165,8 +166,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Command::Tell { form, text } => Answer::Message(form, text),
             Command::Progress { percent, minutes } => {
-                let told = &self.link.status().told;
-                told.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
+                self.link.status().told.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
                 Answer::Nothing
             }
             Command::Object(number) => {

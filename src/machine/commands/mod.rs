@@ -2,17 +2,17 @@
 //!
 //! ```text
 //!   Command ──▶ dispatch ──┬──▶ immediate ──▶ settings::set, drivers, retraction, modal state ...   done at once
-//!                          └──▶ blocking  ──▶ motion, homing, waits, settings::stored ...           awaited
+//!                          └──▶ blocking  ──▶ moves, homing, waits, settings::stored ...           awaited
 //! ```
 //!
 //! The Console calls `execute` for a line and tells the answer that comes back, then the `ok`. Files that only decide
 //! (retraction, shaping, drivers, clamps, pauses, `settings::set`) are plain functions and structs with private fields;
-//! they get what they need as arguments. Files that wait (blocking, motion, homing, waits, `settings::stored`) are parts of
+//! they get what they need as arguments. Files that wait (blocking, moves, homing, waits, `settings::stored`) are parts of
 //! the Console, because every wait turns its crank.
 //!
 //! | looking for | see |
 //! |---|---|
-//! | G0 to G3, G10, G11 | [`motion`], [`arcs`], [`retraction`] |
+//! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`retraction`] |
 //! | G28 | [`homing`] |
 //! | G4, M0, M24, M25, M600 | [`waits`], [`pauses`] |
 //! | M593, M900, M572 | [`shaping`] |
@@ -33,7 +33,7 @@ pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod drivers;
 pub(in crate::machine) mod homing;
 pub(in crate::machine) mod immediate;
-pub(in crate::machine) mod motion;
+pub(in crate::machine) mod moves;
 pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod settings;

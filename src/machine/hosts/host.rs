@@ -80,7 +80,7 @@ impl<S: Serial> Host<S> {
         }
     }
 
-    /// Takes in what has arrived. A quick stop forgets the lines before it and not those behind.
+    /// Takes in what has arrived. A quick stop forgets earlier lines and no later ones.
     pub(super) fn receive(&mut self, urgent: &mut Urgent) {
         self.has_stopped = false;
         self.has_opened = false;
@@ -136,7 +136,7 @@ impl<S: Serial> Host<S> {
             Incoming::Resend { reason, last } => Asked::Resend(reason, last),
             Incoming::Silence { last } => Asked::Probe(last),
         };
-        // Of what nothing is done with, nothing need be kept: the outline of an object, a message.
+        // A line that nothing is done with may be too long: the outline of an object, a message.
         let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);
         let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
         let number = self.receiver.last_line();

@@ -31,7 +31,7 @@ impl Report {
 /// How often a host is told each [`Report`].
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Schedule {
-    /// Seconds, 0 for never; and when it is due.
+    /// The period in seconds, 0 for never; and when the next report is due.
     reports: [(u8, Instant); 2],
 }
 
@@ -49,20 +49,20 @@ impl Schedule {
         }
     }
 
-    /// From `now` on every `seconds`.
-    pub fn set(&mut self, report: Report, seconds: u8, now: Instant) {
-        *self.of(report) = (seconds, now.after_ms(u32::from(seconds) * 1000));
+    /// From `now` on every `period_s`.
+    pub fn set(&mut self, report: Report, period_s: u8, now: Instant) {
+        *self.of(report) = (period_s, now.after_ms(u32::from(period_s) * 1000));
     }
 
     /// Whether it is time for a report.
     pub fn is_due(&mut self, report: Report, now: Instant) -> bool {
-        let (seconds, due) = *self.of(report);
-        seconds > 0 && now >= due
+        let (period_s, due) = *self.of(report);
+        period_s > 0 && now >= due
     }
 
     /// A report was made, and the next one is due when its time has passed again.
     pub fn note_told(&mut self, report: Report, now: Instant) {
-        let (seconds, _) = *self.of(report);
-        self.set(report, seconds, now);
+        let (period_s, _) = *self.of(report);
+        self.set(report, period_s, now);
     }
 }

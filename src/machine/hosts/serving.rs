@@ -88,10 +88,10 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut()
     }
 
-    /// Has the host being served told a report every `seconds`, unless it has gone.
-    pub(in crate::machine) fn schedule(&mut self, report: Report, seconds: u8, now: Instant) {
+    /// Has the host being served told a report every `period_s`, unless it has gone.
+    pub(in crate::machine) fn schedule(&mut self, report: Report, period_s: u8, now: Instant) {
         if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
-            host.schedule.set(report, seconds, now);
+            host.schedule.set(report, period_s, now);
         }
     }
 
@@ -129,13 +129,14 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut().for_each(Host::send);
     }
 
-    /// Tells hosts that have waited for `every` ms for the answer to a line that there is somebody. 0 is never.
-    pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every: u32, is_paused: bool) {
+    /// Tells hosts that have waited for `every_ms` for the answer to a line that there is somebody. 0 is never.
+    pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every_ms: u32, is_paused: bool) {
         let say = |replies: &mut Replies| if is_paused { replies.paused() } else { replies.busy() };
         for (place, host) in self.hosts.iter_mut().enumerate() {
             let is_served = self.owes_ok && !self.is_gone && place == self.serving;
             let is_waiting = is_served || !host.receiver.is_empty();
-            if !is_waiting || (every > 0 && now >= host.assured.after_ms(every) && say(&mut host.replies).is_ok()) {
+            if !is_waiting || (every_ms > 0 && now >= host.assured.after_ms(every_ms) && say(&mut host.replies).is_ok())
+            {
                 host.assured = now;
             }
         }
@@ -168,12 +169,12 @@ impl<S: Serial> Hosts<S> {
         self.hosts.iter_mut().for_each(|host| host.is_new = true);
     }
 
-    /// Whether a host is to be told, and has heard everything else.
+    /// Whether a report is due for a host that has heard everything else.
     pub(in crate::machine) fn is_due(&mut self, report: Report, now: Instant) -> bool {
         self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.pending().is_empty())
     }
 
-    /// Tells those that are to be told it, and have heard everything else.
+    /// Tells a report to the hosts for which it is due and that have heard everything else.
     pub(in crate::machine) fn report(&mut self, report: Report, now: Instant, line: fmt::Arguments<'_>) {
         for host in self.iter_mut() {
             if host.schedule.is_due(report, now) && host.replies.pending().is_empty() && host.replies.line(line).is_ok()

@@ -103,7 +103,7 @@ mod tests {
                 progress.begin();
                 let mut left = room;
                 for part in 0..5 {
-                    // The part at 3 is long: those behind it would fit, but must wait.
+                    // The part at 3 is long: the following ones would fit, but must wait.
                     let is_fitting = left > 0 && (part != 3 || left == room);
                     if progress.is_next() && is_fitting {
                         progress.note_said();

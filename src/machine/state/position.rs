@@ -50,7 +50,7 @@ impl Homed {
     }
 
     /// No axis is being homed any more; true if one was.
-    pub const fn end(&mut self) -> bool {
+    pub const fn stop(&mut self) -> bool {
         core::mem::replace(&mut self.is_under_way, false)
     }
 

@@ -13,7 +13,7 @@ use crate::motion::WHOLE_SHARE as WHOLE;
 use crate::units::TICKS_PER_MS;
 
 /// With moves for so long nothing is slowed down; less than what motion begins with.
-const ENOUGH: u64 = 200 * TICKS_PER_MS as u64;
+const FULL_FEED_TICKS: u64 = 200 * TICKS_PER_MS as u64;
 
 /// The least share at first, and at all.
 const FLOORS: (u8, u8) = (WHOLE / 2, WHOLE / 8);
@@ -33,7 +33,7 @@ impl FeedThrottle {
     }
 
     /// Nothing is slowed down any more.
-    pub const fn end(&mut self) {
+    pub const fn reset(&mut self) {
         self.floor = WHOLE;
     }
 
@@ -48,15 +48,15 @@ impl FeedThrottle {
         self.floor = (self.floor / 2).clamp(least, first);
     }
 
-    /// The share of the feed, in sixteenths, given the time of the moves that wait at that feed, and of those that have
-    /// left the look-ahead, in ticks.
-    pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
+    /// The share of the feed, in sixteenths, given the time of the moves in the look-ahead at that feed, and the time of
+    /// the moves that have left the look-ahead.
+    pub fn share(&mut self, waiting_ticks: u64, queued_ticks: u64) -> u8 {
         if self.floor == WHOLE {
             self.share = WHOLE;
             return WHOLE;
         }
-        let lasts = waiting * u64::from(self.share) / u64::from(WHOLE) + queued;
-        let share = (lasts * u64::from(WHOLE) / ENOUGH).min(u64::from(WHOLE)) as u8;
+        let lasting_ticks = waiting_ticks * u64::from(self.share) / u64::from(WHOLE) + queued_ticks;
+        let share = (lasting_ticks * u64::from(WHOLE) / FULL_FEED_TICKS).min(u64::from(WHOLE)) as u8;
         self.share = share.max(self.floor);
         self.share
     }
@@ -71,7 +71,7 @@ mod tests {
         let mut throttle = FeedThrottle::new();
         assert_eq!(throttle.share(0, 0), WHOLE);
         throttle.slow_down();
-        throttle.end();
+        throttle.reset();
         assert_eq!(throttle.share(0, 0), WHOLE);
     }
 
@@ -79,10 +79,10 @@ mod tests {
     fn a_stream_that_goes_on_after_an_underrun_is_as_fast_as_it_comes() {
         let mut throttle = FeedThrottle::new();
         throttle.slow_down();
-        assert_eq!(throttle.share(ENOUGH / 4, 0), WHOLE / 2);
+        assert_eq!(throttle.share(FULL_FEED_TICKS / 4, 0), WHOLE / 2);
         // At half the speed, what waits lasts twice as long.
-        assert_eq!(throttle.share(ENOUGH * 3 / 2, 0), WHOLE * 3 / 4);
-        assert_eq!(throttle.share(ENOUGH * 4 / 3, ENOUGH / 4), WHOLE);
+        assert_eq!(throttle.share(FULL_FEED_TICKS * 3 / 2, 0), WHOLE * 3 / 4);
+        assert_eq!(throttle.share(FULL_FEED_TICKS * 4 / 3, FULL_FEED_TICKS / 4), WHOLE);
         for floor in [4, 2, 2] {
             throttle.slow_down();
             assert_eq!(throttle.share(0, 0), floor);

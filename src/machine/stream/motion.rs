@@ -46,7 +46,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.power(motors).await?;
         }
         while !self.has_room() {
-            self.policy.fill();
+            self.policy.note_full();
             if !self.planner.plan_anew() {
                 self.comes_again = true;
             } else if !self.planner.has_room() && !self.planner.has_ready() {
@@ -55,37 +55,37 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             self.turn().await?;
         }
-        self.note_follower();
+        self.note_added();
         self.follow_stream();
         while !self.planner.prepare() {
             self.turn_again().await?;
         }
         // The stream may have run dry in these turns too.
-        self.note_follower();
+        self.note_added();
         self.planner.push(&target, &self.settings);
         self.policy.note_news();
         self.note_path();
         Ok(())
     }
 
-    /// Whether the look-ahead takes another move: there is a place for it, and what is queued does not last for too long. As
-    /// long as the first move that waits is not final, there are too few, however long they last. So this delays moves, and
-    /// changes no speed.
+    /// Whether the look-ahead takes another move: there is a place for it, and the planned moves do not last for too long. As
+    /// long as the first waiting move is not final, there are too few moves, however long they last. So a full look-ahead
+    /// delays moves, and changes no speed.
     pub(in crate::machine) fn has_room(&mut self) -> bool {
-        let most = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
-        let most = most >> Seconds::FRAC_NBITS;
-        let (waiting, left) = (self.planner.waiting(), self.link.left());
-        self.planner.has_room() && (waiting + left < most || self.planner.lacks_moves())
+        let most_ticks = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
+        let most_ticks = most_ticks >> Seconds::FRAC_NBITS;
+        let planned_ticks = self.planner.waiting() + self.link.left();
+        self.planner.has_room() && (planned_ticks < most_ticks || self.planner.lacks_moves())
     }
 
-    /// A move is about to be added. If one has left that would have been faster with it, the host was too slow.
-    fn note_follower(&mut self) {
+    /// A move is about to be added. If an earlier one has left that would have been faster with it, the host was too slow.
+    fn note_added(&mut self) {
         if self.policy.add(self.ports.clock.now()) {
             self.link.status().count_underrun();
         }
     }
 
-    /// Slows down for a stream that has run dry and goes on. How long moves last is known when all of them are planned.
+    /// Slows down for a stream that has run dry and goes on. How long the moves last is known when all of them are planned.
     pub(in crate::machine) fn follow_stream(&mut self) {
         if !self.policy.is_steady() && self.planner.is_planned() {
             let share = self.policy.share(self.planner.waiting(), self.link.left());
@@ -93,8 +93,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
-    /// M220: from now on, and for the moves that wait. A change that is still being carried out comes first, and moves
-    /// leave before the next: a host that changes the feed all the time would keep them all back.
+    /// M220: from now on, and for the moves that wait. An earlier change is carried out first, and moves leave before the
+    /// next change: a host that changes the feed all the time would keep all moves back.
     pub(in crate::machine) async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
         if !self.planner.is_planned() {
             while !self.planner.plan_anew() {
@@ -125,7 +125,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.comes_again |= self.begin_motion();
             return;
         }
-        // One of them, after which bytes and emergencies are looked at again. The Console comes round at once for the next.
+        // One move a turn, so that bytes and emergencies are looked at in between. The next turn follows at once.
         self.comes_again |= self.hand_on();
     }
 
@@ -140,7 +140,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         if self.planner.is_empty() {
             if self.link.is_idle() {
-                self.policy.rest(self.ports.clock.now());
+                self.policy.come_to_rest(self.ports.clock.now());
             }
             return false;
         }
@@ -163,17 +163,17 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Whether motion begins now.
     fn begin_motion(&mut self) -> bool {
         let now = self.ports.clock.now();
-        // Nothing can be final that is not even planned, or was not when as much was planned.
+        // A move that is not planned cannot be final, and few moves are not worth the question.
         if !self.policy.is_worth_asking(now) || self.planner.is_empty() {
             return false;
         }
         let is_due = !self.planner.is_planned() || self.planner.waiting() >= GATHERED;
-        let (final_time, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
+        let (final_ticks, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
         if !is_all {
             self.policy.note_news();
             self.comes_again = true;
         }
-        self.policy.begin(final_time, now)
+        self.policy.begin(final_ticks, now)
     }
 
     /// Whether anything planned has not been stepped yet.
@@ -185,12 +185,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) async fn finish(&mut self) -> Result<(), Interrupt> {
         self.comes_again = true;
         self.until(|c| {
-            c.policy.drain();
+            c.policy.note_awaited();
             c.planner.release_all();
             !c.has_motion()
         })
         .await?;
-        self.policy.rest(self.ports.clock.now());
+        self.policy.come_to_rest(self.ports.clock.now());
         Ok(())
     }
 
@@ -208,8 +208,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             halted?;
         }
         self.link.settle();
-        self.policy.drain();
-        self.policy.rest(self.ports.clock.now());
+        self.policy.note_awaited();
+        self.policy.come_to_rest(self.ports.clock.now());
         let real = self.real_steps();
         self.planner.fall_short(real);
         self.note_path();
@@ -232,7 +232,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
         }
         self.drop_motion().await?;
-        if self.homed.end() {
+        if self.homed.stop() {
             self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }
         Ok(())

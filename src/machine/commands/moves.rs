@@ -16,9 +16,9 @@ use crate::units::{Mm, part_of};
 
 /// The arguments of G2 and G3.
 #[derive(Clone, Copy)]
-pub(in crate::machine) struct ArcWords {
+pub(in crate::machine) struct ArcWords<'c> {
     pub clockwise: bool,
-    pub to: AxisWords,
+    pub to: &'c AxisWords,
     pub feed: Option<Number>,
     pub shape: ArcShape,
     pub turns: u16,
@@ -72,9 +72,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// G2, G3. The axis across the plane and E run evenly along the arc.
-    pub(in crate::machine) async fn arc(&mut self, words: &ArcWords) -> Result<Answer<'static>, Interrupt> {
+    pub(in crate::machine) async fn arc(&mut self, words: &ArcWords<'_>) -> Result<Answer<'static>, Interrupt> {
         let speed = self.clamps.feed(&self.modal, words.feed).unwrap_or(self.modal.feed);
-        let wanted = self.target(&words.to).await?;
+        let wanted = self.target(words.to).await?;
         let plane = self.modal.plane;
         let (start, [sz, se]) = split(plane, self.modal.position);
         let (end, [ez, ee]) = split(plane, wanted.position);
