@@ -4,6 +4,8 @@ use super::number::Number;
 use super::parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, Plane, VelocityWords};
 
 /// A command; every variant is answered with one `ok`. Lengths are in the units that G20/G21 chose.
+///
+/// A new one is read by `parse` or `m_codes`, and does not compile before `machine::commands::immediate` has an arm for it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Command<'a> {
     /// G0, G1: straight move.
@@ -251,7 +253,7 @@ pub enum Command<'a> {
     Silent,
     /// M999: begin anew after a stop. The receive path acts on it if the machine is halted.
     Restart,
-    /// A command that is known, on a line that is not in order.
+    /// A known command on a line that is not in order.
     Malformed(Flaw<'a>),
     /// Anything else, as it came.
     Unknown(&'a [u8]),

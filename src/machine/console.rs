@@ -1,43 +1,36 @@
-//! The console: lines in, replies out, one command after the other.
+//! The Console: lines in, replies out, one command after the other.
+//!
+//! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. Its crank turns in every wait of every
+//! command. The state that commands keep has owners of its own, with private fields; the Console holds them.
 
 use crate::driver::Drivers;
 use crate::gcode;
 use crate::kinematics::Groups;
 use crate::machine::commands::clamps::Clamps;
-use crate::machine::commands::pause::Wait;
+use crate::machine::commands::pauses::Pauses;
 use crate::machine::commands::retraction::Retraction;
-pub use crate::machine::halted::Restart;
-use crate::machine::hosts::{Asked, Hosts, Text};
-use crate::machine::modal::Modal;
+use crate::machine::commands::shaping::AdvanceInUse;
+use crate::machine::hosts::host::{Asked, Text};
+use crate::machine::hosts::serving::Hosts;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::interrupt::Restart;
 use crate::machine::ports::Devices;
 pub use crate::machine::ports::{PortSet, Ports};
-use crate::machine::reports::answer::{Answer, Progress};
-use crate::machine::soft_endstops::Homed;
-use crate::machine::stream::flow::Flow;
+use crate::machine::reports::answer::Answer;
+use crate::machine::reports::speaker::Progress;
+use crate::machine::state::idle_timeout::IdleTimeout;
+use crate::machine::state::modal::Modal;
+use crate::machine::state::notices::Notices;
+use crate::machine::state::position::{Homed, RealPosition};
+use crate::machine::stream::release_policy::ReleasePolicy;
 use crate::motion::{Link, MoveMemory, Planner};
-use crate::motors::MOST_GROUPS;
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
 use crate::protocol::{Activity, Replies};
 use crate::settings::Settings;
-use crate::units::{Instant, Mm};
+use crate::units::Mm;
 use core::convert::Infallible;
 use core::future::poll_fn;
 use core::task::Poll;
-
-/// Motors lose power when nothing has moved for this long, unless M84 S says otherwise; Klipper's
-/// idle_timeout is as long.
-const IDLE_TIMEOUT_S: u32 = 600;
-
-/// Why a command ends before it is done.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Interrupt {
-    /// M112, or a fault that only a reset ends.
-    Halt,
-    /// M410.
-    QuickStop,
-    /// Motors may not have power; the host was told why. Nothing was planned.
-    NoPower,
-}
 
 /// The Console.
 pub struct Console<'m, P: PortSet, W: Pend> {
@@ -45,45 +38,26 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) hosts: Hosts<P::Serial>,
     pub(super) link: Link<'m, W>,
     pub(super) planner: Planner<'m>,
-    pub(super) flow: Flow,
+    pub(super) policy: ReleasePolicy,
     /// There is more to do at once: the next turn is wanted before anything happens.
     pub(super) comes_again: bool,
     /// How far the present answer has been written.
-    pub(super) telling: Progress,
+    pub(super) progress: Progress,
     pub(super) settings: Settings,
     /// The settings that the machine was made with.
     pub(super) defaults: Settings,
     pub(super) modal: Modal,
     pub(super) retraction: Retraction,
     pub(super) homed: Homed,
-    /// The motor groups.
-    pub(super) groups: &'m Groups,
-    /// Position of each of them at count 0, in steps.
-    pub(super) origin: [i32; MOST_GROUPS],
-    /// What the motor drivers hold, and which of them have power.
+    pub(super) real: RealPosition<'m>,
+    /// What the motor drivers hold, and which motors have power.
     pub(super) drivers: Drivers,
-    /// Seconds without motion until they lose it; 0 is never.
-    pub(super) idle_timeout_s: u32,
-    pub(super) last_motion: Instant,
-    /// What the present command waits for beside the motion, and what has come of it.
-    pub(super) wait: Wait,
-    /// M25 has paused the print, and no M24 has resumed it.
-    pub(super) is_paused: bool,
-    /// The generator follows the taps of the pressure advance. Once it does, that stays so: all axes are as late as these
-    /// need, and an advance of 0 is one like any other.
-    pub(super) has_advance: bool,
-    /// An axis is being homed.
-    pub(super) is_homing: bool,
+    pub(super) idle_timeout: IdleTimeout,
+    pub(super) pauses: Pauses,
+    pub(super) advance_in_use: AdvanceInUse,
     /// M999 came after M112.
     pub(super) is_to_restart: bool,
-    /// The host was told of a target beyond the edge.
-    pub(super) told_of_edge: bool,
-    /// The host was told that there are no heaters.
-    pub(super) told_of_heaters: bool,
-    /// The host was told of motion before homing.
-    pub(super) told_of_homing: bool,
-    /// The host was told of words of M205 that do not count.
-    pub(super) told_of_corners: bool,
+    pub(super) notices: Notices,
     /// Values of the present command that were out of range.
     pub(super) clamps: Clamps,
 }
@@ -107,28 +81,21 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             hosts: Hosts::new(serial, now),
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
-            flow: Flow::new(),
+            policy: ReleasePolicy::new(),
             comes_again: false,
-            telling: Progress::default(),
+            progress: Progress::default(),
             settings,
             defaults: settings,
             modal: Modal::new([x, y, z]),
             retraction: Retraction::new(),
-            homed: Homed([start.is_some(); 3]),
-            groups,
-            origin: [0; MOST_GROUPS],
+            homed: Homed::new([start.is_some(); 3]),
+            real: RealPosition::new(groups),
             drivers,
-            idle_timeout_s: IDLE_TIMEOUT_S,
-            last_motion: now,
-            wait: Wait::new(),
-            is_paused: false,
-            has_advance: false,
-            is_homing: false,
+            idle_timeout: IdleTimeout::new(now),
+            pauses: Pauses::new(),
+            advance_in_use: AdvanceInUse::new(),
             is_to_restart: false,
-            told_of_edge: false,
-            told_of_heaters: false,
-            told_of_homing: false,
-            told_of_corners: false,
+            notices: Notices::new(),
             clamps: Clamps::new(),
         }
     }
@@ -171,8 +138,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         // A command that an emergency ended is answered all the same.
         if self.hosts.owes_ok() {
             self.tell(Answer::Ok).await?;
-            self.hosts.settle();
-            self.wait = Wait::new();
+            self.end_line();
         }
         self.serve().await
     }
@@ -192,9 +158,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 Asked::Command => self.carry_out(&text).await?,
                 Asked::Nothing => Answer::Nothing,
                 Asked::LineNumber(number) => {
-                    self.told_of_edge = false;
-                    self.told_of_homing = false;
-                    self.told_of_corners = false;
+                    self.notices.renew_for_print();
                     Answer::LineNumber(number)
                 }
                 Asked::TooLong => Answer::TooLong,
@@ -205,18 +169,23 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             if !answer.has_ok() {
                 self.tell(Answer::Ok).await?;
             }
-            self.hosts.settle();
-            self.wait = Wait::new();
+            self.end_line();
         }
+    }
+
+    /// The line is answered.
+    const fn end_line(&mut self) {
+        self.hosts.note_answered();
+        self.pauses.end_command();
     }
 
     /// What the machine is about while a host is silent.
     fn activity(&self) -> Activity {
         if self.has_motion() {
             Activity::Moving
-        } else if !self.flow.has_waited() {
+        } else if !self.policy.has_waited() {
             Activity::Resting
-        } else if self.is_paused {
+        } else if self.pauses.is_print_paused() {
             Activity::Paused
         } else {
             Activity::Waited
@@ -264,7 +233,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.tend_drivers()?;
         self.feed_motion();
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
-        self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms, self.wait.is_for_user);
+        self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms, self.pauses.is_for_user());
         self.report_unasked();
         self.watch_idleness();
         self.hosts.send();
@@ -276,29 +245,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     fn receive(&mut self) -> Option<Interrupt> {
         let urgent = self.hosts.receive();
-        self.wait.is_over |= urgent.go_on || (urgent.resume && self.wait.is_for_user);
-        self.wait.is_answered |= urgent.resume;
+        self.pauses.note(urgent.go_on, urgent.resume);
         if urgent.stop {
             self.is_to_restart = urgent.restart;
             return Some(Interrupt::Halt);
         }
         urgent.quick_stop.then_some(Interrupt::QuickStop)
     }
-
-    fn watch_idleness(&mut self) {
-        let now = self.ports.clock.now();
-        if self.wait.is_for_user || self.has_motion() {
-            self.last_motion = now;
-        } else if self.idle_timeout_s > 0
-            && !self.drivers.powered().is_empty()
-            && now >= self.last_motion.after_ms(self.idle_timeout_s.saturating_mul(1000))
-        {
-            self.unpower(MotorSet::ALL);
-        }
-    }
 }
 
-/// Gives the rest of the world a turn; has itself woken if it wants the next one at once.
+/// Gives everybody else a turn; has itself woken if it wants the next one at once.
 pub(super) async fn yield_once(comes_again: bool) {
     let mut yielded = false;
     poll_fn(|context| {

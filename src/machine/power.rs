@@ -1,9 +1,9 @@
 //! Power for the motors: only with proof from their drivers, and not a step longer.
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
-use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
-use crate::machine::soft_endstops::Homed;
 use crate::port::{Clock, Motor, MotorSet, Pend};
 
 /// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so
@@ -26,7 +26,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             let on = self.drivers.powered().with(motors);
             let Err(motor) = self.drivers.power(on, &mut self.ports.drivers, now) else {
                 // The idle timeout must not take it away before the move that it is for.
-                self.last_motion = now;
+                self.idle_timeout.note_motion(now);
                 if !self.has_power(motors) {
                     // Other microsteps are on their way to motors that have power.
                     self.turn().await?;
@@ -49,11 +49,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let on = self.drivers.powered().without(motors);
         // Nobody gets power that had none, so nobody has anything to prove.
         let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
-        let mechanism = self.groups.mechanism();
-        let Homed(homed) = &mut self.homed;
-        for (axis, is_homed) in homed.iter_mut().enumerate() {
-            let own = mechanism.motors_of(axis);
-            *is_homed &= own.without(motors) == own;
+        self.homed.release(motors, self.real.groups().mechanism());
+    }
+
+    /// Takes power from all motors when nothing has moved for long enough.
+    pub(super) fn watch_idleness(&mut self) {
+        let now = self.ports.clock.now();
+        if self.pauses.is_for_user() || self.has_motion() {
+            self.idle_timeout.note_motion(now);
+        } else if self.idle_timeout.is_over(now) && !self.drivers.powered().is_empty() {
+            self.unpower(MotorSet::ALL);
         }
     }
 

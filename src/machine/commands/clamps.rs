@@ -1,11 +1,8 @@
 //! Values out of range: each is brought to the edge of its range, and the host is told.
 
-use super::shaping::{nearest, shortest};
 use crate::gcode::Number;
-use crate::machine::console::{Console, Interrupt, PortSet};
-use crate::machine::modal::{Modal, to_thousandth};
-use crate::machine::reports::answer::Answer;
-use crate::port::Pend;
+use crate::machine::numbers::{nearest, shortest, to_thousandth};
+use crate::machine::state::modal::Modal;
 use crate::settings::{Range, ranges};
 use crate::units::{Mm, MmPerSec};
 use core::fmt;
@@ -41,7 +38,8 @@ impl Clamps {
         Self { list: Vec::new() }
     }
 
-    /// `asked` became `set`.
+    /// `asked` became `set`. Inlined, it would stand in every function for a type.
+    #[inline(never)]
     pub fn note(&mut self, word: [&'static str; 2], asked: Number, set: Number) {
         let _ = self.list.push(Clamp { word, asked, set });
     }
@@ -51,8 +49,13 @@ impl Clamps {
         self.list.clear();
     }
 
-    /// `wanted` in its range. It is what a type can hold of `value`, which is far from it if it was cut off. Whatever
-    /// is told of it is in units of `scale`.
+    /// The value at this place, counted from 0.
+    pub fn get(&self, place: usize) -> Option<Clamp> {
+        self.list.get(place).copied()
+    }
+
+    /// `wanted` in its range. `wanted` is what its type can hold of `value`; if they are far apart, the type has cut `value`
+    /// off. The host is told the legal value as `scale` converts it.
     fn bring<T: Fixed + Into<I32F32>>(
         &mut self,
         word: [&'static str; 2],
@@ -122,20 +125,6 @@ impl Clamps {
     }
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Tells the host what was brought into range.
-    pub(in crate::machine) async fn tell_clamps(&mut self) -> Result<(), Interrupt> {
-        for place in 0..self.clamps.list.len() {
-            if let Some(clamp) = self.clamps.list.get(place) {
-                let clamp = *clamp;
-                self.tell(Answer::Clamp(clamp)).await?;
-            }
-        }
-        self.clamps.clear();
-        Ok(())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -149,7 +138,7 @@ mod tests {
         Number::read(text.as_bytes()).unwrap().0
     }
 
-    fn told(clamps: &Clamps) -> Vec<String> {
+    fn texts(clamps: &Clamps) -> Vec<String> {
         clamps.list.iter().map(ToString::to_string).collect()
     }
 
@@ -169,7 +158,7 @@ mod tests {
             clamps.feed(&modal, Some(number(text)));
         }
         clamps.whole(["M113", "S"], number("60.9"), Range { least: 0, most: 60 });
-        assert_eq!(told(&clamps), [""; 0]);
+        assert_eq!(texts(&clamps), [""; 0]);
     }
 
     #[test]
@@ -184,7 +173,7 @@ mod tests {
         assert_eq!(clamps.feed(&modal, Some(number("-5"))), None);
         assert_eq!(clamps.whole(["M220", "S"], number("-5"), Range { least: 10, most: 999 }), 10);
         assert_eq!(
-            told(&clamps),
+            texts(&clamps),
             [
                 "M203 X99999 is out of range, set to 3000",
                 "M201 X0 is out of range, set to 1",

@@ -1,8 +1,10 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
 
 use crate::gcode::AxisFlags;
-use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
+use crate::machine::state::notices::Notice;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::Homing;
@@ -47,7 +49,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
         self.finish().await?;
         // Without power no axis forgets where it is.
-        self.power(self.groups.fitted()).await?;
+        self.power(self.real.groups().fitted()).await?;
         let all = !(flags.x || flags.y || flags.z);
         let (axes, homing) = (self.settings.axes, self.settings.homing);
         let x = Axis { index: 0, name: 'X', endstop: EndstopSet::X, homing: homing.x, length: axes.x.length };
@@ -57,10 +59,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             if !(wanted || all) {
                 continue;
             }
-            self.is_homing = true;
+            self.homed.begin(axis.index);
             let result = self.home_axis(&axis).await;
             if !matches!(result, Err(HomeError::Interrupted(_))) {
-                self.is_homing = false;
+                self.homed.stop();
             }
             match result {
                 Ok(()) => {}
@@ -71,17 +73,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 }
             }
         }
-        self.told_of_edge = false;
+        self.notices.renew(Notice::Edge);
         Ok(())
     }
 
     async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
-        self.set_homed(axis.index, false);
         if !self.approach(axis, axis.length + BEYOND, axis.homing.fast).await? {
             return Err(NO_TRIGGER);
         }
         self.travel(axis, axis.homing.back_off, axis.homing.fast, EndstopSet::NONE).await?;
-        // Twice the way back finds any switch that is still there.
+        // Twice the distance backed off finds any switch that is still there.
         let sought = axis.homing.back_off * 2;
         let before = self.real_steps();
         if !self.approach(axis, sought, axis.homing.slow).await? {
@@ -90,30 +91,31 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.real_steps() == before {
             return Err(STILL_PRESSED);
         }
-        self.call_it_zero(axis.index).await?;
-        self.set_homed(axis.index, true);
+        self.zero(axis.index).await?;
+        self.homed.arrive(axis.index);
+        self.modal.forget_origin(axis.index);
         Ok(())
     }
 
     /// Moves towards the switch; true if it was met.
-    async fn approach(&mut self, axis: &Axis, way: Mm, speed: MmPerSec) -> Result<bool, Interrupt> {
-        self.travel(axis, -way, speed, axis.endstop).await?;
+    async fn approach(&mut self, axis: &Axis, distance: Mm, speed: MmPerSec) -> Result<bool, Interrupt> {
+        self.travel(axis, -distance, speed, axis.endstop).await?;
         let met = !self.link.status().triggered().is_empty();
         self.drop_motion().await?;
         Ok(met)
     }
 
     /// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
-    /// it takes them to whole steps, where all counts agree: from there an axis alone takes all its motors along at once,
-    /// and the counts agree wherever a switch ends it.
-    async fn travel(&mut self, axis: &Axis, way: Mm, speed: MmPerSec, watch: EndstopSet) -> Result<(), Interrupt> {
-        let mut end = self.planner.end();
-        if self.groups.is_redundant() {
-            end = end.map(Steps::wrapping_round);
+    /// the move takes them to whole steps, where all counts agree. From there an axis alone takes all its motors along at
+    /// once, and the counts agree wherever a switch ends the move.
+    async fn travel(&mut self, axis: &Axis, distance: Mm, speed: MmPerSec, watch: EndstopSet) -> Result<(), Interrupt> {
+        let mut steps = self.planner.end();
+        if self.real.groups().is_redundant() {
+            steps = steps.map(Steps::wrapping_round);
         }
-        let mut position = self.planner.mm(end);
+        let mut position = self.planner.mm(steps);
         if let Some(at) = position.get_mut(axis.index) {
-            *at = at.saturating_add(way);
+            *at = at.saturating_add(distance);
         }
         self.plan(Target { position, speed, has_overrides: false, watch }).await?;
         self.finish().await
@@ -121,8 +123,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// The axis stands at 0. Motors stand on whole steps, so an axis that shares them with this one may lie between two
     /// steps of its own; it moves to a whole one, 6 um beside.
-    async fn call_it_zero(&mut self, index: usize) -> Result<(), Interrupt> {
-        let mechanism = self.groups.mechanism();
+    async fn zero(&mut self, index: usize) -> Result<(), Interrupt> {
+        let mechanism = self.real.groups().mechanism();
         let mut position = self.real_steps();
         for (axis, at) in position.iter_mut().enumerate() {
             if axis == index {
@@ -137,15 +139,5 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         self.modal.position = self.retraction.commanded(self.planner.mm(position));
         Ok(())
-    }
-
-    fn set_homed(&mut self, index: usize, homed: bool) {
-        if let Some(flag) = self.homed.0.get_mut(index) {
-            *flag = homed;
-        }
-        // A homed axis carries the machine's own zero.
-        if let Some(origin) = self.modal.origin.get_mut(index).filter(|_| homed) {
-            *origin = Mm::ZERO;
-        }
     }
 }

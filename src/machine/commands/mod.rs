@@ -1,15 +1,41 @@
 //! Commands: what each of them does, and the state that it keeps.
+//!
+//! ```text
+//!   Command ──▶ dispatch ──┬──▶ immediate ──▶ settings::set, drivers, retraction, modal state ...   done at once
+//!                          └──▶ blocking  ──▶ moves, homing, waits, settings::stored ...           awaited
+//! ```
+//!
+//! The Console calls `execute` for a line and tells the answer that comes back, then the `ok`. Files that only decide
+//! (retraction, shaping, drivers, clamps, pauses, `settings::set`) are plain functions and structs with private fields;
+//! they get what they need as arguments. Files that wait (blocking, moves, homing, waits, `settings::stored`) are parts of
+//! the Console, because every wait turns its crank.
+//!
+//! | looking for | see |
+//! |---|---|
+//! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`retraction`] |
+//! | G28 | [`homing`] |
+//! | G4, M0, M24, M25, M600 | [`waits`], [`pauses`] |
+//! | M593, M900, M572 | [`shaping`] |
+//! | M569, M906, M913, M914 | [`drivers`], [`driver_value`] |
+//! | M92, M201 to M205, M500 to M504 | [`settings`] |
+//!
+//! | word | means |
+//! |---|---|
+//! | words | the letters with numbers of a line |
+//! | clamp | a value out of range, brought to the edge of its range and told of |
+//! | away | how far retraction keeps the machine from the commanded position |
 
-pub(in crate::machine) mod angle;
-pub(in crate::machine) mod arc;
+pub(in crate::machine) mod arcs;
+pub(in crate::machine) mod blocking;
 pub(in crate::machine) mod clamps;
 pub(in crate::machine) mod dispatch;
+pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod drivers;
 pub(in crate::machine) mod homing;
-pub(in crate::machine) mod message;
-pub(in crate::machine) mod pause;
+pub(in crate::machine) mod immediate;
+pub(in crate::machine) mod moves;
+pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod retraction;
-pub(in crate::machine) mod setting;
-pub(in crate::machine) mod settings_storage;
+pub(in crate::machine) mod settings;
 pub(in crate::machine) mod shaping;
-pub(in crate::machine) mod tuning;
+pub(in crate::machine) mod waits;

@@ -3,12 +3,13 @@
 //! The program knows nothing of it: what it commands goes on meaning the same, and the machine stays away from it by
 //! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
 
-use super::setting::Setting;
+use super::clamps::Clamps;
+use super::settings::setting::Setting;
 use crate::gcode::Number;
-use crate::machine::console::{Console, Interrupt, PortSet};
+use crate::machine::numbers::exact;
 use crate::machine::reports::answer::Answer;
-use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::machine::reports::speaker::Speaker;
+use crate::machine::state::modal::Modal;
 use crate::settings::Range;
 use crate::units::{Mm, MmPerSec};
 
@@ -18,20 +19,20 @@ const LENGTH: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100)
 /// How G10 and G11 retract, and whether the filament is.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Retraction {
-    pub length: Mm,
-    pub speed: MmPerSec,
-    pub lift: Mm,
-    pub extra: Mm,
-    pub recover_speed: MmPerSec,
-    /// How far the tool is above and the filament behind the commanded position.
+    length: Mm,
+    speed: MmPerSec,
+    lift: Mm,
+    extra: Mm,
+    recover_speed: MmPerSec,
+    /// How far the tool is lifted above the commanded position, and the filament pulled back from it.
     away: Option<[Mm; 2]>,
 }
 
-/// A way of the machine alone: how far it is away from the commanded position then, and how fast it goes there.
+/// A move of the machine alone: how far the machine is away from the commanded position at its end, and its speed.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::machine) struct Way {
+pub(in crate::machine) struct RetractionMove {
     away: [Mm; 2],
-    speed: MmPerSec,
+    pub speed: MmPerSec,
 }
 
 impl Retraction {
@@ -62,17 +63,37 @@ impl Retraction {
     }
 
     /// G10: the filament first, then the lift. Nothing if that was done.
-    pub fn ways_away(&self, z_speed: MmPerSec) -> Option<[Way; 2]> {
+    pub fn moves_away(&self, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
         let (lift, length) = (self.lift, self.length);
-        let ways = [Way { away: [Mm::ZERO, length], speed: self.speed }, Way { away: [lift, length], speed: z_speed }];
-        self.away.is_none().then_some(ways)
+        let moves = [
+            RetractionMove { away: [Mm::ZERO, length], speed: self.speed },
+            RetractionMove { away: [lift, length], speed: z_speed },
+        ];
+        self.away.is_none().then_some(moves)
     }
 
     /// G11: the lift first, then the filament.
-    pub fn ways_back(&self, z_speed: MmPerSec) -> Option<[Way; 2]> {
+    pub fn moves_back(&self, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
         let [_, length] = self.away?;
-        let recovered = Way { away: [Mm::ZERO, -self.extra], speed: self.recover_speed };
-        Some([Way { away: [Mm::ZERO, length], speed: z_speed }, recovered])
+        let recovered = RetractionMove { away: [Mm::ZERO, -self.extra], speed: self.recover_speed };
+        Some([RetractionMove { away: [Mm::ZERO, length], speed: z_speed }, recovered])
+    }
+
+    /// Where the machine stands after that move.
+    pub fn after(&self, step: RetractionMove, commanded: [Mm; 4]) -> [Mm; 4] {
+        Self { away: Some(step.away), ..*self }.away_from(commanded)
+    }
+
+    /// That move is planned.
+    pub const fn note_planned(&mut self, step: RetractionMove) {
+        self.away = Some(step.away);
+    }
+
+    /// The filament that was recovered in addition, which counts as asked for. `None` if some is still retracted.
+    pub fn take_extra(&mut self) -> Option<Mm> {
+        let [lift, length] = self.away.filter(|[_, length]| *length <= Mm::ZERO)?;
+        self.away = (lift > Mm::ZERO).then_some([lift, Mm::ZERO]);
+        Some(-length)
     }
 
     /// Z was homed, so its lift is gone.
@@ -81,58 +102,60 @@ impl Retraction {
             *lift = Mm::ZERO;
         }
     }
-}
-
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// G10 and G11: plans ways away from the commanded position, or back to it.
-    pub(in crate::machine) async fn stay_away(&mut self, ways: Option<[Way; 2]>) -> Result<(), Interrupt> {
-        for Way { away, speed } in ways.into_iter().flatten() {
-            let position = Retraction { away: Some(away), ..self.retraction }.away_from(self.modal.position);
-            self.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
-            self.retraction.away = Some(away);
-        }
-        if let Some([lift, length]) = self.retraction.away.filter(|[_, length]| *length <= Mm::ZERO) {
-            // What was pushed in addition is filament that was asked for.
-            let [_, _, _, e] = &mut self.modal.position;
-            *e = e.wrapping_sub(length);
-            self.retraction.away = (lift > Mm::ZERO).then_some([lift, Mm::ZERO]);
-        }
-        Ok(())
-    }
 
     /// M207. A filament that is retracted is recovered as far as it was retracted.
-    pub(in crate::machine) fn set_retraction(
+    pub fn set(
         &mut self,
         length: Option<Number>,
         feed: Option<Number>,
         lift: Option<Number>,
+        modal: &Modal,
+        clamps: &mut Clamps,
     ) -> Answer<'static> {
         if length.or(feed).or(lift).is_none() {
-            return Setting::Retraction.answer();
+            return Answer::Setting(Setting::Retraction);
         }
         if let Some(length) = length {
-            self.retraction.length = self.clamps.length(&self.modal, ["M207", "S"], length, LENGTH);
+            self.length = clamps.length(modal, ["M207", "S"], length, LENGTH);
         }
         if let Some(feed) = feed {
-            self.retraction.speed = self.clamps.speed_a_minute(&self.modal, ["M207", "F"], feed);
+            self.speed = clamps.speed_a_minute(modal, ["M207", "F"], feed);
         }
         if let Some(lift) = lift {
-            self.retraction.lift = self.clamps.length(&self.modal, ["M207", "Z"], lift, LENGTH);
+            self.lift = clamps.length(modal, ["M207", "Z"], lift, LENGTH);
         }
         Answer::Nothing
     }
 
     /// M208.
-    pub(in crate::machine) fn set_recovery(&mut self, extra: Option<Number>, feed: Option<Number>) -> Answer<'static> {
+    pub fn set_recovery(
+        &mut self,
+        extra: Option<Number>,
+        feed: Option<Number>,
+        modal: &Modal,
+        clamps: &mut Clamps,
+    ) -> Answer<'static> {
         if extra.or(feed).is_none() {
-            return Setting::Recovery.answer();
+            return Answer::Setting(Setting::Recovery);
         }
         if let Some(extra) = extra {
-            self.retraction.extra = self.clamps.length(&self.modal, ["M208", "S"], extra, LENGTH);
+            self.extra = clamps.length(modal, ["M208", "S"], extra, LENGTH);
         }
         if let Some(feed) = feed {
-            self.retraction.recover_speed = self.clamps.speed_a_minute(&self.modal, ["M208", "F"], feed);
+            self.recover_speed = clamps.speed_a_minute(modal, ["M208", "F"], feed);
         }
         Answer::Nothing
+    }
+
+    /// M503, the line of M207.
+    pub fn say(&self, to: &mut Speaker<'_>) {
+        let (length, feed, lift) = (exact(self.length), exact(Mm::from(self.speed) * 60), exact(self.lift));
+        to.say(format_args!("echo:  M207 S{length} F{feed} Z{lift}"));
+    }
+
+    /// M503, the line of M208.
+    pub fn say_recovery(&self, to: &mut Speaker<'_>) {
+        let (extra, feed) = (exact(self.extra), exact(Mm::from(self.recover_speed) * 60));
+        to.say(format_args!("echo:  M208 S{extra} F{feed}"));
     }
 }

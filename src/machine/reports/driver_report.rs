@@ -1,11 +1,11 @@
 //! M122: what the motor drivers say of themselves.
 
-use super::answer::Answer;
 use super::report::Hundredths;
-use crate::driver::{Config, DriverError, Job, Name, Reading};
-use crate::machine::console::{Console, Interrupt, PortSet};
-use crate::port::{Motor, Pend};
-use crate::units::Mm;
+use super::speaker::Speaker;
+use crate::driver::{Config, DriverError, Drivers, Name, Reading};
+use crate::port::Motor;
+use crate::settings::Settings;
+use crate::units::{Mm, StepsPerMm};
 use core::fmt;
 
 /// Full steps of a turn of almost every stepper motor (1.8 degrees).
@@ -55,39 +55,34 @@ impl fmt::Display for Health<'_> {
     }
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// M122.
-    pub(in crate::machine) async fn report_drivers(&mut self) -> Result<(), Interrupt> {
-        let fitted = self.groups.fitted();
-        for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
-            let has_uart = self.drivers.lines().has(motor);
-            let reading = if has_uart { Some(self.ask_driver(Job::Read, motor).await?) } else { None };
-            self.tell(Answer::Driver(DriverReport { motor, reading })).await?;
-        }
-        Ok(())
+impl DriverReport {
+    /// What the driver of `motor` said; `None` if it has no UART.
+    pub const fn new(motor: Motor, reading: Option<Result<Reading, DriverError>>) -> Self {
+        Self { motor, reading }
     }
+}
 
-    pub(in crate::machine) fn say_driver(&mut self, report: &DriverReport) {
-        let motor = report.motor;
-        let name = Name(motor);
-        let reading = match report.reading {
-            None => return self.say(format_args!("Driver {name}: no UART, set by its jumpers")),
-            Some(Err(error)) => return self.say(format_args!("Driver {name}: {error}")),
-            Some(Ok(reading)) => reading,
-        };
-        let (held, failures) = self.drivers.known(motor);
-        let power = if self.drivers.powered().has(motor) { "on" } else { "off" };
-        let turn = self.turn_of(motor, reading.microsteps().unwrap_or_default());
-        let state = State { reading: &reading, held, power, turn };
-        self.say(format_args!("Driver {name}: {state}"));
-        // A driver that nobody has spoken to yet says rightly that it was reset.
-        let problem = held.and(reading.problem());
-        self.say(format_args!("  {}", Health(&reading, problem, failures)));
-    }
+/// M122, the lines of one driver.
+pub(in crate::machine) fn say_driver(to: &mut Speaker<'_>, report: &DriverReport, drivers: &Drivers, s: &Settings) {
+    let motor = report.motor;
+    let name = Name(motor);
+    let reading = match report.reading {
+        None => return to.say(format_args!("Driver {name}: no UART, set by its jumpers")),
+        Some(Err(error)) => return to.say(format_args!("Driver {name}: {error}")),
+        Some(Ok(reading)) => reading,
+    };
+    let (held, failures) = drivers.known(motor);
+    let power = if drivers.powered().has(motor) { "on" } else { "off" };
+    let turn = turn_of(s.steps_per_mm(motor), reading.microsteps().unwrap_or_default());
+    let state = State { reading: &reading, held, power, turn };
+    to.say(format_args!("Driver {name}: {state}"));
+    // A driver that nobody has spoken to yet says rightly that it was reset.
+    let problem = held.and(reading.problem());
+    to.say(format_args!("  {}", Health(&reading, problem, failures)));
+}
 
-    /// How far a turn of a motor of 200 full steps goes, which shows whether microsteps and steps/mm agree.
-    fn turn_of(&self, motor: Motor, microsteps: u32) -> Hundredths {
-        let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
-        Hundredths(Mm::from_bits((steps / u64::from(self.settings.steps_per_mm(motor).to_bits().max(1))) as i64))
-    }
+/// How far a turn of a motor of 200 full steps goes, which shows whether microsteps and steps/mm agree.
+fn turn_of(steps_per_mm: StepsPerMm, microsteps: u32) -> Hundredths {
+    let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
+    Hundredths(Mm::from_bits((steps / u64::from(steps_per_mm.to_bits().max(1))) as i64))
 }

@@ -1,12 +1,15 @@
-//! What the machine says of itself.
+//! Reports: how the machine words what it says of itself. `report` is for the words, `answer` for what is to be said.
+//!
+//! Plain functions of what they speak of: position (M114), firmware (M115), endstops (M119, M211), overload (M122).
 
+use super::speaker::Speaker;
 use crate::kinematics::Groups;
-use crate::machine::console::{Console, PortSet};
-use crate::machine::soft_endstops::Homed;
+use crate::machine::state::modal::Modal;
+use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;
-use crate::port::{DriverBus as _, EndstopSet, Pend};
+use crate::port::EndstopSet;
+use crate::settings::Settings;
 use crate::status::{Late, Overload};
-use crate::storage;
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
 
@@ -72,65 +75,59 @@ impl fmt::Display for Position<'_> {
     }
 }
 
-impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
-    /// Where the program is, or with `real` where the tool is.
-    pub(in crate::machine) fn position(&self, real: bool) -> Position<'m> {
-        let position = if real { self.planner.mm(self.real_steps()) } else { self.modal.position };
-        Position { at: self.modal.named_position(position), counts: self.real_counts(), groups: self.groups }
+impl<'m> Position<'m> {
+    /// The named position of a machine that stands at `position`, of whose motor groups so many steps were counted.
+    pub fn new(position: [Mm; 4], counts: [i32; MOST_GROUPS], modal: &Modal, real: &RealPosition<'m>) -> Self {
+        Self { at: modal.named_position(position), counts: real.of_groups(counts), groups: real.groups() }
     }
+}
 
-    /// M115.
-    pub(in crate::machine) fn say_firmware(&mut self) {
-        self.say(format_args!(
-            "FIRMWARE_NAME:CoreH-bot {} SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:CoreH-bot \
-             EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000",
-            env!("CARGO_PKG_VERSION")
-        ));
-        let has_storage = u8::from(storage::is_present(&self.ports.storage));
-        self.say(format_args!("Cap:EEPROM:{has_storage}"));
-        for (name, value) in CAPABILITIES {
-            self.say(format_args!("Cap:{name}:{value}"));
-        }
+/// M115.
+pub(in crate::machine) fn say_firmware(to: &mut Speaker<'_>, has_storage: bool) {
+    to.say(format_args!(
+        "FIRMWARE_NAME:CoreH-bot {} SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:CoreH-bot \
+         EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000",
+        env!("CARGO_PKG_VERSION")
+    ));
+    to.say(format_args!("Cap:EEPROM:{}", u8::from(has_storage)));
+    for (name, value) in CAPABILITIES {
+        to.say(format_args!("Cap:{name}:{value}"));
     }
+}
 
-    /// M119.
-    pub(in crate::machine) fn say_endstops(&mut self, pressed: EndstopSet) {
-        let state = |e: EndstopSet| if pressed.has(e) { "TRIGGERED" } else { "open" };
-        self.say(format_args!("Reporting endstop status"));
-        self.say(format_args!("x_min: {}", state(EndstopSet::X)));
-        self.say(format_args!("y_min: {}", state(EndstopSet::Y)));
-        self.say(format_args!("z_min: {}", state(EndstopSet::Z)));
-        if self.link.status().inputs().has(EndstopSet::PROBE) {
-            self.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));
-        }
+/// M119: which endstops are pressed, of the inputs that there are.
+pub(in crate::machine) fn say_endstops(to: &mut Speaker<'_>, pressed: EndstopSet, inputs: EndstopSet) {
+    let state = |e: EndstopSet| if pressed.has(e) { "TRIGGERED" } else { "open" };
+    to.say(format_args!("Reporting endstop status"));
+    to.say(format_args!("x_min: {}", state(EndstopSet::X)));
+    to.say(format_args!("y_min: {}", state(EndstopSet::Y)));
+    to.say(format_args!("z_min: {}", state(EndstopSet::Z)));
+    if inputs.has(EndstopSet::PROBE) {
+        to.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));
     }
+}
 
-    /// Part of M122: what was too slow since the start, and the worst of it.
-    pub(in crate::machine) fn say_overload(&mut self) {
-        let Overload { events, spans, starved, underruns } = self.link.status().overload();
-        let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };
-        self.say(format_args!(
-            "echo:overload: {} steps late, worst {} us; {} spans stretched, worst {} us; {starved} times out of steps, \
-             {underruns} times out of moves",
-            events.count,
-            us(events),
-            spans.count,
-            us(spans)
-        ));
-        if let Some(warning) = self.ports.drivers.warning() {
-            self.say(format_args!("echo:{warning}"));
-        }
-    }
+/// Part of M122: what was too slow since the start, and the worst of it.
+pub(in crate::machine) fn say_overload(to: &mut Speaker<'_>, overload: Overload) {
+    let Overload { events, spans, starved, underruns } = overload;
+    let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };
+    to.say(format_args!(
+        "echo:overload: {} steps late, worst {} us; {} spans stretched, worst {} us; {starved} times out of steps, \
+         {underruns} times out of moves",
+        events.count,
+        us(events),
+        spans.count,
+        us(spans)
+    ));
+}
 
-    /// M211 without S.
-    pub(in crate::machine) fn say_soft_endstops(&mut self) {
-        let state = if self.settings.soft_endstops { "ON" } else { "OFF" };
-        let a = self.settings.axes;
-        let (x, y, z) = (Hundredths(a.x.length), Hundredths(a.y.length), Hundredths(a.z.length));
-        let Homed([hx, hy, hz]) = self.homed;
-        let known = if hx && hy && hz { "" } else { "  (once homed)" };
-        self.say(format_args!("Soft endstops: {state}  Min:  X0.00 Y0.00 Z0.00   Max:  X{x} Y{y} Z{z}{known}"));
-    }
+/// M211 without S.
+pub(in crate::machine) fn say_soft_endstops(to: &mut Speaker<'_>, s: &Settings, homed: Homed) {
+    let state = if s.soft_endstops { "ON" } else { "OFF" };
+    let a = s.axes;
+    let (x, y, z) = (Hundredths(a.x.length), Hundredths(a.y.length), Hundredths(a.z.length));
+    let known = if homed.lacks_one_of([true; 3]) { "  (once homed)" } else { "" };
+    to.say(format_args!("Soft endstops: {state}  Min:  X0.00 Y0.00 Z0.00   Max:  X{x} Y{y} Z{z}{known}"));
 }
 
 #[cfg(test)]

@@ -1,13 +1,13 @@
 //! The Console's dealings with motion: planning moves, waiting for them, stopping them.
 
-use super::flow::{GATHERED, Release};
-use crate::kinematics::count_at;
-use crate::machine::console::{Console, Interrupt, PortSet};
-use crate::machine::modal::FARTHEST;
+use super::release_policy::{GATHERED, Release};
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
-use crate::machine::soft_endstops::clamp;
-use crate::motion::{Target, Work};
-use crate::motors::MOST_GROUPS;
+use crate::machine::state::modal::FARTHEST;
+use crate::machine::state::notices::Notice;
+use crate::machine::state::soft_endstops::clamp;
+use crate::motion::{Target, Work, stiffenings, taps};
 use crate::port::{Clock, EndstopSet, Pend};
 use crate::units::{Mm, MmPerSec, Seconds, Steps, TICKS_PER_SECOND};
 
@@ -33,20 +33,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Tells once that a target was beyond the edge.
     pub(in crate::machine) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
-        if core::mem::replace(&mut self.told_of_edge, true) {
-            return Ok(());
+        if self.notices.give(Notice::Edge) {
+            self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
         }
-        self.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await
+        Ok(())
     }
 
     /// Plans a move as soon as there is room for it.
     pub(in crate::machine) async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
-        let motors = self.groups.fitted();
+        let motors = self.real.groups().fitted();
         if !self.has_power(motors) && self.planner.is_move(target.position) {
             self.power(motors).await?;
         }
         while !self.has_room() {
-            self.flow.fill();
+            self.policy.note_full();
             if !self.planner.replan() {
                 self.comes_again = true;
             } else if !self.planner.has_room() && !self.planner.has_ready() {
@@ -55,46 +55,46 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             self.turn().await?;
         }
-        self.note_follower();
+        self.note_added();
         self.follow_stream();
         while !self.planner.prepare() {
             self.turn_again().await?;
         }
         // The stream may have run dry in these turns too.
-        self.note_follower();
+        self.note_added();
         self.planner.push(&target, &self.settings);
-        self.flow.note_news();
+        self.policy.note_news();
         self.note_path();
         Ok(())
     }
 
-    /// Whether the look-ahead takes another move: there is a place for it, and what is queued does not last for too long. As
-    /// long as the first move that waits is not final, there are too few, however long they last. So this delays moves, and
-    /// changes no speed.
+    /// Whether the look-ahead takes another move: there is a place for it, and the planned moves do not last for too long. As
+    /// long as the first waiting move is not final, there are too few moves, however long they last. So a full look-ahead
+    /// delays moves, and changes no speed.
     pub(in crate::machine) fn has_room(&mut self) -> bool {
-        let most = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
-        let most = most >> Seconds::FRAC_NBITS;
-        let (waiting, left) = (self.planner.waiting(), self.link.left());
-        self.planner.has_room() && (waiting + left < most || self.planner.lacks_moves())
+        let most_ticks = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
+        let most_ticks = most_ticks >> Seconds::FRAC_NBITS;
+        let planned_ticks = self.planner.waiting() + self.link.left();
+        self.planner.has_room() && (planned_ticks < most_ticks || self.planner.lacks_moves())
     }
 
-    /// A move is about to be added. If one has left that would have been faster with it, the host was too slow.
-    fn note_follower(&mut self) {
-        if self.flow.add(self.ports.clock.now()) {
+    /// A move is about to be added. If an earlier one has left that would have been faster with it, the host was too slow.
+    fn note_added(&mut self) {
+        if self.policy.add(self.ports.clock.now()) {
             self.link.status().count_underrun();
         }
     }
 
-    /// Slows down for a stream that has run dry and goes on. How long moves last is known when all of them are planned.
+    /// Slows down for a stream that has run dry and goes on. How long the moves last is known when all of them are planned.
     pub(in crate::machine) fn follow_stream(&mut self) {
-        if !self.flow.is_steady() && self.planner.is_planned() {
-            let share = self.flow.share(self.planner.waiting(), self.link.left());
+        if !self.policy.is_steady() && self.planner.is_planned() {
+            let share = self.policy.share(self.planner.waiting(), self.link.left());
             self.planner.take_share(share);
         }
     }
 
-    /// M220: from now on, and for the moves that wait. A change that is still being carried out comes first, and moves
-    /// leave before the next: a host that changes the feed all the time would keep them all back.
+    /// M220: from now on, and for the moves that wait. An earlier change is carried out first, and moves leave before the
+    /// next change: a host that changes the feed all the time would keep all moves back.
     pub(in crate::machine) async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
         if !self.planner.is_planned() {
             while !self.planner.replan() {
@@ -103,7 +103,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.turn_again().await?;
         }
         self.planner.override_feed(percent);
-        self.flow.note_news();
+        self.policy.note_news();
         Ok(())
     }
 
@@ -118,14 +118,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.link.left();
         let level = (self.planner.len() + self.link.level()) as u32;
         self.link.status().set_level(level);
-        if self.flow.is_level_telling() {
+        if self.policy.is_level_telling() {
             self.link.status().note_level(level);
         }
-        if self.flow.is_gathering() {
+        if self.policy.is_gathering() {
             self.comes_again |= self.begin_motion();
             return;
         }
-        // One of them, after which bytes and emergencies are looked at again. The Console comes round at once for the next.
+        // One move a turn, so that bytes and emergencies are looked at in between. The next turn follows at once.
         self.comes_again |= self.hand_on();
     }
 
@@ -134,13 +134,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if !self.link.has_room() {
             return false;
         }
-        let release = self.flow.release(self.link.level(), self.link.left());
+        let release = self.policy.release(self.link.level(), self.link.left());
         if release == Release::Nothing {
             return false;
         }
         if self.planner.is_empty() {
             if self.link.is_idle() {
-                self.flow.rest(self.ports.clock.now());
+                self.policy.come_to_rest(self.ports.clock.now());
             }
             return false;
         }
@@ -156,24 +156,24 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return false;
         }
         self.planner.release_next();
-        self.flow.note_drought();
+        self.policy.note_dry();
         true
     }
 
     /// Whether motion begins now.
     fn begin_motion(&mut self) -> bool {
         let now = self.ports.clock.now();
-        // Nothing can be final that is not even planned, or was not when as much was planned.
-        if !self.flow.is_worth_asking(now) || self.planner.is_empty() {
+        // A move that is not planned cannot be final, and few moves are not worth the question.
+        if !self.policy.is_worth_asking(now) || self.planner.is_empty() {
             return false;
         }
         let is_due = !self.planner.is_planned() || self.planner.waiting() >= GATHERED;
-        let (final_time, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
+        let (final_ticks, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
         if !is_all {
-            self.flow.note_news();
+            self.policy.note_news();
             self.comes_again = true;
         }
-        self.flow.begin(final_time, now)
+        self.policy.begin(final_ticks, now)
     }
 
     /// Whether anything planned has not been stepped yet.
@@ -185,12 +185,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) async fn finish(&mut self) -> Result<(), Interrupt> {
         self.comes_again = true;
         self.until(|c| {
-            c.flow.drain();
+            c.policy.note_awaited();
             c.planner.release_all();
             !c.has_motion()
         })
         .await?;
-        self.flow.rest(self.ports.clock.now());
+        self.policy.come_to_rest(self.ports.clock.now());
         Ok(())
     }
 
@@ -208,8 +208,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             halted?;
         }
         self.link.restart();
-        self.flow.drain();
-        self.flow.rest(self.ports.clock.now());
+        self.policy.note_awaited();
+        self.policy.come_to_rest(self.ports.clock.now());
         let real = self.real_steps();
         self.planner.fall_short(real);
         self.note_path();
@@ -222,7 +222,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// M410: motion slows down along its path and ends; the position stays true.
     pub(in crate::machine) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
-        if !self.wait.is_dwelling {
+        if !self.pauses.is_dwelling() {
             self.link.brake();
             while !self.link.has_stopped() {
                 // The path may lead on into moves that have not left the planner, so they go on leaving it.
@@ -232,7 +232,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
         }
         self.drop_motion().await?;
-        if core::mem::take(&mut self.is_homing) {
+        if self.homed.stop() {
             self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }
         Ok(())
@@ -241,40 +241,31 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
     /// have been dropped with the motion. Motion rests.
     pub(in crate::machine) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
-        let position = if self.groups.is_redundant() { self.whole_steps_away(position) } else { position };
-        self.planner.stand_at(position);
         let counts = self.link.counts();
-        for ((origin, group), count) in self.origin.iter_mut().zip(self.groups.iter()).zip(counts) {
-            *origin = count_at(group.coordinate(position)).wrapping_sub(count);
-        }
+        let position = self.real.whole_steps_away(position, counts);
+        self.planner.stand_at(position);
+        self.real.adopt(position, counts);
         self.until(|c| c.link.has_room()).await?;
         self.link.send(Work::Position(position));
         self.follow().await
     }
 
-    /// The position nearest to this one that is whole steps from where the machine really is. Where four coordinates hold
-    /// three axes, their counts agree only so: a name for a place that lies between whole steps would have them strain
-    /// each other by a step, and the next one by another.
-    fn whole_steps_away(&self, position: [Steps; 4]) -> [Steps; 4] {
-        let mut near = self.real_steps();
-        for (near, wanted) in near.iter_mut().zip(position) {
-            *near = near.wrapping_add(wanted.wrapping_sub(*near).wrapping_round());
+    /// Tells the generator what each axis follows. Motion rests.
+    pub(in crate::machine) async fn follow(&mut self) -> Result<(), Interrupt> {
+        let window = self.advance_in_use.window(&self.settings);
+        for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
+            self.until(|c| c.link.has_room()).await?;
+            self.link.send(Work::Stiffen(axis as u8, stiffening));
         }
-        let ([x, y, z, _], [.., e]) = (near, position);
-        [x, y, z, e]
-    }
-
-    /// Steps of each motor group, from the steps really emitted.
-    pub(in crate::machine) fn real_counts(&self) -> [i32; MOST_GROUPS] {
-        let mut real = self.origin;
-        for (real, count) in real.iter_mut().zip(self.link.counts()) {
-            *real = real.wrapping_add(count);
+        for (axis, taps) in taps(&self.settings.shapers, window).into_iter().enumerate() {
+            self.until(|c| c.link.has_room()).await?;
+            self.link.send(Work::Follow(axis as u8, taps));
         }
-        real
+        Ok(())
     }
 
     /// Where the machine really is, in steps of x, y, z and e.
     pub(in crate::machine) fn real_steps(&self) -> [Steps; 4] {
-        self.groups.position(self.real_counts())
+        self.real.of_axes(self.link.counts())
     }
 }

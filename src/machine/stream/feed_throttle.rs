@@ -7,33 +7,33 @@
 //!
 //! While the stream has not run dry nothing of this happens, for it depends on when lines arrive. It ends when the
 //! look-ahead is full, so that the host is known to be faster, when a command waits for the motion, or with a pause
-//! (see [`flow`](super::flow)).
+//! (see [`release_policy`](super::release_policy)).
 
 use crate::motion::WHOLE_SHARE as WHOLE;
 use crate::units::TICKS_PER_MS;
 
 /// With moves for so long nothing is slowed down; less than what motion begins with.
-const ENOUGH: u64 = 200 * TICKS_PER_MS as u64;
+const FULL_FEED_TICKS: u64 = 200 * TICKS_PER_MS as u64;
 
 /// The least share at first, and at all.
 const FLOORS: (u8, u8) = (WHOLE / 2, WHOLE / 8);
 
 /// How much of the feed the stream allows.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::machine) struct Slowdown {
+pub(in crate::machine) struct FeedThrottle {
     /// The least share; [`WHOLE`] while nothing is slowed down.
     floor: u8,
     share: u8,
 }
 
-impl Slowdown {
+impl FeedThrottle {
     /// Nothing is slowed down.
     pub const fn new() -> Self {
         Self { floor: WHOLE, share: WHOLE }
     }
 
     /// Nothing is slowed down any more.
-    pub const fn end(&mut self) {
+    pub const fn reset(&mut self) {
         self.floor = WHOLE;
     }
 
@@ -48,15 +48,15 @@ impl Slowdown {
         self.floor = (self.floor / 2).clamp(least, first);
     }
 
-    /// The share of the feed, in sixteenths, given the time of the moves that wait at that feed, and of those that have
-    /// left the look-ahead, in ticks.
-    pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
+    /// The share of the feed, in sixteenths, given the time of the moves in the look-ahead at that feed, and the time of
+    /// the moves that have left the look-ahead.
+    pub fn share(&mut self, waiting_ticks: u64, queued_ticks: u64) -> u8 {
         if self.floor == WHOLE {
             self.share = WHOLE;
             return WHOLE;
         }
-        let lasts = waiting * u64::from(self.share) / u64::from(WHOLE) + queued;
-        let share = (lasts * u64::from(WHOLE) / ENOUGH).min(u64::from(WHOLE)) as u8;
+        let lasting_ticks = waiting_ticks * u64::from(self.share) / u64::from(WHOLE) + queued_ticks;
+        let share = (lasting_ticks * u64::from(WHOLE) / FULL_FEED_TICKS).min(u64::from(WHOLE)) as u8;
         self.share = share.max(self.floor);
         self.share
     }
@@ -68,24 +68,24 @@ mod tests {
 
     #[test]
     fn a_stream_that_never_ran_dry_is_as_fast_as_commanded() {
-        let mut slowdown = Slowdown::new();
-        assert_eq!(slowdown.share(0, 0), WHOLE);
-        slowdown.slow_down();
-        slowdown.end();
-        assert_eq!(slowdown.share(0, 0), WHOLE);
+        let mut throttle = FeedThrottle::new();
+        assert_eq!(throttle.share(0, 0), WHOLE);
+        throttle.slow_down();
+        throttle.reset();
+        assert_eq!(throttle.share(0, 0), WHOLE);
     }
 
     #[test]
-    fn a_stream_that_goes_on_after_a_drought_is_as_fast_as_it_comes() {
-        let mut slowdown = Slowdown::new();
-        slowdown.slow_down();
-        assert_eq!(slowdown.share(ENOUGH / 4, 0), WHOLE / 2);
+    fn a_stream_that_goes_on_after_an_underrun_is_as_fast_as_it_comes() {
+        let mut throttle = FeedThrottle::new();
+        throttle.slow_down();
+        assert_eq!(throttle.share(FULL_FEED_TICKS / 4, 0), WHOLE / 2);
         // At half the speed, what waits lasts twice as long.
-        assert_eq!(slowdown.share(ENOUGH * 3 / 2, 0), WHOLE * 3 / 4);
-        assert_eq!(slowdown.share(ENOUGH * 4 / 3, ENOUGH / 4), WHOLE);
+        assert_eq!(throttle.share(FULL_FEED_TICKS * 3 / 2, 0), WHOLE * 3 / 4);
+        assert_eq!(throttle.share(FULL_FEED_TICKS * 4 / 3, FULL_FEED_TICKS / 4), WHOLE);
         for floor in [4, 2, 2] {
-            slowdown.slow_down();
-            assert_eq!(slowdown.share(0, 0), floor);
+            throttle.slow_down();
+            assert_eq!(throttle.share(0, 0), floor);
         }
     }
 }

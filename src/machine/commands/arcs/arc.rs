@@ -46,7 +46,7 @@ const FARTHEST_CENTRE: Mm = Mm::const_from_int(100_000);
 /// radius, which is within any tolerance that would allow fewer chords.
 const LEAST_CHORDS_A_TURN: i64 = 8;
 
-/// A position as its part in a plane, and the rest: the axis across it, and the extruder. The first axis of a plane turns
+/// A position as its part in a plane, and the two coordinates outside: the axis across it, and the extruder. The first axis of a plane turns
 /// counter-clockwise into the second, seen from where the third points to (RS-274/NGC, section 3.5.3).
 pub(in crate::machine) fn split<T>(plane: Plane, position: [T; 4]) -> ([T; 2], [T; 2]) {
     let [x, y, z, e] = position;
@@ -148,7 +148,7 @@ pub(in crate::machine) enum Shape {
 }
 
 impl Shape {
-    /// The shape in mm, by way of `length`.
+    /// The shape in mm, as `length` reads numbers.
     pub fn new(shape: ArcShape, plane: Plane, length: impl Fn(crate::gcode::Number) -> Mm) -> Result<Self, ArcError> {
         match shape {
             ArcShape::Centre { i, j, k } => {
@@ -186,9 +186,9 @@ fn centre_from_radius(start: [i64; 2], end: [i64; 2], radius: i64, clockwise: bo
     }
     let half = u128::from(chord / 2);
     let height = (u128::from(most) * u128::from(most)).saturating_sub(half * half).isqrt() as i64;
-    // To the left of the way from start to end, unless exactly one of these holds.
+    // To the left of the line from start to end, unless exactly one of these holds.
     let height = if clockwise == (radius > 0) { -height } else { height };
-    let share = |way: i64| way.signum() * part_of(height, way.unsigned_abs(), chord);
+    let share = |leg: i64| leg.signum() * part_of(height, leg.unsigned_abs(), chord);
     Ok([(start[0] + end[0]) / 2 - share(dy), (start[1] + end[1]) / 2 + share(dx)])
 }
 
@@ -306,12 +306,12 @@ mod tests {
                     k: crate::gcode::Number::saturating(Mm::from_num(offset[2])),
                 };
                 let shape = Shape::new(given, plane, |n| n.value()).unwrap();
-                let (from, rest) = split(plane, start);
+                let (from, outside) = split(plane, start);
                 let arc = Arc::new(from, split(plane, end).0, shape, clockwise, 1, Mm::from_num(0.005)).unwrap();
                 assert!((arc.sweep as f64 / TURN as f64 - sense / 3.0).abs() < 1e-6, "{plane:?} {clockwise}");
                 let mut at = start.map(|v| v.to_num::<f64>());
                 for chord in 1..=arc.chords() {
-                    let to = join(plane, arc.point(chord), rest).map(|v| v.to_num::<f64>());
+                    let to = join(plane, arc.point(chord), outside).map(|v| v.to_num::<f64>());
                     let spoke = |p: [f64; 4]| [p[a] - centre[a], p[b] - centre[b]];
                     let ([ua, ub], [va, vb]) = (spoke(at), spoke(to));
                     assert!((va.hypot(vb) - radius).abs() < 1e-5, "{plane:?}: {to:?}");

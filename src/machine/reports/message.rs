@@ -1,8 +1,7 @@
 //! M118: messages for the host.
 
+use super::speaker::Speaker;
 use crate::gcode::Form;
-use crate::machine::console::{Console, PortSet};
-use crate::port::Pend;
 use core::fmt::{self, Write};
 
 /// What a message may not begin with, in lower case: a host would take it for an answer (printcore, OctoPrint comm.py).
@@ -24,15 +23,13 @@ impl Message<'_> {
     }
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// M118. A text that a host would take for an answer is told as an echo.
-    pub(in crate::machine) fn say_message(&mut self, form: Form, text: &[u8]) {
-        let message = Message(text);
-        match form {
-            Form::Action => self.say(format_args!("// {message}")),
-            Form::Plain if !message.is_reserved() => self.say(format_args!("{message}")),
-            Form::Plain | Form::Echo => self.say(format_args!("echo:{message}")),
-        }
+/// M118. A text that a host would take for an answer is told as an echo.
+pub(in crate::machine) fn say_message(to: &mut Speaker<'_>, form: Form, text: &[u8]) {
+    let message = Message(text);
+    match form {
+        Form::Action => to.say(format_args!("// {message}")),
+        Form::Plain if !message.is_reserved() => to.say(format_args!("{message}")),
+        Form::Plain | Form::Echo => to.say(format_args!("echo:{message}")),
     }
 }
 

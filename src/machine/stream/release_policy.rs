@@ -6,10 +6,10 @@
 //! is an underrun if a move follows that no command has waited for; otherwise it was the end of the stream, where
 //! the tool rests in any case.
 
-use super::slowdown::Slowdown;
+use super::feed_throttle::FeedThrottle;
 use crate::units::{Instant, TICKS_PER_MS};
 
-/// Motion begins when this much of it is final: sixteen lines of a host behind an USB adapter whose latency
+/// Motion begins when this much of it is final: sixteen lines of a host with an USB adapter whose latency
 /// timer is at its default of 16 ms (FTDI AN232B-04).
 pub(in crate::machine) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
 
@@ -23,12 +23,12 @@ const LONG_REST_MS: u32 = 1000;
 
 /// With more than this queued, nothing leaves the look-ahead: what has left is out of reach of the overrides, which
 /// are to count within 100 ms. Fifty turns of a Console that is polled every millisecond, and three lines of a host
-/// behind such an adapter.
-const AMPLE: u64 = 50 * TICKS_PER_MS as u64;
+/// with such an adapter.
+const QUEUE_HIGH: u64 = 50 * TICKS_PER_MS as u64;
 
 /// With less than this queued, the stream is dry: moves leave though they are not final. Twenty turns of a
 /// Console that is polled every millisecond, so that the machine brakes before it starves.
-const DRY: u64 = 20 * TICKS_PER_MS as u64;
+const QUEUE_LOW: u64 = 20 * TICKS_PER_MS as u64;
 
 /// With so many moves queued the stream is not dry, however short they are: a full window lets sixteen go at once, and
 /// the queue holds twice as many.
@@ -47,9 +47,9 @@ pub(in crate::machine) enum Release {
 
 /// Decides when moves leave.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::machine) struct Flow {
+pub(in crate::machine) struct ReleasePolicy {
     /// Motion has not begun since the last rest.
-    gathering: bool,
+    is_gathering: bool,
     /// When the last move was added.
     added: Instant,
     /// When motion came to rest by itself, if it does rest.
@@ -58,62 +58,62 @@ pub(in crate::machine) struct Flow {
     is_dry: bool,
     /// A command has waited for the end of the motion, and nothing has been added since.
     has_waited: bool,
-    /// Whether the present drought was counted.
-    counted: bool,
+    /// Whether the present underrun was counted.
+    is_counted: bool,
     /// Whether the look-ahead has been full since the last rest.
     was_full: bool,
-    /// There are moves that nobody knew of when it was last asked whether motion begins.
+    /// Moves were added since it was last asked whether motion begins.
     is_news: bool,
-    slowdown: Slowdown,
+    throttle: FeedThrottle,
 }
 
-impl Flow {
+impl ReleasePolicy {
     pub const fn new() -> Self {
-        let slowdown = Slowdown::new();
+        let throttle = FeedThrottle::new();
         let (added, rested) = (Instant(0), None);
         Self {
-            gathering: true,
+            is_gathering: true,
             added,
             rested,
             is_dry: false,
             has_waited: false,
-            counted: false,
+            is_counted: false,
             was_full: false,
             is_news: false,
-            slowdown,
+            throttle,
         }
     }
 
-    /// A move is about to be added; true if the stream had run dry, which is not counted yet.
+    /// A move is about to be added; true if that makes an underrun of a dry stream, and it is not counted yet.
     pub fn add(&mut self, now: Instant) -> bool {
         (self.added, self.has_waited) = (now, false);
         if !core::mem::replace(&mut self.is_dry, false) {
             return false;
         }
         if self.rested.is_some_and(|rested| now >= rested.after_ms(LONG_REST_MS)) {
-            self.slowdown.end();
+            self.throttle.reset();
         } else {
-            self.slowdown.slow_down();
+            self.throttle.slow_down();
         }
-        !core::mem::replace(&mut self.counted, true)
+        !core::mem::replace(&mut self.is_counted, true)
     }
 
-    /// The share of the feed that the stream allows, given the nominal time of the moves that wait and the time of those
-    /// that are queued, in ticks.
-    pub fn share(&mut self, waiting: u64, queued: u64) -> u8 {
-        self.slowdown.share(waiting, queued)
+    /// The share of the feed that the stream allows, given the nominal time of the moves that wait and the time of the
+    /// moves that are queued.
+    pub fn share(&mut self, waiting_ticks: u64, queued_ticks: u64) -> u8 {
+        self.throttle.share(waiting_ticks, queued_ticks)
     }
 
     /// Whether the stream allows all of the feed, and did when it was last asked.
     pub const fn is_steady(&self) -> bool {
-        self.slowdown.is_steady()
+        self.throttle.is_steady()
     }
 
     /// The look-ahead is full.
-    pub const fn fill(&mut self) {
+    pub const fn note_full(&mut self) {
         self.set_out();
         self.was_full = true;
-        self.slowdown.end();
+        self.throttle.reset();
     }
 
     /// Whether the look-ahead has once been full, so that its level says something of the host.
@@ -121,12 +121,12 @@ impl Flow {
         self.was_full
     }
 
-    /// Everything leaves now, because a command waits for it. What has left before was followed by nothing.
-    pub const fn drain(&mut self) {
+    /// Everything leaves now, because a command waits for it. Whatever had left dry was the end of the stream.
+    pub const fn note_awaited(&mut self) {
         self.set_out();
         self.was_full = false;
         (self.is_dry, self.has_waited) = (false, true);
-        self.slowdown.end();
+        self.throttle.reset();
     }
 
     /// Whether a command has waited for the end of the motion, and nothing was added since.
@@ -135,19 +135,19 @@ impl Flow {
     }
 
     /// Motion rests, and begins anew with the next move.
-    pub const fn rest(&mut self, now: Instant) {
+    pub const fn come_to_rest(&mut self, now: Instant) {
         self.rested = Some(now);
-        self.gathering = true;
+        self.is_gathering = true;
         self.was_full = false;
-        self.counted = false;
+        self.is_counted = false;
     }
 
     /// Whether motion has not begun since the last rest.
     pub const fn is_gathering(&self) -> bool {
-        self.gathering
+        self.is_gathering
     }
 
-    /// There is more to know of what is planned.
+    /// There is more to know of the planned moves.
     pub const fn note_news(&mut self) {
         self.is_news = true;
     }
@@ -161,9 +161,9 @@ impl Flow {
         now >= self.added.after_ms(PAUSE_MS)
     }
 
-    /// Begins the motion if it is time, given the nominal time of final moves, in ticks; true if it begins.
-    pub fn begin(&mut self, final_time: u64, now: Instant) -> bool {
-        let begins = self.is_paused(now) || final_time >= GATHERED;
+    /// Begins the motion if it is time, given the nominal time of final moves; true if it begins.
+    pub fn begin(&mut self, final_ticks: u64, now: Instant) -> bool {
+        let begins = self.is_paused(now) || final_ticks >= GATHERED;
         if begins {
             self.set_out();
         }
@@ -172,16 +172,16 @@ impl Flow {
 
     /// Motion begins.
     const fn set_out(&mut self) {
-        self.gathering = false;
+        self.is_gathering = false;
         self.rested = None;
     }
 
-    /// What may leave under way, given the moves queued behind the look-ahead and their time, in ticks.
-    pub const fn release(&mut self, moves: usize, queued: u64) -> Release {
-        if queued > AMPLE {
-            self.counted = false;
+    /// What may leave under way, given the moves that have left the look-ahead and their time.
+    pub const fn release(&mut self, moves: usize, queued_ticks: u64) -> Release {
+        if queued_ticks > QUEUE_HIGH {
+            self.is_counted = false;
             Release::Nothing
-        } else if queued > DRY || moves >= MANY {
+        } else if queued_ticks > QUEUE_LOW || moves >= MANY {
             Release::Final
         } else {
             Release::Next
@@ -189,7 +189,7 @@ impl Flow {
     }
 
     /// A move left before it was final. If nothing follows, that was the end of the stream.
-    pub const fn note_drought(&mut self) {
+    pub const fn note_dry(&mut self) {
         self.is_dry = true;
     }
 }
@@ -200,52 +200,52 @@ mod tests {
 
     #[test]
     fn motion_begins_when_enough_is_gathered_or_the_host_pauses() {
-        let mut flow = Flow::new();
-        flow.add(Instant(0));
-        assert!(!flow.begin(GATHERED - 1, Instant(0).after_ms(99)));
-        assert!(flow.is_gathering());
-        assert!(flow.begin(GATHERED, Instant(0).after_ms(99)));
-        assert!(!flow.is_gathering());
-        let mut flow = Flow::new();
-        assert!(flow.begin(1, Instant(0).after_ms(PAUSE_MS)));
+        let mut policy = ReleasePolicy::new();
+        policy.add(Instant(0));
+        assert!(!policy.begin(GATHERED - 1, Instant(0).after_ms(99)));
+        assert!(policy.is_gathering());
+        assert!(policy.begin(GATHERED, Instant(0).after_ms(99)));
+        assert!(!policy.is_gathering());
+        let mut policy = ReleasePolicy::new();
+        assert!(policy.begin(1, Instant(0).after_ms(PAUSE_MS)));
     }
 
     #[test]
     fn an_ample_queue_lets_nothing_go() {
-        let mut flow = Flow::new();
-        flow.fill();
-        assert_eq!(flow.release(1, AMPLE + 1), Release::Nothing);
-        assert_eq!(flow.release(1, AMPLE), Release::Final);
-        assert_eq!(flow.release(1, DRY), Release::Next);
-        assert_eq!(flow.release(MANY, DRY), Release::Final);
+        let mut policy = ReleasePolicy::new();
+        policy.note_full();
+        assert_eq!(policy.release(1, QUEUE_HIGH + 1), Release::Nothing);
+        assert_eq!(policy.release(1, QUEUE_HIGH), Release::Final);
+        assert_eq!(policy.release(1, QUEUE_LOW), Release::Next);
+        assert_eq!(policy.release(MANY, QUEUE_LOW), Release::Final);
     }
 
     #[test]
-    fn a_drought_counts_once_and_when_the_stream_goes_on() {
-        let mut flow = Flow::new();
-        flow.note_drought();
-        assert!(flow.add(Instant(0)));
-        assert!(!flow.add(Instant(0)));
-        flow.note_drought();
-        assert!(!flow.add(Instant(0)), "the same drought");
-        flow.release(0, AMPLE + 1);
-        flow.note_drought();
-        assert!(flow.add(Instant(0)));
+    fn an_underrun_counts_once_and_when_the_stream_goes_on() {
+        let mut policy = ReleasePolicy::new();
+        policy.note_dry();
+        assert!(policy.add(Instant(0)));
+        assert!(!policy.add(Instant(0)));
+        policy.note_dry();
+        assert!(!policy.add(Instant(0)), "the same underrun");
+        policy.release(0, QUEUE_HIGH + 1);
+        policy.note_dry();
+        assert!(policy.add(Instant(0)));
         // A command that waits makes an end of it.
-        flow.note_drought();
-        flow.drain();
-        flow.rest(Instant(0));
-        assert!(!flow.add(Instant(0)));
+        policy.note_dry();
+        policy.note_awaited();
+        policy.come_to_rest(Instant(0));
+        assert!(!policy.add(Instant(0)));
     }
 
     #[test]
     fn whoever_pauses_for_long_is_not_slow() {
         for (ms, is_slow) in [(999, true), (1000, false)] {
-            let mut flow = Flow::new();
-            flow.note_drought();
-            flow.rest(Instant(0));
-            assert!(flow.add(Instant(0).after_ms(ms)), "counted in any case");
-            assert_eq!(flow.is_steady(), !is_slow);
+            let mut policy = ReleasePolicy::new();
+            policy.note_dry();
+            policy.come_to_rest(Instant(0));
+            assert!(policy.add(Instant(0).after_ms(ms)), "counted in any case");
+            assert_eq!(policy.is_steady(), !is_slow);
         }
     }
 }

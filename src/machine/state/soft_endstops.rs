@@ -1,21 +1,18 @@
 //! Soft endstops: targets outside the reachable space are moved to its edge.
 
+use super::position::Homed;
 use crate::settings::Settings;
 use crate::units::Mm;
 
-/// The axes whose position is known.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub(super) struct Homed(pub [bool; 3]);
-
 /// `position` inside the reachable space, and whether it had to be moved. An axis that was not homed has no
 /// known edges.
-pub(super) fn clamp(position: [Mm; 4], homed: Homed, s: &Settings) -> ([Mm; 4], bool) {
+pub(in crate::machine) fn clamp(position: [Mm; 4], homed: Homed, s: &Settings) -> ([Mm; 4], bool) {
     if !s.soft_endstops {
         return (position, false);
     }
     let mut inside = position;
     let most = [s.axes.x.length, s.axes.y.length, s.axes.z.length];
-    for ((at, most), homed) in inside.iter_mut().zip(most).zip(homed.0) {
+    for ((at, most), homed) in inside.iter_mut().zip(most).zip(homed.axes()) {
         if homed {
             *at = (*at).clamp(Mm::ZERO, most);
         }
@@ -31,10 +28,10 @@ mod tests {
     fn the_edge_holds_where_the_position_is_known() {
         let s = Settings::prototype();
         let out = [Mm::from_num(-5), Mm::from_num(500), Mm::from_num(-1), Mm::from_num(-9)];
-        let (at, moved) = clamp(out, Homed([true, true, false]), &s);
+        let (at, moved) = clamp(out, Homed::new([true, true, false]), &s);
         assert!(moved);
         assert_eq!(at, [Mm::ZERO, Mm::from_num(417.6), Mm::from_num(-1), Mm::from_num(-9)]);
         let off = Settings { soft_endstops: false, ..s };
-        assert_eq!(clamp(out, Homed([true; 3]), &off), (out, false));
+        assert_eq!(clamp(out, Homed::new([true; 3]), &off), (out, false));
     }
 }

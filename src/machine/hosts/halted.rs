@@ -5,18 +5,15 @@
 //! host wants to know when it connects is answered, so that it gets as far as sending M999; what asks for anything to be
 //! done gets the error too.
 
+use super::host::{Asked, Text};
 use crate::driver::Fault;
 use crate::gcode::{self, Command};
 use crate::machine::console::{Console, PortSet, yield_once};
-use crate::machine::hosts::{Asked, Text};
-use crate::machine::reports::answer::{Answer, Progress};
+use crate::machine::interrupt::Restart;
+use crate::machine::reports::answer::Answer;
+use crate::machine::reports::speaker::Progress;
 use crate::port::{Clock, LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
-
-/// Why [`Console::run`](crate::machine::Console::run) ends: the machine is to begin anew, as after a reset. No motor has power.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Restart;
 
 /// What a host is greeted with. Not "start", which would be a reset (OctoPrint, comm.py).
 const GREETING: &str = "echo:Printer halted. Send M999 or reset";
@@ -49,7 +46,7 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The Console after a stop, until M999.
-    pub(super) async fn stay_halted(&mut self) -> Restart {
+    pub(in crate::machine) async fn stay_halted(&mut self) -> Restart {
         self.link.status().set_halted();
         self.stop_and_cut();
         self.link.status().set_awaiting_input(true);
@@ -103,13 +100,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Tells the host being served, as soon as there is room for it, or until M999.
     async fn tell_halted(&mut self, answer: Answer<'static>, are_new: &mut [bool; LINES]) {
-        self.telling = Progress::default();
-        while !self.is_to_restart {
-            self.telling.begin();
-            self.write(&answer);
-            if self.telling.is_complete() {
-                return;
-            }
+        self.progress = Progress::default();
+        while !self.is_to_restart && !self.write(&answer) {
             self.turn_halted(are_new).await;
         }
     }

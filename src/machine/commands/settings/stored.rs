@@ -1,44 +1,12 @@
-//! Keeping settings: what is stored counts from the start on, and M500 to M504.
+//! Settings as they are stored: what is stored counts from the start on, and M500, M501, M502, M504.
 
-use crate::machine::console::{Console, Interrupt, PortSet};
+use super::storage_news::StorageNews;
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
 use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
-use crate::storage::{self, Receipt, Rejected, SaveError, Slot, Survey};
-
-/// Why the content of a slot is not used.
-type Slots = [(Slot, Option<Rejected>); 2];
-
-/// What there is to tell of the storage.
-#[derive(Clone, Copy)]
-pub(in crate::machine) enum StorageNews {
-    /// M500 did it.
-    Saved(Receipt),
-    /// M500 did not.
-    NotSaved(SaveError),
-    /// M501 found no storage.
-    Unchanged(StorageError),
-    /// M504 found none.
-    Unanswered(StorageError),
-    /// There was none at the start.
-    Unreadable(StorageError),
-    /// These settings were found and taken, or the defaults if there is no receipt.
-    Loaded { rejected: Slots, receipt: Option<Receipt> },
-    /// These settings were found.
-    Checked { rejected: Slots, receipt: Option<Receipt> },
-    /// M502.
-    Defaults,
-}
-
-impl StorageNews {
-    fn loaded(survey: &Survey) -> Self {
-        Self::Loaded { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
-    }
-
-    fn checked(survey: &Survey) -> Self {
-        Self::Checked { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
-    }
-}
+use crate::storage::{self, Survey};
 
 /// The storage, with the world going round once after every transfer, so that M112 is heard while settings
 /// are being saved.
@@ -64,7 +32,7 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
     }
 
     /// What ended the transfers before their time, if something did.
-    fn end(self) -> Result<(), Interrupt> {
+    fn into_result(self) -> Result<(), Interrupt> {
         match self.interrupt {
             Some(interrupt) => Err(interrupt),
             None => Ok(()),
@@ -97,7 +65,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) async fn survey(&mut self) -> Result<Result<Survey, StorageError>, Interrupt> {
         let mut paced = Paced::new(self);
         let survey = storage::survey(&mut paced).await;
-        paced.end()?;
+        paced.into_result()?;
         Ok(survey.map(|survey| survey.on(&self.defaults.mechanism)))
     }
 
@@ -121,7 +89,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let settings = self.settings;
         let mut paced = Paced::new(self);
         let saved = storage::save(&mut paced, &settings).await;
-        paced.end()?;
+        paced.into_result()?;
         Ok(saved.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
     }
 
@@ -150,47 +118,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Ok(survey) => StorageNews::checked(&survey),
             Err(error) => StorageNews::Unanswered(error),
         })
-    }
-
-    pub(in crate::machine) fn say_storage(&mut self, news: &StorageNews) {
-        match *news {
-            StorageNews::Saved(receipt) => self.say(format_args!("echo:Settings Stored {receipt}")),
-            StorageNews::NotSaved(error) => self.say(format_args!("echo:Settings not stored: {error}")),
-            StorageNews::Unchanged(error) => self.say(format_args!("echo:Settings unchanged: {error}")),
-            StorageNews::Unanswered(error) => self.say(format_args!("echo:{error}")),
-            StorageNews::Unreadable(error) => {
-                self.say(format_args!("echo:{error}"));
-                self.say_defaults();
-            }
-            StorageNews::Loaded { rejected, receipt } => {
-                self.say_rejected(rejected);
-                match receipt {
-                    Some(receipt) => self.say(format_args!("echo:stored settings retrieved {receipt}")),
-                    None => self.say_defaults(),
-                }
-            }
-            StorageNews::Checked { rejected, receipt } => {
-                self.say_rejected(rejected);
-                match receipt {
-                    Some(receipt) => self.say(format_args!("echo:stored settings valid {receipt}")),
-                    None => self.say(format_args!("echo:no valid settings stored")),
-                }
-            }
-            StorageNews::Defaults => self.say_defaults(),
-        }
-    }
-
-    fn say_defaults(&mut self) {
-        self.say(format_args!("echo:Hardcoded Default Settings Loaded"));
-    }
-
-    /// Names the slots whose content is not used; an empty one is no news.
-    fn say_rejected(&mut self, slots: Slots) {
-        for (slot, why) in slots {
-            if let Some(why) = why.filter(|why| *why != Rejected::Blank) {
-                self.say(format_args!("echo:storage slot {slot} not used: {why}"));
-            }
-        }
     }
 
     /// Takes over other settings. Motion rests: a step must not change its size under way.

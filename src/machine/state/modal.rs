@@ -1,14 +1,16 @@
 //! Modal state: what earlier lines said that still holds, and what a line therefore means.
 
 use crate::gcode::{AxisWords, Number, Plane};
+use crate::machine::numbers::to_thousandth;
 use crate::settings::{Range, Settings};
 use crate::units::{Mm, MmPerSec, part_of};
 
 /// Positions are kept within +-10 m, whatever a line says: no machine is larger, and no sum overflows.
-pub(super) const FARTHEST: Range<Mm> = Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
+pub(in crate::machine) const FARTHEST: Range<Mm> =
+    Range { least: Mm::const_from_int(-10_000), most: Mm::const_from_int(10_000) };
 
 /// Overrides in percent (M220, M221): a tenth to ten times, as Marlin accepts them.
-pub(super) const PERCENT: Range<u16> = Range { least: 10, most: 999 };
+pub(in crate::machine) const PERCENT: Range<u16> = Range { least: 10, most: 999 };
 
 /// The speed of moves before the first F: 50 mm/s suits any axis once its limit is applied.
 const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
@@ -16,15 +18,9 @@ const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 /// Millimetres an inch, exactly 25.4, as the fraction 127/5.
 const INCH: (u64, u64) = (127, 5);
 
-/// The value to three decimals.
-pub(super) fn to_thousandth(value: Mm) -> Mm {
-    let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
-    Mm::from_bits((doubled + 1) >> 1)
-}
-
 /// What still holds.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Modal {
+pub(in crate::machine) struct Modal {
     /// G90; cleared by G91.
     pub absolute: bool,
     /// M82; cleared by M83. E is relative if either this or `absolute` is cleared.
@@ -51,7 +47,7 @@ pub(super) struct Modal {
 
 /// What a line of motion asks for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Wanted {
+pub(in crate::machine) struct Wanted {
     /// Target in machine coordinates.
     pub position: [Mm; 4],
     /// E as the program will count it then.
@@ -143,13 +139,20 @@ impl Modal {
         }
     }
 
+    /// The axis carries the machine's own zero again (G28).
+    pub fn forget_origin(&mut self, axis: usize) {
+        if let Some(origin) = self.origin.get_mut(axis) {
+            *origin = Mm::ZERO;
+        }
+    }
+
     /// Where the program believes to be.
     pub fn named_position(&self, position: [Mm; 4]) -> [Mm; 4] {
         let [x, y, z, e] = position;
         let [ox, oy, oz] = self.origin;
-        // Filament not yet moved, in what the program counts.
-        let behind = self.position[3].wrapping_sub(e);
-        [x - ox, y - oy, z - oz, self.extrusion.saturating_sub(behind)]
+        // Filament that was commanded and not yet moved, as the program counts it.
+        let missing = self.position[3].wrapping_sub(e);
+        [x - ox, y - oy, z - oz, self.extrusion.saturating_sub(missing)]
     }
 }
 

@@ -1,0 +1,99 @@
+//! Settings as they are shown: as the lines that set them, one each for the command without words, all of them for M503.
+
+use super::setting::Setting;
+use crate::gcode::Number;
+use crate::machine::commands::driver_value::DriverValue;
+use crate::machine::commands::retraction::Retraction;
+use crate::machine::commands::shaping::say_shaper;
+use crate::machine::numbers::{exact, shortest};
+use crate::machine::reports::speaker::Speaker;
+use crate::settings::{CornerRule, Settings};
+
+/// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
+pub(in crate::machine) fn say_settings(to: &mut Speaker<'_>, s: &Settings, retraction: &Retraction, has_drivers: bool) {
+    to.say(format_args!("echo:  G21"));
+    for setting in Setting::ALL {
+        say_setting(to, setting, s, retraction);
+    }
+    if has_drivers {
+        say_driver_settings(to, s);
+    }
+    say_space(to, s);
+    let (soft, keepalive) = (u8::from(s.soft_endstops), s.keepalive_s);
+    to.say(format_args!("echo:  M211 S{soft}"));
+    to.say(format_args!("echo:  M113 S{keepalive}"));
+    let lookahead = shortest(s.lookahead_time);
+    to.say(format_args!("echo:; Look-ahead: {lookahead} s"));
+}
+
+/// The line or lines of one setting.
+pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings, retraction: &Retraction) {
+    match setting {
+        Setting::Resolutions => say_axes(to, "M92", s.axes.map(|a| exact(a.steps_per_mm)).to_array()),
+        Setting::MaxSpeeds => say_axes(to, "M203", s.axes.map(|a| exact(a.max_speed)).to_array()),
+        Setting::MaxAccelerations => say_axes(to, "M201", s.axes.map(|a| exact(a.max_acceleration)).to_array()),
+        Setting::Accelerations => {
+            let accelerations = [s.print_acceleration, s.retract_acceleration, s.travel_acceleration];
+            let [p, r, t] = accelerations.map(exact);
+            to.say(format_args!("echo:  M204 P{p} R{r} T{t}"));
+        }
+        Setting::Corners => {
+            let [e, feed, travel] = [s.extruder_jerk, s.min_feed, s.min_travel].map(exact);
+            match s.corner {
+                CornerRule::JunctionDeviation(d) => {
+                    to.say(format_args!("echo:  M205 J{} E{e} S{feed} T{travel}", exact(d)));
+                }
+                CornerRule::SquareCorner(v) => {
+                    let v = exact(v);
+                    to.say(format_args!("echo:  M205 X{v} Y{v} E{e} S{feed} T{travel}"));
+                }
+            }
+        }
+        Setting::VelocityLimit => {
+            let ratio = shortest(s.minimum_cruise_ratio);
+            to.say(format_args!("echo:  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
+        }
+        Setting::Shapers => {
+            say_shaper(to, 'X', s.shapers.x);
+            say_shaper(to, 'Y', s.shapers.y);
+        }
+        Setting::Advance => {
+            let [time, window] = [s.advance.time, s.advance.window].map(shortest);
+            to.say(format_args!("echo:  M900 K{time}"));
+            to.say(format_args!("echo:  M572 W{window}"));
+        }
+        Setting::Retraction => retraction.say(to),
+        Setting::Recovery => retraction.say_recovery(to),
+    }
+}
+
+/// Says the line of a command that takes a number for each axis.
+fn say_axes(to: &mut Speaker<'_>, code: &str, values: [Number; 4]) {
+    let [x, y, z, e] = values;
+    to.say(format_args!("echo:  {code} X{x} Y{y} Z{z} E{e}"));
+}
+
+/// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
+fn say_space(to: &mut Speaker<'_>, s: &Settings) {
+    let [x, y, z, _] = s.axes.map(|a| exact(a.length)).to_array();
+    to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
+    let homing = s.homing;
+    for (axis, homing) in [('X', homing.x), ('Y', homing.y), ('Z', homing.z)] {
+        let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
+        to.say(format_args!("echo:; homing {axis}: {fast} mm/s, {back} mm back, {slow} mm/s"));
+    }
+    let needed = if s.require_homing { "needed before moves" } else { "not needed before moves" };
+    to.say(format_args!("echo:; homing is {needed}"));
+}
+
+/// M503, the part of the drivers.
+fn say_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
+    let groups = s.drivers;
+    for (group, axes) in [(groups.belt, "X Y"), (groups.z, "Z"), (groups.e, "E")] {
+        to.say(format_args!("echo:  M569 S{} {axes}", u8::from(group.stealth)));
+    }
+    for value in [DriverValue::Current, DriverValue::HybridThreshold, DriverValue::StallThreshold] {
+        let [belt, z, e] = [groups.belt, groups.z, groups.e].map(|group| value.number(&group));
+        say_axes(to, value.code(), [belt, belt, z, e]);
+    }
+}

@@ -1,0 +1,163 @@
+//! One host: its serial line, what has arrived on it, and what it is yet to be told.
+
+use super::schedule::Schedule;
+use crate::gcode::{self, Command};
+use crate::port::{Received, Serial};
+use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies, ResendReason};
+use crate::units::Instant;
+use heapless::Vec;
+
+/// A command's text, copied out of the receiver so that lines can go on arriving while it is carried out.
+pub(in crate::machine) type Text = Vec<u8, 320>;
+
+/// A serial line and what is under way on it.
+pub(super) struct Host<S> {
+    line: S,
+    pub(super) receiver: Receiver,
+    pub(super) replies: Replies,
+    /// What it is told by itself.
+    pub(super) schedule: Schedule,
+    /// When it was last told that there is somebody, or had nothing to wait for.
+    pub(super) assured: Instant,
+    /// A quick stop was in what it has sent last.
+    pub(super) has_stopped: bool,
+    /// It opened its line in what it has sent last.
+    pub(super) has_opened: bool,
+    /// It is to be greeted.
+    pub(super) is_new: bool,
+    /// The number of the line that it was last served, if that had one.
+    pub(super) number: Option<i32>,
+    /// Lines up to this place of the receiver came before a quick stop, which forgets them.
+    pub(super) forgotten: Option<u32>,
+}
+
+/// What a line asks for; a command's text is elsewhere.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Asked {
+    /// To carry out a command.
+    Command,
+    /// To be told `ok`.
+    Nothing,
+    /// M110, and what it wants to know.
+    LineNumber(Option<i32>),
+    /// Too much.
+    TooLong,
+    /// To be asked for again.
+    Resend(ResendReason, i32),
+    /// Nothing; it may be waiting for an answer to something that was lost.
+    Probe(i32),
+}
+
+/// What arrived and cannot wait.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(in crate::machine) struct Urgent {
+    /// M112
+    pub stop: bool,
+    /// M410
+    pub quick_stop: bool,
+    /// M108
+    pub go_on: bool,
+    /// M24, M602, M876 S
+    pub resume: bool,
+    /// M999, and no M112 since
+    pub restart: bool,
+}
+
+impl<S: Serial> Host<S> {
+    /// A host that has said nothing.
+    pub(super) const fn new(line: S, now: Instant) -> Self {
+        Self {
+            line,
+            receiver: Receiver::new(),
+            replies: Replies::new(),
+            schedule: Schedule::new(),
+            assured: now,
+            has_stopped: false,
+            has_opened: false,
+            is_new: false,
+            number: None,
+            forgotten: None,
+        }
+    }
+
+    /// Takes in what has arrived. A quick stop forgets earlier lines and no later ones.
+    pub(super) fn receive(&mut self, urgent: &mut Urgent) {
+        self.has_stopped = false;
+        self.has_opened = false;
+        while self.receiver.has_room() {
+            let Some(received) = self.line.recv() else {
+                break;
+            };
+            if received == Received::Opened {
+                self.replies = Replies::new();
+                self.forgotten = None;
+                self.schedule = Schedule::new();
+                self.has_opened = true;
+                self.is_new = true;
+            }
+            match self.receiver.feed(received) {
+                Some(Emergency::Stop) => (urgent.stop, urgent.restart) = (true, false),
+                Some(Emergency::Restart) => urgent.restart = true,
+                Some(Emergency::QuickStop) => {
+                    self.forgotten = Some(self.receiver.place());
+                    self.has_stopped = true;
+                    urgent.quick_stop = true;
+                }
+                Some(Emergency::Continue) => urgent.go_on = true,
+                Some(Emergency::Resume) => urgent.resume = true,
+                None => {}
+            }
+        }
+    }
+
+    pub(super) fn next_line(
+        &mut self,
+        now: Instant,
+        (patience_ms, activity): (u32, Activity),
+        text: &mut Text,
+    ) -> Option<Asked> {
+        if !self.replies.pending().is_empty() {
+            self.receiver.hold_silence();
+        }
+        let last = self.receiver.last_line();
+        let mut incoming = self.receiver.next_line(now);
+        if incoming.is_none() && patience_ms > 0 {
+            incoming = self.receiver.break_silence(now, patience_ms, activity);
+        }
+        let asked = match incoming? {
+            Incoming::Command(line) => {
+                text.clear();
+                let _ = text.extend_from_slice(line.get(..text.capacity()).unwrap_or(line));
+                Asked::Command
+            }
+            Incoming::Acknowledge => Asked::Nothing,
+            Incoming::LineNumber { report } => Asked::LineNumber(report),
+            Incoming::TooLong => Asked::TooLong,
+            Incoming::Resend { reason, last } => Asked::Resend(reason, last),
+            Incoming::Silence { last } => Asked::Probe(last),
+        };
+        // A line that nothing is done with may be too long: the outline of an object, a message.
+        let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);
+        let asked = if asked == Asked::TooLong && !is_needed() { Asked::Nothing } else { asked };
+        let number = self.receiver.last_line();
+        self.number = (number != last).then_some(number);
+        self.assured = now;
+        self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
+        let is_forgotten = asked == Asked::Command && self.forgotten.is_some();
+        Some(if is_forgotten { Asked::Nothing } else { asked })
+    }
+
+    pub(super) fn send(&mut self) {
+        loop {
+            let pending = self.replies.pending();
+            if pending.is_empty() {
+                return;
+            }
+            let sent = self.line.send(pending);
+            if sent == 0 {
+                return;
+            }
+            self.replies.sent(sent);
+        }
+    }
+}

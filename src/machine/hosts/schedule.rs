@@ -1,0 +1,68 @@
+//! When reports come by themselves: M154 and M155, to the host that asked for them and as often as it asked.
+//!
+//! A report is a whole line, and it is put in only where everything said before has left. So it stands neither inside
+//! a line nor between the lines of one answer, and a host that does not read is not filled with it.
+
+use crate::settings::Range;
+use crate::units::Instant;
+
+/// Seconds between two reports, 0 for never; Marlin's longest time is as long.
+pub(in crate::machine) const PERIOD_S: Range<u16> = Range { least: 0, most: 60 };
+
+/// What a host may have told by itself.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Report {
+    /// Where the tool is.
+    Position,
+    /// How hot everything is.
+    Temperatures,
+}
+
+impl Report {
+    /// The command that asks for it.
+    pub const fn code(self) -> &'static str {
+        match self {
+            Self::Position => "M154",
+            Self::Temperatures => "M155",
+        }
+    }
+}
+
+/// How often a host is told each [`Report`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct Schedule {
+    /// The period in seconds, 0 for never; and when the next report is due.
+    reports: [(u8, Instant); 2],
+}
+
+impl Schedule {
+    /// Nothing.
+    pub const fn new() -> Self {
+        Self { reports: [(0, Instant(0)); 2] }
+    }
+
+    const fn of(&mut self, report: Report) -> &mut (u8, Instant) {
+        let [position, temperatures] = &mut self.reports;
+        match report {
+            Report::Position => position,
+            Report::Temperatures => temperatures,
+        }
+    }
+
+    /// From `now` on every `period_s`.
+    pub fn set(&mut self, report: Report, period_s: u8, now: Instant) {
+        *self.of(report) = (period_s, now.after_ms(u32::from(period_s) * 1000));
+    }
+
+    /// Whether it is time for a report.
+    pub fn is_due(&mut self, report: Report, now: Instant) -> bool {
+        let (period_s, due) = *self.of(report);
+        period_s > 0 && now >= due
+    }
+
+    /// A report was made, and the next one is due when its time has passed again.
+    pub fn note_told(&mut self, report: Report, now: Instant) {
+        let (period_s, _) = *self.of(report);
+        self.set(report, period_s, now);
+    }
+}

@@ -1,0 +1,254 @@
+//! The hosts, one of which is being served.
+//!
+//! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
+//! host that sent it.
+
+use super::host::{Asked, Host, Text, Urgent};
+use super::schedule::Report;
+use crate::port::{LINES, Lines, Serial};
+use crate::protocol::{Activity, NoRoom, Replies};
+use crate::units::Instant;
+use core::fmt;
+
+/// All hosts, one of which is being served.
+pub(in crate::machine) struct Hosts<S> {
+    hosts: Lines<Host<S>>,
+    serving: usize,
+    /// The host being served waits for the answer to a line.
+    owes_ok: bool,
+    /// The host being served has gone, and another has opened its line: nobody waits for the answer.
+    is_gone: bool,
+}
+
+impl<S: Serial> Hosts<S> {
+    pub(in crate::machine) fn new(lines: Lines<S>, now: Instant) -> Self {
+        Self {
+            hosts: lines.into_iter().map(|line| Host::new(line, now)).collect(),
+            serving: 0,
+            owes_ok: false,
+            is_gone: false,
+        }
+    }
+
+    /// How many there are.
+    pub(in crate::machine) fn len(&self) -> usize {
+        self.hosts.len()
+    }
+
+    /// Has `host` hear what is said from now on.
+    pub(in crate::machine) fn turn_to(&mut self, host: usize) {
+        self.serving = host;
+        self.is_gone = false;
+    }
+
+    /// Whether the host being served waits for the answer to a line.
+    pub(in crate::machine) const fn owes_ok(&self) -> bool {
+        self.owes_ok
+    }
+
+    /// The line is answered.
+    pub(in crate::machine) const fn note_answered(&mut self) {
+        self.owes_ok = false;
+    }
+
+    /// The next line of a host, beginning with the one after the host served last. A command is put into `text`.
+    /// A host that has been silent in the middle of its lines for so many ms, 0 being never, is prompted if it may be
+    /// waiting, while the machine is about that activity.
+    pub(in crate::machine) fn next_line(
+        &mut self,
+        now: Instant,
+        patience: (u32, Activity),
+        text: &mut Text,
+    ) -> Option<Asked> {
+        let count = self.hosts.len();
+        for place in (1..=count).map(|step| (self.serving + step) % count) {
+            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, text)) else {
+                continue;
+            };
+            self.turn_to(place);
+            self.owes_ok = true;
+            return Some(asked);
+        }
+        None
+    }
+
+    /// The host being served.
+    pub(in crate::machine) const fn serving(&self) -> usize {
+        self.serving
+    }
+
+    /// Marks those that have opened their lines in what arrived last.
+    pub(in crate::machine) fn note_opened(&self, are_new: &mut [bool; LINES]) {
+        for (is_new, host) in are_new.iter_mut().zip(&self.hosts) {
+            *is_new |= host.has_opened;
+        }
+    }
+
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<S>> {
+        self.hosts.iter_mut()
+    }
+
+    /// Has the host being served told a report every `period_s`, unless it has gone.
+    pub(in crate::machine) fn schedule(&mut self, report: Report, period_s: u8, now: Instant) {
+        if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
+            host.schedule.set(report, period_s, now);
+        }
+    }
+
+    /// What the host being served is told. `None` if it has gone.
+    pub(in crate::machine) fn replies(&mut self) -> Option<&mut Replies> {
+        if self.is_gone {
+            return None;
+        }
+        self.hosts.get_mut(self.serving).map(|host| &mut host.replies)
+    }
+
+    /// The number of the line being served, if it has one, and the bytes that its host may send ahead.
+    pub(in crate::machine) fn progress(&self) -> (Option<i32>, usize) {
+        self.hosts.get(self.serving).map_or((None, 0), |host| (host.number, host.receiver.room()))
+    }
+
+    /// Takes in what has arrived from all. Lines that a quick stop has overtaken, be it another host's, will be
+    /// answered, but not carried out.
+    pub(in crate::machine) fn receive(&mut self) -> Urgent {
+        let mut all = Urgent::default();
+        for (place, host) in self.hosts.iter_mut().enumerate() {
+            host.receive(&mut all);
+            self.is_gone |= host.has_opened && self.owes_ok && place == self.serving;
+        }
+        if all.quick_stop {
+            for host in self.hosts.iter_mut().filter(|host| !host.has_stopped) {
+                host.forgotten = Some(host.receiver.place());
+            }
+        }
+        all
+    }
+
+    /// Sends what fits.
+    pub(in crate::machine) fn send(&mut self) {
+        self.hosts.iter_mut().for_each(Host::send);
+    }
+
+    /// Tells hosts that have waited for `every_ms` for the answer to a line that there is somebody. 0 is never.
+    pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every_ms: u32, is_paused: bool) {
+        let say = |replies: &mut Replies| if is_paused { replies.paused() } else { replies.busy() };
+        for (place, host) in self.hosts.iter_mut().enumerate() {
+            let is_served = self.owes_ok && !self.is_gone && place == self.serving;
+            let is_waiting = is_served || !host.receiver.is_empty();
+            if !is_waiting || (every_ms > 0 && now >= host.assured.after_ms(every_ms) && say(&mut host.replies).is_ok())
+            {
+                host.assured = now;
+            }
+        }
+    }
+
+    /// Says the same line to all; one that has no room for it misses it.
+    pub(in crate::machine) fn tell_all(&mut self, line: fmt::Arguments<'_>) {
+        for host in &mut self.hosts {
+            let _ = host.replies.line(line);
+        }
+    }
+
+    /// Says the same line to all but the host being served; one that has no room for it misses it.
+    pub(in crate::machine) fn tell_others(&mut self, line: fmt::Arguments<'_>) {
+        let serving = self.serving;
+        for (_, host) in self.hosts.iter_mut().enumerate().filter(|(place, _)| *place != serving) {
+            let _ = host.replies.line(line);
+        }
+    }
+
+    /// Says `what` to those that have opened their lines since the last time, as soon as it fits.
+    pub(in crate::machine) fn greet(&mut self, what: impl Fn(&mut Replies) -> Result<(), NoRoom>) {
+        for host in &mut self.hosts {
+            host.is_new = host.is_new && what(&mut host.replies).is_err();
+        }
+    }
+
+    /// Has all of them greeted.
+    pub(in crate::machine) fn count_as_new(&mut self) {
+        self.hosts.iter_mut().for_each(|host| host.is_new = true);
+    }
+
+    /// Whether a report is due for a host that has heard everything else.
+    pub(in crate::machine) fn is_due(&mut self, report: Report, now: Instant) -> bool {
+        self.iter_mut().any(|host| host.schedule.is_due(report, now) && host.replies.pending().is_empty())
+    }
+
+    /// Tells a report to the hosts for which it is due and that have heard everything else.
+    pub(in crate::machine) fn report(&mut self, report: Report, now: Instant, line: fmt::Arguments<'_>) {
+        for host in self.iter_mut() {
+            if host.schedule.is_due(report, now) && host.replies.pending().is_empty() && host.replies.line(line).is_ok()
+            {
+                host.schedule.note_told(report, now);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::port::Received;
+    use std::cell::RefCell;
+    use std::string::String;
+    use std::vec::Vec;
+
+    /// A wire that takes three bytes at a time.
+    struct Slow<'a>(&'a RefCell<Vec<u8>>);
+
+    impl Serial for Slow<'_> {
+        fn recv(&mut self) -> Option<Received> {
+            None
+        }
+
+        fn send(&mut self, bytes: &[u8]) -> usize {
+            let mut heard = self.0.borrow_mut();
+            if heard.len() % 4 == 3 {
+                heard.push(b'~');
+                return 0;
+            }
+            heard.extend(bytes.iter().take(1));
+            bytes.len().min(1)
+        }
+    }
+
+    #[test]
+    fn a_report_stands_neither_in_a_line_nor_in_an_answer() {
+        let heard = RefCell::new(Vec::new());
+        let lines: Lines<Slow<'_>> = core::iter::once(Slow(&heard)).collect();
+        let mut hosts = Hosts::new(lines, Instant(0));
+        hosts.turn_to(0);
+        hosts.schedule(Report::Temperatures, 1, Instant(0));
+        let mut now = Instant(0);
+        for n in 0..200 {
+            // An answer of three lines, of which each leaves in many pieces, and a report that is always due.
+            for part in ["one", "two", "three"] {
+                if let Some(replies) = hosts.replies() {
+                    let _ = replies.line(format_args!("{part} {n}"));
+                }
+                hosts.send();
+                now = now.after_ms(700);
+                hosts.report(Report::Temperatures, now, format_args!(" T:1 /2"));
+            }
+            for _ in 0..60 {
+                hosts.send();
+            }
+            now = now.after_ms(700);
+            hosts.report(Report::Temperatures, now, format_args!(" T:1 /2"));
+            for _ in 0..60 {
+                hosts.send();
+            }
+        }
+        drop(hosts);
+        let text = String::from_utf8(heard.into_inner()).unwrap_or_default().replace('~', "");
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines.len(), 800);
+        for (n, answer) in lines.chunks(4).enumerate() {
+            let expected = [std::format!("one {n}"), std::format!("two {n}"), std::format!("three {n}")];
+            assert_eq!(answer[..3], expected);
+            assert_eq!(answer[3], " T:1 /2");
+        }
+    }
+}

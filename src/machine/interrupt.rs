@@ -1,0 +1,17 @@
+//! Why a command ends before it is done, and why the Console does.
+
+/// Why a command ends before it is done.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Interrupt {
+    /// M112, or a fault that only a reset ends.
+    Halt,
+    /// M410.
+    QuickStop,
+    /// Motors may not have power; the host was told why. Nothing was planned.
+    NoPower,
+}
+
+/// Why [`Console::run`](crate::machine::Console::run) ends: the machine is to begin anew, as after a reset. No motor has power.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Restart;

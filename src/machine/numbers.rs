@@ -1,0 +1,78 @@
+//! Numbers of lines: read to the nearest value of a type, and printed so that they read back as the same value.
+
+use crate::gcode::Number;
+use crate::units::{Mm, part_of};
+use fixed::traits::Fixed;
+use fixed::types::I32F32;
+
+/// The value nearest to a number.
+pub(in crate::machine) fn nearest<T: Fixed>(number: Number) -> T {
+    let half = I32F32::from_bits(1 << 31 >> T::FRAC_NBITS);
+    T::saturating_from_num(number.value().saturating_add(half))
+}
+
+/// The number with the fewest decimals that is read as `value`. `fixed` can print that too, in 3 KiB of flash.
+pub(in crate::machine) fn shortest<T: Fixed + Into<I32F32>>(value: T) -> Number {
+    let (bits, half) = (value.into().to_bits(), 1u64 << 31 >> T::FRAC_NBITS);
+    let fraction = bits as u64 & 0xFFFF_FFFF;
+    let mut power = 1u64;
+    let mut short = bits;
+    for _ in 0..=9 {
+        let decimals = (fraction * power + (1 << 31)) >> 32;
+        let candidate = ((decimals << 32) + power / 2) / power;
+        if candidate.abs_diff(fraction) < half {
+            short = bits - fraction as i64 + candidate as i64;
+            break;
+        }
+        power *= 10;
+    }
+    Number::saturating(I32F32::from_bits(short))
+}
+
+/// A setting with as many decimals as reading it back needs.
+pub(in crate::machine) fn exact(value: impl Into<I32F32>) -> Number {
+    Number::saturating(value.into())
+}
+
+/// The value to three decimals.
+pub(in crate::machine) fn to_thousandth(value: Mm) -> Mm {
+    let doubled = part_of(Number::saturating(value).to_thousandths(), 1 << 33, 1000);
+    Mm::from_bits((doubled + 1) >> 1)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::units::{Hertz, Seconds};
+    use std::string::{String, ToString};
+
+    /// What is printed of a number that was read.
+    fn printed<T: Fixed + Into<I32F32>>(text: &str) -> String {
+        let (number, _) = Number::read(text.as_bytes()).unwrap();
+        shortest(nearest::<T>(number)).to_string()
+    }
+
+    #[test]
+    fn values_are_printed_as_they_were_read() {
+        for text in ["0", "0.05", "0.04", "0.00001", "0.1234567", "4", "0.9999999"] {
+            assert_eq!(printed::<Seconds>(text), text);
+        }
+        for text in ["60", "61.1", "107.5", "499.99", "10.001", "0.055"] {
+            assert_eq!(printed::<Hertz>(text), text);
+        }
+    }
+
+    #[test]
+    fn every_value_reads_back() {
+        for bits in (0..1 << 26).step_by(997) {
+            let value = Seconds::from_bits(bits);
+            assert_eq!(nearest::<Seconds>(shortest(value)), value);
+        }
+        for bits in (0..500 << 16).step_by(13) {
+            let value = Hertz::from_bits(bits);
+            assert_eq!(nearest::<Hertz>(shortest(value)), value);
+        }
+    }
+}

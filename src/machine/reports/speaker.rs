@@ -1,0 +1,121 @@
+//! The speaker: says the parts of one answer to the host being served, each once and in order.
+//!
+//! A part is a line, or lines that must not be separated. Nothing waits between parts: when one finds no room, the
+//! Console lets the world go round and runs the whole report again, and the parts that were said before are passed
+//! over. So a report is a plain function, and has no place to wait in.
+
+use crate::machine::hosts::serving::Hosts;
+use crate::port::Serial;
+use crate::protocol::{NoRoom, Replies};
+use core::fmt;
+
+/// Writes a part into the replies of a host.
+type Part<'w> = dyn Fn(&mut Replies) -> Result<(), NoRoom> + 'w;
+
+/// Who hears an answer.
+pub(in crate::machine) trait Listener {
+    /// Hears a part, all of it or nothing. False if there is no room for it.
+    fn hear(&mut self, part: &Part<'_>) -> bool;
+}
+
+impl<S: Serial> Listener for Hosts<S> {
+    /// Who has gone hears everything.
+    fn hear(&mut self, part: &Part<'_>) -> bool {
+        let fits = self.replies().is_none_or(|replies| part(replies).is_ok());
+        if fits {
+            self.send();
+        }
+        fits
+    }
+}
+
+/// Says an answer.
+pub(in crate::machine) struct Speaker<'s> {
+    progress: &'s mut Progress,
+    listener: &'s mut dyn Listener,
+}
+
+impl<'s> Speaker<'s> {
+    /// Says to `listener` what `progress` does not count as said.
+    pub fn new(progress: &'s mut Progress, listener: &'s mut dyn Listener) -> Self {
+        Self { progress, listener }
+    }
+
+    /// Says one line. Inlined, it would stand in fifty places.
+    #[inline(never)]
+    pub fn say(&mut self, line: fmt::Arguments<'_>) {
+        self.put(&|replies| replies.line(line));
+    }
+
+    /// Says a part, unless that has been said, or something before it could not be.
+    #[inline(never)]
+    pub fn put(&mut self, part: &Part<'_>) {
+        if self.progress.is_next() && self.listener.hear(part) {
+            self.progress.note_said();
+        }
+    }
+}
+
+/// How far an answer has been written.
+#[derive(Clone, Copy, Default)]
+pub(in crate::machine) struct Progress {
+    /// Parts said, at this time or before.
+    said: usize,
+    /// Parts looked at this time.
+    seen: usize,
+}
+
+impl Progress {
+    /// Begins at the first part again.
+    pub const fn begin(&mut self) {
+        self.seen = 0;
+    }
+
+    /// Whether the next part is to be said now: it has not been, and everything before it has.
+    const fn is_next(&mut self) -> bool {
+        self.seen += 1;
+        self.seen == self.said + 1
+    }
+
+    /// The part was said.
+    const fn note_said(&mut self) {
+        self.said += 1;
+    }
+
+    /// Whether all parts looked at have been said.
+    pub const fn is_complete(&self) -> bool {
+        self.said == self.seen
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::vec::Vec;
+
+    #[test]
+    fn each_part_is_said_once_and_in_order_whatever_room_there_is() {
+        for room in 1..=6 {
+            let (mut progress, mut heard) = (Progress::default(), Vec::new());
+            loop {
+                progress.begin();
+                let mut left = room;
+                for part in 0..5 {
+                    // The part at 3 is long: the following ones would fit, but must wait.
+                    let is_fitting = left > 0 && (part != 3 || left == room);
+                    if progress.is_next() && is_fitting {
+                        progress.note_said();
+                        heard.push(part);
+                        left -= 1;
+                    }
+                }
+                if progress.is_complete() {
+                    break;
+                }
+            }
+            assert_eq!(heard, [0, 1, 2, 3, 4]);
+        }
+    }
+}

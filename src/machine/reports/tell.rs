@@ -1,0 +1,174 @@
+//! Telling: the Console writes an answer, and waits wherever there is no room for a part of it.
+
+use super::answer::Answer;
+use super::driver_report::say_driver;
+use super::message::say_message;
+use super::report::{Position, Temperatures, say_endstops, say_firmware, say_overload, say_soft_endstops};
+use super::sensors::say_sensors;
+use super::speaker::{Progress, Speaker};
+use crate::gcode::Flaw;
+use crate::machine::commands::drivers::say_driver_values;
+use crate::machine::commands::settings::shown::{say_setting, say_settings};
+use crate::machine::commands::settings::storage_news::say_storage;
+use crate::machine::console::{Console, PortSet};
+use crate::machine::hosts::schedule::Report;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::numbers::shortest;
+use crate::port::{Clock, DriverBus, Pend};
+use crate::protocol::{Echo, Replies};
+use crate::settings::ranges;
+use crate::storage;
+
+impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
+    /// Tells the host being served, as soon as there is room for it.
+    pub(in crate::machine) async fn tell(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
+        self.progress = Progress::default();
+        while !self.write(&answer) {
+            self.turn().await?;
+        }
+        Ok(())
+    }
+
+    /// Tells the host what was brought into range.
+    pub(in crate::machine) async fn tell_clamps(&mut self) -> Result<(), Interrupt> {
+        let mut place = 0;
+        while let Some(clamp) = self.clamps.get(place) {
+            self.tell(Answer::Clamp(clamp)).await?;
+            place += 1;
+        }
+        self.clamps.clear();
+        Ok(())
+    }
+
+    /// Writes the parts of an answer for which there is room; true if all are written.
+    pub(in crate::machine) fn write(&mut self, answer: &Answer<'_>) -> bool {
+        self.progress.begin();
+        match answer {
+            Answer::Nothing => {}
+            Answer::Ok => self.say_ok(),
+            answer => self.say_answer(answer),
+        }
+        self.progress.is_complete()
+    }
+
+    /// Where the program is, or with `real` where the tool is.
+    fn position(&self, real: bool) -> Position<'m> {
+        let counts = self.link.counts();
+        let at = if real { self.planner.mm(self.real.of_axes(counts)) } else { self.modal.position };
+        Position::new(at, counts, &self.modal, &self.real)
+    }
+
+    fn say_answer(&mut self, answer: &Answer<'_>) {
+        if let Answer::Position { real } = *answer {
+            let position = self.position(real);
+            return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
+        }
+        let Self { hosts, progress, settings, modal, retraction, planner, link, ports, homed, drivers, .. } = self;
+        let s = &*settings;
+        let to = &mut Speaker::new(progress, hosts);
+        match *answer {
+            Answer::Nothing | Answer::Ok | Answer::Position { .. } => {}
+            Answer::LineNumber(number) => to.put(&|replies| replies.line_number(number)),
+            Answer::TooLong => to.put(&Replies::too_long),
+            Answer::Probe(last) => to.put(&|replies| replies.probe(last)),
+            Answer::Resend(reason, last) => to.put(&|replies| replies.resend(reason, last)),
+            Answer::Unknown(text) => to.put(&|replies| replies.unknown(text)),
+            Answer::Malformed(flaw) => say_malformed(to, flaw),
+            Answer::NotObeyed(command, word) => {
+                to.say(format_args!("echo:{command} {} is not obeyed by this firmware", Echo(word)));
+            }
+            Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
+            Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
+            Answer::Temperatures => to.say(format_args!("ok {Temperatures}")),
+            Answer::Start => {
+                to.put(&Replies::start);
+                to.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
+            }
+            Answer::Line(line) => to.say(format_args!("{line}")),
+            Answer::Message(form, text) => say_message(to, form, text),
+            Answer::Advance => to.say(format_args!("echo:Advance K={}", shortest(s.advance.time))),
+            Answer::FeedPercent => to.say(format_args!("FR:{}%", planner.feed_percent())),
+            Answer::FlowPercent => to.say(format_args!("echo:E0 Flow: {}%", modal.flow_percent)),
+            Answer::DebugFlags => {
+                to.say(format_args!("echo:DEBUG:{}", if modal.dry_run { "DRYRUN" } else { "off" }));
+            }
+            Answer::Keepalive => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
+            Answer::InvalidTool(number) => to.say(format_args!("echo:T{number} Invalid extruder")),
+            Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage)),
+            Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs()),
+            Answer::SoftEndstops => say_soft_endstops(to, s, *homed),
+            Answer::Sensors => say_sensors(to, &mut ports.sensors),
+            Answer::Overload => {
+                say_overload(to, link.status().overload());
+                if let Some(warning) = ports.drivers.warning() {
+                    to.say(format_args!("echo:{warning}"));
+                }
+            }
+            Answer::Setting(setting) => say_setting(to, setting, s, retraction),
+            Answer::Settings => say_settings(to, s, retraction, !drivers.lines().is_empty()),
+            Answer::OneBelt(code) => {
+                to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
+            }
+            Answer::SharedMotors(axes) => {
+                to.say(format_args!("echo:M92 ignored: {axes} share motors and need the same value"));
+            }
+            Answer::LoweredSpeeds => {
+                let most = ranges::STEP_RATE;
+                to.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
+            }
+            Answer::TooMuchFilament => {
+                let most = s.axes.e.length.to_num::<i32>();
+                to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
+            }
+            Answer::DriverValues(value) => say_driver_values(to, value, s),
+            Answer::IllegalCurrent(code) => {
+                let (least, most) = (ranges::CURRENT_MA.least, ranges::CURRENT_MA.most);
+                to.say(format_args!("echo:{code} ignored: {least} to {most} mA"));
+            }
+            Answer::Driver(report) => say_driver(to, &report, drivers, s),
+            Answer::Storage(news) => say_storage(to, &news),
+            Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor was given power")),
+            Answer::HomingFailed { axis, why } => to.say(format_args!("Error:Homing failed: {axis} endstop {why}")),
+        }
+    }
+
+    /// Says `ok`, with what a host that fills a window wants to know if it is to be told.
+    fn say_ok(&mut self) {
+        if !self.settings.advanced_ok {
+            return Speaker::new(&mut self.progress, &mut self.hosts).put(&Replies::ok);
+        }
+        let (line, bytes) = self.hosts.progress();
+        let moves = if self.has_room() { self.planner.room() } else { 0 };
+        Speaker::new(&mut self.progress, &mut self.hosts).put(&|replies| replies.advanced_ok(line, moves, bytes));
+    }
+
+    /// Tells hosts what they want to be told by itself.
+    pub(in crate::machine) fn report_unasked(&mut self) {
+        let now = self.ports.clock.now();
+        if self.hosts.is_due(Report::Temperatures, now) {
+            self.hosts.report(Report::Temperatures, now, format_args!(" {Temperatures}"));
+        }
+        if self.hosts.is_due(Report::Position, now) {
+            let position = self.position(true);
+            self.hosts.report(Report::Position, now, format_args!("{position}"));
+        }
+    }
+}
+
+/// Says why a line was not carried out.
+fn say_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
+    match flaw {
+        Flaw::NoWord(text) => {
+            to.say(format_args!("echo:line ignored: \"{}\" is no letter with a number", Echo(text)));
+        }
+        Flaw::NoPair(text) => {
+            to.say(format_args!("echo:line ignored: \"{}\" is no name with = and a number", Echo(text)));
+        }
+        Flaw::NoNumber(letter) => to.say(format_args!("echo:line ignored: {} needs a number", letter as char)),
+        Flaw::OutOfRange(text) => to.say(format_args!("echo:line ignored: {} is out of range", Echo(text))),
+        Flaw::NoAxis(letter) => to.say(format_args!("echo:line ignored: there is no axis {}", letter as char)),
+        Flaw::SecondCommand(text) => {
+            to.say(format_args!("echo:line ignored: {} is a second command on it", Echo(text)));
+        }
+    }
+}

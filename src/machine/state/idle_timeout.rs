@@ -1,0 +1,36 @@
+//! Idle timeout: motors lose power when nothing has moved for long enough (M84 S).
+
+use crate::units::Instant;
+
+/// Motors lose power when nothing has moved for this long, unless M84 S says otherwise; Klipper's
+/// idle_timeout is as long.
+const IDLE_TIMEOUT_S: u32 = 600;
+
+/// How long motors keep their power without motion.
+#[derive(Debug)]
+pub(in crate::machine) struct IdleTimeout {
+    /// 0 is for ever.
+    timeout_s: u32,
+    last_motion: Instant,
+}
+
+impl IdleTimeout {
+    pub const fn new(now: Instant) -> Self {
+        Self { timeout_s: IDLE_TIMEOUT_S, last_motion: now }
+    }
+
+    /// M84 S. The time begins anew.
+    pub const fn set(&mut self, timeout_s: u32, now: Instant) {
+        (self.timeout_s, self.last_motion) = (timeout_s, now);
+    }
+
+    /// Something moves, or is about to.
+    pub const fn note_motion(&mut self, now: Instant) {
+        self.last_motion = now;
+    }
+
+    /// Whether nothing has moved for as long as motors keep their power.
+    pub fn is_over(&self, now: Instant) -> bool {
+        self.timeout_s > 0 && now >= self.last_motion.after_ms(self.timeout_s.saturating_mul(1000))
+    }
+}

@@ -1,0 +1,61 @@
+//! Notices: what a host is told once, and not again with every line that it is true of.
+
+/// What a host is told once.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Notice {
+    /// A target lay beyond the edge.
+    Edge,
+    /// An axis moved before it was homed.
+    MotionBeforeHoming,
+    /// Words of M205 do not count.
+    Corners,
+    /// There are no heaters.
+    NoHeaters,
+}
+
+/// The notices that were given.
+#[derive(Debug)]
+pub(in crate::machine) struct Notices {
+    edge: bool,
+    motion_before_homing: bool,
+    corners: bool,
+    no_heaters: bool,
+}
+
+impl Notices {
+    /// Nothing was said yet.
+    pub const fn new() -> Self {
+        Self { edge: false, motion_before_homing: false, corners: false, no_heaters: false }
+    }
+
+    const fn given(&mut self, notice: Notice) -> &mut bool {
+        match notice {
+            Notice::Edge => &mut self.edge,
+            Notice::MotionBeforeHoming => &mut self.motion_before_homing,
+            Notice::Corners => &mut self.corners,
+            Notice::NoHeaters => &mut self.no_heaters,
+        }
+    }
+
+    /// Whether a notice is still to be given; from now on it counts as given.
+    pub const fn give(&mut self, notice: Notice) -> bool {
+        !core::mem::replace(self.given(notice), true)
+    }
+
+    /// Has a notice given again when it is next true.
+    pub const fn renew(&mut self, notice: Notice) {
+        *self.given(notice) = false;
+    }
+
+    /// Another print begins: what is true of its lines is said anew.
+    pub const fn renew_for_print(&mut self) {
+        self.renew_for_position();
+        self.renew(Notice::Corners);
+    }
+
+    /// The position is not known any more.
+    pub const fn renew_for_position(&mut self) {
+        self.renew(Notice::Edge);
+        self.renew(Notice::MotionBeforeHoming);
+    }
+}

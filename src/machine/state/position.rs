@@ -1,0 +1,119 @@
+//! Where the machine really stands: which axes are homed, and what a motor group's count means.
+//!
+//! Counts of steps begin at 0 with the reset and are never set. So a position is a count and an origin: the steps that the
+//! group's coordinate was at when its count was 0.
+
+use crate::kinematics::{Groups, Mechanism, count_at};
+use crate::motors::MOST_GROUPS;
+use crate::port::MotorSet;
+use crate::units::Steps;
+
+/// The axes whose position is known.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct Homed {
+    axes: [bool; 3],
+    /// An axis is being homed.
+    is_under_way: bool,
+}
+
+impl Homed {
+    /// These of x, y and z are homed.
+    pub const fn new(axes: [bool; 3]) -> Self {
+        Self { axes, is_under_way: false }
+    }
+
+    /// Whether x, y and z are homed.
+    pub const fn axes(&self) -> [bool; 3] {
+        self.axes
+    }
+
+    /// Whether one of the axes that move is not homed.
+    pub fn lacks_one_of(&self, moves: [bool; 3]) -> bool {
+        moves.into_iter().zip(self.axes).any(|(moves, is_homed)| moves && !is_homed)
+    }
+
+    /// The axis is being homed.
+    pub fn begin(&mut self, axis: usize) {
+        self.is_under_way = true;
+        self.set(axis, false);
+    }
+
+    /// The axis has met its endstop and stands at 0.
+    pub fn arrive(&mut self, axis: usize) {
+        self.set(axis, true);
+    }
+
+    fn set(&mut self, axis: usize, is_homed: bool) {
+        if let Some(flag) = self.axes.get_mut(axis) {
+            *flag = is_homed;
+        }
+    }
+
+    /// No axis is being homed any more; true if one was.
+    pub const fn stop(&mut self) -> bool {
+        core::mem::replace(&mut self.is_under_way, false)
+    }
+
+    /// These motors lose their power: what they held is no longer where it was.
+    pub fn release(&mut self, motors: MotorSet, mechanism: &Mechanism) {
+        for (axis, is_homed) in self.axes.iter_mut().enumerate() {
+            let own = mechanism.motors_of(axis);
+            *is_homed &= own.without(motors) == own;
+        }
+    }
+}
+
+/// Where the motor groups stand, given the steps that were really made.
+pub(in crate::machine) struct RealPosition<'m> {
+    groups: &'m Groups,
+    /// Position of each group at count 0, in steps.
+    origin: [i32; MOST_GROUPS],
+}
+
+impl<'m> RealPosition<'m> {
+    /// All groups stand at 0 and have counted nothing.
+    pub const fn new(groups: &'m Groups) -> Self {
+        Self { groups, origin: [0; MOST_GROUPS] }
+    }
+
+    /// The motor groups.
+    pub const fn groups(&self) -> &'m Groups {
+        self.groups
+    }
+
+    /// The machine stands here now, whatever was counted.
+    pub fn adopt(&mut self, position: [Steps; 4], counts: [i32; MOST_GROUPS]) {
+        for ((origin, group), count) in self.origin.iter_mut().zip(self.groups.iter()).zip(counts) {
+            *origin = count_at(group.coordinate(position)).wrapping_sub(count);
+        }
+    }
+
+    /// The position of each motor group, in steps.
+    pub fn of_groups(&self, counts: [i32; MOST_GROUPS]) -> [i32; MOST_GROUPS] {
+        let mut real = self.origin;
+        for (real, count) in real.iter_mut().zip(counts) {
+            *real = real.wrapping_add(count);
+        }
+        real
+    }
+
+    /// The position in steps of x, y, z and e.
+    pub fn of_axes(&self, counts: [i32; MOST_GROUPS]) -> [Steps; 4] {
+        self.groups.position(self.of_groups(counts))
+    }
+
+    /// The position nearest to `position` that is whole steps from where the machine really is. Where four coordinates
+    /// hold three axes, their counts agree only so: a name for a place that lies between whole steps would have them
+    /// strain each other by a step, and the next one by another.
+    pub fn whole_steps_away(&self, position: [Steps; 4], counts: [i32; MOST_GROUPS]) -> [Steps; 4] {
+        if !self.groups.is_redundant() {
+            return position;
+        }
+        let mut near = self.of_axes(counts);
+        for (near, wanted) in near.iter_mut().zip(position) {
+            *near = near.wrapping_add(wanted.wrapping_sub(*near).wrapping_round());
+        }
+        let ([x, y, z, _], [.., e]) = (near, position);
+        [x, y, z, e]
+    }
+}
