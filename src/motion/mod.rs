@@ -21,6 +21,7 @@
 //! | `stepgen/` | moves to step events | generator |
 //! | `queue/` | the StepQueue | generator writes, Stepper reads |
 //! | `stepper` | step events to pins | Stepper |
+//! | `step_counts` | what each group has really stepped | Console |
 //! | `moves`, `work` | what stands in the MoveQueue | Console writes, generator reads |
 //! | `ramps`, `ticks`, `number` | formulas, comparisons, numbers | whoever calls |
 //!

@@ -16,6 +16,7 @@
 //! least of `until`, the first step of a fourth group, and the tick after which enough is made.
 
 use super::StepGenerator;
+use super::group_stepper::GroupStepper;
 use crate::kinematics::Groups;
 use crate::motion::queue::PackedEvent;
 use crate::motion::ticks::{earlier, is_before};
@@ -34,6 +35,21 @@ fn is_unstrained(groups: &Groups, word: PackedEvent) -> bool {
     groups.mechanism().is_unstrained(motors, forward)
 }
 
+/// Which of these groups steps first before the tick `until`, at which tick, and up to which one no other of them steps.
+#[inline(always)]
+fn first_to_step(groups: &[GroupStepper], until: u32) -> (usize, u32, u32) {
+    let (mut number, mut limit, mut tick) = (0, until, until);
+    for (i, stepper) in groups.iter().enumerate() {
+        let own = stepper.step_times.tick();
+        if is_before(own, tick) {
+            (number, limit, tick) = (i, tick, own);
+        } else {
+            limit = earlier(limit, own);
+        }
+    }
+    (number, tick, limit)
+}
+
 impl StepGenerator<'_> {
     /// Makes up to `most` events of the steps that come before the tick `until`, at least one, and none after the tick `enough`; false if there are no steps. All groups that step in one tick step in one event.
     ///
@@ -44,16 +60,7 @@ impl StepGenerator<'_> {
         let (setting, mechanism) = (self.waiting(), self.mechanism);
         let begin = self.last_tick as u32;
         let [first, second, others @ ..] = &mut self.group_steppers;
-        // The third group is that of the others which steps first, at `tick`; up to `limit` no other of them steps.
-        let (mut number, mut limit, mut tick) = (0, until, until);
-        for (i, stepper) in others.iter().enumerate() {
-            let own = stepper.step_times.tick();
-            if is_before(own, tick) {
-                (number, limit, tick) = (i, tick, own);
-            } else {
-                limit = earlier(limit, own);
-            }
-        }
+        let (number, tick, mut limit) = first_to_step(others, until);
         let Some(third) = others.get_mut(number) else { return false };
         // The steps of the first, the second and the third group.
         let (mut a, mut b, mut c) = (first.step_times.steps(), second.step_times.steps(), third.step_times.steps());

@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_at_the_end_are_left_to_what_comes_behind() {
+    fn steps_at_the_end_are_left_to_what_follows() {
         let mut buffer = StepTimeBuffer::NONE;
         buffer.begin(1000);
         assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1000)), 9, 1051), (3, true));
