@@ -155,7 +155,6 @@ impl Watch {
         }
         self.endstops = Some(pressed);
     }
-
 }
 
 impl Driver<Emulated> for Watch {

@@ -65,7 +65,12 @@ pub enum Injection {
 
 impl Watch {
     /// Lets the fault happen if its time has come.
-    pub(super) fn inject(&mut self, session: &mut Session<Emulated>, host: &mut dyn rigless::emulator::Host, at: VirtualNanos) {
+    pub(super) fn inject(
+        &mut self,
+        session: &mut Session<Emulated>,
+        host: &mut dyn rigless::emulator::Host,
+        at: VirtualNanos,
+    ) {
         let events = self.recorder.events.len();
         match self.injection {
             Some(Injection::BusError { after }) if events >= after => {
