@@ -87,12 +87,12 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
     })
 }
 
-/// The last word of that letter.
+/// The last word with this `letter`.
 fn last(text: &[u8], letter: u8) -> Option<Word<'_>> {
     Words::new(text).filter(|word| word.letter == letter).last()
 }
 
-/// The number of the last word of that letter.
+/// The number of the last word with this `letter`.
 fn number(text: &[u8], letter: u8) -> Option<Number> {
     last(text, letter)?.number
 }

@@ -114,7 +114,7 @@ impl Frame {
         count
     }
 
-    /// The same of a line that may have been typed, in which characters are erased.
+    /// As [`push`](Self::push), for a line that may have been typed: the keys that erase a character do so.
     pub(super) fn push_typed(&mut self, byte: u8) {
         if is_erasing(byte) && !matches!(self.text().first(), Some(b'N' | b'n')) {
             self.erase();

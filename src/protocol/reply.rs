@@ -5,7 +5,7 @@
 //! ASCII leaves, because one other byte ends printcore's reading thread.
 //!
 //! Hosts act on what a line begins with, and on some words anywhere in it. The fixed texts here avoid
-//! all of those that are not meant; a test holds them to it.
+//! every such word that is not meant; a test holds the texts to it.
 //!
 //! Full: [`NoRoom`], nothing is written, the caller tries again later. Empty: nothing is sent.
 

@@ -1,4 +1,4 @@
-//! Silence: how long a host has said nothing, and how often it was prompted because of that.
+//! Silence: how long a host has said nothing, and how often the host was prompted for its silence.
 //!
 //! A line may be lost whole, line end and all, or the `ok` for the last one. A host that waits for its `ok` then waits for
 //! ever (printcore) or for half a minute (OctoPrint). So a silence in the middle of a stream is broken. A host that merely

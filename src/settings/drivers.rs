@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct DriverSettings {
     /// Root mean square of the current of a running motor, in mA (M906).
     pub current_ma: u16,
-    /// Current of a motor at rest, in percent of that.
+    /// Current of a motor at rest, in percent of `current_ma`.
     pub hold_percent: u8,
     /// Microsteps of a full step. An axis' steps a millimetre are those of its motor's full steps times this.
     pub microsteps: u16,

@@ -27,7 +27,7 @@ pub struct Shaper {
     pub kind: ShaperKind,
     /// The frequency at which the axis rings.
     pub frequency: Hertz,
-    /// How much of the critical damping that has.
+    /// The axis' damping as a part of the critical one.
     pub damping: Ratio,
     /// Length of the belts that pull along the axis, both sides together; the frequency is that in the middle of the axis
     /// then, and rises away from it. 0 if it is the same everywhere.

@@ -11,7 +11,7 @@ impl Status {
         self.epoch.load(Acquire)
     }
 
-    /// The same for the Stepper: nothing that another context has done is still under way while it runs.
+    /// As [`epoch`](Self::epoch), for the Stepper: while it runs, no store of another context is under way.
     #[inline(always)]
     pub(crate) fn epoch_in_interrupt(&self) -> u8 {
         self.epoch.load(Relaxed)

@@ -64,7 +64,7 @@ impl Host for Shouter<'_> {
 }
 
 /// What the machine is doing, the program that leads there, and the motion time at which it does, in ms; never if it is
-/// to be told by its being busy.
+/// to be known by its being busy.
 const STATES: [(&str, &str, u64); 9] = [
     ("moving", "G1 X200 F6000\nM114\n", 400),
     ("moving with many lines waiting", "", 400),
@@ -77,14 +77,15 @@ const STATES: [(&str, &str, u64); 9] = [
     ("waiting for the user for a time", "M0 S30\n", u64::MAX),
 ];
 
-struct Told {
+/// What followed the word.
+struct Aftermath {
     outcome: Outcome,
     heard: Vec<String>,
     /// Motion time from the word to the last step.
     ms: f64,
 }
 
-fn shout(state: (&str, &str, u64), word: &'static str) -> Told {
+fn shout(state: (&str, &str, u64), word: &'static str) -> Aftermath {
     let (_, text, at) = state;
     let many: String = (0..40).map(|i| format!("G1 X{} Y{}\n", 110 + i % 2, 100 + i)).collect();
     let text = if text.is_empty() { format!("G1 F1200\n{many}") } else { text.to_owned() };
@@ -95,27 +96,27 @@ fn shout(state: (&str, &str, u64), word: &'static str) -> Told {
     let start = Some([100, 100, 10].map(Mm::from_num));
     let outcome = run(&Settings::prototype(), start, &mut host, &mut Last(&last)).unwrap();
     let ms = (last.get() - host.said.unwrap()) as f64 / 1e4;
-    Told { outcome, heard: host.heard, ms }
+    Aftermath { outcome, heard: host.heard, ms }
 }
 
 #[test]
 fn an_emergency_stop_acts_in_every_state() {
     for state in STATES {
-        let told = shout(state, "M112");
-        assert!(told.outcome.halted, "{state:?}");
-        assert!(told.heard.last().unwrap().starts_with("Error:Printer halted. kill() called!"), "{state:?}");
+        let after = shout(state, "M112");
+        assert!(after.outcome.halted, "{state:?}");
+        assert!(after.heard.last().unwrap().starts_with("Error:Printer halted. kill() called!"), "{state:?}");
         // The Console is polled once a millisecond, and the time is counted from the step before the word.
-        assert!(told.ms <= 1.5, "{state:?}: {} ms", told.ms);
+        assert!(after.ms <= 1.5, "{state:?}: {} ms", after.ms);
     }
 }
 
 #[test]
 fn a_quick_stop_acts_in_every_state_and_every_line_is_answered() {
     for state in STATES {
-        let told = shout(state, "M410");
-        assert!(!told.outcome.halted, "{state:?}");
-        assert!(told.ms <= 50.0, "{state:?}: {} ms", told.ms);
-        let positions: Vec<_> = told.heard.iter().rev().filter(|line| line.starts_with("X:")).take(2).collect();
+        let after = shout(state, "M410");
+        assert!(!after.outcome.halted, "{state:?}");
+        assert!(after.ms <= 50.0, "{state:?}: {} ms", after.ms);
+        let positions: Vec<_> = after.heard.iter().rev().filter(|line| line.starts_with("X:")).take(2).collect();
         assert_eq!(positions[0], positions[1], "{state:?}");
     }
 }
@@ -123,16 +124,16 @@ fn a_quick_stop_acts_in_every_state_and_every_line_is_answered() {
 #[test]
 fn going_on_ends_waits_and_nothing_else() {
     for state in STATES {
-        let told = shout(state, "M108");
+        let after = shout(state, "M108");
         let (name, ..) = state;
         let waits = name.contains("dwelling") || name.contains("user");
-        assert!(!told.outcome.halted, "{name}");
-        assert!(!waits || told.outcome.ticks < 60_000_000, "{name}: {} ticks", told.outcome.ticks);
+        assert!(!after.outcome.halted, "{name}");
+        assert!(!waits || after.outcome.ticks < 60_000_000, "{name}: {} ticks", after.outcome.ticks);
         if name == "waiting for the motion" {
-            assert!(told.heard.iter().any(|line| line.starts_with("X:380.00")), "{:?}", told.heard);
+            assert!(after.heard.iter().any(|line| line.starts_with("X:380.00")), "{:?}", after.heard);
         }
         if name.starts_with("homing") {
-            assert!(told.heard.iter().any(|line| line.starts_with("X:0.00")), "{name}: {:?}", told.heard);
+            assert!(after.heard.iter().any(|line| line.starts_with("X:0.00")), "{name}: {:?}", after.heard);
         }
     }
 }

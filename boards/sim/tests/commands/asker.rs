@@ -3,8 +3,7 @@
 use super::deaf::Deaf;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_sim::world::Host;
-use corehbot_sim::world::run;
+use corehbot_sim::world::{Host, run};
 
 /// Sends lines one by one; with the first busy message comes M108.
 pub struct Asker {

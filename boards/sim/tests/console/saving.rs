@@ -1,13 +1,11 @@
 //! While storage is busy: stops are heard, and a slow memory is waited for.
 
 use super::talk::{Steps, Talk, keep};
-use corehbot::port::Storage;
-use corehbot::port::StorageError;
+use corehbot::port::{Storage, StorageError};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::eeprom::Eeprom;
-use corehbot_sim::world::Host;
-use corehbot_sim::world::run_with;
+use corehbot_sim::world::{Host, run_with};
 
 /// Says something so many turns after it has sent M500.
 struct Interrupter {

@@ -4,11 +4,7 @@ use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::eeprom::Eeprom;
-use corehbot_sim::world::Host;
-use corehbot_sim::world::Outcome;
-use corehbot_sim::world::Sink;
-use corehbot_sim::world::run;
-use corehbot_sim::world::run_with;
+use corehbot_sim::world::{Host, Outcome, Sink, run, run_with};
 use std::collections::VecDeque;
 
 #[derive(Default)]

@@ -1,13 +1,11 @@
 //! Failures: drivers that are reset, hot or unreadable, and when the machine stops for it.
 
 use super::script::{LONG_MOVE, act, each, lines, play, play_with, say};
-use corehbot::motors::Motor;
-use corehbot::motors::MotorSet;
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::units::TICKS_PER_MS;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::tmc2209;
-use corehbot_sim::tmc2209::Corruption;
-use corehbot_sim::tmc2209::chopconf;
+use corehbot_sim::tmc2209::{Corruption, chopconf};
 
 #[test]
 fn a_driver_that_loses_its_registers_in_mid_move_stops_the_machine() {

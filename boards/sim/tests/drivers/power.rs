@@ -1,20 +1,14 @@
 //! Power: no motor gets it before its driver has shown its configuration.
 
 use super::script::{Steps, act, each, lines, play, say, script};
-use corehbot::motors::Motor;
-use corehbot::motors::MotorSet;
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
-use corehbot::units::Mm;
-use corehbot::units::TICKS_PER_MS;
+use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::tmc2209;
-use corehbot_sim::tmc2209::Corruption;
-use corehbot_sim::tmc2209::IOIN;
-use corehbot_sim::tmc2209::chopconf;
-use corehbot_sim::tmc2209::gconf;
-use corehbot_sim::world::Sink;
-use corehbot_sim::world::run_on;
+use corehbot_sim::tmc2209::{Corruption, IOIN, chopconf, gconf};
+use corehbot_sim::world::{Sink, run_on};
 
 #[test]
 fn a_healthy_machine_is_configured_before_its_first_step() {

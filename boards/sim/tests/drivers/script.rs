@@ -1,17 +1,12 @@
 //! A script of lines and mishaps, and the steps and replies that it led to.
 
-use corehbot::motors::Motor;
-use corehbot::motors::MotorSet;
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
-use corehbot::units::Mm;
-use corehbot::units::TICKS_PER_MS;
+use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::tmc2209;
-use corehbot_sim::world::Host;
-use corehbot_sim::world::Outcome;
-use corehbot_sim::world::Sink;
-use corehbot_sim::world::run_on;
+use corehbot_sim::world::{Host, Outcome, Sink, run_on};
 use std::collections::VecDeque;
 
 /// What the host and the user do, one after the other.

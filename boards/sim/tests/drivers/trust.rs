@@ -1,15 +1,13 @@
 //! Trust: random damage and resets, and no motor runs without a configured driver.
 
 use super::script::{Script, Steps, lines};
-use corehbot::motors::Motor;
-use corehbot::motors::MotorSet;
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::tmc2209::Corruption;
-use corehbot_sim::world::Host;
-use corehbot_sim::world::run_on;
+use corehbot_sim::world::{Host, run_on};
 use proptest::prelude::*;
 
 pub fn damage() -> impl Strategy<Value = Corruption> {

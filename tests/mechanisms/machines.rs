@@ -1,0 +1,43 @@
+//! Mechanisms of the field, as rows, and their settings.
+
+use corehbot::kinematics::{Groups, Mechanism, Row};
+use corehbot::settings::Settings;
+
+pub const NONE: Row = [0; 4];
+pub const Z: Row = [0, 0, 1, 0];
+pub const E: Row = [0, 0, 0, 1];
+
+/// Motors 1, 4, 8, 11, both of z, and the extruder.
+pub const MACHINES: [(&str, Mechanism); 8] = [
+    ("corehbot", Mechanism::corehbot()),
+    ("corexy", Mechanism { rows: [NONE, NONE, [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E] }),
+    ("corexyz", COREXYZ),
+    ("corexyz, three motors", COREXYZ_THREE),
+    ("corexz", Mechanism { rows: [[0, 1, 0, 0], NONE, [1, 0, -1, 0], [1, 0, 1, 0], NONE, NONE, E] }),
+    ("cartesian", Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], NONE, NONE, Z, Z, E] }),
+    ("dual y", Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], [0, -1, 0, 0], NONE, Z, NONE, E] }),
+    // No belt goes this way, but the way back is over three.
+    ("skew", Mechanism { rows: [NONE, [1, 1, 1, 0], [-1, 1, 0, 0], [-1, 0, 1, 0], NONE, NONE, E] }),
+];
+
+/// Carlyle's table: A in slot 11, B in 8, C in 4, D in 1.
+pub const COREXYZ: Mechanism =
+    Mechanism { rows: [[-1, 1, 1, 0], [-1, -1, 1, 0], [1, -1, 1, 0], [1, 1, 1, 0], NONE, NONE, E] };
+pub const COREXYZ_THREE: Mechanism =
+    Mechanism { rows: [NONE, [-1, -1, 1, 0], [1, -1, 1, 0], [1, 1, 1, 0], NONE, NONE, E] };
+
+/// The settings of a machine whose axes share a resolution.
+pub fn settings(mechanism: Mechanism) -> Settings {
+    let mut s = Settings { mechanism, ..Settings::prototype() };
+    if mechanism.share(0, 2) || mechanism.share(1, 2) {
+        s.axes.z = s.axes.x;
+    }
+    s.check_machine().unwrap();
+    s
+}
+
+/// The sum of counts that no position changes; 0 where there is none.
+pub fn strain(groups: &Groups, counts: &[i64; 7]) -> i64 {
+    let constraint = groups.constraint().unwrap_or_default();
+    groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead as usize]).sum()
+}
