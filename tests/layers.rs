@@ -99,8 +99,9 @@ fn the_table_has_no_cycle() {
     }
 }
 
-/// Folders whose files still use each other in a circle.
-const NOT_THERE_YET: [&str; 5] = ["gcode", "kinematics", "machine", "machine/commands", "machine/reports"];
+/// Folders whose files use each other in a circle. Commands that wait are parts of the Console, for every wait turns its
+/// crank, and the Console calls them.
+const NOT_THERE_YET: [&str; 1] = ["machine"];
 
 /// Source text without comments and without the file's own tests.
 fn code_of(text: &str) -> String {
@@ -173,6 +174,8 @@ fn paths_used(module: &[String], code: &str) -> Vec<Vec<String>> {
 fn arrows_within(src: &Path, files: &[PathBuf]) -> BTreeMap<Vec<String>, BTreeMap<String, BTreeSet<String>>> {
     let read: Vec<_> = files
         .iter()
+        // A test may use whatever it tests with.
+        .filter(|file| file.file_name().is_none_or(|name| name != "tests.rs"))
         .map(|file| {
             let module = module_of(file.strip_prefix(src).unwrap());
             let code = code_of(&fs::read_to_string(file).unwrap());

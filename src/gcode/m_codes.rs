@@ -1,10 +1,10 @@
 //! M-codes: switches, limits, reports.
 
+use super::axes::{axis_flags, axis_words, take_axis};
 use super::code::Code;
 use super::command::Command;
 use super::lexer::{Word, Words};
 use super::number::Number;
-use super::parse::{axis_flags, axis_words, take_axis};
 use super::parts::{AxisFlags, AxisWords};
 use super::quiet::{is_heater, is_silent};
 use super::shaping::{linear_advance, pressure_advance, shaper};

@@ -9,6 +9,7 @@
 //! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
 //! people) or `shaping`; `grammar` says which lines are not in order, `quiet` which commands need only `ok`.
 
+mod axes;
 mod code;
 mod command;
 mod grammar;

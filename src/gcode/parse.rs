@@ -4,6 +4,7 @@
 //! a T is a parameter where it is not the first word (`M204 P500 T500`), a line that is not in order is
 //! [`Command::Malformed`], and what cannot be carried out at all is [`Command::Unknown`] with the whole line.
 
+use super::axes::{axis_flags, take_axis};
 use super::code::Code;
 use super::command::Command;
 use super::grammar::in_order;
@@ -139,39 +140,6 @@ fn position(text: &[u8]) -> AxisWords {
         words = AxisWords { x: zero, y: zero, z: zero, e: zero };
     }
     words
-}
-
-/// The axes of a text with their values.
-pub(super) fn axis_words(text: &[u8]) -> AxisWords {
-    let mut words = AxisWords::default();
-    Words::new(text).for_each(|word| take_axis(&mut words, word));
-    words
-}
-
-/// Puts `word` where it belongs if it names an axis.
-pub(super) fn take_axis(words: &mut AxisWords, word: Word<'_>) {
-    match word.letter {
-        b'X' => words.x = word.number,
-        b'Y' => words.y = word.number,
-        b'Z' => words.z = word.number,
-        b'E' => words.e = word.number,
-        _ => {}
-    }
-}
-
-/// The axes that a text names, with or without a value.
-pub(super) fn axis_flags(text: &[u8]) -> AxisFlags {
-    let mut flags = AxisFlags::default();
-    for word in Words::new(text) {
-        match word.letter {
-            b'X' => flags.x = true,
-            b'Y' => flags.y = true,
-            b'Z' => flags.z = true,
-            b'E' => flags.e = true,
-            _ => {}
-        }
-    }
-    flags
 }
 
 /// The line from its code on, if nothing but a byte order mark and `( )` comments stand before it.

@@ -1,9 +1,9 @@
 //! Shaping: input shapers, pressure advance in the words of three firmwares, and Klipper's minimum cruise ratio.
 
+use super::axes::axis_flags;
 use super::command::Command;
 use super::lexer::{Words, is_blank};
 use super::number::Number;
-use super::parse::axis_flags;
 use super::parts::{AxisFlags, Flaw, VelocityWords};
 use fixed::types::I32F32;
 

@@ -1,10 +1,10 @@
-//! The way back: from what motors have turned to where the tool is, in whole numbers.
+//! Forward kinematics: from what motors have turned to where the tool is, in whole numbers.
 //!
 //! With as many coordinates as axes this is the inverse of their rows; with more, the position that fits best (least
 //! squares): `(R^T R)^-1 R^T n`, with the adjugate over the determinant for the inverse. Rows are small integers, so each
 //! axis is a sum of counts over one small number, and for counts that belong to a position it is that position exactly.
 
-use super::mechanism::Row;
+use super::row::Row;
 use crate::units::Steps;
 
 /// The inverse of `R^T R`.

@@ -4,7 +4,8 @@
 //! groups, not motors, so a second ball screw or the second motor of a pair costs no time.
 
 use super::forward::ForwardKinematics;
-use super::mechanism::{Mechanism, Row, mirrored};
+use super::mechanism::{Mechanism, mirrored};
+use super::row::Row;
 use crate::motors::{GroupSet, MOST_GROUPS, Motor, MotorSet};
 use crate::units::Steps;
 

@@ -5,11 +5,9 @@
 //! A row of zeros is a motor that is not fitted.
 
 use super::forward::{ForwardKinematics, is_held};
+use super::row::Row;
 use crate::motors::{MOST_GROUPS, Motor, MotorSet};
 use serde::{Deserialize, Serialize};
-
-/// How many times a motor steps for one step of x, y, z and e.
-pub type Row = [i8; 4];
 
 /// The row of a motor that is not fitted.
 const NOT_FITTED: Row = [0; 4];

@@ -3,7 +3,9 @@
 mod forward;
 mod groups;
 mod mechanism;
+mod row;
 
 pub use forward::ForwardKinematics;
 pub use groups::{Group, Groups, MotorTable, SETS, count_at};
-pub use mechanism::{Mechanism, MechanismError, Row};
+pub use mechanism::{Mechanism, MechanismError};
+pub use row::Row;

@@ -5,8 +5,8 @@
 use super::driver_value::DriverValue;
 use super::drivers::{mode_words, set_drivers};
 use super::moves::ArcWords;
+use super::setting::Setting;
 use super::settings::set::{Resolved, set_resolution};
-use super::settings::setting::Setting;
 use super::shaping::{NO_SUCH_KIND, ShaperWords, set_advance};
 use crate::driver::Job;
 use crate::gcode::{AxisFlags, AxisWords, Number};

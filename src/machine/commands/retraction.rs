@@ -4,7 +4,7 @@
 //! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
 
 use super::clamps::Clamps;
-use super::settings::setting::Setting;
+use super::setting::Setting;
 use crate::gcode::Number;
 use crate::machine::numbers::exact;
 use crate::machine::reports::answer::Answer;

@@ -9,7 +9,7 @@ use crate::driver::Fault;
 use crate::gcode::{Flaw, Form};
 use crate::machine::commands::clamps::Clamp;
 use crate::machine::commands::driver_value::DriverValue;
-use crate::machine::commands::settings::setting::Setting;
+use crate::machine::commands::setting::Setting;
 use crate::machine::commands::settings::storage_news::StorageNews;
 use crate::port::EndstopSet;
 use crate::protocol::ResendReason;

@@ -10,7 +10,6 @@
 //! shapers and retraction are set in the files of these names, one folder up, and shown and stored here.
 
 pub(in crate::machine) mod set;
-pub(in crate::machine) mod setting;
 pub(in crate::machine) mod shown;
 pub(in crate::machine) mod storage_news;
 pub(in crate::machine) mod stored;

@@ -2,9 +2,9 @@
 //!
 //! Plain functions on the settings; M92 alone needs the machine at rest, which is `commands::blocking`'s part.
 
-use super::setting::Setting;
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::commands::clamps::Clamps;
+use crate::machine::commands::setting::Setting;
 use crate::machine::numbers::exact;
 use crate::machine::reports::answer::Answer;
 use crate::machine::state::modal::Modal;

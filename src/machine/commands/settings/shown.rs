@@ -1,9 +1,9 @@
 //! Settings as they are shown: as the lines that set them, one each for the command without words, all of them for M503.
 
-use super::setting::Setting;
 use crate::gcode::Number;
 use crate::machine::commands::driver_value::DriverValue;
 use crate::machine::commands::retraction::Retraction;
+use crate::machine::commands::setting::Setting;
 use crate::machine::commands::shaping::say_shaper;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::reports::speaker::Speaker;
