@@ -42,3 +42,74 @@ fn a_resolution_that_shared_motors_cannot_have_is_named() {
     s.axes.y.steps_per_mm = StepsPerMm::const_from_int(25_600);
     assert_eq!(s.check(), Err(SettingsError::TooManySteps("axes.y")));
 }
+
+#[test]
+fn the_ends_of_a_range_are_legal() {
+    let is_legal = |change: &dyn Fn(&mut Settings)| {
+        let mut s = Settings::prototype();
+        change(&mut s);
+        s.check().is_ok()
+    };
+    let most = ranges::SPEED.most;
+    let more = most.saturating_add(MmPerSec::DELTA);
+    assert!(is_legal(&|s| (s.min_feed, s.min_travel) = (most, most)));
+    assert!(!is_legal(&|s| s.min_feed = more) && !is_legal(&|s| s.min_travel = more));
+    assert!(is_legal(&|s| s.keepalive_s = 60) && !is_legal(&|s| s.keepalive_s = 61));
+    assert!(
+        is_legal(&|s| s.patience_ms = 0) && is_legal(&|s| s.patience_ms = 100) && !is_legal(&|s| s.patience_ms = 99)
+    );
+    // 500,000 steps a second, and a little more.
+    let z = |speed: MmPerSec| {
+        is_legal(&|s| (s.axes.z.steps_per_mm, s.axes.z.max_speed) = (StepsPerMm::const_from_int(10_000), speed))
+    };
+    assert!(z(MmPerSec::const_from_int(50)) && !z(MmPerSec::lit("50.001")));
+    assert!(!is_legal(&|s| s.homing.y.slow = MmPerSec::ZERO));
+}
+
+#[test]
+fn axes_that_share_motors_are_named_in_pairs() {
+    let none = [0; 4];
+    let (z, e) = ([0, 0, 1, 0], [0, 0, 0, 1]);
+    let corexz = [[0, 1, 0, 0], none, [1, 0, -1, 0], [1, 0, 1, 0], none, none, e];
+    let coreyz = [[1, 0, 0, 0], none, [0, 1, -1, 0], [0, 1, 1, 0], none, none, e];
+    let corexy = [none, none, [1, -1, 0, 0], [1, 1, 0, 0], z, none, e];
+    for (rows, pair) in [(corexz, "x and z"), (coreyz, "y and z"), (corexy, "x and y")] {
+        let mut s = Settings { mechanism: crate::kinematics::Mechanism { rows }, ..Settings::prototype() };
+        let [x, y, z] = [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z].map(|axis| &mut axis.steps_per_mm);
+        (*x, *y, *z) =
+            (StepsPerMm::const_from_int(80), StepsPerMm::const_from_int(90), StepsPerMm::const_from_int(100));
+        assert_eq!(s.check_shared_motors(), Err(pair));
+        let equal = StepsPerMm::const_from_int(80);
+        (s.axes.x.steps_per_mm, s.axes.y.steps_per_mm, s.axes.z.steps_per_mm) = (equal, equal, equal);
+        assert_eq!(s.check_shared_motors(), Ok(()));
+    }
+}
+
+#[test]
+fn a_motor_has_the_resolution_of_its_axis() {
+    use crate::motors::Motor;
+    let none = [0; 4];
+    let rows = [[1, 0, 0, 0], [0, 1, 0, 0], none, none, [0, 0, 1, 0], none, [0, 0, 0, 1]];
+    let mut s = Settings { mechanism: crate::kinematics::Mechanism { rows }, ..Settings::prototype() };
+    let axes = [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z, &mut s.axes.e];
+    for (axis, number) in axes.into_iter().zip(1..) {
+        axis.steps_per_mm = StepsPerMm::const_from_int(number);
+    }
+    let motors = [Motor::M1, Motor::M4, Motor::Z1, Motor::E0];
+    assert_eq!(motors.map(|motor| s.steps_per_mm(motor).to_num::<u32>()), [1, 2, 3, 4]);
+}
+
+#[test]
+fn users_are_told_which_setting_is_wrong() {
+    extern crate std;
+    use std::string::ToString as _;
+    let texts = [
+        (SettingsError::OutOfRange("homing.y"), "homing.y is outside its legal range"),
+        (SettingsError::TooManySteps("axes.y"), "axes.y: speed limit x steps_per_mm is above 500000 steps/s"),
+        (SettingsError::ResolutionsDiffer("x and y"), "x and y share motors: their steps_per_mm must be equal"),
+        (SettingsError::NoSuchMicrosteps("drivers.z"), "drivers.z: microsteps are 1, 2, 4 and so on up to 256"),
+    ];
+    for (error, text) in texts {
+        assert_eq!(error.to_string(), text);
+    }
+}
