@@ -9,7 +9,7 @@
 //! | range, check | `check` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a changed field makes another `FORMAT` | `src/storage/record/tests.rs` |
 //! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
-//! | command | letters in `gcode`, what they do in `machine/commands/tuning.rs` (or `shaping`, `drivers`) | the same test |
+//! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
 //! | M503 | `machine/commands/setting.rs` | the same test |
 //! | who reads it | `motion`, `driver` or `machine` | its own tests |
 //! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |
