@@ -23,8 +23,8 @@ use corehbot::port::{BusError, Frame};
 /// tick may be, half as many would take 13 ms instead of 7 to read a register.
 pub const BAUD: u32 = 19_200;
 
-/// Samples in a bit while a start bit is waited for. Odd, so that the middle of a bit is a whole number of samples after the middle of
-/// the time between two samples in which its edge was. Three would spend 3.5 us more of half a bit.
+/// Samples in a bit while a start bit is waited for. Odd, so that the middle of a bit is a whole number of samples after
+/// the middle of the time between two samples in which its edge was. Three would spend 3.5 us more of half a bit.
 pub const OVERSAMPLING: u8 = 5;
 
 /// From the first low sample to the middle of the start bit, in samples.

@@ -1,4 +1,4 @@
-//! The step port: what the Stepper's events do to the pins: edges, and how long a pulse is.
+//! The step port: which edges the Stepper's events make on the pins, and how long a pulse is.
 //!
 //! A table gives the words for all ports at once, in RAM (see [`PortWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would

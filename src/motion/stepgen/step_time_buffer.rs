@@ -38,8 +38,7 @@ impl StepTimeReader<'_> {
     /// The next one is made; there must be one.
     #[inline(always)]
     pub fn advance(&mut self) {
-        self.next += 1;
-        self.tick = self.ticks[self.next % SLOTS];
+        self.advance_by(1);
     }
 
     /// Where the next one stands.

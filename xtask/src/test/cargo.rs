@@ -43,9 +43,14 @@ pub fn test() -> Result<Verdict> {
 /// The emulator and its tests, linted and built.
 pub fn build_emulator() -> Result<Verdict> {
     run(emulate::cargo(["fmt"], &["--check"]))?;
-    run(emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"]))?;
+    run(build_emulator_tests())?;
     run(lint_emulator())?;
     Ok(Verdict::Passed(String::new()))
+}
+
+/// Builds the tests of the emulator.
+fn build_emulator_tests() -> Command {
+    emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"])
 }
 
 /// The emulator's lints, with the dependencies that are built for its tests: `cargo clippy` would have the compiler look
@@ -53,7 +58,8 @@ pub fn build_emulator() -> Result<Verdict> {
 /// (its `CLIPPY_ARGS`, each ended by that word); what it makes is thrown away, so it is not optimised.
 fn lint_emulator() -> Command {
     let config = "profile.release.package.corehbot-emulator.opt-level=0";
-    let mut lint = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run", "--config", config]);
+    let mut lint = build_emulator_tests();
+    lint.args(["--config", config]);
     lint.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver");
     lint.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
     lint
@@ -62,8 +68,7 @@ fn lint_emulator() -> Command {
 /// The tests of the emulator, which run the image of the Octopus.
 pub fn emulate() -> Result<Verdict> {
     let image = checkout::build_image(emulate::IMAGE)?;
-    let build = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"]);
-    processes::run(build, &checkout::root().join("emulator"), ("COREHBOT_ELF", &image))
+    processes::run(build_emulator_tests(), &checkout::root().join("emulator"), ("COREHBOT_ELF", &image))
 }
 
 /// Runs tests; their results are counted while they scroll by.
