@@ -6,16 +6,21 @@
 //!
 //! ```text
 //! bytes -> protocol -> gcode -> machine -> motion::planner ==MoveQueue==> motion::stepgen ==StepQueue==> motion::stepper -> pins
+//!                                        |
+//!                                        +--orders--> thermal --duties--> heaters, fans
 //! ```
 //!
 //! A room (module) may use only the rooms to its left in
-//! `{units, text} <- motors <- status <- port <- {protocol, gcode, kinematics <- settings} <- {motion, driver, storage} <- machine <- app`;
+//! `{units, text, checksum} <- {motors, connectors <- fault} <- status <- port <- {protocol, gcode, kinematics <- settings} <- {motion, driver, storage, thermal} <- machine <- app`;
 //! `tests/layers.rs` holds every `use` to that.
 #![no_std]
 #![forbid(unsafe_code)]
 
 pub mod app;
+pub mod checksum;
+pub mod connectors;
 pub mod driver;
+pub mod fault;
 pub mod gcode;
 pub mod kinematics;
 pub mod machine;
@@ -27,4 +32,5 @@ pub mod settings;
 pub mod status;
 pub mod storage;
 pub mod text;
+pub mod thermal;
 pub mod units;

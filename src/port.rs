@@ -3,6 +3,7 @@
 //! Everything above is free of hardware; everything below implements these few traits. A simulated
 //! fault is one more implementation wrapped round another, never a flag.
 
+pub use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Output, OutputSet, SENSORS, Sensor};
 pub use crate::motors::{EndstopSet, GroupSet, Motor, MotorSet};
 
 use crate::units::{Instant, Tick};
@@ -233,45 +234,53 @@ impl Storage for NoStorage {
     }
 }
 
-/// A temperature sensor.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum Sensor {
-    /// The bed's.
-    Bed,
-    /// The first hotend's.
-    Hotend0,
-    /// The second hotend's, or a spare.
-    Hotend1,
-    /// The third hotend's, or a spare.
-    Hotend2,
-    /// The fourth hotend's, or a spare.
-    Hotend3,
-}
-
-impl Sensor {
-    /// Every sensor, with the name that reports print.
-    pub const ALL: [(Self, &'static str); 5] = [
-        (Self::Bed, "bed"),
-        (Self::Hotend0, "hotend0"),
-        (Self::Hotend1, "hotend1"),
-        (Self::Hotend2, "hotend2"),
-        (Self::Hotend3, "hotend3"),
-    ];
-}
-
-/// The temperature sensors.
+/// Heaters, fans, temperature sensors, and what watches over them. Called from the thermal context only; no call may block
+/// or lock.
 pub trait ThermalPort {
     /// What the converter reads there: its part of the reference voltage, in units of 1/65,536. `None` if there
     /// is no such sensor, or if the converter has stopped: a value is never older than some milliseconds.
     fn sample(&mut self, sensor: Sensor) -> Option<u16>;
+
+    /// What the converter reads of its internal reference, as a part of the supply in units of 1/65,536; `None` if the board
+    /// does not measure it.
+    fn reference(&mut self) -> Option<u16> {
+        None
+    }
+
+    /// Outputs that may heat: those that hardware switches off by itself when nobody calls [`heat`](Self::heat) any more.
+    fn outputs(&self) -> OutputSet {
+        OutputSet::NONE
+    }
+
+    /// Has each output on for this part of the coming control period, in units of 1/65,535; then it goes off by itself.
+    /// Called once a period.
+    fn heat(&mut self, _duties: &[u16; OUTPUTS]) {}
+
+    /// Fans that there are, FAN0 and so on.
+    fn fans(&self) -> usize {
+        0
+    }
+
+    /// Has a fan run at this part of full speed, in units of 1/65,535, until told otherwise.
+    fn blow(&mut self, _fan: usize, _duty: u16) {}
+
+    /// Whether the board can switch the power supply off (PS_ON).
+    fn has_supply_switch(&self) -> bool {
+        false
+    }
+
+    /// Switches the power supply on or off.
+    fn switch_supply(&mut self, _on: bool) {}
+
+    /// Everybody has been heard of: the watchdog may wait for another while.
+    fn feed_watchdog(&mut self) {}
 }
 
-/// For machines without temperature sensors.
+/// For machines without heaters.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct NoSensors;
+pub struct NoHeaters;
 
-impl ThermalPort for NoSensors {
+impl ThermalPort for NoHeaters {
     fn sample(&mut self, _sensor: Sensor) -> Option<u16> {
         None
     }

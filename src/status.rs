@@ -6,14 +6,17 @@
 //! together may be of different instants; where that matters the method says in which order it reads.
 
 mod counted;
+mod heat;
 mod overload;
 mod print_progress;
 mod steps;
 mod stopping;
 mod stream;
 
+use crate::fault::Latch;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32};
 use counted::Counted;
+pub use heat::{Heat, Tuned, Tuning};
 use overload::Lateness;
 pub use overload::{Late, Overload};
 use print_progress::PrintProgress;
@@ -70,6 +73,10 @@ pub struct Status {
     stopped: AtomicU32,
     /// Steps of the events put into the StepQueue; written by the StepGenerator.
     made: Counted,
+    /// How often the Stepper looked at the endstops because it was pended; written by the Stepper.
+    looks: AtomicU32,
+    heat: Heat,
+    fault: Latch,
 }
 
 impl Default for Status {
@@ -107,6 +114,21 @@ impl Status {
             brake: AtomicU32::new(0),
             stopped: AtomicU32::new(0),
             made: Counted::new(),
+            looks: AtomicU32::new(0),
+            heat: Heat::new(),
+            fault: Latch::new(),
         }
+    }
+
+    /// Heaters and fans.
+    #[must_use]
+    pub const fn heat(&self) -> &Heat {
+        &self.heat
+    }
+
+    /// The first fault since start; any context may set it.
+    #[must_use]
+    pub const fn fault(&self) -> &Latch {
+        &self.fault
     }
 }

@@ -3,7 +3,7 @@
 //! Everything is integer or fixed point, so that every platform computes the same bits. The widths are
 //! chosen so that the largest machine we drive leaves headroom: see the range beside each type.
 
-use fixed::types::{I32F32, U8F24, U16F16, U24F8};
+use fixed::types::{I12F20, I32F32, U8F24, U16F16, U24F8};
 
 /// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
 pub type Mm = I32F32;
@@ -30,6 +30,18 @@ pub type Seconds = U8F24;
 
 /// A ratio; resolution 15 millionths.
 pub type Ratio = U16F16;
+
+/// A temperature in degrees Celsius, or a difference in K; resolution a millionth, range +-2048.
+pub type Celsius = I12F20;
+
+/// A power in W; resolution 15 uW, range 65 kW.
+pub type Watts = U16F16;
+
+/// A heat capacity in J/K; resolution 15 millionths, range 65 kJ/K.
+pub type JoulesPerKelvin = U16F16;
+
+/// Heat that flows for each K of difference, in W/K, or that a mm of filament takes, in J/(K mm); range 256.
+pub type WattsPerKelvin = U8F24;
 
 /// The one tick of every platform: 0.1 us. An STM32F446 counts it exactly, in 18 cycles of 180 MHz.
 pub const TICKS_PER_SECOND: u32 = 10_000_000;

@@ -7,19 +7,23 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// What each room may use. A room uses itself without asking.
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("units", &[]),
     ("text", &[]),
+    ("checksum", &[]),
     ("motors", &[]),
-    ("status", &["motors"]),
-    ("port", &["units", "motors"]),
+    ("connectors", &[]),
+    ("fault", &["units", "checksum", "connectors"]),
+    ("status", &["units", "motors", "connectors", "fault"]),
+    ("port", &["units", "motors", "connectors"]),
     ("protocol", &["units", "text", "port"]),
     ("gcode", &["units", "text"]),
     ("kinematics", &["units", "motors"]),
-    ("settings", &["units", "motors", "kinematics"]),
+    ("settings", &["units", "motors", "connectors", "kinematics"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
-    ("storage", &["units", "port", "kinematics", "settings"]),
+    ("storage", &["units", "checksum", "port", "kinematics", "settings"]),
+    ("thermal", &["units", "connectors", "fault", "status", "port", "settings"]),
     (
         "machine",
         &[
@@ -34,9 +38,12 @@ const ARROWS: [(&str, &[&str]); 14] = [
             "motion",
             "driver",
             "storage",
+            "connectors",
+            "fault",
+            "thermal",
         ],
     ),
-    ("app", &["units", "motors", "status", "port", "settings", "kinematics", "motion", "machine"]),
+    ("app", &["units", "motors", "status", "port", "settings", "kinematics", "motion", "thermal", "machine"]),
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {

@@ -1,9 +1,10 @@
-//! The app: puts the rooms together and gives a board its three handles.
+//! The app: puts the rooms together and gives a board its four handles.
 //!
 //! | handle | context on a board | what it does |
 //! |---|---|---|
 //! | [`Stepper`] | step-timer interrupt, highest priority, never masked | plays step events on the pins |
 //! | [`StepGenerator`] | software-pended interrupt, low priority | turns moves into step events |
+//! | [`ThermalControl`] | an interrupt of its own, every 20 ms, above the Console | heaters, fans, guards, watchdog |
 //! | [`Console`] | thread or lowest executor | everything else |
 //!
 //! Each lives in one context, and nobody else holds it.
@@ -14,6 +15,7 @@ use crate::motion::{Link, MoveMemory, MoveQueue, SpanMemory, StepCounts, StepGen
 use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
 use crate::status::Status;
+use crate::thermal::{OrderQueue, ThermalControl};
 use crate::units::Mm;
 
 /// All memory that the handles share, 33 KiB; the Console and the StepGenerator themselves come on top.
@@ -26,6 +28,8 @@ pub struct Memory {
     spans: SpanMemory,
     /// The Console's: the look-ahead, 16 KiB.
     planned: MoveMemory,
+    /// Console to ThermalControl, 2 KiB.
+    orders: OrderQueue,
     groups: Groups,
     status: Status,
 }
@@ -49,6 +53,7 @@ impl Memory {
             events: StepQueue::new(),
             spans: SpanMemory::new(),
             planned: MoveMemory::new(),
+            orders: OrderQueue::new(),
             groups: Groups::NONE,
             status: Status::new(),
         }
@@ -64,11 +69,13 @@ pub struct StepPorts<P: StepPort, C: StepClock> {
 }
 
 /// The handles.
-pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, W: Pend> {
+pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: Pend> {
     /// For the step interrupt.
     pub stepper: Stepper<'m, P, C, W>,
     /// For the generator's interrupt.
     pub generator: StepGenerator<'m>,
+    /// For the thermal interrupt.
+    pub thermal: ThermalControl<'m, H, W>,
     /// For the Console's task.
     pub console: Console<'m, Q, W>,
     /// For everybody, to look at.
@@ -94,20 +101,23 @@ pub fn assemble<
     settings: Settings,
     start: Option<[Mm; 3]>,
     step_ports: StepPorts<P, C>,
-    ports: Ports<S, D, K, T, H>,
+    thermal_port: H,
+    ports: Ports<S, D, K, T>,
     pend: W,
-) -> Parts<'m, P, C, Ports<S, D, K, T, H>, W> {
-    let Memory { moves, events, spans, planned, groups, status } = memory;
+) -> Parts<'m, P, C, Ports<S, D, K, T>, H, W> {
+    let Memory { moves, events, spans, planned, orders, groups, status } = memory;
     *groups = Groups::new(&settings.mechanism);
     let (groups, status): (&'m Groups, &'m Status) = (groups, status);
     let (moves_in, moves_out) = moves.split();
     let (events_in, events_out) = events.split();
+    let (orders, orders_in) = orders.split();
     let counts = events_out.counts(status);
     let link = Link::new(moves_in, status, counts, pend);
     Parts {
         stepper: Stepper::new(events_out, status, step_ports.pins, step_ports.clock, pend),
         generator: StepGenerator::new(moves_out, events_in, spans, status, groups),
-        console: Console::new(settings, start, planned, groups, link, ports),
+        thermal: ThermalControl::new(&settings.thermal, orders_in, status, thermal_port, pend),
+        console: Console::new(settings, start, planned, orders, groups, link, ports),
         status,
         counts,
     }

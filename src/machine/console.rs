@@ -24,9 +24,10 @@ use crate::machine::state::notices::Notices;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::machine::stream::release_policy::ReleasePolicy;
 use crate::motion::{Link, MoveMemory, Planner};
-use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage, ThermalPort};
+use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
 use crate::protocol::{Activity, Replies};
 use crate::settings::Settings;
+use crate::thermal::Orders;
 use crate::units::Mm;
 use core::convert::Infallible;
 use core::future::poll_fn;
@@ -60,24 +61,27 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) notices: Notices,
     /// Values of the present command that were out of range.
     pub(super) clamps: Clamps,
+    /// To the heaters and fans.
+    pub(super) orders: Orders<'m>,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend> Console<'m, Ports<S, D, K, T, H>, W> {
+impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Ports<S, D, K, T>, W> {
     /// A Console of a machine with these motor groups that stands at `start` if that is known, as if homed.
     pub fn new(
         settings: Settings,
         start: Option<[Mm; 3]>,
         memory: &'m mut MoveMemory,
+        orders: Orders<'m>,
         groups: &'m Groups,
         link: Link<'m, W>,
-        ports: Ports<S, D, K, T, H>,
+        ports: Ports<S, D, K, T>,
     ) -> Self {
         let [x, y, z] = start.unwrap_or_default();
-        let Ports { serial, drivers: bus, clock, storage, sensors } = ports;
+        let Ports { serial, drivers: bus, clock, storage } = ports;
         let now = clock.now();
         let drivers = Drivers::new(bus.lines(), &settings);
         Self {
-            ports: Devices { drivers: bus, clock, storage, sensors },
+            ports: Devices { drivers: bus, clock, storage },
             hosts: Hosts::new(serial, now),
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
@@ -97,6 +101,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort, W: Pend>
             is_to_restart: false,
             notices: Notices::new(),
             clamps: Clamps::new(),
+            orders,
         }
     }
 }
@@ -228,6 +233,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Everything that must go on whatever the Console waits for. Bounded by what has arrived.
     fn crank(&mut self) -> Result<(), Interrupt> {
+        self.link.status().heat().beat_of_console();
         let emergency = self.receive();
         self.hosts.greet(Replies::start);
         self.tend_drivers()?;

@@ -1,9 +1,9 @@
 //! The Console's ports: what it needs of a board, as one type.
 
-use crate::port::{Clock, DriverBus, Lines, Serial, Storage, ThermalPort};
+use crate::port::{Clock, DriverBus, Lines, Serial, Storage};
 
 /// What the Console needs of a board.
-pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> {
+pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage> {
     /// The lines to the hosts.
     pub serial: Lines<S>,
     /// The motor drivers.
@@ -12,8 +12,6 @@ pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> 
     pub clock: K,
     /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
     pub storage: T,
-    /// The temperature sensors; [`NoSensors`](crate::port::NoSensors) if there are none.
-    pub sensors: H,
 }
 
 /// The types of a set of [`Ports`], so that one parameter names them all.
@@ -26,16 +24,13 @@ pub trait PortSet {
     type Clock: Clock;
     /// Memory for settings.
     type Storage: Storage;
-    /// The temperature sensors.
-    type Sensors: ThermalPort;
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, T: Storage, H: ThermalPort> PortSet for Ports<S, D, K, T, H> {
+impl<S: Serial, D: DriverBus, K: Clock, T: Storage> PortSet for Ports<S, D, K, T> {
     type Serial = S;
     type Drivers = D;
     type Clock = K;
     type Storage = T;
-    type Sensors = H;
 }
 
 /// The ports of `P` without the lines to the hosts.
@@ -43,5 +38,4 @@ pub(super) struct Devices<P: PortSet> {
     pub drivers: P::Drivers,
     pub clock: P::Clock,
     pub storage: P::Storage,
-    pub sensors: P::Sensors,
 }

@@ -252,6 +252,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     /// Nothing is due, but somebody may want to know of the endstops. False, for there is nothing to play.
     fn report_endstops(&mut self) -> bool {
         self.status.set_endstops(self.port.endstops());
+        self.status.count_look();
         false
     }
 

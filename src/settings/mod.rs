@@ -5,7 +5,7 @@
 //!
 //! | stop | where | what holds it to that |
 //! |---|---|---|
-//! | field and default | here, or `axis`, `shaping`, `drivers` | compiler (`prototype`) |
+//! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal` | compiler (`prototype`) |
 //! | range, check | `check` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a changed field makes another `FORMAT` | `src/storage/record/tests.rs` |
 //! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
@@ -22,11 +22,15 @@ mod axis;
 mod check;
 mod drivers;
 mod shaping;
+mod thermal;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
+pub use thermal::{
+    Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Pid, ThermalSettings, Thermistor,
+};
 
 use crate::kinematics::Mechanism;
 use crate::motors::Motor;
@@ -93,6 +97,8 @@ pub struct Settings {
     pub mechanism: Mechanism,
     /// Whether moves of an axis that was not homed are refused.
     pub require_homing: bool,
+    /// Heaters and fans.
+    pub thermal: ThermalSettings,
 }
 
 impl Settings {
@@ -142,6 +148,7 @@ impl Settings {
             minimum_cruise_ratio: const { Ratio::lit("0.5") },
             mechanism: Mechanism::corehbot(),
             require_homing: false,
+            thermal: ThermalSettings::prototype(),
         }
     }
 

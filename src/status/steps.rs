@@ -76,6 +76,16 @@ impl Status {
         self.rested.load(Acquire)
     }
 
+    /// A number that changes whenever the Stepper has emitted an event or was pended.
+    pub(crate) fn stepper_beat(&self) -> u32 {
+        self.due.load(Relaxed).wrapping_add(self.looks.load(Relaxed))
+    }
+
+    /// The Stepper was pended and has looked at the endstops.
+    pub(crate) fn count_look(&self) {
+        self.looks.store(self.looks.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
     /// Whether all events made are done.
     pub(super) fn has_rested(&self) -> bool {
         self.events_made.load(Acquire) == self.rested.load(Acquire)

@@ -16,6 +16,7 @@ use corehbot::motors::MotorSet;
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
+use corehbot::thermal::{PERIOD_MS, ThermalControl};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
 use std::pin::Pin;
@@ -135,6 +136,9 @@ pub struct World<'w> {
     counts: StepCounts<'w>,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
     generator: StepGenerator<'w>,
+    thermal: ThermalControl<'w, Room, Pends<'w>>,
+    /// When the next control period is due, in ticks.
+    next_period: u64,
     /// Until it wants to begin anew.
     console: Option<Pin<Box<dyn Future<Output = Restart> + 'w>>>,
     wakes: Arc<Wakes>,
@@ -175,10 +179,9 @@ impl<'w> World<'w> {
             drivers: drivers.bus(&shared.now),
             clock: Timer(shared),
             storage,
-            sensors: Room,
         };
-        let Parts { stepper, generator, mut console, status, counts } =
-            assemble(memory, *settings, start, step_ports, ports, Pends(shared));
+        let Parts { stepper, generator, thermal, mut console, status, counts } =
+            assemble(memory, *settings, start, step_ports, Room, ports, Pends(shared));
         let console = Box::pin(async move { console.run().await });
         Self {
             shared,
@@ -188,6 +191,8 @@ impl<'w> World<'w> {
             counts,
             stepper,
             generator,
+            thermal,
+            next_period: shared.now.get(),
             console: Some(console),
             wakes: Arc::default(),
             odometer: Odometer::default(),
@@ -235,6 +240,10 @@ impl<'w> World<'w> {
         }
         if !moved {
             shared.now.set(end_of_turn);
+        }
+        if shared.now.get() >= self.next_period {
+            self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
+            self.thermal.period();
         }
         moved
     }

@@ -31,9 +31,9 @@ use crate::{fault, priorities};
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
 /// The ports of a board, but for those of the steps.
-pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage, Thermistors>;
+pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage>;
 /// The core with the ports of a board.
-pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, IrqPend>;
+pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, Thermistors, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
 type StepGenerator = motion::StepGenerator<'static>;
 type Console = machine::Console<'static, BoardPorts, IrqPend>;

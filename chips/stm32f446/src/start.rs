@@ -84,14 +84,10 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&SETTINGS.mechanism);
     let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
-    let ports = Ports {
-        serial: lines,
-        drivers: Drivers::start(board),
-        clock: BoardClock,
-        storage: BoardStorage(find(board)),
-        sensors: Thermistors::start(board.thermistors),
-    };
-    let parts = assemble(StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer }, ports);
+    let ports =
+        Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage: BoardStorage(find(board)) };
+    let thermistors = Thermistors::start(board.thermistors);
+    let parts = assemble(StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer }, thermistors, ports);
     contexts::start(parts, usb, Watchdog::new(), !counts_asleep)
 }
 
@@ -137,9 +133,13 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(step_ports: StepPorts<StepPins, StepTimer>, ports: BoardPorts) -> &'static mut BoardParts {
+fn assemble(
+    step_ports: StepPorts<StepPins, StepTimer>,
+    thermistors: Thermistors,
+    ports: BoardPorts,
+) -> &'static mut BoardParts {
     // In this form the parts are built in their place; they are too large to be carried about.
-    PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, ports, IrqPend))
+    PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, thermistors, ports, IrqPend))
 }
 
 /// Tells the hosts why the last reset happened, unless it was for a good reason, and what the board lacks.

@@ -97,7 +97,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage)),
             Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs()),
             Answer::SoftEndstops => say_soft_endstops(to, s, *homed),
-            Answer::Sensors => say_sensors(to, &mut ports.sensors),
+            Answer::Sensors => say_sensors(to, link.status().heat()),
             Answer::Overload => {
                 say_overload(to, link.status().overload());
                 if let Some(warning) = ports.drivers.warning() {

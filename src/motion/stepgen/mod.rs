@@ -140,6 +140,7 @@ impl<'m> StepGenerator<'m> {
     /// Makes step events until they reach far enough ahead, nothing is left to do, or a bounded amount of work is
     /// done; in the last case it pends itself. Call it whenever either queue may have moved.
     pub fn run(&mut self, pend: &impl Pend) {
+        self.status.heat().beat_of_generator();
         let is_more_to_do = self.make_events();
         // A Stepper that rests after the last event needs a call when there are more.
         if self.status.rested_at() == self.events.done() && !self.events.is_empty() {

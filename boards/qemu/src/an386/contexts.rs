@@ -8,7 +8,7 @@ use core::task::Waker;
 use corehbot::app::Parts;
 use corehbot::machine;
 use corehbot::motion;
-use corehbot::port::{DriverBus, MotorSet, NoSensors, NoStorage, Pend};
+use corehbot::port::{DriverBus, MotorSet, NoHeaters, NoStorage, Pend};
 use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use critical_section::Mutex;
@@ -20,9 +20,9 @@ use super::time::{self, BoardClock, StepTimer};
 use super::trace::{self, TracePort};
 use super::vectors::{self, Irq};
 
-type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage, NoSensors>;
+type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage>;
 /// The core with the ports of this board.
-pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, BoardPend>;
+pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, NoHeaters, BoardPend>;
 type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;
 type StepGenerator = motion::StepGenerator<'static>;
 type Console = machine::Console<'static, BoardPorts, BoardPend>;

@@ -24,7 +24,7 @@ mod vectors;
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, NoSensors, NoStorage};
+use corehbot::port::{Lines, NoHeaters, NoStorage};
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use defmt_semihosting as _;
@@ -69,11 +69,11 @@ fn start_up() -> &'static Status {
         drivers: contexts::NoDrivers,
         clock: time::BoardClock,
         storage: NoStorage,
-        sensors: NoSensors,
     };
     // In this form the parts are built in their place; they are too large to be carried about.
-    let parts = PARTS
-        .init_with(|| app::assemble(MEMORY.take(), job.settings, job.start, step_ports, ports, contexts::BoardPend));
+    let parts = PARTS.init_with(|| {
+        app::assemble(MEMORY.take(), job.settings, job.start, step_ports, NoHeaters, ports, contexts::BoardPend)
+    });
     let status = parts.status;
     contexts::start(parts);
     status

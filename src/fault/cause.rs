@@ -1,0 +1,183 @@
+//! What can go wrong, each with a number that stays what it is: it is kept over resets and told to people.
+
+use crate::connectors::Heater;
+use crate::units::Celsius;
+
+/// Why the machine stopped.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Cause {
+    /// The sensor reads an open circuit.
+    SensorOpen = 1,
+    /// The sensor reads a short circuit.
+    SensorShort = 2,
+    /// The sensor reads colder than it may; the value is in degrees.
+    TooCold = 3,
+    /// The sensor reads hotter than it may.
+    TooHot = 4,
+    /// The sensor fails now and then, too often.
+    SensorFlickers = 5,
+    /// The sensor stands still although its heater's power has changed.
+    SensorFrozen = 6,
+    /// Another sensor than the heater's follows the heater.
+    SensorsSwapped = 7,
+    /// It gets warm more slowly than its model allows; value and limit are degrees in the time looked at.
+    HeatsTooSlowly = 8,
+    /// The temperature was reached and is lost.
+    TemperatureLost = 9,
+    /// It gets warmer although it is off.
+    HeatsWhileOff = 10,
+    /// It is far above its target and gets no power.
+    Overshoot = 11,
+    /// The fan that has to cool it stands still.
+    FanFailed = 12,
+    /// The converter's reference reads something else than it is.
+    Reference = 13,
+    /// The converter delivers nothing.
+    ConverterStopped = 14,
+    /// Settings in RAM have changed by themselves.
+    SettingsDamaged = 15,
+    /// The first heating after an update: the wrong sensor followed, or none.
+    SelfTest = 16,
+    /// A context has not come by; the subject says which.
+    ContextHangs = 17,
+    /// The program gave up; the value is the place.
+    Panic = 18,
+    /// The processor refused an instruction or an address; value and limit are CFSR and the program counter.
+    HardFault = 19,
+    /// The stack ran into its guard.
+    StackOverflow = 20,
+    /// The crystal's clock failed.
+    ClockFailed = 21,
+    /// The watchdog's reset, with no other cause known.
+    Watchdog = 22,
+    /// The supply sagged.
+    Supply = 23,
+    /// A motor driver.
+    Driver = 24,
+}
+
+impl Cause {
+    /// Every cause.
+    pub const ALL: [Self; 24] = [
+        Self::SensorOpen,
+        Self::SensorShort,
+        Self::TooCold,
+        Self::TooHot,
+        Self::SensorFlickers,
+        Self::SensorFrozen,
+        Self::SensorsSwapped,
+        Self::HeatsTooSlowly,
+        Self::TemperatureLost,
+        Self::HeatsWhileOff,
+        Self::Overshoot,
+        Self::FanFailed,
+        Self::Reference,
+        Self::ConverterStopped,
+        Self::SettingsDamaged,
+        Self::SelfTest,
+        Self::ContextHangs,
+        Self::Panic,
+        Self::HardFault,
+        Self::StackOverflow,
+        Self::ClockFailed,
+        Self::Watchdog,
+        Self::Supply,
+        Self::Driver,
+    ];
+
+    /// The cause with this number.
+    #[must_use]
+    pub fn of(number: u8) -> Option<Self> {
+        Self::ALL.into_iter().find(|cause| *cause as u8 == number)
+    }
+
+    /// Whether the heater may be on whatever the firmware does: only the power supply can end it.
+    #[must_use]
+    pub const fn is_stuck_on(self) -> bool {
+        matches!(self, Self::HeatsWhileOff | Self::Overshoot | Self::TooHot)
+    }
+
+    /// What is told of it.
+    const fn text(self) -> &'static str {
+        match self {
+            Self::SensorOpen => "sensor open or unplugged",
+            Self::SensorShort => "sensor shorted",
+            Self::TooCold => "colder than its sensor may read (MINTEMP)",
+            Self::TooHot => "hotter than it may get (MAXTEMP)",
+            Self::SensorFlickers => "sensor has a loose contact",
+            Self::SensorFrozen => "reading stands still",
+            Self::SensorsSwapped => "another sensor follows this heater: swapped?",
+            Self::HeatsTooSlowly => "heating failed, warms too slowly",
+            Self::TemperatureLost => "thermal runaway, temperature lost",
+            Self::HeatsWhileOff => "gets warmer while switched off",
+            Self::Overshoot => "far above its target without power",
+            Self::FanFailed => "fan stands still",
+            Self::Reference => "reference voltage of the converter is wrong",
+            Self::ConverterStopped => "analog converter stopped",
+            Self::SettingsDamaged => "settings in RAM are damaged",
+            Self::SelfTest => "self-test failed",
+            Self::ContextHangs => "a part of the firmware hangs",
+            Self::Panic => "firmware gave up (panic)",
+            Self::HardFault => "processor fault",
+            Self::StackOverflow => "stack overflow",
+            Self::ClockFailed => "crystal failed",
+            Self::Watchdog => "watchdog reset",
+            Self::Supply => "supply voltage fell",
+            Self::Driver => "motor driver",
+        }
+    }
+
+    /// Whether its subject is a heater.
+    const fn is_of_heater(self) -> bool {
+        (self as u8) <= Self::FanFailed as u8 || matches!(self, Self::SelfTest)
+    }
+
+    /// Whether its value and limit are degrees.
+    const fn is_of_degrees(self) -> bool {
+        matches!(
+            self,
+            Self::TooCold
+                | Self::TooHot
+                | Self::HeatsTooSlowly
+                | Self::TemperatureLost
+                | Self::HeatsWhileOff
+                | Self::Overshoot
+        )
+    }
+}
+
+/// A cause with its numbers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Fault {
+    /// Why.
+    pub cause: Cause,
+    /// Which heater or context.
+    pub subject: u8,
+    /// What was measured; degrees as in [`Celsius`].
+    pub value: i32,
+    /// What would have been right, in the same unit.
+    pub limit: i32,
+}
+
+impl core::fmt::Display for Fault {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if self.cause.is_of_heater() {
+            let heater = Heater::ALL.get(usize::from(self.subject)).map_or("heater", |heater| heater.name());
+            write!(f, "{heater}: ")?;
+        }
+        f.write_str(self.cause.text())?;
+        if self.cause.is_of_degrees() {
+            let tenths = |bits: i32| (i64::from(bits) * 10) >> Celsius::FRAC_NBITS;
+            let (value, limit) = (tenths(self.value), tenths(self.limit));
+            let sign = |tenths: i64| if tenths < 0 { "-" } else { "" };
+            let [a, b] = [value.unsigned_abs(), limit.unsigned_abs()];
+            write!(f, " ({}{}.{} C, limit {}{}.{} C)", sign(value), a / 10, a % 10, sign(limit), b / 10, b % 10)?;
+        } else if self.value != 0 || self.limit != 0 {
+            write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
+        }
+        write!(f, " [F{:02}]", self.cause as u8)
+    }
+}

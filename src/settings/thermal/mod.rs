@@ -1,0 +1,66 @@
+//! Heat: heaters with their sensors, models and guards, and fans.
+
+mod fans;
+mod heater;
+
+pub use fans::{FanRole, FanSettings};
+pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
+
+use crate::connectors::{FANS, HEATERS, Heater, Output, Sensor};
+use crate::units::{Celsius, WattsPerKelvin};
+use serde::{Deserialize, Serialize};
+
+/// Everything about heat that makes one machine different from another.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct ThermalSettings {
+    /// Hotend, bed and chamber, in the order of [`Heater::ALL`].
+    pub heaters: [HeaterSettings; HEATERS],
+    /// FAN0 and so on.
+    pub fans: [FanSettings; FANS],
+    /// No filament moves while the hotend is colder (M302 S).
+    pub min_extrude: Celsius,
+    /// The hotend's fan runs above this temperature.
+    pub hotend_fan_above: Celsius,
+    /// The controller's fan goes on for so many seconds after the last motor or heater went off.
+    pub fan_run_on_s: u16,
+    /// Minutes without motion, print or command after which heaters go off.
+    pub idle_min: u8,
+    /// Heat that a mm of filament takes up for each K.
+    pub filament: WattsPerKelvin,
+}
+
+impl ThermalSettings {
+    /// A hotend of 40 W with a Semitec 104GT-2, a bed of 500 W with a thermistor of B 3950, one fan for the part, one for the
+    /// hotend and one for the controller: what most machines of this size have. Nothing is fitted before a machine file or
+    /// M-code says so.
+    #[must_use]
+    pub const fn prototype() -> Self {
+        let fan = FanSettings::new(FanRole::Commanded);
+        Self {
+            heaters: [
+                HeaterSettings::hotend(Output::He0, Sensor::Hotend0),
+                HeaterSettings::bed(Output::Bed, Sensor::Bed),
+                HeaterSettings::chamber(Output::He1, Sensor::Hotend1),
+            ],
+            fans: [fan, FanSettings::new(FanRole::Hotend), FanSettings::new(FanRole::Controller), fan, fan, fan],
+            min_extrude: Celsius::const_from_int(170),
+            hotend_fan_above: Celsius::const_from_int(50),
+            fan_run_on_s: 60,
+            idle_min: 30,
+            // Marlin's FILAMENT_HEAT_CAPACITY_PERMM for PLA of 1.75 mm: 2.4 mm3 of 1.24 g/cm3 and 1.8 J/(g K).
+            filament: const { WattsPerKelvin::lit("0.0056") },
+        }
+    }
+
+    /// The settings of a heater.
+    #[must_use]
+    pub const fn heater(&self, heater: Heater) -> &HeaterSettings {
+        &self.heaters[heater as usize]
+    }
+
+    /// The settings of a heater.
+    #[must_use]
+    pub const fn heater_mut(&mut self, heater: Heater) -> &mut HeaterSettings {
+        &mut self.heaters[heater as usize]
+    }
+}

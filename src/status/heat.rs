@@ -1,0 +1,210 @@
+//! What the Console knows of heaters and fans, and what it tells of the filament.
+
+use crate::connectors::{FANS, HEATERS, Heater, SENSORS, Sensor};
+use crate::units::Celsius;
+use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
+
+/// How far a tuning has come (M303).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum Tuning {
+    /// There is none.
+    None,
+    /// It goes on; so many cycles are done.
+    Cycle(u8),
+    /// It is done, and the results can be read.
+    Done,
+    /// It did not work: the temperature did not swing as it should.
+    Failed,
+}
+
+/// What M303 has found, in the bits of the types that settings have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Tuned {
+    /// J/K.
+    pub capacity: u32,
+    /// W/K.
+    pub loss: u32,
+    /// W/K in addition with the part fan at full speed.
+    pub fan_loss: u32,
+    /// s, from the heater to the sensor.
+    pub lag: u32,
+    /// Of PID.
+    pub p: u32,
+    /// Of PID.
+    pub i: u32,
+    /// Of PID.
+    pub d: u32,
+}
+
+/// Temperatures, duties and filament. Written by the thermal context but for what its field names.
+pub struct Heat {
+    /// One more than the last sample of each sensor; 0 for none.
+    samples: [AtomicU32; SENSORS],
+    /// Bits of a [`Celsius`]; the least number for none.
+    measured: [AtomicI32; HEATERS],
+    targets: [AtomicI32; HEATERS],
+    /// Of 65,535.
+    duties: [AtomicU16; HEATERS],
+    fans: [AtomicU16; FANS],
+    /// Control periods since start.
+    periods: AtomicU32,
+    tuning: AtomicU32,
+    tuned: [AtomicU32; 7],
+    /// Filament that went through the nozzle, in um, wrapping; written by the Console.
+    extruded_um: AtomicU32,
+    /// Heat for each K that filament will take within the hotend's lag, and at its end, in 2^-24 J/K and W/K; written by the
+    /// Console.
+    coming: AtomicU32,
+    then: AtomicU32,
+    /// Counted up by the Console whenever it comes by.
+    console_beats: AtomicU8,
+    /// Counted up by the StepGenerator.
+    generator_beats: AtomicU8,
+}
+
+const NONE: i32 = i32::MIN;
+
+impl Heat {
+    pub(super) const fn new() -> Self {
+        Self {
+            samples: [const { AtomicU32::new(0) }; SENSORS],
+            measured: [const { AtomicI32::new(NONE) }; HEATERS],
+            targets: [const { AtomicI32::new(0) }; HEATERS],
+            duties: [const { AtomicU16::new(0) }; HEATERS],
+            fans: [const { AtomicU16::new(0) }; FANS],
+            periods: AtomicU32::new(0),
+            tuning: AtomicU32::new(0),
+            tuned: [const { AtomicU32::new(0) }; 7],
+            extruded_um: AtomicU32::new(0),
+            coming: AtomicU32::new(0),
+            then: AtomicU32::new(0),
+            console_beats: AtomicU8::new(0),
+            generator_beats: AtomicU8::new(0),
+        }
+    }
+
+    /// The last sample of a sensor, in units of 1/65,536 of the reference.
+    #[must_use]
+    pub fn sample(&self, sensor: Sensor) -> Option<u16> {
+        Some(self.samples[sensor as usize].load(Relaxed).checked_sub(1)? as u16)
+    }
+
+    /// The temperature of a heater; none if there is no such heater or nothing was measured yet.
+    #[must_use]
+    pub fn measured(&self, heater: Heater) -> Option<Celsius> {
+        let bits = self.measured[heater as usize].load(Relaxed);
+        (bits != NONE).then_some(Celsius::from_bits(bits))
+    }
+
+    /// Its target; 0 is off.
+    #[must_use]
+    pub fn target(&self, heater: Heater) -> Celsius {
+        Celsius::from_bits(self.targets[heater as usize].load(Relaxed))
+    }
+
+    /// Its duty, of 65,535.
+    #[must_use]
+    pub fn duty(&self, heater: Heater) -> u16 {
+        self.duties[heater as usize].load(Relaxed)
+    }
+
+    /// A fan's duty, of 65,535.
+    #[must_use]
+    pub fn fan(&self, fan: usize) -> u16 {
+        self.fans.get(fan).map_or(0, |duty| duty.load(Relaxed))
+    }
+
+    /// Control periods of 20 ms since start.
+    #[must_use]
+    pub fn periods(&self) -> u32 {
+        self.periods.load(Relaxed)
+    }
+
+    /// How far a tuning has come.
+    #[must_use]
+    pub fn tuning(&self) -> Tuning {
+        match self.tuning.load(Relaxed) {
+            0 => Tuning::None,
+            1 => Tuning::Done,
+            2 => Tuning::Failed,
+            cycles => Tuning::Cycle((cycles - 3) as u8),
+        }
+    }
+
+    /// What it has found.
+    #[must_use]
+    pub fn tuned(&self) -> Tuned {
+        let [capacity, loss, fan_loss, lag, p, i, d] = self.tuned.each_ref().map(|word| word.load(Relaxed));
+        Tuned { capacity, loss, fan_loss, lag, p, i, d }
+    }
+
+    pub(crate) fn set_sample(&self, sensor: Sensor, sample: Option<u16>) {
+        self.samples[sensor as usize].store(sample.map_or(0, |sample| u32::from(sample) + 1), Relaxed);
+    }
+
+    pub(crate) fn set_heater(&self, heater: Heater, measured: Option<Celsius>, target: Celsius, duty: u16) {
+        self.measured[heater as usize].store(measured.map_or(NONE, Celsius::to_bits), Relaxed);
+        self.targets[heater as usize].store(target.to_bits(), Relaxed);
+        self.duties[heater as usize].store(duty, Relaxed);
+    }
+
+    pub(crate) fn set_fan(&self, fan: usize, duty: u16) {
+        if let Some(place) = self.fans.get(fan) {
+            place.store(duty, Relaxed);
+        }
+    }
+
+    pub(crate) fn count_period(&self) {
+        self.periods.store(self.periods().wrapping_add(1), Relaxed);
+    }
+
+    pub(crate) fn set_tuning(&self, tuning: Tuning) {
+        let number = match tuning {
+            Tuning::None => 0,
+            Tuning::Done => 1,
+            Tuning::Failed => 2,
+            Tuning::Cycle(cycles) => u32::from(cycles) + 3,
+        };
+        self.tuning.store(number, Relaxed);
+    }
+
+    pub(crate) fn set_tuned(&self, tuned: &Tuned) {
+        let Tuned { capacity, loss, fan_loss, lag, p, i, d } = *tuned;
+        for (place, bits) in self.tuned.iter().zip([capacity, loss, fan_loss, lag, p, i, d]) {
+            place.store(bits, Relaxed);
+        }
+    }
+
+    /// Filament that went through the nozzle, in um, wrapping.
+    pub(crate) fn extruded_um(&self) -> u32 {
+        self.extruded_um.load(Relaxed)
+    }
+
+    pub(crate) fn set_extruded_um(&self, um: u32) {
+        self.extruded_um.store(um, Relaxed);
+    }
+
+    /// Heat for each K that filament will take within the hotend's lag, in 2^-24 J/K, and at its end, in 2^-24 W/K.
+    pub(crate) fn filament_ahead(&self) -> [u32; 2] {
+        [self.coming.load(Relaxed), self.then.load(Relaxed)]
+    }
+
+    pub(crate) fn set_filament_ahead(&self, [coming, then]: [u32; 2]) {
+        self.coming.store(coming, Relaxed);
+        self.then.store(then, Relaxed);
+    }
+
+    /// How often Console and StepGenerator came by, wrapping.
+    pub(crate) fn beats(&self) -> [u8; 2] {
+        [self.console_beats.load(Relaxed), self.generator_beats.load(Relaxed)]
+    }
+
+    pub(crate) fn beat_of_console(&self) {
+        self.console_beats.store(self.console_beats.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+
+    pub(crate) fn beat_of_generator(&self) {
+        self.generator_beats.store(self.generator_beats.load(Relaxed).wrapping_add(1), Relaxed);
+    }
+}

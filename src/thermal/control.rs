@@ -1,0 +1,277 @@
+//! ThermalControl: the handle of the thermal context.
+
+use super::fans::{Fan, Needs};
+use super::fixed_point::{PERIOD_MS, RATE, saturated, share};
+use super::guard::{Alarm, Reference, Swapped};
+use super::hearts::{Context, Hearts};
+use super::heater::{Circumstances, HeaterLoop};
+use super::order::{Common, Order, OrdersIn};
+use super::predictive::Ahead;
+use super::scrub::sum;
+use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
+use crate::fault::{Cause, Fault};
+use crate::port::{Pend, ThermalPort};
+use crate::settings::{FanRole, ThermalSettings};
+use crate::status::{Status, Tuning};
+use crate::units::{Celsius, Ratio};
+use fixed::types::I8F24;
+
+/// Periods between two looks at the settings in RAM: 1 s.
+const SCRUB: u32 = 1000 / PERIOD_MS;
+
+/// Heaters, fans and sensors of a machine.
+pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
+    port: H,
+    orders: OrdersIn<'m>,
+    status: &'m Status,
+    pend: W,
+    heaters: [HeaterLoop; HEATERS],
+    fans: [Fan; FANS],
+    common: Common,
+    reference: Reference,
+    swapped: [[Swapped; HEATERS]; HEATERS],
+    hearts: Hearts,
+    /// Whether motors have power, and periods for which the controller's fan goes on.
+    has_motors: bool,
+    runs_on: u32,
+    extruded_um: u32,
+    /// The sum of the settings, as they came.
+    settings_sum: u32,
+    /// Periods until it is looked at.
+    scrub_in: u32,
+}
+
+impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
+    /// All heaters off.
+    pub fn new(settings: &ThermalSettings, orders: OrdersIn<'m>, status: &'m Status, port: H, pend: W) -> Self {
+        let mut control = Self {
+            port,
+            orders,
+            status,
+            pend,
+            heaters: settings.heaters.map(HeaterLoop::new),
+            fans: settings.fans.map(Fan::new),
+            common: Common::of(settings),
+            reference: Reference::new(),
+            swapped: [[Swapped::new(); HEATERS]; HEATERS],
+            hearts: Hearts::new(),
+            has_motors: false,
+            runs_on: 0,
+            extruded_um: 0,
+            settings_sum: 0,
+            scrub_in: SCRUB,
+        };
+        control.settings_sum = control.sum();
+        control.port.switch_supply(true);
+        control
+    }
+
+    /// One control period: called every 20 ms, in a context that the Console cannot delay.
+    pub fn period(&mut self) {
+        self.take_orders();
+        self.listen();
+        if let Err((heater, alarm)) = self.heat() {
+            self.fail(heater as u8, alarm);
+        }
+        self.blow();
+        self.status.heat().count_period();
+    }
+
+    /// What hardware does for it.
+    pub const fn port(&mut self) -> &mut H {
+        &mut self.port
+    }
+
+    fn take_orders(&mut self) {
+        let mut has_new_settings = false;
+        while let Some(order) = self.orders.dequeue() {
+            match order {
+                // After a fault nothing heats any more.
+                Order::Target(..) | Order::Tune(..) | Order::SelfTest if self.status.fault().is_set() => {}
+                Order::Target(heater, target) => self.heaters[heater as usize].set_target(target),
+                Order::Tune(heater, target, cycles) => self.heaters[heater as usize].tune(target, cycles),
+                Order::SelfTest => {}
+                Order::StopTuning => self.heaters.iter_mut().for_each(|heater| *heater.tuning() = None),
+                Order::Fan(fan, speed) => {
+                    if let Some(fan) = self.fans.get_mut(usize::from(fan)) {
+                        fan.command(speed);
+                    }
+                }
+                Order::Motors(on) => self.has_motors = on,
+                Order::Off => {
+                    self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
+                    self.fans.iter_mut().for_each(|fan| fan.command(0));
+                }
+                Order::Heater(heater, settings) => {
+                    self.heaters[heater as usize].configure(settings);
+                    has_new_settings = true;
+                }
+                Order::FanSettings(fan, settings) => {
+                    if let Some(fan) = self.fans.get_mut(usize::from(fan)) {
+                        fan.configure(settings);
+                    }
+                    has_new_settings = true;
+                }
+                Order::Common(common) => {
+                    self.common = common;
+                    has_new_settings = true;
+                }
+            }
+        }
+        if has_new_settings {
+            self.settings_sum = self.sum();
+        }
+    }
+
+    /// The watchdog, and the settings in RAM.
+    fn listen(&mut self) {
+        if self.hearts.is_silent(Context::Generator) {
+            self.pend.pend_generator();
+        }
+        if self.hearts.is_silent(Context::Stepper) {
+            self.pend.pend_stepper();
+        }
+        if let Some(fault) = self.hearts.listen(self.status) {
+            self.status.fault().set(fault);
+        }
+        if self.hearts.all_beat() {
+            self.port.feed_watchdog();
+        }
+        self.scrub_in -= 1;
+        if self.scrub_in == 0 {
+            self.scrub_in = SCRUB;
+            if self.sum() != self.settings_sum {
+                self.status.fault().set(Fault { cause: Cause::SettingsDamaged, subject: 0, value: 0, limit: 0 });
+            }
+        }
+    }
+
+    fn sum(&self) -> u32 {
+        sum(&(self.heaters.each_ref().map(HeaterLoop::settings), self.fans.each_ref().map(Fan::settings), self.common))
+    }
+
+    /// All heaters of the coming period. After a fault they are all off.
+    fn heat(&mut self) -> Result<(), (Heater, Alarm)> {
+        for (sensor, _) in Sensor::ALL {
+            self.status.heat().set_sample(sensor, self.port.sample(sensor));
+        }
+        let now = self.circumstances();
+        let mut duties = [0; OUTPUTS];
+        let mut found = Ok(());
+        for heater in Heater::ALL {
+            let looped = &mut self.heaters[heater as usize];
+            let settings = looped.settings();
+            if !settings.is_fitted {
+                continue;
+            }
+            let (output, sensor) = (settings.output, settings.sensor);
+            let is_hotend = heater == Heater::Hotend;
+            let now =
+                if is_hotend { now } else { Circumstances { filament: I8F24::ZERO, ahead: Ahead::default(), ..now } };
+            match looped.period(self.status.heat().sample(sensor), &now) {
+                Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
+                Ok(_) => {}
+                Err(alarm) => found = found.and(Err((heater, alarm))),
+            }
+        }
+        found = found.and_then(|()| self.compare());
+        if let Some(alarm) = self.port.reference().and_then(|sample| self.reference.look(sample)) {
+            found = found.and(Err((Heater::Hotend, alarm)));
+        }
+        if found.is_err() || self.status.fault().is_set() {
+            duties = [0; OUTPUTS];
+            self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
+        }
+        self.port.heat(&duties);
+        self.tell_tuning();
+        for heater in Heater::ALL {
+            let looped = &self.heaters[heater as usize];
+            let measured = looped.measured().filter(|_| looped.settings().is_fitted);
+            let duty = if duties == [0; OUTPUTS] { 0 } else { looped.duty() };
+            self.status.heat().set_heater(heater, measured, looped.target(), duty);
+        }
+        found
+    }
+
+    /// Tells how far a tuning has come; one that is over switches its heater off.
+    fn tell_tuning(&mut self) {
+        for heater in &mut self.heaters {
+            let Some(tune) = heater.tuning() else { continue };
+            let state = tune.state();
+            if let (Tuning::Done, Some(tuned)) = (state, tune.find()) {
+                self.status.heat().set_tuned(&tuned);
+            }
+            self.status.heat().set_tuning(state);
+            if matches!(state, Tuning::Done | Tuning::Failed) {
+                heater.set_target(Celsius::ZERO);
+            }
+        }
+    }
+
+    /// What surrounds the heaters: the part fan, which is FAN0, and the filament.
+    fn circumstances(&mut self) -> Circumstances {
+        let heat = self.status.heat();
+        let um = heat.extruded_um();
+        let moved = um.wrapping_sub(core::mem::replace(&mut self.extruded_um, um)).cast_signed().max(0);
+        // um a period times periods a second, times J/(K mm), over 1000 um: W/K.
+        let filament = i64::from(moved) * i64::from(RATE) * i64::from(self.common.filament.to_bits()) / 1000;
+        let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
+        let fan = share(heat.fan(0));
+        Circumstances { fan, filament: I8F24::from_bits(saturated(filament)), ahead: Ahead { coming, then } }
+    }
+
+    /// Whether each heater warms its own sensor.
+    fn compare(&mut self) -> Result<(), (Heater, Alarm)> {
+        for (own, guards) in Heater::ALL.into_iter().zip(&mut self.swapped) {
+            for (other, guard) in Heater::ALL.into_iter().zip(guards) {
+                let [a, b] = [own, other].map(|heater| &self.heaters[heater as usize]);
+                if own == other || !b.settings().is_fitted {
+                    continue;
+                }
+                let (Some(a_is), Some(b_is)) = (a.measured(), b.measured()) else { continue };
+                if let Some(alarm) = guard.look(a.is_powered() && !b.is_powered(), a_is, b_is) {
+                    return Err((own, alarm));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A guard has found something: the first cause counts, and a switch that sticks costs the power supply.
+    fn fail(&mut self, subject: u8, alarm: Alarm) {
+        let Alarm { cause, value, limit } = alarm;
+        self.status.fault().set(Fault { cause, subject, value: value.to_bits(), limit: limit.to_bits() });
+        if cause.is_stuck_on() {
+            self.port.switch_supply(false);
+        }
+    }
+
+    /// All fans of the coming period.
+    fn blow(&mut self) {
+        let [hotend, ..] = &self.heaters;
+        let is_warm = hotend.measured().is_some_and(|measured| measured > self.common.hotend_fan_above);
+        let is_busy = self.has_motors || self.heaters.iter().any(HeaterLoop::is_powered);
+        self.runs_on = if is_busy {
+            u32::from(self.common.fan_run_on_s) * (1000 / PERIOD_MS)
+        } else {
+            self.runs_on.saturating_sub(1)
+        };
+        let stuck = self.status.fault().fault().is_some_and(|fault| fault.cause.is_stuck_on());
+        let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: stuck };
+        for (place, fan) in self.fans.iter_mut().enumerate().take(self.port.fans()) {
+            let duty = fan.period(needs);
+            self.port.blow(place, duty);
+            self.status.heat().set_fan(place, duty);
+        }
+    }
+
+    /// The role of a fan, for those who command it.
+    pub fn fan_role(&self, fan: usize) -> Option<FanRole> {
+        self.fans.get(fan).map(|fan| fan.settings().role)
+    }
+
+    /// The part fan's duty, of 1.
+    pub fn part_fan(&self) -> Ratio {
+        share(self.status.heat().fan(0))
+    }
+}

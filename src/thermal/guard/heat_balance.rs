@@ -1,0 +1,85 @@
+//! Heat that went in must be found again: in a thing that is warmer, or in what it loses because it is warm.
+//!
+//! A fixed rate (2 C in 20 s) is too strict for a bed that is warm already and too lax for a hotend. The balance holds at
+//! every temperature: what the thing took up and lost by its model, as a part of what the heater gave.
+
+use super::{Alarm, periods};
+use crate::fault::Cause;
+use crate::settings::{HeaterModel, HeaterSettings};
+use crate::thermal::fixed_point::{Power, RATE, saturated, times};
+use crate::thermal::observer::ROOM;
+use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds};
+use fixed::types::I8F24;
+
+/// A balance is struck over this many lags, so that heat on its way is a small part of it, ...
+const LAGS: u32 = 6;
+
+/// ... and over no less than this: the time after which Klipper and Marlin look at a hotend, in s.
+const LEAST_S: u32 = 20;
+
+/// A balance counts if the heat that was given would warm the thing by so much: less is noise.
+const LEAST_RISE: Celsius = Celsius::const_from_int(6);
+
+/// The guard that strikes the balance.
+#[derive(Clone, Copy, Debug)]
+pub struct HeatBalance {
+    /// The part that has to be found.
+    least: Ratio,
+    capacity: JoulesPerKelvin,
+    loss: I8F24,
+    fan_loss: I8F24,
+    /// Control periods of a balance.
+    length: u32,
+    begun_at: Celsius,
+    left: u32,
+    /// Heat given and heat lost in this balance, in J times 50, with 20 fractional bits.
+    given: i64,
+    lost: i64,
+}
+
+impl HeatBalance {
+    /// The guard of a heater.
+    #[must_use]
+    pub fn new(settings: &HeaterSettings) -> Self {
+        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = settings.model;
+        let lags = (heater_lag.saturating_add(sensor_lag).to_bits() >> (Seconds::FRAC_NBITS - 8)).saturating_mul(LAGS);
+        let length = periods(LEAST_S).max((lags * RATE.unsigned_abs()) >> 8);
+        let [loss, fan_loss] = [loss, fan_loss].map(|loss| I8F24::from_bits(saturated(loss.to_bits().into())));
+        let (begun_at, left, given, lost) = (Celsius::ZERO, 0, 0, 0);
+        Self { least: settings.guards.heating, capacity, loss, fan_loss, length, begun_at, left, given, lost }
+    }
+
+    /// Looks at a control period: the power that was given, the part fan, the filament in W/K.
+    pub fn look(&mut self, measured: Celsius, power: Power, fan: Ratio, filament: I8F24) -> Option<Alarm> {
+        if self.left == 0 {
+            (self.begun_at, self.left, self.given, self.lost) = (measured, self.length, 0, 0);
+        }
+        let fan = I8F24::from_bits(saturated(
+            (i64::from(self.fan_loss.to_bits()) * i64::from(fan.to_bits())) >> Ratio::FRAC_NBITS,
+        ));
+        let leaving = self.loss.saturating_add(fan).saturating_add(filament);
+        let lost = times(measured.saturating_sub(ROOM), leaving).max(Power::ZERO);
+        self.given += i64::from(power.to_bits());
+        self.lost += i64::from(lost.to_bits());
+        self.left -= 1;
+        if self.left == 0 { self.strike(measured) } else { None }
+    }
+
+    fn strike(&self, measured: Celsius) -> Option<Alarm> {
+        let rise = measured.saturating_sub(self.begun_at);
+        // J times 50 with 20 fractional bits, as the others.
+        let heat = |rise: Celsius| {
+            (i64::from(rise.to_bits()) * i64::from(RATE)).saturating_mul(self.capacity.to_bits().into())
+                >> JoulesPerKelvin::FRAC_NBITS
+        };
+        let wanted = (self.given >> 16).saturating_mul(self.least.to_bits().into());
+        let found = heat(rise).saturating_add(self.lost);
+        if self.given < heat(LEAST_RISE) || found >= wanted {
+            return None;
+        }
+        // What is missing, in degrees.
+        let missing = wanted.saturating_sub(found) / heat(Celsius::ONE).max(1);
+        let limit = rise.saturating_add(Celsius::saturating_from_num(missing));
+        Some(Alarm { cause: Cause::HeatsTooSlowly, value: rise, limit })
+    }
+}

@@ -1,0 +1,49 @@
+//! Guards: each looks for one way in which a heater can go wrong, and none can be switched off.
+//!
+//! | guard | finds | when |
+//! |---|---|---|
+//! | [`Window`] | readings that no working machine has | always |
+//! | [`HeatBalance`] | a heater or sensor that is loose, open, or too weak | while it heats |
+//! | [`AtTarget`] | a temperature that was reached and is lost, or overshot without power | with a target |
+//! | [`WhileOff`] | a switch that does not switch off | without power |
+//! | [`Frozen`] | a reading that stands still | power has changed |
+//! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
+//! | [`Reference`] | a converter whose reference, or whose order of channels, is wrong | always |
+//!
+//! A guard is fed once in a control period and answers with a cause and two numbers, or with nothing. Guards do not look at
+//! the controller or its observer: what one of them has wrong must not make a guard blind.
+
+mod at_target;
+mod frozen;
+mod heat_balance;
+mod reference;
+mod swapped;
+mod while_off;
+mod window;
+
+pub use at_target::AtTarget;
+pub use frozen::Frozen;
+pub use heat_balance::HeatBalance;
+pub use reference::Reference;
+pub use swapped::Swapped;
+pub use while_off::WhileOff;
+pub use window::{LEAST, Window};
+
+use crate::fault::Cause;
+use crate::units::Celsius;
+
+/// What a guard has found: the cause, what is, and what may be.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Alarm {
+    /// Why.
+    pub cause: Cause,
+    /// What is.
+    pub value: Celsius,
+    /// What may be.
+    pub limit: Celsius,
+}
+
+/// Control periods of so many seconds.
+const fn periods(seconds: u32) -> u32 {
+    seconds * super::fixed_point::RATE.unsigned_abs()
+}

@@ -1,0 +1,240 @@
+//! One heater: its sensor, its controller, its guards.
+
+use super::fixed_point::{Power, duty, saturated, share};
+use super::guard::{Alarm, AtTarget, Frozen, HeatBalance, WhileOff, Window};
+use super::observer::{Coefficients, Observer, Past};
+use super::pid::Pid;
+use super::predictive::{self, Ahead};
+use super::sensor::{Contact, Curve, Filter};
+use super::switching::Switching;
+use super::tune::Tune;
+use crate::fault::Cause;
+use crate::settings::{Control, HeaterSettings};
+use crate::units::{Celsius, Ratio};
+use fixed::types::I8F24;
+
+/// What a control period brings, beside the sensor's sample.
+#[derive(Clone, Copy, Debug)]
+pub struct Circumstances {
+    /// The part fan's duty, of 1.
+    pub fan: Ratio,
+    /// Heat that the filament takes away for each K, in W/K.
+    pub filament: I8F24,
+    /// What the look-ahead knows of the filament.
+    pub ahead: Ahead,
+}
+
+/// One heater.
+pub struct HeaterLoop {
+    settings: HeaterSettings,
+    curve: Curve,
+    filter: Filter,
+    /// Since there is a reading.
+    observer: Option<Observer>,
+    pid: Pid,
+    switching: Switching,
+    guards: HeaterGuards,
+    target: Celsius,
+    measured: Option<Celsius>,
+    /// What was put out in the last period, of 65,535, and whether it could have been more and less.
+    given: u16,
+    is_free: bool,
+    /// What was asked of the output, without switching.
+    wanted: u16,
+    tune: Option<Tune>,
+}
+
+/// The guards of one heater.
+struct HeaterGuards {
+    window: Window,
+    balance: HeatBalance,
+    at_target: AtTarget,
+    while_off: WhileOff,
+    frozen: Frozen,
+}
+
+impl HeaterGuards {
+    fn new(settings: &HeaterSettings) -> Self {
+        Self {
+            window: Window::new(settings.too_hot()),
+            balance: HeatBalance::new(settings),
+            at_target: AtTarget::new(settings.guards),
+            while_off: WhileOff::new(settings),
+            frozen: Frozen::new(),
+        }
+    }
+}
+
+impl HeaterLoop {
+    /// A heater that is off.
+    #[must_use]
+    pub fn new(settings: HeaterSettings) -> Self {
+        Self {
+            settings,
+            curve: Curve::new(settings.thermistor),
+            filter: Filter::new(),
+            observer: None,
+            pid: Pid::new(settings.pid),
+            switching: Switching::new(settings.period_ms),
+            guards: HeaterGuards::new(&settings),
+            target: Celsius::ZERO,
+            measured: None,
+            given: 0,
+            is_free: true,
+            wanted: 0,
+            tune: None,
+        }
+    }
+
+    /// Takes other settings. A heater that hangs elsewhere, or has another sensor, goes off.
+    pub fn configure(&mut self, settings: HeaterSettings) {
+        let before = core::mem::replace(&mut self.settings, settings);
+        let place = |s: &HeaterSettings| (s.is_fitted, s.output, s.sensor, s.thermistor);
+        if place(&before) != place(&settings) {
+            *self = Self::new(settings);
+            return;
+        }
+        self.set_target(self.target);
+        if before.pid != settings.pid {
+            self.pid = Pid::new(settings.pid);
+        }
+        if before.period_ms != settings.period_ms {
+            self.switching = Switching::new(settings.period_ms);
+        }
+        if before != settings {
+            self.observer = None;
+            self.guards = HeaterGuards::new(&settings);
+        }
+    }
+
+    /// Its settings.
+    pub const fn settings(&self) -> &HeaterSettings {
+        &self.settings
+    }
+
+    /// What it is to be kept at; 0 or less is off.
+    pub fn set_target(&mut self, target: Celsius) {
+        let target = target.clamp(Celsius::ZERO, self.settings.most);
+        if target == Celsius::ZERO {
+            self.pid.rest();
+            self.tune = None;
+        }
+        self.target = target;
+    }
+
+    /// The target; 0 is off.
+    pub const fn target(&self) -> Celsius {
+        self.target
+    }
+
+    /// The temperature, if there was a good reading yet.
+    pub const fn measured(&self) -> Option<Celsius> {
+        self.measured
+    }
+
+    /// The duty that was put out last, of 65,535; that of a relay averaged.
+    pub const fn duty(&self) -> u16 {
+        self.wanted
+    }
+
+    /// Whether it was given power in the last period.
+    pub const fn is_powered(&self) -> bool {
+        self.wanted > 0
+    }
+
+    /// Begins to find out how it behaves.
+    pub fn tune(&mut self, target: Celsius, cycles: u8) {
+        self.set_target(target);
+        let tune = self.measured.filter(|_| self.target > Celsius::ZERO);
+        self.tune = tune.map(|measured| Tune::new(&self.settings, self.target, cycles, measured));
+    }
+
+    /// The tuning that goes on.
+    pub const fn tuning(&mut self) -> &mut Option<Tune> {
+        &mut self.tune
+    }
+
+    /// One control period.
+    ///
+    /// # Errors
+    /// What a guard has found; the heater is to go off.
+    pub fn period(&mut self, sample: Option<u16>, now: &Circumstances) -> Result<u16, Alarm> {
+        let contact = self.filter.take(self.curve.read(sample));
+        let good = match contact {
+            Contact::Good(measured) => Some(measured),
+            Contact::Doubtful => None,
+            Contact::Broken(cause) => return Err(alarm(cause, self.measured)),
+        };
+        let power = self.power_at(self.given);
+        let past = Past { power, is_free: self.is_free, fan: now.fan, filament: now.filament, measured: good };
+        match (&mut self.observer, good) {
+            (Some(observer), _) => observer.follow(&past),
+            (none, Some(measured)) => *none = Some(Observer::new(Coefficients::new(&self.settings), measured)),
+            (None, None) => {}
+        }
+        let Some(measured) = good else {
+            // Nobody heats more because of what cannot be believed.
+            let wanted = self.wanted;
+            return Ok(self.put_out(wanted));
+        };
+        self.measured = Some(measured);
+        self.watch(measured, power, now)?;
+        let wanted = self.decide(measured, now.ahead);
+        Ok(self.put_out(wanted))
+    }
+
+    fn watch(&mut self, measured: Celsius, power: Power, now: &Circumstances) -> Result<(), Alarm> {
+        let is_powered = self.given > 0 || self.wanted > 0;
+        let guards = &mut self.guards;
+        let mut found = guards.window.look(measured);
+        found = found.or_else(|| guards.frozen.look(measured, self.wanted));
+        found = found.or_else(|| guards.balance.look(measured, power, now.fan, now.filament));
+        found = found.or_else(|| guards.while_off.look(measured, is_powered));
+        if self.target > Celsius::ZERO && self.tune.is_none() {
+            found = found.or_else(|| guards.at_target.look(self.target, measured, is_powered));
+        }
+        found.map_or(Ok(()), Err)
+    }
+
+    /// The duty for the next period.
+    fn decide(&mut self, measured: Celsius, ahead: Ahead) -> u16 {
+        let most = (u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535 >> 16) as u16;
+        if self.target == Celsius::ZERO {
+            self.is_free = true;
+            return 0;
+        }
+        if let Some(tune) = &mut self.tune {
+            let wanted = tune.duty(measured, most);
+            self.is_free = false;
+            return wanted;
+        }
+        let wanted = match (self.settings.control, &self.observer) {
+            (Control::Model, Some(observer)) => {
+                duty(predictive::power(observer, self.target, ahead), self.power_at(u16::MAX)).min(most)
+            }
+            _ => self.pid.duty(self.target, measured, most),
+        };
+        self.is_free = wanted > 0 && wanted < most;
+        wanted
+    }
+
+    fn put_out(&mut self, wanted: u16) -> u16 {
+        self.wanted = wanted;
+        self.given = self.switching.next(wanted);
+        self.given
+    }
+
+    /// The power at a duty.
+    fn power_at(&self, duty: u16) -> Power {
+        let watts = i64::from(self.settings.power.to_bits()) * i64::from(share(duty).to_bits());
+        Power::from_bits(saturated(watts >> 12))
+    }
+}
+
+const fn alarm(cause: Cause, measured: Option<Celsius>) -> Alarm {
+    let value = match measured {
+        Some(measured) => measured,
+        None => Celsius::ZERO,
+    };
+    Alarm { cause, value, limit: Celsius::ZERO }
+}

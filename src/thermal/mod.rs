@@ -1,0 +1,41 @@
+//! Heat: sensors, heaters, fans, and the guards that watch them.
+//!
+//! ```text
+//!   Console ── Order ──▶ ThermalControl ── duties ──▶ heaters, fans
+//!      ▲                  │  ▲
+//!      │                  │  └── samples ── converter
+//!      └── status::Heat ◀─┤
+//!                         └── guards ──▶ fault::Latch ──▶ all heaters off, power supply off if a switch sticks
+//! ```
+//!
+//! [`ThermalControl`] runs once in a control period of 20 ms, in a context of its own between the step interrupts and the
+//! Console, so no command delays it. Everything is in fixed point; nothing in it can be no number.
+//!
+//! | word | means |
+//! |---|---|
+//! | period | control period, 20 ms |
+//! | element, block, sensor | the three masses of a heater's model |
+//! | lag | time constant between two of them |
+//! | drift | power that comes or goes beside the heater's, as the observer has learned |
+//! | gain | by how much the heater is stronger than its model says |
+//! | excess | by how much a block will be too hot with the heat that is on its way to it |
+//! | doubtful | a reading that cannot be |
+
+mod control;
+mod fans;
+mod fixed_point;
+pub mod guard;
+mod hearts;
+mod heater;
+mod observer;
+mod order;
+mod pid;
+mod predictive;
+mod scrub;
+pub mod sensor;
+mod switching;
+mod tune;
+
+pub use control::ThermalControl;
+pub use fixed_point::PERIOD_MS;
+pub use order::{Common, Order, OrderQueue, Orders, OrdersIn};

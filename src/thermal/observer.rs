@@ -1,0 +1,190 @@
+//! The observer: what a heater's model knows that its sensor does not show yet.
+//!
+//! ```text
+//!   power ──▶ element ──▶ block ──▶ sensor
+//!             heater_lag    │       sensor_lag
+//!                           └──▶ room, part fan, filament
+//! ```
+//!
+//! The model runs beside the heater with the same power. Where the sensor says something else, block and sensor of the model
+//! are moved, and what the model lacks is learned: a power that comes or goes beside the heater's (`drift`), or, as long as
+//! the heater is at full power, by how much its power is stronger than it should be (`gain`): a weak supply, a worn
+//! cartridge, a block that is heavier. A Luenberger observer with all three poles at the same place (K. Astrom and
+//! R. Murray, Feedback Systems, section 8.2).
+
+use super::fixed_point::{Power, RATE, saturated, times};
+use crate::settings::{HeaterModel, HeaterSettings};
+use crate::units::{Celsius, Ratio};
+use fixed::types::{I2F30, I8F24, I12F20};
+
+/// The room's temperature that the model assumes; a warmer or colder room is a drift.
+pub const ROOM: Celsius = Celsius::const_from_int(25);
+
+/// Limits of what the gain may be: 18 V at a supply of 24 V are 0.56, 26 V 1.17, a block may be a third lighter or heavier.
+const GAIN: [I8F24; 2] = [I8F24::lit("0.4"), I8F24::lit("1.8")];
+
+/// The time constants below which the observer of a period of 20 ms makes no sense, in 1/16 s.
+const SHORTEST_LAG: i64 = 2;
+
+/// What happened in a control period.
+#[derive(Clone, Copy, Debug)]
+pub struct Past {
+    /// The heater's power.
+    pub power: Power,
+    /// Whether the heater could have taken more, and less, power.
+    pub is_free: bool,
+    /// The part fan's duty, of 1.
+    pub fan: Ratio,
+    /// Heat that the filament takes away for each K, in W/K.
+    pub filament: I8F24,
+    /// What the sensor says, if that can be believed.
+    pub measured: Option<Celsius>,
+}
+
+/// The model's numbers, ready for a control period.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Coefficients {
+    /// K a period for each W.
+    warming: I2F30,
+    /// Parts a period by which the block's heat follows the power, and the sensor the block.
+    element: I2F30,
+    sensor: I2F30,
+    /// W/K.
+    loss: I8F24,
+    fan_loss: I8F24,
+    /// s.
+    heater_lag: I12F20,
+    /// W for each K that is missing: the heat is made up for within `heater_lag`.
+    pub grip: I12F20,
+    /// How far the sensor's, the block's and the drift's values move for each K of innovation.
+    sensor_step: I2F30,
+    block_step: I2F30,
+    drift_step: I12F20,
+    /// The same for the gain, in parts a K.
+    gain_step: I2F30,
+}
+
+impl Coefficients {
+    /// The numbers of a heater.
+    #[must_use]
+    pub fn new(settings: &HeaterSettings) -> Self {
+        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = settings.model;
+        // Lags in s with 24 fractional bits, the capacity in J/K with 16.
+        let [heater_lag, sensor_lag] =
+            [heater_lag, sensor_lag].map(|lag| i64::from(lag.to_bits()).max(SHORTEST_LAG << 20));
+        let capacity = i64::from(capacity.to_bits()).max(1 << 14);
+        let rate = i64::from(RATE);
+        // Where the poles are, in rad/s with 24 fractional bits: one over the mean of the lags.
+        let pole = (1 << 49) / (heater_lag + sensor_lag);
+        let pole2 = (pole * pole) >> 24;
+        let pole3 = (pole2 * pole) >> 24;
+        let per_period = |value: i64| I2F30::from_bits(saturated((value << 6) / rate));
+        // What the drift learns in a period, in W for each K: C w^3 tau_s.
+        let drift_step = capacity.saturating_mul((pole3 * sensor_lag) >> 24) / rate >> 20;
+        let most = i64::from(settings.power.to_bits()).max(1 << 16);
+        Self {
+            warming: I2F30::from_bits(saturated((1 << 46) / (rate * capacity))),
+            element: per_period((1 << 48) / heater_lag),
+            sensor: per_period((1 << 48) / sensor_lag),
+            loss: I8F24::from_bits(saturated(loss.to_bits().into())),
+            fan_loss: I8F24::from_bits(saturated(fan_loss.to_bits().into())),
+            heater_lag: I12F20::from_bits(saturated(heater_lag >> 4)),
+            grip: I12F20::from_bits(saturated((capacity << 28) / heater_lag)),
+            sensor_step: per_period((3 * pole - (1 << 48) / sensor_lag).max(0)),
+            block_step: per_period(3 * ((pole2 * sensor_lag) >> 24)),
+            drift_step: I12F20::from_bits(saturated(drift_step)),
+            gain_step: I2F30::from_bits(saturated((drift_step << 26) / most)),
+        }
+    }
+}
+
+/// A heater's model beside the heater.
+#[derive(Clone, Copy, Debug)]
+pub struct Observer {
+    numbers: Coefficients,
+    /// Power that reaches the block.
+    arriving: Power,
+    block: Celsius,
+    sensor: Celsius,
+    drift: Power,
+    gain: I8F24,
+    /// Heat that leaves the block for the room and for the part fan's air, for each K, in W/K.
+    to_room: I8F24,
+    /// Heat that leaves it with the filament, in W/K.
+    to_filament: I8F24,
+}
+
+impl Observer {
+    /// A heater that stands at `measured`, without power.
+    #[must_use]
+    pub const fn new(numbers: Coefficients, measured: Celsius) -> Self {
+        let (arriving, drift) = (Power::ZERO, Power::ZERO);
+        let (gain, to_room, to_filament) = (I8F24::const_from_int(1), numbers.loss, I8F24::ZERO);
+        Self { numbers, arriving, block: measured, sensor: measured, drift, gain, to_room, to_filament }
+    }
+
+    /// Takes in what happened in a control period.
+    pub fn follow(&mut self, past: &Past) {
+        let n = self.numbers;
+        self.to_room = n.loss.saturating_add(times_ratio(n.fan_loss, past.fan));
+        self.to_filament = past.filament;
+        self.arriving = self.arriving.saturating_add(times(past.power.saturating_sub(self.arriving), n.element));
+        let net = self.heat().saturating_sub(self.losses(self.block, self.to_filament));
+        let sensor_rise = times(self.block.saturating_sub(self.sensor), n.sensor);
+        self.block = self.block.saturating_add(times(net, n.warming));
+        self.sensor = self.sensor.saturating_add(sensor_rise);
+        let Some(measured) = past.measured else { return };
+        let innovation = measured.saturating_sub(self.sensor);
+        self.sensor = self.sensor.saturating_add(times(innovation, n.sensor_step));
+        self.block = self.block.saturating_add(times(innovation, n.block_step));
+        if past.is_free {
+            self.drift = self.drift.saturating_add(times(innovation, n.drift_step));
+        } else if past.power > Power::ZERO {
+            let step = I8F24::saturating_from_num(innovation.wide_mul(n.gain_step));
+            self.gain = self.gain.saturating_add(step).clamp(GAIN[0], GAIN[1]);
+        }
+    }
+
+    /// Heat that reaches the block.
+    fn heat(&self) -> Power {
+        times(self.arriving, self.gain).saturating_add(self.drift)
+    }
+
+    /// Heat that leaves a block of this temperature, if filament takes so much for each K.
+    fn losses(&self, block: Celsius, filament: I8F24) -> Power {
+        times(block.saturating_sub(ROOM), self.to_room.saturating_add(filament))
+    }
+
+    /// By how much the block will be too hot, in K, if the heater gives from now on what holds `target`: what it is already
+    /// and what is still on its way, less the heat that filament will take beside what it takes now. `coming` is the heat for
+    /// each K that filament takes within the heater's lag, in J/K.
+    #[must_use]
+    pub fn excess(&self, target: Celsius, coming: I8F24) -> Celsius {
+        let n = self.numbers;
+        let surplus = self.heat().saturating_sub(self.losses(self.block, I8F24::ZERO));
+        let promised = times(target.saturating_sub(ROOM), coming);
+        let on_its_way = times(n.heater_lag, surplus).saturating_sub(promised);
+        // J times K a period for each W, times periods a second: K.
+        let on_its_way = times(on_its_way, n.warming).saturating_mul_int(RATE);
+        self.block.saturating_sub(target).saturating_add(on_its_way)
+    }
+
+    /// The heater's power that holds `target`, if filament takes so much heat for each K, and `extra` beside.
+    #[must_use]
+    pub fn power(&self, target: Celsius, filament: I8F24, extra: Power) -> Power {
+        let wanted = self.losses(target, filament).saturating_sub(self.drift).saturating_add(extra);
+        let wanted = i64::from(wanted.to_bits()) << I8F24::FRAC_NBITS;
+        Power::from_bits(saturated(wanted / i64::from(self.gain.to_bits().max(1))))
+    }
+
+    /// The heater's numbers.
+    #[must_use]
+    pub const fn numbers(&self) -> &Coefficients {
+        &self.numbers
+    }
+}
+
+fn times_ratio(value: I8F24, ratio: Ratio) -> I8F24 {
+    let product = i64::from(value.to_bits()) * i64::from(ratio.to_bits());
+    I8F24::from_bits(saturated(product >> Ratio::FRAC_NBITS))
+}

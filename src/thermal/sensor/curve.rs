@@ -1,0 +1,220 @@
+//! Curves: from what the converter reads to degrees.
+//!
+//! The sensor hangs between ground and the converter, with a resistor of 4.7 kOhm to the converter's own reference. So the
+//! reading is R / (R + 4700), whatever the voltage is.
+
+use super::logarithm::{FRACTION, log2, natural};
+use crate::settings::Thermistor;
+use crate::units::Celsius;
+
+/// The resistor to the reference, in Ohm: that of the Octopus and of most boards (BTT's schematic, R at TH0).
+const PULL_UP: u32 = 4700;
+
+/// What a sensor says.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reading {
+    /// A temperature.
+    Celsius(Celsius),
+    /// Nothing is connected, or a wire is broken.
+    Open,
+    /// The wires touch.
+    Short,
+    /// The converter says nothing.
+    Silent,
+}
+
+/// Degrees of a reading, for one kind of sensor.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Curve {
+    /// An NTC, by the law of Steinhart and Hart: 1/T = a + b ln R + c (ln R)^3, T in K and R in Ohm.
+    SteinhartHart {
+        /// With 40 fractional bits.
+        a: i64,
+        /// With 40 fractional bits.
+        b: i64,
+        /// With 48 fractional bits.
+        c: i64,
+    },
+    /// A platinum resistor of 1 kOhm (IEC 60751).
+    Platinum,
+}
+
+/// 0 C in K, as [`Celsius`].
+const ZERO_C: i64 = (273.15 * (1u64 << Celsius::FRAC_NBITS) as f64) as i64;
+
+/// 1/298.15 K, 25 C, with 40 fractional bits.
+const AT_25: i64 = (((1u64 << 40) as f64) / 298.15) as i64;
+
+/// No NTC has less (Vishay's catalogue begins at 2800 K), and with it all products stay within 64 bits.
+const LEAST_BETA: u16 = 1000;
+
+/// Coefficients of IEC 60751: R / R0 = 1 + A t + B t^2, above 0 C; below, it is off by 0.02 K at -20 C.
+const A: f64 = 3.9083e-3;
+const B: f64 = -5.775e-7;
+
+impl Curve {
+    /// The curve of a sensor.
+    #[must_use]
+    pub const fn new(thermistor: Thermistor) -> Self {
+        match thermistor {
+            // From three points of the data sheets each, as tests/ have them.
+            Thermistor::Semitec104Gt2 => {
+                const { steinhart_hart(8.096_510_542_751_242e-4, 2.116_360_307_356_851_7e-4, 7.074_208_839_939_73e-8) }
+            }
+            Thermistor::Semitec104Nt4 => {
+                const { steinhart_hart(7.958_246_125_479_903e-4, 2.136_086_635_635_552_8e-4, 6.483_002_617_420_579e-8) }
+            }
+            Thermistor::Generic3950 => {
+                const { steinhart_hart(7.934_721_511_480_472e-4, 2.007_632_502_866_657_3e-4, 1.632_834_118_179_309e-7) }
+            }
+            Thermistor::Slice450 => {
+                const { steinhart_hart(3.055_357_455_469_193_5e-4, 2.117_133_769_438_310_3e-4, 1.196_220_364_975_846_4e-7) }
+            }
+            Thermistor::Pt1000 => Self::Platinum,
+            Thermistor::Beta { ohms, beta } => {
+                let b = (1 << 40) / if beta < LEAST_BETA { LEAST_BETA as i64 } else { beta as i64 };
+                let at_25 = natural(log2(if ohms == 0 { 1 } else { ohms }));
+                Self::SteinhartHart { a: AT_25 - ((b * at_25) >> FRACTION), b, c: 0 }
+            }
+        }
+    }
+
+    /// What a reading says, which is in units of 1/65,536 of the reference.
+    #[must_use]
+    pub fn read(&self, sample: Option<u16>) -> Reading {
+        let Some(sample) = sample else { return Reading::Silent };
+        let (short, open) = match self {
+            // 18 Ohm, which no NTC of 100 kOhm has below 450 C, and 2.3 MOhm, which it has at -38 C.
+            Self::SteinhartHart { .. } => (250, 65_400),
+            // 750 Ohm, -63 C, and 3.9 kOhm, 900 C.
+            Self::Platinum => (9_000, 29_800),
+        };
+        if sample < short {
+            return Reading::Short;
+        }
+        if sample > open {
+            return Reading::Open;
+        }
+        Reading::Celsius(match *self {
+            Self::SteinhartHart { a, b, c } => of_steinhart_hart(sample, a, b, c),
+            Self::Platinum => of_platinum(sample),
+        })
+    }
+}
+
+const fn steinhart_hart(a: f64, b: f64, c: f64) -> Curve {
+    let scale = (1u64 << 40) as f64;
+    Curve::SteinhartHart { a: (a * scale) as i64, b: (b * scale) as i64, c: (c * scale * 256.0) as i64 }
+}
+
+/// `sample` is neither 0 nor 65,535.
+fn of_steinhart_hart(sample: u16, a: i64, b: i64, c: i64) -> Celsius {
+    let sample = u32::from(sample);
+    // All bits of the quotient that fit: the sample alone would have 11 of them at 280 C.
+    let shift = sample.leading_zeros();
+    let quotient = (sample << shift) / ((1 << 16) - sample);
+    let log2_ohms = log2(quotient) - (i64::from(shift) << FRACTION) + const { log2(PULL_UP) };
+    let log = natural(log2_ohms);
+    // With 20 fractional bits.
+    let square = (log * log) >> 32;
+    let cube = (square * log) >> FRACTION;
+    let inverse = a + ((b * log) >> FRACTION) + ((c * cube) >> 28);
+    let kelvin = (1 << 60) / inverse.max(1 << 28);
+    Celsius::from_bits((kelvin - ZERO_C) as i32)
+}
+
+fn of_platinum(sample: u16) -> Celsius {
+    let sample = u64::from(sample);
+    // R / R0 with 24 fractional bits.
+    let ratio = ((sample * u64::from(PULL_UP)) << 24) / (1000 * ((1 << 16) - sample));
+    // The root of A^2 - 4 B (1 - R/R0), with 60 and then 30 fractional bits.
+    let square = const { (A * A * (1u64 << 60) as f64) as i64 };
+    let slope = const { (-4.0 * B * (1u64 << 60) as f64) as i64 };
+    let below = square + ((slope >> 12) * ((1 << 24) - ratio as i64) >> 12);
+    let root = below.max(0).cast_unsigned().isqrt() as i64;
+    let difference = const { (A * (1u64 << 30) as f64) as i64 } - root;
+    // Over 2 |B|, with 20 fractional bits.
+    let over = const { ((1u64 << 20) as f64 / (-2.0 * B * (1u64 << 20) as f64)) as i64 };
+    Celsius::from_bits((difference * over >> 10) as i32)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    fn degrees(curve: Curve, ohms: f64) -> f64 {
+        let sample = (65536.0 * ohms / (ohms + f64::from(PULL_UP))).round() as u16;
+        match curve.read(Some(sample)) {
+            Reading::Celsius(celsius) => celsius.to_num(),
+            other => panic!("{other:?} at {ohms} Ohm"),
+        }
+    }
+
+    /// Data sheets, in C and Ohm (Semitec GT-2 and NT-4 series; Keenovo's table of NTC 3950; Slice Engineering).
+    const SHEETS: [(Thermistor, [(f64, f64); 3]); 4] = [
+        (Thermistor::Semitec104Gt2, [(20.0, 126_800.0), (150.0, 1360.0), (300.0, 80.65)]),
+        (Thermistor::Semitec104Nt4, [(25.0, 100_000.0), (160.0, 1074.0), (300.0, 82.78)]),
+        (Thermistor::Generic3950, [(25.0, 100_000.0), (150.0, 1770.0), (250.0, 230.0)]),
+        (Thermistor::Slice450, [(25.0, 500_000.0), (200.0, 3734.0), (400.0, 240.0)]),
+    ];
+
+    #[test]
+    fn curves_go_through_the_points_of_the_data_sheets() {
+        for (thermistor, points) in SHEETS {
+            for (celsius, ohms) in points {
+                // A unit of the converter is 0.1 K at 300 C, and more at room temperature with 500 kOhm.
+                let found = degrees(Curve::new(thermistor), ohms);
+                assert!((found - celsius).abs() < 0.15, "{thermistor:?}: {found} at {celsius}");
+            }
+        }
+    }
+
+    #[test]
+    fn b_and_resistance_are_a_curve_too() {
+        let curve = Curve::new(Thermistor::Beta { ohms: 100_000, beta: 3950 });
+        for celsius in [0.0, 25.0, 60.0, 120.0, 200.0] {
+            let ohms = 100_000.0 * f64::exp(3950.0 * (1.0 / (celsius + 273.15) - 1.0 / 298.15));
+            let found = degrees(curve, ohms);
+            assert!((found - celsius).abs() < 0.05, "{found} at {celsius}");
+        }
+    }
+
+    #[test]
+    fn platinum_is_that_of_the_standard() {
+        for celsius in [0.0, 25.0, 100.0, 215.0, 300.0, 500.0] {
+            let ohms = 1000.0 * (1.0 + A * celsius + B * celsius * celsius);
+            let found = degrees(Curve::Platinum, ohms);
+            assert!((found - celsius).abs() < 0.05, "{found} at {celsius}");
+        }
+    }
+
+    #[test]
+    fn all_readings_have_an_answer_and_ntcs_fall() {
+        for (thermistor, _) in SHEETS {
+            let curve = Curve::new(thermistor);
+            let mut last = Celsius::MAX;
+            for sample in 0..=u16::MAX {
+                match curve.read(Some(sample)) {
+                    Reading::Celsius(celsius) => {
+                        assert!(celsius <= last, "{thermistor:?} rises at {sample}");
+                        last = celsius;
+                    }
+                    Reading::Short => assert!(sample < 250),
+                    Reading::Open => assert!(sample > 65_400),
+                    Reading::Silent => panic!("a sample is no silence"),
+                }
+            }
+        }
+        assert_eq!(Curve::Platinum.read(Some(0)), Reading::Short);
+        assert_eq!(Curve::Platinum.read(Some(u16::MAX)), Reading::Open);
+        assert_eq!(Curve::Platinum.read(None), Reading::Silent);
+        // Nonsense from a machine file has an answer too.
+        for (ohms, beta) in [(0, 0), (1, 1), (u32::MAX, u16::MAX)] {
+            let curve = Curve::new(Thermistor::Beta { ohms, beta });
+            for sample in (0..=u16::MAX).step_by(97) {
+                let _ = curve.read(Some(sample));
+            }
+        }
+    }
+}
