@@ -9,8 +9,10 @@ pub(super) struct Bed {
 }
 
 impl Bed {
-    pub(super) const fn at(celsius: f64) -> Self {
-        Self { mat: celsius, plate: celsius }
+    /// In a steady state with the plate at `celsius`.
+    pub(super) fn at(c: &BedConstants, celsius: f64, ambient: f64) -> Self {
+        let watt = c.plate_to_air_watt_per_kelvin * (celsius - ambient);
+        Self { mat: celsius + watt / c.mat_to_plate_watt_per_kelvin, plate: celsius }
     }
 
     /// One explicit Euler step.

@@ -23,8 +23,14 @@ pub(super) struct Hotend {
 }
 
 impl Hotend {
-    pub(super) const fn at(celsius: f64) -> Self {
-        Self { cartridge: celsius, block: celsius, sink: celsius }
+    /// In a steady state with the block at `celsius`, the hotend fan on and the part fan off.
+    pub(super) fn at(c: &HotendConstants, celsius: f64, ambient: f64) -> Self {
+        let above = celsius - ambient;
+        let sink_to_air = c.sink_to_air_watt_per_kelvin + c.hotend_fan_watt_per_kelvin;
+        let sink = above * c.block_to_sink_watt_per_kelvin / (c.block_to_sink_watt_per_kelvin + sink_to_air);
+        let to_air = c.block_to_air_watt_per_kelvin + c.block_to_air_rise_watt_per_kelvin_sq * above.max(0.0);
+        let watt = to_air * above + c.block_to_sink_watt_per_kelvin * (above - sink);
+        Self { cartridge: celsius + watt / c.cartridge_to_block_watt_per_kelvin, block: celsius, sink: ambient + sink }
     }
 
     /// One explicit Euler step; short against the shortest time constant, which is the cartridge's second.

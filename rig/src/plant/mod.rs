@@ -81,14 +81,19 @@ impl Plant {
     /// Everything at the room's temperature.
     #[must_use]
     pub fn new(constants: &PlantConstants) -> Self {
-        let ambient = constants.ambient_celsius;
+        Self::hot(constants, constants.ambient_celsius, constants.ambient_celsius)
+    }
+
+    /// A hotend and a bed that have long been so hot, with the hotend fan running.
+    #[must_use]
+    pub fn hot(constants: &PlantConstants, hotend_celsius: f64, bed_celsius: f64) -> Self {
         Self {
             constants: constants.clone(),
             faults: PlantFaults::none(constants),
-            hotend: Hotend::at(ambient),
-            bed: Bed::at(ambient),
-            hotend_sensor: Thermometer::at(ambient),
-            bed_sensor: Thermometer::at(ambient),
+            hotend: Hotend::at(&constants.hotend, hotend_celsius, constants.ambient_celsius),
+            bed: Bed::at(&constants.bed, bed_celsius, constants.ambient_celsius),
+            hotend_sensor: Thermometer::at(hotend_celsius),
+            bed_sensor: Thermometer::at(bed_celsius),
             channels: [0, 1, 2].map(|number| Channel::new(&constants.converter, number)),
         }
     }

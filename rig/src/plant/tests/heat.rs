@@ -57,6 +57,18 @@ fn at_rest_the_power_is_what_leaves() {
 }
 
 #[test]
+fn what_has_long_been_hot_stays_so_on_the_power_that_leaves() {
+    let mut plant = Plant::hot(&PlantConstants::prototype(), 215.0, 60.0);
+    let watt = (0.05 + 5e-5 * 190.0 + 0.0208 * 0.5 / (0.0208 + 0.5)) * 190.0;
+    let drive = Drive { hotend: watt / 40.0, bed: 3.5 * 35.0 / 500.0, ..Drive::IDLE };
+    let before = plant.hottest_celsius();
+    plant.step(&drive, 600.0);
+    assert_near(plant.hotend_celsius(), 215.0, 1e-6);
+    assert_near(plant.hottest_celsius(), before, 1e-6);
+    assert_near(plant.bed_celsius(), 60.0, 1e-6);
+}
+
+#[test]
 fn the_hotend_loses_as_much_as_others_have_measured() {
     let mut plant = prototype();
     plant.step(&Drive { hotend: 0.05, ..Drive::IDLE }, 3600.0);
@@ -136,7 +148,7 @@ fn no_time_and_no_number_change_nothing() {
     for seconds in [0.0, -1.0, f64::NAN] {
         plant.step(&heat, seconds);
     }
-    assert_eq!(plant.hottest_celsius(), 100.0);
+    assert_eq!((plant.hotend_celsius(), plant.hottest_celsius()), (100.0, hot(100.0).hottest_celsius()));
     // A duty that is no number is none, and one above 1 is 1.
     let (mut nan, mut off) = (hot(100.0), hot(100.0));
     run(&mut nan, &Drive { hotend: f64::NAN, ..Drive::IDLE }, 1);

@@ -21,13 +21,9 @@ fn run(plant: &mut Plant, drive: &Drive, seconds: u32) {
     }
 }
 
-/// The prototype with its hotend at `celsius`, and all that follows it.
+/// The prototype with its hotend at `celsius`, and its bed at the room's temperature.
 fn hot(celsius: f64) -> Plant {
-    let mut plant = prototype();
-    plant.hotend.cartridge = celsius;
-    plant.hotend.block = celsius;
-    plant.hotend_sensor = Thermometer::at(celsius);
-    plant
+    Plant::hot(&PlantConstants::prototype(), celsius, 25.0)
 }
 
 #[track_caller]
