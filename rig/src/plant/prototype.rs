@@ -1,4 +1,4 @@
-//! The prototype's figures, each with its source. Those marked [estimate] are nobody's measurement, and wait for a machine to
+//! The prototype's figures, each with its source. Those marked `[estimate]` are nobody's measurement, and wait for a machine to
 //! be measured.
 
 use super::constants::{
