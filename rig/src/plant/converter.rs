@@ -19,8 +19,8 @@ impl Channel {
         Self { noise_lsb: constants.noise_lsb, state: constants.seed.wrapping_add(number << 32) }
     }
 
-    /// A reading of `share`, 0..=1 of the reference. Steps change halfway between two codes (RM0390: the transfer curve is
-    /// shifted by half a step), so rounding is right; full scale is 16 x 4095.
+    /// A reading of `share`, 0..=1 of the reference. Steps change halfway between two codes (AN2834: the ideal first
+    /// transition is at half a step), so rounding is right; full scale is 16 x 4095.
     pub(super) fn read(&mut self, share: f64) -> u16 {
         (0..CONVERSIONS).map(|_| self.convert(share)).sum()
     }

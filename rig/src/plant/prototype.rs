@@ -1,5 +1,5 @@
-//! The prototype's figures, each with its source. Those marked `[estimate]` are nobody's measurement, and wait for a machine to
-//! be measured.
+//! The prototype's figures, each with its source. Those marked `[estimate]` are nobody's measurement, and wait for a machine
+//! to be measured.
 
 use super::constants::{
     BedConstants, ConverterConstants, HeaterConstants, HotendConstants, PlantConstants, SensorConstants,
@@ -12,7 +12,7 @@ impl PlantConstants {
     pub fn prototype() -> Self {
         Self {
             hotend: HotendConstants {
-                // Together 10.8 J/K; Marlin's default for MPC is 16.7 J/K, tuned E3D V6 blocks come out at 10..14 J/K. Some
+                // Together 10.8 J/K; Marlin's default for MPC is 16.7 J/K, users' tuned values are 10 to 14 J/K. Some
                 // 4 g of steel and magnesia (0.45 J/gK): 1.8 J/K; aluminium block and brass nozzle: 9 J/K [estimate].
                 cartridge_joule_per_kelvin: 1.8,
                 block_joule_per_kelvin: 9.0,
@@ -26,7 +26,7 @@ impl PlantConstants {
                 block_to_air_rise_watt_per_kelvin_sq: 5e-5,
                 // Marlin's defaults for MPC differ by 0.029 W/K with and without fan; a fan that blows harder [estimate].
                 part_fan_watt_per_kelvin: 0.05,
-                // A steel throat, 2.5 mm thin [estimate].
+                // A throat of steel: 16 W/(m K), 3 mm^2 of wall, 2.3 mm long [estimate].
                 block_to_sink_watt_per_kelvin: 0.0208,
                 // An E3D V6 sink without fan gets some 80 C hot [estimate].
                 sink_to_air_watt_per_kelvin: 0.05,
@@ -36,15 +36,15 @@ impl PlantConstants {
                 // (2.405 mm^2) = 2.3e-3.
                 filament_joule_per_mm3_kelvin: 0.0023,
                 heater: HeaterConstants { nominal_watt: 40.0, nominal_volts: 24.0 },
-                // Marlin's default responsiveness 0.22 1/s is 4.5 s for a loose bead; a clamped cartridge sensor [estimate].
+                // Marlin's default for MPC, 0.22 1/s, is 4.5 s; a sensor in a cartridge of its own is faster [estimate].
                 sensor: SensorConstants { thermistor: Thermistor::semitec_104gt2(), lag_seconds: 1.2 },
             },
             bed: BedConstants {
-                // A silicone mat, 1.5 mm: 170 g, 1.2 J/gK [estimate].
+                // A silicone mat of 0.8 mm and 0.172 m^2: 170 g, 1.2 J/gK [estimate].
                 mat_joule_per_kelvin: 200.0,
                 // 430 x 400 x 3.6 mm of aluminium, 2700 kg/m^3, 897 J/kgK.
                 plate_joule_per_kelvin: 1500.0,
-                // Half of 1.5 mm silicone, 0.2 W/(m K), and its glue, 0.172 m^2 [estimate].
+                // Half of it, 0.2 W/(m K), is 86 W/K; glue takes half of that [estimate].
                 mat_to_plate_watt_per_kelvin: 40.0,
                 // 0.172 m^2, both sides, some 10 W/(m^2 K) [estimate].
                 plate_to_air_watt_per_kelvin: 3.5,
@@ -53,8 +53,7 @@ impl PlantConstants {
                 sensor: SensorConstants { thermistor: Thermistor::NTC_100K_B3950, lag_seconds: 5.0 },
             },
             converter: ConverterConstants {
-                // An STM32F446's converter has some 10.5 effective bits (DS10693, ADC dynamic accuracy):
-                // 2^(12 - 10.5) / sqrt(12).
+                // 10.5 effective bits of 12, as such converters have: 2^(12 - 10.5) / sqrt(12) [estimate].
                 noise_lsb: 0.8,
                 seed: 1,
                 // BTT Octopus, schematic: 4.7 kOhm.
