@@ -1,13 +1,15 @@
 //! The rig: a machine made of numbers, for boards that have none of metal.
 //!
 //! It counts the steps of each motor, knows from them where the tool is, and presses endstops. The host
-//! simulator and the QEMU board use the same rig, so a homing move ends at the same step on both.
+//! simulator and the QEMU board use the same rig, so a homing move ends at the same step on both. Its heat is [`plant`].
 //!
 //! The switches sit at 0, at the low end of each axis, and stay pressed below it: that is where homing looks for them
 //! (`src/machine/commands/homing.rs`, and `Homing` in `src/settings/axis.rs`). An endstop at the high end would change all
 //! three.
 #![no_std]
 #![forbid(unsafe_code)]
+
+pub mod plant;
 
 use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{EndstopSet, Motor, MotorSet};

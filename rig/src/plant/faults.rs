@@ -1,0 +1,110 @@
+//! What may be broken in a plant, and when: a test writes these values at any time, and they hold from the next step or
+//! sample on. All of them may be broken at once.
+
+use super::constants::PlantConstants;
+
+/// What is wrong with a thermistor or its wires.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SensorFault {
+    /// Nothing.
+    #[default]
+    None,
+    /// A wire is off: full scale.
+    Open,
+    /// Shorted to ground: 0.
+    ShortToGround,
+    /// Shorted to 24 V; the clamp diodes hold the pin at the rail: full scale.
+    ShortToSupply,
+    /// The reading stays what it is when it is next taken.
+    Frozen,
+    /// A loose contact: open for the first `open_seconds` of each `period_seconds`.
+    Intermittent {
+        /// s.
+        period_seconds: f64,
+        /// s.
+        open_seconds: f64,
+    },
+    /// Out of its hole: it follows the room's temperature instead, with this time constant.
+    Slipped {
+        /// s.
+        lag_seconds: f64,
+    },
+    /// In its hole, but badly: this much is added to its time constant.
+    ExtraLag {
+        /// s.
+        lag_seconds: f64,
+    },
+    /// A thermistor of 10 kOhm at 25 C instead of 100 kOhm: a tenth of the resistance at any temperature.
+    TenKiloOhm,
+}
+
+/// What is wrong with a heater or the switch (MOSFET) before it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeaterFault {
+    /// The part of its power that it has: 1 is healthy, 0 is an open heater.
+    pub power: f64,
+    /// Its switch conducts whatever the duty is. Without supply (PS_ON) it is off all the same.
+    pub stuck_on: bool,
+}
+
+impl HeaterFault {
+    /// Nothing.
+    pub const NONE: Self = Self { power: 1.0, stuck_on: false };
+    /// No current flows.
+    pub const OPEN: Self = Self { power: 0.0, stuck_on: false };
+    /// The switch conducts always.
+    pub const STUCK_ON: Self = Self { power: 1.0, stuck_on: true };
+}
+
+/// Everything that a test may break, and the surroundings that it may change.
+#[derive(Clone, Debug)]
+pub struct PlantFaults {
+    /// The thermistor in the hotend's block.
+    pub hotend_sensor: SensorFault,
+    /// The thermistor at the bed's plate.
+    pub bed_sensor: SensorFault,
+    /// Each thermistor is plugged into the other's socket.
+    pub swapped_sensors: bool,
+    /// The hotend's heater (`power`), and the switch of the hotend's output (`stuck_on`).
+    pub hotend_heater: HeaterFault,
+    /// The bed's heater, and the switch of the bed's output.
+    pub bed_heater: HeaterFault,
+    /// Each heater is plugged into the other's output.
+    pub swapped_heaters: bool,
+    /// The part fan stands still.
+    pub part_fan_broken: bool,
+    /// The hotend fan stands still.
+    pub hotend_fan_broken: bool,
+    /// No more readings come.
+    pub converter_stopped: bool,
+    /// The readings are off by one place in the order bed, hotend, VREFINT: each place shows the following one's.
+    pub channels_slipped: bool,
+    /// Supply and reference of the converter, V. Thermistors hang on it too, so their readings do not change with it.
+    pub vdda_volts: f64,
+    /// Supply of the heaters while it is on, V.
+    pub supply_volts: f64,
+    /// The room's temperature, C.
+    pub ambient_celsius: f64,
+}
+
+impl PlantFaults {
+    /// Nothing broken.
+    #[must_use]
+    pub const fn none(constants: &PlantConstants) -> Self {
+        Self {
+            hotend_sensor: SensorFault::None,
+            bed_sensor: SensorFault::None,
+            swapped_sensors: false,
+            hotend_heater: HeaterFault::NONE,
+            bed_heater: HeaterFault::NONE,
+            swapped_heaters: false,
+            part_fan_broken: false,
+            hotend_fan_broken: false,
+            converter_stopped: false,
+            channels_slipped: false,
+            vdda_volts: constants.converter.vdda_volts,
+            supply_volts: constants.supply_volts,
+            ambient_celsius: constants.ambient_celsius,
+        }
+    }
+}

@@ -1,0 +1,174 @@
+//! The thermal plant: a hotend, a bed, fans and a supply made of numbers, for controllers to heat.
+//!
+//! ```text
+//! duty -> switch -> heater -> cartridge -> block -> air, filament, heatbreak
+//!        (wiring.rs)          mat -> plate -> air                                (hotend.rs, bed.rs)
+//! block, plate -> thermistor with lag -> divider -> converter with noise -> sample
+//!                 (sensor.rs, thermistor.rs)        (converter.rs, wiring.rs)
+//! ```
+//! Lumps of heat (constants.rs, prototype.rs) in f64, with the crate libm for every function that the language has not: the
+//! host, QEMU and the emulator compute the same bits. A step is cut into parts of at most 5 ms; the same steps from the same
+//! seed give the same readings. Nothing is limited: what is heated without end burns (in numbers). faults.rs is what may be
+//! broken.
+//!
+//! Cost on a Cortex-M4, whose f64 is software: some 6000 instructions a part, and 16,000 (bed) or 26,000 (hotend) a reading
+//! (QEMU, -icount).
+
+mod bed;
+mod constants;
+mod converter;
+mod faults;
+mod hotend;
+mod prototype;
+mod sensor;
+#[cfg(test)]
+mod tests;
+mod thermistor;
+mod wiring;
+
+pub use constants::{
+    BedConstants, ConverterConstants, HeaterConstants, HotendConstants, PlantConstants, SensorConstants,
+};
+pub use faults::{HeaterFault, PlantFaults, SensorFault};
+pub use thermistor::Thermistor;
+
+use bed::Bed;
+use converter::Channel;
+use corehbot::port::Sensor;
+use hotend::{Hotend, HotendLoad};
+use sensor::Thermometer;
+use wiring::{Place, unit};
+
+/// The longest part of a step, s. A two-hundredth of the shortest time constant (the cartridge's, 1 s), so that Euler's
+/// error is some ms in time.
+const LONGEST_PART: f64 = 0.005;
+
+/// The chip's internal reference, V (STM32F446, DS10693: VREFINT 1.21 V typical).
+const VREFINT_VOLTS: f64 = 1.21;
+
+/// What the board puts out during a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drive {
+    /// Duty of the hotend's heater, 0..=1.
+    pub hotend: f64,
+    /// Duty of the bed's heater, 0..=1.
+    pub bed: f64,
+    /// Speed of the part fan, 0..=1.
+    pub part_fan: f64,
+    /// Speed of the hotend fan, 0..=1.
+    pub hotend_fan: f64,
+    /// Filament that goes through the nozzle, mm^3/s; none if negative.
+    pub flow_mm3_s: f64,
+    /// PS_ON: without it neither heaters nor fans have power.
+    pub supply_on: bool,
+}
+
+impl Drive {
+    /// Powered, the hotend fan running, and nothing else.
+    pub const IDLE: Self =
+        Self { hotend: 0.0, bed: 0.0, part_fan: 0.0, hotend_fan: 1.0, flow_mm3_s: 0.0, supply_on: true };
+}
+
+/// The simulated heat of a machine.
+pub struct Plant {
+    constants: PlantConstants,
+    faults: PlantFaults,
+    hotend: Hotend,
+    bed: Bed,
+    hotend_sensor: Thermometer,
+    bed_sensor: Thermometer,
+    /// Bed, hotend, VREFINT.
+    channels: [Channel; 3],
+}
+
+impl Plant {
+    /// Everything at the room's temperature.
+    #[must_use]
+    pub fn new(constants: &PlantConstants) -> Self {
+        Self::hot(constants, constants.ambient_celsius, constants.ambient_celsius)
+    }
+
+    /// A hotend and a bed that have long been so hot, with the hotend fan running.
+    #[must_use]
+    pub fn hot(constants: &PlantConstants, hotend_celsius: f64, bed_celsius: f64) -> Self {
+        Self {
+            constants: constants.clone(),
+            faults: PlantFaults::none(constants),
+            hotend: Hotend::at(&constants.hotend, hotend_celsius, constants.ambient_celsius),
+            bed: Bed::at(&constants.bed, bed_celsius, constants.ambient_celsius),
+            hotend_sensor: Thermometer::at(hotend_celsius),
+            bed_sensor: Thermometer::at(bed_celsius),
+            channels: [0, 1, 2].map(|number| Channel::new(&constants.converter, number)),
+        }
+    }
+
+    /// Time passes under `drive`.
+    pub fn step(&mut self, drive: &Drive, seconds: f64) {
+        if seconds.is_nan() || seconds <= 0.0 {
+            return;
+        }
+        // 1e-9: what is 5 ms but for rounding is one part.
+        let parts = libm::ceil(seconds / LONGEST_PART - 1e-9).max(1.0);
+        let part = seconds / parts;
+        let [hotend_watt, bed_watt] = self.watts(drive);
+        let ambient_celsius = self.faults.ambient_celsius;
+        let fan = |speed, broken| if broken || !drive.supply_on { 0.0 } else { unit(speed) };
+        let load = HotendLoad {
+            watt: hotend_watt,
+            flow_mm3_s: drive.flow_mm3_s,
+            part_fan: fan(drive.part_fan, self.faults.part_fan_broken),
+            hotend_fan: fan(drive.hotend_fan, self.faults.hotend_fan_broken),
+            ambient_celsius,
+        };
+        let (c, f) = (&self.constants, &self.faults);
+        for _ in 0..parts as u64 {
+            self.hotend.step(&c.hotend, &load, part);
+            self.bed.step(&c.bed, bed_watt, ambient_celsius, part);
+            self.hotend_sensor.step(&c.hotend.sensor, f.hotend_sensor, self.hotend.block, ambient_celsius, part);
+            self.bed_sensor.step(&c.bed.sensor, f.bed_sensor, self.bed.plate, ambient_celsius, part);
+        }
+    }
+
+    /// The temperature of block and nozzle, C: the truth, not what the sensor says.
+    #[must_use]
+    pub const fn hotend_celsius(&self) -> f64 {
+        self.hotend.block
+    }
+
+    /// The temperature of the plate's surface, C.
+    #[must_use]
+    pub const fn bed_celsius(&self) -> f64 {
+        self.bed.plate
+    }
+
+    /// The temperature of the heat sink above the heatbreak, C, where filament must not soften.
+    #[must_use]
+    pub const fn sink_celsius(&self) -> f64 {
+        self.hotend.sink
+    }
+
+    /// The temperature of the hottest thing there is, cartridge and mat included, C.
+    #[must_use]
+    pub fn hottest_celsius(&self) -> f64 {
+        self.hotend.cartridge.max(self.hotend.block).max(self.bed.mat).max(self.bed.plate)
+    }
+
+    /// What the converter reads at a sensor, as [`corehbot::port::ThermalPort::sample`] says it.
+    pub fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        match sensor {
+            Sensor::Bed => self.read(Place::Bed),
+            Sensor::Hotend0 => self.read(Place::Hotend),
+            Sensor::Hotend1 | Sensor::Hotend2 | Sensor::Hotend3 => None,
+        }
+    }
+
+    /// What it reads at its internal reference, in 1/65,536 of VDDA: 1.21 V / VDDA.
+    pub fn vref_sample(&mut self) -> Option<u16> {
+        self.read(Place::Vrefint)
+    }
+
+    /// What is broken, to be changed at any time.
+    pub const fn faults(&mut self) -> &mut PlantFaults {
+        &mut self.faults
+    }
+}

@@ -1,0 +1,72 @@
+//! What is plugged into what: outputs into heaters, thermistors into channels of the converter.
+//!
+//! A switch that sticks belongs to its output, and a heater's power to the heater, whichever output that is plugged into. A
+//! thermistor takes its faults along into the other's socket.
+
+use super::constants::HeaterConstants;
+use super::faults::HeaterFault;
+use super::{Drive, Plant, VREFINT_VOLTS};
+
+/// A place in the converter's sequence.
+#[derive(Clone, Copy)]
+pub(super) enum Place {
+    Bed,
+    Hotend,
+    Vrefint,
+}
+
+impl Plant {
+    /// The power of the two heaters, hotend's and bed's, W.
+    pub(super) fn watts(&self, drive: &Drive) -> [f64; 2] {
+        if !drive.supply_on {
+            return [0.0; 2];
+        }
+        let f = &self.faults;
+        let conducts = |duty, fault: HeaterFault| if fault.stuck_on { 1.0 } else { unit(duty) };
+        let mut duties = [conducts(drive.hotend, f.hotend_heater), conducts(drive.bed, f.bed_heater)];
+        if f.swapped_heaters {
+            duties.reverse();
+        }
+        let watt = |duty: f64, heater: &HeaterConstants, fault: HeaterFault| {
+            let volts = f.supply_volts / heater.nominal_volts;
+            duty * heater.nominal_watt * volts * volts * fault.power
+        };
+        let [hotend, bed] = duties;
+        [
+            watt(hotend, &self.constants.hotend.heater, f.hotend_heater),
+            watt(bed, &self.constants.bed.heater, f.bed_heater),
+        ]
+    }
+
+    /// What arrives from a place.
+    pub(super) fn read(&mut self, place: Place) -> Option<u16> {
+        let (c, f) = (&self.constants, &self.faults);
+        if f.converter_stopped {
+            return None;
+        }
+        let channel = &mut self.channels[place as usize];
+        let shown = match (place, f.channels_slipped) {
+            (place, false) => place,
+            (Place::Bed, true) => Place::Hotend,
+            (Place::Hotend, true) => Place::Vrefint,
+            (Place::Vrefint, true) => Place::Bed,
+        };
+        let of_hotend = match (shown, f.swapped_sensors) {
+            (Place::Vrefint, _) => return Some(channel.read(VREFINT_VOLTS / f.vdda_volts)),
+            (Place::Hotend, false) | (Place::Bed, true) => true,
+            (Place::Bed, false) | (Place::Hotend, true) => false,
+        };
+        let (thermometer, constants, fault) = if of_hotend {
+            (&mut self.hotend_sensor, &c.hotend.sensor, f.hotend_sensor)
+        } else {
+            (&mut self.bed_sensor, &c.bed.sensor, f.bed_sensor)
+        };
+        let fresh = channel.read(thermometer.share(constants, fault, c.converter.pull_up_ohm));
+        Some(thermometer.reading(fault, fresh))
+    }
+}
+
+/// Within 0..=1; 0 if it is no number.
+pub(super) const fn unit(value: f64) -> f64 {
+    value.max(0.0).min(1.0)
+}
