@@ -181,7 +181,7 @@ impl Heat {
         self.extruded_um.load(Relaxed)
     }
 
-    pub(crate) fn set_extruded_um(&self, um: u32) {
+    pub fn set_extruded_um(&self, um: u32) {
         self.extruded_um.store(um, Relaxed);
     }
 
@@ -190,7 +190,7 @@ impl Heat {
         [self.coming.load(Relaxed), self.then.load(Relaxed)]
     }
 
-    pub(crate) fn set_filament_ahead(&self, [coming, then]: [u32; 2]) {
+    pub fn set_filament_ahead(&self, [coming, then]: [u32; 2]) {
         self.coming.store(coming, Relaxed);
         self.then.store(then, Relaxed);
     }
@@ -200,11 +200,11 @@ impl Heat {
         [self.console_beats.load(Relaxed), self.generator_beats.load(Relaxed)]
     }
 
-    pub(crate) fn beat_of_console(&self) {
+    pub fn beat_of_console(&self) {
         self.console_beats.store(self.console_beats.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    pub(crate) fn beat_of_generator(&self) {
+    pub fn beat_of_generator(&self) {
         self.generator_beats.store(self.generator_beats.load(Relaxed).wrapping_add(1), Relaxed);
     }
 }

@@ -82,7 +82,7 @@ impl Status {
     }
 
     /// The Stepper was pended and has looked at the endstops.
-    pub(crate) fn count_look(&self) {
+    pub fn count_look(&self) {
         self.looks.store(self.looks.load(Relaxed).wrapping_add(1), Relaxed);
     }
 

@@ -3,4 +3,6 @@
 
 mod figures;
 mod peers;
+mod predictive;
+mod printer;
 mod runs;

@@ -190,7 +190,8 @@ impl Guards {
     #[must_use]
     pub const fn hotend() -> Self {
         Self {
-            heating: const { Ratio::lit("0.5") },
+            // 18 V instead of 24 give 0.56 of the power, and a model may be off by 0.7.
+            heating: const { Ratio::lit("0.35") },
             lost: Celsius::const_from_int(10),
             lost_s: 5,
             off_rise: Celsius::const_from_int(8),

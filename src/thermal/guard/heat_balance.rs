@@ -9,9 +9,9 @@ use crate::settings::{HeaterModel, HeaterSettings};
 use crate::thermal::fixed_point::{Power, RATE, saturated, times};
 use crate::thermal::observer::ROOM;
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds};
-use fixed::types::I8F24;
+use fixed::types::{I2F30, I8F24};
 
-/// A balance is struck over this many lags, so that heat on its way is a small part of it, ...
+/// A balance is struck over this many lags, so that what is on its way is a small part of it, ...
 const LAGS: u32 = 6;
 
 /// ... and over no less than this: the time after which Klipper and Marlin look at a hotend, in s.
@@ -32,7 +32,10 @@ pub struct HeatBalance {
     length: u32,
     begun_at: Celsius,
     left: u32,
-    /// Heat given and heat lost in this balance, in J times 50, with 20 fractional bits.
+    /// Parts a period by which heat arrives, and the power that arrives.
+    arrival: I2F30,
+    arriving: Power,
+    /// Heat that has arrived and heat lost in this balance, in J times 50, with 20 fractional bits.
     given: i64,
     lost: i64,
 }
@@ -44,9 +47,22 @@ impl HeatBalance {
         let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = settings.model;
         let lags = (heater_lag.saturating_add(sensor_lag).to_bits() >> (Seconds::FRAC_NBITS - 8)).saturating_mul(LAGS);
         let length = periods(LEAST_S).max((lags * RATE.unsigned_abs()) >> 8);
+        let lag = i64::from(heater_lag.saturating_add(sensor_lag).to_bits()).max(1 << 20);
+        let arrival = I2F30::from_bits(saturated((1 << 54) / (lag * i64::from(RATE))));
         let [loss, fan_loss] = [loss, fan_loss].map(|loss| I8F24::from_bits(saturated(loss.to_bits().into())));
-        let (begun_at, left, given, lost) = (Celsius::ZERO, 0, 0, 0);
-        Self { least: settings.guards.heating, capacity, loss, fan_loss, length, begun_at, left, given, lost }
+        Self {
+            least: settings.guards.heating,
+            capacity,
+            loss,
+            fan_loss,
+            length,
+            begun_at: Celsius::ZERO,
+            left: 0,
+            arrival,
+            arriving: Power::ZERO,
+            given: 0,
+            lost: 0,
+        }
     }
 
     /// Looks at a control period: the power that was given, the part fan, the filament in W/K.
@@ -59,7 +75,8 @@ impl HeatBalance {
         ));
         let leaving = self.loss.saturating_add(fan).saturating_add(filament);
         let lost = times(measured.saturating_sub(ROOM), leaving).max(Power::ZERO);
-        self.given += i64::from(power.to_bits());
+        self.arriving = self.arriving.saturating_add(times(power.saturating_sub(self.arriving), self.arrival));
+        self.given += i64::from(self.arriving.to_bits());
         self.lost += i64::from(lost.to_bits());
         self.left -= 1;
         if self.left == 0 { self.strike(measured) } else { None }

@@ -1,0 +1,213 @@
+//! A printer: the firmware's thermal control on the plant, with nothing in between but its port.
+
+use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
+use corehbot::fault::Fault;
+use corehbot::port::{Pend, ThermalPort};
+use corehbot::settings::{ThermalSettings, Thermistor};
+use corehbot::status::Status;
+use corehbot::thermal::{Order, OrderQueue, Orders, PERIOD_MS, ThermalControl};
+use corehbot::units::Celsius;
+use corehbot_rig::plant::{Drive, Plant, PlantConstants};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// A control period, s.
+pub const PERIOD: f64 = PERIOD_MS as f64 / 1000.0;
+
+/// Cross-section of filament of 1.75 mm, mm2.
+const FILAMENT: f64 = 2.405;
+
+/// What the port and the test share.
+pub struct Bench {
+    pub plant: Plant,
+    /// What was put out in the last period, of 1.
+    pub duties: [f64; OUTPUTS],
+    pub fans: [f64; FANS],
+    pub supply: bool,
+    /// How often the watchdog was fed.
+    pub fed: u32,
+}
+
+/// The firmware's port to it.
+pub struct BenchPort(Rc<RefCell<Bench>>);
+
+impl ThermalPort for BenchPort {
+    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        matches!(sensor, Sensor::Bed | Sensor::Hotend0).then(|| self.0.borrow_mut().plant.sample(sensor)).flatten()
+    }
+
+    fn reference(&mut self) -> Option<u16> {
+        self.0.borrow_mut().plant.vref_sample()
+    }
+
+    fn outputs(&self) -> OutputSet {
+        OutputSet::NONE.with(Output::Bed).with(Output::He0)
+    }
+
+    fn heat(&mut self, duties: &[u16; OUTPUTS]) {
+        self.0.borrow_mut().duties = duties.map(|duty| f64::from(duty) / 65_535.0);
+    }
+
+    fn fans(&self) -> usize {
+        FANS
+    }
+
+    fn blow(&mut self, fan: usize, duty: u16) {
+        self.0.borrow_mut().fans[fan] = f64::from(duty) / 65_535.0;
+    }
+
+    fn has_supply_switch(&self) -> bool {
+        true
+    }
+
+    fn switch_supply(&mut self, on: bool) {
+        self.0.borrow_mut().supply = on;
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.0.borrow_mut().fed += 1;
+    }
+}
+
+/// Nobody is there to be pended.
+#[derive(Clone, Copy)]
+pub struct Nobody;
+
+impl Pend for Nobody {
+    fn pend_generator(&self) {}
+    fn pend_stepper(&self) {}
+}
+
+/// A printer without motors.
+pub struct Printer {
+    pub bench: Rc<RefCell<Bench>>,
+    pub status: &'static Status,
+    pub orders: Orders<'static>,
+    control: ThermalControl<'static, BenchPort, Nobody>,
+    settings: ThermalSettings,
+    extruded: f64,
+    /// Contexts that no longer come by: Console, StepGenerator, Stepper.
+    pub silent: [bool; 3],
+    pub seconds: f64,
+}
+
+/// The settings of the plant's prototype, with hotend and bed fitted.
+pub fn settings() -> ThermalSettings {
+    let mut settings = ThermalSettings::prototype();
+    settings.heater_mut(Heater::Hotend).is_fitted = true;
+    let bed = settings.heater_mut(Heater::Bed);
+    (bed.is_fitted, bed.thermistor) = (true, Thermistor::Beta { ohms: 100_000, beta: 3950 });
+    settings
+}
+
+impl Printer {
+    /// A printer that has just been switched on, with everything at the room's temperature.
+    pub fn new(constants: &PlantConstants, settings: ThermalSettings) -> Self {
+        Self::with(Plant::new(constants), settings)
+    }
+
+    /// A printer that has just been switched on, as it is.
+    pub fn with(plant: Plant, settings: ThermalSettings) -> Self {
+        let bench = Bench { plant, duties: [0.0; OUTPUTS], fans: [0.0; FANS], supply: false, fed: 0 };
+        let bench = Rc::new(RefCell::new(bench));
+        let queue: &'static mut OrderQueue = Box::leak(Box::new(OrderQueue::new()));
+        let (orders, orders_in) = queue.split();
+        let status: &'static Status = Box::leak(Box::new(Status::new()));
+        let control = ThermalControl::new(&settings, orders_in, status, BenchPort(bench.clone()), Nobody);
+        Self { bench, status, orders, control, settings, extruded: 0.0, silent: [false; 3], seconds: 0.0 }
+    }
+
+    /// Asks for something.
+    pub fn order(&mut self, order: Order) {
+        self.orders.enqueue(order).unwrap();
+    }
+
+    /// M104, M140.
+    pub fn set(&mut self, heater: Heater, celsius: f64) {
+        self.order(Order::Target(heater, Celsius::from_num(celsius)));
+    }
+
+    /// A control period with this flow of filament, and the flow that is known to come, by s from now.
+    pub fn period_with(&mut self, flow: impl Fn(f64) -> f64) {
+        let lag = self.settings.heater(Heater::Hotend).model.heater_lag.to_num::<f64>();
+        let per_mm3 = self.settings.filament.to_num::<f64>() / FILAMENT;
+        let steps = 24;
+        let coming: f64 =
+            (0..steps).map(|n| flow(lag * (f64::from(n) + 0.5) / f64::from(steps)) * lag / f64::from(steps)).sum();
+        let bits = |value: f64| (value * f64::from(1 << 24)) as u32;
+        self.extruded += flow(0.0) * PERIOD / FILAMENT;
+        let heat = self.status.heat();
+        heat.set_extruded_um(((self.extruded * 1000.0) as i64) as u32);
+        heat.set_filament_ahead([bits(coming * per_mm3), bits(flow(lag) * per_mm3)]);
+        if !self.silent[0] {
+            heat.beat_of_console();
+        }
+        if !self.silent[1] {
+            heat.beat_of_generator();
+        }
+        if !self.silent[2] {
+            self.status.count_look();
+        }
+        self.control.period();
+        let mut bench = self.bench.borrow_mut();
+        let drive = Drive {
+            hotend: bench.duties[Output::He0 as usize],
+            bed: bench.duties[Output::Bed as usize],
+            part_fan: bench.fans[0],
+            hotend_fan: bench.fans[1],
+            flow_mm3_s: flow(0.0),
+            supply_on: bench.supply,
+        };
+        bench.plant.step(&drive, PERIOD);
+        self.seconds += PERIOD;
+    }
+
+    /// A control period without filament.
+    pub fn period(&mut self) {
+        self.period_with(|_| 0.0);
+    }
+
+    /// So many seconds without filament.
+    pub fn run(&mut self, seconds: f64) {
+        for _ in 0..(seconds / PERIOD).round() as u64 {
+            self.period();
+        }
+    }
+
+    /// Runs until `done`, for so many seconds at the most; how long it took.
+    pub fn run_until(&mut self, most: f64, done: impl Fn(&Self) -> bool) -> Option<f64> {
+        let begun = self.seconds;
+        while self.seconds - begun < most {
+            self.period();
+            if done(self) {
+                return Some(self.seconds - begun);
+            }
+        }
+        None
+    }
+
+    /// The first fault.
+    pub fn fault(&self) -> Option<Fault> {
+        self.status.fault().fault()
+    }
+
+    /// What a heater is given, of 1.
+    pub fn duty(&self, output: Output) -> f64 {
+        self.bench.borrow().duties[output as usize]
+    }
+
+    /// The block's true temperature, C.
+    pub fn hotend(&self) -> f64 {
+        self.bench.borrow().plant.hotend_celsius()
+    }
+
+    /// The plate's.
+    pub fn bed(&self) -> f64 {
+        self.bench.borrow().plant.bed_celsius()
+    }
+
+    /// What the firmware takes for a heater's temperature.
+    pub fn measured(&self, heater: Heater) -> f64 {
+        self.status.heat().measured(heater).map_or(f64::NAN, |celsius| celsius.to_num())
+    }
+}
