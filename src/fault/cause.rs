@@ -175,7 +175,7 @@ impl core::fmt::Display for Fault {
             let sign = |tenths: i64| if tenths < 0 { "-" } else { "" };
             let [a, b] = [value.unsigned_abs(), limit.unsigned_abs()];
             write!(f, " ({}{}.{} C, limit {}{}.{} C)", sign(value), a / 10, a % 10, sign(limit), b / 10, b % 10)?;
-        } else if self.value != 0 || self.limit != 0 {
+        } else if !self.cause.is_of_heater() && (self.value != 0 || self.limit != 0) {
             write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
         }
         write!(f, " [F{:02}]", self.cause as u8)

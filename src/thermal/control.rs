@@ -91,7 +91,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 Order::Target(heater, target) => self.heaters[heater as usize].set_target(target),
                 Order::Tune(heater, target, cycles) => self.heaters[heater as usize].tune(target, cycles),
                 Order::SelfTest => {}
-                Order::StopTuning => self.heaters.iter_mut().for_each(|heater| *heater.tuning() = None),
+                Order::StopTuning => self.stop_tuning(),
                 Order::Fan(fan, speed) => {
                     if let Some(fan) = self.fans.get_mut(usize::from(fan)) {
                         fan.command(speed);
@@ -120,6 +120,13 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
         if has_new_settings {
             self.settings_sum = self.sum();
+        }
+    }
+
+    fn stop_tuning(&mut self) {
+        for heater in self.heaters.iter_mut().filter_map(|heater| heater.tuning().is_some().then_some(heater)) {
+            heater.set_target(Celsius::ZERO);
+            self.status.heat().set_tuning(Tuning::None);
         }
     }
 
@@ -229,7 +236,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                     continue;
                 }
                 let (Some(a_is), Some(b_is)) = (a.measured(), b.measured()) else { continue };
-                if let Some(alarm) = guard.look(a.is_powered() && !b.is_powered(), a_is, b_is) {
+                if let Some(alarm) = guard.look(a.duty() > u16::MAX / 2 && !b.is_powered(), a_is, b_is) {
                     return Err((own, alarm));
                 }
             }

@@ -2,6 +2,7 @@
 
 use super::fixed_point::{Power, duty, saturated, share};
 use super::guard::{Alarm, AtTarget, Frozen, HeatBalance, WhileOff, Window};
+use super::lag_watch::LagWatch;
 use super::observer::{Coefficients, Observer, Past};
 use super::pid::Pid;
 use super::predictive::{self, Ahead};
@@ -31,6 +32,7 @@ pub struct HeaterLoop {
     filter: Filter,
     /// Since there is a reading.
     observer: Option<Observer>,
+    lag_watch: LagWatch,
     pid: Pid,
     switching: Switching,
     guards: HeaterGuards,
@@ -74,6 +76,7 @@ impl HeaterLoop {
             curve: Curve::new(settings.thermistor),
             filter: Filter::new(),
             observer: None,
+            lag_watch: LagWatch::new(&settings.model),
             pid: Pid::new(settings.pid),
             switching: Switching::new(settings.period_ms),
             guards: HeaterGuards::new(&settings),
@@ -103,6 +106,7 @@ impl HeaterLoop {
         }
         if before != settings {
             self.observer = None;
+            self.lag_watch = LagWatch::new(&settings.model);
             self.guards = HeaterGuards::new(&settings);
         }
     }
@@ -178,6 +182,10 @@ impl HeaterLoop {
             return Ok(self.put_out(wanted));
         };
         self.measured = Some(measured);
+        let is_full = !self.is_free && self.given > 0;
+        if let (Some(seen), Some(observer)) = (self.lag_watch.look(measured, power, is_full), &mut self.observer) {
+            observer.take_lag(&self.settings, seen, measured);
+        }
         self.watch(measured, power, now)?;
         let wanted = self.decide(measured, now.ahead);
         Ok(self.put_out(wanted))

@@ -27,6 +27,7 @@ mod fixed_point;
 pub mod guard;
 mod hearts;
 mod heater;
+mod lag_watch;
 mod observer;
 mod order;
 mod pid;

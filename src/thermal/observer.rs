@@ -13,8 +13,9 @@
 //! R. Murray, Feedback Systems, section 8.2).
 
 use super::fixed_point::{Power, RATE, saturated, times};
+use super::lag_watch::Seen;
 use crate::settings::{HeaterModel, HeaterSettings};
-use crate::units::{Celsius, Ratio};
+use crate::units::{Celsius, Ratio, Seconds};
 use fixed::types::{I2F30, I8F24, I12F20};
 
 /// The room's temperature that the model assumes; a warmer or colder room is a drift.
@@ -143,6 +144,23 @@ impl Observer {
             let step = I8F24::saturating_from_num(innovation.wide_mul(n.gain_step));
             self.gain = self.gain.saturating_add(step).clamp(GAIN[0], GAIN[1]);
         }
+    }
+
+    /// The sensor is later than the model says: it is that much behind a block that warms by this slope.
+    pub fn take_lag(&mut self, settings: &HeaterSettings, seen: Seen, measured: Celsius) {
+        let heater_lag = i64::from(settings.model.heater_lag.to_bits());
+        let lag = u32::try_from(seen.lag - heater_lag).unwrap_or(u32::MAX).max(settings.model.sensor_lag.to_bits());
+        let model = HeaterModel { sensor_lag: Seconds::from_bits(lag), ..settings.model };
+        self.numbers = Coefficients::new(&HeaterSettings { model, ..*settings });
+        let behind = (i64::from(seen.slope.to_bits()) * i64::from(lag)) >> Seconds::FRAC_NBITS;
+        self.block = measured.saturating_add(Celsius::from_bits(saturated(behind)));
+        self.sensor = measured;
+        // W for each W: what warms the block by this slope, with what it loses.
+        let warming = (i64::from(seen.slope.to_bits()) << 30)
+            / (i64::from(self.numbers.warming.to_bits()) * i64::from(RATE)).max(1);
+        let needed = Power::from_bits(saturated(warming)).saturating_add(self.losses(self.block, self.to_filament));
+        let gain = (i64::from(needed.to_bits()) << I8F24::FRAC_NBITS) / i64::from(self.arriving.to_bits()).max(1);
+        self.gain = I8F24::from_bits(saturated(gain)).clamp(GAIN[0], GAIN[1]);
     }
 
     /// Heat that reaches the block.

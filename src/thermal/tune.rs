@@ -9,10 +9,14 @@
 //!
 //! | found | from |
 //! |---|---|
-//! | lag | the sensor goes on rising after the cut by r times the lag (two lags in series are told apart by nobody: each gets half) |
+//! | lag | how far the sensor goes on rising after the cut (two lags in series are told apart by nobody: each gets half) |
 //! | loss | mean power of whole swings, over the mean temperature above the room |
 //! | capacity | heat that went in on the way up less losses, over the rise between two points of the same slope |
-//! | PID | K. Astrom and T. Hagglund's relay experiment: Ku = 4 d / (pi a); P = 0.6 Ku, I = 2 P / Tu, D = P Tu / 8 |
+//! | PID | K. Astrom and T. Hagglund's relay experiment with hysteresis h: Ku = 4 d / (pi sqrt(a^2 - h^2)); P = 0.6 Ku, I = 2 P / Tu, D = P Tu / 8 |
+//!
+//! After the cut the block falls by a slope s, its losses over its capacity, where it rose by r. A sensor behind two lags of a each
+//! then has the slope -s + (r + s) (1 + x) e^-x with x = t / a, and has risen by a (r + s) k where that is 0; k depends on
+//! s / (r + s) alone ([`RISE_AFTER_CUT`]).
 //!
 //! All guards but the one for a lost target stay on.
 
@@ -27,6 +31,13 @@ const FIRST: u8 = 1;
 
 /// Nothing swings more slowly than this, in periods: 20 minutes.
 const LONGEST: u32 = 20 * 60 * RATE.unsigned_abs();
+
+/// The relay switches so far from the target: ten times a reading's noise.
+const HYSTERESIS: Celsius = Celsius::const_from_int(1);
+
+/// k for s / (r + s) of 0/16 to 16/16, times 4096: -x s/(r+s) + 2 - (2 + x) e^-x, where (1 + x) e^-x is s/(r+s).
+const RISE_AFTER_CUT: [i64; 17] =
+    [8192, 6744, 5722, 4870, 4133, 3485, 2910, 2398, 1942, 1537, 1180, 868, 601, 376, 197, 66, 0];
 
 /// Half-way up, from where the slope counts: the parts of the way that are done, in 256ths.
 const HALF_WAY: i64 = 128;
@@ -58,8 +69,6 @@ pub struct Tune {
     cut_at: Celsius,
     /// Sum of the temperature above the room from the half of the way on, in K periods with 8 fractional bits.
     warmth: i64,
-    /// Slope at the cut, in K a period with 20 fractional bits, times 256.
-    slope: i64,
     /// Extremes of this swing.
     most: Celsius,
     least: Celsius,
@@ -72,7 +81,8 @@ pub struct Tune {
     on: u32,
     swing_warmth: i64,
     rise_periods: u32,
-    lag_periods: i64,
+    /// By how much the sensor rose after the cut, in bits.
+    after_cut: i64,
     result: Option<Tuning>,
 }
 
@@ -92,7 +102,6 @@ impl Tune {
             begun_at: measured,
             cut_at: Celsius::ZERO,
             warmth: 0,
-            slope: 0,
             most: Celsius::MIN,
             least: Celsius::MAX,
             done: 0,
@@ -103,7 +112,7 @@ impl Tune {
             on: 0,
             swing_warmth: 0,
             rise_periods: 0,
-            lag_periods: 0,
+            after_cut: 0,
             result: None,
         }
     }
@@ -144,7 +153,7 @@ impl Tune {
         if measured < self.target {
             return;
         }
-        let Some((from, since)) = self.half_way else { return };
+        let Some((_, since)) = self.half_way else { return };
         self.rise_periods = self.periods - since;
         self.cut_at = measured;
         if self.rise_periods == 0 {
@@ -152,9 +161,6 @@ impl Tune {
             self.result = Some(Tuning::Failed);
             return;
         }
-        // The slope falls on the way, as losses rise; that at its end counts. By the mean slope and the losses at both ends it is
-        // found when the losses are known; until then it is the mean.
-        self.slope = i64::from(measured.saturating_sub(from).to_bits()) * 256 / i64::from(self.rise_periods);
         (self.phase, self.is_on, self.periods, self.most) = (Phase::Peak, false, 0, measured);
     }
 
@@ -163,8 +169,7 @@ impl Tune {
         if self.most.saturating_sub(measured) < Celsius::lit("0.5") {
             return;
         }
-        let overshoot = i64::from(self.most.saturating_sub(self.cut_at).to_bits());
-        self.lag_periods = (overshoot * 256) / self.slope.max(1);
+        self.after_cut = i64::from(self.most.saturating_sub(self.cut_at).to_bits());
         (self.phase, self.periods) = (Phase::Swing, 0);
         (self.least, self.most) = (measured, measured);
     }
@@ -173,9 +178,9 @@ impl Tune {
         (self.least, self.most) = (self.least.min(measured), self.most.max(measured));
         self.on += u32::from(self.is_on);
         self.swing_warmth += above_room(measured);
-        if self.is_on && measured > self.target {
+        if self.is_on && measured > self.target.saturating_add(HYSTERESIS) {
             self.is_on = false;
-        } else if !self.is_on && measured < self.target {
+        } else if !self.is_on && measured < self.target.saturating_sub(HYSTERESIS) {
             // A swing ends where the power comes back.
             self.is_on = true;
             self.end_swing();
@@ -212,14 +217,16 @@ impl Tune {
         let given = power * i64::from(self.rise_periods) / rate;
         let lost = (loss * (self.warmth / rate)) >> 12;
         let capacity = (given.saturating_sub(lost) << 16) / rise;
-        // The slope at the end, by the losses there: (power - loss) over capacity, in K a s with 20 fractional bits.
-        let at_end = (loss * above_room(self.cut_at)) >> 12;
-        let slope = ((power - at_end).max(1) << 16) / capacity.max(1);
-        let mean_slope = (self.slope * rate / 256).max(1);
-        let lag = (self.lag_periods * (1 << 24) / rate).checked_mul(mean_slope.min(slope * 4))? / slope.max(1);
+        // Slopes after and before the cut, in K/s with 20 fractional bits: losses, and power less losses, over the capacity.
+        let losses = (loss * above_room(self.cut_at)) >> 12;
+        let [fall, rise] = [losses, power - losses].map(|watts| (watts.max(0) << 16) / capacity.max(1));
+        let both = (fall + rise).max(1);
+        let lag = (self.after_cut << 36) / (both * rise_after_cut((fall << 16) / both)).max(1) * 2;
         // PID in duty of 255: d = 127.5, so Ku = 4 * 127.5 / (pi a) = 162.34 / a.
         let amplitude = (self.sum_amplitude / swings).max(1);
-        let ku = ((162.34 * 65_536.0) as i64) * (1 << 20) / amplitude;
+        let hysteresis = i64::from(HYSTERESIS.to_bits());
+        let beyond = (amplitude * amplitude - hysteresis * hysteresis).max(hysteresis * hysteresis / 16);
+        let ku = ((162.34 * 65_536.0) as i64) * (1 << 20) / (beyond.cast_unsigned().isqrt() as i64).max(1);
         let period = self.sum_periods * 65_536 / swings / rate;
         let p = ku * 3 / 5;
         let i = (p << 17) / period.max(1);
@@ -235,6 +242,13 @@ impl Tune {
             d: bits(d)?,
         })
     }
+}
+
+/// k of the head for a part with 16 fractional bits; with 12.
+fn rise_after_cut(part: i64) -> i64 {
+    let place = part.clamp(0, 65_535);
+    let [below, above] = [0, 1].map(|more| RISE_AFTER_CUT.get((place >> 12) as usize + more).copied().unwrap_or(0));
+    below + (((above - below) * (place & 4095)) >> 12)
 }
 
 /// K above the room, with 8 fractional bits.

@@ -6,3 +6,4 @@ mod peers;
 mod predictive;
 mod printer;
 mod runs;
+mod tuning;

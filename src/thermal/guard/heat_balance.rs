@@ -91,7 +91,8 @@ impl HeatBalance {
         };
         let wanted = (self.given >> 16).saturating_mul(self.least.to_bits().into());
         let found = heat(rise).saturating_add(self.lost);
-        if self.given < heat(LEAST_RISE) || found >= wanted {
+        // On the way down, what is lost is most of it, and known no better than the model.
+        if self.given < heat(LEAST_RISE).max(self.lost / 2) || found >= wanted {
             return None;
         }
         // What is missing, in degrees.

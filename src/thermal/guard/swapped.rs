@@ -26,7 +26,7 @@ impl Swapped {
         Self { begun: None, heated: 0 }
     }
 
-    /// Looks at a control period. `heats` if this heater has power and the other one has not.
+    /// Looks at a control period. `heats` if this heater warms up, at more than half of its power, and the other one has none.
     pub fn look(&mut self, heats: bool, own: Celsius, other: Celsius) -> Option<Alarm> {
         if !heats {
             *self = Self::new();

@@ -29,6 +29,9 @@ const LOOSE: u16 = 600;
 /// need 1500 W.) A contact that opens within a sample shows a jump like that.
 const JUMP: Celsius = Celsius::const_from_int(3);
 
+/// Nor by more than this in each period of a gap: 25 K/s, six times what 60 W do to a hotend.
+const GAP: Celsius = Celsius::lit("0.5");
+
 /// The filter of one sensor.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Filter {
@@ -72,7 +75,7 @@ impl Filter {
     }
 
     fn is_near(&self, celsius: Celsius) -> bool {
-        let most = JUMP.saturating_mul_int(i32::from(self.in_a_row) + 1);
+        let most = JUMP.saturating_add(GAP.saturating_mul_int(self.in_a_row.into()));
         self.last.is_none_or(|last| last.saturating_sub(celsius).saturating_abs() <= most)
     }
 }

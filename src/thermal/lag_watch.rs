@@ -1,0 +1,106 @@
+//! The lag watch: a sensor that sits loosely follows the block much later than its model says, and a block that is stopped when the
+//! sensor shows the target would be far above it.
+//!
+//! At full power, what the heater gives rises with time, and what was found in the sensor (its own warmth and the losses by
+//! then) rises by the same slope, but later: by the lag.
+//!
+//! ```text
+//!   heat    given /    / found
+//!                /    /
+//!               /<-->/   lag = time - found / slope
+//!              /   _/
+//! ```
+
+use super::fixed_point::{Power, RATE, saturated, times};
+use super::observer::ROOM;
+use crate::settings::HeaterModel;
+use crate::units::Celsius;
+use fixed::types::{I8F24, I12F20};
+
+/// The slope is that of this time: 8 s, in periods.
+const SLOPE: u32 = 8 * RATE.unsigned_abs();
+
+/// A heating counts from the cold: a warm block's losses are no better known than its model.
+const COLD: Celsius = Celsius::const_from_int(60);
+
+/// Losses beyond this part of the power, 1/4, say more of the losses than of the lag.
+const LOSSES: i32 = 4;
+
+/// A lag that is longer than this many times the model's, and than this many seconds more, is another one.
+const TIMES: i64 = 2;
+const MORE_S: i64 = 2;
+
+/// What was seen.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Seen {
+    /// From the heater to the sensor, in s with 24 fractional bits.
+    pub lag: i64,
+    /// K/s.
+    pub slope: I12F20,
+}
+
+/// Watches a heating from the cold.
+#[derive(Clone, Copy, Debug)]
+pub struct LagWatch {
+    /// J/K with 16 fractional bits, W/K, and the model's lags in s with 24 fractional bits.
+    capacity: i64,
+    loss: I8F24,
+    lag: i64,
+    /// Temperature at the beginning, if there is one.
+    begun_at: Option<Celsius>,
+    periods: u32,
+    /// Heat lost since, in J times 50 with 20 fractional bits.
+    lost: i64,
+    /// Heat found at the beginning of the present slope, in J with 20 fractional bits, and the temperature.
+    before: (i64, Celsius),
+}
+
+impl LagWatch {
+    /// Nothing is heated yet.
+    #[must_use]
+    pub fn new(model: &HeaterModel) -> Self {
+        Self {
+            capacity: model.capacity.to_bits().into(),
+            loss: I8F24::from_bits(saturated(model.loss.to_bits().into())),
+            lag: i64::from(model.heater_lag.to_bits()) + i64::from(model.sensor_lag.to_bits()),
+            begun_at: None,
+            periods: 0,
+            lost: 0,
+            before: (0, Celsius::ZERO),
+        }
+    }
+
+    /// Looks at a control period; `is_full` if the heater is at its limit.
+    pub fn look(&mut self, measured: Celsius, power: Power, is_full: bool) -> Option<Seen> {
+        let losses = times(measured.saturating_sub(ROOM), self.loss).max(Power::ZERO);
+        let is_known = losses <= power / LOSSES;
+        if !is_full || !is_known {
+            self.begun_at = None;
+            // From the cold only, and not in the middle of a heating.
+            self.periods = if power == Power::ZERO && measured < COLD { 0 } else { u32::MAX };
+            return None;
+        }
+        if self.periods == u32::MAX {
+            return None;
+        }
+        let begun_at = *self.begun_at.get_or_insert(measured);
+        if self.periods == 0 {
+            (self.lost, self.before) = (0, (0, measured));
+        }
+        self.periods += 1;
+        self.lost += i64::from(losses.to_bits());
+        if !self.periods.is_multiple_of(SLOPE) {
+            return None;
+        }
+        let rise = i64::from(measured.saturating_sub(begun_at).to_bits());
+        let found = ((rise.saturating_mul(self.capacity)) >> 16) + self.lost / i64::from(RATE);
+        let (found_before, measured_before) = core::mem::replace(&mut self.before, (found, measured));
+        // J/s with 20 fractional bits; s with 24.
+        let slope = (found - found_before) * i64::from(RATE) / i64::from(SLOPE);
+        let time = (i64::from(self.periods) << 24) / i64::from(RATE);
+        let lag = time - (found << 16) / (slope >> 8).max(1);
+        let is_other = slope > 0 && lag > TIMES * self.lag + (MORE_S << 24);
+        let slope = measured.saturating_sub(measured_before) * RATE / SLOPE.cast_signed();
+        is_other.then_some(Seen { lag, slope })
+    }
+}

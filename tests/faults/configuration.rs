@@ -1,0 +1,60 @@
+//! Settings that are absurd (F20, F87) or change while a heater is on (F40 is in `thermal::scrub`).
+
+use crate::printer::{Printer, settings};
+use crate::{constants, is_off, printing};
+use corehbot::connectors::{Heater, Output};
+use corehbot::settings::{Control, Pid};
+use corehbot::thermal::Order;
+use corehbot::units::Ratio;
+use corehbot_rig::plant::Plant;
+
+#[test]
+fn f20_absurd_gains_heat_no_further_than_the_limit() {
+    for gain in [Ratio::ZERO, Ratio::MAX] {
+        let mut settings = settings();
+        let hotend = settings.heater_mut(Heater::Hotend);
+        (hotend.control, hotend.pid) = (Control::Pid, Pid { p: gain, i: gain, d: gain });
+        let mut printer = Printer::with(Plant::hot(&constants(), 200.0, 25.0), settings);
+        printer.set(Heater::Hotend, 215.0);
+        let mut hottest = 0.0_f64;
+        for _ in 0..10_000 {
+            printer.period();
+            assert!((0.0..=1.0).contains(&printer.duty(Output::He0)));
+            hottest = hottest.max(printer.hotend());
+        }
+        println!("gains of {gain}: {hottest:.0} C at most, {:?}", printer.fault());
+        assert!(hottest < 320.0);
+    }
+}
+
+#[test]
+fn a_heater_that_is_hung_elsewhere_goes_off() {
+    let mut printer = printing();
+    let mut moved = *settings().heater(Heater::Hotend);
+    moved.output = Output::He1;
+    printer.order(Order::Heater(Heater::Hotend, moved));
+    printer.period();
+    assert_eq!(printer.duty(Output::He0), 0.0);
+    assert_eq!(printer.status.heat().target(Heater::Hotend).to_num::<i32>(), 0);
+}
+
+#[test]
+fn other_gains_change_nothing_else() {
+    let mut printer = printing();
+    let mut tuned = *settings().heater(Heater::Hotend);
+    tuned.pid.p = Ratio::lit("30");
+    printer.order(Order::Heater(Heater::Hotend, tuned));
+    printer.run(60.0);
+    assert_eq!(printer.fault(), None);
+    assert!((printer.hotend() - 215.0).abs() < 1.0, "{}", printer.hotend());
+}
+
+#[test]
+fn an_output_that_the_board_does_not_offer_does_not_heat() {
+    let mut settings = settings();
+    settings.heater_mut(Heater::Hotend).output = Output::He2;
+    let mut printer = Printer::new(&constants(), settings);
+    printer.set(Heater::Hotend, 215.0);
+    printer.run(10.0);
+    assert!(is_off(&printer) && printer.duty(Output::He2) == 0.0);
+}

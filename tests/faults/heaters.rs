@@ -1,0 +1,137 @@
+//! Heaters that are open, weak, swapped or stuck on (F08 to F13), and fans.
+
+use crate::printer::{Printer, settings};
+use crate::{break_it, cold, constants, printing, until_off};
+use corehbot::connectors::{Heater, Output};
+use corehbot::fault::Cause;
+use corehbot::thermal::Order;
+use corehbot_rig::plant::{HeaterFault, Plant};
+
+#[test]
+fn f08_an_open_heater_is_found() {
+    for (heater, target, most) in [(Heater::Hotend, 215.0, 25.0), (Heater::Bed, 60.0, 100.0)] {
+        let mut printer = cold();
+        break_it(&printer, |faults| {
+            faults.hotend_heater = HeaterFault::OPEN;
+            faults.bed_heater = HeaterFault::OPEN;
+        });
+        printer.set(heater, target);
+        let (cause, time) = until_off(&mut printer, 200.0);
+        println!("{heater:?} open: {time:.1} s");
+        assert!(matches!(cause, Cause::HeatsTooSlowly | Cause::SensorFrozen), "{cause:?}");
+        assert!(time <= most, "{time}");
+    }
+    // One that fails during a print.
+    let mut printer = printing();
+    break_it(&printer, |faults| faults.hotend_heater = HeaterFault::OPEN);
+    let (cause, time) = until_off(&mut printer, 60.0);
+    println!("hotend opens at 215 C: {cause:?} after {time:.1} s");
+    assert!(time <= 40.0, "{time}");
+}
+
+#[test]
+fn f09_half_of_the_power_heats_and_a_quarter_is_a_fault() {
+    let mut printer = cold();
+    break_it(&printer, |faults| faults.hotend_heater.power = 0.5);
+    printer.set(Heater::Hotend, 180.0);
+    printer.run(400.0);
+    assert_eq!(printer.fault(), None);
+    assert!((printer.hotend() - 180.0).abs() < 1.0, "{}", printer.hotend());
+    let mut printer = cold();
+    break_it(&printer, |faults| faults.hotend_heater.power = 0.25);
+    printer.set(Heater::Hotend, 215.0);
+    let (cause, time) = until_off(&mut printer, 60.0);
+    assert_eq!((cause, time < 25.0), (Cause::HeatsTooSlowly, true), "{time}");
+}
+
+#[test]
+fn f10_a_switch_that_sticks_costs_the_power_supply() {
+    for (is_bed, watts) in [(false, 40.0), (false, 60.0), (true, 500.0)] {
+        let mut constants = constants();
+        (if is_bed { &mut constants.bed.heater } else { &mut constants.hotend.heater }).nominal_watt = watts;
+        let mut printer = Printer::new(&constants, settings());
+        printer.run(30.0);
+        break_it(&printer, |faults| {
+            (if is_bed { &mut faults.bed_heater } else { &mut faults.hotend_heater }).stuck_on = true;
+        });
+        let (cause, time) = until_off(&mut printer, 120.0);
+        assert_eq!((cause, printer.bench.borrow().supply), (Cause::HeatsWhileOff, false));
+        let mut hottest = [0.0_f64; 2];
+        for _ in 0..10_000 {
+            printer.period();
+            hottest = [hottest[0].max(printer.hotend()), hottest[1].max(printer.bed())];
+        }
+        println!("{watts} W stuck on: supply off after {time:.1} s, {hottest:.0?} C at most");
+        assert!(hottest[0] < 320.0 && hottest[1] < 150.0);
+        assert_eq!(printer.bench.borrow().fans, [1.0; 6], "all fans cool");
+    }
+}
+
+#[test]
+fn f11_a_switch_that_sticks_during_a_print_too() {
+    let mut printer = printing();
+    break_it(&printer, |faults| faults.hotend_heater.stuck_on = true);
+    let (cause, time) = until_off(&mut printer, 60.0);
+    println!("stuck at 215 C: {cause:?} after {time:.1} s at {:.0} C", printer.hotend());
+    assert_eq!(printer.bench.borrow().supply, false);
+    let mut hottest = 0.0_f64;
+    for _ in 0..5000 {
+        printer.period();
+        hottest = hottest.max(printer.hotend());
+    }
+    assert!(hottest < 320.0, "{hottest}");
+    assert!(matches!(cause, Cause::Overshoot | Cause::TooHot));
+}
+
+#[test]
+fn f12_f13_swapped_plugs_are_found_before_anything_is_hot() {
+    for swaps_sensors in [true, false] {
+        for (heater, target) in [(Heater::Hotend, 215.0), (Heater::Bed, 60.0)] {
+            let mut printer = cold();
+            break_it(&printer, |faults| {
+                (faults.swapped_sensors, faults.swapped_heaters) = (swaps_sensors, !swaps_sensors);
+            });
+            printer.set(heater, target);
+            let (cause, time) = until_off(&mut printer, 100.0);
+            let (hotend, bed) = (printer.hotend(), printer.bed());
+            println!(
+                "swapped {}, {heater:?}: {cause:?} after {time:.1} s at {hotend:.0} and {bed:.0} C",
+                if swaps_sensors { "sensors" } else { "heaters" }
+            );
+            assert!(hotend < 100.0 && bed < 100.0, "{hotend} {bed}");
+        }
+    }
+}
+
+#[test]
+fn f18_fans_that_cool_run_on_their_own() {
+    let mut printer = cold();
+    assert_eq!(printer.bench.borrow().fans, [0.0; 6]);
+    printer.set(Heater::Hotend, 100.0);
+    printer.run(0.1);
+    assert_eq!(printer.bench.borrow().fans[1..3], [0.0, 1.0], "controller's with the heater, hotend's not yet");
+    printer.run(60.0);
+    assert!(printer.bench.borrow().fans[1] == 1.0 && printer.hotend() > 90.0);
+    printer.order(Order::Off);
+    printer.run(1.0);
+    assert_eq!(printer.bench.borrow().fans[1..3], [1.0, 1.0], "it is warm, and the controller's runs on");
+    let time = printer.run_until(900.0, |printer| printer.bench.borrow().fans == [0.0; 6]);
+    assert!(time.is_some() && printer.hotend() < 52.0, "{time:?} {}", printer.hotend());
+    printer.order(Order::Motors(true));
+    printer.run(1.0);
+    assert_eq!(printer.bench.borrow().fans[2], 1.0);
+}
+
+#[test]
+fn a_target_beyond_the_limit_is_the_limit() {
+    let mut printer = Printer::with(Plant::hot(&constants(), 215.0, 25.0), settings());
+    printer.set(Heater::Hotend, 2000.0);
+    printer.period();
+    assert_eq!(printer.status.heat().target(Heater::Hotend).to_num::<f64>(), 285.0);
+    printer.set(Heater::Hotend, -5.0);
+    printer.period();
+    assert_eq!((printer.status.heat().target(Heater::Hotend).to_num::<f64>(), printer.duty(Output::He0)), (0.0, 0.0));
+    printer.set(Heater::Chamber, 60.0);
+    printer.run(5.0);
+    assert_eq!(printer.bench.borrow().duties.iter().filter(|duty| **duty > 0.0).count(), 0, "there is no chamber");
+}

@@ -1,0 +1,66 @@
+//! What can go wrong with heat, crash and configuration, each thing a test that looks at pins and duties in virtual time. The
+//! numbers are those of docs/safety.md.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+mod configuration;
+mod hearts;
+mod heaters;
+mod latch;
+#[path = "../thermal/printer.rs"]
+mod printer;
+mod quiet;
+mod sensors;
+
+use corehbot::connectors::{Heater, Output};
+use corehbot::fault::Cause;
+use corehbot_rig::plant::{Plant, PlantConstants, PlantFaults};
+use printer::{Printer, settings};
+
+/// The prototype's plant.
+fn constants() -> PlantConstants {
+    PlantConstants::prototype()
+}
+
+/// A printer that has been switched on cold.
+fn cold() -> Printer {
+    let mut printer = Printer::new(&constants(), settings());
+    printer.run(1.0);
+    printer
+}
+
+/// A printer at 215 and 60 C that has been so for a while.
+fn printing() -> Printer {
+    let mut printer = Printer::with(Plant::hot(&constants(), 215.0, 60.0), settings());
+    printer.set(Heater::Hotend, 215.0);
+    printer.set(Heater::Bed, 60.0);
+    printer.run(60.0);
+    assert_eq!(printer.fault(), None);
+    printer
+}
+
+/// Breaks something.
+fn break_it(printer: &Printer, what: impl FnOnce(&mut PlantFaults)) {
+    what(printer.bench.borrow_mut().plant.faults());
+}
+
+/// Whether no heater gets power.
+fn is_off(printer: &Printer) -> bool {
+    [Output::He0, Output::Bed].into_iter().all(|output| printer.duty(output) == 0.0)
+}
+
+/// How long it takes until the fault is latched and all heaters are off, and they stay off.
+fn until_off(printer: &mut Printer, most: f64) -> (Cause, f64) {
+    let time = printer.run_until(most, |printer| printer.fault().is_some() && is_off(printer));
+    let time = time.unwrap_or_else(|| {
+        panic!("no fault within {most} s: hotend at {}, bed at {}", printer.hotend(), printer.bed())
+    });
+    let cause = printer.fault().unwrap().cause;
+    // Whatever is asked for now, nothing heats.
+    printer.set(Heater::Hotend, 200.0);
+    printer.set(Heater::Bed, 60.0);
+    for _ in 0..500 {
+        printer.period();
+        assert!(is_off(printer), "a heater has power after {cause:?}");
+    }
+    (cause, time)
+}

@@ -1,0 +1,54 @@
+//! False alarms are faults too: days of printing, with every guard on, trip none.
+
+use crate::printer::{Printer, settings};
+use crate::{break_it, constants};
+use corehbot::connectors::Heater;
+use corehbot::thermal::Order;
+
+/// An hour: heat up, print with flow that changes, fans that change, targets that change, a pause, cool down.
+fn hour(printer: &mut Printer, seed: u32) {
+    let mut state = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+    let mut random = |most: u32| {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (state >> 16) % most
+    };
+    let hotend = 190.0 + f64::from(random(70));
+    let bed = 50.0 + f64::from(random(50));
+    printer.set(Heater::Bed, bed);
+    printer.set(Heater::Hotend, hotend);
+    printer.run(300.0);
+    let mut flows = [0.0; 64];
+    flows.iter_mut().for_each(|flow| *flow = if random(4) == 0 { 0.0 } else { f64::from(random(150)) / 10.0 });
+    let begun = printer.seconds;
+    for minute in 0..40 {
+        printer.order(Order::Fan(0, if random(3) == 0 { 0 } else { random(65_536) as u16 }));
+        if random(10) == 0 {
+            printer.set(Heater::Hotend, hotend - 15.0 + f64::from(random(30)));
+        }
+        break_it(printer, |faults| {
+            faults.supply_volts = 23.0 + f64::from(random(20)) / 10.0;
+            faults.ambient_celsius = 18.0 + f64::from(random(10));
+        });
+        let end = f64::from(minute + 1) * 60.0;
+        while printer.seconds - begun < end {
+            let now = printer.seconds - begun;
+            printer.period_with(|ahead| flows[((now + ahead) / 7.0) as usize % 64]);
+        }
+    }
+    printer.order(Order::Off);
+    printer.run(900.0);
+}
+
+#[test]
+fn hours_of_printing_trip_nothing() {
+    for seed in 0..3 {
+        let mut constants = constants();
+        constants.converter.seed = u64::from(seed);
+        constants.converter.noise_lsb *= f64::from(1 + seed);
+        let mut printer = Printer::new(&constants, settings());
+        for part in 0..2 {
+            hour(&mut printer, seed * 10 + part);
+            assert_eq!(printer.fault(), None, "seed {seed}, hour {part}");
+        }
+    }
+}
