@@ -1,9 +1,13 @@
 //! The ranges in which every setting must lie; outside of them the planner's arithmetic or the machine
 //! would not do what the number says.
 
+use super::thermal::{FanSettings, HeaterModel, HeaterSettings, ThermalSettings, Thermistor};
 use super::{AxisSettings, CornerRule, DriverSettings, Homing, Settings, Shaper};
+use crate::connectors::Heater;
 use crate::kinematics::MechanismError;
-use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
+use crate::units::{
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+};
 
 /// Least and greatest legal value.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -36,7 +40,10 @@ impl<T: PartialOrd + Copy> Range<T> {
 
 /// The legal ranges, by kind of quantity.
 pub mod ranges {
-    use super::{Hertz, Mm, MmPerSec, MmPerSec2, Range, Ratio, Seconds, StepsPerMm};
+    use super::{
+        Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Range, Ratio, Seconds, StepsPerMm, Watts,
+        WattsPerKelvin,
+    };
 
     /// Resolution: from a full-step rack to 256 microsteps on a fine screw.
     pub const STEPS_PER_MM: Range<StepsPerMm> =
@@ -80,6 +87,56 @@ pub mod ranges {
     /// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
     /// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.
     pub const LOOKAHEAD_TIME: Range<Seconds> = Range { least: Seconds::lit("0.5"), most: Seconds::const_from_int(60) };
+    /// Highest target of a hotend: up to what platinum sensors and all-metal hotends are sold for.
+    pub const HOTEND: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(500) };
+    /// Highest target of a bed or a chamber: adhesives of mats and magnets end at 150 C.
+    pub const BED: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(150) };
+    /// Power of a heater; a household's socket has 2 kW at least.
+    pub const POWER: Range<Watts> = Range { least: Watts::const_from_int(1), most: Watts::const_from_int(2000) };
+    /// Highest duty, of 1.
+    pub const MAX_DUTY: Range<Ratio> = Range { least: Ratio::lit("0.05"), most: Ratio::ONE };
+    /// Period of a relay in ms: more, and the bed swings.
+    pub const RELAY_MS: Range<u16> = Range { least: 0, most: 5000 };
+    /// Heat capacity, from a nozzle alone to a chamber of steel.
+    pub const CAPACITY: Range<JoulesPerKelvin> =
+        Range { least: JoulesPerKelvin::lit("0.5"), most: JoulesPerKelvin::const_from_int(50_000) };
+    /// Losses, from a hotend with a sock to a chamber with its door open.
+    pub const LOSS: Range<WattsPerKelvin> =
+        Range { least: WattsPerKelvin::lit("0.001"), most: WattsPerKelvin::const_from_int(100) };
+    /// Lags: the observer runs 50 times a second, and nobody waits for more than minutes.
+    pub const LAG: Range<Seconds> = Range { least: Seconds::lit("0.1"), most: Seconds::const_from_int(120) };
+    /// Gains of PID.
+    pub const GAIN: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(20_000) };
+    /// The part of its heat that has to be found again: less than 0.2 finds no loose cartridge, more than 0.6 alarms at 20 V.
+    pub const HEATING: Range<Ratio> = Range { least: Ratio::lit("0.2"), most: Ratio::lit("0.6") };
+    /// A temperature that is lost: Prusa's 15 C and Marlin's 4 C are in it.
+    pub const LOST: Range<Celsius> = Range { least: Celsius::const_from_int(3), most: Celsius::const_from_int(20) };
+    /// The time that it may be lost for, in s: Prusa's 80 s is not.
+    pub const LOST_S: Range<u8> = Range { least: 2, most: 45 };
+    /// Rise while off.
+    pub const OFF_RISE: Range<Celsius> = Range { least: Celsius::const_from_int(3), most: Celsius::const_from_int(15) };
+    /// Above the target without power.
+    pub const OVERSHOOT: Range<Celsius> =
+        Range { least: Celsius::const_from_int(5), most: Celsius::const_from_int(30) };
+    /// Resistance of an NTC at 25 C, in Ohm.
+    pub const OHMS: Range<u32> = Range { least: 1000, most: 2_000_000 };
+    /// B of an NTC, in K.
+    pub const BETA: Range<u16> = Range { least: 2000, most: 6000 };
+    /// Least temperature at which filament moves: wax at one end.
+    pub const MIN_EXTRUDE: Range<Celsius> =
+        Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(400) };
+    /// From here on a hotend's cold end needs air: PLA softens at 55 to 60 C.
+    pub const COLD_END: Range<Celsius> =
+        Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(60) };
+    /// How long a controller's fan runs on, in s.
+    pub const RUN_ON_S: Range<u16> = Range { least: 0, most: 3600 };
+    /// Idle minutes until heaters go off.
+    pub const IDLE_MIN: Range<u8> = Range { least: 1, most: 240 };
+    /// Heat that filament takes, in J/(K mm): from 1.75 mm to 3 mm, and a half more.
+    pub const FILAMENT: Range<WattsPerKelvin> =
+        Range { least: WattsPerKelvin::lit("0.001"), most: WattsPerKelvin::lit("0.05") };
+    /// A fan's kick in ms.
+    pub const KICK_MS: Range<u16> = Range { least: 0, most: 5000 };
     /// Microsteps: MRES has every power of two in it (section 5.5.1).
     pub const MICROSTEPS: Range<u16> = Range { least: 1, most: 256 };
 }
@@ -97,6 +154,8 @@ pub enum SettingsError {
     Mechanism(MechanismError),
     /// Microsteps of these drivers are no power of two.
     NoSuchMicrosteps(&'static str),
+    /// Two heaters that are fitted share an output or a sensor.
+    SharedHeater(&'static str),
 }
 
 impl core::fmt::Display for SettingsError {
@@ -108,6 +167,7 @@ impl core::fmt::Display for SettingsError {
             }
             Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
             Self::Mechanism(error) => error.fmt(f),
+            Self::SharedHeater(what) => write!(f, "two heaters have the same {what}"),
             Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
     }
@@ -153,6 +213,59 @@ fn driver(d: &DriverSettings, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::MICROSTEPS, d.microsteps, name)?;
     within(Range { least: MmPerSec::ZERO, most: ranges::SPEED.most }, d.hybrid_threshold, name)?;
     if d.microsteps.is_power_of_two() { Ok(()) } else { Err(SettingsError::NoSuchMicrosteps(name)) }
+}
+
+fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
+    for (name, h) in [("hotend", &t.heaters.hotend), ("bed", &t.heaters.bed), ("chamber", &t.heaters.chamber)] {
+        heater(h, if name == "hotend" { ranges::HOTEND } else { ranges::BED }, name)?;
+    }
+    for (a, b) in [(Heater::Hotend, Heater::Bed), (Heater::Hotend, Heater::Chamber), (Heater::Bed, Heater::Chamber)] {
+        let (a, b) = (t.heater(a), t.heater(b));
+        if a.is_fitted && b.is_fitted && a.output == b.output {
+            return Err(SettingsError::SharedHeater("output"));
+        }
+        if a.is_fitted && b.is_fitted && a.sensor == b.sensor {
+            return Err(SettingsError::SharedHeater("sensor"));
+        }
+    }
+    t.fans.iter().try_for_each(fan)?;
+    within(ranges::MIN_EXTRUDE, t.min_extrude, "min_extrude")?;
+    within(ranges::COLD_END, t.hotend_fan_above, "hotend_fan_above")?;
+    within(ranges::RUN_ON_S, t.fan_run_on_s, "fan_run_on_s")?;
+    within(ranges::IDLE_MIN, t.idle_min, "idle_min")?;
+    within(ranges::FILAMENT, t.filament, "filament")
+}
+
+fn heater(h: &HeaterSettings, target: Range<Celsius>, name: &'static str) -> Result<(), SettingsError> {
+    within(target, h.most, name)?;
+    within(ranges::POWER, h.power, name)?;
+    within(ranges::MAX_DUTY, h.max_duty, name)?;
+    within(ranges::RELAY_MS, h.period_ms, name)?;
+    let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = h.model;
+    within(ranges::CAPACITY, capacity, name)?;
+    within(ranges::LOSS, loss, name)?;
+    within(Range { least: WattsPerKelvin::ZERO, most: ranges::LOSS.most }, fan_loss, name)?;
+    within(ranges::LAG, heater_lag, name)?;
+    within(ranges::LAG, sensor_lag, name)?;
+    for gain in [h.pid.p, h.pid.i, h.pid.d] {
+        within(ranges::GAIN, gain, name)?;
+    }
+    within(ranges::HEATING, h.guards.heating, name)?;
+    within(ranges::LOST, h.guards.lost, name)?;
+    within(ranges::LOST_S, h.guards.lost_s, name)?;
+    within(ranges::OFF_RISE, h.guards.off_rise, name)?;
+    within(ranges::OVERSHOOT, h.guards.overshoot, name)?;
+    if let Thermistor::Beta { ohms, beta } = h.thermistor {
+        within(ranges::OHMS, ohms, name)?;
+        within(ranges::BETA, beta, name)?;
+    }
+    Ok(())
+}
+
+fn fan(f: &FanSettings) -> Result<(), SettingsError> {
+    within(ranges::KICK_MS, f.kick_ms, "fan.kick_ms")?;
+    within(Range { least: Ratio::ZERO, most: Ratio::ONE }, f.least, "fan.least")?;
+    within(Range { least: f.least.max(ranges::MAX_DUTY.least), most: Ratio::ONE }, f.most, "fan.most")
 }
 
 impl Settings {
@@ -211,7 +324,8 @@ impl Settings {
         driver(&self.drivers.belt, "drivers.belt")?;
         driver(&self.drivers.z, "drivers.z")?;
         driver(&self.drivers.e, "drivers.e")?;
-        within(ranges::CRUISE_RATIO, self.minimum_cruise_ratio, "minimum_cruise_ratio")
+        within(ranges::CRUISE_RATIO, self.minimum_cruise_ratio, "minimum_cruise_ratio")?;
+        thermal(&self.thermal)
     }
 
     /// Checks that axes which share motors have the same resolution: a motor has one.

@@ -29,7 +29,7 @@ pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
-    Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Pid, ThermalSettings, Thermistor,
+    Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, ThermalSettings, Thermistor,
 };
 
 use crate::kinematics::Mechanism;

@@ -1,6 +1,7 @@
 //! What the Console knows of heaters and fans, and what it tells of the filament.
 
 use crate::connectors::{FANS, HEATERS, Heater, SENSORS, Sensor};
+use crate::fault::Cause;
 use crate::units::Celsius;
 use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 
@@ -44,6 +45,8 @@ pub struct Heat {
     /// Bits of a [`Celsius`]; the least number for none.
     measured: [AtomicI32; HEATERS],
     targets: [AtomicI32; HEATERS],
+    /// Numbers of the causes for which heaters are refused; 0 for none.
+    ailments: [AtomicU8; HEATERS],
     /// Of 65,535.
     duties: [AtomicU16; HEATERS],
     fans: [AtomicU16; FANS],
@@ -71,6 +74,7 @@ impl Heat {
             samples: [const { AtomicU32::new(0) }; SENSORS],
             measured: [const { AtomicI32::new(NONE) }; HEATERS],
             targets: [const { AtomicI32::new(0) }; HEATERS],
+            ailments: [const { AtomicU8::new(0) }; HEATERS],
             duties: [const { AtomicU16::new(0) }; HEATERS],
             fans: [const { AtomicU16::new(0) }; FANS],
             periods: AtomicU32::new(0),
@@ -107,6 +111,12 @@ impl Heat {
     #[must_use]
     pub fn duty(&self, heater: Heater) -> u16 {
         self.duties[heater as usize].load(Relaxed)
+    }
+
+    /// Why it must not heat: its sensor is broken. It stays off until the sensor is well again.
+    #[must_use]
+    pub fn ailment(&self, heater: Heater) -> Option<Cause> {
+        Cause::of(self.ailments[heater as usize].load(Relaxed))
     }
 
     /// A fan's duty, of 65,535.
@@ -149,6 +159,10 @@ impl Heat {
         self.duties[heater as usize].store(duty, Relaxed);
     }
 
+    pub(crate) fn set_ailment(&self, heater: Heater, ailment: Option<Cause>) {
+        self.ailments[heater as usize].store(ailment.map_or(0, |cause| cause as u8), Relaxed);
+    }
+
     pub(crate) fn set_fan(&self, fan: usize, duty: u16) {
         if let Some(place) = self.fans.get(fan) {
             place.store(duty, Relaxed);
@@ -181,6 +195,7 @@ impl Heat {
         self.extruded_um.load(Relaxed)
     }
 
+    /// Filament that went through the nozzle, in um, wrapping; the Console calls it.
     pub fn set_extruded_um(&self, um: u32) {
         self.extruded_um.store(um, Relaxed);
     }
@@ -190,6 +205,7 @@ impl Heat {
         [self.coming.load(Relaxed), self.then.load(Relaxed)]
     }
 
+    /// What `filament_ahead` gives; the Console calls it.
     pub fn set_filament_ahead(&self, [coming, then]: [u32; 2]) {
         self.coming.store(coming, Relaxed);
         self.then.store(then, Relaxed);
@@ -200,10 +216,12 @@ impl Heat {
         [self.console_beats.load(Relaxed), self.generator_beats.load(Relaxed)]
     }
 
+    /// The Console has come by.
     pub fn beat_of_console(&self) {
         self.console_beats.store(self.console_beats.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
+    /// The StepGenerator has run.
     pub fn beat_of_generator(&self) {
         self.generator_beats.store(self.generator_beats.load(Relaxed).wrapping_add(1), Relaxed);
     }

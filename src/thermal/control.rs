@@ -49,7 +49,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             orders,
             status,
             pend,
-            heaters: settings.heaters.map(HeaterLoop::new),
+            heaters: Heater::ALL.map(|heater| HeaterLoop::new(*settings.heater(heater))),
             fans: settings.fans.map(Fan::new),
             common: Common::of(settings),
             reference: Reference::new(),
@@ -196,6 +196,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             let measured = looped.measured().filter(|_| looped.settings().is_fitted);
             let duty = if duties == [0; OUTPUTS] { 0 } else { looped.duty() };
             self.status.heat().set_heater(heater, measured, looped.target(), duty);
+            self.status.heat().set_ailment(heater, looped.ailment());
         }
         found
     }

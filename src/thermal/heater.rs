@@ -44,6 +44,8 @@ pub struct HeaterLoop {
     /// What was asked of the output, without switching.
     wanted: u16,
     tune: Option<Tune>,
+    /// Why it must not heat, while nobody wants it to.
+    ailment: Option<Cause>,
 }
 
 /// The guards of one heater.
@@ -86,6 +88,7 @@ impl HeaterLoop {
             is_free: true,
             wanted: 0,
             tune: None,
+            ailment: None,
         }
     }
 
@@ -118,7 +121,8 @@ impl HeaterLoop {
 
     /// What it is to be kept at; 0 or less is off.
     pub fn set_target(&mut self, target: Celsius) {
-        let target = target.clamp(Celsius::ZERO, self.settings.most);
+        let target =
+            if self.ailment.is_some() { Celsius::ZERO } else { target.clamp(Celsius::ZERO, self.settings.most) };
         if target == Celsius::ZERO {
             self.pid.rest();
             self.tune = None;
@@ -139,6 +143,11 @@ impl HeaterLoop {
     /// The duty that was put out last, of 65,535; that of a relay averaged.
     pub const fn duty(&self) -> u16 {
         self.wanted
+    }
+
+    /// Why it must not heat, though nothing has happened yet: its sensor is broken.
+    pub const fn ailment(&self) -> Option<Cause> {
+        self.ailment
     }
 
     /// Whether it was given power in the last period.
@@ -167,6 +176,11 @@ impl HeaterLoop {
         let good = match contact {
             Contact::Good(measured) => Some(measured),
             Contact::Doubtful => None,
+            Contact::Broken(cause) if self.target == Celsius::ZERO && self.wanted == 0 => {
+                // Nothing is lost yet; it just must not be heated.
+                (self.ailment, self.measured, self.observer) = (Some(cause), None, None);
+                return Ok(self.put_out(0));
+            }
             Contact::Broken(cause) => return Err(alarm(cause, self.measured)),
         };
         let power = self.power_at(self.given);
@@ -181,7 +195,7 @@ impl HeaterLoop {
             let wanted = self.wanted;
             return Ok(self.put_out(wanted));
         };
-        self.measured = Some(measured);
+        (self.measured, self.ailment) = (Some(measured), None);
         let is_full = !self.is_free && self.given > 0;
         if let (Some(seen), Some(observer)) = (self.lag_watch.look(measured, power, is_full), &mut self.observer) {
             observer.take_lag(&self.settings, seen, measured);

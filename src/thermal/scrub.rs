@@ -36,7 +36,7 @@ mod tests {
         assert_eq!(whole, sum(&ThermalSettings::prototype()));
         for bit in 0..32 {
             let mut damaged = settings;
-            let most = &mut damaged.heaters[0].most;
+            let most = &mut damaged.heaters.hotend.most;
             *most = crate::units::Celsius::from_bits(most.to_bits() ^ 1 << bit);
             assert_ne!(sum(&damaged), whole);
         }

@@ -83,6 +83,7 @@ fn celsius(thermistor: Thermistor, ohm: f64) -> f64 {
     let inverse = match thermistor {
         Thermistor::Beta { ohm_at_25, beta } => 1.0 / 298.15 + (ohm / ohm_at_25).ln() / beta,
         Thermistor::SteinhartHart { a, b, c } => a + b * ohm.ln() + c * ohm.ln().powi(3),
+        Thermistor::Platinum => unreachable!("no controller here measures with platinum"),
     };
     1.0 / inverse - 273.15
 }

@@ -6,6 +6,7 @@
 
 mod error;
 mod form;
+mod heat;
 mod place;
 mod quantity;
 
@@ -97,6 +98,7 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
     driver(&mut s.drivers.z, "drivers.z", &file.drivers.z)?;
     driver(&mut s.drivers.e, "drivers.e", &file.drivers.e)?;
+    heat::thermal(&mut s.thermal, &file.thermal, &file.heaters, &file.fans)?;
     s.check_machine().map_err(MachineFileError::Settings)?;
     Ok(Machine { name: file.name, settings: s })
 }

@@ -2,10 +2,11 @@
 //!
 //! All of them look at one time, which only the world moves on.
 
+use crate::heat::Heat;
 use crate::world::{Host, Sink};
 use corehbot::kinematics::MotorTable;
 use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
-use corehbot::port::{Clock, Pend, Received, Sensor, Serial, StepClock, StepPort, ThermalPort};
+use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
 use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
 use std::cell::{Cell, RefCell};
@@ -19,6 +20,7 @@ pub(crate) struct Shared {
     pub alarm: Cell<Option<u32>>,
     pub generator: Cell<bool>,
     pub stepper: Cell<bool>,
+    pub heat: Heat,
 }
 
 /// What is on the way between the printer and one host.
@@ -121,18 +123,6 @@ impl Serial for Line<'_> {
     fn send(&mut self, bytes: &[u8]) -> usize {
         self.0.to_host.borrow_mut().extend_from_slice(bytes);
         bytes.len()
-    }
-}
-
-/// Thermistors in a room of 25 C.
-pub(crate) struct Room;
-
-/// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
-const ROOM: u16 = 62594;
-
-impl ThermalPort for Room {
-    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
-        matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM)
     }
 }
 

@@ -5,14 +5,16 @@
 //! of [`run`] answers at once: time stands still while the printer waits for a line.
 
 use crate::drivers::Drivers;
+use crate::heat::{Heat, HeatPort};
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
-use crate::ports::{Line, Pends, Pins, Room, Shared, Timer};
+use crate::ports::{Line, Pends, Pins, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
+use corehbot::connectors::Heater;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
-use corehbot::motors::MotorSet;
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
@@ -131,12 +133,13 @@ impl Wake for Wakes {
 pub struct World<'w> {
     shared: &'w Shared,
     wires: &'w [Wire],
+    settings: Settings,
     groups: Groups,
     status: &'w Status,
     counts: StepCounts<'w>,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
     generator: StepGenerator<'w>,
-    thermal: ThermalControl<'w, Room, Pends<'w>>,
+    thermal: ThermalControl<'w, HeatPort<'w>, Pends<'w>>,
     /// When the next control period is due, in ticks.
     next_period: u64,
     /// Until it wants to begin anew.
@@ -174,6 +177,8 @@ impl<'w> World<'w> {
         let (rig, table) = (Rig::new(settings, place), MotorTable::new(&groups));
         let pins = Pins { rig, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
+        shared.heat.equip(settings);
+        let heat = HeatPort { heat: &shared.heat, settings: settings.thermal };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),
             drivers: drivers.bus(&shared.now),
@@ -181,11 +186,12 @@ impl<'w> World<'w> {
             storage,
         };
         let Parts { stepper, generator, thermal, mut console, status, counts } =
-            assemble(memory, *settings, start, step_ports, Room, ports, Pends(shared));
+            assemble(memory, *settings, start, step_ports, heat, ports, Pends(shared));
         let console = Box::pin(async move { console.run().await });
         Self {
             shared,
             wires,
+            settings: *settings,
             groups,
             status,
             counts,
@@ -244,6 +250,8 @@ impl<'w> World<'w> {
         if shared.now.get() >= self.next_period {
             self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
             self.thermal.period();
+            let extruded = self.groups.motor_counts(self.counts.read())[Motor::E0 as usize];
+            shared.heat.step(&self.settings, extruded, f64::from(PERIOD_MS) / 1000.0);
         }
         moved
     }
@@ -270,6 +278,18 @@ impl<'w> World<'w> {
     #[must_use]
     pub const fn wires(&self) -> &'w [Wire] {
         self.wires
+    }
+
+    /// Its heat.
+    #[must_use]
+    pub const fn heat(&self) -> &'w Heat {
+        &self.shared.heat
+    }
+
+    /// Whether anything is to be warm, which takes its time.
+    #[must_use]
+    pub fn is_heating(&self) -> bool {
+        Heater::ALL.into_iter().any(|heater| self.status.heat().target(heater) > 0)
     }
 
     /// What its contexts know of each other.
@@ -354,7 +374,7 @@ pub fn run_on(
                 continue;
             }
         }
-        if world.advance() {
+        if world.advance() || world.is_heating() {
             idle_ms = 0;
         } else {
             idle_ms += 1;

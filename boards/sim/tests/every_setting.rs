@@ -54,6 +54,9 @@ fn load(file: &Table) -> Result<Settings, machine_file::MachineFileError> {
 fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
     fn gather(value: &Value, path: &str, into: &mut BTreeMap<String, Value>) {
         match value {
+            Value::Array(items) if path.ends_with(".fans") => {
+                items.iter().enumerate().for_each(|(n, value)| gather(value, &format!("{path}.fan{n}"), into));
+            }
             Value::Object(fields) if !fields.contains_key("bits") => {
                 fields.iter().for_each(|(key, value)| gather(value, &format!("{path}.{key}"), into));
             }
@@ -67,6 +70,7 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
 
 /// The place of a setting in a machine file.
 fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
+    let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
     let path = path.replace("shapers.", "shaper.").replace("corner.JunctionDeviation", "corner.junction_deviation");
     let (tables, key) = path.rsplit_once('.').unwrap_or(("", &path));
     tables
@@ -84,8 +88,9 @@ fn changed(path: &str) -> Option<Settings> {
         *key(&mut file, path)? = value;
         load(&file).ok().filter(|settings| *settings != before)
     };
-    let numbers = [0.05, 0.3, 1.0, 9.0, 32.0, 200.0, 900.0].into_iter().map(toml::Value::Float);
-    [true.into(), false.into(), "mzv".into()].into_iter().chain(numbers).find_map(legal)
+    let numbers = [0.05, 0.3, 1.0, 9.0, 0.002, 32.0, 200.0, 900.0].into_iter().map(toml::Value::Float);
+    let names = ["mzv", "he2", "hotend2", "pt1000", "pid", "hotend", "controller"].map(toml::Value::from);
+    [true.into(), false.into()].into_iter().chain(names).chain(numbers).find_map(legal)
 }
 
 /// Settings that M503 does not say: they describe the machine, and no line can change them.

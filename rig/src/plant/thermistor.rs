@@ -25,6 +25,8 @@ pub enum Thermistor {
         /// c, 1/K.
         c: f64,
     },
+    /// A platinum resistor of 1 kOhm at 0 C (IEC 60751, above 0 C).
+    Platinum,
 }
 
 impl Thermistor {
@@ -59,6 +61,7 @@ impl Thermistor {
         let inverse = 1.0 / (celsius + ZERO_CELSIUS);
         match *self {
             Self::Beta { ohm_at_25, beta } => ohm_at_25 * libm::exp(beta * (inverse - 1.0 / (25.0 + ZERO_CELSIUS))),
+            Self::Platinum => 1000.0 * (1.0 + 3.9083e-3 * celsius - 5.775e-7 * celsius * celsius),
             // The one real root of the cubic in ln R, by Cardano.
             Self::SteinhartHart { a, b, c } => {
                 let (half, third) = ((inverse - a) / (2.0 * c), b / (3.0 * c));

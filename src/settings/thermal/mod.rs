@@ -6,15 +6,26 @@ mod heater;
 pub use fans::{FanRole, FanSettings};
 pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
 
-use crate::connectors::{FANS, HEATERS, Heater, Output, Sensor};
+use crate::connectors::{FANS, Heater, Output, Sensor};
 use crate::units::{Celsius, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
+
+/// The heaters.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct Heaters {
+    /// T.
+    pub hotend: HeaterSettings,
+    /// B.
+    pub bed: HeaterSettings,
+    /// C.
+    pub chamber: HeaterSettings,
+}
 
 /// Everything about heat that makes one machine different from another.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct ThermalSettings {
-    /// Hotend, bed and chamber, in the order of [`Heater::ALL`].
-    pub heaters: [HeaterSettings; HEATERS],
+    /// Hotend, bed and chamber.
+    pub heaters: Heaters,
     /// FAN0 and so on.
     pub fans: [FanSettings; FANS],
     /// No filament moves while the hotend is colder (M302 S).
@@ -37,11 +48,11 @@ impl ThermalSettings {
     pub const fn prototype() -> Self {
         let fan = FanSettings::new(FanRole::Commanded);
         Self {
-            heaters: [
-                HeaterSettings::hotend(Output::He0, Sensor::Hotend0),
-                HeaterSettings::bed(Output::Bed, Sensor::Bed),
-                HeaterSettings::chamber(Output::He1, Sensor::Hotend1),
-            ],
+            heaters: Heaters {
+                hotend: HeaterSettings::hotend(Output::He0, Sensor::Hotend0),
+                bed: HeaterSettings::bed(Output::Bed, Sensor::Bed),
+                chamber: HeaterSettings::chamber(Output::He1, Sensor::Hotend1),
+            },
             fans: [fan, FanSettings::new(FanRole::Hotend), FanSettings::new(FanRole::Controller), fan, fan, fan],
             min_extrude: Celsius::const_from_int(170),
             hotend_fan_above: Celsius::const_from_int(50),
@@ -55,12 +66,20 @@ impl ThermalSettings {
     /// The settings of a heater.
     #[must_use]
     pub const fn heater(&self, heater: Heater) -> &HeaterSettings {
-        &self.heaters[heater as usize]
+        match heater {
+            Heater::Hotend => &self.heaters.hotend,
+            Heater::Bed => &self.heaters.bed,
+            Heater::Chamber => &self.heaters.chamber,
+        }
     }
 
     /// The settings of a heater.
     #[must_use]
     pub const fn heater_mut(&mut self, heater: Heater) -> &mut HeaterSettings {
-        &mut self.heaters[heater as usize]
+        match heater {
+            Heater::Hotend => &mut self.heaters.hotend,
+            Heater::Bed => &mut self.heaters.bed,
+            Heater::Chamber => &mut self.heaters.chamber,
+        }
     }
 }

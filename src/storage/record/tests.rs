@@ -3,8 +3,14 @@
 extern crate std;
 
 use super::*;
-use crate::settings::{Advance, AxisSettings, CornerRule, DriverSettings, Homing, Shaper, ShaperKind};
-use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
+use crate::connectors::{Output, Sensor};
+use crate::settings::{
+    Advance, AxisSettings, Control, CornerRule, DriverSettings, FanRole, FanSettings, Guards, HeaterModel,
+    HeaterSettings, Heaters, Homing, Pid, Shaper, ShaperKind, Thermistor,
+};
+use crate::units::{
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+};
 use proptest::prelude::*;
 use std::vec::Vec;
 
@@ -50,7 +56,8 @@ const RELEASED: [(u16, &[u8]); 1] = [(6, include_bytes!("format6.bin"))];
 fn an_update_keeps_what_was_set() {
     for (format, record) in RELEASED {
         let (settings, sequence, _) = decode(record).unwrap();
-        assert_eq!((settings, sequence), (spelled_out(), 1), "format {format}");
+        let expected = Settings { thermal: ThermalSettings::prototype(), ..spelled_out() };
+        assert_eq!((settings, sequence), (expected, 1), "format {format}");
     }
 }
 
@@ -59,7 +66,7 @@ fn an_update_keeps_what_was_set() {
 #[test]
 fn the_shape_of_this_format_is_known() {
     let receipt = encode(&spelled_out(), 1).unwrap().receipt;
-    assert_eq!((FORMAT, receipt), (7, Receipt { bytes: 479, crc: 1_266_393_242 }));
+    assert_eq!((FORMAT, receipt), (7, Receipt { bytes: 496, crc: 1_747_993_239 }));
 }
 
 fn spelled_out() -> Settings {
@@ -104,7 +111,52 @@ fn spelled_out() -> Settings {
     }
     s.mechanism = Mechanism::corehbot();
     s.require_homing = true;
+    s.thermal = heat();
     s
+}
+
+fn heat() -> ThermalSettings {
+    let heater = |n: u16, output, sensor, thermistor| HeaterSettings {
+        is_fitted: n == 1,
+        output,
+        sensor,
+        thermistor,
+        most: Celsius::from_num(100 + n),
+        power: Watts::from_num(50 + n),
+        max_duty: Ratio::lit("0.75"),
+        period_ms: 100 * n,
+        control: if n == 1 { Control::Pid } else { Control::Model },
+        model: HeaterModel {
+            capacity: JoulesPerKelvin::from_num(10 + n),
+            loss: WattsPerKelvin::lit("0.25"),
+            fan_loss: WattsPerKelvin::lit("0.125"),
+            heater_lag: Seconds::from_num(n),
+            sensor_lag: Seconds::from_num(2 * n),
+        },
+        pid: Pid { p: Ratio::from_num(20 + n), i: Ratio::lit("1.5"), d: Ratio::from_num(100) },
+        guards: Guards {
+            heating: Ratio::lit("0.5"),
+            lost: Celsius::from_num(9),
+            lost_s: 7,
+            off_rise: Celsius::from_num(6),
+            overshoot: Celsius::from_num(18),
+        },
+    };
+    let fan = |role| FanSettings { role, kick_ms: 120, least: Ratio::lit("0.25"), most: Ratio::lit("0.5") };
+    let commanded = fan(FanRole::Commanded);
+    ThermalSettings {
+        heaters: Heaters {
+            hotend: heater(1, Output::He1, Sensor::Hotend1, Thermistor::Pt1000),
+            bed: heater(2, Output::Bed, Sensor::Bed, Thermistor::Beta { ohms: 90_000, beta: 3900 }),
+            chamber: heater(3, Output::He3, Sensor::Hotend2, Thermistor::Slice450),
+        },
+        fans: [commanded, fan(FanRole::Hotend), fan(FanRole::Controller), commanded, commanded, commanded],
+        min_extrude: Celsius::from_num(160),
+        hotend_fan_above: Celsius::from_num(45),
+        fan_run_on_s: 90,
+        idle_min: 20,
+        filament: WattsPerKelvin::lit("0.0078125"),
+    }
 }
 
 #[test]

@@ -63,6 +63,7 @@ impl MachineFileError {
                 let axes = axes.split(" and ").map(|axis| format!("axes.{axis}.steps_per_mm"));
                 return axes.filter_map(|key| Place::of_key(text, &key)).last();
             }
+            Self::Settings(SettingsError::SharedHeater(what)) => format!("heaters.bed.{what}"),
             Self::Settings(SettingsError::Mechanism(_)) => "mechanism".to_owned(),
         };
         Place::of_key(text, &key)

@@ -1,6 +1,7 @@
 //! The form of a machine file: its tables and keys, every one optional.
 
-use corehbot::settings::ShaperKind;
+use corehbot::connectors::{Output, Sensor};
+use corehbot::settings::{Control, FanRole, ShaperKind};
 use serde::Deserialize;
 
 #[derive(Deserialize, Default)]
@@ -30,6 +31,9 @@ pub(super) struct MachineToml {
     pub axes: AxesToml,
     pub homing: HomingsToml,
     pub drivers: DriversToml,
+    pub thermal: ThermalToml,
+    pub heaters: HeatersToml,
+    pub fans: FansToml,
 }
 
 /// A row a motor that is fitted.
@@ -153,4 +157,187 @@ pub(super) struct DriverToml {
     pub stealth: Option<bool>,
     pub hybrid_threshold: Option<f64>,
     pub stall_threshold: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ThermalToml {
+    pub min_extrude: Option<f64>,
+    pub hotend_fan_above: Option<f64>,
+    pub fan_run_on_s: Option<f64>,
+    pub idle_min: Option<f64>,
+    pub filament: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct HeatersToml {
+    pub hotend: HeaterToml,
+    pub bed: HeaterToml,
+    pub chamber: HeaterToml,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct HeaterToml {
+    pub is_fitted: Option<bool>,
+    pub output: Option<OutputToml>,
+    pub sensor: Option<SensorToml>,
+    pub thermistor: Option<ThermistorToml>,
+    pub most: Option<f64>,
+    pub power: Option<f64>,
+    pub max_duty: Option<f64>,
+    pub period_ms: Option<f64>,
+    pub control: Option<ControlToml>,
+    pub model: ModelToml,
+    pub pid: PidToml,
+    pub guards: GuardsToml,
+}
+
+/// Heater outputs by the names on a board.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum OutputToml {
+    Bed,
+    He0,
+    He1,
+    He2,
+    He3,
+}
+
+impl From<OutputToml> for Output {
+    fn from(output: OutputToml) -> Self {
+        match output {
+            OutputToml::Bed => Self::Bed,
+            OutputToml::He0 => Self::He0,
+            OutputToml::He1 => Self::He1,
+            OutputToml::He2 => Self::He2,
+            OutputToml::He3 => Self::He3,
+        }
+    }
+}
+
+/// Sensor inputs by the names that reports print.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SensorToml {
+    Bed,
+    Hotend0,
+    Hotend1,
+    Hotend2,
+    Hotend3,
+}
+
+impl From<SensorToml> for Sensor {
+    fn from(sensor: SensorToml) -> Self {
+        match sensor {
+            SensorToml::Bed => Self::Bed,
+            SensorToml::Hotend0 => Self::Hotend0,
+            SensorToml::Hotend1 => Self::Hotend1,
+            SensorToml::Hotend2 => Self::Hotend2,
+            SensorToml::Hotend3 => Self::Hotend3,
+        }
+    }
+}
+
+/// Sensors by the names under which they are sold; or an NTC by its numbers.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ThermistorToml {
+    #[serde(rename = "104gt2")]
+    Semitec104Gt2,
+    #[serde(rename = "104nt4")]
+    Semitec104Nt4,
+    #[serde(rename = "ntc_3950")]
+    Generic3950,
+    #[serde(rename = "slice_450")]
+    Slice450,
+    Pt1000,
+    #[serde(untagged)]
+    Beta {
+        ohms: f64,
+        beta: f64,
+    },
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ControlToml {
+    Model,
+    Pid,
+}
+
+impl From<ControlToml> for Control {
+    fn from(control: ControlToml) -> Self {
+        match control {
+            ControlToml::Model => Self::Model,
+            ControlToml::Pid => Self::Pid,
+        }
+    }
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct ModelToml {
+    pub capacity: Option<f64>,
+    pub loss: Option<f64>,
+    pub fan_loss: Option<f64>,
+    pub heater_lag: Option<f64>,
+    pub sensor_lag: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct PidToml {
+    pub p: Option<f64>,
+    pub i: Option<f64>,
+    pub d: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct GuardsToml {
+    pub heating: Option<f64>,
+    pub lost: Option<f64>,
+    pub lost_s: Option<f64>,
+    pub off_rise: Option<f64>,
+    pub overshoot: Option<f64>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FansToml {
+    pub fan0: FanToml,
+    pub fan1: FanToml,
+    pub fan2: FanToml,
+    pub fan3: FanToml,
+    pub fan4: FanToml,
+    pub fan5: FanToml,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct FanToml {
+    pub role: Option<RoleToml>,
+    pub kick_ms: Option<f64>,
+    pub least: Option<f64>,
+    pub most: Option<f64>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum RoleToml {
+    Commanded,
+    Hotend,
+    Controller,
+}
+
+impl From<RoleToml> for FanRole {
+    fn from(role: RoleToml) -> Self {
+        match role {
+            RoleToml::Commanded => Self::Commanded,
+            RoleToml::Hotend => Self::Hotend,
+            RoleToml::Controller => Self::Controller,
+        }
+    }
 }

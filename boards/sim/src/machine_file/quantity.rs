@@ -2,7 +2,9 @@
 
 use super::MachineFileError;
 use corehbot::settings::{Range, ranges};
-use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
+use corehbot::units::{
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+};
 use std::fmt::Display;
 
 /// A kind of quantity: its legal range, and how it comes from a number that is not NaN.
@@ -33,6 +35,27 @@ pub(super) const LOOKAHEAD_TIME: Kind<Seconds> = Kind { range: ranges::LOOKAHEAD
 pub(super) const PATIENCE: Kind<u16> =
     Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
 pub(super) const KEEPALIVE: Kind<u8> = Kind { range: Range { least: 0, most: 60 }, convert: |s| s as u8 };
+
+pub(super) const HOTEND: Kind<Celsius> = Kind { range: ranges::HOTEND, convert: Celsius::saturating_from_num::<f64> };
+pub(super) const BED: Kind<Celsius> = Kind { range: ranges::BED, ..HOTEND };
+pub(super) const MIN_EXTRUDE: Kind<Celsius> = Kind { range: ranges::MIN_EXTRUDE, ..HOTEND };
+pub(super) const COLD_END: Kind<Celsius> = Kind { range: ranges::COLD_END, ..HOTEND };
+pub(super) const LOST: Kind<Celsius> = Kind { range: ranges::LOST, ..HOTEND };
+pub(super) const OFF_RISE: Kind<Celsius> = Kind { range: ranges::OFF_RISE, ..HOTEND };
+pub(super) const OVERSHOOT: Kind<Celsius> = Kind { range: ranges::OVERSHOOT, ..HOTEND };
+pub(super) const POWER: Kind<Watts> = Kind { range: ranges::POWER, convert: Watts::saturating_from_num::<f64> };
+pub(super) const CAPACITY: Kind<JoulesPerKelvin> =
+    Kind { range: ranges::CAPACITY, convert: JoulesPerKelvin::saturating_from_num::<f64> };
+pub(super) const LOSS: Kind<WattsPerKelvin> =
+    Kind { range: ranges::LOSS, convert: WattsPerKelvin::saturating_from_num::<f64> };
+pub(super) const LEAST_LOSS: Kind<WattsPerKelvin> =
+    Kind { range: Range { least: WattsPerKelvin::ZERO, most: ranges::LOSS.most }, ..LOSS };
+pub(super) const FILAMENT: Kind<WattsPerKelvin> = Kind { range: ranges::FILAMENT, ..LOSS };
+pub(super) const LAG: Kind<Seconds> = Kind { range: ranges::LAG, ..ADVANCE };
+pub(super) const GAIN: Kind<Ratio> = Kind { range: ranges::GAIN, ..DAMPING };
+pub(super) const HEATING: Kind<Ratio> = Kind { range: ranges::HEATING, ..DAMPING };
+pub(super) const MAX_DUTY: Kind<Ratio> = Kind { range: ranges::MAX_DUTY, ..DAMPING };
+pub(super) const PART: Kind<Ratio> = Kind { range: Range { least: Ratio::ZERO, most: Ratio::ONE }, ..DAMPING };
 
 /// Puts a whole number of the file, if there is one, in the place of the default.
 pub(super) fn put_whole<T: PartialOrd + Copy + Display + Into<f64> + TryFrom<u16>>(
