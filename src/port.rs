@@ -40,10 +40,10 @@ pub trait StepPort {
         self.fall(steps);
     }
 
-    /// All endstop inputs, in one read of each GPIO port.
+    /// All endstop inputs, that of the Z probe too, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
 
-    /// The endstops that there are.
+    /// The endstops that there are; the Z probe ([`EndstopSet::PROBE`]) only on a board that has its pin.
     fn inputs(&self) -> EndstopSet {
         EndstopSet::SWITCHES
     }

@@ -162,7 +162,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                     Answer::LineNumber(number)
                 }
                 Asked::TooLong => Answer::TooLong,
-                Asked::Probe(last) => Answer::Probe(last),
+                Asked::Question(last) => Answer::Question(last),
                 Asked::Resend(reason, last) => Answer::Resend(reason, last),
             };
             self.tell(answer).await?;

@@ -123,12 +123,12 @@ impl Replies {
         })
     }
 
-    /// Asks for the line after `last` as if it had been refused, but without an error: none is known of. The `ok` is
-    /// that of the line that was lost, or was itself lost on its way.
+    /// The question to a silent host: asks for the line after `last` as if that had been refused, but without an error,
+    /// for none is known of. The `ok` is that of the line that was lost, or was itself lost on its way.
     ///
     /// # Errors
     /// [`NoRoom`]
-    pub fn probe(&mut self, last: i32) -> Result<(), NoRoom> {
+    pub fn question(&mut self, last: i32) -> Result<(), NoRoom> {
         self.whole(|replies| {
             replies.append(format_args!("Resend: {}", i64::from(last) + 1))?;
             replies.append(format_args!("ok"))
