@@ -1,7 +1,7 @@
-//! The seam: what a machine must offer so that the core can run on it.
+//! The ports: the traits that a board, or a simulator, implements so that the core can run on it.
 //!
-//! Everything above is free of hardware; everything below implements these few traits. A simulated
-//! fault is one more implementation wrapped round another, never a flag.
+//! The core uses hardware through these few traits only. A simulated fault is one more implementation wrapped round
+//! another, never a flag.
 
 pub use crate::motors::{EndstopSet, GroupSet, Motor, MotorSet};
 
@@ -121,7 +121,7 @@ pub trait Serial {
 
 /// The motor drivers: their enable lines, and the one-wire UART of each.
 ///
-/// One exchange goes on at a time, beside everything else: nothing here blocks, and nobody awaits it.
+/// One exchange, which is a request and its reply, goes on at a time, beside everything else: nothing here blocks, and nobody awaits it.
 /// Without methods of its own for that, a machine has drivers that nobody can talk to.
 pub trait DriverBus {
     /// Powers exactly the motors of `on`; the four belt motors change in one transaction.
@@ -233,7 +233,8 @@ impl Storage for NoStorage {
     }
 }
 
-/// A temperature sensor.
+/// A temperature sensor. A new one is a variant, a row of [`ALL`](Self::ALL), and a thermistor in the wiring of a board,
+/// which may have so many as its chip says (`MOST_THERMISTORS` in `chips/stm32f446/src/wiring.rs`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Sensor {
