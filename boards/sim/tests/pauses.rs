@@ -102,7 +102,7 @@ fn a_resume_does_not_end_a_dwell() {
 }
 
 #[test]
-fn all_hosts_are_told_and_each_may_answer() {
+fn all_hosts_are_asked_and_each_may_answer() {
     let mut a = Talker::new(&[("echo:corehbot", "M600\n")]);
     let mut b = Talker::new(&[("// action:prompt_show", "M24\n")]);
     talk(&mut a, &mut b);
