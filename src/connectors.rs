@@ -83,7 +83,8 @@ impl OutputSet {
     }
 }
 
-/// A temperature sensor.
+/// A temperature sensor. A new one is a variant, a row of [`ALL`](Self::ALL), and a thermistor in the wiring of a board,
+/// which may have so many as its chip says (`MOST_THERMISTORS` in `chips/stm32f446/src/wiring.rs`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]

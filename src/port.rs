@@ -1,7 +1,7 @@
-//! The seam: what a machine must offer so that the core can run on it.
+//! The ports: the traits that a board, or a simulator, implements so that the core can run on it.
 //!
-//! Everything above is free of hardware; everything below implements these few traits. A simulated
-//! fault is one more implementation wrapped round another, never a flag.
+//! The core uses hardware through these few traits only. A simulated fault is one more implementation wrapped round
+//! another, never a flag.
 
 pub use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Output, OutputSet, SENSORS, Sensor};
 pub use crate::motors::{EndstopSet, GroupSet, Motor, MotorSet};
@@ -41,10 +41,10 @@ pub trait StepPort {
         self.fall(steps);
     }
 
-    /// All endstop inputs, in one read of each GPIO port.
+    /// All endstop inputs, that of the Z probe too, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
 
-    /// The endstops that there are.
+    /// The endstops that there are; the Z probe ([`EndstopSet::PROBE`]) only on a board that has its pin.
     fn inputs(&self) -> EndstopSet {
         EndstopSet::SWITCHES
     }
@@ -122,7 +122,7 @@ pub trait Serial {
 
 /// The motor drivers: their enable lines, and the one-wire UART of each.
 ///
-/// One exchange goes on at a time, beside everything else: nothing here blocks, and nobody awaits it.
+/// One exchange, which is a request and its reply, goes on at a time, beside everything else: nothing here blocks, and nobody awaits it.
 /// Without methods of its own for that, a machine has drivers that nobody can talk to.
 pub trait DriverBus {
     /// Powers exactly the motors of `on`; the four belt motors change in one transaction.

@@ -1,9 +1,14 @@
 //! Status: what the contexts know of each other, beside the moves and step events in the queues.
 //!
-//! Single atomics, each with one writer: the one that its field names, or else the Console. `triggered` alone has two: the Stepper sets it, and the
-//! Console clears it when it has begun another epoch and everybody is idle. A count that both sides keep says without a
-//! race whether there is motion: none when as much was finished as was begun. Readers get copies, so what they read
-//! together may be of different instants; where that matters the method says in which order it reads.
+//! Each field is an atomic of its own with one writer. The field's comment names the writer; where it names none, the
+//! Console writes. Only `triggered` has two: the Stepper sets it, and the Console clears it, after it has begun another epoch
+//! and when Stepper and generator are idle.
+//!
+//! Whether there is motion is told by counts that only grow. Who hands work on counts what was begun, who does the work counts
+//! what was finished, and there is no motion when the two counts are equal. No order of events can make that wrong.
+//!
+//! A reader gets copies of single fields. Two fields may be of different instants; where that matters, the method says in which
+//! order it reads them.
 
 mod counted;
 mod heat;

@@ -199,8 +199,8 @@ fn arrows_within(src: &Path, files: &[PathBuf]) -> BTreeMap<Vec<String>, BTreeMa
             let file = |name: &String| modules.contains(&[folder, std::slice::from_ref(name)].concat());
             // A name of the folder's own, or one that it hands on.
             let handed_on = || {
-                let (_, door) = read.iter().find(|(other, _)| other == folder)?;
-                let used = door.iter().find(|used| used.starts_with(folder) && used.last() == Some(name))?;
+                let (_, handed) = read.iter().find(|(other, _)| other == folder)?;
+                let used = handed.iter().find(|used| used.starts_with(folder) && used.last() == Some(name))?;
                 used.get(common).filter(|name| file(name))
             };
             let Some(to) = Some(name).filter(|name| file(name)).or_else(handed_on) else { continue };

@@ -36,7 +36,7 @@ fn streaming_badly(last: i32) -> Machine {
     machine
 }
 
-const PROBE: &str = "Resend: 8\nok\n";
+const QUESTION: &str = "Resend: 8\nok\n";
 const MISMATCH: &str = "Error:checksum mismatch, Last Line: 7\nResend: 8\nok\n";
 
 /// The host hears an `ok`, goes on with the line after the lost one, and so shows that there was one.
@@ -65,7 +65,7 @@ fn an_answer_that_is_lost_is_given_again() {
 fn a_line_that_is_lost_whole_on_a_bad_line_is_asked_for() {
     let mut machine = streaming_badly(7);
     assert_eq!(wait(&mut machine, PATIENCE_MS - 1), "");
-    assert_eq!(wait(&mut machine, 1), PROBE);
+    assert_eq!(wait(&mut machine, 1), QUESTION);
     assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
     assert_eq!(machine.commands, ["G1 X8"]);
 }
@@ -111,7 +111,7 @@ fn nobody_is_asked_for_lines_once_the_motion_has_ended() {
 #[test]
 fn eight_prompts_and_the_stream_is_over() {
     let mut machine = streaming_badly(7);
-    assert_eq!(wait(&mut machine, 600_000), PROBE.repeat(2) + &"ok\n".repeat(6));
+    assert_eq!(wait(&mut machine, 600_000), QUESTION.repeat(2) + &"ok\n".repeat(6));
     // Whoever types now may take his time, and needs no numbers.
     assert_eq!(machine.say("M1"), "");
     assert_eq!(wait(&mut machine, 10_000), "");
@@ -169,7 +169,7 @@ fn a_line_that_is_lost_after_an_unnumbered_one_is_missed() {
         assert_eq!(machine.say("M105\n"), "ok\n");
     }
     assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
-    assert!(machine.say(numbered(9, "G1 X9")).ends_with(PROBE));
+    assert!(machine.say(numbered(9, "G1 X9")).ends_with(QUESTION));
     assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
     let mut machine = Machine::new();
     machine.say("N-1 M110 N-1*125\nM105\n");
@@ -232,7 +232,7 @@ fn a_damaged_line_without_an_end_is_asked_for_sooner() {
     assert_eq!(wait(&mut machine, 100), "");
     assert_eq!(wait(&mut machine, 1), MISMATCH);
     // The answer to that may be lost as well.
-    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), QUESTION);
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn a_piece_between_two_false_line_ends_is_not_carried_out() {
     // A false line end and a star that came through as something else.
     assert_eq!(machine.say("N8\nM110 N2.34\n"), missing);
     // Was that a line that somebody meant? Then its host is waiting now.
-    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), PROBE);
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), QUESTION);
     assert_eq!(machine.say(numbered(8, "G1 X8")), "ok\n");
     assert_eq!(machine.say("M105\n"), "ok\n", "all is well again");
     assert_eq!(machine.commands, ["G1 X8", "M105"]);
@@ -285,7 +285,7 @@ fn an_emergency_is_never_doubted() {
 fn whoever_comes_after_a_host_that_vanished_in_a_line_is_heard() {
     let mut machine = streaming(7);
     assert_eq!(machine.say("N8 G1 X"), "");
-    assert_eq!(wait(&mut machine, 600_000), MISMATCH.to_owned() + &PROBE.repeat(2) + &"ok\n".repeat(6));
+    assert_eq!(wait(&mut machine, 600_000), MISMATCH.to_owned() + &QUESTION.repeat(2) + &"ok\n".repeat(6));
     assert_eq!(machine.say("N0 M110 N0*125\nN1 M115*39\n"), "ok\nok\n");
     assert_eq!(machine.commands, ["M115"]);
 }

@@ -121,7 +121,7 @@ fn our_words_mean_nothing_else_to_any_host() {
         reply(|r| r.resend(ResendReason::NoChecksum, 1)),
         reply(|r| r.line_number(Some(5))),
         reply(Replies::too_long),
-        reply(|r| r.probe(1)),
+        reply(|r| r.question(1)),
         reply(|r| r.unknown(b"G29")),
         reply(Replies::busy),
         reply(Replies::paused),

@@ -71,21 +71,21 @@ fn said_with(defect: Defect) -> Vec<String> {
 }
 
 #[test]
-fn a_crystal_that_does_not_start_is_told_again_and_again() {
+fn a_crystal_that_does_not_start_is_reported_again_and_again() {
     let said = said_with(Defect::Crystal);
     assert!(said.len() >= 2, "{said:?}");
     assert!(said.iter().all(|line| line == "Error:the crystal of 12 MHz does not start, this board cannot print"));
 }
 
 #[test]
-fn a_pll_that_does_not_lock_is_told_again_and_again() {
+fn a_pll_that_does_not_lock_is_reported_again_and_again() {
     let said = said_with(Defect::Pll);
     assert!(said.len() >= 2, "{said:?}");
     assert!(said.iter().all(|line| line == "Error:the PLL does not lock, this board cannot print"));
 }
 
 #[test]
-fn a_supply_without_over_drive_is_told_again_and_again() {
+fn a_supply_without_over_drive_is_reported_again_and_again() {
     let said = said_with(Defect::OverDrive);
     assert!(said.len() >= 2, "{said:?}");
     let told = "Error:the supply of the processor has no over-drive, this board cannot print";

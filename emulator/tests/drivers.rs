@@ -20,7 +20,7 @@ fn print_on(drivers: &DriverLines) -> Seen {
 }
 
 /// Whether the board said so in an error of its own.
-fn is_told(seen: &Seen, what: &str) -> bool {
+fn is_reported(seen: &Seen, what: &str) -> bool {
     seen.line.said.iter().any(|line| line.starts_with("Error:") && line.contains(what))
 }
 
@@ -29,7 +29,7 @@ fn assert_refused(seen: &Seen, what: &str) {
     println!("{:?}", seen.line.said);
     assert!(seen.recorder.events.is_empty(), "{} steps", seen.recorder.events.len());
     assert!(seen.safety.switched.is_empty() && seen.safety.dangers.is_empty(), "{:?}", seen.safety.switched);
-    assert!(is_told(seen, what), "{:?}", seen.line.said);
+    assert!(is_reported(seen, what), "{:?}", seen.line.said);
     assert!(seen.resets.is_empty());
 }
 
@@ -119,8 +119,8 @@ fn stops_after(injection: Injection, causes: &[&str]) -> u64 {
     );
     assert!(last <= off, "steps after the power was cut");
     assert_eq!(seen.recorder.unpowered, 0);
-    let is_told = causes.iter().any(|cause| is_told(&seen, cause));
-    assert!(seen.safety.powered.is_empty() && is_told, "{:?}", seen.line.said);
+    let is_reported = causes.iter().any(|cause| is_reported(&seen, cause));
+    assert!(seen.safety.powered.is_empty() && is_reported, "{:?}", seen.line.said);
     assert!(seen.resets.is_empty() && seen.line.failure.is_some(), "the host knows");
     last.saturating_sub(at)
 }

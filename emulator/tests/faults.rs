@@ -14,7 +14,7 @@ const GCODE: &str = "G28\nG1 X60 Y60 F6000\nM400\n";
 /// Watchdog: 500 counts of 1 kHz, and LSI may run at 17 kHz instead of 32 kHz; the model runs at 32 kHz.
 const WATCHDOG_NS: u64 = 520 * MS;
 
-fn is_told(seen: &Seen) -> bool {
+fn is_reported(seen: &Seen) -> bool {
     seen.line.said.iter().any(|line| line.contains("the last reset came"))
 }
 
@@ -47,7 +47,7 @@ fn a_bus_error_while_stepping_switches_the_motors_off_at_once() {
     let off = off_after(&seen);
     println!("motors off {off} ns after the fault");
     assert!(off < MS);
-    assert!(is_told(&seen), "{:?}", seen.line.said);
+    assert!(is_reported(&seen), "{:?}", seen.line.said);
 }
 
 /// Runs into `trap` in mid-motion; from there until no motor had power, in ns, and what was seen.
@@ -64,7 +64,7 @@ fn fall(trap: Trap, injection: Injection) -> (u64, Seen) {
     assert_eq!(seen.end, End::Reset);
     let off = off_after(&seen);
     println!("{trap:?}: motors off {off} ns after the event before it");
-    assert!(is_told(&seen), "{:?}", seen.line.said);
+    assert!(is_reported(&seen), "{:?}", seen.line.said);
     (off, seen)
 }
 
@@ -75,7 +75,7 @@ fn an_illegal_instruction_in_the_step_interrupt_switches_the_motors_off_at_once(
 }
 
 #[test]
-fn a_panic_in_the_step_interrupt_switches_the_motors_off_and_is_told() {
+fn a_panic_in_the_step_interrupt_switches_the_motors_off_and_is_reported() {
     let (off, seen) = fall_into(Trap::Panic);
     assert!(off < 2 * MS);
     assert!(seen.line.said.iter().any(|line| line.contains("trap")), "{:?}", seen.line.said);
@@ -117,7 +117,7 @@ fn a_supply_that_falls_switches_the_motors_off_and_is_waited_for() {
 
 /// The option bytes of the model are those of a chip as it is delivered: no brown-out reset.
 #[test]
-fn a_chip_without_brown_out_reset_is_told_at_the_start_and_by_m122() {
+fn a_chip_without_brown_out_reset_is_reported_at_the_start_and_by_m122() {
     let seen = print(&firmware(), "M122\n", None);
     assert_eq!(seen.end, End::Done);
     let told = seen.line.said.iter().filter(|line| line.contains("brown-out reset is not at level 3")).count();
@@ -133,7 +133,7 @@ fn the_debug_port_has_its_pins() {
 }
 
 #[test]
-fn a_crystal_that_stops_switches_the_motors_off_and_is_told() {
+fn a_crystal_that_stops_switches_the_motors_off_and_is_reported() {
     let (off, seen) = fall_into(Trap::ClockFailure);
     assert!(off < 2 * MS);
     assert!(seen.line.said.iter().any(|line| line.contains("the crystal has stopped")), "{:?}", seen.line.said);

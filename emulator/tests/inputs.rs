@@ -60,7 +60,7 @@ fn a_converter_that_has_stopped_has_no_values() {
 }
 
 #[test]
-fn the_probe_is_told_of() {
+fn the_probe_is_reported() {
     for (stuck, words) in [(None, "z_probe: open"), (Some((Pin::new('B', 7), true)), "z_probe: TRIGGERED")] {
         let seen = talk("M119\n", None, &[], stuck);
         assert!(seen.line.said.iter().any(|line| line == words), "{words}: {:?}", seen.line.said);

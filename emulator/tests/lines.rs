@@ -39,7 +39,7 @@ fn check(seen: &Seen, gcode: &str) {
 }
 
 #[test]
-fn two_hosts_are_served_at_once_and_each_is_told_what_it_asked() {
+fn two_hosts_are_served_at_once_and_each_hears_what_it_asked() {
     let (gcode, questions) = (file(), questions());
     let seen = serve(&firmware(), &gcode, Some(&questions), Manner::default(), None);
     check(&seen, &gcode);

@@ -7,6 +7,14 @@
 //!
 //! [`Drivers`] is stepped by the Console's crank and never waits: at most one exchange goes on, in the background.
 //! Everything that switches power goes through it.
+//!
+//! # Words
+//!
+//! - **exchange**: a request to one driver and its reply, if one is due: a datagram each way (`datagram`).
+//! - **job**: what is to be done with a driver. **run**: a job on its way, several exchanges one after the other (`run`).
+//! - **proof**: a run which has shown that the driver holds its configuration. It counts for a short time and for getting
+//!   power once. A **quick proof** reads three registers, of a driver that was configured before.
+//! - **poll**: a look at a driver whose motor has power.
 
 mod config;
 mod datagram;

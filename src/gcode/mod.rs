@@ -7,7 +7,8 @@
 //! line gives the same command whatever came before it.
 //!
 //! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
-//! people) or `shaping`; `grammar` says which lines are not in order, `quiet` which commands need only `ok`.
+//! people) or `shaping`; `grammar` says which lines are not in order, `quiet` which commands need only `ok` because the machine
+//! has nothing to do for them.
 
 mod axes;
 mod code;
@@ -27,3 +28,4 @@ pub use command::Command;
 pub use number::Number;
 pub use parse::parse;
 pub use parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, Plane, VelocityWords};
+pub use shaping::ShaperName;

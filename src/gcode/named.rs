@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn objects_are_told_of_and_not_left_out() {
+    fn objects_are_announced_and_not_left_out() {
         for line in [
             "EXCLUDE_OBJECT_DEFINE NAME=cube_id_0_copy_0 CENTER=10,10 POLYGON=[[5,5],[15,5],[15,15]]",
             "exclude_object_start NAME=cube",

@@ -7,8 +7,38 @@ use super::number::Number;
 use super::parts::{AxisFlags, Flaw, VelocityWords};
 use fixed::types::I32F32;
 
-/// The shapers in the words of RepRapFirmware's M593 P, and their numbers in M593 T. Its `ei2` has two humps.
-const NAMES: [(&[u8], i32); 6] = [(b"zv", 0), (b"zvd", 1), (b"mzv", 2), (b"ei", 3), (b"2hump_ei", 4), (b"ei2", 4)];
+/// The shapers of M593; the value of each is its number in M593 T (Prusa-Firmware-Buddy).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ShaperName {
+    /// Zero vibration.
+    Zv = 0,
+    /// Zero vibration and derivative.
+    Zvd = 1,
+    /// Modified zero vibration.
+    Mzv = 2,
+    /// Extra insensitive.
+    Ei = 3,
+    /// Extra insensitive with two humps.
+    TwoHumpEi = 4,
+}
+
+/// All shapers, with their names in RepRapFirmware's M593 P. Its `ei2` has two humps.
+const NAMES: [(&[u8], ShaperName); 6] = [
+    (b"zv", ShaperName::Zv),
+    (b"zvd", ShaperName::Zvd),
+    (b"mzv", ShaperName::Mzv),
+    (b"ei", ShaperName::Ei),
+    (b"2hump_ei", ShaperName::TwoHumpEi),
+    (b"ei2", ShaperName::TwoHumpEi),
+];
+
+impl ShaperName {
+    /// The shaper with that number.
+    #[must_use]
+    pub fn of(number: Number) -> Option<Self> {
+        NAMES.into_iter().map(|(_, name)| name).find(|name| Number::from(*name as i32) == number)
+    }
+}
 
 /// M593; a report is of both axes. S is RepRapFirmware's D.
 pub(super) fn shaper(text: &[u8]) -> Command<'static> {
@@ -26,7 +56,7 @@ pub(super) fn shaper(text: &[u8]) -> Command<'static> {
     if let Some(name) = name {
         let known = NAMES.iter().find(|(other, _)| name.eq_ignore_ascii_case(other));
         // No shaper has the number -1.
-        kind = Some(Number::from(known.map_or(-1, |(_, number)| *number)));
+        kind = Some(Number::from(known.map_or(-1, |(_, shaper)| *shaper as i32)));
         if name.eq_ignore_ascii_case(b"none") {
             (frequency, kind) = (Some(Number::ZERO), None);
         }

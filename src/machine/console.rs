@@ -41,12 +41,12 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) planner: Planner<'m>,
     pub(super) policy: ReleasePolicy,
     /// There is more to do at once: the next turn is wanted before anything happens.
-    pub(super) comes_again: bool,
+    comes_again: bool,
     /// How far the present answer has been written.
     pub(super) progress: Progress,
     pub(super) settings: Settings,
     /// The settings that the machine was made with.
-    pub(super) defaults: Settings,
+    defaults: Settings,
     pub(super) modal: Modal,
     pub(super) retraction: Retraction,
     pub(super) homed: Homed,
@@ -167,7 +167,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                     Answer::LineNumber(number)
                 }
                 Asked::TooLong => Answer::TooLong,
-                Asked::Probe(last) => Answer::Probe(last),
+                Asked::Question(last) => Answer::Question(last),
                 Asked::Resend(reason, last) => Answer::Resend(reason, last),
             };
             self.tell(answer).await?;
@@ -206,9 +206,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
+    /// The settings that the machine was made with.
+    pub(super) const fn defaults(&self) -> &Settings {
+        &self.defaults
+    }
+
+    /// There is more to do at once: the next turn is wanted before anything happens.
+    pub(super) const fn come_again(&mut self) {
+        self.comes_again = true;
+    }
+
     /// Lets the world go round once, without waiting for anything to happen.
     pub(super) async fn turn_again(&mut self) -> Result<(), Interrupt> {
-        self.comes_again = true;
+        self.come_again();
         self.turn().await
     }
 

@@ -10,7 +10,7 @@
 //! executor and no waker. Every wait in it turns the same crank: take bytes in, see to emergencies, hand
 //! released moves on, send replies out.
 //!
-//! | room | for |
+//! | file or folder | for |
 //! |---|---|
 //! | `console` | the loop and the crank |
 //! | `hosts` | lines from several hosts, served in turn; what they are told after a stop |

@@ -32,6 +32,8 @@
 //! - **group**: motors that always step together; it has one count of steps. **piece**: a time in which a group's position is a
 //!   quadratic.
 //! - **step event**: all groups that step in one tick. **epoch**: what is queued between two aborts.
+//! - **work**: what the Console asks of the generator: a move, a dwell, other taps. **entry**: work in the MoveQueue, with its
+//!   epoch. (An entry speed is something else: how fast a move begins.)
 //! - **to lay**: to add a move's phases to the trajectory. **to release**: to let a move leave the look-ahead for good.
 //! - **covered**: the part of a path that lies between its begin and here. **following**: later on the path, or in time.
 //!
@@ -60,7 +62,7 @@ use core::sync::atomic;
 
 pub use link::Link;
 pub use moves::{Move, WHOLE};
-pub use planner::{MoveMemory, Planner, Target, WHOLE_SHARE, WINDOW};
+pub use planner::{LOOKAHEAD_MOVES, MoveMemory, Planner, Target, WHOLE_SHARE};
 pub use queue::{LONGEST_INTERVAL, StepEvent, StepQueue, StepsIn, StepsOut};
 pub use step_counts::StepCounts;
 pub use stepgen::StepGenerator;

@@ -22,5 +22,5 @@ mod syntax;
 pub use emergency::Emergency;
 pub use numbering::ResendReason;
 pub use receiver::{Incoming, Receiver};
-pub use reply::{Echo, NoRoom, Replies};
+pub use reply::{BUSY, BUSY_PAUSED, Echo, NoRoom, Replies};
 pub use silence::Activity;

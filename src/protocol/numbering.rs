@@ -5,10 +5,12 @@
 //! with a checksum is a numbered line that lost its head, and is asked for again; a numbered line with
 //! nothing in it is acknowledged.
 //!
-//! And three that no peer has: a repetition of a line that came just now is acknowledged, because a request for the next
-//! one would have the host send that twice too, and so on to the end of the print; what comes without a number
-//! right after damage is not trusted; and the first line of all may be N0, for printcore cannot repeat the
-//! M110 before it.
+//! And three things are in no other firmware:
+//!
+//! - A line that comes a second time is acknowledged. If the next line were asked for instead, the host would send that one
+//!   twice too, and so on to the end of the print.
+//! - A line without a number right after damage is not trusted: it may be a piece of the damaged line.
+//! - The first line of all may be N0, because printcore cannot repeat the M110 before it.
 
 use super::checksum::Checksum;
 use super::framing::Frame;

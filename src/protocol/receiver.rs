@@ -36,8 +36,8 @@ pub enum Incoming<'a> {
         /// The last line that was in order.
         last: i32,
     },
-    /// Nothing arrived at all. If the host waits for an answer, it must go on with the line after `last`.
-    Silence {
+    /// The host has been silent for long, and is asked for the line after `last` (see `silence`).
+    Question {
         /// The last line that was in order.
         last: i32,
     },
@@ -159,7 +159,7 @@ impl Receiver {
         let prompt = activity.prompt(is_bad, self.numbering.waits_for_ever())?;
         match self.silence.is_over(last, patience_ms, now) {
             Some(is_time) => is_time.then_some(match prompt {
-                Prompt::Question if self.silence.may_ask() => Incoming::Silence { last },
+                Prompt::Question if self.silence.may_ask() => Incoming::Question { last },
                 Prompt::Question | Prompt::Ok => Incoming::Acknowledge,
             }),
             None => {

@@ -18,6 +18,12 @@ use super::numbering::ResendReason;
 /// Bytes held: 178 ms at 115200 baud, several times the answer to M115.
 const CAPACITY: usize = 2048;
 
+/// What a host hears while its line is being worked on. Hosts wait on when they read `busy:`.
+pub const BUSY: &str = "echo:busy: processing";
+
+/// What a host hears while its line waits for the user.
+pub const BUSY_PAUSED: &str = "echo:busy: paused for user";
+
 /// Characters of an unknown command that are echoed.
 const ECHOED: usize = 60;
 
@@ -123,12 +129,12 @@ impl Replies {
         })
     }
 
-    /// Asks for the line after `last` as if it had been refused, but without an error: none is known of. The `ok` is
-    /// that of the line that was lost, or was itself lost on its way.
+    /// The question to a silent host: asks for the line after `last` as if that had been refused, but without an error,
+    /// for none is known of. The `ok` is that of the line that was lost, or was itself lost on its way.
     ///
     /// # Errors
     /// [`NoRoom`]
-    pub fn probe(&mut self, last: i32) -> Result<(), NoRoom> {
+    pub fn question(&mut self, last: i32) -> Result<(), NoRoom> {
         self.whole(|replies| {
             replies.append(format_args!("Resend: {}", i64::from(last) + 1))?;
             replies.append(format_args!("ok"))
@@ -176,7 +182,7 @@ impl Replies {
     /// # Errors
     /// [`NoRoom`]
     pub fn busy(&mut self) -> Result<(), NoRoom> {
-        self.line(format_args!("echo:busy: processing"))
+        self.line(format_args!("{BUSY}"))
     }
 
     /// Says that a line waits for the user.
@@ -184,7 +190,7 @@ impl Replies {
     /// # Errors
     /// [`NoRoom`]
     pub fn paused(&mut self) -> Result<(), NoRoom> {
-        self.line(format_args!("echo:busy: paused for user"))
+        self.line(format_args!("{BUSY_PAUSED}"))
     }
 
     /// The first line after a reset.

@@ -1,7 +1,7 @@
 //! The byte ring: holds what arrived while a command is being carried out.
 //!
 //! Damage travels with the bytes, so that it spoils the line it belongs to and no other. Its mark is the
-//! NUL byte, which means nothing in this protocol and is dropped at the door.
+//! NUL byte, which means nothing in this protocol and is dropped on arrival.
 //!
 //! Full: the byte is lost, which is damage and is marked as such; one place is kept free for the mark.
 //! Empty: there is nothing to do.

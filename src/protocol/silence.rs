@@ -7,6 +7,8 @@
 //! On a line that has lost something the next line is asked for, as long as the machine moves. docs/host-protocol.md says
 //! what each host makes of either, in each of its states.
 //!
+//! Either of them is a **prompt**. The request for the next line is the **question**: `Resend:` and `ok`, without an error.
+//!
 //! | the machine | nothing was ever damaged | something was |
 //! |---|---|---|
 //! | moves | `ok` | a question, twice, then `ok` |
@@ -23,7 +25,7 @@ const PROMPTS: u8 = 8;
 /// From one prompt to the next the time doubles, so many times at most: to 8 s with a patience of half a second.
 const DOUBLINGS: u8 = 4;
 
-/// So many of the first of them may be questions. OctoPrint counts each as a resend, and gives up at the eleventh for the
+/// So many of the first prompts may be questions. OctoPrint counts each as a resend, and gives up at the eleventh for the
 /// same line (comm.py, maxConsecutiveResends).
 const QUESTIONS: u8 = 2;
 
@@ -45,7 +47,7 @@ pub enum Activity {
 pub(super) enum Prompt {
     /// By an `ok`.
     Ok,
-    /// By asking for the next line.
+    /// By the question: the host is asked for the next line.
     Question,
 }
 

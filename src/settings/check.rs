@@ -54,7 +54,7 @@ pub mod ranges {
     pub const ACCELERATION: Range<MmPerSec2> =
         Range { least: MmPerSec2::const_from_int(1), most: MmPerSec2::const_from_int(100_000) };
     /// Length of an axis.
-    pub const LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(5000) };
+    pub const AXIS_LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(5000) };
     /// Junction deviation and arc tolerance.
     pub const TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
     /// Silence of a host, in ms: no less than its USB adapter, its garbage collector and its disk may make any day.
@@ -83,7 +83,7 @@ pub mod ranges {
     /// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
     pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
     /// Window of the pressure advance.
-    pub const WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
+    pub const ADVANCE_WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
     /// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
     /// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.
     pub const LOOKAHEAD_TIME: Range<Seconds> = Range { least: Seconds::lit("0.5"), most: Seconds::const_from_int(60) };
@@ -183,7 +183,7 @@ fn axis(a: &AxisSettings, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::STEPS_PER_MM, a.steps_per_mm, name)?;
     within(ranges::SPEED, a.max_speed, name)?;
     within(ranges::ACCELERATION, a.max_acceleration, name)?;
-    within(ranges::LENGTH, a.length, name)?;
+    within(ranges::AXIS_LENGTH, a.length, name)?;
     step_rate(a.max_speed, a.steps_per_mm, name)
 }
 
@@ -306,7 +306,7 @@ impl Settings {
         shaper(&self.shapers.x, "shaper.x")?;
         shaper(&self.shapers.y, "shaper.y")?;
         within(ranges::ADVANCE, self.advance.time, "advance.time")?;
-        within(ranges::WINDOW, self.advance.window, "advance.window")?;
+        within(ranges::ADVANCE_WINDOW, self.advance.window, "advance.window")?;
         homing(&self.homing.x, "homing.x")?;
         homing(&self.homing.y, "homing.y")?;
         homing(&self.homing.z, "homing.z")?;

@@ -1,9 +1,9 @@
 //! Settings: the machine as data. Values are range-checked where they enter, so the rooms that read them
 //! need not ask.
 //!
-//! The stops of a setting, in the order in which a new one makes them:
+//! The places that know a setting, in the order in which a new one is added to them:
 //!
-//! | stop | where | what holds it to that |
+//! | place | where | what holds it to that |
 //! |---|---|---|
 //! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal` | compiler (`prototype`) |
 //! | range, check | `check` | `tests/setting_ranges.rs` |
@@ -14,9 +14,9 @@
 //! | who reads it | `motion`, `driver` or `machine` | its own tests |
 //! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |
 //!
-//! A new [`ShaperKind`] stops at its impulses (`motion::trajectory::shaper`), its number and M593's text
-//! (`machine/commands/shaping.rs`), its name (`gcode::shaping`) and `KindToml` (the machine file); the same test names the
-//! one that is missing.
+//! A new [`ShaperKind`] is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
+//! (`gcode::shaping`), what of the two belongs together and M593's text (`machine/commands/shaping.rs`), and `KindToml` (the
+//! machine file). Matches without a wildcard ask for it from here to `gcode`; the same test names what else is missing.
 
 mod axis;
 mod check;

@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn users_are_told_of_slots_and_errors() {
+    fn slots_and_errors_have_texts_for_users() {
         extern crate std;
         use std::string::ToString as _;
         assert_eq!([Slot::A.to_string(), Slot::B.to_string()], ["A", "B"]);

@@ -11,7 +11,7 @@ use corehbot::units::{Mm, MmPerSec2, Steps};
 use std::f64::consts::{PI, TAU};
 
 /// Seconds.
-const WINDOW: f64 = 0.004;
+const BEND_TIME: f64 = 0.004;
 
 /// By how much the acceleration may be exceeded: the tool may brake in a curve.
 const MOST: f64 = 1.3;
@@ -21,7 +21,7 @@ type Points = Vec<[f64; 2]>;
 /// What two velocities differ by, as a share of what they may. The jump of a corner that turns by t under junction deviation d
 /// is `2 v sin(t/2)` with `v^2 = a d s / (1 - s)` and `s = cos(t/2)`, which is `sqrt(4 a d s (1 + s))`: at most `sqrt(8 a d)`.
 fn share(p: Velocity, q: Velocity, a: f64, d: f64) -> f64 {
-    size(std::array::from_fn(|i| q[i] - p[i])) / (MOST * a * WINDOW + (8.0 * a * d).sqrt())
+    size(std::array::from_fn(|i| q[i] - p[i])) / (MOST * a * BEND_TIME + (8.0 * a * d).sqrt())
 }
 
 /// A path that is drawn chord by chord.
@@ -227,7 +227,7 @@ pub fn points_share(points: &[[f64; 2]], feed: f64, prints: bool, s: &Settings) 
     let moves = plan(&targets(points, feed, prints), s);
     let a = if prints { s.print_acceleration } else { s.travel_acceleration }.to_num::<f64>();
     let CornerRule::JunctionDeviation(d) = s.corner else { unreachable!("the prototype has one") };
-    worst(&course([Steps::ZERO; 4], &moves, s), WINDOW, |p, q| share(p, q, a, d.to_num()))
+    worst(&course([Steps::ZERO; 4], &moves, s), BEND_TIME, |p, q| share(p, q, a, d.to_num()))
 }
 
 /// The prototype, with other accelerations and another deviation.

@@ -2,13 +2,13 @@
 
 use super::line::{plan, target};
 use super::timing::wander;
-use corehbot::motion::{Move, MoveMemory, Planner, WINDOW};
+use corehbot::motion::{LOOKAHEAD_MOVES, Move, MoveMemory, Planner};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 
 /// As many as the window holds.
 fn targets() -> Vec<([f64; 4], f64)> {
-    wander(WINDOW - 1, 0x0DD5_EED5)
+    wander(LOOKAHEAD_MOVES - 1, 0x0DD5_EED5)
 }
 
 fn twice_as_fast() -> Vec<([f64; 4], f64)> {

@@ -53,7 +53,7 @@ impl Machine {
             Some(Incoming::LineNumber { report }) => self.replies.line_number(report),
             Some(Incoming::TooLong) => self.replies.too_long(),
             Some(Incoming::Resend { reason, last }) => self.replies.resend(reason, last),
-            Some(Incoming::Silence { last }) => self.replies.probe(last),
+            Some(Incoming::Question { last }) => self.replies.question(last),
         }
         .unwrap();
         true

@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn a_probe_is_told_the_chip_and_connects_while_it_is_held_in_reset() {
+    fn a_probe_gets_the_chip_and_connects_while_it_is_held_in_reset() {
         for (board, chip) in [(Board::Octopus, "STM32F446ZETx"), (Board::Nucleo, "STM32F446RETx")] {
             let texts = probe_commands(board, &image()).map(|command| words(&command));
             let wanted = [
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_flashes_by_usb_is_told_of_the_heaters_and_of_both_boot_pins() {
+    fn whoever_flashes_by_usb_is_warned_of_the_heaters_and_of_both_boot_pins() {
         for word in ["HE2", "HE3", "PB10", "PB11", "BOOT0", "BOOT1", "PB2"] {
             assert!(BEFORE_DFU.contains(word), "{word}");
         }

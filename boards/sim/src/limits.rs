@@ -90,7 +90,7 @@ impl Widest {
         let time = time.unwrap_or(self.advance).min(ranges::ADVANCE.most.to_num());
         self.advance_changes |= self.advance > 0.0 && time != self.advance;
         self.advance = self.advance.max(time);
-        self.window = self.window.min(window.unwrap_or(f64::INFINITY).max(ranges::WINDOW.least.to_num()));
+        self.window = self.window.min(window.unwrap_or(f64::INFINITY).max(ranges::ADVANCE_WINDOW.least.to_num()));
     }
 }
 

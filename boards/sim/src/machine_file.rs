@@ -20,8 +20,8 @@ pub use error::MachineFileError;
 use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, MechanismToml, ShaperToml};
 pub use place::Place;
 use quantity::{
-    ACCELERATION, ADVANCE, ADVANCE_WINDOW, BACK_OFF, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY, KEEPALIVE,
-    LEAST_SPEED, LENGTH, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, RESOLUTION, SPEED, TOLERANCE, put, put_whole,
+    ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BACK_OFF, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
+    KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, RESOLUTION, SPEED, TOLERANCE, put, put_whole,
     quantity,
 };
 use std::path::Path;
@@ -138,7 +138,7 @@ fn axis(a: &mut AxisSettings, table: &str, file: &AxisToml) -> Result<(), Machin
     put(&mut a.steps_per_mm, &format!("{table}.steps_per_mm"), file.steps_per_mm, &RESOLUTION)?;
     put(&mut a.max_speed, &format!("{table}.max_speed"), file.max_speed, &SPEED)?;
     put(&mut a.max_acceleration, &format!("{table}.max_acceleration"), file.max_acceleration, &ACCELERATION)?;
-    put(&mut a.length, &format!("{table}.length"), file.length, &LENGTH)
+    put(&mut a.length, &format!("{table}.length"), file.length, &AXIS_LENGTH)
 }
 
 fn shaper(s: &mut Shaper, table: &str, file: &ShaperToml) -> Result<(), MachineFileError> {

@@ -2,10 +2,11 @@
 //!
 //! `> text` is sent, with a line end; `>> text` is sent without one. `< text` is what the printer must say next, word
 //! for word, except that `[...]` stands for anything. `#` begins a comment. `\xNN` is a byte. What the printer says
-//! before the first line that is sent counts only if the exchange begins with it, and `echo:busy: processing` only
+//! before the first line that is sent counts only if the exchange begins with it, and [`BUSY`] only
 //! where it is written.
 
 use crate::world::Host;
+use corehbot::protocol::BUSY;
 use std::io;
 use std::path::Path;
 
@@ -102,7 +103,7 @@ impl Host for Script {
         };
         if matches(line, expected) {
             self.next += 1;
-        } else if line != "echo:busy: processing" {
+        } else if line != BUSY {
             self.failure = Some(format!("line {number} wants \"{expected}\", the printer said \"{line}\""));
         }
     }
@@ -152,7 +153,7 @@ mod tests {
         script.hear("start");
         let mut out = Vec::new();
         script.send(&mut out);
-        script.hear("echo:busy: processing");
+        script.hear(BUSY);
         script.hear("ok T:1 B:2");
         script.send(&mut out);
         assert_eq!((out.as_slice(), script.failure(), script.is_done()), (&b"M105\nA"[..], None, true));

@@ -4,6 +4,13 @@
 //! firmware cannot hide in both. Bytes go in by [`Tmc2209::hear`] and come out by [`Tmc2209::say`]; what is on
 //! the wire between them, and when, is the business of whoever wires it up. Faults are set from outside.
 
+mod registers;
+
+use registers::{Access, TABLE};
+pub use registers::{
+    DRV_STATUS, GSTAT, IFCNT, IHOLD_IRUN, IOIN, PWMCONF, SG_RESULT, SGTHRS, TCOOLTHRS, TPWMTHRS, VACTUAL, chopconf,
+    gconf,
+};
 use std::collections::VecDeque;
 
 /// First byte of every datagram (section 4.1.1).
@@ -14,87 +21,6 @@ const MASTER: u8 = 0xFF;
 
 /// The version of a TMC2209 in IOIN (section 5.1).
 const VERSION: u32 = 0x21;
-
-/// What a register is to the UART (section 5, column R/W).
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Access {
-    Read,
-    Write,
-    ReadWrite,
-    /// Reads; a 1 that is written clears the bit.
-    ReadClear,
-}
-
-/// Every register of the UART: address, access, bits, value after power-up (section 5).
-const TABLE: [(u8, Access, u32, u32); 24] = [
-    (gconf::ADDRESS, Access::ReadWrite, 10, 0x101),
-    (GSTAT, Access::ReadClear, 3, 1),
-    (IFCNT, Access::Read, 8, 0),
-    (0x03, Access::Write, 12, 0),
-    (0x04, Access::Write, 16, 0),
-    (0x05, Access::Read, 24, 0),
-    (IOIN, Access::Read, 32, 0),
-    (0x07, Access::ReadWrite, 10, 0),
-    (IHOLD_IRUN, Access::Write, 20, 0x0001_1F10),
-    (0x11, Access::Write, 8, 20),
-    (0x12, Access::Read, 20, 0xF_FFFF),
-    (TPWMTHRS, Access::Write, 20, 0),
-    (TCOOLTHRS, Access::Write, 20, 0),
-    (VACTUAL, Access::Write, 24, 0),
-    (SGTHRS, Access::Write, 8, 0),
-    (SG_RESULT, Access::Read, 10, 0),
-    (0x42, Access::Write, 16, 0),
-    (0x6A, Access::Read, 10, 0),
-    (0x6B, Access::Read, 25, 0),
-    (chopconf::ADDRESS, Access::ReadWrite, 32, 0x1000_0053),
-    (DRV_STATUS, Access::Read, 32, 0x8000_0000),
-    (PWMCONF, Access::ReadWrite, 32, 0xC10D_0024),
-    (0x71, Access::Read, 25, 0),
-    (0x72, Access::Read, 24, 0),
-];
-
-/// GCONF.
-pub mod gconf {
-    /// Address.
-    pub const ADDRESS: u8 = 0x00;
-    /// spreadCycle instead of stealthChop.
-    pub const EN_SPREADCYCLE: u32 = 1 << 2;
-    /// MRES instead of the pins MS1 and MS2.
-    pub const MSTEP_REG_SELECT: u32 = 1 << 7;
-}
-
-/// CHOPCONF.
-pub mod chopconf {
-    /// Address.
-    pub const ADDRESS: u8 = 0x6C;
-    /// High sensitivity of the sense resistors.
-    pub const VSENSE: u32 = 1 << 17;
-    /// Where the microstep resolution begins.
-    pub const MRES: u32 = 24;
-}
-
-/// GSTAT.
-pub const GSTAT: u8 = 0x01;
-/// IFCNT.
-pub const IFCNT: u8 = 0x02;
-/// IOIN.
-pub const IOIN: u8 = 0x06;
-/// IHOLD_IRUN.
-pub const IHOLD_IRUN: u8 = 0x10;
-/// TPWMTHRS.
-pub const TPWMTHRS: u8 = 0x13;
-/// TCOOLTHRS.
-pub const TCOOLTHRS: u8 = 0x14;
-/// VACTUAL.
-pub const VACTUAL: u8 = 0x22;
-/// SGTHRS.
-pub const SGTHRS: u8 = 0x40;
-/// SG_RESULT.
-pub const SG_RESULT: u8 = 0x41;
-/// DRV_STATUS.
-pub const DRV_STATUS: u8 = 0x6F;
-/// PWMCONF.
-pub const PWMCONF: u8 = 0x70;
 
 /// What a reply suffers on its way.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

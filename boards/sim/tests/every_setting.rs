@@ -1,6 +1,6 @@
-//! Every setting and every shaper is known at all of its stops; whoever adds one finds here where it is missing.
+//! Every setting and every shaper is known in all of its places; whoever adds one finds here where it is missing.
 //!
-//! The stops are listed at the head of `src/settings/mod.rs`. That a number has a range is `tests/setting_ranges.rs`'
+//! The places are listed at the head of `src/settings/mod.rs`. That a number has a range is `tests/setting_ranges.rs`'
 //! business, and that a record holds every field is serde's.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -220,7 +220,7 @@ fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
         let number = number.unwrap_or_else(|| panic!("{name} is missing in NAMES of src/gcode/shaping.rs"));
         let said = settings_as_said(&Settings::prototype(), &[&format!("M593 X F50 T{number}")]);
         let by_file = settings_as_said(&settings, &["M593 X F50"]);
-        assert_eq!(said, by_file, "{name}: KINDS in src/machine/commands/shaping.rs");
+        assert_eq!(said, by_file, "{name}: kind_of in src/machine/commands/shaping.rs");
         let (mut host, drivers) = (Lines::new(vec!["M593 T99".to_owned()]), Drivers::new());
         run_on(&Settings::prototype(), None, NoStorage, &drivers, &mut [&mut host], &mut Deaf).unwrap();
         let text = format!("{number} ({})", name.to_uppercase());

@@ -44,7 +44,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn waits_for_a_user_are_answered_and_told() {
+fn waits_for_a_user_are_answered_and_reported() {
     let place = scratch("pauses");
     let json = place.join("s.json");
     let gcode = b"G1 X110 F6000\nM0 Take it off\nG1 X120\nM600\nG1 X130\nM601\nM1\nM0 S2\nG1 X140\n";

@@ -92,7 +92,7 @@ fn every_host_has_line_numbers_of_its_own() {
 }
 
 #[test]
-fn a_host_that_waits_for_the_other_ones_command_is_told_that_somebody_is_there() {
+fn a_host_that_waits_for_the_other_ones_command_hears_that_somebody_is_there() {
     let mut a = Talker::new(&[("echo:", "G4 S9\n")]);
     let mut b = Talker::new(&[("echo:", "G4 S1\nM114\n")]);
     talk(&mut a, &mut b);
@@ -101,7 +101,7 @@ fn a_host_that_waits_for_the_other_ones_command_is_told_that_somebody_is_there()
 }
 
 #[test]
-fn an_emergency_stop_from_either_host_is_told_to_both() {
+fn an_emergency_stop_from_either_host_is_reported_to_both() {
     let mut a = Talker::new(&[("echo:", "G4 S60\n")]);
     let mut b = Talker::new(&[("echo:", "M112\n")]);
     let outcome = talk(&mut a, &mut b);

@@ -5,6 +5,7 @@
 mod deaf;
 
 use corehbot::port::NoStorage;
+use corehbot::protocol::{BUSY, BUSY_PAUSED};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Host, Outcome, run_with};
@@ -60,20 +61,21 @@ fn talk(a: &mut Talker, b: &mut Talker) -> Outcome {
     run_with(&Settings::prototype(), start, NoStorage, &mut [a, b], &mut Deaf).unwrap()
 }
 
-const BUSY: &str = "echo:busy: paused for user";
-
 #[test]
 fn every_answer_ends_a_wait_for_the_user() {
     for answer in ["M108\n", "M24\n", "M602\n", "M876 S0\n", "N1 M108*43\n"] {
         let mut a = Talker::new(&[
             ("echo:corehbot", "G1 X110 F6000\nM600\n"),
-            (BUSY, answer),
+            (BUSY_PAUSED, answer),
             ("ok", "G1 X120\nM400\nM114 R\n"),
         ]);
         let outcome = talk(&mut a, &mut Talker::new(&[]));
         assert_eq!((a.count("// action:paused"), a.count("// action:resumed")), (1, 1), "{answer}: {:?}", a.heard);
         assert_eq!((a.count("X:120.00"), outcome.moves), (1, 2), "{answer}");
-        assert!(a.place("// action:paused") < a.place(BUSY) && a.place(BUSY) < a.place("// action:prompt_end"));
+        assert!(
+            a.place("// action:paused") < a.place(BUSY_PAUSED)
+                && a.place(BUSY_PAUSED) < a.place("// action:prompt_end")
+        );
     }
 }
 
@@ -86,9 +88,9 @@ fn an_answer_in_the_same_packet_is_not_lost() {
 
 #[test]
 fn what_only_says_that_a_host_can_ask_is_no_answer() {
-    let mut a = Talker::new(&[("echo:corehbot", "M0 S9\n"), (BUSY, "M876 P1\n")]);
+    let mut a = Talker::new(&[("echo:corehbot", "M0 S9\n"), (BUSY_PAUSED, "M876 P1\n")]);
     talk(&mut a, &mut Talker::new(&[]));
-    assert!(a.count(BUSY) >= 4, "{:?}", a.heard);
+    assert!(a.count(BUSY_PAUSED) >= 4, "{:?}", a.heard);
     assert_eq!(a.count("ok"), 2);
 }
 
@@ -96,11 +98,11 @@ fn what_only_says_that_a_host_can_ask_is_no_answer() {
 fn a_resume_does_not_end_a_dwell() {
     let mut a = Talker::new(&[("echo:corehbot", "G4 S9\n"), ("echo:busy", "M24\n")]);
     talk(&mut a, &mut Talker::new(&[]));
-    assert!(a.count("echo:busy: processing") >= 4, "{:?}", a.heard);
+    assert!(a.count(BUSY) >= 4, "{:?}", a.heard);
 }
 
 #[test]
-fn all_hosts_are_told_and_each_may_answer() {
+fn all_hosts_are_asked_and_each_may_answer() {
     let mut a = Talker::new(&[("echo:corehbot", "M600\n")]);
     let mut b = Talker::new(&[("// action:prompt_show", "M24\n")]);
     talk(&mut a, &mut b);
@@ -137,18 +139,18 @@ fn a_long_wait_takes_no_power_from_the_motors() {
     // Power goes after 5 s without motion, and with it the position that homing found.
     let mut a = Talker::new(&[("echo:corehbot", "M84 S5\nG1 X110 F6000\nM0 S60\nG1 X900\nM400\nM114\n")]);
     talk(&mut a, &mut Talker::new(&[]));
-    assert!(a.count(BUSY) >= 29, "{}", a.count(BUSY));
+    assert!(a.count(BUSY_PAUSED) >= 29, "{}", a.count(BUSY_PAUSED));
     // The edge is known only to an axis that is homed.
     assert_eq!(a.count("X:390.00"), 1, "{:?}", a.heard);
 }
 
 #[test]
 fn stops_end_a_wait_for_the_user() {
-    let mut a = Talker::new(&[("echo:corehbot", "M600\nG1 X110\n"), (BUSY, "M410\n"), ("ok", "M114 R\n")]);
+    let mut a = Talker::new(&[("echo:corehbot", "M600\nG1 X110\n"), (BUSY_PAUSED, "M410\n"), ("ok", "M114 R\n")]);
     let outcome = talk(&mut a, &mut Talker::new(&[]));
     assert_eq!((a.count("ok"), outcome.moves, outcome.halted), (4, 0, false), "{:?}", a.heard);
     assert_eq!((a.count("// action:prompt_end"), a.count("// action:resumed")), (1, 0), "{:?}", a.heard);
-    let mut a = Talker::new(&[("echo:corehbot", "M600\n"), (BUSY, "M112\n")]);
+    let mut a = Talker::new(&[("echo:corehbot", "M600\n"), (BUSY_PAUSED, "M112\n")]);
     let outcome = talk(&mut a, &mut Talker::new(&[]));
     assert!(outcome.halted && a.count("ok") == 0 && a.count("Error:Printer halted") > 0);
 }

@@ -212,7 +212,7 @@ fn homing_with_shapers_finds_the_endstops() {
 }
 
 #[test]
-fn settings_are_told_as_the_lines_that_set_them() {
+fn settings_are_reported_as_the_lines_that_set_them() {
     let lines = "M593 X F60 T2\nM593 Y F61.1 D.055 T4\nM900 K1e-05\nM900\nM900 K.05\nM572 W.03\n";
     let heard = print(&format!("{lines}M503\n")).heard;
     for line in ["echo:  M593 X F60 D0.1 T2", "echo:  M593 Y F61.1 D0.055 T4", "echo:  M900 K0.05", "echo:  M572 W0.03"]

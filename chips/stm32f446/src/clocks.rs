@@ -9,7 +9,7 @@ use embassy_stm32::rcc::{
 use embassy_stm32::time::Hertz;
 use embassy_stm32::{Config, interrupt::Priority};
 
-use crate::hand_over::comes;
+use crate::after_bootloader::comes;
 use crate::wiring::Crystal;
 
 /// Clock of the core.

@@ -139,7 +139,8 @@ impl NorFlash for Flash {
 /// Opens the control register for one operation. What was read before is forgotten then: the data cache does not see
 /// that flash has changed (RM0390, 3.4.2).
 fn operate(operation: impl FnOnce() -> Result<(), FlashFailed>) -> Result<(), FlashFailed> {
-    // A key to an open door closes it until the next reset; a debugger may have left it open.
+    // The keys, written to a register that is unlocked already, lock it until the next reset; a debugger may have left it
+    // unlocked.
     if FLASH.cr().read().lock() {
         KEYS.iter().for_each(|key| FLASH.keyr().write_value(*key));
     }

@@ -11,6 +11,10 @@
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
 //! | thread | embassy executor | Console, watchdog; USB |
 //!
+//! **Safe levels** are the levels of all outputs at which no motor has power and nothing heats (`safe_levels`). An **exchange** is a
+//! request to a motor driver and its reply (`exchange`). What start-up makes and one interrupt handler uses is in a
+//! `Handover` of `chips/cortex-m4`.
+//!
 //! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]
 
@@ -31,6 +35,8 @@ mod receiver_flags;
 mod ring;
 
 #[cfg(target_os = "none")]
+mod after_bootloader;
+#[cfg(target_os = "none")]
 mod bus;
 #[cfg(target_os = "none")]
 mod clocks;
@@ -46,8 +52,6 @@ mod eeprom;
 mod fault;
 #[cfg(target_os = "none")]
 mod flash;
-#[cfg(target_os = "none")]
-mod hand_over;
 #[cfg(target_os = "none")]
 mod host_serial;
 #[cfg(target_os = "none")]

@@ -7,7 +7,7 @@ use cortex_m::asm::delay;
 use embassy_stm32::pac::usart::Usart as Registers;
 use embassy_stm32::pac::{RCC, USART1, USART2};
 
-use crate::hand_over::HSI_HZ;
+use crate::after_bootloader::HSI_HZ;
 use crate::serial_port::{SerialPort, Usart};
 use crate::wiring::Board;
 use crate::{ports, watchdog};

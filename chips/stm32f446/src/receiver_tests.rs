@@ -247,7 +247,7 @@ fn a_byte_that_comes_at_any_instant_round_a_rest_is_not_lost() {
 }
 
 #[test]
-fn each_rest_is_told_if_somebody_has_looked_in_between() {
+fn each_rest_is_reported_if_somebody_has_looked_in_between() {
     for chip in chips().filter(|chip| chip.does_dma_take_flags_back) {
         // Looks in the middle of the second line, when the flag of the first rest has gone.
         let long = [b'x'; 40];

@@ -23,7 +23,7 @@ use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::watchdog::{self, Watchdog};
 use crate::wiring::Board;
-use crate::{clocks, fault, hand_over, plain_serial, ports, priorities, safe_levels, stack_guard, supply};
+use crate::{after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply};
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
@@ -55,8 +55,8 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     watchdog::start();
     peripherals.DCB.enable_trace();
     peripherals.DWT.enable_cycle_counter();
-    hand_over::leave_plls();
-    hand_over::reset_peripherals();
+    after_bootloader::leave_plls();
+    after_bootloader::reset_peripherals();
     priorities::reset(&mut peripherals);
     supply::wait();
     if let Err(cause) = clocks::try_out(board.crystal) {

@@ -6,6 +6,8 @@
 //! degree is 3.7 steps of 12 bits, and noise of a step or so, which averaging needs to gain anything, falls to a quarter:
 //! 0.07 degrees. Slower noise is for whoever makes degrees of it.
 //!
+//! A new sensor is a row in the wiring of its board ([`Thermistor`]); there may be [`MOST_THERMISTORS`].
+//!
 //! No interrupt: whoever asks sums up what lies there, and looks whether the DMA goes on counting. An overrun or a
 //! stopped clock ends that for good, and then there are no values any more.
 //!

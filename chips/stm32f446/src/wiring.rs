@@ -1,6 +1,9 @@
 //! The wiring of a board: which pin does what, as data.
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
+//!
+//! What a board may have is capped: [`LINES`] to hosts, [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
+//! [`Board::problem`] says what a table has too much of.
 
 use corehbot::port::{LINES, Motor, MotorSet, Sensor};
 

@@ -284,7 +284,7 @@ fn sectors_that_held_code_are_taken_over() {
 }
 
 #[test]
-fn flash_that_does_not_work_is_told() {
+fn flash_that_does_not_work_is_reported() {
     let mut dead = Nor::blank();
     dead.left = 0;
     let (result, _) = with(dead, |storage| now(storage::save(storage, &variant(1))));

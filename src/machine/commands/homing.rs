@@ -1,4 +1,11 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
+//!
+//! The endstops are switches at the low end of their axes, at 0, and stay pressed below it; so does the rig press them
+//! (`rig/src/lib.rs`). Homing therefore goes down, and the place where the switch was met is 0.
+//!
+//! The Z probe ([`EndstopSet::PROBE`]) takes no part: it is read and reported (M119), but nothing homes by it, and G29,
+//! G30 and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would do as
+//! `approach` does here: a move that watches for the probe.
 
 use crate::gcode::AxisFlags;
 use crate::machine::console::{Console, PortSet};

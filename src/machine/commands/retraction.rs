@@ -14,7 +14,7 @@ use crate::settings::Range;
 use crate::units::{Mm, MmPerSec};
 
 /// The longest retraction and the highest lift: bowden tubes ask for less than a tenth of it.
-const LENGTH: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+const RETRACTION: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
 
 /// How G10 and G11 retract, and whether the filament is.
 #[derive(Clone, Copy, Debug)]
@@ -116,13 +116,13 @@ impl Retraction {
             return Answer::Setting(Setting::Retraction);
         }
         if let Some(length) = length {
-            self.length = clamps.length(modal, ["M207", "S"], length, LENGTH);
+            self.length = clamps.length(modal, ["M207", "S"], length, RETRACTION);
         }
         if let Some(feed) = feed {
             self.speed = clamps.speed_a_minute(modal, ["M207", "F"], feed);
         }
         if let Some(lift) = lift {
-            self.lift = clamps.length(modal, ["M207", "Z"], lift, LENGTH);
+            self.lift = clamps.length(modal, ["M207", "Z"], lift, RETRACTION);
         }
         Answer::Nothing
     }
@@ -139,7 +139,7 @@ impl Retraction {
             return Answer::Setting(Setting::Recovery);
         }
         if let Some(extra) = extra {
-            self.extra = clamps.length(modal, ["M208", "S"], extra, LENGTH);
+            self.extra = clamps.length(modal, ["M208", "S"], extra, RETRACTION);
         }
         if let Some(feed) = feed {
             self.recover_speed = clamps.speed_a_minute(modal, ["M208", "F"], feed);

@@ -27,16 +27,23 @@ pub(in crate::machine) enum Setting {
 
 impl Setting {
     /// All of them, in the order of M503.
-    pub const ALL: [Self; 10] = [
-        Self::Resolutions,
-        Self::MaxSpeeds,
-        Self::MaxAccelerations,
-        Self::Accelerations,
-        Self::Corners,
-        Self::VelocityLimit,
-        Self::Shapers,
-        Self::Advance,
-        Self::Retraction,
-        Self::Recovery,
-    ];
+    pub fn all() -> impl Iterator<Item = Self> {
+        core::iter::successors(Some(Self::Resolutions), |setting| setting.next())
+    }
+
+    /// The setting that follows in M503. Without a wildcard: a new one is linked in here.
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::Resolutions => Some(Self::MaxSpeeds),
+            Self::MaxSpeeds => Some(Self::MaxAccelerations),
+            Self::MaxAccelerations => Some(Self::Accelerations),
+            Self::Accelerations => Some(Self::Corners),
+            Self::Corners => Some(Self::VelocityLimit),
+            Self::VelocityLimit => Some(Self::Shapers),
+            Self::Shapers => Some(Self::Advance),
+            Self::Advance => Some(Self::Retraction),
+            Self::Retraction => Some(Self::Recovery),
+            Self::Recovery => None,
+        }
+    }
 }

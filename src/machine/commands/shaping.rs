@@ -1,15 +1,11 @@
 //! Shaping: input shapers (M593) and pressure advance (M900, M572) as lines set them.
 
 use super::clamps::Clamps;
-use crate::gcode::{AxisFlags, Number};
+use crate::gcode::{AxisFlags, Number, ShaperName};
 use crate::machine::numbers::shortest;
 use crate::machine::reports::speaker::Speaker;
 use crate::settings::{Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Hertz, Ratio, Seconds};
-
-/// The shapers that M593 T chooses from, by their numbers (Prusa-Firmware-Buddy).
-const KINDS: [ShaperKind; 5] =
-    [ShaperKind::Zv, ShaperKind::Zvd, ShaperKind::Mzv, ShaperKind::Ei, ShaperKind::TwoHumpEi];
 
 /// What M593 says of a shaper.
 #[derive(Clone, Copy)]
@@ -20,13 +16,27 @@ pub(in crate::machine) struct ShaperWords {
     pub kind: Option<Number>,
 }
 
-/// The number of a shaper in M593 T.
-fn number_of(kind: ShaperKind) -> Option<usize> {
-    KINDS.iter().position(|other| *other == kind)
+/// What M593 calls a kind of shaper, if it is one.
+const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
+    match kind {
+        ShaperKind::None => None,
+        ShaperKind::Zv => Some(ShaperName::Zv),
+        ShaperKind::Zvd => Some(ShaperName::Zvd),
+        ShaperKind::Mzv => Some(ShaperName::Mzv),
+        ShaperKind::Ei => Some(ShaperName::Ei),
+        ShaperKind::TwoHumpEi => Some(ShaperName::TwoHumpEi),
+    }
 }
 
+/// The kind of shaper with that number in M593 T.
 fn kind_of(number: Number) -> Option<ShaperKind> {
-    KINDS.into_iter().zip(0..).find(|(_, other)| Number::from(*other) == number).map(|(kind, _)| kind)
+    ShaperName::of(number).map(|name| match name {
+        ShaperName::Zv => ShaperKind::Zv,
+        ShaperName::Zvd => ShaperKind::Zvd,
+        ShaperName::Mzv => ShaperKind::Mzv,
+        ShaperName::Ei => ShaperKind::Ei,
+        ShaperName::TwoHumpEi => ShaperKind::TwoHumpEi,
+    })
 }
 
 impl ShaperWords {
@@ -127,14 +137,14 @@ pub(in crate::machine) fn set_advance(
         wanted.advance.time = clamps.near(["M900", "K"], time, ranges::ADVANCE);
     }
     if let Some(window) = window {
-        wanted.advance.window = clamps.near(["M572", "W"], window, ranges::WINDOW);
+        wanted.advance.window = clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW);
     }
 }
 
 /// M503, a line of M593.
 pub(in crate::machine) fn say_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
-    match number_of(shaper.kind) {
+    match name_of(shaper.kind).map(|name| name as usize) {
         Some(number) => to.say(format_args!("echo:  M593 {axis} F{frequency} D{damping} T{number}")),
         None => to.say(format_args!("echo:  M593 {axis} F0")),
     }

@@ -87,7 +87,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Asked::LineNumber(number) => [greeting, Answer::LineNumber(number)],
             Asked::Nothing => [Answer::Nothing, Answer::Ok],
             Asked::Resend(reason, last) => [Answer::Nothing, Answer::Resend(reason, last)],
-            Asked::Probe(last) => [Answer::Nothing, Answer::Probe(last)],
+            Asked::Question(last) => [Answer::Nothing, Answer::Question(last)],
             Asked::TooLong => return None,
             Asked::Command => match gcode::parse(text) {
                 Command::ReportTemperatures => [Answer::Nothing, Answer::Temperatures],

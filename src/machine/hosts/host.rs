@@ -44,8 +44,8 @@ pub(in crate::machine) enum Asked {
     TooLong,
     /// To be asked for again.
     Resend(ResendReason, i32),
-    /// Nothing; it may be waiting for an answer to something that was lost.
-    Probe(i32),
+    /// Nothing: the host is silent, and gets the question for the line after this one.
+    Question(i32),
 }
 
 /// What arrived and cannot wait.
@@ -134,7 +134,7 @@ impl<S: Serial> Host<S> {
             Incoming::LineNumber { report } => Asked::LineNumber(report),
             Incoming::TooLong => Asked::TooLong,
             Incoming::Resend { reason, last } => Asked::Resend(reason, last),
-            Incoming::Silence { last } => Asked::Probe(last),
+            Incoming::Question { last } => Asked::Question(last),
         };
         // A line that nothing is done with may be too long: the outline of an object, a message.
         let is_needed = || !matches!(gcode::parse(self.receiver.kept()), Command::Silent | Command::Message);

@@ -24,7 +24,8 @@ pub(in crate::machine) enum Answer<'a> {
     /// M110, with the number that it asked for.
     LineNumber(Option<i32>),
     TooLong,
-    Probe(i32),
+    /// To a silent host: asks for the line after this one.
+    Question(i32),
     Resend(ResendReason, i32),
     Unknown(&'a [u8]),
     /// A line that is not in order.
@@ -89,7 +90,7 @@ impl Answer<'_> {
             Self::Ok
                 | Self::LineNumber(_)
                 | Self::TooLong
-                | Self::Probe(_)
+                | Self::Question(_)
                 | Self::Resend(..)
                 | Self::Unknown(_)
                 | Self::Temperatures

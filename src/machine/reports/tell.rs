@@ -70,7 +70,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             Answer::Nothing | Answer::Ok | Answer::Position { .. } => {}
             Answer::LineNumber(number) => to.put(&|replies| replies.line_number(number)),
             Answer::TooLong => to.put(&Replies::too_long),
-            Answer::Probe(last) => to.put(&|replies| replies.probe(last)),
+            Answer::Question(last) => to.put(&|replies| replies.question(last)),
             Answer::Resend(reason, last) => to.put(&|replies| replies.resend(reason, last)),
             Answer::Unknown(text) => to.put(&|replies| replies.unknown(text)),
             Answer::Malformed(flaw) => say_malformed(to, flaw),

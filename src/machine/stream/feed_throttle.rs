@@ -3,7 +3,7 @@
 //! A stream that has run dry and goes on is slower than the print wants it. From then on the feed is a share of what is
 //! commanded, by the time for which the moves that wait would last at their commanded speed: all of it with 200 ms, half
 //! of it with 100. So the print comes to be as fast as the host, with moves in hand to plan with. At first the share is
-//! no less than a half; every time the stream runs dry again that floor is halved.
+//! no less than a half; every time the stream runs dry again that least share is halved.
 //!
 //! While the stream has not run dry nothing of this happens, for it depends on when lines arrive. It ends when the
 //! look-ahead is full, so that the host is known to be faster, when a command waits for the motion, or with a pause
@@ -16,48 +16,48 @@ use crate::units::TICKS_PER_MS;
 const FULL_FEED_TICKS: u64 = 200 * TICKS_PER_MS as u64;
 
 /// The least share at first, and at all.
-const FLOORS: (u8, u8) = (WHOLE / 2, WHOLE / 8);
+const LEAST_SHARES: (u8, u8) = (WHOLE / 2, WHOLE / 8);
 
 /// How much of the feed the stream allows.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct FeedThrottle {
     /// The least share; [`WHOLE`] while nothing is slowed down.
-    floor: u8,
+    least: u8,
     share: u8,
 }
 
 impl FeedThrottle {
     /// Nothing is slowed down.
     pub const fn new() -> Self {
-        Self { floor: WHOLE, share: WHOLE }
+        Self { least: WHOLE, share: WHOLE }
     }
 
     /// Nothing is slowed down any more.
     pub const fn reset(&mut self) {
-        self.floor = WHOLE;
+        self.least = WHOLE;
     }
 
     /// Whether all of the feed is allowed, and was when last asked.
     pub const fn is_steady(&self) -> bool {
-        self.floor == WHOLE && self.share == WHOLE
+        self.least == WHOLE && self.share == WHOLE
     }
 
     /// The stream has run dry and goes on.
     pub fn slow_down(&mut self) {
-        let (first, least) = FLOORS;
-        self.floor = (self.floor / 2).clamp(least, first);
+        let (at_first, at_all) = LEAST_SHARES;
+        self.least = (self.least / 2).clamp(at_all, at_first);
     }
 
     /// The share of the feed, in sixteenths, given the time of the moves in the look-ahead at that feed, and the time of
     /// the moves that have left the look-ahead.
     pub fn share(&mut self, waiting_ticks: u64, queued_ticks: u64) -> u8 {
-        if self.floor == WHOLE {
+        if self.least == WHOLE {
             self.share = WHOLE;
             return WHOLE;
         }
         let lasting_ticks = waiting_ticks * u64::from(self.share) / u64::from(WHOLE) + queued_ticks;
         let share = (lasting_ticks * u64::from(WHOLE) / FULL_FEED_TICKS).min(u64::from(WHOLE)) as u8;
-        self.share = share.max(self.floor);
+        self.share = share.max(self.least);
         self.share
     }
 }
@@ -83,9 +83,9 @@ mod tests {
         // At half the speed, what waits lasts twice as long.
         assert_eq!(throttle.share(FULL_FEED_TICKS * 3 / 2, 0), WHOLE * 3 / 4);
         assert_eq!(throttle.share(FULL_FEED_TICKS * 4 / 3, FULL_FEED_TICKS / 4), WHOLE);
-        for floor in [4, 2, 2] {
+        for least in [4, 2, 2] {
             throttle.slow_down();
-            assert_eq!(throttle.share(0, 0), floor);
+            assert_eq!(throttle.share(0, 0), least);
         }
     }
 }

@@ -48,9 +48,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         while !self.has_room() {
             self.policy.note_full();
             if !self.planner.replan() {
-                self.comes_again = true;
+                self.come_again();
             } else if !self.planner.has_room() && !self.planner.has_ready() {
-                self.comes_again = true;
+                self.come_again();
                 self.planner.release_some();
             }
             self.turn().await?;
@@ -122,11 +122,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             self.link.status().note_level(level);
         }
         if self.policy.is_gathering() {
-            self.comes_again |= self.begin_motion();
+            if self.begin_motion() {
+                self.come_again();
+            }
             return;
         }
         // One move a turn, so that bytes and emergencies are looked at in between. The next turn follows at once.
-        self.comes_again |= self.hand_on();
+        if self.hand_on() {
+            self.come_again();
+        }
     }
 
     /// Hands a move on, or lets one go, if it is time.
@@ -145,7 +149,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return false;
         }
         if !self.planner.replan() {
-            self.comes_again = true;
+            self.come_again();
             return false;
         }
         if let Some(released) = self.planner.pop() {
@@ -171,7 +175,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let (final_ticks, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
         if !is_all {
             self.policy.note_news();
-            self.comes_again = true;
+            self.come_again();
         }
         self.policy.begin(final_ticks, now)
     }
@@ -183,7 +187,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Waits until everything planned has been stepped.
     pub(in crate::machine) async fn finish(&mut self) -> Result<(), Interrupt> {
-        self.comes_again = true;
+        self.come_again();
         self.until(|c| {
             c.policy.note_awaited();
             c.planner.release_all();

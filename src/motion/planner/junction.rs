@@ -6,13 +6,17 @@
 //! is the same law with the deviation for which 90 degrees give w: `d = w^2 (sqrt 2 - 1) / a`, so that
 //! `v^2 = w^2 (sqrt 2 - 1) sin(t/2) / (1 - sin(t/2))` does not depend on the acceleration.
 //!
-//! A curve that is cut into chords of length L is a row of such corners, each of them harmless and all of them
-//! together a turn of radius `L/2 tan(t/2)`: its speed is limited by `v^2 = a L/2 tan(t/2)` too. Where chords are shorter than
-//! a millimetre, a corner says nothing of the curve that it belongs to, and what the path does over some distance counts
-//! instead (see [`path_curvature`](super::path_curvature)): its curvature, by `v^2 = a r`, and how far the direction of the tool leads a velocity
-//! that keeps to the acceleration. At a corner of a small turn t, junction deviation allows a jump of `v t = sqrt(8 a d)`; all
-//! the corners of a bend together have no more than that, beside what the acceleration makes up for on the way between them.
-//! Corners that are more than [`WINDOW`] apart are no bend.
+//! A slicer cuts a curve into chords. Each corner between two chords is harmless by itself, and together they are a turn, so
+//! three more rules limit the speed on curves:
+//!
+//! - **Long chords**, of a millimetre or more: a chord of the length L with such a corner at both ends is a part of a circle of
+//!   the radius `L/2 tan(t/2)`, so `v^2 = a L/2 tan(t/2)`. One corner is enough to know that.
+//! - **Shorter chords in a long curve**: the radius r is that of the path over some distance
+//!   ([`path_curvature`](super::path_curvature)), and `v^2 = a r`.
+//! - **Shorter chords in a short bend**, over before the curvature is known: at a corner that changes the direction by a small
+//!   angle p, junction deviation lets the velocity jump by `v p = sqrt(8 a d)`. All corners of a bend together may jump
+//!   by no more than that, beside what the acceleration makes up for between them: that sum is the lead of `path_curvature`.
+//!   Corners that are more than [`BEND_TIME`] apart are of different bends.
 //!
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
@@ -41,7 +45,7 @@ const MAKING_UP: f32 = 1.15;
 
 /// A corner counts for so many seconds after it was passed: half a period at 125 Hz, above which printers hardly resonate, and
 /// the time over which `corehbot run` looks at changes of velocity.
-const WINDOW: f32 = 0.004;
+const BEND_TIME: f32 = 0.004;
 
 /// What a corner depends on beside its two moves.
 pub(in crate::motion) struct AccelLimits<'a> {
@@ -132,7 +136,7 @@ fn bend(
     let gain = max_accel * after.size;
     let slow = least(least(most, 8.0 * base / (greatest * greatest)), accel_limits.max_speed * accel_limits.max_speed);
     let fast = if slow < gain { gain } else { slow };
-    let farthest = WINDOW * (root(slow) + 0.5 * WINDOW * accel_limits.acceleration);
+    let farthest = BEND_TIME * (root(slow) + 0.5 * BEND_TIME * accel_limits.acceleration);
     let made_up = if after.size < farthest { MAKING_UP * gain / fast } else { f32::INFINITY };
     curvature.follow_lead(lead, lead_length, made_up);
     most

@@ -44,7 +44,7 @@ use junction::{AccelLimits, junction_speed_sq};
 use overrides::Override;
 use path_curvature::PathCurvature;
 use planned::{FORCED_BATCH, NOT_FROZEN, Planned};
-pub use planned::{MoveMemory, WINDOW};
+pub use planned::{LOOKAHEAD_MOVES, MoveMemory};
 use profile::{MoveSpec, max_ramp_length};
 use step_scale::StepScale;
 use window::Window;
@@ -294,7 +294,7 @@ impl<'m> Planner<'m> {
     /// Moves that can be pushed.
     #[must_use]
     pub fn room(&self) -> usize {
-        WINDOW - self.window.len()
+        LOOKAHEAD_MOVES - self.window.len()
     }
 
     /// Whether [`pop`](Self::pop) would give a move.

@@ -3,15 +3,17 @@
 //! A curve that is cut finely is a row of corners each of which is harmless. Two things are kept of the path so far, at a cost
 //! that depends neither on the chords nor on the curve:
 //!
-//! - **The curvature**, for curves that go on. The direction is averaged with weights that fall by e over the distance l, for
-//!   five distances each twice as long as the one before. On a circle of the radius r such a mean lags the direction by
-//!   l/r, and the mean over 2 l lags the mean over l by l/r again, whatever the chords: what two neighbours differ by is
-//!   what the path turns by over l. Short distances see small curves, long ones see through rounded coordinates: a point
-//!   that is off by p turns a mean over l by p/l at most, so that much of each difference is no bend.
-//! - **The lead**, for what is over too soon for that. A velocity that changes by no more than the acceleration allows follows
-//!   that of the tool: the lead is what the direction of the tool has turned by and that velocity has not. Each corner adds its
-//!   turn, and time takes away. A corner may be as fast as junction deviation lets one be that turns by its lead and the
-//!   greatest lead of late together: there and back is a change of velocity too.
+//! - **The curvature**, for curves that go on. The direction of the path is averaged over a distance l: what was passed counts
+//!   less by a factor of e for each l that it is back. On a circle of the radius r such a mean direction is behind the direction
+//!   by the angle l/r, however long the chords are, and a mean over 2 l by 2 l/r. So the two means differ by the angle by which
+//!   the path turns over l. Means are kept for five distances, each twice as long as the one before. The short ones
+//!   see small curves. The long ones are hardly disturbed by rounded coordinates: a point that is off by p turns a mean
+//!   over l by p/l at most, and so much of each difference is not taken for a bend.
+//! - **The lead**, for a bend that is over before the means have seen it. Imagine a velocity that follows that of the tool and
+//!   changes no faster than the acceleration allows. The lead is the turn which the tool has made and that velocity has
+//!   not made yet: each corner adds its turn to the lead, and time takes from it. The speed at a corner is what junction
+//!   deviation gives to a corner that turns by the lead and the greatest lead of late together. The greatest counts too because
+//!   after a turn there and back no lead is left, though the velocity has changed twice.
 
 use crate::motion::number::root;
 

@@ -5,18 +5,27 @@ use crate::motion::number::{from_bits, speed};
 use crate::motion::ramps::gain_sq;
 use crate::units::{MmPerSec, Seconds, SpeedSq, TICKS_PER_SECOND};
 
+/// Moves that stay in the window when a forced batch has left it: so many the look-ahead sees at least, when the stream is
+/// fast enough.
+const LEAST_LOOKAHEAD: usize = 128;
+
 /// Moves that leave when the window is full and the first is not final: some at a time, so that the MoveQueue has
-/// enough while the window fills again.
+/// enough while the window fills again. A part of the window, beside [`LEAST_LOOKAHEAD`].
 pub const FORCED_BATCH: usize = 16;
 
-/// Capacity of the window; the look-ahead sees no fewer than 128 moves when the stream is fast enough.
-pub const WINDOW: usize = 128 + FORCED_BATCH;
-// Slots of moves are kept in bytes, in a ring of 256 of them.
-const _: () = assert!(WINDOW < 256);
+/// Capacity of the window, in moves. What it costs is [`MoveMemory`]; docs/flow.md says what depends on it.
+pub const LOOKAHEAD_MOVES: usize = LEAST_LOOKAHEAD + FORCED_BATCH;
+const _: () =
+    assert!(FORCED_BATCH > 0 && FORCED_BATCH < LEAST_LOOKAHEAD, "a forced batch is a small part of the window");
+
+/// Places in the ring of [minima](super::window::Minima), one for each value of the bytes that count them. A slot is kept
+/// in a byte too.
+pub(in crate::motion) const MINIMA_PLACES: usize = 1 << u8::BITS;
+const _: () = assert!(LOOKAHEAD_MOVES < MINIMA_PLACES, "more moves need wider indices than u8 in Minima");
 
 /// The most that a move counts to gain: as much as 3,400 mm/s from rest. The sum over a full window then fits 63 bits.
 const MOST_GAIN_SQ: SpeedSq = SpeedSq(50_000_000_000_000_000);
-const _: () = assert!(MOST_GAIN_SQ.0 <= i64::MAX as u64 / WINDOW as u64);
+const _: () = assert!(MOST_GAIN_SQ.0 <= i64::MAX as u64 / LOOKAHEAD_MOVES as u64);
 
 /// The exit speed is not frozen.
 pub(in crate::motion) const NOT_FROZEN: SpeedSq = SpeedSq::MAX;
@@ -104,16 +113,16 @@ impl Planned {
 
 /// Memory for the moves of a window.
 pub struct MoveMemory {
-    pub(in crate::motion) moves: [Planned; WINDOW],
+    pub(in crate::motion) moves: [Planned; LOOKAHEAD_MOVES],
     /// Slots of moves; see [`Window`](super::window::Window).
-    pub(in crate::motion) minima: [u8; 256],
+    pub(in crate::motion) minima: [u8; MINIMA_PLACES],
 }
 
 impl MoveMemory {
     /// Without moves.
     #[must_use]
     pub const fn new() -> Self {
-        Self { moves: [Planned::NONE; WINDOW], minima: [0; 256] }
+        Self { moves: [Planned::NONE; LOOKAHEAD_MOVES], minima: [0; MINIMA_PLACES] }
     }
 }
 

@@ -9,17 +9,20 @@
 //! w_i = min over k >= i of (m_k + G_k) - G_i,    and at most w_(i-1) + gain_(i-1)
 //! ```
 //!
-//! The minimum is kept up to date as moves come and go, by a queue of corners: a corner stays in it while no following
-//! corner has a smaller `m_k + G_k`. So a move that is added costs as much whether three or a hundred wait.
-//! What has to go over all of them is done a few at a time (see [`passes`](super::passes)).
+//! The minima are kept in a queue, as in the sliding-window minimum. When a corner is added, all corners in the queue whose
+//! `m_k + G_k` is no smaller leave it, for none of them can be a minimum any more. So the values in the queue rise, and the first
+//! corner in it that follows move i is the minimum for move i. Adding a move costs as much whether three or a hundred wait.
+//! What has to go over all moves is done a few at a time (see [`passes`](super::passes)).
 //!
-//! A corner whose speed is not limited by the end of the window is **final**: what is added counts with at least as much
-//! as that end. The move before it may leave, sooner or later, without a difference to the steps. When a move must
-//! leave that is not final, the outcome would depend on when; so that happens only where the stream of commands itself
-//! says so (the window is full of unfinished moves, or a command waits for the motion), or when no commands come any more.
+//! The end of the window counts as a corner with the speed 0. A move that is added takes the end farther away and brings a corner
+//! which allows at least as much as the old end did. So a corner whose minimum is not the end has a speed that no later move
+//! can change: it is **final**. The move before a final corner may leave, sooner or later, without a difference to the steps. When
+//! a move must leave that is not final, the steps would depend on when it left. Therefore that happens only where the stream of
+//! commands itself says so (the window is full of moves that are not final, or a command waits for the motion), or when
+//! no commands come any more.
 
 use super::pass_progress::{FinalCount, Passes};
-use super::planned::{MoveMemory, NOT_FROZEN, Planned, WINDOW};
+use super::planned::{LOOKAHEAD_MOVES, MINIMA_PLACES, MoveMemory, NOT_FROZEN, Planned};
 use super::profile::profile;
 use crate::motion::moves::Move;
 use crate::units::{Seconds, SpeedSq, Steps};
@@ -31,7 +34,8 @@ const fn is_less(a: SpeedSq, b: SpeedSq) -> bool {
 
 /// Slots of the moves whose corners have a smaller `m + G` than all that follow; in order.
 pub(in crate::motion) struct Minima<'m> {
-    slots: &'m mut [u8; 256],
+    /// A ring, which caps the capacity of the window.
+    slots: &'m mut [u8; MINIMA_PLACES],
     /// Both wrap with the ring.
     begin: u8,
     end: u8,
@@ -53,7 +57,7 @@ impl Minima<'_> {
 }
 
 pub(in crate::motion) struct Window<'m> {
-    pub(in crate::motion) moves: &'m mut [Planned; WINDOW],
+    pub(in crate::motion) moves: &'m mut [Planned; LOOKAHEAD_MOVES],
     pub(in crate::motion) minima: Minima<'m>,
     /// The slot of the first move.
     first: usize,
@@ -102,19 +106,19 @@ impl<'m> Window<'m> {
     /// Whether no further move fits.
     #[inline(always)]
     pub const fn is_full(&self) -> bool {
-        self.len == WINDOW
+        self.len == LOOKAHEAD_MOVES
     }
 
     /// The slot of the move of that index.
     #[inline(always)]
     pub const fn slot(&self, index: usize) -> usize {
         let slot = self.first + index;
-        if slot >= WINDOW { slot - WINDOW } else { slot }
+        if slot >= LOOKAHEAD_MOVES { slot - LOOKAHEAD_MOVES } else { slot }
     }
 
     /// The index of the move in that slot.
     const fn index(&self, slot: usize) -> usize {
-        if slot >= self.first { slot - self.first } else { slot + WINDOW - self.first }
+        if slot >= self.first { slot - self.first } else { slot + LOOKAHEAD_MOVES - self.first }
     }
 
     pub fn get(&self, index: usize) -> Option<&Planned> {

@@ -7,11 +7,14 @@
 //!             ^ the Stepper has looked at it, and it is still in the queue
 //! ```
 //!
-//! A ring whose two ends have one owner each, on one core: the Stepper interrupts the generator, never the other way
-//! round, so what keeps the compiler from changing an order is enough (`dmb` would take a tenth of a step). A slot is two
-//! words: the interval since the event before, and a [`PackedEvent`]. The slot after the newest event says that there is no
-//! event, and that it is due at once, so the Stepper need not ask how many there are. What an event wants beyond steps is one
-//! bit of its word, which is set when it is made.
+//! A ring buffer with one writer, the generator, and one reader, the Stepper, on one core. The Stepper interrupts the generator,
+//! never the other way round, so the order of stores need only be kept from the compiler, by a compiler fence. (The
+//! processor's barrier `dmb` would take a tenth of a step.)
+//!
+//! A slot is two words: the interval since the event before, and a [`PackedEvent`]. The slot after the newest event holds
+//! [`PackedEvent::NONE`] with the interval 0. The Stepper takes that like an event which is due at once, and sees then
+//! that there is none, so it need not compare counts to know whether the queue is empty. One bit of an event's word says
+//! that the event wants more than steps; the generator sets it when it makes the event.
 //!
 //! # Who writes which word when
 //!
@@ -53,10 +56,10 @@ pub(super) use steps_in::StepTimes;
 pub use steps_in::StepsIn;
 
 /// Slots of the ring, one of which stays empty.
-const LENGTH: usize = 512;
+const SLOTS: usize = 512;
 // The numbers of events wrap at 2^32, where slots must go on in order; and every so many events one is not plain, which
 // must fall on the same slots in each turn of the ring.
-const _: () = assert!(LENGTH.is_power_of_two() && LENGTH.is_multiple_of(REGULAR as usize));
+const _: () = assert!(SLOTS.is_power_of_two() && SLOTS.is_multiple_of(REGULAR as usize));
 
 /// Step events between StepGenerator and Stepper. As good as full: the generator waits. Empty: motion rests, or has
 /// starved, which is counted. 511 events are 5 ms at 100,000 events a second.
@@ -65,7 +68,7 @@ pub struct StepQueue {
     /// Events taken out, wrapping. In front, where the step interrupt reaches it with one load.
     done: AtomicU32,
     /// Interval and [`PackedEvent`] of each event.
-    events: [[AtomicU32; 2]; LENGTH],
+    events: [[AtomicU32; 2]; SLOTS],
 }
 
 impl Default for StepQueue {
@@ -78,7 +81,7 @@ impl StepQueue {
     /// An empty queue.
     #[must_use]
     pub const fn new() -> Self {
-        Self { events: [const { [const { AtomicU32::new(0) }; 2] }; LENGTH], done: AtomicU32::new(0) }
+        Self { events: [const { [const { AtomicU32::new(0) }; 2] }; SLOTS], done: AtomicU32::new(0) }
     }
 
     /// Its two ends.
@@ -94,7 +97,7 @@ impl StepQueue {
         let mut steps = [0i32; MOST_GROUPS];
         let done = self.done.load(Relaxed);
         // More than there is room for: the generator has made some since, and whoever asks looks again.
-        let count = Some(made.wrapping_sub(done)).filter(|count| *count < LENGTH as u32).unwrap_or(0);
+        let count = Some(made.wrapping_sub(done)).filter(|count| *count < SLOTS as u32).unwrap_or(0);
         for number in 0..count {
             let word = PackedEvent(self.slot(done.wrapping_add(number))[1].load(Relaxed));
             for (group, steps) in steps.iter_mut().enumerate() {
@@ -115,7 +118,7 @@ impl StepQueue {
 
     #[inline(always)]
     fn slot(&self, number: u32) -> &[AtomicU32; 2] {
-        &self.events[number as usize % LENGTH]
+        &self.events[number as usize % SLOTS]
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::event::StepEvent;
 use super::packed_event::PackedEvent;
-use super::{LENGTH, StepQueue};
+use super::{SLOTS, StepQueue};
 use crate::motion::atomic::{AtomicU32, Ordering::AcqRel, Ordering::Relaxed, compiler_fence};
 use crate::motion::ticks::{NEAR, is_before};
 use crate::motors::MOST_GROUPS;
@@ -138,7 +138,7 @@ impl<'m> StepsIn<'m> {
     /// The event, if there is no room.
     #[inline]
     pub fn enqueue(&mut self, event: StepEvent) -> Result<(), StepEvent> {
-        if self.len() >= LENGTH - 1 {
+        if self.len() >= SLOTS - 1 {
             return Err(event);
         }
         let StepEvent { interval, steps, forward, epoch, watch } = event;
@@ -170,7 +170,7 @@ impl<'m> StepsIn<'m> {
         while has_more && left > 0 {
             // The events after the first are plain if they can be. So a run ends in front of one that may not be.
             let longest = (self.len() / 4).max(SHORTEST_RUN);
-            let begin = self.made as usize % LENGTH;
+            let begin = self.made as usize % SLOTS;
             let slots = self.queue.events.get(begin + 1..begin - begin % REGULAR as usize + REGULAR as usize);
             let slots = slots.unwrap_or_default();
             let slots = slots.get(..left.min(longest) - 1).unwrap_or(slots);
@@ -254,14 +254,14 @@ impl<'m> StepsIn<'m> {
     /// Events that there is room for.
     #[must_use]
     pub fn room(&self) -> usize {
-        LENGTH - 1 - self.len()
+        SLOTS - 1 - self.len()
     }
 
     /// Has the generator called when no more than `left` events are left; false if that is so already, or if there is
     /// nothing to call it for, with 0.
     pub(in crate::motion) fn mark(&mut self, left: usize) -> bool {
         let is_waiting = |queue: &StepQueue, number: u32| {
-            number.wrapping_sub(queue.done.load(Relaxed)).wrapping_sub(1) < LENGTH as u32 - 1
+            number.wrapping_sub(queue.done.load(Relaxed)).wrapping_sub(1) < SLOTS as u32 - 1
         };
         let number = self.made.wrapping_sub(left as u32);
         if self.marked != number {
@@ -299,7 +299,7 @@ mod tests {
         let (mut events_in, mut events_out) = queue.split();
         let setting = PackedEvent::waiting(3, EndstopSet::NONE).stepping(GroupSet::NONE, GroupSet(1));
         let (mut now, mut made, mut done) = (1000, 0, 0);
-        while done < 3 * LENGTH as u32 {
+        while done < 3 * SLOTS as u32 {
             let most = (events_in.room() as u32).min(100);
             let queue = events_out.queue;
             let mut run = Vec::new();
@@ -307,7 +307,7 @@ mod tests {
                 while !slots.is_full() {
                     // The Stepper stops where nothing is, wherever it is until then.
                     let shown =
-                        (0..LENGTH as u32).find(|i| queue.slot(done + i)[1].load(Relaxed) == PackedEvent::NONE.0);
+                        (0..SLOTS as u32).find(|i| queue.slot(done + i)[1].load(Relaxed) == PackedEvent::NONE.0);
                     let first = done + shown.unwrap_or(u32::MAX);
                     assert!((made - run.len() as u32..=made).contains(&first), "{first} of {made}");
                     assert_eq!(queue.slot(first)[0].load(Relaxed), 0);

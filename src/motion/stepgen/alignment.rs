@@ -1,17 +1,18 @@
 //! Alignment: a long move along one axis goes along the line on which its motors stand.
 //!
-//! In a move along x the coordinates u = x + y and v = x - y pass the middle between two steps in the same instants if
-//! twice y is a whole number of steps. Motors stand on whole steps of u and v, and there this is so: it is within half a
-//! step of where the tool was sent, and the motors need no step to get there. So such a move is laid from there, and goes
-//! on to the end that was planned for its own axis. Its other axes stay beside the planned path until they are asked for
-//! another position. Every other move ends where it was planned to, so nothing adds up.
+//! Take two belts with the coordinates u = x + y and v = x - y, in steps. In a move along x both belts step in the same
+//! instants if u and v pass the middle between two counts together, and they do if 2 y = u - v is a whole number. Motors at
+//! rest stand on whole counts of u and v, so 2 y is a whole number at the y where they stand. That y is within half a step of the
+//! y that was asked for. So a long move along x is laid at the y where the motors stand, which takes no step to get to, and
+//! ends at the x that was planned. The tool stays at that y, beside the planned path, until another y is asked for. All other
+//! moves end where they were planned to, so nothing adds up.
 //!
 //! (Half a step cannot be made less for every corner: between a move along x and one along y both twice x and twice y
 //! must be whole, and of these positions every other one is between two counts of both motors. The tool would leave it with
 //! a step of one motor alone.)
 //!
-//! Where four coordinates hold three axes, counts that do not agree have no such position. There long moves end on whole steps
-//! of x, y and z.
+//! Where four coordinates hold three axes, the counts of the four may contradict each other, and then belong to no position.
+//! There long moves end on whole steps of x, y and z instead.
 
 use crate::kinematics::{Groups, count_at};
 use crate::motion::moves::Move;

@@ -1,8 +1,8 @@
-//! Braking where it was not planned: from any point of a move to left_sq, along the path.
+//! Braking where it was not planned: from any point of a move to rest, along the path.
 //!
 //! The tool slows down with the acceleration of the move it is in, so it is nowhere faster than planned, and enters
-//! every corner at most as fast as planned. Where a move is too short the next one goes on from the speed that is
-//! left.
+//! every corner at most as fast as planned. Where a move is too short to stop in it, some of the square of the speed is left
+//! at its end (`left_sq`), and the next move goes on braking from there.
 
 use super::current_move::LastPhase;
 use super::{StepGenerator, Task};
@@ -18,13 +18,13 @@ const AHEAD: u32 = 100_000;
 /// So many events are made ahead however long they take.
 const LEAST_AHEAD: usize = 4;
 
-/// Whether motion is to come to left_sq.
+/// Whether motion is to come to rest.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Braking {
     No,
     /// It slows down. The next move begins with this speed squared.
     Slowing(SpeedSq),
-    /// It has come to left_sq, and what is left of the epoch's work is dropped.
+    /// It has come to rest, and what is left of the epoch's work is dropped.
     Done,
 }
 

@@ -10,10 +10,10 @@
 //! event       ab    .    a    b   ac    .    b    a    .   ab   |
 //! ```
 //!
-//! `stop` is where the two belts must pause for the third group: 18 at first, then 30. Up to 18 the belts are merged: a pair at
-//! 10, `a` at 14 and `b` at 16, each as long a row as the other belt's next step lets it be. At 18 the third group's step
-//! is put in, together with the step that `a` has there. From there on the belts are merged up to `limit`, which is the
-//! least of `until`, the first step of a fourth group, and the tick after which enough is made.
+//! The first two groups, the belts, are merged in rows up to `stop`, the next step of the third group: the tick 18 at first,
+//! then 30. Before 18 that is a pair at 10, `a` at 14 and `b` at 16; a row of one belt's steps ends where the other
+//! belt steps. At 18 the third group's step is put in, together with the step that `a` has there. So it goes on up to
+//! `limit`: the least of `until`, the first step of a fourth group, and the tick after which enough events are made.
 
 use super::StepGenerator;
 use super::group_stepper::GroupStepper;

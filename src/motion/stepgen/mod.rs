@@ -31,6 +31,7 @@
 
 mod alignment;
 mod brake;
+mod cubic_run;
 mod current_move;
 mod entries;
 mod group_stepper;

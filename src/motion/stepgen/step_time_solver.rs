@@ -21,6 +21,7 @@
 //!
 //! Where that is too much a run is shorter, in the end of a single step.
 
+use super::cubic_run::{CubicRun, FINE, HALF, fine, finer};
 use crate::motion::number::{root, ticks, to_f32};
 use crate::motion::ticks::MIN_STEP_INTERVAL;
 use crate::motion::trajectory::phase::Curve;
@@ -42,19 +43,11 @@ pub(in crate::motion) struct Endpoint {
 const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 
 /// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a run of 32 sums up twice what is
-/// rounded to half a bit of [`FINE`], and three times what is cut to a bit of [`FINER`].
+/// rounded to half a bit of [`FINE`], and three times what is cut to a bit of [`FINER`](super::cubic_run::FINER).
 const MOST_ERROR: f32 = 0.125;
 
 /// Of the formula above, squared.
 const MOST_ROUGHNESS: f32 = (MOST_ERROR * 3072.0 / 15.0) * (MOST_ERROR * 3072.0 / 15.0);
-
-/// Bits of a tick's fraction within a run; and how many more there are in what is summed up twice. The change of a
-/// step's time is less than 1,000 ticks where a run is smooth and not too long.
-const FINE: u32 = 14;
-const FINER: u32 = 6;
-
-/// What makes of a shift by [`FINER`] bits a rounding.
-const HALF: i32 = 1 << (FINER - 1);
 
 /// A longer run than this, in ticks, would leave less than 32 bits can hold.
 const LONGEST_RUN: f32 = (1 << (31 - FINE)) as f32;
@@ -93,61 +86,6 @@ pub(in crate::motion) struct StepTimeSolver {
     /// Whether two pulses may come too close to each other: it is fast, or a step is late that rounding has left over from
     /// the piece before.
     pub is_dense: bool,
-}
-
-/// Step times in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
-/// differences, the latter two with [`FINER`] more.
-struct CubicRun {
-    base: u32,
-    at: u32,
-    pace: i32,
-    bend: i32,
-    jerk: i32,
-}
-
-impl CubicRun {
-    /// A single step, or several in the same tick.
-    fn at(base: u32, ticks: f32) -> Self {
-        // Not `max`, which the target has no instruction for.
-        let ticks = if ticks < 0.0 { 0.0 } else { ticks };
-        let whole = ticks as u32;
-        let at = fine(ticks - whole as f32).cast_unsigned();
-        Self { base: base.wrapping_add(whole), at, pace: 0, bend: 0, jerk: 0 }
-    }
-
-    #[inline(always)]
-    fn write(mut self, ticks: &mut [u32]) {
-        // Four at a time, which takes 6 instructions for each instead of 10.
-        let (fours, remainder) = ticks.as_chunks_mut();
-        for [first, second, third, fourth] in fours {
-            *first = self.next();
-            *second = self.next();
-            *third = self.next();
-            *fourth = self.next();
-        }
-        for tick in remainder {
-            *tick = self.next();
-        }
-    }
-
-    #[inline(always)]
-    fn next(&mut self) -> u32 {
-        let tick = self.base.wrapping_add(self.at >> FINE);
-        self.at = self.at.wrapping_add_signed(self.pace);
-        self.pace = self.pace.wrapping_add(self.bend >> FINER);
-        self.bend = self.bend.wrapping_add(self.jerk);
-        tick
-    }
-}
-
-/// With a fraction of [`FINE`] bits.
-fn fine(ticks: f32) -> i32 {
-    (ticks * const { (1 << FINE) as f32 }) as i32
-}
-
-/// With [`FINER`] bits more.
-fn finer(ticks: f32) -> i32 {
-    (ticks * const { (1 << (FINE + FINER)) as f32 }) as i32
 }
 
 impl StepTimeSolver {

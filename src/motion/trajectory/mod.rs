@@ -10,6 +10,9 @@
 //! Moves are laid as [`Span`]s, one after the other, and each axis follows them through its [`Tap`]s. Time is that of
 //! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
 //!
+//! A new shaper is an arm of `impulses` in `shaper.rs`. It may have up to `MOST_IMPULSES` (there), and an axis up to [`TAPS`]
+//! (`taps.rs`), which every axis pays for in memory and in time; it must not take longer than [`SPANS`] remember.
+//!
 //! # Words
 //!
 //! - **span**: a piece of the trajectory in which the tool goes straight and its speed changes evenly; a phase of a move, or a

@@ -1,8 +1,10 @@
 //! Stiffening: an axis that rings faster away from its middle, so that the taps of its shaper stand closer there.
 //!
-//! Each end of a span knows by how much. A tap is late by the mean of all and its own distance from that, scaled so; within
-//! a span its lateness goes evenly from that of the begin to that of the end. So a copy runs through the span a little
-//! faster or slower than the others, and there is neither a gap nor a jump between spans.
+//! The taps of an axis have delays, and these a mean. Where the axis rings with the period `scale` times that in the middle,
+//! a tap is late by the mean plus `scale` times what its own delay differs from the mean. Both ends of a span have a scale of
+//! their own. Within the span the delay of a tap changes evenly from that at its begin to that at its end, so the copy
+//! of that tap runs through the span a little faster or slower than the other copies do. At a boundary both spans have the same
+//! scale, so there is neither a gap nor a jump.
 
 use super::span::ONE;
 use crate::motion::number::{root, to_f32};

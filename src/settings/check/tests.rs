@@ -100,7 +100,7 @@ fn a_motor_has_the_resolution_of_its_axis() {
 }
 
 #[test]
-fn users_are_told_which_setting_is_wrong() {
+fn errors_name_the_setting_that_is_wrong() {
     extern crate std;
     use std::string::ToString as _;
     let texts = [

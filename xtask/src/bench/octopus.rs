@@ -205,7 +205,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn returns_are_told_from_others() {
+    fn returns_are_distinguished_from_others() {
         assert!(is_return(0xBDF0, 0), "pop {{r4-r7, pc}}");
         assert!(is_return(0xE8BD, 0x81F0), "pop.w {{r4-r8, pc}}");
         assert!(is_return(0x4770, 0), "bx lr");

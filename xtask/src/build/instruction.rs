@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn instructions_of_interest_are_told_from_others() {
+    fn instructions_of_interest_are_distinguished_from_others() {
         // Assembled by llvm-mc for a Cortex-M4.
         let cases = [
             ([0xFBB1, 0xF5F6], 4, Kind::Division),   // udiv r5, r1, r6

@@ -24,7 +24,10 @@ struct Room {
 }
 
 const ROOMS: [Room; 6] = [
-    Room { name: "protocol", tests: &["line_noise", "line_protocol", "line_receiver", "line_silence", "replies"] },
+    Room {
+        name: "protocol",
+        tests: &["line_noise", "line_properties", "line_protocol", "line_receiver", "line_silence", "replies"],
+    },
     Room { name: "gcode", tests: &["gcode"] },
     Room { name: "motion", tests: &["motion", "stepper", "queue_orders", "mechanisms"] },
     Room { name: "driver", tests: &["driver"] },

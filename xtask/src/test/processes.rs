@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn test_programs_are_told_from_what_else_is_built() {
+    fn test_programs_are_distinguished_from_what_else_is_built() {
         let messages = concat!(
             r#"{"reason":"compiler-artifact","profile":{"test":true},"executable":"/t/lib-1"}"#,
             "\n",

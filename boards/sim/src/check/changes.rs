@@ -17,7 +17,7 @@ use corehbot::units::TICKS_PER_SECOND;
 use std::collections::VecDeque;
 
 /// Samples of the window: 4 ms.
-const WINDOW: usize = 8;
+const WINDOW_SAMPLES: usize = 8;
 
 /// What a change may exceed that of the acceleration by.
 const BEND: f64 = 1.3;
@@ -76,11 +76,11 @@ impl Axis {
     /// Takes in the next speed and says by how much too many they differ, if that is new, and what is the most.
     fn measure(&mut self, speed: f64) -> Option<(f64, f64)> {
         self.speeds.push_back(speed);
-        if self.speeds.len() > WINDOW {
+        if self.speeds.len() > WINDOW_SAMPLES {
             self.speeds.pop_front();
         }
         let limit = &self.limit;
-        let window = WINDOW as f64 / f64::from(SAMPLES_PER_SECOND);
+        let window = WINDOW_SAMPLES as f64 / f64::from(SAMPLES_PER_SECOND);
         let most = BEND * limit.acceleration * window
             + limit.jump
             + limit.hard_stop.max(limit.hard_stop_up)
@@ -133,8 +133,8 @@ impl Changes {
             if self.lines.iter().all(|line| line.pieces.is_empty()) {
                 // It rests: nothing begins before the last of these samples.
                 let rest = (tick - REST - self.next) / SAMPLE_TICKS;
-                if rest > WINDOW as u64 {
-                    self.next += (rest - WINDOW as u64) * SAMPLE_TICKS;
+                if rest > WINDOW_SAMPLES as u64 {
+                    self.next += (rest - WINDOW_SAMPLES as u64) * SAMPLE_TICKS;
                 }
             }
             self.sample(findings);

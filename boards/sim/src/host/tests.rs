@@ -1,6 +1,7 @@
 //! Tests of host.
 
 use super::*;
+use corehbot::protocol::BUSY;
 
 fn sent(host: &mut FileHost) -> String {
     let mut out = Vec::new();
@@ -14,7 +15,7 @@ fn lines_are_numbered_checked_and_sent_one_by_one() {
     assert_eq!((host.lines(), host.commands()), (4, 2));
     assert_eq!(sent(&mut host), "N-1 M110 N-1*125\n");
     assert_eq!(sent(&mut host), "");
-    host.hear("echo:busy: processing");
+    host.hear(BUSY);
     host.hear("ok");
     assert_eq!(sent(&mut host), "N0 G28*19\n");
     host.hear("ok");

@@ -20,17 +20,17 @@ pub(super) const LEAST_SPEED: Kind<MmPerSec> =
     Kind { range: Range { least: MmPerSec::ZERO, most: ranges::SPEED.most }, ..SPEED };
 pub(super) const ACCELERATION: Kind<MmPerSec2> =
     Kind { range: ranges::ACCELERATION, convert: MmPerSec2::saturating_from_num::<f64> };
-pub(super) const LENGTH: Kind<Mm> = Kind { range: ranges::LENGTH, convert: Mm::saturating_from_num::<f64> };
-pub(super) const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..LENGTH };
-pub(super) const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..LENGTH };
+pub(super) const AXIS_LENGTH: Kind<Mm> = Kind { range: ranges::AXIS_LENGTH, convert: Mm::saturating_from_num::<f64> };
+pub(super) const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..AXIS_LENGTH };
+pub(super) const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..AXIS_LENGTH };
 pub(super) const FREQUENCY: Kind<Hertz> = Kind { range: ranges::FREQUENCY, convert: Hertz::saturating_from_num::<f64> };
 pub(super) const BELT_SPAN: Kind<Mm> =
-    Kind { range: Range { least: Mm::ZERO, most: ranges::BELT_SPAN.most }, ..LENGTH };
+    Kind { range: Range { least: Mm::ZERO, most: ranges::BELT_SPAN.most }, ..AXIS_LENGTH };
 pub(super) const MOTOR_FREQUENCY: Kind<Hertz> = Kind { range: ranges::MOTOR_FREQUENCY, ..FREQUENCY };
 pub(super) const DAMPING: Kind<Ratio> = Kind { range: ranges::DAMPING, convert: Ratio::saturating_from_num::<f64> };
 pub(super) const CRUISE_RATIO: Kind<Ratio> = Kind { range: ranges::CRUISE_RATIO, ..DAMPING };
 pub(super) const ADVANCE: Kind<Seconds> = Kind { range: ranges::ADVANCE, convert: Seconds::saturating_from_num::<f64> };
-pub(super) const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::WINDOW, ..ADVANCE };
+pub(super) const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::ADVANCE_WINDOW, ..ADVANCE };
 pub(super) const LOOKAHEAD_TIME: Kind<Seconds> = Kind { range: ranges::LOOKAHEAD_TIME, ..ADVANCE };
 pub(super) const PATIENCE: Kind<u16> =
     Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };

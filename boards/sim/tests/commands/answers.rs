@@ -39,7 +39,7 @@ fn reports_come_by_themselves_until_they_are_called_off() {
 }
 
 #[test]
-fn a_position_told_by_itself_is_that_of_the_tool() {
+fn a_position_reported_unasked_is_that_of_the_tool() {
     let heard = answers(&["M154 S1", "G1 X110 F120", "M400"]);
     let told: Vec<_> = heard.iter().filter(|line| line.starts_with("X:")).collect();
     assert!(told.len() >= 4 && told[1].starts_with("X:10") && !told[1].starts_with("X:110"), "{told:?}");

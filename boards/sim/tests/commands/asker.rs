@@ -1,6 +1,7 @@
 //! A host that sends lines one by one, and what it hears.
 
 use super::deaf::Deaf;
+use corehbot::protocol::{BUSY, BUSY_PAUSED};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_sim::world::{Host, run};
@@ -25,7 +26,7 @@ impl Host for Asker {
     }
 
     fn interject(&mut self, out: &mut Vec<u8>) {
-        let is_paused = self.heard.last().is_some_and(|line| line == "echo:busy: paused for user");
+        let is_paused = self.heard.last().is_some_and(|line| line == BUSY_PAUSED);
         if is_paused && !core::mem::replace(&mut self.has_gone_on, true) {
             out.extend(b"M108\n");
             self.awaiting += 1;
@@ -44,13 +45,13 @@ impl Host for Asker {
     }
 }
 
-/// What a homed machine answers to `lines`, without its greeting and without `echo:busy: processing`.
+/// What a homed machine answers to `lines`, without its greeting and without [`BUSY`].
 pub fn answers(lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().map(|line| (*line).to_owned()).collect();
     let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
     let outcome = run(&Settings::prototype(), Some([100, 100, 50].map(Mm::from_num)), &mut host, &mut Deaf).unwrap();
     assert!(!outcome.halted, "{:?}", host.lines);
-    host.heard.into_iter().skip(2).filter(|line| line != "echo:busy: processing").collect()
+    host.heard.into_iter().skip(2).filter(|line| line != BUSY).collect()
 }
 
 /// What a machine that has not been homed answers.
@@ -58,5 +59,5 @@ pub fn before_homing(settings: &Settings, lines: &[&str]) -> Vec<String> {
     let lines = lines.iter().map(|line| (*line).to_owned()).collect();
     let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
     run(settings, None, &mut host, &mut Deaf).unwrap();
-    host.heard.into_iter().skip(2).filter(|line| line != "ok" && line != "echo:busy: processing").collect()
+    host.heard.into_iter().skip(2).filter(|line| line != "ok" && line != BUSY).collect()
 }

@@ -1,6 +1,7 @@
 //! The table: a line, and what stands in front of its `ok`.
 
 use super::asker::answers;
+use corehbot::protocol::BUSY_PAUSED;
 
 /// Answers in front of the `ok`; an asterisk at the end stands for anything.
 type Row = (&'static str, &'static [&'static str]);
@@ -14,7 +15,7 @@ const PAUSED: &[&str] = &[
     "// action:prompt_begin Paused",
     "// action:prompt_button Continue",
     "// action:prompt_show",
-    "echo:busy: paused for user",
+    BUSY_PAUSED,
     "// action:prompt_end",
     "// action:resumed",
 ];
@@ -231,7 +232,7 @@ fn every_command_is_answered_as_the_table_says() {
         let heard = answers(&[line]);
         let (oks, said): (Vec<_>, Vec<_>) = heard.iter().partition(|heard| heard.starts_with("ok"));
         // An answer to M108 follows that to the wait which it ended.
-        let asked = 1 + usize::from(heard.iter().any(|heard| heard == "echo:busy: paused for user"));
+        let asked = 1 + usize::from(heard.iter().any(|heard| heard == BUSY_PAUSED));
         assert_eq!(oks.len(), asked, "{line}: {heard:?}");
         assert_eq!(said.len(), expected.len(), "{line}: {heard:?}");
         assert!(said.iter().zip(*expected).all(|(heard, pattern)| fits(heard, pattern)), "{line}: {heard:?}");

@@ -1,6 +1,7 @@
 //! Homing: switches found, missed, and lost again.
 
 use super::talk::{talk, talk_to};
+use corehbot::protocol::BUSY;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
 
@@ -12,7 +13,7 @@ fn homing_finds_the_switches_through_the_belt() {
         assert!(heard.contains(&line.to_owned()), "{line}: {heard:?}");
     }
     // It takes seconds, so the host hears that somebody is busy.
-    assert!(heard.iter().filter(|l| *l == "echo:busy: processing").count() >= 3, "{heard:?}");
+    assert!(heard.iter().filter(|l| *l == BUSY).count() >= 3, "{heard:?}");
     assert!(steps.count > 10_000 && !outcome.halted);
     let [n1, n4, n8, n11, ..] = outcome.counts;
     assert_eq!((n1, n4), (-n8, -n11));

@@ -4,7 +4,7 @@ use super::talk::{talk, talk_to};
 use corehbot::settings::Settings;
 
 #[test]
-fn the_position_is_told_as_asked_and_as_it_is() {
+fn the_position_is_reported_as_asked_and_as_it_is() {
     let (heard, ..) = talk(&["G1 X10 Y20.004 Z1 E2 F6000", "M400", "M114", "M114 R", "G92 X0 E0", "M114"]);
     let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).collect();
     assert_eq!(told[0], "X:10.00 Y:20.00 Z:1.00 E:2.00 Count A:2400 B:-800 Z:800");
@@ -22,7 +22,7 @@ fn real_position_lags_while_moving() {
 }
 
 #[test]
-fn a_target_beyond_the_edge_is_told_once_a_print() {
+fn a_target_beyond_the_edge_is_reported_once_a_print() {
     let lines = ["G1 X500 F12000", "G1 X600", "G1 Y-5", "M400", "M114", "G28 X", "G1 X500", "M400"];
     let (heard, ..) = talk(&lines);
     assert_eq!(heard.iter().filter(|l| l.contains("beyond the reachable space")).count(), 2, "{heard:?}");

@@ -66,7 +66,7 @@ fn a_driver_that_is_asked_twice_each_time_leaves_others_their_turn() {
 }
 
 #[test]
-fn a_hot_driver_is_told_once_and_works_on() {
+fn a_hot_driver_is_reported_once_and_works_on() {
     let drivers = Drivers::new();
     let strike = |d: &Drivers| d.chip(Motor::E0).set(tmc2209::DRV_STATUS, 1);
     let told = play(&drivers, lines(&LONG_MOVE), Some((3000, Box::new(strike))));
@@ -90,7 +90,7 @@ fn one_damaged_reply_never_matters() {
 }
 
 #[test]
-fn a_driver_that_was_reset_while_it_had_no_power_is_told_everything_again() {
+fn a_driver_that_was_reset_while_it_had_no_power_is_configured_again() {
     let drivers = Drivers::new();
     let acts = vec![say("G1 X5 F6000"), say("M84"), act(|d| d.chip(Motor::M4).reset()), say("G1 X9"), say("M400")];
     let told = play(&drivers, acts, None);

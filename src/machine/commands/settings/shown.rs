@@ -12,7 +12,7 @@ use crate::settings::{CornerRule, Settings};
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
 pub(in crate::machine) fn say_settings(to: &mut Speaker<'_>, s: &Settings, retraction: &Retraction, has_drivers: bool) {
     to.say(format_args!("echo:  G21"));
-    for setting in Setting::ALL {
+    for setting in Setting::all() {
         say_setting(to, setting, s, retraction);
     }
     if has_drivers {

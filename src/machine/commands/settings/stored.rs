@@ -66,7 +66,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let mut paced = Paced::new(self);
         let survey = storage::survey(&mut paced).await;
         paced.into_result()?;
-        Ok(survey.map(|survey| survey.on(&self.defaults.mechanism)))
+        Ok(survey.map(|survey| survey.on(&self.defaults().mechanism)))
     }
 
     /// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
@@ -100,7 +100,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Ok(survey) => survey,
             Err(error) => return Ok(StorageNews::Unchanged(error)),
         };
-        let settings = survey.newest.map_or(self.defaults, |stored| stored.settings);
+        let settings = survey.newest.map_or(*self.defaults(), |stored| stored.settings);
         self.use_settings(settings).await?;
         Ok(StorageNews::loaded(&survey))
     }
@@ -108,7 +108,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M502.
     pub(in crate::machine) async fn reset_settings(&mut self) -> Result<StorageNews, Interrupt> {
         self.finish().await?;
-        self.use_settings(self.defaults).await?;
+        self.use_settings(*self.defaults()).await?;
         Ok(StorageNews::Defaults)
     }
 

@@ -3,117 +3,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-use corehbot::port::{NoStorage, Storage, StorageError};
+mod memories;
+
+use corehbot::port::{NoStorage, StorageError};
 use corehbot::settings::Settings;
 use corehbot::storage::{self, NEEDED, PAGE, Rejected, SaveError, Slot};
 use corehbot::units::{Mm, MmPerSec};
+use memories::{Cut, Eeprom, SIZE, Silent, Stuck, TORN, Torn, now};
 use proptest::prelude::*;
-use std::pin::pin;
-use std::task::{Context, Poll, Waker};
-
-const SIZE: usize = 4096;
-
-/// The result of a future that never waits.
-fn now<F: Future>(future: F) -> F::Output {
-    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(result) => result,
-        Poll::Pending => panic!("it waits"),
-    }
-}
-
-/// An EEPROM without faults that keeps books.
-#[derive(Clone, PartialEq, Eq, Debug)]
-struct Eeprom {
-    cells: Vec<u8>,
-    /// Address and size of every write.
-    writes: Vec<(u32, usize)>,
-}
-
-impl Eeprom {
-    fn blank() -> Self {
-        Self::holding(vec![0xFF; SIZE])
-    }
-
-    fn holding(cells: Vec<u8>) -> Self {
-        Self { cells, writes: Vec::new() }
-    }
-
-    fn with(settings: &[Settings]) -> Self {
-        let mut eeprom = Self::blank();
-        for s in settings {
-            now(storage::save(&mut eeprom, s)).unwrap();
-        }
-        eeprom.writes.clear();
-        eeprom
-    }
-
-    fn bytes_written(&self) -> usize {
-        self.writes.iter().map(|(_, size)| size).sum()
-    }
-}
-
-impl Storage for Eeprom {
-    fn capacity(&self) -> u32 {
-        self.cells.len() as u32
-    }
-
-    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        into.copy_from_slice(&self.cells[at as usize..][..into.len()]);
-        Ok(())
-    }
-
-    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        let at = at as usize;
-        assert_eq!(at / PAGE, (at + bytes.len() - 1) / PAGE, "a write across a page");
-        self.writes.push((at as u32, bytes.len()));
-        self.cells[at..][..bytes.len()].copy_from_slice(bytes);
-        Ok(())
-    }
-}
-
-/// What a cell holds whose programming was cut.
-type Torn = fn(old: u8, new: u8) -> u8;
-
-const TORN: [Torn; 6] = [|old, _| old, |_, new| new, |_, _| 0xFF, |_, _| 0, |old, new| old ^ new, |old, new| old & new];
-
-/// Cuts the power after so many bytes; the next one is torn. With `whole_page`, the page is programmed at
-/// once, so the cut tears all of its bytes from there on.
-struct Cut<'e> {
-    eeprom: &'e mut Eeprom,
-    left: usize,
-    torn: Torn,
-    whole_page: bool,
-    is_dead: bool,
-}
-
-impl Storage for Cut<'_> {
-    fn capacity(&self) -> u32 {
-        self.eeprom.capacity()
-    }
-
-    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        if self.is_dead { Err(StorageError::Failed) } else { self.eeprom.read(at, into).await }
-    }
-
-    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        if self.is_dead {
-            return Err(StorageError::Failed);
-        }
-        if bytes.len() <= self.left {
-            self.left -= bytes.len();
-            return self.eeprom.write(at, bytes).await;
-        }
-        self.is_dead = true;
-        for (i, (cell, new)) in self.eeprom.cells[at as usize..].iter_mut().zip(bytes).enumerate() {
-            if i < self.left {
-                *cell = *new;
-            } else if i == self.left || self.whole_page {
-                *cell = (self.torn)(*cell, *new);
-            }
-        }
-        Err(StorageError::Failed)
-    }
-}
 
 /// Settings that differ in many bytes from one number to the next.
 fn variant(n: u16) -> Settings {
@@ -258,26 +155,6 @@ fn a_record_of_another_format_is_left_until_its_turn() {
     assert_eq!(newest(&mut eeprom), Some(variant(1)));
 }
 
-/// A memory with a cell that cannot be changed.
-struct Stuck(Eeprom, usize);
-
-impl Storage for Stuck {
-    fn capacity(&self) -> u32 {
-        self.0.capacity()
-    }
-
-    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        self.0.read(at, into).await
-    }
-
-    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        let was = self.0.cells[self.1];
-        self.0.write(at, bytes).await?;
-        self.0.cells[self.1] = was;
-        Ok(())
-    }
-}
-
 #[test]
 fn a_worn_cell_is_noticed_by_reading_back() {
     let fresh = Eeprom::with(&[variant(0), variant(1)]);
@@ -290,24 +167,6 @@ fn a_worn_cell_is_noticed_by_reading_back() {
         let mut stuck = Stuck(fresh.clone(), at);
         assert_eq!(now(storage::save(&mut stuck, &variant(2))), Err(SaveError::NotKept));
         assert_eq!(newest(&mut stuck.0), Some(variant(1)));
-    }
-}
-
-/// A memory that stops answering after so many reads.
-struct Silent(Eeprom, usize);
-
-impl Storage for Silent {
-    fn capacity(&self) -> u32 {
-        self.0.capacity()
-    }
-
-    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        self.1 = self.1.checked_sub(1).ok_or(StorageError::Failed)?;
-        self.0.read(at, into).await
-    }
-
-    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        self.0.write(at, bytes).await
     }
 }
 

@@ -1,7 +1,7 @@
-//! Hand-over: a bootloader's clocks and peripherals are taken back, so that what follows meets the chip as a reset
+//! After a bootloader: its clocks and peripherals are taken back, so that what follows meets the chip as a reset
 //! leaves it.
 //!
-//! BTT's bootloader hands over at 180 MHz from a PLL, with over-drive, a second PLL, SDIO, DMA2 and USART3 clocked and
+//! BTT's bootloader starts us at 180 MHz from a PLL, with over-drive, a second PLL, SDIO, DMA2 and USART3 clocked and
 //! their interrupts enabled (emulator/src/bootloader.rs). Over-drive and voltage scale may change only while HSI or
 //! HSE is the system clock and the PLL is off (RM0390, 5.4.1), and embassy-stm32 0.6.0 resets PWR and switches
 //! over-drive on before it looks. So the PLLs are left first.
