@@ -122,7 +122,7 @@ impl HeaterLoop {
     /// What it is to be kept at; 0 or less is off.
     pub fn set_target(&mut self, target: Celsius) {
         let target =
-            if self.ailment.is_some() { Celsius::ZERO } else { target.clamp(Celsius::ZERO, self.settings.most) };
+            if self.ailment.is_some() { Celsius::ZERO } else { target.min(self.settings.most).max(Celsius::ZERO) };
         if target == Celsius::ZERO {
             self.pid.rest();
             self.tune = None;

@@ -17,8 +17,9 @@ use crate::settings::HeaterModel;
 use crate::units::Celsius;
 use fixed::types::{I8F24, I12F20};
 
-/// The slope is that of this time: 8 s, in periods.
-const SLOPE: u32 = 8 * RATE.unsigned_abs();
+/// The slope is that of this time, in s, and in periods.
+const SLOPE_S: i32 = 8;
+const SLOPE: u32 = SLOPE_S.unsigned_abs() * RATE.unsigned_abs();
 
 /// A heating counts from the cold: a warm block's losses are no better known than its model.
 const COLD: Celsius = Celsius::const_from_int(60);
@@ -100,7 +101,7 @@ impl LagWatch {
         let time = (i64::from(self.periods) << 24) / i64::from(RATE);
         let lag = time - (found << 16) / (slope >> 8).max(1);
         let is_other = slope > 0 && lag > TIMES * self.lag + (MORE_S << 24);
-        let slope = measured.saturating_sub(measured_before) * RATE / SLOPE.cast_signed();
+        let slope = measured.saturating_sub(measured_before) / SLOPE_S;
         is_other.then_some(Seen { lag, slope })
     }
 }

@@ -1,7 +1,7 @@
 //! Heaters that are open, weak, swapped or stuck on (F08 to F13), and fans.
 
 use crate::printer::{Printer, settings};
-use crate::{break_it, cold, constants, printing, until_off};
+use crate::{break_it, cold, constants, printing, soak_hours, until_off};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::thermal::Order;
@@ -65,6 +65,41 @@ fn f10_a_switch_that_sticks_costs_the_power_supply() {
         assert!(hottest[0] < 320.0 && hottest[1] < 150.0);
         assert_eq!(printer.bench.borrow().fans, [1.0; 6], "all fans cool");
     }
+}
+
+/// Starts with a hotend of 60 W whose switch sticks from a moment on: rooms, lags, masses and noise by the seed. A soak has 1000.
+#[test]
+fn f10_stuck_switches_of_any_machine_burn_nothing() {
+    let mut hottest = 0.0_f64;
+    let seeds = if soak_hours().is_some() { 1000 } else { 100 };
+    for seed in 0..seeds {
+        let part = |shift: u32, least: f64, most: f64| {
+            least
+                + (most - least) * f64::from(u32::wrapping_mul(seed, 2_654_435_761).rotate_left(shift) >> 16) / 65_536.0
+        };
+        let mut constants = constants();
+        constants.converter.seed = u64::from(seed);
+        constants.hotend.heater.nominal_watt = 60.0;
+        constants.ambient_celsius = part(3, 5.0, 40.0);
+        constants.hotend.sensor.lag_seconds = part(7, 0.5, 5.0);
+        constants.hotend.block_joule_per_kelvin = part(11, 6.0, 15.0);
+        let mut printer = Printer::new(&constants, settings());
+        let heats_before = seed % 3 == 0;
+        if heats_before {
+            printer.set(Heater::Hotend, part(17, 100.0, 215.0));
+            printer.run(part(19, 1.0, 100.0));
+            printer.order(Order::Off);
+        }
+        printer.run(part(13, 0.1, 20.0));
+        break_it(&printer, |faults| faults.hotend_heater = HeaterFault::STUCK_ON);
+        for _ in 0..3000 {
+            printer.period();
+            hottest = hottest.max(printer.hotend());
+        }
+        assert!(!printer.bench.borrow().supply, "seed {seed}: the supply is on, {:?}", printer.fault());
+    }
+    println!("{seeds} stuck switches: {hottest:.0} C at most");
+    assert!(hottest < 320.0, "{hottest}");
 }
 
 #[test]

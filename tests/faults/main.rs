@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod configuration;
+mod fuzz;
 mod hearts;
 mod heaters;
 mod latch;
@@ -15,6 +16,11 @@ use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot_rig::plant::{Plant, PlantConstants, PlantFaults};
 use printer::{Printer, settings};
+
+/// Hours of a soak, if this is one (`cargo xtask soak`).
+fn soak_hours() -> Option<u32> {
+    std::env::var("COREHBOT_SOAK_HOURS").ok().map(|hours| hours.parse().unwrap())
+}
 
 /// The prototype's plant.
 fn constants() -> PlantConstants {
@@ -46,6 +52,27 @@ fn break_it(printer: &Printer, what: impl FnOnce(&mut PlantFaults)) {
 /// Whether no heater gets power.
 fn is_off(printer: &Printer) -> bool {
     [Output::He0, Output::Bed].into_iter().all(|output| printer.duty(output) == 0.0)
+}
+
+/// How long it takes until a heater that nobody wants refuses to heat, for a sensor that is broken; then it is asked to, and does
+/// not, until the sensor is well again.
+fn until_refused(printer: &mut Printer, heater: Heater, mend: impl FnOnce(&mut PlantFaults)) -> (Cause, f64) {
+    let time = printer.run_until(5.0, |printer| printer.status.heat().ailment(heater).is_some()).unwrap();
+    let cause = printer.status.heat().ailment(heater).unwrap();
+    printer.set(heater, 60.0);
+    printer.run(2.0);
+    assert_eq!(
+        (printer.fault(), is_off(printer), printer.status.heat().target(heater).to_num::<i32>()),
+        (None, true, 0)
+    );
+    break_it(printer, mend);
+    // A jump back is a jump too.
+    printer.run(5.0);
+    assert_eq!(printer.status.heat().ailment(heater), None);
+    printer.set(heater, 60.0);
+    printer.run(2.0);
+    assert!(!is_off(printer), "it heats again");
+    (cause, time)
 }
 
 /// How long it takes until the fault is latched and all heaters are off, and they stay off.

@@ -1,20 +1,20 @@
 //! Sensors that are open, short, loose, frozen, slipped, slow or wrong (F01 to F07, F14 to F17, F19).
 
 use crate::printer::{Printer, settings};
-use crate::{break_it, cold, constants, is_off, printing, until_off};
+use crate::{break_it, cold, constants, is_off, printing, until_off, until_refused};
 use corehbot::connectors::Heater;
 use corehbot::fault::Cause;
 use corehbot::settings::Thermistor;
 use corehbot::units::Celsius;
 use corehbot_rig::plant::{Plant, SensorFault};
 
-/// A printer in each of the states in which a sensor may fail: cold and off, on its way up, at its target.
-fn states() -> [(&'static str, Printer); 3] {
+/// A printer in each of the states in which a sensor may fail while it heats: on its way up, at its target.
+fn states() -> [(&'static str, Printer); 2] {
     let mut heating = cold();
     heating.set(Heater::Hotend, 215.0);
     heating.set(Heater::Bed, 60.0);
     heating.run(20.0);
-    [("off", cold()), ("heating", heating), ("at its target", printing())]
+    [("heating", heating), ("at its target", printing())]
 }
 
 #[test]
@@ -37,6 +37,30 @@ fn f01_f02_f03_an_open_or_shorted_sensor_is_off_within_half_a_second() {
             }
         }
     }
+}
+
+#[test]
+fn a_broken_sensor_of_a_heater_that_is_off_only_refuses_to_heat() {
+    let broken = [
+        (SensorFault::Open, Cause::SensorOpen),
+        (SensorFault::ShortToSupply, Cause::SensorOpen),
+        (SensorFault::ShortToGround, Cause::SensorShort),
+    ];
+    for (fault, expected) in broken {
+        let mut printer = cold();
+        break_it(&printer, |faults| faults.hotend_sensor = fault);
+        let (cause, time) =
+            until_refused(&mut printer, Heater::Hotend, |faults| faults.hotend_sensor = SensorFault::None);
+        assert_eq!((cause, time <= 0.5), (expected, true), "{fault:?}: {time} s");
+        let mut printer = cold();
+        break_it(&printer, |faults| faults.bed_sensor = fault);
+        let (cause, _) = until_refused(&mut printer, Heater::Bed, |faults| faults.bed_sensor = SensorFault::None);
+        assert_eq!(cause, expected);
+    }
+    let mut printer = cold();
+    break_it(&printer, |faults| faults.converter_stopped = true);
+    let (cause, _) = until_refused(&mut printer, Heater::Hotend, |faults| faults.converter_stopped = false);
+    assert_eq!(cause, Cause::ConverterStopped);
 }
 
 #[test]
@@ -121,7 +145,7 @@ fn f14_a_thermistor_of_ten_kiloohm_does_not_heat() {
     fresh.run(300.0);
     assert!(fresh.hotend() < 150.0, "{}", fresh.hotend());
     // Plugged in while it runs, it is a jump.
-    let (cause, _) = until_off(&mut printer, 5.0);
+    let (cause, _) = until_refused(&mut printer, Heater::Hotend, |faults| faults.hotend_sensor = SensorFault::None);
     assert_eq!(cause, Cause::SensorFlickers);
 }
 
