@@ -8,6 +8,7 @@ mod emulate;
 mod flash;
 mod mutants;
 mod qemu;
+mod soak;
 mod test;
 
 use clap::{Parser, Subcommand};
@@ -39,6 +40,8 @@ enum Task {
     Mutants(mutants::Args),
     /// Prints a G-code file on the firmware in QEMU.
     Qemu(qemu::Args),
+    /// Prints for days of simulated time, with heat, and across the wraps of all counters.
+    Soak(soak::Args),
     /// Checks everything: format, lints, documentation, tests, sizes, and QEMU against the simulator.
     Test(test::Args),
 }
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Task::Flash(args) => flash::main(&args),
         Task::Mutants(args) => mutants::main(&args),
         Task::Qemu(args) => qemu::main(&args),
+        Task::Soak(args) => soak::main(&args),
         Task::Test(args) => test::main(&args),
     };
     match done {

@@ -354,7 +354,23 @@ pub fn run_on(
     hosts: &mut [&mut dyn Host],
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
-    let mut desk = Desk::new(hosts.len());
+    run_from(0, settings, start, storage, drivers, hosts, sink)
+}
+
+/// The same on a machine whose clock stands at `now`, in ticks.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run_from(
+    now: u64,
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    drivers: &Drivers,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    let mut desk = Desk::at(hosts.len(), now);
     let mut world = World::new(&mut desk, settings, start, storage, drivers, sink);
     let mut idle_ms = 0;
     while !(hosts.iter().all(|host| host.is_done()) || world.status().is_halted()) {

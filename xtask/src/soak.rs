@@ -1,0 +1,27 @@
+//! `cargo xtask soak`: hours of simulated printing in which no guard may alarm, no switch may burn anything, and no step may be
+//! lost. `cargo xtask test` runs the same tests for a short time.
+
+use crate::checkout::{cargo, run};
+use anyhow::Result;
+
+/// How long.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Simulated hours of prints with heat, each on a machine of its own.
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    hours: u32,
+    /// Simulated hours of motion, split over the wraps of all counters.
+    #[arg(long, value_name = "N", default_value_t = 72)]
+    motion_hours: u32,
+}
+
+/// Runs the long forms.
+pub fn main(args: &Args) -> Result<()> {
+    let mut heat =
+        cargo(["test", "--release", "--package=corehbot", "--test=faults", "--", "--nocapture", "quiet", "f10"]);
+    heat.env("COREHBOT_SOAK_HOURS", args.hours.to_string());
+    run(heat)?;
+    let mut motion = cargo(["test", "--release", "--package=corehbot-sim", "--test=soak", "--", "--nocapture"]);
+    motion.env("COREHBOT_SOAK_HOURS", args.motion_hours.to_string());
+    run(motion)
+}
