@@ -9,6 +9,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod heat;
 pub mod plant;
 
 use corehbot::kinematics::ForwardKinematics;

@@ -202,6 +202,7 @@ impl Printer {
     }
 
     /// The plate's.
+    #[allow(dead_code, reason = "not every test program that has this file asks for it")]
     pub fn bed(&self) -> f64 {
         self.bench.borrow().plant.bed_celsius()
     }

@@ -9,7 +9,6 @@ pub mod check;
 pub mod cli;
 pub mod drivers;
 pub mod eeprom;
-pub mod heat;
 pub mod host;
 pub mod input;
 pub mod limits;

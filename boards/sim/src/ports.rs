@@ -2,7 +2,6 @@
 //!
 //! All of them look at one time, which only the world moves on.
 
-use crate::heat::Heat;
 use crate::world::{Host, Sink};
 use corehbot::kinematics::MotorTable;
 use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
@@ -20,7 +19,6 @@ pub(crate) struct Shared {
     pub alarm: Cell<Option<u32>>,
     pub generator: Cell<bool>,
     pub stepper: Cell<bool>,
-    pub heat: Heat,
 }
 
 /// What is on the way between the printer and one host.

@@ -5,7 +5,6 @@
 //! of [`run`] answers at once: time stands still while the printer waits for a line.
 
 use crate::drivers::Drivers;
-use crate::heat::{Heat, HeatPort};
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Pends, Pins, Shared, Timer};
@@ -21,6 +20,7 @@ use corehbot::status::Status;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
+use corehbot_rig::heat::Heat;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -133,13 +133,12 @@ impl Wake for Wakes {
 pub struct World<'w> {
     shared: &'w Shared,
     wires: &'w [Wire],
-    settings: Settings,
     groups: Groups,
     status: &'w Status,
     counts: StepCounts<'w>,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
     generator: StepGenerator<'w>,
-    thermal: ThermalControl<'w, HeatPort<'w>, Pends<'w>>,
+    thermal: ThermalControl<'w, Heat, Pends<'w>>,
     /// When the next control period is due, in ticks.
     next_period: u64,
     /// Until it wants to begin anew.
@@ -177,8 +176,6 @@ impl<'w> World<'w> {
         let (rig, table) = (Rig::new(settings, place), MotorTable::new(&groups));
         let pins = Pins { rig, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
-        shared.heat.equip(settings);
-        let heat = HeatPort { heat: &shared.heat, settings: settings.thermal };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),
             drivers: drivers.bus(&shared.now),
@@ -186,12 +183,11 @@ impl<'w> World<'w> {
             storage,
         };
         let Parts { stepper, generator, thermal, mut console, status, counts } =
-            assemble(memory, *settings, start, step_ports, heat, ports, Pends(shared));
+            assemble(memory, *settings, start, step_ports, Heat::new(settings), ports, Pends(shared));
         let console = Box::pin(async move { console.run().await });
         Self {
             shared,
             wires,
-            settings: *settings,
             groups,
             status,
             counts,
@@ -251,7 +247,7 @@ impl<'w> World<'w> {
             self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
             self.thermal.period();
             let extruded = self.groups.motor_counts(self.counts.read())[Motor::E0 as usize];
-            shared.heat.step(&self.settings, extruded, f64::from(PERIOD_MS) / 1000.0);
+            self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
         }
         moved
     }
@@ -281,9 +277,8 @@ impl<'w> World<'w> {
     }
 
     /// Its heat.
-    #[must_use]
-    pub const fn heat(&self) -> &'w Heat {
-        &self.shared.heat
+    pub const fn heat(&mut self) -> &mut Heat {
+        self.thermal.port()
     }
 
     /// Whether anything is to be warm, which takes its time.

@@ -18,6 +18,8 @@ pub enum Context {
     Steps = 24,
     /// Makes step events.
     Generator = 47,
+    /// A control period of the heaters.
+    Thermal = 45,
     /// Lines, commands, planning, when something was received.
     Console = 46,
     /// The same handler when nothing was: it waits, and looks round every millisecond.
@@ -26,8 +28,16 @@ pub enum Context {
 
 impl Context {
     /// All but idling, the most urgent first.
-    pub const BUSY: [Self; 7] =
-        [Self::Steps, Self::Received, Self::Transmitted, Self::SysTick, Self::Generator, Self::Console, Self::Waiting];
+    pub const BUSY: [Self; 8] = [
+        Self::Steps,
+        Self::Received,
+        Self::Transmitted,
+        Self::SysTick,
+        Self::Generator,
+        Self::Thermal,
+        Self::Console,
+        Self::Waiting,
+    ];
 
     /// The context that a vector starts.
     pub fn of_vector(vector: u64) -> Option<Self> {
@@ -45,6 +55,7 @@ impl Context {
             Self::Steps => 0x00,
             Self::Received | Self::Transmitted | Self::SysTick => 0x40,
             Self::Generator => 0x80,
+            Self::Thermal => 0xA0,
             Self::Console | Self::Waiting => 0xC0,
             Self::Idle => 0xFF,
         }
@@ -60,6 +71,7 @@ impl fmt::Display for Context {
             Self::Transmitted => "byte out",
             Self::Steps => "step interrupt",
             Self::Generator => "generator",
+            Self::Thermal => "heat",
             Self::Console => "console",
             Self::Waiting => "console waits",
         })

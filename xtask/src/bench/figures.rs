@@ -50,6 +50,7 @@ pub fn figures(profiles: &BTreeMap<Job, Profile>, octopus: &PlainStep) -> Result
     figures.extend(of_rates(octopus, profile(Job::Dense)?, profile(Job::Axis)?));
     figures.extend(of_planner(profile(Job::Planner)?, profile(Job::Gathered)?));
     figures.extend(of_lines(profile(Job::Parse)?, profile(Job::Plain)?));
+    figures.extend(of_heat(profile(Job::Heat)?));
     Ok(figures)
 }
 
@@ -188,4 +189,12 @@ fn of_lines(parse: &Profile, plain: &Profile) -> Vec<Figure> {
         // It depends on which interrupts fall in between.
         Figure { is_steady: false, ..figure("ok_insn_after_last_byte", parse.to_answer(), None, "") },
     ]
+}
+
+/// A control period with hotend and bed on, without the plant that they heat.
+fn of_heat(heat: &Profile) -> Vec<Figure> {
+    let periods = heat.entries(Context::Thermal) as f64;
+    let work = heat.work(|spot| spot.context == Context::Thermal && spot.room != Some(Room::Rig)).instructions as f64;
+    // Most of a period's work depends on what was measured.
+    vec![Figure { is_steady: false, ..figure("thermal_insn_per_period", work / periods, Some(3000.0), "") }]
 }

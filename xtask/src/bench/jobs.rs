@@ -1,5 +1,6 @@
 //! The jobs: what is printed to be measured.
 
+use corehbot::connectors::Heater;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, MmPerSec, Ratio, Seconds, StepsPerMm};
 use std::fmt::{self, Write as _};
@@ -36,12 +37,23 @@ pub enum Job {
     Parse,
     /// The same circle without numbers.
     Plain,
+    /// The circle on a machine with hotend and bed, which are heated meanwhile.
+    Heat,
 }
 
 impl Job {
     /// All of them.
-    pub const ALL: [Self; 8] =
-        [Self::S, Self::Shaped, Self::Dense, Self::Axis, Self::Planner, Self::Gathered, Self::Parse, Self::Plain];
+    pub const ALL: [Self; 9] = [
+        Self::S,
+        Self::Shaped,
+        Self::Dense,
+        Self::Axis,
+        Self::Planner,
+        Self::Gathered,
+        Self::Parse,
+        Self::Plain,
+        Self::Heat,
+    ];
 
     /// What the host sends.
     pub fn gcode(self) -> String {
@@ -51,6 +63,7 @@ impl Job {
             Self::Axis => "G1 X250 E24 F18000\n".to_owned(),
             Self::Planner | Self::Gathered => line(self.moves()),
             Self::Parse | Self::Plain => circle(),
+            Self::Heat => format!("M302 P1\nM140 S60\nM104 S200\n{}", circle()),
         }
     }
 
@@ -61,6 +74,11 @@ impl Job {
             let shaper = Shaper::new(ShaperKind::Mzv, Hertz::from_num(60), Ratio::from_num(0.1));
             (settings.shapers.x, settings.shapers.y) = (shaper, shaper);
             settings.advance.time = Seconds::from_num(0.05);
+        }
+        if self == Self::Heat {
+            for heater in [Heater::Hotend, Heater::Bed] {
+                settings.thermal.heater_mut(heater).is_fitted = true;
+            }
         }
         if matches!(self, Self::Dense | Self::Axis) {
             for axis in [&mut settings.axes.x, &mut settings.axes.y] {
@@ -82,7 +100,7 @@ impl Job {
             Self::S | Self::Shaped | Self::Dense | Self::Axis => 1,
             Self::Planner => MOVES,
             Self::Gathered => GATHERED,
-            Self::Parse | Self::Plain => CHORDS,
+            Self::Parse | Self::Plain | Self::Heat => CHORDS,
         }
     }
 
@@ -103,6 +121,7 @@ impl fmt::Display for Job {
             Self::Gathered => "gathered",
             Self::Parse => "parse",
             Self::Plain => "plain",
+            Self::Heat => "heat",
         })
     }
 }

@@ -18,6 +18,8 @@ pub enum Room {
     Stepgen,
     /// The step interrupt's work.
     Stepper,
+    /// Sensors, heaters, guards.
+    Thermal,
     /// Motor drivers, settings, storage, start-up.
     Rest,
     /// The board: interrupts, queues of bytes, clocks.
@@ -28,13 +30,14 @@ pub enum Room {
 
 impl Room {
     /// All of them.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Protocol,
         Self::Gcode,
         Self::Machine,
         Self::Planner,
         Self::Stepgen,
         Self::Stepper,
+        Self::Thermal,
         Self::Rest,
         Self::Board,
         Self::Rig,
@@ -67,6 +70,7 @@ impl Room {
                 Some("protocol") => Some(Self::Protocol),
                 Some("gcode") => Some(Self::Gcode),
                 Some("machine") => Some(Self::Machine),
+                Some("thermal") => Some(Self::Thermal),
                 Some("driver" | "settings" | "storage" | "app") => Some(Self::Rest),
                 _ => None,
             };
@@ -87,6 +91,7 @@ impl fmt::Display for Room {
             Self::Planner => "planner",
             Self::Stepgen => "stepgen",
             Self::Stepper => "stepper",
+            Self::Thermal => "thermal",
             Self::Rest => "rest",
             Self::Board => "board",
             Self::Rig => "rig",

@@ -3,13 +3,18 @@
 use core::cell::RefCell;
 use core::future::poll_fn;
 use core::pin::pin;
+use core::sync::atomic::{AtomicU32, Ordering};
 use core::task::Waker;
 
 use corehbot::app::Parts;
+use corehbot::kinematics::Groups;
 use corehbot::machine;
-use corehbot::motion;
-use corehbot::port::{DriverBus, MotorSet, NoHeaters, NoStorage, Pend};
+use corehbot::motion::{self, StepCounts};
+use corehbot::motors::Motor;
+use corehbot::port::{DriverBus, MotorSet, NoStorage, Pend};
+use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
+use corehbot_rig::heat::Heat;
 use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use critical_section::Mutex;
 use embassy_executor::InterruptExecutor;
@@ -22,21 +27,26 @@ use super::vectors::{self, Irq};
 
 type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage>;
 /// The core with the ports of this board.
-pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, NoHeaters, BoardPend>;
+pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, Heat, BoardPend>;
 type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;
 type StepGenerator = motion::StepGenerator<'static>;
+type ThermalControl = thermal::ThermalControl<'static, Heat, BoardPend>;
 type Console = machine::Console<'static, BoardPorts, BoardPend>;
 
 static STEPPER: Handover<&'static mut Stepper> = Handover::new();
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
+static THERMAL: Handover<(&'static mut ThermalControl, StepCounts<'static>, Groups)> = Handover::new();
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
+/// Milliseconds since start, wrapping.
+static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
 static CONSOLE_WAKER: Mutex<RefCell<Option<Waker>>> = Mutex::new(RefCell::new(None));
 
 /// Hands the parts to their contexts and lets the interrupts loose.
-pub fn start(parts: &'static mut BoardParts) {
+pub fn start(parts: &'static mut BoardParts, groups: Groups) {
     let Some(mut peripherals) = Peripherals::take() else { give_up(format_args!("start-up runs once")) };
     STEPPER.fill(&mut parts.stepper);
     GENERATOR.fill(&mut parts.generator);
+    THERMAL.fill((&mut parts.thermal, parts.counts, groups));
     vectors::prioritise(&mut peripherals.NVIC, &mut peripherals.SCB);
     vectors::enable();
     time::start(peripherals.SYST);
@@ -91,6 +101,15 @@ pub extern "C" fn on_generator() {
     wake_console();
 }
 
+/// Interrupt of software: a control period of the heaters has passed.
+pub extern "C" fn on_thermal() {
+    THERMAL.with(|(thermal, counts, groups)| {
+        thermal.period();
+        let extruded = groups.motor_counts(counts.read())[Motor::E0 as usize];
+        thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
+    });
+}
+
 /// Interrupt of software: a task of the executor was woken.
 pub extern "C" fn on_console() {
     // SAFETY: this is the executor's interrupt handler, and `InterruptExecutor::start` enables it.
@@ -102,6 +121,11 @@ pub extern "C" fn on_console() {
 fn SysTick() {
     time::beat();
     wake_console();
+    let ms = MILLISECONDS.load(Ordering::Relaxed).wrapping_add(1);
+    MILLISECONDS.store(ms, Ordering::Relaxed);
+    if ms.is_multiple_of(PERIOD_MS) {
+        NVIC::pend(Irq::Thermal);
+    }
 }
 
 /// Pends the software interrupts.

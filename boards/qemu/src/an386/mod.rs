@@ -5,6 +5,7 @@
 //! | 0x00 | APB timer 0 | Stepper; nothing masks it |
 //! | 0x40 | UART 0, SysTick | bytes, milliseconds |
 //! | 0x80 | software interrupt | StepGenerator |
+//! | 0xA0 | software interrupt, every 20 ms | ThermalControl, and the plant that it heats |
 //! | 0xC0 | software interrupt | Console, a task of an embassy executor |
 //! | thread | [`idle`] | virtual time |
 //!
@@ -24,9 +25,10 @@ mod vectors;
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, NoHeaters, NoStorage};
+use corehbot::port::{Lines, NoStorage};
 use corehbot::status::Status;
 use corehbot_rig::Rig;
+use corehbot_rig::heat::Heat;
 use defmt_semihosting as _;
 use semihosting::process;
 use static_cell::{ConstStaticCell, StaticCell};
@@ -64,6 +66,8 @@ fn start_up() -> &'static Status {
     let rig = Rig::new(&job.settings, job.start);
     let table = MotorTable::new(&Groups::new(&job.settings.mechanism));
     let step_ports = StepPorts { pins: trace::TracePort::new(rig, table, job.trace), clock: time::StepTimer };
+    let groups = Groups::new(&job.settings.mechanism);
+    let heat = Heat::new(&job.settings);
     let ports = Ports {
         serial: Lines::from_array([serial::UartSerial::new()]),
         drivers: contexts::NoDrivers,
@@ -72,9 +76,9 @@ fn start_up() -> &'static Status {
     };
     // In this form the parts are built in their place; they are too large to be carried about.
     let parts = PARTS.init_with(|| {
-        app::assemble(MEMORY.take(), job.settings, job.start, step_ports, NoHeaters, ports, contexts::BoardPend)
+        app::assemble(MEMORY.take(), job.settings, job.start, step_ports, heat, ports, contexts::BoardPend)
     });
     let status = parts.status;
-    contexts::start(parts);
+    contexts::start(parts, groups);
     status
 }

@@ -20,6 +20,8 @@ pub enum Irq {
     StepTimer = 8,
     /// A byte was lost.
     Overrun = 12,
+    /// A control period of the heaters.
+    Thermal = 29,
     /// Runs the Console.
     Console = 30,
     /// Runs the StepGenerator.
@@ -28,12 +30,13 @@ pub enum Irq {
 
 /// How urgent each is: less is more, and the STM32's four bits are enough. Only 0 escapes the critical
 /// sections of `corehbot-cortex-m4`.
-const PRIORITIES: [(Irq, u8); 6] = [
+const PRIORITIES: [(Irq, u8); 7] = [
     (Irq::StepTimer, 0x00),
     (Irq::Received, LINK_PRIORITY),
     (Irq::Transmitted, LINK_PRIORITY),
     (Irq::Overrun, LINK_PRIORITY),
     (Irq::Generator, 0x80),
+    (Irq::Thermal, 0xA0),
     (Irq::Console, 0xC0),
 ];
 
@@ -59,7 +62,7 @@ pub fn prioritise(nvic: &mut NVIC, scb: &mut SCB) {
 
 /// Lets all interrupts in but that of the Console, which its executor enables.
 pub fn enable() {
-    for irq in [Irq::StepTimer, Irq::Received, Irq::Transmitted, Irq::Overrun, Irq::Generator] {
+    for irq in [Irq::StepTimer, Irq::Received, Irq::Transmitted, Irq::Overrun, Irq::Generator, Irq::Thermal] {
         // SAFETY: called once from start-up, outside of any critical section.
         unsafe { NVIC::unmask(irq) };
     }
@@ -78,6 +81,7 @@ const fn table() -> [Handler; 32] {
     table[Irq::Transmitted as usize] = serial::on_transmitted;
     table[Irq::StepTimer as usize] = contexts::on_step_timer;
     table[Irq::Overrun as usize] = serial::on_overrun;
+    table[Irq::Thermal as usize] = contexts::on_thermal;
     table[Irq::Console as usize] = contexts::on_console;
     table[Irq::Generator as usize] = contexts::on_generator;
     table

@@ -1,13 +1,12 @@
-//! Heat: the rig's thermal plant behind the firmware's thermal port, in virtual time.
+//! Heat: the thermal plant behind the firmware's thermal port.
 //!
 //! A machine without heaters has thermistors in a room of 25 C, and nothing is computed.
 
+use crate::plant::{Drive, Plant, PlantConstants, Thermistor};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::motors::Motor;
 use corehbot::port::ThermalPort;
 use corehbot::settings::{FanRole, HeaterSettings, Settings, ThermalSettings};
-use corehbot_rig::plant::{Drive, Plant, PlantConstants, Thermistor};
-use std::cell::{Cell, RefCell};
 
 /// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
 const ROOM: u16 = 62594;
@@ -15,59 +14,66 @@ const ROOM: u16 = 62594;
 /// Cross-section of filament of 1.75 mm, mm2.
 const FILAMENT: f64 = 2.405;
 
-/// The plant, and what the firmware last told it.
-#[derive(Default)]
+/// The plant behind the firmware's thermal port, and what the firmware last told it.
 pub struct Heat {
-    plant: RefCell<Option<Plant>>,
-    duties: Cell<[u16; OUTPUTS]>,
-    fans: Cell<[u16; FANS]>,
-    is_supplied: Cell<bool>,
+    plant: Option<Plant>,
+    settings: ThermalSettings,
+    steps_per_mm: f64,
+    duties: [u16; OUTPUTS],
+    fans: [u16; FANS],
+    is_supplied: bool,
     /// The extruder's steps when last looked at.
-    extruded: Cell<i32>,
+    extruded: i32,
 }
 
 impl Heat {
-    /// The plant of a machine, if it has heaters.
-    pub(crate) fn equip(&self, settings: &Settings) {
-        let thermal = &settings.thermal;
+    /// The heat of a machine; without heaters nothing is computed.
+    #[must_use]
+    pub fn new(settings: &Settings) -> Self {
+        let thermal = settings.thermal;
         let is_heated = Heater::ALL.into_iter().any(|heater| thermal.heater(heater).is_fitted);
-        *self.plant.borrow_mut() = is_heated.then(|| Plant::new(&constants(thermal)));
-        self.is_supplied.set(true);
+        Self {
+            plant: is_heated.then(|| Plant::new(&constants(&thermal))),
+            settings: thermal,
+            steps_per_mm: settings.steps_per_mm(Motor::E0).to_num(),
+            duties: [0; OUTPUTS],
+            fans: [0; FANS],
+            is_supplied: true,
+            extruded: 0,
+        }
     }
 
     /// Time passes: the extruder has made so many steps since the start.
-    pub(crate) fn step(&self, settings: &Settings, extruded: i32, seconds: f64) {
-        let steps = extruded.wrapping_sub(self.extruded.replace(extruded));
-        let Some(plant) = &mut *self.plant.borrow_mut() else { return };
-        let mm = f64::from(steps) / settings.steps_per_mm(Motor::E0).to_num::<f64>();
+    pub fn advance(&mut self, extruded: i32, seconds: f64) {
+        let steps = extruded.wrapping_sub(core::mem::replace(&mut self.extruded, extruded));
         let part = |bits: u16| f64::from(bits) / 65_535.0;
-        let duty = |heater| part(self.duties.get()[settings.thermal.heater(heater).output as usize]);
+        let duty = |heater| part(self.duties[self.settings.heater(heater).output as usize]);
         let cools = |role| {
-            let fans = settings.thermal.fans.iter().zip(self.fans.get()).filter(|(fan, _)| fan.role == role);
-            fans.map(|(_, duty)| part(duty)).next().unwrap_or_default()
+            let mut fans = self.settings.fans.iter().zip(self.fans).filter(|(fan, _)| fan.role == role);
+            fans.next().map(|(_, duty)| part(duty)).unwrap_or_default()
         };
         let drive = Drive {
             hotend: duty(Heater::Hotend),
             bed: duty(Heater::Bed),
             part_fan: cools(FanRole::Commanded),
             hotend_fan: cools(FanRole::Hotend),
-            flow_mm3_s: mm * FILAMENT / seconds,
-            supply_on: self.is_supplied.get(),
+            flow_mm3_s: f64::from(steps) / self.steps_per_mm * FILAMENT / seconds,
+            supply_on: self.is_supplied,
         };
-        plant.step(&drive, seconds);
-    }
-
-    /// The true temperatures of hotend and bed in C, if there are heaters.
-    #[must_use]
-    pub fn celsius(&self) -> Option<[f64; 2]> {
-        self.plant.borrow().as_ref().map(|plant| [plant.hotend_celsius(), plant.bed_celsius()])
-    }
-
-    /// Has a test break something.
-    pub fn break_it(&self, what: impl FnOnce(&mut corehbot_rig::plant::PlantFaults)) {
-        if let Some(plant) = &mut *self.plant.borrow_mut() {
-            what(plant.faults());
+        if let Some(plant) = &mut self.plant {
+            plant.step(&drive, seconds);
         }
+    }
+
+    /// The plant, if there are heaters: to look at, and to break.
+    pub const fn plant(&mut self) -> Option<&mut Plant> {
+        self.plant.as_mut()
+    }
+
+    /// The duty of each output, of 65,535.
+    #[must_use]
+    pub const fn duties(&self) -> [u16; OUTPUTS] {
+        self.duties
     }
 }
 
@@ -103,17 +109,12 @@ fn law(heater: &HeaterSettings) -> Thermistor {
     }
 }
 
-/// The firmware's port to it: sensors where the machine's file has them.
-pub(crate) struct HeatPort<'w> {
-    pub heat: &'w Heat,
-    pub settings: ThermalSettings,
-}
-
-impl ThermalPort for HeatPort<'_> {
+impl ThermalPort for Heat {
     fn sample(&mut self, sensor: Sensor) -> Option<u16> {
-        let Some(plant) = &mut *self.heat.plant.borrow_mut() else {
+        let Some(plant) = &mut self.plant else {
             return matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM);
         };
+        // Sensors hang where the machine's file has them.
         let of = |heater| self.settings.heater(heater).sensor == sensor;
         if of(Heater::Hotend) {
             plant.sample(Sensor::Hotend0)
@@ -125,7 +126,7 @@ impl ThermalPort for HeatPort<'_> {
     }
 
     fn reference(&mut self) -> Option<u16> {
-        self.heat.plant.borrow_mut().as_mut()?.vref_sample()
+        self.plant.as_mut()?.vref_sample()
     }
 
     fn outputs(&self) -> OutputSet {
@@ -134,7 +135,7 @@ impl ThermalPort for HeatPort<'_> {
     }
 
     fn heat(&mut self, duties: &[u16; OUTPUTS]) {
-        self.heat.duties.set(*duties);
+        self.duties = *duties;
     }
 
     fn fans(&self) -> usize {
@@ -142,11 +143,9 @@ impl ThermalPort for HeatPort<'_> {
     }
 
     fn blow(&mut self, fan: usize, duty: u16) {
-        let mut fans = self.heat.fans.get();
-        if let Some(place) = fans.get_mut(fan) {
+        if let Some(place) = self.fans.get_mut(fan) {
             *place = duty;
         }
-        self.heat.fans.set(fans);
     }
 
     fn has_supply_switch(&self) -> bool {
@@ -154,6 +153,6 @@ impl ThermalPort for HeatPort<'_> {
     }
 
     fn switch_supply(&mut self, on: bool) {
-        self.heat.is_supplied.set(on);
+        self.is_supplied = on;
     }
 }
