@@ -231,13 +231,17 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     /// Whether each heater warms its own sensor.
     fn compare(&mut self) -> Result<(), (Heater, Alarm)> {
         for (own, guards) in Heater::ALL.into_iter().zip(&mut self.swapped) {
+            if self.heaters[own as usize].duty() <= u16::MAX / 2 {
+                *guards = [Swapped::new(); HEATERS];
+                continue;
+            }
             for (other, guard) in Heater::ALL.into_iter().zip(guards) {
                 let [a, b] = [own, other].map(|heater| &self.heaters[heater as usize]);
                 if own == other || !b.settings().is_fitted {
                     continue;
                 }
                 let (Some(a_is), Some(b_is)) = (a.measured(), b.measured()) else { continue };
-                if let Some(alarm) = guard.look(a.duty() > u16::MAX / 2 && !b.is_powered(), a_is, b_is) {
+                if let Some(alarm) = guard.look(!b.is_powered(), a_is, b_is) {
                     return Err((own, alarm));
                 }
             }

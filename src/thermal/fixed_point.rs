@@ -15,26 +15,26 @@ pub const RATE: i32 = 50;
 pub const PERIOD_MS: u32 = 1000 / RATE.unsigned_abs();
 
 /// A value times a factor.
-#[inline]
+#[inline(always)]
 pub fn times<F: Unsigned + LeEqU32>(value: I12F20, factor: FixedI32<F>) -> I12F20 {
     let product = i64::from(value.to_bits()) * i64::from(factor.to_bits());
     I12F20::from_bits(saturated(product >> F::U32))
 }
 
 /// A product or quotient in 32 bits.
-#[inline]
+#[inline(always)]
 pub fn saturated(wide: i64) -> i32 {
     wide.clamp(i32::MIN.into(), i32::MAX.into()) as i32
 }
 
 /// A duty of 0 to 65,535 as a part of one.
-#[inline]
+#[inline(always)]
 pub fn share(duty: u16) -> Ratio {
     Ratio::from_bits(u32::from(duty) + u32::from(duty >> 15))
 }
 
 /// The part that `value` is of `whole`, as a duty.
-#[inline]
+#[inline(always)]
 pub fn duty(value: Power, whole: Power) -> u16 {
     if whole <= Power::ZERO {
         return 0;

@@ -4,21 +4,26 @@
 /// Fractional bits of a logarithm.
 pub(super) const FRACTION: u32 = 26;
 
+/// Fractional bits that are found; the others are 0. Four millionths of a resistance are less than a thousandth of a degree.
+const FOUND: u32 = 18;
+
 /// Logarithm to base 2 of a number that is not 0, with [`FRACTION`] fractional bits; right to 4 millionths.
 pub(super) const fn log2(number: u32) -> i64 {
     let whole = 31 - number.leading_zeros();
     // Between 1 and 2, with 31 fractional bits.
     let mut rest = number << (31 - whole);
-    let mut log = whole as i64;
+    let mut log = whole;
     let mut bit = 0;
-    while bit < FRACTION {
+    while bit < FOUND {
+        // Words by themselves: a shift of 64 bits by a number is a call.
         let square = rest as u64 * rest as u64;
-        let is_two = square >> 63 == 1;
-        rest = (if is_two { square >> 32 } else { square >> 31 }) as u32;
-        log = log << 1 | is_two as i64;
+        let (upper, lower) = ((square >> 32) as u32, square as u32);
+        let is_two = upper >> 31;
+        rest = if is_two == 1 { upper } else { upper << 1 | lower >> 31 };
+        log = log << 1 | is_two;
         bit += 1;
     }
-    log
+    (log << (FRACTION - FOUND)) as i64
 }
 
 /// The natural logarithm of 2, with 32 fractional bits.
