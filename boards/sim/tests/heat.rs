@@ -10,7 +10,7 @@ use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_sim::drivers::Drivers;
-use corehbot_sim::world::{Desk, World};
+use corehbot_sim::world::{Desk, Outcome, World};
 use deaf::Deaf;
 
 /// A machine with these heaters.
@@ -24,7 +24,7 @@ fn machine(fitted: &[Heater]) -> Settings {
 
 /// Says `lines` one after the other, each after the `ok` of the one before, and lets so much time pass in all. A line that begins
 /// with a number of ms and a colon is said at that time, whatever was answered. Returns what was heard.
-fn talk_with(settings: &Settings, ms: u64, lines: &[&str], mut look: impl FnMut(u64, &Status)) -> Vec<String> {
+fn talk_with(settings: &Settings, ms: u64, lines: &[&str], mut look: impl FnMut(u64, &Status)) -> (Vec<String>, Outcome) {
     let drivers = Drivers::new();
     let mut desk = Desk::new(1);
     let start = Some([100, 100, 50].map(Mm::from_num));
@@ -54,11 +54,11 @@ fn talk_with(settings: &Settings, ms: u64, lines: &[&str], mut look: impl FnMut(
     }
     assert_eq!(next, lines.len(), "{heard:?}");
     heard.retain(|line| line != "echo:busy: processing");
-    heard.split_off(2)
+    (heard.split_off(2), world.outcome())
 }
 
 fn talk(settings: &Settings, ms: u64, lines: &[&str]) -> Vec<String> {
-    talk_with(settings, ms, lines, |_, _| {})
+    talk_with(settings, ms, lines, |_, _| {}).0
 }
 
 fn has(heard: &[String], line: &str) -> bool {
@@ -134,7 +134,7 @@ fn a_wait_for_cooling_ends_when_nothing_cools() {
 /// A sensor that stands still under power.
 #[test]
 fn a_fault_halts_the_machine_in_words_that_hosts_know() {
-    let heard = talk_with(&machine(&[Heater::Hotend]), 120_000, &["M109 S200"], |_, _| {});
+    let heard = talk(&machine(&[Heater::Hotend]), 120_000, &["M109 S200"]);
     let [.., fault, halted] = heard.as_slice() else { panic!("{heard:?}") };
     assert!(fault.starts_with("Error:hotend: "), "{heard:?}");
     assert_eq!(halted, "Error:Printer halted. kill() called! Send M999 or reset");
@@ -144,7 +144,7 @@ fn a_fault_halts_the_machine_in_words_that_hosts_know() {
 #[test]
 fn m112_switches_heaters_off() {
     let mut seen = (false, false);
-    let heard = talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, status| {
+    let (heard, _) = talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, status| {
         let heat = status.heat();
         seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
         seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
@@ -174,9 +174,14 @@ fn heaters_that_nobody_uses_go_off_also_while_the_user_is_waited_for() {
 fn no_filament_moves_while_the_hotend_is_cold() {
     let told = "echo: cold extrusion prevented";
     let settings = machine(&[Heater::Hotend]);
-    let heard = talk(&settings, 8000, &["G1 X110 E5 F6000", "G1 E9 F600", "G10", "G11", "M400", "M114"]);
+    let lines = ["G1 X110 E5 F6000", "G1 E9 F600", "G2 X120 I5 E12", "G10", "G11", "G92 E9", "M400", "M114"];
+    let (heard, outcome) = talk_with(&settings, 8000, &lines, |_, _| {});
+    let [.., extruder] = outcome.counts;
+    assert_eq!((extruder, outcome.counts[0].abs() > 0), (0, true));
     assert_eq!(heard.iter().filter(|line| *line == told).count(), 1, "{heard:?}");
-    assert!(has(&heard, "X:110.00 Y:100.00 Z:50.00 E:9.00 Count A:16800 B:800 Z:40000"), "{heard:?}");
+    assert!(has(&heard, "X:120.00 Y:100.00 Z:50.00 E:9.00 Count A:17600 B:1600 Z:40000"), "{heard:?}");
+    let (_, outcome) = talk_with(&settings, 8000, &[&["M302 P1"], lines.as_slice()].concat(), |_, _| {});
+    assert_eq!(outcome.counts[6], 12 * 400, "with leave it moves");
     for lines in [["M302 P1", "M302"], ["M302 S0", "M302"]] {
         let heard = talk(&settings, 1000, &lines);
         assert!(heard[1].starts_with("echo:Cold extrudes are enabled (min temp "), "{heard:?}");
