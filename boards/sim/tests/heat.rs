@@ -24,7 +24,12 @@ fn machine(fitted: &[Heater]) -> Settings {
 
 /// Says `lines` one after the other, each after the `ok` of the one before, and lets so much time pass in all. A line that begins
 /// with a number of ms and a colon is said at that time, whatever was answered. Returns what was heard.
-fn talk_with(settings: &Settings, ms: u64, lines: &[&str], mut look: impl FnMut(u64, &Status)) -> (Vec<String>, Outcome) {
+fn talk_with(
+    settings: &Settings,
+    ms: u64,
+    lines: &[&str],
+    mut look: impl FnMut(u64, &Status),
+) -> (Vec<String>, Outcome) {
     let drivers = Drivers::new();
     let mut desk = Desk::new(1);
     let start = Some([100, 100, 50].map(Mm::from_num));
@@ -144,11 +149,12 @@ fn a_fault_halts_the_machine_in_words_that_hosts_know() {
 #[test]
 fn m112_switches_heaters_off() {
     let mut seen = (false, false);
-    let (heard, _) = talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, status| {
-        let heat = status.heat();
-        seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
-        seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
-    });
+    let (heard, _) =
+        talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, status| {
+            let heat = status.heat();
+            seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
+            seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
+        });
     assert_eq!(seen, (true, false), "{heard:?}");
 }
 
