@@ -4,6 +4,7 @@
 
 mod support;
 
+use corehbot::connectors::Heater;
 use corehbot::gcode::{AxisFlags, AxisWords, Command, Number, parse};
 use proptest::prelude::*;
 use support::bodies;
@@ -142,8 +143,22 @@ fn line() -> impl Strategy<Value = String> {
         "SET_VELOCITY_LIMIT VELOCITY=",
         "SET_PRESSURE_ADVANCE ADVANCE=0.05",
         "M593 P\"mzv\"",
-        "M302",
+        "M302 S170",
         "M303",
+        "M303 E-1 S60 U1",
+        "M109",
+        "M190 R60",
+        "M141",
+        "M191",
+        "M116",
+        "M107",
+        "M301",
+        "M304",
+        "M306",
+        "M306 E-1 A0.08 F0.1",
+        "M306 T",
+        "M710",
+        "M710 R",
         "M413",
         "M622",
         "M81",
@@ -342,10 +357,11 @@ fn an_exponent_is_an_extruder_word() {
 fn custom_code_of_real_profiles() {
     let e_zero = Command::SetPosition(AxisWords { e: Some(Number::ZERO), ..AxisWords::default() });
     let x_and_y = AxisFlags { x: true, y: true, ..AxisFlags::default() };
+    let heater = Heater::Hotend;
     for (line, expected) in [
         ("G92 E0; G1 E-10 F1200", e_zero),
         ("G90;", Command::Absolute),
-        ("M109 S205;", Command::Heater),
+        ("M109 S205;", Command::HeaterWait { heater, tool: 0, target: Some(Number::from(205)), cools: false }),
         ("G4 ; wait", Command::Dwell { ms: 0 }),
         ("G28 X0 Y0", Command::Home(x_and_y)),
         ("G28 W", Command::Home(AxisFlags::default())),
@@ -357,7 +373,7 @@ fn custom_code_of_real_profiles() {
         ("EXCLUDE_OBJECT_START NAME=cube", Command::Silent),
         ("M117 E5 * ; x", Command::Message),
         ("M400 U1", Command::Finish),
-        ("M106 S91.8", Command::Heater),
+        ("M106 S91.8", Command::FanSpeed { fan: 0, speed: read("91.8") }),
         ("T0", Command::Tool(0)),
         ("M73 P0 R12", Command::Progress { percent: Some(Number::ZERO), minutes: Some(Number::from(12)) }),
     ] {

@@ -17,7 +17,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
     ("status", &["units", "motors", "connectors", "fault"]),
     ("port", &["units", "motors", "connectors"]),
     ("protocol", &["units", "text", "port"]),
-    ("gcode", &["units", "text"]),
+    ("gcode", &["units", "text", "connectors"]),
     ("kinematics", &["units", "motors"]),
     ("settings", &["units", "motors", "connectors", "kinematics"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),

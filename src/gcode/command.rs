@@ -1,7 +1,8 @@
 //! What a line of G-code asks for, as a type in which nonsense cannot be written down.
 
 use super::number::Number;
-use super::parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, Plane, VelocityWords};
+use super::parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, ModelWords, Plane, VelocityWords};
+use crate::connectors::Heater;
 
 /// A command; every variant is answered with one `ok`. Lengths are in the units that G20/G21 chose.
 ///
@@ -232,16 +233,79 @@ pub enum Command<'a> {
     VelocityLimit(VelocityWords<'a>),
     /// T: choose a tool.
     Tool(u8),
-    /// A command for heaters or fans, of which this firmware has none yet.
-    Heater,
-    /// M301, M303, M304: how heaters are controlled, of which this firmware has none yet.
-    HeaterTuning,
-    /// M302: cold extrusion, which cannot be forbidden without heaters; or report.
-    ColdExtrusion {
-        /// Whether it is to be forbidden.
-        forbid: bool,
+    /// M104, M140, M141: what a heater is to be kept at; nothing without S or R.
+    HeaterTarget {
+        /// Which heater.
+        heater: Heater,
+        /// T: of which tool.
+        tool: u8,
+        /// S or R, in degrees Celsius.
+        target: Option<Number>,
     },
-    /// M81: switch the power supply off, which this firmware cannot.
+    /// M109, M190, M191: the same, and wait until it is so; nothing without S or R.
+    HeaterWait {
+        /// Which heater.
+        heater: Heater,
+        /// T: of which tool.
+        tool: u8,
+        /// S or R, in degrees Celsius.
+        target: Option<Number>,
+        /// Whether to wait while it cools, too (R).
+        cools: bool,
+    },
+    /// M116: wait for all heaters that are on.
+    AwaitHeaters,
+    /// M106, M107: how fast a fan is to run, in its turn among the moves.
+    FanSpeed {
+        /// P: which fan; 255 for one that no machine has.
+        fan: u8,
+        /// S, of 255; 0 for M107.
+        speed: Number,
+    },
+    /// M301, M304: the gains of a heater's PID controller, or report.
+    Pid {
+        /// Which heater.
+        heater: Heater,
+        /// P, I, D.
+        gains: [Option<Number>; 3],
+    },
+    /// M303, M306 T: find out how a heater behaves.
+    TuneHeater {
+        /// E: 0 the hotend, -1 the bed, -2 the chamber; `None` for another number.
+        heater: Option<Heater>,
+        /// S, in degrees Celsius.
+        target: Option<Number>,
+        /// C: swings.
+        cycles: Option<Number>,
+        /// U: whether to use what is found.
+        applies: bool,
+    },
+    /// M302: the temperature below which no filament moves, or report.
+    ColdExtrusion {
+        /// S, in degrees Celsius.
+        least: Option<Number>,
+        /// P: whether filament may move at any temperature.
+        allow: Option<bool>,
+    },
+    /// M306: the model of a heater, or report.
+    HeaterModel {
+        /// E, as for M303.
+        heater: Option<Heater>,
+        /// Its numbers.
+        words: ModelWords,
+    },
+    /// M710: the fan of the controller, or report.
+    ControllerFan {
+        /// S, of 255.
+        speed: Option<Number>,
+        /// D: s for which it goes on.
+        run_on: Option<Number>,
+        /// R: as the machine was made.
+        resets: bool,
+        /// I or A, of which this firmware has none.
+        other: Option<u8>,
+    },
+    /// M81: everything off that can be switched off.
     PowerOff,
     /// M413: recovery from a loss of power, which this firmware cannot; or report.
     PowerLossRecovery(Option<bool>),

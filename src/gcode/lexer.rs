@@ -125,6 +125,16 @@ impl<'a> Words<'a> {
     }
 }
 
+/// The last word with this `letter`.
+pub(super) fn last(text: &[u8], letter: u8) -> Option<Word<'_>> {
+    Words::new(text).filter(|word| word.letter == letter).last()
+}
+
+/// The number of the last word with this `letter`.
+pub(super) fn number(text: &[u8], letter: u8) -> Option<Number> {
+    last(text, letter)?.number
+}
+
 /// `text` without the characters of numbers that it begins with.
 fn skip_number(mut text: &[u8]) -> &[u8] {
     while let [b'0'..=b'9' | b'+' | b'-' | b'.', after @ ..] = text {

@@ -1,22 +1,21 @@
-//! M-codes: switches, limits, reports.
+//! M-codes: switches, limits, reports. `heat` has those of heaters and fans.
 
 use super::axes::{axis_flags, axis_words, take_axis};
 use super::code::Code;
 use super::command::Command;
-use super::lexer::{Word, Words};
+use super::heat;
+use super::lexer::{Words, last, number};
 use super::number::Number;
 use super::parts::{AxisFlags, AxisWords};
-use super::quiet::{is_heater, is_silent};
+use super::quiet::is_silent;
 use super::shaping::{linear_advance, pressure_advance, shaper};
 use super::text::{await_user, object, tell};
+use crate::connectors::Heater;
 
 /// The command of an M-code, or `None` if it is not understood.
 pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
     if is_silent(code) {
         return Some(Command::Silent);
-    }
-    if is_heater(code) {
-        return Some(Command::Heater);
     }
     if code.letter != b'M' || code.subcode != 0 {
         return None;
@@ -33,20 +32,29 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         82 => Command::AbsoluteExtrusion,
         83 => Command::RelativeExtrusion,
         92 => Command::StepsPerMm(axis_words(text)),
+        104 => heat::target(Heater::Hotend, text),
         105 => Command::ReportTemperatures,
+        106 => heat::fan(text, false),
+        107 => heat::fan(text, true),
         108 => Command::Continue,
+        109 => heat::wait(Heater::Hotend, text),
         110 => Command::LineNumber,
         111 => Command::Debug(number(text, b'S')),
         112 => Command::EmergencyStop,
         113 => Command::Keepalive(number(text, b'S')),
         114 => Command::ReportPosition { real: last(text, b'R').is_some() },
         115 => Command::ReportFirmware,
+        116 => Command::AwaitHeaters,
         117 => Command::Message,
         118 => tell(text),
         119 => Command::ReportEndstops,
         122 => Command::Diagnose,
+        140 => heat::target(Heater::Bed, text),
+        141 => heat::target(Heater::Chamber, text),
         154 => Command::AutoPosition(number(text, b'S')),
         155 => Command::AutoReport(number(text, b'S')),
+        190 => heat::wait(Heater::Bed, text),
+        191 => heat::wait(Heater::Chamber, text),
         200 if !is_volumetric(text) => Command::Silent,
         201 => Command::MaxAcceleration(axis_words(text)),
         203 => Command::MaxSpeed(axis_words(text)),
@@ -60,8 +68,11 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         211 => Command::SoftEndstops(switch(text)),
         220 => feed_percent(text),
         221 => Command::FlowPercent(number(text, b'S')),
-        301 | 303 | 304 => Command::HeaterTuning,
-        302 => Command::ColdExtrusion { forbid: forbids_cold(text) },
+        301 => heat::pid(Heater::Hotend, text),
+        302 => heat::cold_extrusion(text),
+        303 => heat::tune(text),
+        304 => heat::pid(Heater::Bed, text),
+        306 => heat::model(text),
         400 => Command::Finish,
         410 => Command::QuickStop,
         413 => Command::PowerLossRecovery(switch(text)),
@@ -77,6 +88,7 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         572 => pressure_advance(text),
         593 => shaper(text),
         622 | 623 => Command::Conditional,
+        710 => heat::controller_fan(text),
         876 => Command::Answer,
         900 => linear_advance(text),
         906 => Command::DriverCurrent(axis_words(text)),
@@ -87,24 +99,9 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
     })
 }
 
-/// The last word with this `letter`.
-fn last(text: &[u8], letter: u8) -> Option<Word<'_>> {
-    Words::new(text).filter(|word| word.letter == letter).last()
-}
-
-/// The number of the last word with this `letter`.
-fn number(text: &[u8], letter: u8) -> Option<Number> {
-    last(text, letter)?.number
-}
-
 /// S0 is off, any other S is on.
 fn switch(text: &[u8]) -> Option<bool> {
     last(text, b'S').map(|word| word.number != Some(Number::ZERO))
-}
-
-/// Whether M302 forbids to extrude below a temperature: S above 0, or P0.
-fn forbids_cold(text: &[u8]) -> bool {
-    number(text, b'S').is_some_and(|least| least > Number::ZERO) || number(text, b'P') == Some(Number::ZERO)
 }
 
 /// M569; a report is of all axes.

@@ -7,13 +7,14 @@
 //! line gives the same command whatever came before it.
 //!
 //! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
-//! people) or `shaping`; `grammar` says which lines are not in order, `quiet` which commands need only `ok` because the machine
-//! has nothing to do for them.
+//! people), `heat` or `shaping`; `grammar` says which lines are not in order, `quiet` which commands need only `ok` because
+//! the machine has nothing to do for them.
 
 mod axes;
 mod code;
 mod command;
 mod grammar;
+mod heat;
 mod lexer;
 mod m_codes;
 mod named;
@@ -27,5 +28,5 @@ mod text;
 pub use command::Command;
 pub use number::Number;
 pub use parse::parse;
-pub use parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, Plane, VelocityWords};
+pub use parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, ModelWords, Plane, VelocityWords};
 pub use shaping::ShaperName;

@@ -20,7 +20,7 @@ const CHECKS: u16 = 862;
 
 /// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
 /// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
-const SILENT: [u16; 24] = [
+const SILENT: [u16; 22] = [
     2,   // end of program: the line itself is the end
     20,  // list files: Repetier-Host sends it when it connects
     21,  // look for a card: OctoPrint and Repetier-Host send it when they connect
@@ -28,11 +28,9 @@ const SILENT: [u16; 24] = [
     75,  // job timer, on the host
     76,  // job timer, on the host
     77,  // job timer, on the host
-    80,  // power supply on
-    141, // chamber temperature
+    80,  // power supply on, which it is
     142, // heatbreak temperature (Prusa)
     150, // lamps
-    191, // chamber temperature, to be waited for
     202, // travel acceleration of Repetier; M204 T does the work
     217, // tool change settings
     240, // photo
@@ -46,11 +44,6 @@ const SILENT: [u16; 24] = [
     870, // Prusa
     907, // motor current, which the board's settings fix
 ];
-
-/// A command for heaters or fans.
-pub(super) fn is_heater(code: Code) -> bool {
-    code.letter == b'M' && code.subcode == 0 && matches!(code.number, 104 | 106 | 107 | 109 | 116 | 140 | 190)
-}
 
 #[cfg(test)]
 mod tests {

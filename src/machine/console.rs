@@ -3,6 +3,7 @@
 //! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. Its crank turns in every wait of every
 //! command. The state that commands keep has owners of its own, with private fields; the Console holds them.
 
+use crate::connectors::HEATERS;
 use crate::driver::Drivers;
 use crate::gcode;
 use crate::kinematics::Groups;
@@ -18,6 +19,8 @@ use crate::machine::ports::Devices;
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::reports::answer::Answer;
 use crate::machine::reports::speaker::Progress;
+use crate::machine::state::fan_schedule::FanSchedule;
+use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::idle_timeout::IdleTimeout;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::Notices;
@@ -28,7 +31,7 @@ use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
 use crate::protocol::{Activity, Replies};
 use crate::settings::Settings;
 use crate::thermal::Orders;
-use crate::units::Mm;
+use crate::units::{Celsius, Instant, Mm};
 use core::convert::Infallible;
 use core::future::poll_fn;
 use core::task::Poll;
@@ -61,8 +64,18 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) notices: Notices,
     /// Values of the present command that were out of range.
     pub(super) clamps: Clamps,
-    /// To the heaters and fans.
+    /// To the heaters and fans, and what is yet to go there.
     pub(super) orders: Orders<'m>,
+    pub(super) heat_orders: HeatOrders,
+    pub(super) fan_schedule: FanSchedule,
+    /// When heaters were last used, and what they were at before they went off while the user was waited for.
+    pub(super) heaters_used: Instant,
+    pub(super) targets_before: Option<[Celsius; HEATERS]>,
+    /// M302 P1: filament may move at any temperature.
+    pub(super) allows_cold: bool,
+    /// When what the filament takes is told next, and what the look-ahead knows of it.
+    pub(super) filament_due: Instant,
+    pub(super) ahead_due: Instant,
 }
 
 impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Ports<S, D, K, T>, W> {
@@ -102,6 +115,13 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             notices: Notices::new(),
             clamps: Clamps::new(),
             orders,
+            heat_orders: HeatOrders::new(&settings.thermal),
+            fan_schedule: FanSchedule::new(),
+            heaters_used: now,
+            targets_before: None,
+            allows_cold: false,
+            filament_due: now,
+            ahead_due: now,
         }
     }
 }
@@ -248,6 +268,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.hosts.greet(Replies::start);
         self.tend_drivers()?;
         self.feed_motion();
+        self.tend_heat()?;
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
         self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms, self.pauses.is_for_user());
         self.report_unasked();

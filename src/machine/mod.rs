@@ -19,6 +19,7 @@
 //! | `stream` | moves into the look-ahead and out of it, at the right time |
 //! | `reports` | what is said, and how it is worded |
 //! | `power` | power for the motors, and talks with their drivers |
+//! | `heat` | orders for heaters and fans, and what is looked at while they are on |
 //!
 //! | word | means |
 //! |---|---|
@@ -32,6 +33,7 @@
 
 mod commands;
 mod console;
+mod heat;
 mod hosts;
 mod interrupt;
 mod numbers;

@@ -1,6 +1,7 @@
 //! Power for the motors: only with proof from their drivers, and not a step longer.
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
+use crate::fault::{self, Cause};
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
@@ -55,7 +56,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Takes power from all motors when nothing has moved for long enough.
     pub(super) fn watch_idleness(&mut self) {
         let now = self.ports.clock.now();
-        if self.pauses.is_for_user() || self.has_motion() {
+        if !self.pauses.waiting().is_idle_for_motors() || self.has_motion() {
             self.idle_timeout.note_motion(now);
         } else if self.idle_timeout.is_over(now) && !self.drivers.powered().is_empty() {
             self.unpower(MotorSet::ALL);
@@ -88,7 +89,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) fn tend_drivers(&mut self) -> Result<(), Interrupt> {
         let now = self.ports.clock.now();
         match self.drivers.step(&mut self.ports.drivers, now) {
-            Some(News::Stopped(_)) => self.stop_and_cut(),
+            Some(News::Stopped(Fault { motor, .. })) => {
+                self.stop_and_cut();
+                let fault = fault::Fault { cause: Cause::Driver, subject: motor as u8, value: 0, limit: 0 };
+                self.link.status().fault().set(fault);
+            }
             Some(News::Hot(motor)) => {
                 let name = Name(motor);
                 self.hosts.tell_all(format_args!(

@@ -68,6 +68,16 @@ impl<'m, W: Pend> Link<'m, W> {
         self.entries == 0
     }
 
+    /// Entries ever queued, wrapping.
+    pub const fn entries(&self) -> u32 {
+        self.entries
+    }
+
+    /// Entries whose steps are all made, or that were dropped, wrapping.
+    pub fn entries_done(&self) -> u32 {
+        self.status.entries_done()
+    }
+
     /// Lets the Stepper look at the endstops, which it does by itself only while there is motion.
     pub fn look_at_endstops(&self) {
         self.pend.pend_stepper();

@@ -217,6 +217,17 @@ impl Replies {
         self.line(format_args!("Error:Printer halted. kill() called! ({fault}) Send M999 or reset"))
     }
 
+    /// The same after a fault that has a line of its own, as hosts know it from Marlin.
+    ///
+    /// # Errors
+    /// [`NoRoom`]
+    pub fn killed_after(&mut self, fault: impl fmt::Display) -> Result<(), NoRoom> {
+        self.whole(|replies| {
+            replies.append(format_args!("Error:{fault}"))?;
+            replies.append(format_args!("Error:Printer halted. kill() called! Send M999 or reset"))
+        })
+    }
+
     /// Runs `write`, and undoes it if it fails.
     fn whole(&mut self, write: impl FnOnce(&mut Self) -> fmt::Result) -> Result<(), NoRoom> {
         let length = self.bytes.len();

@@ -57,6 +57,11 @@ impl Status {
         self.entries_done.store(self.entries_done.load(Relaxed).wrapping_add(1), Release);
     }
 
+    /// Entries of the MoveQueue that the StepGenerator has finished, wrapping.
+    pub(crate) fn entries_done(&self) -> u32 {
+        self.entries_done.load(Acquire)
+    }
+
     pub(crate) fn set_events_made(&self, made: u32) {
         self.events_made.store(made, Release);
     }

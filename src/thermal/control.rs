@@ -157,7 +157,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         sum(&(self.heaters.each_ref().map(HeaterLoop::settings), self.fans.each_ref().map(Fan::settings), self.common))
     }
 
-    /// All heaters of the coming period. After a fault they are all off.
+    /// All heaters of the coming period. After a fault or an emergency stop they are all off.
     fn heat(&mut self) -> Result<(), (Heater, Alarm)> {
         for (sensor, _) in Sensor::ALL {
             self.status.heat().set_sample(sensor, self.port.sample(sensor));
@@ -185,7 +185,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         if let Some(alarm) = self.port.reference().and_then(|sample| self.reference.look(sample)) {
             found = found.and(Err((Heater::Hotend, alarm)));
         }
-        if found.is_err() || self.status.fault().is_set() {
+        if found.is_err() || self.status.fault().is_set() || self.status.is_halted() {
             duties = [0; OUTPUTS];
             self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
         }

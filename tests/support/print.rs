@@ -2,10 +2,10 @@
 
 use core::fmt::{self, Display, Formatter, Write};
 
+use corehbot::connectors::Heater;
 use corehbot::gcode::{ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, Number, Plane, VelocityWords};
 
-/// A command to be printed. One that stands for a whole family is printed as one of it: M107 for heaters and fans, M74 for
-/// silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
+/// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
 /// neither printable ASCII nor a tab.
 pub struct Printed<'c>(pub Command<'c>);
 
@@ -111,9 +111,55 @@ impl Display for Printed<'_> {
             }
             Command::VelocityLimit(limit) => velocity_limit(f, limit),
             Command::Tool(tool) => write!(f, "T{tool}"),
-            Command::Heater => f.write_str("M107"),
-            Command::HeaterTuning => f.write_str("M303"),
-            Command::ColdExtrusion { forbid } => f.write_str(if forbid { "M302 P0" } else { "M302" }),
+            Command::HeaterTarget { heater, tool, target } => {
+                f.write_str(["M104", "M140", "M141"][heater as usize])?;
+                word(f, 'T', Some(Number::from(i32::from(tool))).filter(|_| tool > 0))?;
+                word(f, 'S', target)
+            }
+            Command::HeaterWait { heater, tool, target, cools } => {
+                f.write_str(["M109", "M190", "M191"][heater as usize])?;
+                word(f, 'T', Some(Number::from(i32::from(tool))).filter(|_| tool > 0))?;
+                word(f, if cools { 'R' } else { 'S' }, target)
+            }
+            Command::AwaitHeaters => f.write_str("M116"),
+            Command::FanSpeed { fan, speed } => write!(f, "M106 P{fan} S{speed}"),
+            Command::Pid { heater, gains: [p, i, d] } => {
+                f.write_str(if heater == Heater::Bed { "M304" } else { "M301" })?;
+                word(f, 'P', p)?;
+                word(f, 'I', i)?;
+                word(f, 'D', d)
+            }
+            Command::TuneHeater { heater, target, cycles, applies } => {
+                write!(f, "M303 {}", index(heater))?;
+                word(f, 'S', target)?;
+                word(f, 'C', cycles)?;
+                f.write_str(if applies { " U1" } else { "" })
+            }
+            Command::ColdExtrusion { least, allow } => {
+                switch(f, "M302", least)?;
+                word(f, 'P', allow.map(|allow| Number::from(i32::from(allow))))
+            }
+            Command::HeaterModel { heater, words } => {
+                write!(f, "M306 {}", index(heater))?;
+                for (letter, number) in [
+                    ('P', words.power),
+                    ('C', words.capacity),
+                    ('A', words.loss),
+                    ('F', words.fan_loss),
+                    ('R', words.responsiveness),
+                    ('L', words.heater_lag),
+                    ('H', words.filament),
+                ] {
+                    word(f, letter, number)?;
+                }
+                Ok(())
+            }
+            Command::ControllerFan { speed, run_on, resets, other } => {
+                switch(f, "M710", speed)?;
+                word(f, 'D', run_on)?;
+                f.write_str(if resets { " R" } else { "" })?;
+                other.map_or(Ok(()), |letter| write!(f, " {}", letter as char))
+            }
             Command::PowerOff => f.write_str("M81"),
             Command::PowerLossRecovery(on) => switch(f, "M413", on.map(|on| Number::from(i32::from(on)))),
             Command::Conditional => f.write_str("M622"),
@@ -150,6 +196,16 @@ impl Display for Printed<'_> {
     }
 }
 
+/// The E that stands for a heater.
+const fn index(heater: Option<Heater>) -> &'static str {
+    match heater {
+        Some(Heater::Hotend) => "E0",
+        Some(Heater::Bed) => "E-1",
+        Some(Heater::Chamber) => "E-2",
+        None => "E7",
+    }
+}
+
 /// A text, with `?` for what is neither printable ASCII nor a tab.
 fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
     text.iter().try_for_each(|&byte| {
@@ -178,6 +234,7 @@ fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
                 b'S' | b'T' | b'B' => "M205 ",
                 b'D' => "M593 ",
                 b'W' => "M572 ",
+                b'A' | b'C' | b'H' | b'L' => "M306 ",
                 _ => "G2 ",
             })?;
             f.write_char(letter as char)

@@ -3,6 +3,7 @@
 extern crate std;
 
 use super::super::parse::parse;
+use super::super::parts::ModelWords;
 use super::*;
 
 #[test]
@@ -11,7 +12,9 @@ fn a_t_word_is_not_a_tool_change() {
     let expected = Command::Acceleration { print: five_hundred, retract: None, travel: five_hundred };
     assert_eq!(parse(b"M204 P500 T500"), expected);
     assert_eq!(parse(b"M204 S500"), expected);
-    assert_eq!(parse(b"M104 T0 S200"), Command::Heater);
+    let target = Some(Number::from(200));
+    assert_eq!(parse(b"M104 T0 S200"), Command::HeaterTarget { heater: Heater::Hotend, tool: 0, target });
+    assert_eq!(parse(b"M104 T1 S200"), Command::HeaterTarget { heater: Heater::Hotend, tool: 1, target });
 }
 
 #[test]
@@ -53,15 +56,9 @@ fn drivers() {
 
 #[test]
 fn what_cannot_be_done_has_a_name() {
-    assert_eq!(parse(b"M303 E0 S200"), Command::HeaterTuning);
     assert_eq!(parse(b"M81"), Command::PowerOff);
     assert_eq!(parse(b"M413 S1"), Command::PowerLossRecovery(Some(true)));
     assert_eq!(parse(b"M413"), Command::PowerLossRecovery(None));
-    for (line, forbid) in
-        [("M302", false), ("M302 S0", false), ("M302 P1", false), ("M302 P0", true), ("M302 S170", true)]
-    {
-        assert_eq!(parse(line.as_bytes()), Command::ColdExtrusion { forbid }, "{line}");
-    }
     for line in ["M622 J1", "M623", "if {x > 1}", "while true", "  ELSE", "break", "{if layer}"] {
         assert_eq!(parse(line.as_bytes()), Command::Conditional, "{line}");
     }
@@ -106,5 +103,41 @@ fn quiet_commands_swallow_any_text() {
     }
     assert_eq!(parse(b"M117 E5 * ; x"), Command::Message);
     assert_eq!(parse(b"M115 U6.2.6+8948"), Command::ReportFirmware);
-    assert_eq!(parse(b"M109 S205;"), Command::Heater);
+}
+
+#[test]
+fn heaters_and_fans() {
+    let number = |text: &str| Number::read(text.as_bytes()).map(|(number, _)| number);
+    let wait = |heater, target, cools| Command::HeaterWait { heater, tool: 0, target, cools };
+    assert_eq!(parse(b"M109 S205;"), wait(Heater::Hotend, number("205"), false));
+    assert_eq!(parse(b"M190 R60"), wait(Heater::Bed, number("60"), true));
+    assert_eq!(parse(b"M191 R40 S50"), wait(Heater::Chamber, number("50"), false));
+    assert_eq!(parse(b"M109"), wait(Heater::Hotend, None, false));
+    let fan = |fan, speed| Command::FanSpeed { fan, speed: number(speed).unwrap() };
+    for (line, expected) in [
+        ("M106", fan(0, "255")),
+        ("M106 S91.8", fan(0, "91.8")),
+        ("M106 P2 S0", fan(2, "0")),
+        ("M106 P-1", fan(255, "255")),
+        ("M107 P3 S9", fan(3, "0")),
+    ] {
+        assert_eq!(parse(line.as_bytes()), expected, "{line}");
+    }
+    let tune = |heater, target, cycles, applies| Command::TuneHeater { heater, target, cycles, applies };
+    assert_eq!(parse(b"M303 E-1 S60 C8 U"), tune(Some(Heater::Bed), number("60"), number("8"), true));
+    assert_eq!(parse(b"M303 E7 U0"), tune(None, None, None, false));
+    assert_eq!(parse(b"M306 T"), tune(Some(Heater::Hotend), None, None, true));
+    let words = ModelWords { loss: number(".07"), ..ModelWords::default() };
+    assert_eq!(parse(b"M306 A.07"), Command::HeaterModel { heater: Some(Heater::Hotend), words });
+    for (line, least, allow) in [
+        ("M302", None, None),
+        ("M302 S0", number("0"), None),
+        ("M302 P1", None, Some(true)),
+        ("M302 S170 P0", number("170"), Some(false)),
+    ] {
+        assert_eq!(parse(line.as_bytes()), Command::ColdExtrusion { least, allow }, "{line}");
+    }
+    for line in ["M104 S", "M109 Snan", "M190 Rinf", "M106 P", "M301 P I1", "M303 Cx", "M306 A", "M140 S1,5"] {
+        assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line}");
+    }
 }

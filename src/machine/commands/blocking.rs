@@ -8,6 +8,7 @@ use super::moves::ArcWords;
 use super::setting::Setting;
 use super::settings::set::{Resolved, set_resolution};
 use super::shaping::{NO_SUCH_KIND, ShaperWords, set_advance};
+use crate::connectors::Heater;
 use crate::driver::Job;
 use crate::gcode::{AxisFlags, AxisWords, Number};
 use crate::machine::console::{Console, PortSet};
@@ -65,6 +66,14 @@ pub(in crate::machine) enum Blocking<'c> {
     Stealth { on: Option<bool>, axes: AxisFlags },
     /// M220, with a percentage that is in range.
     FeedPercent(u16),
+    /// M109, M190, M191.
+    Heat { heater: Heater, tool: u8, target: Option<Number>, cools: bool },
+    /// M116.
+    AwaitHeaters,
+    /// M106, M107.
+    Fan { fan: u8, speed: Number },
+    /// M303.
+    Tune { heater: Option<Heater>, target: Option<Number>, cycles: Option<Number>, applies: bool },
     /// M119.
     ReportEndstops,
     /// M122.
@@ -112,6 +121,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Blocking::Advance { time, window } => return self.change_advance(time, window).await,
             Blocking::Stealth { on, axes } => return self.change_mode(on, axes).await,
             Blocking::FeedPercent(percent) => self.override_feed(percent).await?,
+            Blocking::Heat { heater, tool, target, cools } => {
+                return self.heat_and_wait(heater, tool, target, cools).await;
+            }
+            Blocking::AwaitHeaters => return self.await_heaters().await,
+            Blocking::Fan { fan, speed } => return self.set_fan(fan, speed).await,
+            Blocking::Tune { heater, target, cycles, applies } => {
+                return self.tune(heater, target, cycles, applies).await;
+            }
             Blocking::ReportEndstops => {
                 self.link.look_at_endstops();
                 self.turn().await?;
@@ -120,7 +137,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Blocking::Diagnose => {
                 self.report_drivers().await?;
                 self.tell(Answer::Overload).await?;
-                return Ok(Answer::Sensors);
+                return Ok(Answer::Heat);
             }
         }
         Ok(Answer::Nothing)

@@ -2,8 +2,11 @@
 //! it does. What takes time is only named here, as a [`Blocking`], its values in range where they have one.
 
 use super::blocking::Blocking;
+use super::clamps::Clamps;
 use super::driver_value::DriverValue;
 use super::drivers::set_drivers;
+use super::fans::set_controller_fan;
+use super::heater_settings::{set_model, set_pid};
 use super::moves::ArcWords;
 use super::settings::set::{
     CornerWords, set_acceleration, set_corners, set_keepalive, set_max_acceleration, set_max_speed, set_velocity_limit,
@@ -14,8 +17,8 @@ use crate::machine::console::{Console, PortSet};
 use crate::machine::hosts::schedule::{PERIOD_S, Report};
 use crate::machine::reports::answer::Answer;
 use crate::machine::state::modal::{FARTHEST, PERCENT};
-use crate::machine::state::notices::Notice;
 use crate::port::{Clock, Pend};
+use crate::settings::ThermalSettings;
 use crate::units::Mm;
 
 /// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
@@ -70,6 +73,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Command::ReportEndstops => return Outcome::TakesTime(Blocking::ReportEndstops),
             Command::Diagnose => return Outcome::TakesTime(Blocking::Diagnose),
+            Command::HeaterWait { heater, tool, target, cools } => {
+                return Outcome::TakesTime(Blocking::Heat { heater, tool, target, cools });
+            }
+            Command::AwaitHeaters => return Outcome::TakesTime(Blocking::AwaitHeaters),
+            Command::FanSpeed { fan, speed } => return Outcome::TakesTime(Blocking::Fan { fan, speed }),
+            Command::TuneHeater { heater, target, cycles, applies } => {
+                return Outcome::TakesTime(Blocking::Tune { heater, target, cycles, applies });
+            }
             // Limits and settings.
             Command::MaxAcceleration(ref words) => set_max_acceleration(words, s, modal, clamps),
             Command::MaxSpeed(ref words) => set_max_speed(words, s, modal, clamps),
@@ -177,15 +188,25 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 self.link.status().print_progress.set_object(object);
                 Answer::Nothing
             }
-            // What this firmware does not do: M104 and its relatives, until there are heaters.
-            Command::Heater if !notices.give(Notice::NoHeaters) => Answer::Nothing,
-            Command::Heater => Answer::Line("echo:no heaters configured"),
-            Command::HeaterTuning => Answer::Line("echo:no heaters configured, ignored"),
-            Command::ColdExtrusion { forbid: false } => Answer::Line("echo:Cold extrudes are enabled"),
-            Command::ColdExtrusion { forbid: true } => {
-                Answer::Line("echo:Cold extrudes are enabled, and cannot be forbidden without a heater")
+            // Heaters and fans.
+            Command::HeaterTarget { heater, tool, target } => {
+                let code = ["M104", "M140", "M141"][heater as usize];
+                self.set_target(code, heater, tool, target).map_or_else(|answer| answer, |_| Answer::Nothing)
             }
-            Command::PowerOff => Answer::Line("echo:M81 ignored: this firmware does not switch the power supply"),
+            Command::Pid { heater, gains } => match self.model_of(Some(heater)) {
+                Ok(_) => self.change_heat(|s, _, clamps| set_pid(heater, gains, s.heater_mut(heater), clamps)),
+                Err(answer) => answer,
+            },
+            Command::HeaterModel { heater, words } => match self.model_of(heater) {
+                Ok(heater) => self.change_heat(|s, _, clamps| set_model(heater, &words, s, clamps)),
+                Err(answer) => answer,
+            },
+            Command::ControllerFan { speed, run_on, resets, other } => {
+                self.change_heat(|s, made, clamps| set_controller_fan([speed, run_on], resets, other, s, made, clamps))
+            }
+            Command::ColdExtrusion { least, allow } => self.set_cold_extrusion(least, allow),
+            Command::PowerOff => self.switch_off(),
+            // What this firmware does not do.
             // M413 S0 asks for what is so.
             Command::PowerLossRecovery(Some(false)) => Answer::Nothing,
             Command::PowerLossRecovery(None) => Answer::Line("echo:Power-loss recovery OFF"),
@@ -201,6 +222,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             // There is no display, and nothing to begin anew while the machine is not halted.
             Command::Message | Command::Restart | Command::Silent => Answer::Nothing,
         })
+    }
+
+    /// Changes settings of heaters or fans, given those that the machine was made with, and has them told.
+    fn change_heat(
+        &mut self,
+        change: impl FnOnce(&mut ThermalSettings, &ThermalSettings, &mut Clamps) -> Answer<'static>,
+    ) -> Answer<'static> {
+        let answer = change(&mut self.settings.thermal, &self.defaults.thermal, &mut self.clamps);
+        self.heat_orders.note_settings();
+        answer
     }
 
     /// G92.

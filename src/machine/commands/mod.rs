@@ -15,6 +15,9 @@
 //! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`retraction`] |
 //! | G28 | [`homing`] |
 //! | G4, M0, M24, M25, M600 | [`waits`], [`pauses`] |
+//! | M104, M109, M116, M140, M141, M190, M191, M303, M302, M81 | [`heating`] |
+//! | M106, M107, M710 | [`fans`] |
+//! | M301, M304, M306 | [`heater_settings`] |
 //! | M593, M900, M572 | [`shaping`] |
 //! | M569, M906, M913, M914 | [`drivers`], [`driver_value`] |
 //! | M92, M201 to M205, M500 to M504 | [`settings`] |
@@ -31,6 +34,9 @@ pub(in crate::machine) mod clamps;
 pub(in crate::machine) mod dispatch;
 pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod drivers;
+pub(in crate::machine) mod fans;
+pub(in crate::machine) mod heater_settings;
+pub(in crate::machine) mod heating;
 pub(in crate::machine) mod homing;
 pub(in crate::machine) mod immediate;
 pub(in crate::machine) mod moves;

@@ -61,7 +61,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Where the words of a line lead; the host is told what they ask for beyond the possible.
     async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
-        let wanted = self.modal.target(to, &self.settings);
+        let wanted = self.modal.target(to, &self.settings, self.is_too_cold());
+        if wanted.is_held_back {
+            self.tell_of_cold().await?;
+        }
         if wanted.too_much {
             self.tell(Answer::TooMuchFilament).await?;
         }
@@ -106,7 +109,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// G10 and G11: plans moves away from the commanded position, or back to it.
+    ///
+    /// Not with a cold hotend: what was pulled back stays so until it is hot.
     pub(in crate::machine) async fn retract(&mut self, moves: Option<[RetractionMove; 2]>) -> Result<(), Interrupt> {
+        if self.is_too_cold() {
+            return self.tell_of_cold().await;
+        }
         for step in moves.into_iter().flatten() {
             let position = self.retraction.after(step, self.modal.position);
             self.plan(Target { position, speed: step.speed, has_overrides: false, watch: EndstopSet::NONE }).await?;

@@ -5,19 +5,20 @@
 //! the stream itself and keep their `ok` back until the user is ready. The tool stays where it is, and so does the
 //! power of the motors. G4 waits too, for time alone.
 
+use crate::machine::state::waiting::Waiting;
+
 /// What the present command waits for, and what has come of it; and whether the print is paused.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Pauses {
-    is_for_user: bool,
+    waiting: Waiting,
     is_over: bool,
     is_answered: bool,
-    is_dwelling: bool,
     is_print_paused: bool,
 }
 
 impl Pauses {
     pub const fn new() -> Self {
-        Self { is_for_user: false, is_over: false, is_answered: false, is_dwelling: false, is_print_paused: false }
+        Self { waiting: Waiting::Nothing, is_over: false, is_answered: false, is_print_paused: false }
     }
 
     /// The command is over, and with it whatever it waited for.
@@ -27,24 +28,34 @@ impl Pauses {
 
     /// What has arrived: `go_on` is M108, which ends any wait; `resume` is M24, M602 or M876, which end that for the user.
     pub const fn note(&mut self, go_on: bool, resume: bool) {
-        self.is_over |= go_on || (resume && self.is_for_user);
+        self.is_over |= go_on || (resume && self.is_for_user());
         self.is_answered |= resume;
     }
 
     /// The command waits for the user. An answer that came in one packet with the command counts.
     pub const fn begin_for_user(&mut self) {
         self.is_over |= self.is_answered;
-        self.is_for_user = true;
+        self.waiting = Waiting::User;
     }
 
-    /// The command waits for the user no more.
-    pub const fn end_for_user(&mut self) {
-        self.is_for_user = false;
+    /// The command waits for something else.
+    pub const fn begin(&mut self, waiting: Waiting) {
+        self.waiting = waiting;
+    }
+
+    /// The command waits no more.
+    pub const fn end(&mut self) {
+        self.waiting = Waiting::Nothing;
+    }
+
+    /// What the command waits for.
+    pub const fn waiting(&self) -> Waiting {
+        self.waiting
     }
 
     /// Whether the command waits for the user.
     pub const fn is_for_user(&self) -> bool {
-        self.is_for_user
+        matches!(self.waiting, Waiting::User)
     }
 
     /// Whether the command need not wait any more.
@@ -52,14 +63,9 @@ impl Pauses {
         self.is_over
     }
 
-    /// G4 lets time pass from now on; nothing moves.
-    pub const fn begin_dwell(&mut self) {
-        self.is_dwelling = true;
-    }
-
     /// Whether G4 lets time pass.
     pub const fn is_dwelling(&self) -> bool {
-        self.is_dwelling
+        matches!(self.waiting, Waiting::Time)
     }
 
     /// M25.

@@ -3,6 +3,7 @@
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
+use crate::machine::state::waiting::Waiting;
 use crate::motion::Work;
 use crate::port::{Clock, Pend};
 use crate::units::{SubTicks, TICKS_PER_MS};
@@ -36,16 +37,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let question = if filament { ASK_FOR_FILAMENT } else { ASK };
         self.announce(&[PAUSED, question, "// action:prompt_button Continue", "// action:prompt_show"]).await?;
         let deadline = self.ports.clock.now().after_ms(ms);
+        self.targets_before = None;
         self.pauses.begin_for_user();
         while !(self.pauses.is_over() || (ms > 0 && self.ports.clock.now() >= deadline)) {
             if let Err(interrupt) = self.turn().await {
-                self.pauses.end_for_user();
+                self.pauses.end();
                 self.hosts.tell_all(format_args!("{PROMPT_END}"));
                 return Err(interrupt);
             }
         }
-        self.pauses.end_for_user();
-        self.announce(&[PROMPT_END, RESUMED]).await
+        self.pauses.end();
+        self.announce(&[PROMPT_END]).await?;
+        self.heat_again().await?;
+        self.announce(&[RESUMED]).await
     }
 
     /// M25. The hosts are told first, so that they stop sending while the motion ends.
@@ -70,7 +74,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Ok(());
         }
         self.until(|c| c.link.has_room()).await?;
-        self.pauses.begin_dwell();
+        self.pauses.begin(Waiting::Time);
         self.link.send(Work::Dwell(SubTicks::of_ticks(u64::from(ms) * u64::from(TICKS_PER_MS))));
         self.until(|c| c.pauses.is_over() || c.link.is_idle()).await?;
         if !self.link.is_idle() {

@@ -6,7 +6,8 @@
 //! done gets the error too.
 
 use super::host::{Asked, Text};
-use crate::driver::Fault;
+use crate::driver;
+use crate::fault::Fault;
 use crate::gcode::{self, Command};
 use crate::machine::console::{Console, PortSet, yield_once};
 use crate::machine::interrupt::Restart;
@@ -18,11 +19,23 @@ use crate::protocol::{Activity, NoRoom, Replies};
 /// What a host is greeted with. Not "start", which would be a reset (OctoPrint, comm.py).
 const GREETING: &str = "echo:Printer halted. Send M999 or reset";
 
+/// Why the machine stopped.
+#[derive(Clone, Copy)]
+enum Reason {
+    /// A host wished it, or a line could not be carried out.
+    Host,
+    /// A motor driver.
+    Driver(driver::Fault),
+    /// A guard of the heaters, or another context.
+    Fault(Fault),
+}
+
 /// Says that only M999 or a reset helps, and why if that was not the host's own wish.
-fn say_killed(replies: &mut Replies, fault: Option<Fault>) -> Result<(), NoRoom> {
-    match fault {
-        Some(fault) => replies.killed_by(fault),
-        None => replies.killed(),
+fn say_killed(replies: &mut Replies, reason: Reason) -> Result<(), NoRoom> {
+    match reason {
+        Reason::Host => replies.killed(),
+        Reason::Driver(fault) => replies.killed_by(fault),
+        Reason::Fault(fault) => replies.killed_after(fault),
     }
 }
 
@@ -51,8 +64,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.stop_and_cut();
         self.link.status().set_awaiting_input(true);
         self.hosts.count_as_new();
-        let fault = self.drivers.fault();
-        self.hosts.greet(|replies| say_killed(replies, fault));
+        self.heat_orders.switch_off();
+        self.heat_orders.note_motors(false);
+        self.fan_schedule.clear();
+        let reason = match (self.drivers.fault(), self.link.status().fault().fault()) {
+            (Some(fault), _) => Reason::Driver(fault),
+            (None, Some(fault)) => Reason::Fault(fault),
+            (None, None) => Reason::Host,
+        };
+        self.hosts.greet(|replies| say_killed(replies, reason));
         // Hosts that came later.
         let mut are_new = [false; LINES];
         let mut text = Text::new();
@@ -73,7 +93,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                             self.tell_halted(answer, &mut are_new).await;
                         }
                     }
-                    None => drop(self.hosts.replies().map(|replies| say_killed(replies, fault))),
+                    None => drop(self.hosts.replies().map(|replies| say_killed(replies, reason))),
                 }
             }
         }
@@ -109,6 +129,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Lets the world go round once: bytes in, answers out, and whoever has opened a line is greeted.
     async fn turn_halted(&mut self, are_new: &mut [bool; LINES]) {
         self.hosts.send();
+        self.link.status().heat().beat_of_console();
+        self.send_orders();
         yield_once(false).await;
         self.is_to_restart |= self.hosts.receive().restart;
         self.hosts.note_opened(are_new);

@@ -5,14 +5,17 @@
 //! speaks of.
 
 use super::driver_report::DriverReport;
+use crate::connectors::Heater;
 use crate::driver::Fault;
 use crate::gcode::{Flaw, Form};
 use crate::machine::commands::clamps::Clamp;
 use crate::machine::commands::driver_value::DriverValue;
+use crate::machine::commands::heater_settings::HeatSetting;
 use crate::machine::commands::setting::Setting;
 use crate::machine::commands::settings::storage_news::StorageNews;
 use crate::port::EndstopSet;
 use crate::protocol::ResendReason;
+use crate::status::Tuned;
 
 /// What there is to say. Numbers that the Console knows are looked up when they are written.
 #[derive(Clone, Copy)]
@@ -57,7 +60,21 @@ pub(in crate::machine) enum Answer<'a> {
     Firmware,
     Endstops(EndstopSet),
     SoftEndstops,
-    Sensors,
+    /// M122: the fault, heaters and sensors.
+    Heat,
+    /// Temperatures while a command waits for them, and the seconds that are missing.
+    Heating(Option<u32>),
+    /// A heater that a command is for is not fitted, but others are.
+    NoHeater(Heater),
+    /// M106 for a fan that something else decides on.
+    NotCommanded(u8),
+    HeatSetting(HeatSetting),
+    /// M302.
+    ColdExtrusion,
+    /// M303: cycles that are done.
+    TuningCycle(Heater, u8),
+    /// M303: what was found.
+    Tuned(Heater, Tuned),
     /// M122: what was too slow.
     Overload,
     /// A setting as the line that sets it.

@@ -21,6 +21,7 @@
 
 pub(in crate::machine) mod answer;
 pub(in crate::machine) mod driver_report;
+pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod message;
 pub(in crate::machine) mod report;
 pub(in crate::machine) mod sensors;

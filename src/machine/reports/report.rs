@@ -13,15 +13,16 @@ use crate::status::{Late, Overload};
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
 
-/// What hosts may rely on. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which the report says
-/// as little as M105 does.
-const CAPABILITIES: [(&str, u8); 8] = [
+/// What hosts may rely on. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which
+/// there may be none. THERMAL_PROTECTION: no setting switches a guard off.
+const CAPABILITIES: [(&str, u8); 9] = [
     ("SERIAL_XON_XOFF", 0),
     ("AUTOREPORT_POS", 1),
     ("AUTOREPORT_TEMP", 1),
     ("EMERGENCY_PARSER", 1),
     ("HOST_ACTION_COMMANDS", 1),
     ("PROMPT_SUPPORT", 1),
+    ("THERMAL_PROTECTION", 1),
     ("SDCARD", 0),
     ("ARCS", 1),
 ];
@@ -36,15 +37,6 @@ impl fmt::Display for Hundredths {
         let sign = if hundredths < 0 { "-" } else { "" };
         let hundredths = hundredths.unsigned_abs();
         write!(f, "{sign}{}.{:02}", hundredths / 100, hundredths % 100)
-    }
-}
-
-/// The temperatures. There is no heater yet; hosts take the form of the line as a sign of life.
-pub(in crate::machine) struct Temperatures;
-
-impl fmt::Display for Temperatures {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("T:0.00 /0.00 B:0.00 /0.00 @:0 B@:0")
     }
 }
 

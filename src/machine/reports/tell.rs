@@ -2,12 +2,14 @@
 
 use super::answer::Answer;
 use super::driver_report::say_driver;
+use super::heat_report::{Temperatures, say_heat, say_tuned};
 use super::message::say_message;
-use super::report::{Position, Temperatures, say_endstops, say_firmware, say_overload, say_soft_endstops};
-use super::sensors::say_sensors;
+use super::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
 use super::speaker::{Progress, Speaker};
+use crate::connectors::Heater;
 use crate::gcode::Flaw;
 use crate::machine::commands::drivers::say_driver_values;
+use crate::machine::commands::heater_settings::say_heat_setting;
 use crate::machine::commands::settings::shown::{say_setting, say_settings};
 use crate::machine::commands::settings::storage_news::say_storage;
 use crate::machine::console::{Console, PortSet};
@@ -18,6 +20,7 @@ use crate::port::{Clock, DriverBus, Pend};
 use crate::protocol::{Echo, Replies};
 use crate::settings::ranges;
 use crate::storage;
+use crate::units::Celsius;
 
 impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     /// Tells the host being served, as soon as there is room for it.
@@ -58,12 +61,20 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
         Position::new(at, counts, &self.modal, &self.real)
     }
 
+    /// What the heaters are at.
+    fn temperatures(&self) -> Temperatures {
+        Temperatures::new(&self.settings.thermal, self.link.status().heat(), |heater| self.target_of(heater))
+    }
+
     fn say_answer(&mut self, answer: &Answer<'_>) {
         if let Answer::Position { real } = *answer {
             let position = self.position(real);
             return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
         }
+        let temperatures = self.temperatures();
+        let targets = Heater::ALL.map(|heater| self.target_of(heater));
         let Self { hosts, progress, settings, modal, retraction, planner, link, ports, homed, drivers, .. } = self;
+        let allows_cold = &self.allows_cold;
         let s = &*settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -79,7 +90,19 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             }
             Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
             Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
-            Answer::Temperatures => to.say(format_args!("ok {Temperatures}")),
+            Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
+            Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
+            Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
+            Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
+            Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),
+            Answer::HeatSetting(setting) => say_heat_setting(to, setting, &s.thermal),
+            Answer::ColdExtrusion => {
+                let least = s.thermal.min_extrude;
+                let state = if *allows_cold || least <= Celsius::ZERO { "enabled" } else { "disabled" };
+                to.say(format_args!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
+            }
+            Answer::TuningCycle(heater, done) => to.say(format_args!("echo:{}: {done} cycles done", heater.name())),
+            Answer::Tuned(heater, tuned) => say_tuned(to, heater, &tuned),
             Answer::Start => {
                 to.put(&Replies::start);
                 to.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
@@ -97,7 +120,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage)),
             Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs()),
             Answer::SoftEndstops => say_soft_endstops(to, s, *homed),
-            Answer::Sensors => say_sensors(to, link.status().heat()),
+            Answer::Heat => say_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
             Answer::Overload => {
                 say_overload(to, link.status().overload());
                 if let Some(warning) = ports.drivers.warning() {
@@ -146,7 +169,8 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     pub(in crate::machine) fn report_unasked(&mut self) {
         let now = self.ports.clock.now();
         if self.hosts.is_due(Report::Temperatures, now) {
-            self.hosts.report(Report::Temperatures, now, format_args!(" {Temperatures}"));
+            let temperatures = self.temperatures();
+            self.hosts.report(Report::Temperatures, now, format_args!(" {temperatures}"));
         }
         if self.hosts.is_due(Report::Position, now) {
             let position = self.position(true);

@@ -12,8 +12,11 @@
 //! | notice | what a host is told once, not with every line |
 //! | fence | 10 m from zero, beyond which no target is computed |
 
+pub(in crate::machine) mod fan_schedule;
+pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
 pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;
 pub(in crate::machine) mod position;
 pub(in crate::machine) mod soft_endstops;
+pub(in crate::machine) mod waiting;

@@ -52,6 +52,8 @@ pub(in crate::machine) struct Wanted {
     pub position: [Mm; 4],
     /// E as the program will count it then.
     pub extrusion: Mm,
+    /// Whether filament was asked for that must not move.
+    pub is_held_back: bool,
     /// Whether the filament asked for in one move was more than there may be; it is left out then.
     pub too_much: bool,
     /// Whether the target was farther away than any machine reaches, and lies at the fence now.
@@ -91,8 +93,8 @@ impl Modal {
         to_thousandth(Mm::from_bits(part_of(length.to_bits(), INCH.1, INCH.0)))
     }
 
-    /// Where the words of a line lead.
-    pub fn target(&self, words: &AxisWords, settings: &Settings) -> Wanted {
+    /// Where the words of a line lead. No filament moves if it `is_cold`; the program counts it all the same.
+    pub fn target(&self, words: &AxisWords, settings: &Settings, is_cold: bool) -> Wanted {
         let mut is_fenced = false;
         let mut axis = |word: Option<Number>, at: Mm, origin: Mm| match word.map(|n| self.length(n)) {
             None => at,
@@ -110,7 +112,7 @@ impl Modal {
             Some(v) => self.extrusion.saturating_add(v),
         };
         let asked = extrusion.saturating_sub(self.extrusion);
-        let flow_percent = if self.dry_run { 0 } else { self.flow_percent };
+        let flow_percent = if self.dry_run || is_cold { 0 } else { self.flow_percent };
         let flow = Mm::from_bits(part_of(asked.to_bits(), u64::from(flow_percent), 100));
         let too_much = flow.saturating_abs() > settings.axes.e.length;
         Wanted {
@@ -121,6 +123,7 @@ impl Modal {
                 if too_much { e } else { e.wrapping_add(flow) },
             ],
             extrusion,
+            is_held_back: is_cold && asked != Mm::ZERO,
             too_much,
             is_fenced,
         }
@@ -176,20 +179,20 @@ mod tests {
     fn relative_extrusion_needs_only_one_of_its_two_switches() {
         let (mut m, s) = modal();
         m.extrusion = Mm::from_num(7);
-        assert_eq!(m.target(&words("1", "8"), &s).extrusion, Mm::from_num(8));
+        assert_eq!(m.target(&words("1", "8"), &s, false).extrusion, Mm::from_num(8));
         m.absolute_extrusion = false;
-        assert_eq!(m.target(&words("1", "8"), &s).extrusion, Mm::from_num(15));
+        assert_eq!(m.target(&words("1", "8"), &s, false).extrusion, Mm::from_num(15));
         m.absolute_extrusion = true;
         m.absolute = false;
-        assert_eq!(m.target(&words("1", "8"), &s).extrusion, Mm::from_num(15));
-        assert_eq!(m.target(&words("1", "8"), &s).position[0], Mm::from_num(11));
+        assert_eq!(m.target(&words("1", "8"), &s, false).extrusion, Mm::from_num(15));
+        assert_eq!(m.target(&words("1", "8"), &s, false).position[0], Mm::from_num(11));
     }
 
     #[test]
     fn flow_stretches_the_filament_but_not_the_program_count() {
         let (mut m, s) = modal();
         m.flow_percent = 150;
-        let w = m.target(&words("1", "2"), &s);
+        let w = m.target(&words("1", "2"), &s, false);
         assert_eq!((w.extrusion, w.position[3]), (Mm::from_num(2), Mm::from_num(3)));
     }
 
@@ -198,7 +201,7 @@ mod tests {
         let (mut m, s) = modal();
         m.rename(&words("0", "0"));
         assert_eq!(m.position[0], Mm::from_num(10));
-        assert_eq!(m.target(&words("5", ""), &s).position[0], Mm::from_num(15));
+        assert_eq!(m.target(&words("5", ""), &s, false).position[0], Mm::from_num(15));
         assert_eq!(m.named_position(m.position)[0], Mm::ZERO);
     }
 
@@ -206,10 +209,10 @@ mod tests {
     fn inches_are_exact_and_huge_numbers_end_at_the_fence() {
         let (mut m, s) = modal();
         m.inches = true;
-        assert_eq!(m.target(&words("5", ""), &s).position[0], Mm::from_num(127));
-        assert_eq!(m.target(&words("999999999999", ""), &s).position[0], Mm::from_num(10_000));
-        assert!(m.target(&words("999999999999", ""), &s).is_fenced);
-        assert!(m.target(&words("1", "99999"), &s).too_much);
-        assert!(!m.target(&words("1", "99999"), &s).is_fenced);
+        assert_eq!(m.target(&words("5", ""), &s, false).position[0], Mm::from_num(127));
+        assert_eq!(m.target(&words("999999999999", ""), &s, false).position[0], Mm::from_num(10_000));
+        assert!(m.target(&words("999999999999", ""), &s, false).is_fenced);
+        assert!(m.target(&words("1", "99999"), &s, false).too_much);
+        assert!(!m.target(&words("1", "99999"), &s, false).is_fenced);
     }
 }

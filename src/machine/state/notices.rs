@@ -11,6 +11,14 @@ pub(in crate::machine) enum Notice {
     Corners,
     /// There are no heaters.
     NoHeaters,
+    /// There is no hotend, but another heater.
+    NoHotend,
+    /// There is no bed, but another heater.
+    NoBed,
+    /// The hotend is too cold for filament to move.
+    Cold,
+    /// A fan was commanded that something else decides on.
+    Fan,
 }
 
 /// The notices that were given.
@@ -20,12 +28,25 @@ pub(in crate::machine) struct Notices {
     motion_before_homing: bool,
     corners: bool,
     no_heaters: bool,
+    no_hotend: bool,
+    no_bed: bool,
+    cold: bool,
+    fan: bool,
 }
 
 impl Notices {
     /// Nothing was said yet.
     pub const fn new() -> Self {
-        Self { edge: false, motion_before_homing: false, corners: false, no_heaters: false }
+        Self {
+            edge: false,
+            motion_before_homing: false,
+            corners: false,
+            no_heaters: false,
+            no_hotend: false,
+            no_bed: false,
+            cold: false,
+            fan: false,
+        }
     }
 
     const fn given(&mut self, notice: Notice) -> &mut bool {
@@ -34,6 +55,10 @@ impl Notices {
             Notice::MotionBeforeHoming => &mut self.motion_before_homing,
             Notice::Corners => &mut self.corners,
             Notice::NoHeaters => &mut self.no_heaters,
+            Notice::NoHotend => &mut self.no_hotend,
+            Notice::NoBed => &mut self.no_bed,
+            Notice::Cold => &mut self.cold,
+            Notice::Fan => &mut self.fan,
         }
     }
 
@@ -48,9 +73,11 @@ impl Notices {
     }
 
     /// Another print begins: what is true of its lines is said anew.
-    pub const fn renew_for_print(&mut self) {
+    pub fn renew_for_print(&mut self) {
         self.renew_for_position();
-        self.renew(Notice::Corners);
+        for notice in [Notice::Corners, Notice::NoHotend, Notice::NoBed, Notice::Cold, Notice::Fan] {
+            self.renew(notice);
+        }
     }
 
     /// The position is not known any more.

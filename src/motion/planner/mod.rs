@@ -20,6 +20,7 @@
 //! - **chord**: a move that is a part of a curve. **bend**: where several of them turn the path. **lead**: see
 //!   [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed changes, and holds.
 
+mod filament;
 mod geometry;
 mod junction;
 mod overrides;

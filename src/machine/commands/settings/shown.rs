@@ -2,6 +2,7 @@
 
 use crate::gcode::Number;
 use crate::machine::commands::driver_value::DriverValue;
+use crate::machine::commands::heater_settings::say_heat_settings;
 use crate::machine::commands::retraction::Retraction;
 use crate::machine::commands::setting::Setting;
 use crate::machine::commands::shaping::say_shaper;
@@ -18,6 +19,7 @@ pub(in crate::machine) fn say_settings(to: &mut Speaker<'_>, s: &Settings, retra
     if has_drivers {
         say_driver_settings(to, s);
     }
+    say_heat_settings(to, &s.thermal);
     say_space(to, s);
     let (soft, keepalive) = (u8::from(s.soft_endstops), s.keepalive_s);
     to.say(format_args!("echo:  M211 S{soft}"));

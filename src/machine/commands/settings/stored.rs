@@ -126,6 +126,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let is_same = resolutions(&wanted) == resolutions(&self.settings);
         self.settings = wanted;
         self.drivers.want(&wanted);
+        self.heat_orders.note_settings();
         if is_same {
             return self.follow().await;
         }

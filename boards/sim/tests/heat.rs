@@ -1,0 +1,244 @@
+//! Heaters and fans as hosts know them, on a machine whose sensors read 25 C whatever happens.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+#[path = "common/deaf.rs"]
+mod deaf;
+
+use corehbot::connectors::Heater;
+use corehbot::port::NoStorage;
+use corehbot::settings::Settings;
+use corehbot::status::Status;
+use corehbot::units::{Mm, TICKS_PER_MS};
+use corehbot_sim::drivers::Drivers;
+use corehbot_sim::world::{Desk, Outcome, World};
+use deaf::Deaf;
+
+/// A machine with these heaters.
+fn machine(fitted: &[Heater]) -> Settings {
+    let mut settings = Settings::prototype();
+    for heater in fitted {
+        settings.thermal.heater_mut(*heater).is_fitted = true;
+    }
+    settings
+}
+
+/// Says `lines` one after the other, each after the `ok` of the one before, and lets so much time pass in all. A line that begins
+/// with a number of ms and a colon is said at that time, whatever was answered. Returns what was heard.
+fn talk_with(
+    settings: &Settings,
+    ms: u64,
+    lines: &[&str],
+    mut look: impl FnMut(u64, &Status),
+) -> (Vec<String>, Outcome) {
+    let drivers = Drivers::new();
+    let mut desk = Desk::new(1);
+    let start = Some([100, 100, 50].map(Mm::from_num));
+    let mut sink = Deaf;
+    let mut world = World::new(&mut desk, settings, start, NoStorage, &drivers, &mut sink);
+    let (mut heard, mut partial, mut next, mut awaiting) = (Vec::<String>::new(), Vec::new(), 0, 0);
+    while world.now() < ms * u64::from(TICKS_PER_MS) {
+        world.poll();
+        partial.extend(world.wires()[0].heard());
+        while let Some(end) = partial.iter().position(|byte| *byte == b'\n') {
+            let line: Vec<u8> = partial.drain(..=end).collect();
+            let line = String::from_utf8(line).unwrap().trim_end().to_owned();
+            awaiting -= i32::from(line.starts_with("ok"));
+            heard.push(line);
+        }
+        let now = world.now() / u64::from(TICKS_PER_MS);
+        look(now, world.status());
+        if let Some(line) = lines.get(next) {
+            let (at, text) = line.split_once(':').map_or((None, *line), |(at, text)| (Some(at), text));
+            if at.map_or(awaiting == 0 && now >= 100, |at| now >= at.parse::<u64>().unwrap()) {
+                world.wires()[0].put(format!("{text}\n").into_bytes());
+                (next, awaiting) = (next + 1, awaiting + 1);
+                continue;
+            }
+        }
+        world.advance();
+    }
+    assert_eq!(next, lines.len(), "{heard:?}");
+    heard.retain(|line| line != "echo:busy: processing");
+    (heard.split_off(2), world.outcome())
+}
+
+fn talk(settings: &Settings, ms: u64, lines: &[&str]) -> Vec<String> {
+    talk_with(settings, ms, lines, |_, _| {}).0
+}
+
+fn has(heard: &[String], line: &str) -> bool {
+    heard.iter().any(|heard| heard == line)
+}
+
+#[test]
+fn a_target_is_reported_from_the_next_line_on() {
+    let heard = talk(&machine(&[Heater::Hotend, Heater::Bed]), 1000, &["M104 S20", "M140 S21.5", "M105"]);
+    assert_eq!(heard, ["ok", "ok", "ok T:24.99 /20.00 B:25.00 /21.50 @:0 B@:0"], "{heard:?}");
+}
+
+#[test]
+fn only_heaters_that_are_fitted_are_reported() {
+    let heard = talk(&machine(&[Heater::Bed]), 1000, &["M104 S200", "M104 S200", "M141 S40", "M105"]);
+    assert_eq!(heard[..4], ["echo:no hotend configured, ignored", "ok", "ok", "ok"]);
+    assert!(heard[4].starts_with("ok B:25.0") && heard[4].ends_with(" /0.00 B@:0"), "{heard:?}");
+}
+
+#[test]
+fn targets_beyond_the_limits_are_clamped_and_told_of() {
+    let lines = ["M104 S500", "M104 S-5", "M140 S99999999999", "M140 S0", "M104 T1 S20", "M104 S", "M105"];
+    let heard = talk(&machine(&[Heater::Hotend, Heater::Bed]), 400, &lines);
+    for told in [
+        "echo:M104 S500 is out of range, set to 285",
+        "echo:M104 S-5 is out of range, set to 0",
+        "echo:M140 S1000000000 is out of range, set to 120",
+        "echo:T1 Invalid extruder",
+        "echo:line ignored: S needs a number",
+    ] {
+        assert!(has(&heard, told), "{told}: {heard:?}");
+    }
+    assert!(heard.last().unwrap().contains(" /0.00 B:"), "{heard:?}");
+}
+
+#[test]
+fn a_wait_tells_temperatures_every_second_and_ends_after_the_residency() {
+    let heard = talk(&machine(&[Heater::Bed]), 8000, &["M190 S25.5", "M190", "M190 S10", "M117"]);
+    let told: Vec<_> = heard.iter().filter_map(|line| line.rsplit_once(" W:")).map(|(_, w)| w).collect();
+    assert_eq!(told, ["3", "2", "1", "0"], "{heard:?}");
+    assert!(heard[0].starts_with(" B:25.0") && heard[0].contains(" /25.50 B@:"), "{heard:?}");
+    assert_eq!(heard[heard.len() - 4..], ["ok", "ok", "ok", "ok"]);
+}
+
+#[test]
+fn m108_ends_a_wait_and_leaves_the_target() {
+    let heard = talk(&machine(&[Heater::Bed]), 6000, &["M190 S40", "3000:M108", "M105", "M140 S0"]);
+    assert!(heard.iter().any(|line| line.ends_with(" W:?")), "{heard:?}");
+    let place = heard.iter().position(|line| line == "ok").unwrap();
+    assert!((3..=4).contains(&place) && heard[place + 2].contains(" /40.00 "), "{heard:?}");
+}
+
+#[test]
+fn m410_ends_a_wait_and_leaves_the_target() {
+    let heard = talk(&machine(&[Heater::Bed]), 6000, &["M190 S40", "3000:M410", "M105", "M140 S0"]);
+    assert!(heard.iter().any(|line| line.starts_with("ok") && line.contains(" /40.00 ")), "{heard:?}");
+}
+
+#[test]
+fn moves_go_on_while_a_command_waits_for_heat() {
+    let lines = ["G1 X110 F6000", "G1 X120", "M190 S40", "1500:M108", "M114 R", "M140 S0"];
+    let heard = talk(&machine(&[Heater::Bed]), 3000, &lines);
+    assert!(heard.iter().any(|line| line.starts_with("X:120.00 ")), "{heard:?}");
+}
+
+#[test]
+fn a_wait_for_cooling_ends_when_nothing_cools() {
+    let heard = talk(&machine(&[Heater::Bed]), 62_000, &["M190 R20", "M118 over"]);
+    let lines = heard.iter().filter(|line| line.ends_with(" W:?")).count();
+    assert!((60..=62).contains(&lines) && has(&heard, "over"), "{lines}");
+}
+
+/// A sensor that stands still under power.
+#[test]
+fn a_fault_halts_the_machine_in_words_that_hosts_know() {
+    let heard = talk(&machine(&[Heater::Hotend]), 120_000, &["M109 S200"]);
+    let [.., fault, halted] = heard.as_slice() else { panic!("{heard:?}") };
+    assert!(fault.starts_with("Error:hotend: "), "{heard:?}");
+    assert_eq!(halted, "Error:Printer halted. kill() called! Send M999 or reset");
+    assert!(!has(&heard, "ok"), "{heard:?}");
+}
+
+#[test]
+fn m112_switches_heaters_off() {
+    let mut seen = (false, false);
+    let (heard, _) =
+        talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, status| {
+            let heat = status.heat();
+            seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
+            seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
+        });
+    assert_eq!(seen, (true, false), "{heard:?}");
+}
+
+#[test]
+fn heaters_that_nobody_uses_go_off_also_while_the_user_is_waited_for() {
+    let mut settings = machine(&[Heater::Bed]);
+    settings.thermal.idle_min = 1;
+    let told = "echo:Heaters off after 1 minutes without use";
+    let bed = |heard: &[String]| heard.iter().rfind(|line| line.starts_with("ok B:")).cloned().unwrap();
+    // Colder than the room: a sensor that stands still is no fault then.
+    let heard = talk(&settings, 63_000, &["M140 S20", "62000:M105"]);
+    assert!(has(&heard, told) && bed(&heard).contains(" /0.00 "), "{heard:?}");
+    // Whoever comes back finds the bed as it was.
+    let heard = talk(&settings, 70_000, &["M140 S20", "M0", "62000:M108", "M105"]);
+    assert!(has(&heard, told) && has(&heard, "echo:Heating again"), "{heard:?}");
+    assert!(bed(&heard).contains(" /20.00 "), "{heard:?}");
+    // Motion is use.
+    let heard = talk(&settings, 63_000, &["M140 S20", "G1 X110 F6000", "30000:G1 X100", "62000:M105"]);
+    assert!(!has(&heard, told) && bed(&heard).contains(" /20.00 "), "{heard:?}");
+}
+
+#[test]
+fn no_filament_moves_while_the_hotend_is_cold() {
+    let told = "echo: cold extrusion prevented";
+    let settings = machine(&[Heater::Hotend]);
+    let lines = ["G1 X110 E5 F6000", "G1 E9 F600", "G2 X120 I5 E12", "G10", "G11", "G92 E9", "M400", "M114"];
+    let (heard, outcome) = talk_with(&settings, 8000, &lines, |_, _| {});
+    let [.., extruder] = outcome.counts;
+    assert_eq!((extruder, outcome.counts[0].abs() > 0), (0, true));
+    assert_eq!(heard.iter().filter(|line| *line == told).count(), 1, "{heard:?}");
+    assert!(has(&heard, "X:120.00 Y:100.00 Z:50.00 E:9.00 Count A:17600 B:1600 Z:40000"), "{heard:?}");
+    let (_, outcome) = talk_with(&settings, 8000, &[&["M302 P1"], lines.as_slice()].concat(), |_, _| {});
+    assert_eq!(outcome.counts[6], 12 * 400, "with leave it moves");
+    for lines in [["M302 P1", "M302"], ["M302 S0", "M302"]] {
+        let heard = talk(&settings, 1000, &lines);
+        assert!(heard[1].starts_with("echo:Cold extrudes are enabled (min temp "), "{heard:?}");
+    }
+    let heard = talk(&settings, 1000, &["M302", "M302 S180", "M302", "M302 S999"]);
+    assert_eq!(heard[0], "echo:Cold extrudes are disabled (min temp 170C)");
+    assert!(has(&heard, "echo:Cold extrudes are disabled (min temp 180C)"), "{heard:?}");
+    assert!(has(&heard, "echo:M302 S999 is out of range, set to 285"), "{heard:?}");
+}
+
+#[test]
+fn settings_of_heaters_are_said_as_the_lines_that_set_them() {
+    let settings = machine(&[Heater::Hotend, Heater::Bed]);
+    let changes = ["M301 P10 I.5 D40", "M306 E-1 P400 C1500 A3 F3.5 R.25 L8", "M302 S180", "M710 S128 D30"];
+    let report = |lines: &[&str]| {
+        let heard = talk(&settings, 4000, &[lines, &["M503"]].concat());
+        let said = heard.iter().filter_map(|line| line.strip_prefix("echo:  M"));
+        said.filter(|line| ["301", "304", "306", "302", "710"].iter().any(|code| line.starts_with(code)))
+            .map(|line| format!("M{line}"))
+            .collect::<Vec<_>>()
+    };
+    let once = report(&changes);
+    assert_eq!(
+        once,
+        [
+            "M306 E0 P40 C10.8 A0.075 F0.125 R0.83333 L1.2 H0.0056",
+            "M301 P10 I0.5 D40",
+            "M304 P120 I1 D600",
+            "M306 E-1 P400 C1500 A3 F3.5 R0.25 L8 H0.0056",
+            "M302 S180",
+            "M710 S128 D30",
+        ]
+    );
+    let lines: Vec<&str> = once.iter().map(String::as_str).collect();
+    assert_eq!(report(&lines), once);
+    for line in ["M301", "M304", "M306 E-1"] {
+        assert!(talk(&settings, 500, &[line])[0].starts_with("echo:  M30"), "{line}");
+    }
+}
+
+#[test]
+fn diagnosis_has_the_fault_and_the_heaters() {
+    let heard = talk(&machine(&[Heater::Bed]), 3000, &["M122"]);
+    assert!(has(&heard, "echo:fault: none"), "{heard:?}");
+    assert!(heard.iter().any(|line| line.starts_with("echo:heater bed 25.0")), "{heard:?}");
+}
+
+#[test]
+fn a_tuning_without_swings_is_ended_by_m108_and_leaves_the_heater_off() {
+    let heard = talk(&machine(&[Heater::Bed]), 6000, &["M303 E-1 S40", "3000:M108", "M105"]);
+    assert!(has(&heard, "PID Autotune start"), "{heard:?}");
+    assert!(heard.iter().any(|line| line.starts_with("PID Autotune failed!")), "{heard:?}");
+    assert!(heard.last().unwrap().contains(" /0.00 "), "{heard:?}");
+}

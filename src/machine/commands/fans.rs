@@ -1,0 +1,89 @@
+//! Fans: M106 and M107 in their turn among the moves, and the fan of the controller (M710).
+
+use super::clamps::Clamps;
+use super::heater_settings::HeatSetting;
+use crate::gcode::Number;
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::reports::answer::Answer;
+use crate::machine::state::notices::Notice;
+use crate::port::Pend;
+use crate::settings::{FanRole, Range, ThermalSettings};
+use crate::units::Ratio;
+
+/// What full speed is called.
+pub(in crate::machine) const FULL: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(255) };
+
+/// The longest time for which the controller's fan goes on, in s.
+const RUN_ON_S: Range<u16> = Range { least: 0, most: 3600 };
+
+/// A speed of 255 as one of 65,535.
+const fn duty(speed: Ratio) -> u16 {
+    ((speed.to_bits() as u64 * 257) >> 16) as u16
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// M106, M107. With as many speeds on their way as there may be, it waits as a move does that finds the look-ahead full:
+    /// only as long as that changes no speed of a move.
+    pub(in crate::machine) async fn set_fan(&mut self, fan: u8, speed: Number) -> Result<Answer<'static>, Interrupt> {
+        // Slicers name fans of other machines.
+        let Some(settings) = self.settings.thermal.fans.get(usize::from(fan)) else { return Ok(Answer::Nothing) };
+        if settings.role != FanRole::Commanded {
+            let is_news = self.notices.give(Notice::Fan);
+            return Ok(if is_news { Answer::NotCommanded(fan) } else { Answer::Nothing });
+        }
+        let speed = duty(self.clamps.near(["M106", "S"], speed, FULL));
+        if !self.has_motion() && self.fan_schedule.is_empty() {
+            self.heat_orders.blow(fan, speed);
+            return Ok(Answer::Nothing);
+        }
+        while !self.fan_schedule.has_room() && !self.planner.lacks_moves() {
+            self.policy.note_full();
+            self.turn().await?;
+        }
+        self.fan_schedule.add(self.planner.planned().0, fan, speed);
+        Ok(Answer::Nothing)
+    }
+}
+
+/// M710.
+pub(in crate::machine) fn set_controller_fan(
+    [speed, run_on]: [Option<Number>; 2],
+    resets: bool,
+    other: Option<u8>,
+    thermal: &mut ThermalSettings,
+    defaults: &ThermalSettings,
+    clamps: &mut Clamps,
+) -> Answer<'static> {
+    if speed.or(run_on).is_none() && !resets && other.is_none() {
+        return Answer::HeatSetting(HeatSetting::ControllerFan);
+    }
+    let fans = thermal.fans.iter_mut().zip(&defaults.fans).filter(|(fan, _)| fan.role == FanRole::Controller);
+    let wanted = speed.map(|speed| Ratio::from_bits(clamps.near(["M710", "S"], speed, FULL).to_bits() / 255));
+    for (fan, default) in fans {
+        fan.most = wanted.unwrap_or(if resets { default.most } else { fan.most });
+    }
+    if resets {
+        thermal.fan_run_on_s = defaults.fan_run_on_s;
+    }
+    if let Some(seconds) = run_on {
+        thermal.fan_run_on_s = clamps.whole(["M710", "D"], seconds, RUN_ON_S);
+    }
+    match other {
+        Some(b'A') => Answer::NotObeyed("M710", b"A"),
+        Some(_) => Answer::NotObeyed("M710", b"I"),
+        None => Answer::Nothing,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_speed_is_full_duty() {
+        for (speed, expected) in [(0, 0), (1, 257), (128, 32_896), (255, 65_535)] {
+            assert_eq!(duty(Ratio::from_num(speed)), expected);
+        }
+    }
+}

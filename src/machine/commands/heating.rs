@@ -1,0 +1,399 @@
+//! Heating: targets (M104, M140, M141), waits for them (M109, M116, M190, M191), tuning (M303), cold extrusion (M302), and
+//! everything off (M81).
+//!
+//! A target acts at once, ahead of moves that are queued, and moves go on while a command waits for it. M108 ends a wait and
+//! leaves the target; M410 does too. A fault of a heater halts the machine, and so ends any wait.
+
+use crate::connectors::{HEATERS, Heater};
+use crate::gcode::Number;
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::reports::answer::Answer;
+use crate::machine::state::notices::Notice;
+use crate::machine::state::waiting::Waiting;
+use crate::port::{Clock, Pend};
+use crate::settings::{HeaterSettings, Pid, Range};
+use crate::status::{Tuned, Tuning};
+use crate::units::{Celsius, Instant, JoulesPerKelvin, Ratio, Seconds, TICKS_PER_SECOND, WattsPerKelvin};
+
+/// So near to its target a heater has reached it, and so far from it it has lost it again: Marlin's TEMP_WINDOW and
+/// TEMP_HYSTERESIS (Configuration.h, 2.1).
+const NEAR: Celsius = Celsius::const_from_int(1);
+const FAR: Celsius = Celsius::const_from_int(3);
+
+/// It has to be so for that long. Marlin waits for 10 s, for a PID controller that swings; the model does not, and after the
+/// sensor's lag of a second or two what it reads is what is there.
+const RESIDENCY_MS: u32 = 3000;
+
+/// A wait for cooling ends when it goes on more slowly than by 1.5 C a minute, for the room may be warmer than the target:
+/// Marlin's MIN_COOLING_SLOPE_DEG and MIN_COOLING_SLOPE_TIME (Configuration_adv.h, 2.1).
+const LEAST_COOLING: Celsius = Celsius::lit("1.5");
+const COOLING_MS: u32 = 60_000;
+
+/// From one line with temperatures to the next.
+const LINE_MS: u32 = 1000;
+
+/// M303 without C, and its range: the relay experiment throws the first swing away.
+const CYCLES: u8 = 5;
+const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
+
+/// Whether heaters have been at their targets for long enough.
+struct Residency {
+    since: Option<Instant>,
+}
+
+impl Residency {
+    /// Seconds that are missing; `None` if a target is not reached.
+    fn follow(&mut self, is_near: bool, is_far: bool, now: Instant) -> Option<u32> {
+        if is_far {
+            self.since = None;
+        } else if is_near && self.since.is_none() {
+            self.since = Some(now);
+        }
+        let end = self.since?.after_ms(RESIDENCY_MS);
+        Some(end.0.saturating_sub(now.0).div_ceil(u64::from(TICKS_PER_SECOND)) as u32)
+    }
+}
+
+/// Whether a heater still cools as fast as waiting for it makes sense.
+struct Cooling {
+    /// Since when, and what it was then.
+    looked: (Instant, [Celsius; HEATERS]),
+}
+
+impl Cooling {
+    /// Whether none of the heaters that are too hot gets cooler any more.
+    fn has_ended(&mut self, are_hot: [bool; HEATERS], measured: [Celsius; HEATERS], now: Instant) -> bool {
+        let (since, before) = self.looked;
+        if now < since.after_ms(COOLING_MS) {
+            return false;
+        }
+        self.looked = (now, measured);
+        let stays = |place: usize| before[place].saturating_sub(measured[place]) < LEAST_COOLING;
+        are_hot.iter().any(|is_hot| *is_hot) && (0..HEATERS).all(|place| !are_hot[place] || stays(place))
+    }
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// What to say of a command for a heater that is not fitted; `None` if it is.
+    fn missing(&mut self, heater: Heater) -> Option<Answer<'static>> {
+        let thermal = &self.settings.thermal;
+        if thermal.heater(heater).is_fitted {
+            return None;
+        }
+        let has_any = thermal.heaters.iter().any(|heater| heater.is_fitted);
+        Some(match heater {
+            // Slicers write M141 and M191 for machines without a chamber's heater too.
+            Heater::Chamber => Answer::Nothing,
+            Heater::Hotend | Heater::Bed if has_any => {
+                let notice = if heater == Heater::Bed { Notice::NoBed } else { Notice::NoHotend };
+                if self.notices.give(notice) { Answer::NoHeater(heater) } else { Answer::Nothing }
+            }
+            Heater::Hotend | Heater::Bed if self.notices.give(Notice::NoHeaters) => {
+                Answer::Line("echo:no heaters configured")
+            }
+            Heater::Hotend | Heater::Bed => Answer::Nothing,
+        })
+    }
+
+    /// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target.
+    pub(in crate::machine) fn set_target(
+        &mut self,
+        code: &'static str,
+        heater: Heater,
+        tool: u8,
+        target: Option<Number>,
+    ) -> Result<bool, Answer<'static>> {
+        if let Some(answer) = self.missing(heater) {
+            return Err(answer);
+        }
+        if tool > 0 {
+            return Err(Answer::InvalidTool(tool));
+        }
+        let Some(number) = target else { return Ok(false) };
+        let range = Range { least: Celsius::ZERO, most: self.settings.thermal.heater(heater).most };
+        let target = self.clamps.near([code, "S"], number, range);
+        self.heat_orders.heat(heater, target);
+        self.heaters_used = self.ports.clock.now();
+        self.send_orders();
+        Ok(true)
+    }
+
+    /// M109, M190, M191.
+    pub(in crate::machine) async fn heat_and_wait(
+        &mut self,
+        heater: Heater,
+        tool: u8,
+        target: Option<Number>,
+        cools: bool,
+    ) -> Result<Answer<'static>, Interrupt> {
+        let code = ["M109", "M190", "M191"][heater as usize];
+        match self.set_target(code, heater, tool, target) {
+            Err(answer) => return Ok(answer),
+            Ok(false) => {}
+            Ok(true) => {
+                // What was asked for is told before the wait, not minutes later.
+                self.tell_clamps().await?;
+                self.await_heat(Heater::ALL.map(|other| other == heater), cools).await?;
+            }
+        }
+        Ok(Answer::Nothing)
+    }
+
+    /// M116: waits for all that are on.
+    pub(in crate::machine) async fn await_heaters(&mut self) -> Result<Answer<'static>, Interrupt> {
+        if self.settings.thermal.heaters.iter().all(|heater| !heater.is_fitted) {
+            return Ok(self.missing(Heater::Hotend).unwrap_or(Answer::Nothing));
+        }
+        let are_on = Heater::ALL.map(|heater| self.target_of(heater) > Celsius::ZERO);
+        self.await_heat(are_on, true).await?;
+        Ok(Answer::Nothing)
+    }
+
+    /// What each heater is at; the coldest there is without a reading.
+    fn measured(&self) -> [Celsius; HEATERS] {
+        Heater::ALL.map(|heater| self.link.status().heat().measured(heater).unwrap_or(Celsius::MIN))
+    }
+
+    /// Waits until heaters have reached their targets, or if `cools` is not set, have no need to warm up any more.
+    async fn await_heat(&mut self, heaters: [bool; HEATERS], cools: bool) -> Result<(), Interrupt> {
+        let begun = self.ports.clock.now();
+        let measured = self.measured();
+        let targets = Heater::ALL.map(|heater| self.target_of(heater));
+        let mut awaited = heaters;
+        for ((awaited, measured), target) in awaited.iter_mut().zip(measured).zip(targets) {
+            *awaited &= cools || measured < target;
+        }
+        if awaited == [false; HEATERS] {
+            return Ok(());
+        }
+        self.pauses.begin(Waiting::Heat);
+        let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
+        let (mut next_line, mut moves) = (begun, true);
+        self.comes_again = true;
+        while !self.pauses.is_over() {
+            let (now, measured) = (self.ports.clock.now(), self.measured());
+            let off_by = |place: usize| measured[place].saturating_sub(targets[place]);
+            let is_within =
+                |most: Celsius| (0..HEATERS).all(|place| !awaited[place] || off_by(place).saturating_abs() <= most);
+            let missing = residency.follow(is_within(NEAR), !is_within(FAR), now);
+            if now >= next_line {
+                next_line = next_line.after_ms(LINE_MS);
+                self.tell(Answer::Heating(missing)).await?;
+            }
+            let are_hot = [0, 1, 2].map(|place| awaited[place] && off_by(place) > NEAR);
+            if missing == Some(0) || (cools && cooling.has_ended(are_hot, measured, now)) {
+                break;
+            }
+            moves = moves && self.let_motion_end();
+            self.turn().await?;
+        }
+        self.pauses.end();
+        Ok(())
+    }
+
+    /// Moves that were planned before a command that waits go on to their end. False if nothing moves any more.
+    fn let_motion_end(&mut self) -> bool {
+        self.policy.note_awaited();
+        self.planner.release_all();
+        let has_motion = self.has_motion();
+        if !has_motion {
+            self.policy.come_to_rest(self.ports.clock.now());
+        }
+        has_motion
+    }
+
+    /// Heats again what was switched off while the user was waited for.
+    pub(in crate::machine) async fn heat_again(&mut self) -> Result<(), Interrupt> {
+        let Some(targets) = self.targets_before.take() else { return Ok(()) };
+        self.tell(Answer::Line("echo:Heating again")).await?;
+        for (heater, target) in Heater::ALL.into_iter().zip(targets) {
+            self.heat_orders.heat(heater, target);
+        }
+        self.send_orders();
+        // The answer that ended the wait for the user is not for this one.
+        self.pauses.end_command();
+        self.await_heat(targets.map(|target| target > Celsius::ZERO), false).await
+    }
+
+    /// M303.
+    pub(in crate::machine) async fn tune(
+        &mut self,
+        heater: Option<Heater>,
+        target: Option<Number>,
+        cycles: Option<Number>,
+        applies: bool,
+    ) -> Result<Answer<'static>, Interrupt> {
+        let heater = match self.model_of(heater) {
+            Ok(heater) => heater,
+            Err(answer) => return Ok(answer),
+        };
+        if self.link.status().heat().measured(heater).is_none() {
+            return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
+        }
+        let range = Range { least: Celsius::ZERO, most: self.settings.thermal.heater(heater).most };
+        // Marlin's defaults (M303.cpp), for the chamber too.
+        let default = Number::from(if heater == Heater::Hotend { 150 } else { 70 });
+        let target = self.clamps.near(["M303", "S"], target.unwrap_or(default), range);
+        if target == Celsius::ZERO {
+            return Ok(Answer::Line("echo:M303 ignored: S is the temperature to tune at"));
+        }
+        let cycles = cycles.map_or(CYCLES, |cycles| self.clamps.whole(["M303", "C"], cycles, CYCLE_RANGE) as u8);
+        self.tell_clamps().await?;
+        self.finish().await?;
+        self.tell(Answer::Line("PID Autotune start")).await?;
+        self.pauses.begin(Waiting::Tuning);
+        self.heat_orders.tune(heater, target, cycles);
+        let found = self.await_tuning(heater).await;
+        self.pauses.end();
+        // Done, failed or ended by M108, M410: in any case it is over.
+        self.heat_orders.heat(heater, Celsius::ZERO);
+        self.send_orders();
+        let Some(tuned) = found? else {
+            return Ok(Answer::Line(
+                "PID Autotune failed! It was ended, or the temperature did not swing as it should",
+            ));
+        };
+        if applies {
+            apply(&tuned, self.settings.thermal.heater_mut(heater));
+            self.heat_orders.note_settings();
+        }
+        self.tell(Answer::Tuned(heater, tuned)).await?;
+        Ok(if applies { Answer::Nothing } else { Answer::Line("echo:nothing is changed, M303 U1 uses what it finds") })
+    }
+
+    /// Waits for the end of a tuning; `None` if it failed, or M108 ended it.
+    async fn await_tuning(&mut self, heater: Heater) -> Result<Option<Tuned>, Interrupt> {
+        // The first state that is told is that of an earlier tuning.
+        let status = self.link.status();
+        while !self.heat_orders.is_empty() {
+            self.turn().await?;
+        }
+        let begun = status.heat().periods();
+        let (mut next_line, mut cycle) = (self.ports.clock.now(), 0);
+        while !self.pauses.is_over() {
+            let now = self.ports.clock.now();
+            if now >= next_line {
+                next_line = next_line.after_ms(LINE_MS);
+                self.tell(Answer::Heating(None)).await?;
+            }
+            if status.heat().periods().wrapping_sub(begun) > 2 {
+                match status.heat().tuning() {
+                    Tuning::Done => return Ok(Some(status.heat().tuned())),
+                    Tuning::Cycle(done) => {
+                        if core::mem::replace(&mut cycle, done) != done {
+                            self.tell(Answer::TuningCycle(heater, done)).await?;
+                        }
+                    }
+                    Tuning::None | Tuning::Failed => return Ok(None),
+                }
+            }
+            self.turn().await?;
+        }
+        Ok(None)
+    }
+
+    /// The heater that a command for its behaviour means, if it is fitted.
+    pub(in crate::machine) fn model_of(&self, heater: Option<Heater>) -> Result<Heater, Answer<'static>> {
+        let thermal = &self.settings.thermal;
+        match heater {
+            None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
+            Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
+            Some(heater) if thermal.heaters.iter().any(|heater| heater.is_fitted) => Err(Answer::NoHeater(heater)),
+            Some(_) => Err(Answer::Line("echo:no heaters configured, ignored")),
+        }
+    }
+
+    /// M302. Without a hotend nothing can be too cold.
+    pub(in crate::machine) fn set_cold_extrusion(
+        &mut self,
+        least: Option<Number>,
+        allow: Option<bool>,
+    ) -> Answer<'static> {
+        let hotend = self.settings.thermal.heater(Heater::Hotend);
+        if !hotend.is_fitted {
+            let forbids = least.is_some_and(|least| least > Number::ZERO) || allow == Some(false);
+            return Answer::Line(if forbids {
+                "echo:Cold extrudes are enabled, and cannot be forbidden without a heater"
+            } else {
+                "echo:Cold extrudes are enabled"
+            });
+        }
+        if least.is_none() && allow.is_none() {
+            return Answer::ColdExtrusion;
+        }
+        if let Some(least) = least {
+            let range = Range { least: Celsius::ZERO, most: hotend.most };
+            self.settings.thermal.min_extrude = self.clamps.near(["M302", "S"], least, range);
+            self.allows_cold = false;
+        }
+        if let Some(allow) = allow {
+            self.allows_cold = allow;
+        }
+        self.heat_orders.note_settings();
+        Answer::Nothing
+    }
+
+    /// Whether no filament may move: the hotend is too cold for it, or nobody knows.
+    pub(in crate::machine) fn is_too_cold(&self) -> bool {
+        let thermal = &self.settings.thermal;
+        thermal.heater(Heater::Hotend).is_fitted
+            && !self.allows_cold
+            && thermal.min_extrude > Celsius::ZERO
+            && self.measured()[Heater::Hotend as usize] < thermal.min_extrude
+    }
+
+    /// Tells once a print that filament was left out.
+    pub(in crate::machine) async fn tell_of_cold(&mut self) -> Result<(), Interrupt> {
+        if self.notices.give(Notice::Cold) {
+            self.tell(Answer::Line("echo: cold extrusion prevented")).await?;
+        }
+        Ok(())
+    }
+
+    /// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
+    pub(in crate::machine) fn switch_off(&mut self) -> Answer<'static> {
+        self.heat_orders.switch_off();
+        self.fan_schedule.clear();
+        self.send_orders();
+        Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
+    }
+}
+
+/// Takes over what M303 has found. The two lags cannot be told apart, so each gets half. The loss with the part fan is not
+/// found, and stays.
+fn apply(tuned: &Tuned, heater: &mut HeaterSettings) {
+    let lag = Seconds::from_bits((tuned.lag / 2).max(1));
+    heater.model.capacity = JoulesPerKelvin::from_bits(tuned.capacity);
+    heater.model.loss = WattsPerKelvin::from_bits(tuned.loss);
+    (heater.model.heater_lag, heater.model.sensor_lag) = (lag, lag);
+    heater.pid = Pid { p: Ratio::from_bits(tuned.p), i: Ratio::from_bits(tuned.i), d: Ratio::from_bits(tuned.d) };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_target_counts_as_reached_after_three_seconds_near_it() {
+        let at = |ms: u32| Instant(0).after_ms(ms);
+        let mut residency = Residency { since: None };
+        assert_eq!(residency.follow(false, true, at(0)), None);
+        assert_eq!(residency.follow(true, false, at(1000)), Some(3));
+        assert_eq!(residency.follow(false, false, at(2500)), Some(2), "between near and far it goes on");
+        assert_eq!(residency.follow(false, true, at(3000)), None);
+        assert_eq!(residency.follow(true, false, at(4000)), Some(3));
+        assert_eq!(residency.follow(true, false, at(6999)), Some(1));
+        assert_eq!(residency.follow(true, false, at(7000)), Some(0));
+    }
+
+    #[test]
+    fn cooling_ends_when_it_takes_too_long() {
+        let celsius = Celsius::const_from_int;
+        let mut cooling = Cooling { looked: (Instant(0), [celsius(60); HEATERS]) };
+        let hot = [true, false, false];
+        assert!(!cooling.has_ended(hot, [celsius(60); HEATERS], Instant(0).after_ms(59_999)));
+        assert!(!cooling.has_ended(hot, [celsius(50); HEATERS], Instant(0).after_ms(60_000)));
+        assert!(cooling.has_ended(hot, [celsius(49); HEATERS], Instant(0).after_ms(120_000)));
+    }
+}

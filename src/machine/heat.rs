@@ -1,0 +1,107 @@
+//! Heat, the part of the crank: orders on their way, faults, filament, and heaters that nobody uses.
+
+use crate::connectors::Heater;
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
+use crate::port::{Clock, Pend};
+use crate::units::{Celsius, TICKS_PER_SECOND};
+
+/// Filament that went through the nozzle is told so often, in ms: a quarter of a control period.
+const FILAMENT_MS: u32 = 5;
+
+/// And what the look-ahead knows of it so often: a fraction of any heater's lag.
+const AHEAD_MS: u32 = 50;
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// Everything about heat that must go on whatever the Console waits for. A fault ends the motion here and now.
+    pub(super) fn tend_heat(&mut self) -> Result<(), Interrupt> {
+        if self.link.status().fault().is_set() {
+            return Err(Interrupt::Halt);
+        }
+        self.follow_fans();
+        self.heat_orders.note_motors(!self.drivers.powered().is_empty());
+        self.watch_heaters();
+        self.send_orders();
+        if self.settings.thermal.heater(Heater::Hotend).is_fitted {
+            self.tell_filament();
+        }
+        Ok(())
+    }
+
+    /// Hands on the orders for which there is room.
+    pub(super) fn send_orders(&mut self) {
+        let period = self.link.status().heat().periods();
+        while self.orders.ready()
+            && let Some(order) = self.heat_orders.next(&self.settings.thermal, period)
+        {
+            let _ = self.orders.enqueue(order);
+        }
+    }
+
+    /// Fans whose turn among the moves has come.
+    fn follow_fans(&mut self) {
+        if self.fan_schedule.is_empty() {
+            return;
+        }
+        let (planned, _) = self.planner.planned();
+        self.fan_schedule.note_left(planned.wrapping_sub(self.planner.len() as u32), self.link.entries());
+        while let Some((fan, speed)) = self.fan_schedule.take(self.link.entries_done()) {
+            self.heat_orders.blow(fan, speed);
+        }
+    }
+
+    /// What a heater is to be kept at; 0 is off.
+    pub(super) fn target_of(&self, heater: Heater) -> Celsius {
+        self.heat_orders.target(heater, self.link.status().heat())
+    }
+
+    /// Switches heaters off that nobody has used for long enough, in whatever state the Console is. Who comes back to a
+    /// question finds them as they were.
+    fn watch_heaters(&mut self) {
+        let now = self.ports.clock.now();
+        if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
+            self.heaters_used = now;
+        }
+        let minutes = u32::from(self.settings.thermal.idle_min).max(1);
+        if now < self.heaters_used.after_ms(minutes * 60_000) {
+            return;
+        }
+        self.heaters_used = now;
+        let targets = Heater::ALL.map(|heater| self.target_of(heater));
+        if targets.iter().all(|target| *target <= Celsius::ZERO) {
+            return;
+        }
+        if self.pauses.is_for_user() {
+            self.targets_before = Some(targets);
+        }
+        for heater in Heater::ALL {
+            self.heat_orders.heat(heater, Celsius::ZERO);
+        }
+        self.hosts.tell_all(format_args!("echo:Heaters off after {minutes} minutes without use"));
+    }
+
+    /// What the filament takes of the hotend's heat.
+    fn tell_filament(&mut self) {
+        let now = self.ports.clock.now();
+        if now < self.filament_due {
+            return;
+        }
+        self.filament_due = now.after_ms(FILAMENT_MS);
+        let [.., at] = self.real_steps();
+        let heat = self.link.status().heat();
+        heat.set_extruded_um(self.planner.filament_um(at) as u32);
+        if now < self.ahead_due {
+            return;
+        }
+        self.ahead_due = now.after_ms(AHEAD_MS);
+        let thermal = &self.settings.thermal;
+        let lag = u64::from(thermal.heater(Heater::Hotend).model.heater_lag.to_bits());
+        let ticks = (lag * u64::from(TICKS_PER_SECOND)) >> 24;
+        let ahead = self.planner.filament_within(ticks, at, self.link.left());
+        let heat_of = |um: i64| {
+            let bits = i128::from(um.max(0)) * i128::from(thermal.filament.to_bits()) / 1000;
+            u32::try_from(bits).unwrap_or(u32::MAX)
+        };
+        self.link.status().heat().set_filament_ahead(ahead.map(heat_of));
+    }
+}

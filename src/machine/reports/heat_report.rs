@@ -1,0 +1,91 @@
+//! What is said of heat: temperatures (M105, M155, waits), heaters and the fault (M122), what a tuning has found (M303).
+
+use super::report::Hundredths;
+use super::sensors::say_sensors;
+use super::speaker::Speaker;
+use crate::connectors::{HEATERS, Heater};
+use crate::fault::Latch;
+use crate::machine::numbers::shortest;
+use crate::settings::ThermalSettings;
+use crate::status::{Heat, Tuned};
+use crate::units::{Celsius, Mm, Ratio};
+use core::fmt;
+
+/// The letters of heaters in reports.
+const LETTERS: [char; HEATERS] = ['T', 'B', 'C'];
+
+/// The temperatures of the heaters that are fitted, as M105 has them. Without heaters hosts take the form of the line as a sign
+/// of life.
+pub(in crate::machine) struct Temperatures {
+    /// Measured, target, and duty of 127.
+    heaters: [Option<(Celsius, Celsius, u16)>; HEATERS],
+}
+
+impl Temperatures {
+    /// What is known now, with the targets that were ordered.
+    pub fn new(thermal: &ThermalSettings, heat: &Heat, target: impl Fn(Heater) -> Celsius) -> Self {
+        Self {
+            heaters: Heater::ALL.map(|heater| {
+                let measured = heat.measured(heater).unwrap_or(Celsius::ZERO);
+                let is_fitted = thermal.heater(heater).is_fitted;
+                is_fitted.then(|| (measured, target(heater), heat.duty(heater) >> 9))
+            }),
+        }
+    }
+}
+
+impl fmt::Display for Temperatures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.heaters == [None; HEATERS] {
+            return f.write_str("T:0.00 /0.00 B:0.00 /0.00 @:0 B@:0");
+        }
+        let mut gap = "";
+        for (letter, (measured, target, _)) in LETTERS.into_iter().zip(self.heaters).filter_map(|(l, h)| Some((l, h?)))
+        {
+            let [measured, target] = [measured, target].map(|celsius| Hundredths(Mm::from(celsius)));
+            write!(f, "{gap}{letter}:{measured} /{target}")?;
+            gap = " ";
+        }
+        for (letter, (.., duty)) in ["", "B", "C"].into_iter().zip(self.heaters).filter_map(|(l, h)| Some((l, h?))) {
+            write!(f, " {letter}@:{duty}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Part of M122: the fault, the heaters, the sensors.
+pub(in crate::machine) fn say_heat(
+    to: &mut Speaker<'_>,
+    thermal: &ThermalSettings,
+    heat: &Heat,
+    fault_latch: &Latch,
+    targets: [Celsius; HEATERS],
+) {
+    match fault_latch.fault() {
+        Some(fault) => to.say(format_args!("echo:fault: {fault}, {} more since", fault_latch.more())),
+        None => to.say(format_args!("echo:fault: none")),
+    }
+    for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(h, _)| thermal.heater(*h).is_fitted) {
+        let name = heater.name();
+        let (target, duty) = (Hundredths(Mm::from(target)), u32::from(heat.duty(heater)) * 100 / 65_535);
+        match heat.measured(heater) {
+            Some(measured) => {
+                let measured = Hundredths(Mm::from(measured));
+                to.say(format_args!("echo:heater {name} {measured} C, target {target} C, duty {duty} %"));
+            }
+            None => to.say(format_args!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),
+        }
+    }
+    say_sensors(to, heat);
+}
+
+/// M303: what was found. Hosts look for Marlin's words.
+pub(in crate::machine) fn say_tuned(to: &mut Speaker<'_>, heater: Heater, tuned: &Tuned) {
+    let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|bits| shortest(Ratio::from_bits(bits)));
+    to.say(format_args!("PID Autotune finished!"));
+    to.say(format_args!(" Kp: {p} Ki: {i} Kd: {d}"));
+    let capacity = shortest(crate::units::JoulesPerKelvin::from_bits(tuned.capacity));
+    let loss = shortest(crate::units::WattsPerKelvin::from_bits(tuned.loss));
+    let lag = shortest(crate::units::Seconds::from_bits(tuned.lag));
+    to.say(format_args!("echo:{}: {capacity} J/K, {loss} W/K, lag {lag} s", heater.name()));
+}

@@ -1,0 +1,130 @@
+//! Fan speeds in their turn: each holds from the end of the move that was planned last before it.
+//!
+//! ```text
+//!   M106 ──▶ after move n ── n has left the look-ahead ──▶ after entry e ── e is done ──▶ the fan
+//! ```
+//!
+//! Done means that all steps of the entry are made, which is some 10 ms before they are played, and before what an input
+//! shaper delays. A fan needs far longer than that to change its speed.
+
+use heapless::Deque;
+
+/// Speeds that may wait. A file with fan speeds by overhang has one every few moves.
+const MOST: usize = 64;
+
+/// When a speed comes to hold.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum After {
+    /// So many moves were planned before it, wrapping.
+    Move(u32),
+    /// So many entries were put into the MoveQueue before it, wrapping.
+    Entry(u32),
+}
+
+/// A fan's speed that waits.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    after: After,
+    fan: u8,
+    speed: u16,
+}
+
+/// Fan speeds that wait for moves, in order.
+pub(in crate::machine) struct FanSchedule {
+    queue: Deque<Waiting, MOST>,
+}
+
+impl FanSchedule {
+    pub const fn new() -> Self {
+        Self { queue: Deque::new() }
+    }
+
+    /// Whether it takes another speed.
+    pub fn has_room(&self) -> bool {
+        !self.queue.is_full()
+    }
+
+    /// A fan is to run at `speed` when so many moves are done. Without room, it takes the place of the last speed.
+    pub fn add(&mut self, moves: u32, fan: u8, speed: u16) {
+        let after = After::Move(moves);
+        if let Some(last) = self.queue.back_mut()
+            && (last.fan, last.after) == (fan, after)
+        {
+            last.speed = speed;
+            return;
+        }
+        if !self.has_room() {
+            let _ = self.queue.pop_back();
+        }
+        let _ = self.queue.push_back(Waiting { after, fan, speed });
+    }
+
+    /// So many moves have left the look-ahead, and so many entries were put into the MoveQueue: called after each.
+    pub fn note_left(&mut self, moves: u32, entries: u32) {
+        for waiting in &mut self.queue {
+            match waiting.after {
+                After::Entry(_) => {}
+                After::Move(after) if is_past(after, moves) => waiting.after = After::Entry(entries),
+                After::Move(_) => return,
+            }
+        }
+    }
+
+    /// The next fan and its speed that come to hold when so many entries are done.
+    pub fn take(&mut self, done: u32) -> Option<(u8, u16)> {
+        let Waiting { after: After::Entry(after), fan, speed } = *self.queue.front()? else { return None };
+        if !is_past(after, done) {
+            return None;
+        }
+        let _ = self.queue.pop_front();
+        Some((fan, speed))
+    }
+
+    /// Whether no speed waits.
+    pub fn is_empty(&self) -> bool {
+        self.queue.is_empty()
+    }
+
+    /// Nothing waits any more.
+    pub fn clear(&mut self) {
+        self.queue.clear();
+    }
+}
+
+/// Whether a count that wraps has come to `mark`.
+const fn is_past(mark: u32, count: u32) -> bool {
+    count.wrapping_sub(mark).cast_signed() >= 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_wait_for_their_moves() {
+        let mut fans = FanSchedule::new();
+        fans.add(u32::MAX, 0, 1);
+        fans.add(1, 0, 2);
+        fans.add(1, 0, 3);
+        fans.add(1, 4, 4);
+        assert_eq!(fans.take(100), None, "the move is in the look-ahead");
+        fans.note_left(0, 10);
+        assert_eq!(fans.take(9), None);
+        assert_eq!((fans.take(10), fans.take(10)), (Some((0, 1)), None));
+        fans.note_left(2, 12);
+        fans.note_left(3, 13);
+        assert_eq!(fans.take(11), None);
+        assert_eq!([fans.take(12), fans.take(12), fans.take(12)], [Some((0, 3)), Some((4, 4)), None]);
+    }
+
+    #[test]
+    fn without_room_the_last_speed_gives_way() {
+        let mut fans = FanSchedule::new();
+        for count in 0..100 {
+            fans.add(u32::from(count), 0, count);
+        }
+        fans.note_left(1000, 0);
+        let first = core::iter::from_fn(|| fans.take(0)).map(|(_, speed)| speed);
+        assert!(first.eq((0..63).chain([99])));
+    }
+}

@@ -1,0 +1,222 @@
+//! Orders for heaters and fans that wait for room in the queue.
+//!
+//! Of each target and each fan's speed the latest counts, and of the settings what is in force: so nothing here is ever full,
+//! and no command waits for the thermal context.
+
+use crate::connectors::{FANS, HEATERS, Heater};
+use crate::settings::ThermalSettings;
+use crate::status::Heat;
+use crate::thermal::{Common, Order};
+use crate::units::Celsius;
+
+/// Control periods after which an order that left has been taken for certain.
+const TAKEN: u32 = 2;
+
+/// A target on its way.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Target {
+    /// The thermal context knows it.
+    Known,
+    /// It is yet to leave.
+    Waits(Celsius),
+    /// It left in this control period.
+    Left(Celsius, u32),
+}
+
+/// What is yet to be told to the thermal context.
+pub(in crate::machine) struct HeatOrders {
+    is_off: bool,
+    targets: [Target; HEATERS],
+    tuning: Option<(Heater, Celsius, u8)>,
+    fans: [Option<u16>; FANS],
+    motors: Option<bool>,
+    are_motors_on: bool,
+    /// The settings that the thermal context has.
+    told: ThermalSettings,
+    has_news: bool,
+}
+
+impl HeatOrders {
+    /// The thermal context begins with these settings.
+    pub const fn new(settings: &ThermalSettings) -> Self {
+        Self {
+            is_off: false,
+            targets: [Target::Known; HEATERS],
+            tuning: None,
+            fans: [None; FANS],
+            motors: None,
+            are_motors_on: false,
+            told: *settings,
+            has_news: false,
+        }
+    }
+
+    /// A heater is to be kept at `target`; 0 is off.
+    pub fn heat(&mut self, heater: Heater, target: Celsius) {
+        self.targets[heater as usize] = Target::Waits(target);
+    }
+
+    /// A fan is to run at `speed`, of 65,535.
+    pub fn blow(&mut self, fan: u8, speed: u16) {
+        if let Some(place) = self.fans.get_mut(usize::from(fan)) {
+            *place = Some(speed);
+        }
+    }
+
+    /// Everything off.
+    pub const fn switch_off(&mut self) {
+        self.targets = [Target::Known; HEATERS];
+        self.fans = [None; FANS];
+        (self.tuning, self.is_off) = (None, true);
+    }
+
+    /// Find out how a heater behaves.
+    pub const fn tune(&mut self, heater: Heater, target: Celsius, cycles: u8) {
+        self.tuning = Some((heater, target, cycles));
+    }
+
+    /// Whether any motor has power; told when it changes.
+    pub const fn note_motors(&mut self, are_on: bool) {
+        if self.are_motors_on != are_on {
+            self.are_motors_on = are_on;
+            self.motors = Some(are_on);
+        }
+    }
+
+    /// Settings may have changed.
+    pub const fn note_settings(&mut self) {
+        self.has_news = true;
+    }
+
+    /// What a heater is to be kept at, be the order still on its way.
+    pub fn target(&self, heater: Heater, heat: &Heat) -> Celsius {
+        match self.targets[heater as usize] {
+            Target::Waits(target) => target,
+            Target::Left(target, at) if heat.periods().wrapping_sub(at) < TAKEN => target,
+            Target::Left(..) | Target::Known if self.is_off => Celsius::ZERO,
+            Target::Left(..) | Target::Known => heat.target(heater),
+        }
+    }
+
+    /// Whether everything has left.
+    pub const fn is_empty(&self) -> bool {
+        let is_silent = self.tuning.is_none() && self.motors.is_none() && !self.is_off && !self.has_news;
+        let [a, b, c] = self.targets;
+        is_silent && !matches!(a, Target::Waits(_)) && !matches!(b, Target::Waits(_)) && !matches!(c, Target::Waits(_))
+    }
+
+    /// The next order, which leaves in that control period. There is room for it.
+    pub fn next(&mut self, settings: &ThermalSettings, period: u32) -> Option<Order> {
+        if core::mem::replace(&mut self.is_off, false) {
+            return Some(Order::Off);
+        }
+        if let Some(order) = self.next_settings(settings) {
+            return Some(order);
+        }
+        for heater in Heater::ALL {
+            let place = &mut self.targets[heater as usize];
+            if let Target::Waits(target) = *place {
+                *place = Target::Left(target, period);
+                return Some(Order::Target(heater, target));
+            }
+        }
+        if let Some((heater, target, cycles)) = self.tuning.take() {
+            self.targets[heater as usize] = Target::Left(target, period);
+            return Some(Order::Tune(heater, target, cycles));
+        }
+        if let Some(are_on) = self.motors.take() {
+            return Some(Order::Motors(are_on));
+        }
+        let mut fans = (0..).zip(&mut self.fans);
+        fans.find_map(|(fan, speed)| speed.take().map(|speed| Order::Fan(fan, speed)))
+    }
+
+    /// The next of the settings that differ from what was told.
+    fn next_settings(&mut self, settings: &ThermalSettings) -> Option<Order> {
+        if !self.has_news {
+            return None;
+        }
+        for heater in Heater::ALL {
+            let wanted = *settings.heater(heater);
+            if core::mem::replace(self.told.heater_mut(heater), wanted) != wanted {
+                return Some(Order::Heater(heater, wanted));
+            }
+        }
+        for ((fan, told), wanted) in (0..).zip(&mut self.told.fans).zip(settings.fans) {
+            if core::mem::replace(told, wanted) != wanted {
+                return Some(Order::FanSettings(fan, wanted));
+            }
+        }
+        self.has_news = false;
+        let common = Common::of(settings);
+        let is_new = Common::of(&self.told) != common;
+        self.told = *settings;
+        is_new.then_some(Order::Common(common))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::status::Status;
+    use std::vec::Vec;
+
+    fn all(orders: &mut HeatOrders, settings: &ThermalSettings) -> Vec<Order> {
+        core::iter::from_fn(|| orders.next(settings, 0)).collect()
+    }
+
+    #[test]
+    fn the_latest_counts_and_off_comes_first() {
+        let settings = ThermalSettings::prototype();
+        let mut orders = HeatOrders::new(&settings);
+        let celsius = Celsius::const_from_int;
+        orders.heat(Heater::Hotend, celsius(200));
+        orders.blow(0, 9);
+        orders.switch_off();
+        orders.heat(Heater::Bed, celsius(50));
+        orders.heat(Heater::Bed, celsius(60));
+        orders.blow(3, 1);
+        orders.blow(3, 2);
+        orders.note_motors(true);
+        let expected = [Order::Off, Order::Target(Heater::Bed, celsius(60)), Order::Motors(true), Order::Fan(3, 2)];
+        assert_eq!(all(&mut orders, &settings), expected);
+        orders.note_motors(true);
+        assert!(orders.is_empty());
+        assert_eq!(all(&mut orders, &settings), []);
+    }
+
+    #[test]
+    fn only_settings_that_changed_are_told() {
+        let mut settings = ThermalSettings::prototype();
+        let mut orders = HeatOrders::new(&settings);
+        orders.note_settings();
+        assert_eq!(all(&mut orders, &settings), []);
+        settings.heaters[1].is_fitted = true;
+        settings.fan_run_on_s = 7;
+        settings.fans[2].kick_ms = 5;
+        orders.note_settings();
+        let expected = [
+            Order::Heater(Heater::Bed, settings.heaters[1]),
+            Order::FanSettings(2, settings.fans[2]),
+            Order::Common(Common::of(&settings)),
+        ];
+        assert_eq!(all(&mut orders, &settings), expected);
+        assert_eq!(all(&mut orders, &settings), []);
+    }
+
+    #[test]
+    fn a_target_on_its_way_is_the_target() {
+        let status = Status::new();
+        let settings = ThermalSettings::prototype();
+        let mut orders = HeatOrders::new(&settings);
+        orders.heat(Heater::Bed, Celsius::const_from_int(60));
+        assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
+        assert!(orders.next(&settings, 0).is_some());
+        assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
+        status.heat().count_period();
+        status.heat().count_period();
+        assert_eq!(orders.target(Heater::Bed, status.heat()), 0);
+    }
+}

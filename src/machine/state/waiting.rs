@@ -1,0 +1,39 @@
+//! What the Console waits for, and which timers that stops.
+//!
+//! Every wait of a command has its state here, and every timer an exhaustive match on it: whoever adds a state has to decide
+//! whether heaters may stay on in it.
+
+/// What the present command waits for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Waiting {
+    /// For the next line, or for something that is over in a moment: motion, room, storage, a driver.
+    Nothing,
+    /// For the user: M0, M1, M600, M601.
+    User,
+    /// G4 lets time pass.
+    Time,
+    /// For a temperature: M109, M116, M190, M191.
+    Heat,
+    /// M303 finds out how a heater behaves.
+    Tuning,
+}
+
+impl Waiting {
+    /// Whether the time counts after which unused heaters go off. What the machine does by itself ends by itself; a user may
+    /// stay away for hours, and so may a host.
+    pub const fn is_idle_for_heaters(self) -> bool {
+        match self {
+            Self::Nothing | Self::User => true,
+            Self::Time | Self::Heat | Self::Tuning => false,
+        }
+    }
+
+    /// Whether the time counts after which unused motors lose their power, and the axes their homes: not while somebody is
+    /// going to go on.
+    pub const fn is_idle_for_motors(self) -> bool {
+        match self {
+            Self::Nothing => true,
+            Self::User | Self::Time | Self::Heat | Self::Tuning => false,
+        }
+    }
+}
