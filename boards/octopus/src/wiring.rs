@@ -5,7 +5,8 @@
 
 use corehbot::port::{MotorSet, Output, Sensor};
 use corehbot_stm32f446::wiring::{
-    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, Thermistor, Usart,
+    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, Thermistor,
+    Usart,
 };
 
 /// The board.

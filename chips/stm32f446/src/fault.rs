@@ -104,7 +104,8 @@ extern "C" fn describe(stack: u32) -> ! {
     let (cause, bus, memory) = (scb.cfsr.read(), scb.bfar.read(), scb.mmfar.read());
     let counter = if cause & NOT_PUSHED == 0 { counter(stack) } else { 0 };
     if cause & MEMORY != 0 && stack_guard::is_overflow(stack) {
-        let text = format_args!("a stack overflow: CFSR {cause:08x} MMFAR {memory:08x} PC {counter:08x} SP {stack:08x}");
+        let text =
+            format_args!("a stack overflow: CFSR {cause:08x} MMFAR {memory:08x} PC {counter:08x} SP {stack:08x}");
         end((Cause::StackOverflow, memory, counter), text)
     }
     let address = if cause & MEMORY_ADDRESS != 0 { memory } else { bus };

@@ -139,11 +139,7 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(
-    step_ports: StepPorts<StepPins, StepTimer>,
-    heat: BoardHeat,
-    ports: BoardPorts,
-) -> &'static mut BoardParts {
+fn assemble(step_ports: StepPorts<StepPins, StepTimer>, heat: BoardHeat, ports: BoardPorts) -> &'static mut BoardParts {
     // In this form the parts are built in their place; they are too large to be carried about.
     PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, heat, ports, IrqPend))
 }

@@ -30,7 +30,8 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
         let offset = (at - start) as usize;
         code.get(offset..offset + 2).map_or(0, |word| u16::from_le_bytes([word[0], word[1]]))
     };
-    let find = |part: &str| functions.iter().find(|(_, (name, _))| *name == part || part.len() > 9 && name.contains(part));
+    let find =
+        |part: &str| functions.iter().find(|(_, (name, _))| *name == part || part.len() > 9 && name.contains(part));
     let (&target, _) = find(LOWER).with_context(|| format!("the image has no {LOWER}"))?;
     let mut longest = 0;
     let mut complaints = Vec::new();
@@ -74,7 +75,8 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
 /// Whether a short branch goes back: a loop (ARM DDI 0403E, A7.7.12, encodings T1 and T2: the sign is the highest bit of the
 /// distance).
 const fn goes_back(first: u16) -> bool {
-    (first >> 12 == 0xD && first & 0x80 != 0 && first >> 8 & 0xF < 0xE) || (first >> 11 == 0b11100 && first & 0x400 != 0)
+    (first >> 12 == 0xD && first & 0x80 != 0 && first >> 8 & 0xF < 0xE)
+        || (first >> 11 == 0b11100 && first & 0x400 != 0)
 }
 
 #[cfg(test)]
