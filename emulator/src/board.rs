@@ -16,7 +16,8 @@ use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::generated::gpioa::Register;
-use rigless::soc::stm32f427::peripherals::{adc, gpio};
+use rigless::soc::stm32f427::generated::tim2;
+use rigless::soc::stm32f427::peripherals::{adc, gpio, tim};
 use rigless::time::VirtualNanos;
 use std::num::{NonZeroU32, NonZeroU64};
 
@@ -32,6 +33,9 @@ const SYSTICK_DIVIDER: NonZeroU32 = NonZeroU32::new(8).unwrap();
 
 /// STM32F446: four priority bits (PM0214 rev 10, section 4.3).
 const PRIORITY_BITS: u8 = 4;
+
+/// TIM5's place among the general timers of the model.
+const HEATER_TIMER: usize = 3;
 
 /// The board's rail in mV.
 pub const RAIL: u32 = 3300;
@@ -51,6 +55,9 @@ pub struct Port {
     pub outputs: u16,
     /// Pins that a peripheral of the chip drives.
     pub alternate: u16,
+    /// Those of them that are driven high now, or will be before anybody writes again, as far as that is known: a heater's pin
+    /// on its timer whose pulse is under way or to come, and every pin of another peripheral.
+    pub live: u16,
     /// The output data register.
     pub data: u16,
 }
@@ -124,7 +131,38 @@ impl Emulated {
                 _ => {}
             }
         }
+        port.live = port.alternate;
+        for &(pin, channel) in self.wiring.heater_channels.iter().filter(|(pin, _)| pin.port == n) {
+            if port.alternate & pin.mask() != 0 && self.is_on_heater_timer(pin) && self.pulse(channel).is_none() {
+                port.live &= !pin.mask();
+            }
+        }
         port
+    }
+
+    /// Whether a pin's alternate function is TIM5 (STM32F446 datasheet, table of alternate functions: AF2).
+    fn is_on_heater_timer(&mut self, pin: Pin) -> bool {
+        let (_, registers) = self.mcu.port(pin.port);
+        let word = registers.get(if pin.bit < 8 { Register::Afrl } else { Register::Afrh });
+        word >> (4 * (pin.bit % 8)) & 0xF == 2
+    }
+
+    /// The pulse that a channel of TIM5 puts out now or will before its counter stops: its begin and its end, in counts of the
+    /// present period. A level that is high while the counter stands has no end.
+    pub fn pulse(&mut self, channel: u8) -> Option<(u64, u64)> {
+        let number = tim::Channel::new(channel)?;
+        let (timer, registers) = self.mcu.timer(HEATER_TIMER);
+        let is_high = timer.output(number, registers) == Some(Level::High);
+        let enabled = registers.get(tim2::Register::Ccer) >> (4 * (u32::from(channel) - 1)) & 1 != 0;
+        let compare = [tim2::Register::Ccr1, tim2::Register::Ccr2, tim2::Register::Ccr3, tim2::Register::Ccr4];
+        let (begin, end) = (registers.get(compare[usize::from(channel) - 1]), registers.get(tim2::Register::Arr) + 1);
+        let is_running = registers.get(tim2::Register::Cr1) & 1 != 0;
+        match (is_high, is_running) {
+            (true, false) => Some((0, u64::MAX)),
+            (false, true) if !enabled || begin >= end => None,
+            (_, true) => Some((begin, end)),
+            (false, false) => None,
+        }
     }
 
     /// Whether the chip pulls `pin` up.

@@ -26,6 +26,11 @@ pub const ALLOWED: &[Allowed] = &[
         reason: "of the F446 only; selects clocks of USB, SDIO, I2C4 and CEC: USB has nothing plugged in, the others are not used",
     },
     Allowed {
+        addresses: (0x4001_4000, 0x4001_404C),
+        name: "TIM9",
+        reason: "the fan FAN1, whose pin nobody looks at; the registers keep what is written",
+    },
+    Allowed {
         addresses: (0xE004_2000, 0xE004_2010),
         name: "DBGMCU",
         reason: "keeps clocks alive under a debugger, of which there is none",

@@ -7,7 +7,7 @@ use corehbot::motors::MotorSet;
 /// Why a pin was not safe.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Danger {
-    /// A heater was driven high, or handed to a peripheral that may drive it high.
+    /// A heater was driven high, or is to be by a timer, or was handed to another peripheral.
     HeaterLive(&'static str),
     /// A motor got power before the firmware had greeted its host.
     PoweredBeforeStart(MotorSet),
@@ -52,7 +52,7 @@ impl Safety {
 
     /// Port `n` changed at `at`; `greeted` is whether the firmware has said that it is there.
     pub fn store(&mut self, at: u64, n: usize, port: Port, greeted: bool) {
-        let hot = (port.high() | port.alternate) & self.heaters[n];
+        let hot = (port.high() | port.live) & self.heaters[n];
         let new = hot & !self.hot[n];
         self.hot[n] = hot;
         if new != 0 {
@@ -109,11 +109,12 @@ mod tests {
     use corehbot::motors::Motor;
 
     #[test]
-    fn a_heater_on_a_timer_is_live() {
+    fn a_heater_on_a_timer_with_a_pulse_is_live() {
         let mut safety = Safety::new(&OCTOPUS);
-        safety.store(5, 0, Port { outputs: 1 << 1, alternate: 0, data: 0 }, true);
+        safety.store(5, 0, Port { outputs: 1 << 1, ..Port::default() }, true);
+        safety.store(5, 0, Port { alternate: 1 << 1, ..Port::default() }, true);
         assert!(safety.dangers.is_empty());
-        safety.store(6, 0, Port { outputs: 0, alternate: 1 << 1, data: 0 }, true);
+        safety.store(6, 0, Port { alternate: 1 << 1, live: 1 << 1, ..Port::default() }, true);
         assert_eq!(safety.dangers, [(6, Danger::HeaterLive("bed"))]);
         assert!(safety.is_hot());
     }
@@ -121,9 +122,9 @@ mod tests {
     #[test]
     fn an_enable_line_is_active_only_if_it_is_driven_low() {
         let mut safety = Safety::new(&OCTOPUS);
-        safety.store(1, 5, Port { outputs: 0, alternate: 0, data: 0 }, false);
+        safety.store(1, 5, Port::default(), false);
         assert!(safety.powered.is_empty());
-        safety.store(2, 5, Port { outputs: 1 << 14, alternate: 0, data: 0 }, false);
+        safety.store(2, 5, Port { outputs: 1 << 14, ..Port::default() }, false);
         assert_eq!(safety.powered, MotorSet::of(Motor::M1));
         assert_eq!(safety.dangers, [(2, Danger::PoweredBeforeStart(MotorSet::of(Motor::M1)))]);
         safety.reset(9);

@@ -31,6 +31,9 @@ const PORT_SIZE: u64 = 0x400;
 /// Peripherals on both APB (RM0390 rev 6, section 2.2.2).
 const APB: Range<u64> = 0x4000_0000..0x4002_0000;
 
+/// TIM5, on port A (RM0390 rev 6, section 2.2.2).
+const HEATER_TIMER: Range<u64> = 0x4000_0C00..0x4000_1000;
+
 /// How often the run is looked at: every ms.
 const LOOK_NS: u64 = 1_000_000;
 
@@ -197,6 +200,10 @@ impl Driver<Emulated> for Watch {
         self.clock_rules.written(session.board_mut(), &access);
         self.set_rate(session.board_mut(), access.virtual_time, access.address);
         self.laps.written(session.board_mut(), access.virtual_time, access.address, access.value);
+        if HEATER_TIMER.contains(&access.address) {
+            let port = session.board_mut().port(0);
+            self.safety.store(access.virtual_time.0, 0, port, self.greeted);
+        }
         let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
         if (port as usize) < PORTS {
             self.port_written(session, host, access.virtual_time, port as usize);

@@ -79,6 +79,8 @@ pub struct Wiring {
     pub endstops: [(EndstopSet, Pin); 3],
     /// Outputs that heat when they are high.
     pub heaters: &'static [(&'static str, Pin)],
+    /// The channel of TIM5 that each of the `heaters` is on, if any.
+    pub heater_channels: &'static [(Pin, u8)],
     /// Levels that resistors on the board give to pins that nothing drives.
     pub resistors: &'static [(Pin, bool)],
     /// Channels of ADC3 with a thermistor, and their voltage at room temperature in mV.
@@ -123,6 +125,7 @@ pub static OCTOPUS: Wiring = Wiring {
         ("hotend 2", Pin::new('B', 10)),
         ("hotend 3", Pin::new('B', 11)),
     ],
+    heater_channels: &[(Pin::new('A', 1), 2), (Pin::new('A', 2), 3), (Pin::new('A', 3), 4)],
     // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: what the check for the right
     // board looks at.
     resistors: &[

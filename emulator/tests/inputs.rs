@@ -14,8 +14,8 @@ const REFERENCE: u32 = 3300;
 /// A reading of 12 bits in units of the answer. The model's full scale is 4095 of them, where the chip's is 4096.
 const STEP: i64 = 16;
 
-fn talk(gcode: &str, injection: Option<Injection>, thermistors: &[(u8, u32)], stuck: Option<(Pin, bool)>) -> Seen {
-    let seen = print_on(&firmware(), gcode, &Bench { injection, thermistors, stuck, ..Bench::default() });
+fn talk(gcode: &str, thermistors: &[(u8, u32)], stuck: Option<(Pin, bool)>) -> Seen {
+    let seen = print_on(&firmware(), gcode, &Bench { thermistors, stuck, ..Bench::default() });
     assert_eq!((seen.end, seen.resets.len()), (End::Done, 0));
     assert!(seen.gaps.found.is_empty(), "{:?}", seen.gaps.found);
     seen
@@ -33,7 +33,7 @@ fn every_thermistor_is_read_on_its_own_pin() {
     // TB, TH0 to TH3: IN9, IN14, IN15, IN4, IN5.
     let inputs =
         [("bed", 9, 3152), ("hotend0", 14, 1650), ("hotend1", 15, 220), ("hotend2", 4, 0), ("hotend3", 5, 3300)];
-    let seen = talk("M122\nM122\n", None, &inputs.map(|(_, channel, millivolts)| (channel, millivolts)), None);
+    let seen = talk("M122\nM122\n", &inputs.map(|(_, channel, millivolts)| (channel, millivolts)), None);
     for (sensor, _, millivolts) in inputs {
         let wanted = i64::from(millivolts) * 65_536 / i64::from(REFERENCE);
         let read = shares(&seen, sensor);
@@ -48,21 +48,29 @@ fn every_thermistor_is_read_on_its_own_pin() {
     assert!(shares(&seen, "hotend3")[0] > Some(4085 * STEP) && shares(&seen, "hotend2")[0] < Some(20 * STEP));
 }
 
+/// Without temperatures nobody may heat, and a converter does not come back by itself: the watchdog is not fed any more.
 #[test]
-fn a_converter_that_has_stopped_has_no_values() {
+fn a_converter_that_has_stopped_ends_in_a_reset_and_is_told() {
     /// ADC3_CR2 (RM0390 rev 6, section 2.2.2 and 13.13.3).
     const CR2: u64 = 0x4001_2208;
     // M122 asks the drivers first, which takes less than a second.
     let stop = Injection::Poke { after: 2000 * MS, address: CR2, value: 0 };
-    let seen = talk("M122\nG4 P3000\nM122\n", Some(stop), &[], None);
-    let read = shares(&seen, "bed");
-    assert!(matches!(read[..], [Some(_), None]), "{read:?}");
+    let bench = Bench { injection: Some(stop), ..Bench::default() };
+    let seen = print_on(&firmware(), "M122\nG4 P3000\nM122\n", &bench);
+    assert_eq!((seen.end, seen.resets.len()), (End::Reset, 1), "{:?}", seen.line.said);
+    assert!(matches!(shares(&seen, "bed")[..], [Some(_)]), "{:?}", seen.line.said);
+    // The watchdog's 500 counts of 1 kHz after the last control period that had readings.
+    let after = seen.resets[0].at.0 - seen.injected.expect("a fault");
+    assert!((480 * MS..560 * MS).contains(&after), "{} ms", after / MS);
+    assert!(seen.safety.dangers.is_empty() && !seen.safety.is_hot());
+    let told = seen.line.said.iter().find(|line| line.contains("the last reset came after")).expect("the cause");
+    println!("{told}");
 }
 
 #[test]
 fn the_probe_is_reported() {
     for (stuck, words) in [(None, "z_probe: open"), (Some((Pin::new('B', 7), true)), "z_probe: TRIGGERED")] {
-        let seen = talk("M119\n", None, &[], stuck);
+        let seen = talk("M119\n", &[], stuck);
         assert!(seen.line.said.iter().any(|line| line == words), "{words}: {:?}", seen.line.said);
     }
 }

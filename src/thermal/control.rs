@@ -310,7 +310,7 @@ mod tests {
         let (mut orders, orders_in) = queue.split();
         let status: &Status = status;
         let mut control = ThermalControl::new(&ThermalSettings::prototype(), orders_in, status, NoHeaters, Nobody);
-        let mut run = |control: &mut ThermalControl<'_, _, _>, periods: u32| {
+        let run = |control: &mut ThermalControl<'_, _, _>, periods: u32| {
             for _ in 0..periods {
                 status.heat().beat_of_console();
                 status.heat().beat_of_generator();

@@ -30,6 +30,9 @@ pub static BOARD: Board = Board {
     probe: None,
     thermistors: &[],
     loads: &[],
+    heaters: &[],
+    fans: &[],
+    supply_switch: None,
     // The ST-LINK's virtual serial port.
     serial: &[SerialPort { usart: Usart::Two, tx: Pin::new(Port::A, 2), rx: Pin::new(Port::A, 3), baud: 250_000 }],
     // The processor's USB pins lead to a pin header (UM1724, morpho connector CN10), not to a connector.

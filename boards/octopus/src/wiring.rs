@@ -3,8 +3,11 @@
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
 
-use corehbot::port::{MotorSet, Sensor};
-use corehbot_stm32f446::wiring::{Board, Crystal, Mark, Pin, Port, Probe, SerialPort, Slot, Thermistor, Usart};
+use corehbot::port::{MotorSet, Output, Sensor};
+use corehbot_stm32f446::wiring::{
+    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, Thermistor,
+    Usart,
+};
 
 /// The board.
 pub static BOARD: Board = Board {
@@ -56,6 +59,19 @@ pub static BOARD: Board = Board {
         Pin::new(Port::D, 14),
         Pin::new(Port::D, 15),
     ],
+    // HE2 and HE3 (PB10, PB11) are on the same channels of TIM2 as HE0 and HE1 and on none of TIM5, so nothing would end their
+    // pulses: they stay low.
+    heaters: &[heater(Output::Bed, 1), heater(Output::He0, 2), heater(Output::He1, 3)],
+    fans: &[
+        FanPin { pin: Pin::new(Port::A, 8), timer: FanTimer::One, channel: 1 },
+        FanPin { pin: Pin::new(Port::E, 5), timer: FanTimer::Nine, channel: 1 },
+        fan_on_d(1),
+        fan_on_d(2),
+        fan_on_d(3),
+        fan_on_d(4),
+    ],
+    // PS_ON, with 10 kOhm to 3.3 V: a supply that hangs on it is off while the processor is in reset.
+    supply_switch: Some(SupplySwitch { pin: Pin::new(Port::E, 11), is_on_high: false }),
     serial: &[
         // The Raspberry Pi header.
         SerialPort { usart: Usart::Two, tx: Pin::new(Port::D, 5), rx: Pin::new(Port::D, 6), baud: 250_000 },
@@ -77,6 +93,16 @@ const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port
         enable: Pin::new(enable.0, enable.1),
         uart: Some(Pin::new(uart.0, uart.1)),
     })
+}
+
+/// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).
+const fn heater(output: Output, pin: u8) -> HeaterPin {
+    HeaterPin { output, pin: Pin::new(Port::A, pin), channel: pin + 1 }
+}
+
+/// A fan on port D, where pins 12 to 15 are the channels of TIM4 (the same table).
+const fn fan_on_d(channel: u8) -> FanPin {
+    FanPin { pin: Pin::new(Port::D, channel + 11), timer: FanTimer::Four, channel }
 }
 
 /// A thermistor on port F.
@@ -135,5 +161,13 @@ mod tests {
         assert_eq!(on_a >> 16, 1 << 1 | 1 << 2 | 1 << 3 | 1 << 8, "bed, HE0, HE1, FAN0 low");
         assert_eq!(on_a & 0xFFFF, 1, "driver M3 off");
         assert_eq!(BOARD.safe_levels(Port::F) & 0xFFFF, 1 << 14 | 1 << 15 | 1 << 1);
+    }
+
+    #[test]
+    fn he2_and_he3_are_not_offered() {
+        let offered = BOARD.outputs();
+        let has = [Output::Bed, Output::He0, Output::He1, Output::He2, Output::He3].map(|output| offered.has(output));
+        assert_eq!(has, [true, true, true, false, false]);
+        assert_eq!(BOARD.safe_levels(Port::B) >> 16, 1 << 10 | 1 << 11, "but they have a safe level");
     }
 }

@@ -8,6 +8,7 @@
 //!
 //! Interrupts are masked since the reset vector (see `priorities`). No wait here is without an end.
 
+use corehbot::fault::Cause;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::pac::RCC;
 use embassy_stm32::pac::rcc::vals::{Hpre, Ppre, Sw};
@@ -58,7 +59,7 @@ pub fn leave_plls() {
     let is_ready = comes(|| RCC.cr().read().hsirdy());
     RCC.cfgr().modify(|w| w.set_sw(Sw::HSI));
     if !is_ready || !comes(|| RCC.cfgr().read().sws() == Sw::HSI) {
-        fault::give_up("an internal oscillator that does not run");
+        fault::give_up(Cause::ClockFailed, "an internal oscillator that does not run");
     }
     RCC.cr().modify(|w| {
         w.set_csson(false);
@@ -72,7 +73,7 @@ pub fn leave_plls() {
         !(cr.pllrdy() || cr.plli2srdy() || cr.pllsairdy() || cr.hserdy())
     });
     if !is_off {
-        fault::give_up("a clock that cannot be switched off");
+        fault::give_up(Cause::ClockFailed, "a clock that cannot be switched off");
     }
     RCC.cfgr().modify(|w| {
         w.set_hpre(Hpre::DIV1);

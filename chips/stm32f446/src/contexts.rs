@@ -1,31 +1,32 @@
 //! The contexts: each owns one handle of the core, and nobody else touches it.
 
+use core::fmt::Write as _;
 use core::future::poll_fn;
 use core::pin::pin;
-use core::sync::atomic::{AtomicU32, Ordering};
 
 use corehbot::app::Parts;
-use corehbot::port::Pend;
-use corehbot::{machine, motion};
+use corehbot::fault::{Cause, Fault};
+use corehbot::port::{LINES, Lines, Pend, Received, Serial as _};
+use corehbot::status::Status;
+use corehbot::{machine, motion, thermal};
 use corehbot_cortex_m4::Handover;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::exception;
-use embassy_executor::{Executor, Spawner};
+use embassy_executor::{Executor, SpawnError, SpawnToken, Spawner};
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::Interrupt;
 use embassy_sync::waitqueue::AtomicWaker;
-use embassy_time::{Duration, Ticker};
+use embassy_time::{Duration, Ticker, Timer};
 use static_cell::StaticCell;
 
 use crate::drivers::Drivers;
+use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
 use crate::memory::BoardStorage;
 use crate::step_pins::StepPins;
 use crate::step_timer::{BoardClock, StepTimer};
-use crate::thermistors::Thermistors;
 use crate::usb::{self, UsbPort};
-use crate::watchdog::Watchdog;
-use crate::{fault, priorities};
+use crate::{fault, heater_timer, priorities, reset_reason, watchdog};
 
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
@@ -33,64 +34,99 @@ pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 /// The ports of a board, but for those of the steps.
 pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage>;
 /// The core with the ports of a board.
-pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, Thermistors, IrqPend>;
+pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, BoardHeat, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
+type ThermalControl = thermal::ThermalControl<'static, BoardHeat, IrqPend>;
 type StepGenerator = motion::StepGenerator<'static>;
 type Console = machine::Console<'static, BoardPorts, IrqPend>;
 
 /// The Stepper itself, which its interrupt finds so with one load less.
 static STEPPER: Handover<Stepper> = Handover::new();
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
+static THERMAL: Handover<(&'static mut ThermalControl, &'static Status)> = Handover::new();
 static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 static CONSOLE_WAKER: AtomicWaker = AtomicWaker::new();
 
-/// How often the StepGenerator has run, wrapping: its sign of life.
-pub static BEATS: AtomicU32 = AtomicU32::new(0);
-
 /// Hands the parts to their contexts and lets them loose.
 /// The processor never sleeps if it must stay `awake`.
-pub fn start(parts: &'static mut BoardParts, usb: Option<UsbPort>, watchdog: Watchdog, awake: bool) -> ! {
+pub fn start(parts: &'static mut BoardParts, usb: Option<UsbPort>, awake: bool) -> ! {
     // SAFETY: it stays where it was put together for ever, but nobody uses it there.
     STEPPER.fill(unsafe { core::ptr::read(&parts.stepper) });
     GENERATOR.fill(&mut parts.generator);
+    parts.thermal.port().begin();
+    THERMAL.fill((&mut parts.thermal, parts.status));
     priorities::enable();
     let console = &mut parts.console;
-    EXECUTOR.init(Executor::new()).run(|spawner| spawn(spawner, console, usb, watchdog, awake))
-}
-
-fn spawn(spawner: Spawner, console: &'static mut Console, usb: Option<UsbPort>, watchdog: Watchdog, awake: bool) {
-    match (run_console(console, watchdog), keep_time()) {
-        (Ok(console), Ok(time)) => {
-            spawner.spawn(console);
-            spawner.spawn(time);
+    EXECUTOR.init(Executor::new()).run(|spawner| {
+        spawn(spawner, run_console(console));
+        spawn(spawner, keep_time());
+        if let Some(port) = usb {
+            spawn(spawner, usb::serve(port));
         }
-        _ => fault::give_up("a task runs once"),
-    }
-    match usb.map(usb::serve) {
-        Some(Ok(serve)) => spawner.spawn(serve),
-        Some(Err(_)) => fault::give_up("a task runs once"),
-        None => {}
-    }
-    match awake.then(stay_awake) {
-        Some(Ok(stay)) => spawner.spawn(stay),
-        Some(Err(_)) => fault::give_up("a task runs once"),
-        None => {}
+        if awake {
+            spawn(spawner, stay_awake());
+        }
+    })
+}
+
+/// Communication-only mode: hosts are told of the `fault`, and nothing else runs until M999 comes.
+pub fn only_talk(lines: Lines<HostSerial>, usb: Option<UsbPort>, fault: Fault) -> ! {
+    priorities::enable();
+    EXECUTOR.init(Executor::new()).run(|spawner| {
+        spawn(spawner, talk(lines, fault));
+        if let Some(port) = usb {
+            spawn(spawner, usb::serve(port));
+        }
+    })
+}
+
+fn spawn<S>(spawner: Spawner, task: Result<SpawnToken<S>, SpawnError>) {
+    match task {
+        Ok(task) => spawner.spawn(task),
+        Err(_) => fault::give_up(Cause::Panic, "a task runs once"),
     }
 }
 
-/// Polls the Console whenever [`wake_console`] asks for it, and feeds the watchdog if all contexts live. When the Console
-/// ends, the machine begins anew.
+/// Polls the Console whenever [`wake_console`] asks for it. When the Console ends, the machine begins anew.
 #[embassy_executor::task]
-async fn run_console(console: &'static mut Console, mut watchdog: Watchdog) {
+async fn run_console(console: &'static mut Console) {
     let mut run = pin!(console.run());
     poll_fn(|context| {
         CONSOLE_WAKER.register(context.waker());
-        let poll = run.as_mut().poll(context);
-        watchdog.look();
-        poll
+        run.as_mut().poll(context)
     })
     .await;
     fault::begin_anew()
+}
+
+/// Says every two seconds that nothing but M999 is heard, and listens for that.
+#[embassy_executor::task]
+async fn talk(mut lines: Lines<HostSerial>, fault: Fault) {
+    /// Between two looks, of which 40 lie between two messages.
+    const LOOK: Duration = Duration::from_millis(50);
+    let mut message: heapless::String<192> = heapless::String::new();
+    // What does not fit is lost.
+    let _ = writeln!(
+        message,
+        "Error:three faults within a minute ({fault}), heaters and motors stay off: send M999 or switch off"
+    );
+    let mut heard = [0_u32; LINES];
+    loop {
+        lines.iter_mut().for_each(|line| _ = line.send(message.as_bytes()));
+        for _ in 0..40 {
+            watchdog::feed();
+            for (line, last) in lines.iter_mut().zip(&mut heard) {
+                while let Some(received) = line.recv() {
+                    let Received::Byte(byte) = received else { continue };
+                    *last = *last << 8 | u32::from(byte.to_ascii_uppercase());
+                    if *last == u32::from_be_bytes(*b"M999") {
+                        fault::begin_anew_after_series();
+                    }
+                }
+            }
+            Timer::after(LOOK).await;
+        }
+    }
 }
 
 /// Wakes the Console every millisecond.
@@ -124,7 +160,7 @@ pub fn wake_console() {
 fn SysTick() {
     // SAFETY:
     // - `start` fills the place before anybody who could set the alarm or pend this exception runs: the Stepper, the
-    //   Console, the StepGenerator and the watchdog all begin later;
+    //   Console, the StepGenerator and ThermalControl all begin later;
     // - nobody else uses the place, and an exception does not interrupt itself.
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
 }
@@ -133,8 +169,23 @@ fn SysTick() {
 #[interrupt]
 fn CAN2_SCE() {
     GENERATOR.with(|generator| generator.run(&IrqPend));
-    BEATS.store(BEATS.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
     wake_console();
+}
+
+/// A control period begins.
+#[interrupt]
+fn TIM5() {
+    heater_timer::acknowledge();
+    THERMAL.with(|(thermal, status)| {
+        thermal.period();
+        // M999 or the watchdog may reset at any time from now on.
+        if let Some(fault) = status.fault().fault() {
+            reset_reason::note(fault);
+        }
+    });
+    if let Some(second) = heater_timer::count_period() {
+        reset_reason::set_uptime(second);
+    }
 }
 
 /// Pends the interrupts of the contexts.

@@ -2,6 +2,7 @@
 
 use core::panic::PanicInfo;
 
+use corehbot::fault::{Cause, Fault};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 
@@ -16,34 +17,50 @@ const MEMORY_ADDRESS: u32 = 1 << 7;
 /// STKERR and MSTKERR: what the handler finds on the stack is not what was interrupted.
 const NOT_PUSHED: u32 = 1 << 12 | 1 << 4;
 
-/// The way that all faults end.
-fn end(reason: core::fmt::Arguments<'_>) -> ! {
+/// First of all, in every handler: nobody else runs any more, heaters are low and drivers off.
+#[inline(always)]
+fn make_safe() {
     cortex_m::interrupt::disable();
     safe_levels::assume();
+}
+
+/// The way that all faults end; the outputs are safe already.
+fn end((cause, value, limit): (Cause, u32, u32), reason: core::fmt::Arguments<'_>) -> ! {
+    let (value, limit) = (value.cast_signed(), limit.cast_signed());
+    reset_reason::note(Fault { cause, subject: 0, value, limit });
     reset_reason::leave(reason);
     SCB::sys_reset()
 }
 
-/// The user wants a reset, for which there is nothing to be told after it.
+/// The user wants a reset. What the thermal context has noted is told after it, and otherwise nothing.
 pub fn begin_anew() -> ! {
-    cortex_m::interrupt::disable();
-    safe_levels::assume();
+    make_safe();
+    reset_reason::end_series();
+    SCB::sys_reset()
+}
+
+/// The user has seen that faults come in a series, and wants to try again.
+pub fn begin_anew_after_series() -> ! {
+    make_safe();
+    reset_reason::forget();
     SCB::sys_reset()
 }
 
 /// The firmware cannot go on.
-pub fn give_up(reason: &str) -> ! {
-    end(format_args!("{reason}"))
+pub fn give_up(cause: Cause, reason: &str) -> ! {
+    make_safe();
+    end((cause, 0, 0), format_args!("{reason}"))
 }
 
 #[panic_handler]
 fn on_panic(info: &PanicInfo<'_>) -> ! {
-    // First of all, as the text below takes its time.
-    cortex_m::interrupt::disable();
-    safe_levels::assume();
+    make_safe();
     match info.location() {
-        Some(at) => end(format_args!("a panic at {}:{}: {}", at.file(), at.line(), info.message())),
-        None => end(format_args!("a panic")),
+        Some(at) => {
+            let text = format_args!("a panic at {}:{}: {}", at.file(), at.line(), info.message());
+            end((Cause::Panic, at.line(), 0), text)
+        }
+        None => end((Cause::Panic, 0, 0), format_args!("a panic")),
     }
 }
 
@@ -51,14 +68,16 @@ fn on_panic(info: &PanicInfo<'_>) -> ! {
 // SAFETY: the handler never returns and shares nothing but atomics with what it interrupts.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
-    end(format_args!("the crystal has stopped"))
+    make_safe();
+    end((Cause::ClockFailed, 0, 0), format_args!("the crystal has stopped"))
 }
 
 /// An interrupt or exception that nobody enabled.
 // SAFETY: as for NonMaskableInt.
 #[exception]
 unsafe fn DefaultHandler(irq: i16) -> ! {
-    end(format_args!("interrupt {irq}, which nobody enabled"))
+    make_safe();
+    end((Cause::Panic, irq.cast_unsigned().into(), 0), format_args!("interrupt {irq}, which nobody enabled"))
 }
 
 /// A HardFault may come from a full stack, on which nothing can be pushed: the handler takes a fresh one
@@ -79,17 +98,19 @@ pub unsafe extern "C" fn HardFault() -> ! {
 }
 
 extern "C" fn describe(stack: u32) -> ! {
-    cortex_m::interrupt::disable();
-    safe_levels::assume();
+    make_safe();
     // SAFETY: SCB is a fixed address; the registers are only read.
     let scb = unsafe { &*SCB::PTR };
     let (cause, bus, memory) = (scb.cfsr.read(), scb.bfar.read(), scb.mmfar.read());
     let counter = if cause & NOT_PUSHED == 0 { counter(stack) } else { 0 };
     if cause & MEMORY != 0 && stack_guard::is_overflow(stack) {
-        end(format_args!("a stack overflow: CFSR {cause:08x} MMFAR {memory:08x} PC {counter:08x} SP {stack:08x}"))
+        let text =
+            format_args!("a stack overflow: CFSR {cause:08x} MMFAR {memory:08x} PC {counter:08x} SP {stack:08x}");
+        end((Cause::StackOverflow, memory, counter), text)
     }
     let address = if cause & MEMORY_ADDRESS != 0 { memory } else { bus };
-    end(format_args!("a hard fault: CFSR {cause:08x} FAR {address:08x} PC {counter:08x} SP {stack:08x}"))
+    let text = format_args!("a hard fault: CFSR {cause:08x} FAR {address:08x} PC {counter:08x} SP {stack:08x}");
+    end((Cause::HardFault, cause, counter), text)
 }
 
 /// The program counter that the core pushed at `stack`, or 0 if that is outside of RAM.

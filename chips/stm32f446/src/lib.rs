@@ -9,7 +9,8 @@
 //! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM3 | bytes, USB packets, embassy's time |
 //! | 0x40 | TIM8, while an exchange with a motor driver goes on | its bits |
 //! | 0x80 | CAN2_SCE, pended by software | StepGenerator |
-//! | thread | embassy executor | Console, watchdog; USB |
+//! | 0xC0 | TIM5, at the end of the heaters' pulses, every 20 ms | ThermalControl, which feeds the watchdog |
+//! | thread | embassy executor | Console; USB |
 //!
 //! **Safe levels** are the levels of all outputs at which no motor has power and nothing heats (`safe_levels`). An **exchange** is a
 //! request to a motor driver and its reply (`exchange`). What start-up makes and one interrupt handler uses is in a
@@ -19,6 +20,7 @@
 #![cfg_attr(target_os = "none", no_std)]
 
 pub mod flash_pages;
+pub mod heater_pulses;
 pub mod memory;
 pub mod port_writes;
 pub mod resources;
@@ -49,9 +51,15 @@ mod drivers;
 #[cfg(target_os = "none")]
 mod eeprom;
 #[cfg(target_os = "none")]
+mod fans;
+#[cfg(target_os = "none")]
 mod fault;
 #[cfg(target_os = "none")]
 mod flash;
+#[cfg(target_os = "none")]
+mod heat;
+#[cfg(target_os = "none")]
+mod heater_timer;
 #[cfg(target_os = "none")]
 mod host_serial;
 #[cfg(target_os = "none")]
@@ -64,6 +72,8 @@ mod ports;
 mod priorities;
 #[cfg(target_os = "none")]
 mod receiver;
+#[cfg(target_os = "none")]
+mod reference_voltage;
 #[cfg(target_os = "none")]
 mod reset_reason;
 #[cfg(target_os = "none")]

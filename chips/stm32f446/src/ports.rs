@@ -106,6 +106,19 @@ pub fn make_alternate(pin: Pin, function: u8) {
     port.moder().modify(|w| w.set_moder(pin.number(), Moder::ALTERNATE));
 }
 
+/// Has a peripheral drive `pin`, which the board's resistor and the chip's pull low until it does.
+pub fn drive_by(pin: Pin, function: u8) {
+    let port = registers(pin.port);
+    port.afr(pin.number() / 8).modify(|w| w.set_afr(pin.number() % 8, function));
+    port.pupdr().modify(|w| w.set_pupdr(pin.number(), Pupdr::PULL_DOWN));
+    port.moder().modify(|w| w.set_moder(pin.number(), Moder::ALTERNATE));
+}
+
+/// Chooses the level of an output.
+pub fn put(pin: Pin, is_high: bool) {
+    store(registers(pin.port), if is_high { pin.mask() } else { pin.mask() << 16 });
+}
+
 /// Whether `pin` is high.
 pub fn is_high(pin: Pin) -> bool {
     registers(pin.port).idr().read().0 & pin.mask() != 0

@@ -8,7 +8,7 @@ use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
 use crate::resources::SOURCES;
-use crate::{contexts, driver_uart, otg, supply};
+use crate::{contexts, driver_uart, heater_timer, otg, supply};
 
 /// What the lines to hosts, the drivers' UART and embassy's time share: below the Stepper, above everything else.
 pub const LINK: Priority = Priority::P4;
@@ -28,6 +28,7 @@ const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
     (otg::IRQ, LINK),
     (driver_uart::IRQ, LINK),
     (contexts::GENERATOR_IRQ, Priority::P8),
+    (heater_timer::IRQ, Priority::P12),
 ];
 
 /// AIRCR with its key and groups of priorities that take all bits, as after a reset (ARM DDI 0403E, B3.2.6).

@@ -1,7 +1,17 @@
 //! Reset reason: why the processor had to be reset, kept in RAM that start-up leaves alone.
+//!
+//! | what | written by | told after the reset |
+//! |---|---|---|
+//! | a text | the handler that ends a run | always |
+//! | a record: the fault as numbers, and how many came how fast | the same; the thermal context for a fault that the core has latched; start-up for a bite of the watchdog | if there is no text |
+//! | seconds since start | the thermal context | no |
+//!
+//! The first fault of a run is the one that is recorded. Switching on, and M999 without a fault before it, end a series.
 
 use core::fmt::{self, Write as _};
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+use corehbot::fault::{self, Cause, Fault};
 
 use embassy_stm32::pac::RCC;
 use heapless::String;
@@ -13,18 +23,37 @@ const LONGEST: usize = 96;
 const MAGIC: u32 = 0x4C57_0446;
 
 /// What survives the reset.
-struct Record {
+struct Kept {
     magic: AtomicU32,
     /// The text's length and checksum.
     check: AtomicU32,
     text: [AtomicU8; LONGEST],
+    /// The record ([`fault::Record`], with its own checksum), and whether it is of the run that ended with the reset.
+    record: [AtomicU32; fault::WORDS],
+    is_fresh: AtomicU32,
+    /// Seconds since start.
+    uptime: AtomicU32,
 }
 
 // SAFETY: the section is meant for variables that start-up does not initialise (cortex-m-rt). Any bytes are
 // legal values of these atomics, and nothing is believed before magic and checksum fit.
 #[unsafe(link_section = ".uninit.reset_reason")]
-static RECORD: Record =
-    Record { magic: AtomicU32::new(0), check: AtomicU32::new(0), text: [const { AtomicU8::new(0) }; LONGEST] };
+static KEPT: Kept = Kept {
+    magic: AtomicU32::new(0),
+    check: AtomicU32::new(0),
+    text: [const { AtomicU8::new(0) }; LONGEST],
+    record: [const { AtomicU32::new(0) }; fault::WORDS],
+    is_fresh: AtomicU32::new(0),
+    uptime: AtomicU32::new(0),
+};
+
+/// What is known of the time before the reset.
+pub struct Past {
+    /// Why the reset happened, if it was not for a good reason.
+    pub reason: Option<ResetReason>,
+    /// The last fault, however long ago.
+    pub record: Option<fault::Record>,
+}
 
 /// The reason as a text, which is cut where it gets too long.
 pub struct ResetReason(String<LONGEST>);
@@ -67,36 +96,92 @@ pub fn leave(reason: fmt::Arguments<'_>) {
     // What does not fit is lost, the beginning says most.
     let _ = message.write_fmt(reason);
     let text = message.0.as_bytes();
-    for (place, byte) in RECORD.text.iter().zip(text) {
+    for (place, byte) in KEPT.text.iter().zip(text) {
         place.store(*byte, Ordering::Relaxed);
     }
-    RECORD.check.store(check(text), Ordering::Relaxed);
-    RECORD.magic.store(MAGIC, Ordering::Release);
+    KEPT.check.store(check(text), Ordering::Relaxed);
+    KEPT.magic.store(MAGIC, Ordering::Release);
 }
 
-/// Why the last reset happened, if it was not for a good reason; asked once.
-pub fn take() -> Option<ResetReason> {
-    let is_ours = RECORD.magic.load(Ordering::Acquire) == MAGIC;
-    RECORD.magic.store(0, Ordering::Relaxed);
-    let has_bitten = RCC.csr().read().wdgrstf();
+/// The record that is kept.
+fn record() -> Option<fault::Record> {
+    fault::Record::from_words(&KEPT.record.each_ref().map(|word| word.load(Ordering::Relaxed)))
+}
+
+fn is_fresh() -> bool {
+    KEPT.is_fresh.load(Ordering::Relaxed) == MAGIC
+}
+
+/// Records a fault, unless this run has recorded one. In any context: who interrupts this ends the run, or has the same to
+/// say.
+pub fn note(fault: Fault) {
+    if is_fresh() {
+        return;
+    }
+    let uptime_s = KEPT.uptime.load(Ordering::Relaxed);
+    for (place, word) in KEPT.record.iter().zip(fault::Record::next(record(), fault, uptime_s).to_words()) {
+        place.store(word, Ordering::Relaxed);
+    }
+    KEPT.is_fresh.store(MAGIC, Ordering::Release);
+}
+
+/// Says how long this run has lasted.
+pub fn set_uptime(seconds: u32) {
+    KEPT.uptime.store(seconds, Ordering::Relaxed);
+}
+
+/// A run ends because the user wants it to: what came before is no series any more, unless this run had a fault.
+pub fn end_series() {
+    if !is_fresh() {
+        forget();
+    }
+}
+
+/// Forgets the record.
+pub fn forget() {
+    KEPT.record.iter().for_each(|word| word.store(0, Ordering::Relaxed));
+    KEPT.is_fresh.store(0, Ordering::Relaxed);
+}
+
+/// What is known of the time before the reset; asked once, before anything can fail that is worth a record.
+pub fn take() -> Past {
+    let flags = RCC.csr().read();
     RCC.csr().modify(|w| w.set_rmvf(true));
-    let sum = RECORD.check.load(Ordering::Relaxed);
-    let length = (sum >> 24) as usize;
+    let (has_bitten, was_off) = (flags.wdgrstf(), flags.porrstf());
+    if was_off {
+        forget();
+    }
+    let was_recorded = is_fresh();
+    if has_bitten && !was_recorded {
+        note(Fault { cause: Cause::Watchdog, subject: 0, value: 0, limit: 0 });
+    }
+    KEPT.is_fresh.store(0, Ordering::Relaxed);
+    KEPT.uptime.store(0, Ordering::Relaxed);
     let mut message = ResetReason(String::new());
-    if is_ours && length <= LONGEST {
-        let mut bytes = [0; LONGEST];
-        bytes.iter_mut().zip(&RECORD.text).for_each(|(byte, place)| *byte = place.load(Ordering::Relaxed));
-        let text = &bytes[..length];
-        if check(text) == sum
-            && let Ok(text) = core::str::from_utf8(text)
-        {
-            let _ = message.write_str(text);
-            return Some(message);
-        }
-    }
-    if has_bitten {
+    if let Some(text) = take_text() {
+        message = text;
+    } else if let Some(record) = record().filter(|_| was_recorded) {
+        // What does not fit is lost.
+        let _ = write!(message, "{}", record.fault);
+    } else if has_bitten {
         let _ = message.write_str("the watchdog: a part of the firmware had stopped");
-        return Some(message);
     }
-    None
+    Past { reason: (!message.0.is_empty()).then_some(message), record: record() }
+}
+
+/// The text that was left.
+fn take_text() -> Option<ResetReason> {
+    let is_ours = KEPT.magic.load(Ordering::Acquire) == MAGIC;
+    KEPT.magic.store(0, Ordering::Relaxed);
+    let sum = KEPT.check.load(Ordering::Relaxed);
+    let length = (sum >> 24) as usize;
+    if !is_ours || length > LONGEST {
+        return None;
+    }
+    let mut bytes = [0; LONGEST];
+    bytes.iter_mut().zip(&KEPT.text).for_each(|(byte, place)| *byte = place.load(Ordering::Relaxed));
+    let text = core::str::from_utf8(bytes.get(..length)?).ok().filter(|text| check(text.as_bytes()) == sum)?;
+    let mut message = ResetReason(String::new());
+    let _ = message.write_str(text);
+    Some(message)
 }

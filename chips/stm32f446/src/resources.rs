@@ -4,6 +4,7 @@
 //! stm32-metapac is generated from (`tests/chip.rs`); the code takes them from here.
 
 use crate::serial_port::Usart;
+use crate::wiring::FanTimer;
 
 /// USART1 to 3 (STM32F446 datasheet, table of alternate functions).
 pub const USART_FUNCTION: u8 = 7;
@@ -13,6 +14,19 @@ pub const I2C_FUNCTION: u8 = 4;
 
 /// OTG_FS (the same table).
 pub const USB_FUNCTION: u8 = 10;
+
+/// TIM5, whose channels the heaters are on (the same table).
+pub const HEATER_FUNCTION: u8 = 2;
+
+/// The timer of a fan, its alternate function (the same table), and its channels.
+#[must_use]
+pub const fn fan_timer(timer: FanTimer) -> (&'static str, u8, u8) {
+    match timer {
+        FanTimer::One => ("TIM1", 1, 4),
+        FanTimer::Four => ("TIM4", 2, 4),
+        FanTimer::Nine => ("TIM9", 3, 2),
+    }
+}
 
 /// A stream of a DMA controller, and which of its peripherals it serves.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -39,12 +53,16 @@ pub const fn receiver(usart: Usart) -> Channel {
 }
 
 /// Timers, and the bus that each is on: APB1 or APB2.
-pub const TIMERS: [(&str, u8); 2] = [(TIME, 1), (DRIVER_BITS, 2)];
+pub const TIMERS: [(&str, u8); 6] = [(TIME, 1), (DRIVER_BITS, 2), (HEAT, 1), ("TIM1", 2), ("TIM4", 1), ("TIM9", 2)];
 
 /// embassy's time.
 pub const TIME: &str = "TIM3";
 /// Bits to and from the motor drivers.
 pub const DRIVER_BITS: &str = "TIM8";
+
+/// The heaters' pulses and the control period. It is the only timer with 32 bits on these pins but TIM2, whose channels two
+/// pairs of heaters share.
+pub const HEAT: &str = "TIM5";
 
 /// An interrupt in use: whose it is, for what, and its number in the vector table.
 #[derive(Clone, Copy, Debug)]
@@ -63,7 +81,7 @@ const fn source(peripheral: &'static str, signal: &'static str, number: u16) -> 
 
 /// The interrupts in use beside the core's own timer (SysTick), which rings for steps. The supply's comes through line 16 of EXTI, which the description of the chip leaves out, so it
 /// goes by its name.
-pub const SOURCES: [Source; 9] = [
+pub const SOURCES: [Source; 10] = [
     source("PVD", "", 1),
     source(TIME, "UP", 29),
     source("USART1", "GLOBAL", 37),
@@ -73,4 +91,5 @@ pub const SOURCES: [Source; 9] = [
     source("USB_OTG_FS", "GLOBAL", 67),
     source(DRIVER_BITS, "UP", 44),
     source("CAN2", "SCE", 66),
+    source(HEAT, "UP", 50),
 ];

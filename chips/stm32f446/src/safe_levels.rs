@@ -3,15 +3,21 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::ports::{self, Speed};
-use crate::wiring::{Board, Pin, Port};
+use crate::wiring::{Board, HEATER_PORT, Pin, Port};
 
 /// The words for BSRR. Until a board is known they are 0, and its pins are inputs, which its resistors make safe.
 static WORDS: [AtomicU32; Port::ALL.len()] = [const { AtomicU32::new(0) }; Port::ALL.len()];
+
+/// The bits of the heaters' pins in their port's mode register, and what makes outputs of them again.
+static HEATER_MODES: [AtomicU32; 2] = [const { AtomicU32::new(0) }; 2];
 
 /// Makes the board's outputs outputs, safe from the first instant on. Heaters come first.
 pub fn adopt(board: &Board) {
     for port in Port::ALL {
         WORDS[port as usize].store(board.safe_levels(port), Ordering::Relaxed);
+    }
+    for (place, word) in HEATER_MODES.iter().zip(board.heater_modes()) {
+        place.store(word, Ordering::Relaxed);
     }
     assume();
     let slots = || board.slots.iter().flatten();
@@ -34,8 +40,21 @@ fn is_weak(pin: Pin) -> bool {
     pin.port == Port::C && pin.number() >= 13
 }
 
-/// Sets all outputs to their safe levels.
+/// Has the heaters' pins low, whatever their timer does: the level first, then the pins are taken from the timer. A dozen
+/// instructions without a branch, a lock or a stack; what changes modes at that time must not go on afterwards.
+// A function by itself, so that `cargo xtask build` can count how many instructions lead to its end.
+#[inline(never)]
+pub fn lower_heaters() {
+    let port = ports::registers(HEATER_PORT);
+    let [bits, outputs] = &HEATER_MODES;
+    ports::store(port, WORDS[HEATER_PORT as usize].load(Ordering::Relaxed));
+    port.moder().modify(|w| w.0 = w.0 & !bits.load(Ordering::Relaxed) | outputs.load(Ordering::Relaxed));
+}
+
+/// Sets all outputs to their safe levels, heaters first. Fans that a timer drives go on until the reset.
+#[inline(always)]
 pub fn assume() {
+    lower_heaters();
     for port in Port::ALL {
         ports::store(ports::registers(port), WORDS[port as usize].load(Ordering::Relaxed));
     }

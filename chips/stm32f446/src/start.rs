@@ -1,6 +1,7 @@
 //! Start-up: safe levels first, then clocks, then the core.
 
 use corehbot::app::{self, Memory, StepPorts};
+use corehbot::fault::{Cause, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
@@ -12,18 +13,20 @@ use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::contexts::{self, BoardParts, BoardPorts, IrqPend};
 use crate::drivers::Drivers;
+use crate::fans::Fans;
+use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
 use crate::memory::{BoardStorage, Find};
 use crate::port_writes::PortWrites;
 use crate::reset_reason::{self, ResetReason};
 use crate::step_pins::StepPins;
 use crate::step_timer::{BoardClock, StepTimer};
-use crate::thermistors::Thermistors;
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
-use crate::watchdog::{self, Watchdog};
 use crate::wiring::Board;
-use crate::{after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply};
+use crate::{
+    after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
+};
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
@@ -43,7 +46,7 @@ const REPEAT: Duration = Duration::from_secs(2);
 
 /// Runs the firmware on `board`, with the memory for settings that `find` finds there.
 pub fn run(board: &'static Board, find: Find) -> ! {
-    let Some(mut peripherals) = Peripherals::take() else { fault::give_up("start-up runs once") };
+    let Some(mut peripherals) = Peripherals::take() else { fault::give_up(Cause::Panic, "start-up runs once") };
     stack_guard::start(&mut peripherals.MPU, &mut peripherals.SCB);
     ports::switch_on();
     ports::release_debug_port();
@@ -53,6 +56,7 @@ pub fn run(board: &'static Board, find: Find) -> ! {
         safe_levels::adopt(board);
     }
     watchdog::start();
+    let past = reset_reason::take();
     peripherals.DCB.enable_trace();
     peripherals.DWT.enable_cycle_counter();
     after_bootloader::leave_plls();
@@ -74,21 +78,25 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     if !is_right {
         refuse(board, lines);
     }
-    let reason = reset_reason::take();
-    report(&mut lines, reason.as_ref());
-    let usb = open_usb(board, reason).map(|(line, port)| {
+    report(&mut lines, past.reason.as_ref());
+    let usb = open_usb(board, past.reason).map(|(line, port)| {
         // A board's table has no more lines than there is room for.
         let _ = lines.push(HostSerial::Usb(line));
         port
     });
+    if let Some(record) = past.record.filter(Record::is_series) {
+        let mut fans = Fans::start(board.fans);
+        (0..fans.len()).for_each(|fan| fans.blow(fan, u16::MAX));
+        contexts::only_talk(lines, usb, record.fault);
+    }
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&SETTINGS.mechanism);
     let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
     let ports =
         Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage: BoardStorage(find(board)) };
-    let thermistors = Thermistors::start(board.thermistors);
-    let parts = assemble(StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer }, thermistors, ports);
-    contexts::start(parts, usb, Watchdog::new(), !counts_asleep)
+    let heat = BoardHeat::start(board);
+    let parts = assemble(StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer }, heat, ports);
+    contexts::start(parts, usb, !counts_asleep)
 }
 
 /// Whether the board has the resistors that we know it by. Leaves the pins inputs.
@@ -133,13 +141,9 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
 /// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
 /// stay there.
 #[inline(never)]
-fn assemble(
-    step_ports: StepPorts<StepPins, StepTimer>,
-    thermistors: Thermistors,
-    ports: BoardPorts,
-) -> &'static mut BoardParts {
+fn assemble(step_ports: StepPorts<StepPins, StepTimer>, heat: BoardHeat, ports: BoardPorts) -> &'static mut BoardParts {
     // In this form the parts are built in their place; they are too large to be carried about.
-    PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, thermistors, ports, IrqPend))
+    PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, heat, ports, IrqPend))
 }
 
 /// Tells the hosts why the last reset happened, unless it was for a good reason, and what the board lacks.

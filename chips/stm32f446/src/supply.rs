@@ -11,6 +11,7 @@
 //! delivered without. Option bytes are written once, by whoever sets up the board (its README says how), not by us: power
 //! that fails while they are written may lock the chip, and a test of power is when it fails.
 
+use corehbot::fault::Cause;
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::{EXTI, FLASH, Interrupt, PWR, RCC};
 
@@ -79,7 +80,7 @@ fn is_low() -> bool {
 }
 
 fn fall() -> ! {
-    fault::give_up("the supply fell below 2.9 V")
+    fault::give_up(Cause::Supply, "the supply fell below 2.9 V")
 }
 
 /// The supply falls.

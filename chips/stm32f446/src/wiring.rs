@@ -5,7 +5,7 @@
 //! What a board may have is capped: [`LINES`] to hosts, [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
 //! [`Board::problem`] says what a table has too much of.
 
-use corehbot::port::{LINES, Motor, MotorSet, Sensor};
+use corehbot::port::{FANS, LINES, Motor, MotorSet, Output, OutputSet, Sensor};
 
 use crate::port_writes::PortWrites;
 pub use crate::serial_port::{SerialPort, Usart};
@@ -109,6 +109,49 @@ pub struct Thermistor {
     pub channel: u8,
 }
 
+/// A heater output on a channel of TIM5, which ends each pulse by itself (see `heater_timer`).
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct HeaterPin {
+    /// What is printed beside it.
+    pub output: Output,
+    /// Its pin, which is one of [`Board::loads`] too: high heats.
+    pub pin: Pin,
+    /// The pin's channel of TIM5, 1 to 4.
+    pub channel: u8,
+}
+
+/// A timer that fans hang on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum FanTimer {
+    /// TIM1.
+    One,
+    /// TIM4.
+    Four,
+    /// TIM9, which has two channels.
+    Nine,
+}
+
+/// A fan output on a channel of a timer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct FanPin {
+    /// Its pin, which is one of [`Board::loads`] too: high blows.
+    pub pin: Pin,
+    /// The timer.
+    pub timer: FanTimer,
+    /// The pin's channel of it, from 1.
+    pub channel: u8,
+}
+
+/// The line that switches the power supply.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct SupplySwitch {
+    /// An output.
+    pub pin: Pin,
+    /// Its level at which the supply is on: low for an ATX supply (PS_ON#; ATX12V design guide, section on PS_ON#), and so for
+    /// Marlin unless told otherwise (`PSU_ACTIVE_STATE LOW`).
+    pub is_on_high: bool,
+}
+
 /// Thermistors that a board may have: a sequence of six or less is in one register (RM0390, 13.13.11).
 pub const MOST_THERMISTORS: usize = 5;
 
@@ -131,8 +174,14 @@ pub struct Board {
     pub probe: Option<Probe>,
     /// The thermistors.
     pub thermistors: &'static [Thermistor],
-    /// Heaters and fans: low is off, and they stay low.
+    /// Everything that heats or blows: low is off. Those that no timer drives stay low.
     pub loads: &'static [Pin],
+    /// Heater outputs that may heat.
+    pub heaters: &'static [HeaterPin],
+    /// Fan outputs, FAN0 and so on.
+    pub fans: &'static [FanPin],
+    /// What switches the power supply.
+    pub supply_switch: Option<SupplySwitch>,
     /// Serial ports on which hosts may be, each USART once.
     pub serial: &'static [SerialPort],
     /// There is a USB connector on PA11 and PA12.
@@ -148,6 +197,9 @@ pub const USB: [Pin; 2] = [Pin::new(Port::A, 11), Pin::new(Port::A, 12)];
 
 /// The pins of the debug port: SWDIO and SWCLK (STM32F446 datasheet, pin definitions).
 pub const DEBUG: [Pin; 2] = [Pin::new(Port::A, 13), Pin::new(Port::A, 14)];
+
+/// The port of all heaters: the channels of TIM5 are on no other (STM32F446 datasheet, table of alternate functions).
+pub const HEATER_PORT: Port = Port::A;
 
 /// The clock at the crystal's pins.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -178,6 +230,21 @@ impl Board {
         let high = slots().map(|slot| slot.enable);
         let low = slots().flat_map(|slot| [slot.step, slot.dir]).chain(self.loads.iter().copied());
         bits(high, port) | bits(low, port) << 16
+    }
+
+    /// The heater outputs that may heat.
+    #[must_use]
+    pub fn outputs(&self) -> OutputSet {
+        self.heaters.iter().fold(OutputSet::NONE, |set, heater| set.with(heater.output))
+    }
+
+    /// The mode register of a port whose heater pins are the timer's: the bits of these pins, and what makes outputs of them
+    /// (RM0390, 7.4.1: two bits a pin, 01 is an output). All of them are on one port, or there is a [`problem`](Self::problem).
+    #[must_use]
+    pub fn heater_modes(&self) -> [u32; 2] {
+        let pair = |heater: &HeaterPin| 1 << (2 * heater.pin.number());
+        let outputs = self.heaters.iter().fold(0, |word, heater| word | pair(heater));
+        [outputs * 0b11, outputs]
     }
 
     /// The enable lines of `motors` in `port`.
@@ -213,6 +280,7 @@ impl Board {
         let single = single.chain(USB.into_iter().filter(|_| self.has_usb));
         let single = single.chain(self.eeprom.into_iter().flatten()).chain(self.probe.map(|probe| probe.pin));
         let single = single.chain(self.thermistors.iter().map(|thermistor| thermistor.pin));
+        let single = single.chain(self.supply_switch.map(|switch| switch.pin));
         let is_twice = |pin: Pin| single.clone().filter(|other| *other == pin).count() > 1;
         if single.clone().any(is_twice) || slots().any(|slot| single.clone().any(|pin| pin == slot.enable)) {
             return Some("a pin has two jobs");
@@ -227,7 +295,30 @@ impl Board {
         if self.thermistors.len() > MOST_THERMISTORS {
             return Some("there are too many thermistors");
         }
-        self.serial.iter().find_map(SerialPort::problem)
+        self.load_problem().or_else(|| self.serial.iter().find_map(SerialPort::problem))
+    }
+
+    /// What is wrong with heaters and fans.
+    fn load_problem(&self) -> Option<&'static str> {
+        let heaters = || self.heaters.iter();
+        let fans = || self.fans.iter();
+        if heaters().map(|heater| heater.pin).chain(fans().map(|fan| fan.pin)).any(|pin| !self.loads.contains(&pin)) {
+            return Some("a heater or a fan has no safe level");
+        }
+        let is_twice = |one: &HeaterPin| {
+            heaters().filter(|other| other.output == one.output || other.channel == one.channel).count() > 1
+        };
+        if heaters().any(is_twice) || heaters().any(|heater| !(1..=4).contains(&heater.channel)) {
+            return Some("two heaters share an output or a channel, or there is no such channel");
+        }
+        if heaters().any(|heater| heater.pin.port != HEATER_PORT) {
+            return Some("a heater is on a port that faults do not look at first");
+        }
+        let is_shared = |one: &FanPin| fans().filter(|o| (o.timer, o.channel) == (one.timer, one.channel)).count() > 1;
+        if fans().any(is_shared) || self.fans.len() > FANS {
+            return Some("two fans share a channel, or there are too many");
+        }
+        None
     }
 }
 

@@ -76,6 +76,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
     pins.extend(board.probe.map(|probe| (probe.pin, "probe".into())));
     pins.extend(board.thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
     pins.extend(board.loads.iter().map(|pin| (*pin, "load".into())));
+    pins.extend(board.supply_switch.map(|switch| (switch.pin, "supply switch".into())));
     pins.extend(board.serial.iter().flat_map(|port| [(port.tx, "tx".into()), (port.rx, "rx".into())]));
     pins.extend(board.eeprom.into_iter().flatten().map(|pin| (pin, "eeprom".into())));
     pins.extend(USB.into_iter().filter(|_| board.has_usb).map(|pin| (pin, "usb".into())));
@@ -101,6 +102,17 @@ fn problems(board: &Board, has_pin: impl Fn(Pin) -> bool) -> Vec<String> {
     }
     for thermistor in board.thermistors {
         found.extend(misplaced(thermistor.pin, "ADC3", &format!("IN{}", thermistor.channel), None));
+    }
+    for heater in board.heaters {
+        let function = Some(resources::HEATER_FUNCTION);
+        found.extend(misplaced(heater.pin, resources::HEAT, &format!("CH{}", heater.channel), function));
+    }
+    for fan in board.fans {
+        let (timer, function, channels) = resources::fan_timer(fan.timer);
+        found.extend(misplaced(fan.pin, timer, &format!("CH{}", fan.channel), Some(function)));
+        if fan.channel > channels {
+            found.push(format!("{timer} has no channel {}", fan.channel));
+        }
     }
     if let Some([clock, data]) = board.eeprom {
         let function = Some(resources::I2C_FUNCTION);
@@ -139,18 +151,22 @@ fn the_nucleo_uses_pins_as_the_chip_has_them() {
 
 #[test]
 fn a_table_that_errs_is_found_out() {
-    use corehbot_stm32f446::wiring::{Port, SerialPort, Thermistor};
+    use corehbot_stm32f446::wiring::{FanPin, FanTimer, HeaterPin, Port, SerialPort, Thermistor};
     let good = octopus::BOARD;
     let wrong = |board: Board| problems(&board, has_lqfp144).len();
     let swapped = [SerialPort { tx: good.serial[0].rx, rx: good.serial[0].tx, ..good.serial[0] }];
     let elsewhere = [SerialPort { usart: Usart::One, ..good.serial[0] }];
     let channel = [Thermistor { channel: 4, ..good.thermistors[0] }];
     let eeprom = good.eeprom.map(|[clock, data]| [data, clock]);
+    let heater = [HeaterPin { channel: 3, ..good.heaters[0] }];
+    let fan = [FanPin { timer: FanTimer::Four, ..good.fans[0] }];
     let mut slots = good.slots;
     slots[0] = slots[0].map(|slot| corehbot_stm32f446::wiring::Slot { dir: Pin::new(Port::G, 6), ..slot });
     assert_eq!(wrong(Board { serial: Box::leak(Box::new(swapped)), ..good }), 2);
     assert_eq!(wrong(Board { serial: Box::leak(Box::new(elsewhere)), ..good }), 2);
     assert_eq!(wrong(Board { thermistors: Box::leak(Box::new(channel)), ..good }), 1);
+    assert_eq!(wrong(Board { heaters: Box::leak(Box::new(heater)), ..good }), 1);
+    assert_eq!(wrong(Board { fans: Box::leak(Box::new(fan)), ..good }), 1);
     assert_eq!(wrong(Board { eeprom, ..good }), 2);
     assert_eq!(wrong(Board { slots, ..good }), 1, "a direction line on the X switch");
     assert!(problems(&good, has_lqfp64).len() > 20, "most pins of the Octopus are not in the small package");

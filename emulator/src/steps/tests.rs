@@ -7,7 +7,7 @@ const F: usize = 5;
 const G: usize = 6;
 
 fn port(data: u16) -> Port {
-    Port { outputs: 0xFFFF, alternate: 0, data }
+    Port { outputs: 0xFFFF, data, ..Port::default() }
 }
 
 #[test]

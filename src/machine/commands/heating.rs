@@ -81,7 +81,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if thermal.heater(heater).is_fitted {
             return None;
         }
-        let has_any = thermal.heaters.iter().any(|heater| heater.is_fitted);
+        let has_any = thermal.heaters.all().into_iter().any(|heater| heater.is_fitted);
         Some(match heater {
             // Slicers write M141 and M191 for machines without a chamber's heater too.
             Heater::Chamber => Answer::Nothing,
@@ -142,7 +142,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// M116: waits for all that are on.
     pub(in crate::machine) async fn await_heaters(&mut self) -> Result<Answer<'static>, Interrupt> {
-        if self.settings.thermal.heaters.iter().all(|heater| !heater.is_fitted) {
+        if self.settings.thermal.heaters.all().into_iter().all(|heater| !heater.is_fitted) {
             return Ok(self.missing(Heater::Hotend).unwrap_or(Answer::Nothing));
         }
         let are_on = Heater::ALL.map(|heater| self.target_of(heater) > Celsius::ZERO);
@@ -170,7 +170,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.pauses.begin(Waiting::Heat);
         let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
         let (mut next_line, mut moves) = (begun, true);
-        self.comes_again = true;
+        self.come_again();
         while !self.pauses.is_over() {
             let (now, measured) = (self.ports.clock.now(), self.measured());
             let off_by = |place: usize| measured[place].saturating_sub(targets[place]);
@@ -299,7 +299,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         match heater {
             None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
             Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
-            Some(heater) if thermal.heaters.iter().any(|heater| heater.is_fitted) => Err(Answer::NoHeater(heater)),
+            Some(heater) if thermal.heaters.all().into_iter().any(|heater| heater.is_fitted) => {
+                Err(Answer::NoHeater(heater))
+            }
             Some(_) => Err(Answer::Line("echo:no heaters configured, ignored")),
         }
     }

@@ -229,7 +229,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         &mut self,
         change: impl FnOnce(&mut ThermalSettings, &ThermalSettings, &mut Clamps) -> Answer<'static>,
     ) -> Answer<'static> {
-        let answer = change(&mut self.settings.thermal, &self.defaults.thermal, &mut self.clamps);
+        let answer = {
+            let defaults = self.defaults().thermal;
+            change(&mut self.settings.thermal, &defaults, &mut self.clamps)
+        };
         self.heat_orders.note_settings();
         answer
     }

@@ -193,12 +193,12 @@ mod tests {
         let mut orders = HeatOrders::new(&settings);
         orders.note_settings();
         assert_eq!(all(&mut orders, &settings), []);
-        settings.heaters[1].is_fitted = true;
+        settings.heaters.bed.is_fitted = true;
         settings.fan_run_on_s = 7;
         settings.fans[2].kick_ms = 5;
         orders.note_settings();
         let expected = [
-            Order::Heater(Heater::Bed, settings.heaters[1]),
+            Order::Heater(Heater::Bed, settings.heaters.bed),
             Order::FanSettings(2, settings.fans[2]),
             Order::Common(Common::of(&settings)),
         ];

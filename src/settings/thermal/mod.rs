@@ -6,7 +6,7 @@ mod heater;
 pub use fans::{FanRole, FanSettings};
 pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
 
-use crate::connectors::{FANS, Heater, Output, Sensor};
+use crate::connectors::{FANS, HEATERS, Heater, Output, Sensor};
 use crate::units::{Celsius, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +19,13 @@ pub struct Heaters {
     pub bed: HeaterSettings,
     /// C.
     pub chamber: HeaterSettings,
+}
+
+impl Heaters {
+    /// All of them, in the order of [`Heater::ALL`].
+    pub const fn all(&self) -> [&HeaterSettings; HEATERS] {
+        [&self.hotend, &self.bed, &self.chamber]
+    }
 }
 
 /// Everything about heat that makes one machine different from another.

@@ -3,6 +3,7 @@
 mod binary;
 mod contents;
 pub mod instruction;
+mod last_resort;
 mod step_path;
 
 use crate::checkout;
@@ -129,6 +130,9 @@ fn examine(elf: &Elf<'_>, and_step_path: bool) -> Result<()> {
         let (report, in_step_path) = step_path::examine(elf)?;
         println!("{report}");
         complaints.extend(in_step_path);
+        let (report, in_last_resort) = last_resort::examine(elf)?;
+        println!("{report}");
+        complaints.extend(in_last_resort);
     }
     if complaints.is_empty() { Ok(()) } else { bail!("{}", complaints.join("; ")) }
 }

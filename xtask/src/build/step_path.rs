@@ -19,45 +19,31 @@ const LARGEST_HANDLER: u64 = 176;
 /// all of it.
 const LARGEST: u64 = 1184;
 
-/// A function and where its code is.
-struct Function<'d> {
-    name: &'d str,
-    size: u64,
-}
-
 /// Says how large the path is, and what is wrong with it.
 pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
-    let functions: BTreeMap<u64, Function<'_>> = elf
-        .symbols()
-        .filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0)
-        // The lowest bit says that it is Thumb code.
-        .map(|symbol| {
-            (symbol.address() & !1, Function { name: symbol.name().unwrap_or_default(), size: symbol.size() })
-        })
-        .collect();
+    let functions = functions(elf);
     let text = elf.section_by_name(".text").context("the image has no code")?;
     let (start, code) = (text.address(), text.data()?);
     let data = data_ranges(elf);
-    let handler = functions.iter().find(|(_, function)| function.name == HANDLER);
+    let handler = functions.iter().find(|(_, (name, _))| *name == HANDLER);
     let mut waiting = vec![*handler.with_context(|| format!("the image has no {HANDLER}"))?.0];
     let mut seen: Vec<u64> = Vec::new();
     let mut complaints = Vec::new();
     let mut bytes = 0;
     while let Some(address) = waiting.pop() {
-        let Some(function) = functions.get(&address) else {
+        let Some(&(name, size)) = functions.get(&address) else {
             complaints.push(format!("the step path leads to {address:#010x}, where no function is"));
             continue;
         };
-        if seen.contains(&address) || function.name.contains("panic") {
+        if seen.contains(&address) || name.contains("panic") {
             continue;
         }
         seen.push(address);
-        bytes += function.size;
-        if function.name == HANDLER && function.size > LARGEST_HANDLER {
-            let size = function.size;
+        bytes += size;
+        if name == HANDLER && size > LARGEST_HANDLER {
             complaints.push(format!("{HANDLER} has {size} bytes, {LARGEST_HANDLER} are allowed"));
         }
-        let end = address + function.size;
+        let end = address + size;
         let mut at = address;
         while at < end {
             if let Some(range) = data.iter().find(|range| range.contains(&at)) {
@@ -67,7 +53,7 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
             let offset = (at - start) as usize;
             let half = |offset| code.get(offset..offset + 2).map_or(0, |word| u16::from_le_bytes([word[0], word[1]]));
             let instruction = decode(half(offset), half(offset + 2));
-            let complain = |what: &str| format!("the step path has {what} at {at:#010x} in {}", function.name);
+            let complain = |what: &str| format!("the step path has {what} at {at:#010x} in {name}");
             match instruction.kind {
                 Kind::Division => complaints.push(complain("a division")),
                 Kind::Float => complaints.push(complain("floating point")),
@@ -92,6 +78,13 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
         format!("{:<16} {bytes:>8} of {LARGEST:>8} allowed, in {} function(s): {verdict}", "step path", seen.len()),
         complaints,
     ))
+}
+
+/// All functions of an image by their addresses: names, and sizes in bytes.
+pub fn functions<'d>(elf: &Elf<'d>) -> BTreeMap<u64, (&'d str, u64)> {
+    let code = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text && symbol.size() > 0);
+    // The lowest bit says that it is Thumb code.
+    code.map(|symbol| (symbol.address() & !1, (symbol.name().unwrap_or_default(), symbol.size()))).collect()
 }
 
 /// Constants amid the code, which mapping symbols tell from it (`$d` begins them, `$t` ends them).

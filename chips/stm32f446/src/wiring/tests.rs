@@ -17,6 +17,9 @@ fn board(uart: Option<Pin>) -> Board {
         probe: None,
         thermistors: &[],
         loads: &[],
+        heaters: &[],
+        fans: &[],
+        supply_switch: None,
         serial: &[],
         has_usb: false,
         eeprom: None,
@@ -33,4 +36,34 @@ fn a_uart_pin_has_no_other_job() {
         assert_eq!(board(Some(Pin::new(Port::B, taken))).problem(), Some("a pin has two jobs"));
     }
     assert!(board(Some(Pin::new(Port::A, 14))).problem().is_some());
+}
+
+#[test]
+fn a_heater_has_a_safe_level_a_channel_of_its_own_and_the_port_that_faults_look_at() {
+    const BED: HeaterPin = HeaterPin { output: Output::Bed, pin: Pin::new(Port::A, 1), channel: 2 };
+    const LOADS: &[Pin] = &[Pin::new(Port::A, 1), Pin::new(Port::A, 2), Pin::new(Port::C, 3)];
+    let with = |heaters: &'static [HeaterPin]| Board { loads: LOADS, heaters, ..board(None) };
+    const HE0: HeaterPin = HeaterPin { output: Output::He0, pin: Pin::new(Port::A, 2), channel: 3 };
+    let good = with(const { &[BED, HE0] });
+    assert_eq!((good.problem(), good.outputs()), (None, OutputSet::NONE.with(Output::Bed).with(Output::He0)));
+    assert_eq!(good.heater_modes(), [0b1111_0000 >> 2, 0b0101_0000 >> 2]);
+    assert!(Board { loads: &[], ..good }.problem().is_some());
+    const WRONG: [&[HeaterPin]; 4] = [
+        &[BED, HeaterPin { output: Output::He0, ..BED }],
+        &[BED, HeaterPin { channel: 3, ..BED }],
+        &[HeaterPin { channel: 5, ..BED }],
+        &[HeaterPin { pin: Pin::new(Port::C, 3), ..BED }],
+    ];
+    assert!(WRONG.into_iter().all(|heaters| with(heaters).problem().is_some()));
+}
+
+#[test]
+fn two_fans_do_not_share_a_channel() {
+    const FAN: FanPin = FanPin { pin: Pin::new(Port::A, 8), timer: FanTimer::One, channel: 1 };
+    const OTHER: FanPin = FanPin { timer: FanTimer::Four, ..FAN };
+    const LOADS: &[Pin] = &[Pin::new(Port::A, 8)];
+    let with = |fans: &'static [FanPin]| Board { loads: LOADS, fans, ..board(None) };
+    assert_eq!(with(const { &[FAN, OTHER] }).problem(), None);
+    assert!(with(const { &[FAN, FAN] }).problem().is_some());
+    assert!(Board { loads: &[], ..with(const { &[FAN] }) }.problem().is_some());
 }

@@ -1,0 +1,86 @@
+//! Fans: pulse-width modulation at 98 Hz.
+//!
+//! A fan with two wires is switched on and off with its supply, and its motor's electronics have to start each time: Klipper's
+//! default is a cycle of 10 ms (Config reference, `cycle_time` of a fan). One duty is one step of the timer, so 0 is off and
+//! 65,535 is on without a gap.
+
+use embassy_stm32::pac::{RCC, TIM1, TIM4, TIM9};
+
+use crate::ports;
+use crate::resources::fan_timer;
+use crate::wiring::{FanPin, FanTimer};
+
+/// The last count: one less than the highest duty, which so is never reached and leaves the output on (RM0390, PWM mode 1).
+const LAST: u16 = u16::MAX - 1;
+
+/// 180 MHz (APB2) over 28 and over 65,535 counts, and 90 MHz (APB1) over 14: 98.1 Hz (RM0390, 6.2: clocks of the timers).
+const PRESCALER_180: u16 = 28 - 1;
+const PRESCALER_90: u16 = 14 - 1;
+
+/// Two channels in PWM mode 1 (OCxM 110), with compare values that take effect at the end of a cycle (OCxPE).
+const MODULATED: u32 = 0x6868;
+
+/// ARPE, CEN.
+const RUN: u32 = 1 << 7 | 1;
+
+/// The fans of a board.
+pub struct Fans {
+    wired: &'static [FanPin],
+}
+
+/// Has the rest of a timer's registers set: the types differ, the layout does not.
+macro_rules! run {
+    ($timer:ident, $prescaler:expr, $pairs:expr, $channels:expr) => {{
+        $timer.psc().write_value($prescaler);
+        $timer.arr().write(|w| w.set_arr(LAST));
+        for pair in 0..$pairs {
+            $timer.ccmr_output(pair).write(|w| w.0 = MODULATED as _);
+        }
+        $timer.ccer().modify(|w| $channels.for_each(|channel| w.0 |= 1 << (4 * channel)));
+        $timer.egr().write(|w| w.set_ug(true));
+        $timer.cr1().write(|w| w.0 = RUN as _);
+    }};
+}
+
+impl Fans {
+    /// Lets the timers run, and hands them the pins: all fans off.
+    pub fn start(wired: &'static [FanPin]) -> Self {
+        let of = |timer| wired.iter().filter(move |fan| fan.timer == timer).map(|fan| fan.channel - 1);
+        let has = |timer| of(timer).next().is_some();
+        RCC.apb2enr().modify(|w| {
+            w.set_tim1en(has(FanTimer::One));
+            w.set_tim9en(has(FanTimer::Nine));
+        });
+        RCC.apb1enr().modify(|w| w.set_tim4en(has(FanTimer::Four)));
+        let _ = RCC.apb1enr().read();
+        if has(FanTimer::One) {
+            run!(TIM1, PRESCALER_180, 2, of(FanTimer::One));
+            // Nothing of TIM1 comes out without (RM0390, TIM1 and TIM8, MOE).
+            TIM1.bdtr().modify(|w| w.set_moe(true));
+        }
+        if has(FanTimer::Four) {
+            run!(TIM4, PRESCALER_90, 2, of(FanTimer::Four));
+        }
+        if has(FanTimer::Nine) {
+            run!(TIM9, PRESCALER_180, 1, of(FanTimer::Nine));
+        }
+        wired.iter().for_each(|fan| ports::drive_by(fan.pin, fan_timer(fan.timer).1));
+        Self { wired }
+    }
+
+    /// How many there are.
+    pub const fn len(&self) -> usize {
+        self.wired.len()
+    }
+
+    /// Has one run at this duty.
+    pub fn blow(&mut self, fan: usize, duty: u16) {
+        let Some(fan) = self.wired.get(fan) else { return };
+        let channel = usize::from(fan.channel) - 1;
+        match fan.timer {
+            FanTimer::One => TIM1.ccr(channel).write(|w| w.set_ccr(duty)),
+            FanTimer::Four => TIM4.ccr(channel).write(|w| w.set_ccr(duty)),
+            FanTimer::Nine => TIM9.ccr(channel).write(|w| w.set_ccr(duty)),
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Heat: what a board has of heaters, fans and sensors, as the core's thermal port.
+
+use corehbot::port::{OUTPUTS, OutputSet, Sensor, ThermalPort};
+use cortex_m::peripheral::DWT;
+
+use crate::fans::Fans;
+use crate::heater_timer::HeaterTimer;
+use crate::reference_voltage::ReferenceVoltage;
+use crate::thermistors::Thermistors;
+use crate::wiring::{Board, SupplySwitch};
+use crate::{ports, watchdog};
+
+/// Heaters, fans and sensors of a board, and its watchdog.
+pub struct BoardHeat {
+    outputs: OutputSet,
+    thermistors: Thermistors,
+    reference: Option<ReferenceVoltage>,
+    timer: HeaterTimer,
+    fans: Fans,
+    supply_switch: Option<SupplySwitch>,
+    /// All sensors that were asked for in this period have delivered.
+    is_sampled: bool,
+    /// The cycle counter when the watchdog was fed last.
+    cycles: u32,
+}
+
+impl BoardHeat {
+    /// Everything off but the power supply, and the timers, converters and pins taken.
+    pub fn start(board: &'static Board) -> Self {
+        let thermistors = Thermistors::start(board.thermistors);
+        let reference = (!board.thermistors.is_empty()).then(ReferenceVoltage::start);
+        if let Some(switch) = board.supply_switch {
+            ports::put(switch.pin, switch.is_on_high);
+            // Here and nowhere else: what changes modes later would lose what an interrupt changes meanwhile.
+            ports::make_output(switch.pin);
+        }
+        Self {
+            outputs: board.outputs(),
+            thermistors,
+            reference,
+            timer: HeaterTimer::start(board.heaters),
+            fans: Fans::start(board.fans),
+            supply_switch: board.supply_switch,
+            is_sampled: true,
+            cycles: DWT::cycle_count(),
+        }
+    }
+
+    /// Has the first control period come.
+    pub fn begin(&mut self) {
+        self.heat(&[0; OUTPUTS]);
+    }
+}
+
+impl ThermalPort for BoardHeat {
+    /// Takes 22 us at the most in a control period, and 0.2 ms if the converter has stopped.
+    fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        let sample = self.thermistors.sample(sensor);
+        self.is_sampled &= sample.is_some() || !self.thermistors.has(sensor);
+        sample
+    }
+
+    fn reference(&mut self) -> Option<u16> {
+        self.reference.as_mut()?.read()
+    }
+
+    fn outputs(&self) -> OutputSet {
+        self.outputs
+    }
+
+    fn heat(&mut self, duties: &[u16; OUTPUTS]) {
+        self.timer.heat(duties);
+        self.thermistors.forget();
+        if let Some(reference) = &mut self.reference {
+            reference.begin();
+        }
+    }
+
+    fn fans(&self) -> usize {
+        self.fans.len()
+    }
+
+    fn blow(&mut self, fan: usize, duty: u16) {
+        self.fans.blow(fan, duty);
+    }
+
+    fn has_supply_switch(&self) -> bool {
+        self.supply_switch.is_some()
+    }
+
+    fn switch_supply(&mut self, on: bool) {
+        if let Some(switch) = self.supply_switch {
+            ports::put(switch.pin, on == switch.is_on_high);
+        }
+    }
+
+    /// Feeds it, unless a sensor that is wired has delivered nothing since the last time: without temperatures nothing is
+    /// safe. Nor if the cycle counter stands still (a debugger that goes may have switched it off), for then steps have no time.
+    fn feed_watchdog(&mut self) {
+        let cycles = DWT::cycle_count();
+        let has_time = cycles != core::mem::replace(&mut self.cycles, cycles);
+        if core::mem::replace(&mut self.is_sampled, true) && has_time {
+            watchdog::feed();
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! The heaters' pulses as numbers: when the next control period ends, and where in it each heater goes on.
+//!
+//! The timer counts up once and stops. An output is low until the count reaches its compare value, high from there to the end,
+//! and low again when the counter stands at 0. So all pulses end together, at the end of the period, and the interrupt of that
+//! instant begins the next one.
+//!
+//! Until the interrupt has got through to the timer some time has passed, in which the generator's context may have run. The
+//! next count is shorter by that, and so the control period is 20 ms in the long run, and each pulse as long as its duty says,
+//! unless that is all of the period: then the heater misses what the interrupt took.
+//!
+//! Time is that of the core's cycle counter, which wraps.
+
+/// A control period, in counts of the timer at 90 MHz (APB1 timer clock, RM0390, 6.2): 20 ms.
+pub const PERIOD: u32 = 1_800_000;
+
+/// Cycles of the core in a count.
+const CYCLES: u32 = 2;
+
+/// A compare value that no count reaches: there is no pulse (RM0390, TIM2 to TIM5, PWM mode: with a compare value above the reload value, PWM
+/// mode 2 holds the output inactive).
+pub const NEVER: u32 = u32::MAX;
+
+/// The longest that a pulse lasts, in counts. The heater goes off no later than this after it was told to go on.
+pub const LONGEST: u32 = PERIOD - 1;
+
+/// The instants at which control periods end.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    /// When the present period was to begin, in cycles.
+    begin: u32,
+}
+
+impl Grid {
+    /// A first period that begins now.
+    #[must_use]
+    pub const fn new(now: u32) -> Self {
+        Self { begin: now.wrapping_sub(PERIOD * CYCLES) }
+    }
+
+    /// Begins the next period at `now`, and says how many counts it has: half of them at the least. Who comes later than that,
+    /// or before its time, as after a halt by a debugger, which stops the cycle counter and not the timer, begins a grid of
+    /// its own.
+    pub const fn next(&mut self, now: u32) -> u32 {
+        let due = self.begin.wrapping_add(PERIOD * CYCLES);
+        let late = now.wrapping_sub(due);
+        let (begin, late) = if late <= PERIOD * CYCLES / 2 { (due, late) } else { (now, 0) };
+        self.begin = begin;
+        PERIOD - late / CYCLES
+    }
+}
+
+/// The compare value for a duty of 1/65,535 of [`PERIOD`] in a period of so many counts. It is never 0: an output with that
+/// would be high while the counter stands.
+#[must_use]
+pub const fn compare(duty: u16, counts: u32) -> u32 {
+    if duty == 0 {
+        return NEVER;
+    }
+    let on = (duty as u64 * PERIOD as u64 / 65_535) as u32;
+    if on >= counts { 1 } else { counts - on }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// How long the output is high, in counts: from the compare value up to the last count.
+    fn high(compare: u32, counts: u32) -> u32 {
+        assert!(compare > 0, "high while the counter stands");
+        counts.saturating_sub(compare)
+    }
+
+    #[test]
+    fn no_duty_is_no_pulse_and_all_of_it_leaves_one_count() {
+        assert_eq!(high(compare(0, PERIOD), PERIOD), 0);
+        assert_eq!(high(compare(u16::MAX, PERIOD), PERIOD), LONGEST);
+        assert_eq!(high(compare(32_768, PERIOD), PERIOD), 900_013);
+        assert_eq!(high(compare(1, PERIOD), PERIOD), 27);
+    }
+
+    #[test]
+    fn the_grid_does_not_drift() {
+        let mut grid = Grid::new(u32::MAX - 5);
+        let mut now = u32::MAX - 5;
+        let begin = now;
+        for period in 0..10_000_u32 {
+            // Some interrupts get through at once, some late.
+            let late = [0, 7, 900, 40_000][period as usize % 4];
+            now = begin.wrapping_add(period.wrapping_mul(PERIOD * CYCLES)).wrapping_add(late * CYCLES);
+            assert_eq!(grid.next(now), PERIOD - late);
+        }
+        assert_ne!(now, begin);
+    }
+
+    #[test]
+    fn who_is_far_too_late_or_too_early_begins_anew() {
+        for off in [PERIOD * CYCLES, PERIOD * CYCLES / 2 + 1, 0_u32.wrapping_sub(1), 1 << 31] {
+            let mut grid = Grid::new(1000);
+            assert_eq!(grid.next(1000), PERIOD);
+            let now = (1000 + PERIOD * CYCLES).wrapping_add(off);
+            assert_eq!(grid.next(now), PERIOD, "{off}");
+            assert_eq!(grid.next(now.wrapping_add(PERIOD * CYCLES + 20)), PERIOD - 10);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_pulse_is_as_long_as_its_duty_and_never_longer_than_the_period(duty: u16, late in 0..=PERIOD / 2) {
+            let counts = PERIOD - late;
+            let on = high(compare(duty, counts), counts);
+            let wanted = (u64::from(duty) * u64::from(PERIOD) / 65_535) as u32;
+            prop_assert_eq!(on, wanted.min(counts - 1));
+            prop_assert!(on <= LONGEST);
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The heater timer: TIM5 in one-pulse mode puts out the heaters' pulses, and the interrupt at its end is the control period.
+//!
+//! A dead man's switch in hardware. The counter is started for one control period and stops by itself. While it stands at 0 all
+//! outputs are low (see [`heater_pulses`]), whatever the processor does: hangs, waits in an endless interrupt, erases flash, is
+//! halted. So a heater that nobody asks for again is off 20 ms after it was switched on, at the latest; that needs no
+//! instruction. The watchdog's reset comes 0.34 to 0.94 s later.
+//!
+//! The interrupt has no other source than the counter's end, and nobody starts the counter but [`heat`], once a period, at the
+//! end of the interrupt. A control period that does not come to call it is the last one, and the watchdog is not fed any more.
+//! Nothing of that is the Console's: it has no interrupt, no register and no clock in it.
+//!
+//! While a debugger halts the processor the timer runs on (DBG_TIM5_STOP stays 0), so a halt is as any other hang. Stopped
+//! in the middle of a pulse, TIM5 would hold its output high: only TIM1 and TIM8 let go of their outputs in a halt (RM0390,
+//! TIM1 and TIM8, debug mode).
+
+use core::sync::atomic::{AtomicU32, Ordering};
+
+use corehbot::port::OUTPUTS;
+use cortex_m::peripheral::DWT;
+use embassy_stm32::pac::{DBGMCU, Interrupt, RCC, TIM5};
+
+use crate::heater_pulses::{Grid, NEVER, PERIOD, compare};
+use crate::ports;
+use crate::resources::HEATER_FUNCTION;
+use crate::wiring::HeaterPin;
+
+/// The interrupt of the control period.
+pub const IRQ: Interrupt = Interrupt::TIM5;
+
+/// Channels of the timer.
+const CHANNELS: usize = 4;
+
+/// What two channels do (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect with
+/// the next period (OCxPE).
+const PULSES: u32 = 0x7878;
+
+/// The timer, running.
+pub struct HeaterTimer {
+    heaters: &'static [HeaterPin],
+    grid: Grid,
+}
+
+impl HeaterTimer {
+    /// Takes the timer and hands it the pins, whose level does not change with that. The first period begins with
+    /// [`heat`](Self::heat).
+    pub fn start(heaters: &'static [HeaterPin]) -> Self {
+        RCC.apb1enr().modify(|w| w.set_tim5en(true));
+        // It answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
+        let _ = RCC.apb1enr().read();
+        DBGMCU.apb1fzr().modify(|w| w.set_tim5(false));
+        TIM5.cr1().write(|w| {
+            w.set_opm(true);
+            w.set_arpe(true);
+            // Only the counter's end raises the interrupt, and not the software's update.
+            w.set_urs(embassy_stm32::pac::timer::vals::Urs::COUNTER_ONLY);
+        });
+        TIM5.psc().write_value(0);
+        TIM5.arr().write_value(PERIOD - 1);
+        // Before the mode: a compare value of 0 is high while the counter stands.
+        for channel in 0..CHANNELS {
+            TIM5.ccr(channel).write_value(NEVER);
+        }
+        for pair in 0..CHANNELS / 2 {
+            TIM5.ccmr_output(pair).write(|w| w.0 = PULSES);
+        }
+        TIM5.egr().write(|w| w.set_ug(true));
+        TIM5.sr().write(|w| w.0 = 0);
+        TIM5.ccer().write(|w| heaters.iter().for_each(|heater| w.set_cce(usize::from(heater.channel) - 1, true)));
+        TIM5.dier().write(|w| w.set_uie(true));
+        heaters.iter().for_each(|heater| ports::drive_by(heater.pin, HEATER_FUNCTION));
+        Self { heaters, grid: Grid::new(DWT::cycle_count()) }
+    }
+
+    /// Begins a control period with these duties.
+    pub fn heat(&mut self, duties: &[u16; OUTPUTS]) {
+        let counts = self.grid.next(DWT::cycle_count());
+        TIM5.arr().write_value(counts - 1);
+        for heater in self.heaters {
+            let duty = duties[heater.output as usize];
+            TIM5.ccr(usize::from(heater.channel) - 1).write_value(compare(duty, counts));
+        }
+        // Sets the counter to 0, where all outputs are low, and lets the values above take effect.
+        TIM5.egr().write(|w| w.set_ug(true));
+        TIM5.cr1().modify(|w| w.set_cen(true));
+    }
+}
+
+/// The interrupt has come: takes it back.
+pub fn acknowledge() {
+    TIM5.sr().write(|w| w.0 = 0);
+    // The write has to arrive before the handler returns (ARM DAI 0321A, 4.9); reading waits for it.
+    let _ = TIM5.sr().read();
+}
+
+/// Control periods since start, wrapping.
+static PERIODS: AtomicU32 = AtomicU32::new(0);
+
+/// Counts a period; says which second since start begins, if one does.
+pub fn count_period() -> Option<u32> {
+    /// Periods in a second.
+    const RATE: u32 = 50;
+    let periods = PERIODS.load(Ordering::Relaxed).wrapping_add(1);
+    PERIODS.store(periods, Ordering::Relaxed);
+    periods.is_multiple_of(RATE).then_some(periods / RATE)
+}

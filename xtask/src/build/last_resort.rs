@@ -1,0 +1,92 @@
+//! The last resort: how many instructions lead from the entry of a fault's handler to heaters that are low.
+//!
+//! The promise: fifty at the most, without a loop. Every way of a fault begins with the same function, which lowers the heaters'
+//! pins. Counted is from the handler's first instruction, along calls and long jumps, to the last one of that function. What is
+//! not executed (a branch that is not taken) counts too, so the number is an upper bound, as long as nothing on the way branches
+//! back.
+
+use super::Elf;
+use super::instruction::{Kind, decode};
+use super::step_path::functions;
+use anyhow::{Context as _, Result};
+use object::{Object as _, ObjectSection as _};
+
+/// The function that lowers them.
+const LOWER: &str = "lower_heaters";
+
+/// Handlers, by a part of their symbols: panics, HardFault with the overflow of the stack, NMI, interrupts that nobody enabled,
+/// the supply's detector.
+const HANDLERS: [&str; 5] = ["rust_begin_unwind", "HardFault", "NonMaskableInt", "DefaultHandler", "PVD"];
+
+/// Instructions that may lead there.
+const MOST: usize = 50;
+
+/// Says how many instructions the longest way has, and what is wrong with the ways.
+pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
+    let functions = functions(elf);
+    let text = elf.section_by_name(".text").context("the image has no code")?;
+    let (start, code) = (text.address(), text.data()?);
+    let half = |at: u64| {
+        let offset = (at - start) as usize;
+        code.get(offset..offset + 2).map_or(0, |word| u16::from_le_bytes([word[0], word[1]]))
+    };
+    let find =
+        |part: &str| functions.iter().find(|(_, (name, _))| *name == part || part.len() > 9 && name.contains(part));
+    let (&target, _) = find(LOWER).with_context(|| format!("the image has no {LOWER}"))?;
+    let mut longest = 0;
+    let mut complaints = Vec::new();
+    for handler in HANDLERS {
+        let Some((&entry, _)) = find(handler) else {
+            complaints.push(format!("the image has no {handler}"));
+            continue;
+        };
+        let (mut at, mut begin, mut count) = (entry, entry, 0);
+        let arrives = loop {
+            let Some(&(_, size)) = functions.get(&begin).filter(|(_, size)| at < begin + size) else { break false };
+            let instruction = decode(half(at), half(at + 2));
+            count += 1;
+            if count > 2 * MOST || goes_back(half(at)) {
+                break false;
+            }
+            at += instruction.length as u64;
+            match instruction.kind {
+                Kind::Branch(distance) => {
+                    at = at.wrapping_add_signed(i64::from(distance) - instruction.length as i64 + 4);
+                    begin = at;
+                }
+                _ if begin == target && at == begin + size => break true,
+                Kind::Indirect => break false,
+                // A return, or data at the end of the function.
+                _ if begin == target && half(at) == 0x4770 => break true,
+                _ => {}
+            }
+        };
+        if !arrives || count > MOST {
+            complaints.push(format!("{handler} does not lower the heaters within {MOST} instructions: {count} so far"));
+        }
+        longest = longest.max(count);
+    }
+    Ok((
+        format!("{:<16} {longest:>8} of {MOST:>8} instructions from a fault to heaters that are low", "last resort"),
+        complaints,
+    ))
+}
+
+/// Whether a short branch goes back: a loop (ARM DDI 0403E, A7.7.12, encodings T1 and T2: the sign is the highest bit of the
+/// distance).
+const fn goes_back(first: u16) -> bool {
+    (first >> 12 == 0xD && first & 0x80 != 0 && first >> 8 & 0xF < 0xE)
+        || (first >> 11 == 0b11100 && first & 0x400 != 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::goes_back;
+
+    #[test]
+    fn loops_are_told_from_other_branches() {
+        // b .-2, bne .-6; b .+4, bne .+4, svc, push.
+        assert!(goes_back(0xE7FD) && goes_back(0xD1FB));
+        assert!([0xE000, 0xD100, 0xDFFF, 0xB5F0].into_iter().all(|other| !goes_back(other)));
+    }
+}
