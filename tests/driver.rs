@@ -395,7 +395,14 @@ fn on_a_slow_wire_polls_and_what_is_asked_take_turns() {
     assert_eq!(answers, 30);
     let polls = bench.bus.requests.iter().filter(|(motor, bytes)| *motor == Motor::Z1 && bytes[2] == 1).count();
     assert!((28..=31).contains(&polls), "{polls}");
-    // So does a change.
+    // However often somebody asks, motors with power are looked at.
+    bench.bus.requests.clear();
+    for _ in 0..1000 {
+        bench.drivers.ask(Job::Read, Motor::Z2);
+        bench.run(1);
+    }
+    assert!(bench.bus.requests.iter().filter(|(motor, bytes)| *motor == Motor::Z1 && bytes[2] == 1).count() > 5);
+    // And a change gets its turn.
     let mut settings = Settings::prototype();
     settings.drivers.z.current_ma = 500;
     bench.drivers.want(&settings);
