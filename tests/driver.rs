@@ -1,7 +1,7 @@
 //! The drivers' room against a bus that answers as a test wants.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::driver::{Config, DriverError, Drivers, Fault, Job, News, Register};
+use corehbot::driver::{Config, DriverError, Drivers, Fault, Job, News, Reading, Register};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::port::{BusError, DriverBus, Frame};
 use corehbot::settings::Settings;
@@ -17,7 +17,10 @@ struct Bus {
     mishaps: Vec<(usize, Result<Frame, BusError>)>,
     /// A register whose writes never arrive.
     lost: Option<usize>,
-    outcome: Option<Result<Frame, BusError>>,
+    /// An exchange takes so many steps.
+    slowness: usize,
+    /// What comes of the exchange under way, and the steps until then.
+    outcome: Option<(usize, Result<Frame, BusError>)>,
 }
 
 const GSTAT: usize = Register::Gstat as usize;
@@ -30,7 +33,7 @@ impl Bus {
         registers[Register::Ioin as usize] = 0x2100_0000;
         registers[GSTAT] = 1;
         let (powered, requests, mishaps) = (MotorSet::NONE, Vec::new(), Vec::new());
-        Self { registers, powered, requests, mishaps, lost: None, outcome: None }
+        Self { registers, powered, requests, mishaps, lost: None, slowness: 1, outcome: None }
     }
 
     /// Bit by bit, as section 4.2 of the datasheet has it.
@@ -79,11 +82,16 @@ impl DriverBus for Bus {
         let number = self.requests.len();
         self.requests.push((motor, request.to_vec()));
         let mishap = self.mishaps.iter().find(|(at, _)| *at == number).map(|(_, outcome)| outcome.clone());
-        self.outcome = Some(mishap.unwrap_or_else(|| self.obey(request)));
+        self.outcome = Some((self.slowness, mishap.unwrap_or_else(|| self.obey(request))));
     }
 
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
-        self.outcome.take()
+        let (steps, outcome) = self.outcome.take()?;
+        if steps > 1 {
+            self.outcome = Some((steps - 1, outcome));
+            return None;
+        }
+        Some(outcome)
     }
 }
 
@@ -99,6 +107,20 @@ impl Bench {
         let bus = Bus::new();
         let drivers = Drivers::new(bus.lines(), &Settings::prototype());
         Self { bus, drivers, ms: 0, news: Vec::new() }
+    }
+
+    /// With power for Z1.
+    fn powered() -> Self {
+        let mut bench = Self::new();
+        assert_eq!(bench.verify(Motor::Z1), Ok(()));
+        assert_eq!(bench.power(Z1), Ok(()));
+        bench.bus.requests.clear();
+        bench
+    }
+
+    /// How often a register was asked for or written, a write being the register plus 0x80.
+    fn count(&self, register: u8) -> usize {
+        self.bus.requests.iter().filter(|(_, bytes)| bytes[2] == register).count()
     }
 
     fn now(&self) -> Instant {
@@ -216,6 +238,8 @@ fn a_fault_takes_the_power_from_all_and_stays() {
     assert_eq!(bench.power(MotorSet::NONE), Ok(()));
     let before = bench.bus.requests.len();
     bench.run(500);
+    bench.drivers.ask(Job::Read, Motor::Z2);
+    bench.run(500);
     assert_eq!(bench.bus.requests.len(), before, "nobody talks any more");
 }
 
@@ -287,4 +311,145 @@ fn an_answer_goes_to_the_last_who_asked() {
     assert_eq!(reading.microsteps(), Some(16));
     assert!(bench.drivers.known(Motor::M1).0.is_some(), "the first job was done all the same");
     assert_eq!(bench.drivers.answer(), None);
+}
+
+#[test]
+fn a_proof_is_used_up_by_the_motor_that_gets_power_and_by_no_other() {
+    let mut bench = Bench::new();
+    for motor in [Motor::Z1, Motor::Z2] {
+        assert_eq!(bench.verify(motor), Ok(()));
+    }
+    assert_eq!(bench.power(Z1), Ok(()));
+    assert_eq!(bench.power(MotorSet::Z), Ok(()), "Z2 has proved itself as well");
+    bench.drivers.cut(&mut bench.bus);
+    assert_eq!(bench.power(Z1), Err(Motor::Z1));
+}
+
+#[test]
+fn while_a_driver_is_written_it_holds_nothing_that_counts() {
+    let mut bench = Bench::new();
+    let old = Settings::prototype();
+    let mut new = old;
+    new.drivers.z.current_ma = 500;
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    bench.drivers.want(&new);
+    bench.drivers.ask(Job::Verify, Motor::Z1);
+    bench.run(10);
+    assert_eq!(bench.drivers.known(Motor::Z1).0, None, "without power all is written anew");
+
+    let mut bench = Bench::powered();
+    new.drivers.z.microsteps = 32;
+    bench.drivers.want(&new);
+    while bench.count(0xEC) == 0 {
+        bench.run(1);
+    }
+    bench.drivers.want(&old);
+    assert!(!bench.drivers.is_drivable(), "the old microsteps are wanted, the new ones on their way");
+    bench.run(100);
+    assert!(bench.drivers.is_drivable() && bench.drivers.is_configured());
+}
+
+#[test]
+fn a_driver_that_holds_something_else_is_written_anew() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    let config = Config::new(Motor::Z1, &Settings::prototype());
+    bench.bus.registers[CHOPCONF] = 0x1000_0053;
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.bus.registers[CHOPCONF], config.value(Register::Chopconf));
+}
+
+#[test]
+fn under_power_no_flag_is_cleared_however_often_a_change_is_written() {
+    let mut bench = Bench::powered();
+    let mut settings = Settings::prototype();
+    settings.drivers.z.current_ma = 500;
+    bench.bus.lost = Some(Register::IholdIrun as usize);
+    bench.drivers.want(&settings);
+    while bench.count(0x90) < 2 {
+        bench.run(1);
+    }
+    bench.bus.lost = None;
+    bench.run(100);
+    assert!(bench.drivers.is_configured());
+    assert_eq!((bench.count(0x81), bench.news.as_slice()), (0, &[][..]));
+}
+
+#[test]
+fn on_a_slow_wire_polls_and_what_is_asked_take_turns() {
+    let mut bench = Bench::powered();
+    // A poll takes 45 ms, so that the next one is due when it ends.
+    bench.bus.slowness = 15;
+    let mut answers = 0;
+    for _ in 0..30 {
+        bench.drivers.ask(Job::Read, Motor::Z2);
+        for _ in 0..300 {
+            bench.run(1);
+            if let Some(answer) = bench.drivers.answer() {
+                assert!(answer.is_ok());
+                answers += 1;
+                break;
+            }
+        }
+    }
+    assert_eq!(answers, 30);
+    let polls = bench.bus.requests.iter().filter(|(motor, bytes)| *motor == Motor::Z1 && bytes[2] == 1).count();
+    assert!((28..=31).contains(&polls), "{polls}");
+    // However often somebody asks, motors with power are looked at.
+    bench.bus.requests.clear();
+    for _ in 0..1000 {
+        bench.drivers.ask(Job::Read, Motor::Z2);
+        bench.run(1);
+    }
+    assert!(bench.bus.requests.iter().filter(|(motor, bytes)| *motor == Motor::Z1 && bytes[2] == 1).count() > 5);
+    // And a change gets its turn.
+    let mut settings = Settings::prototype();
+    settings.drivers.z.current_ma = 500;
+    bench.drivers.want(&settings);
+    bench.run(500);
+    assert!(bench.drivers.is_configured());
+}
+
+#[test]
+fn nobody_asks_a_driver_without_a_wire_or_configures_one_whose_motor_has_power() {
+    let settings = Settings::prototype();
+    let mut bench = Bench::new();
+    bench.drivers = Drivers::new(MotorSet::Z, &settings);
+    for job in [Job::Verify, Job::Read] {
+        bench.drivers.ask(job, Motor::M1);
+        bench.run(10);
+        assert_eq!(bench.drivers.answer(), Some(Ok(Reading::default())), "{job:?}");
+    }
+    assert_eq!(bench.bus.requests, []);
+    let mut bench = Bench::powered();
+    assert_eq!(bench.verify(Motor::Z1), Ok(()));
+    assert_eq!(bench.count(0x81), 0, "its flags stay");
+    bench.drivers.ask(Job::Read, Motor::Z1);
+    bench.run(100);
+    assert_eq!(bench.drivers.answer().unwrap().unwrap().microsteps(), Some(16), "but it may be read");
+}
+
+#[test]
+fn what_a_poll_finds_after_the_power_has_gone_is_no_fault() {
+    let mut bench = Bench::powered();
+    while bench.bus.requests.is_empty() {
+        bench.run(1);
+    }
+    bench.drivers.cut(&mut bench.bus);
+    bench.bus.registers[GSTAT] = 1;
+    bench.run(100);
+    assert_eq!((bench.news.as_slice(), bench.drivers.fault()), (&[][..], None));
+    assert_eq!(bench.drivers.known(Motor::Z1).0, None, "but it has everything to prove");
+}
+
+#[test]
+fn heat_is_reported_once() {
+    let mut bench = Bench::powered();
+    bench.run(100);
+    assert_eq!(bench.news, []);
+    // The pre-warning, bit 0 of DRV_STATUS.
+    bench.bus.registers[Register::DrvStatus as usize] = 1;
+    bench.run(500);
+    assert_eq!(bench.news, [News::Hot(Motor::Z1)]);
+    assert_eq!(bench.bus.powered, Z1, "it is still at work");
 }

@@ -130,3 +130,48 @@ fn an_emergency_also_takes_its_turn() {
     let mut line = Line::new();
     assert_eq!(line.send("M108\n"), ["M108"]);
 }
+
+#[test]
+fn there_is_room_until_the_ring_is_full_and_again_when_lines_are_taken() {
+    let mut receiver = Receiver::new();
+    let most = receiver.room();
+    assert!(most >= 1000 && receiver.is_empty());
+    for held in 0..most {
+        assert_eq!((receiver.has_room(), receiver.room()), (true, most - held));
+        receiver.feed(Received::Byte(if held % 100 == 99 { b'\n' } else { b'x' }));
+        assert!(!receiver.is_empty());
+    }
+    assert_eq!((receiver.has_room(), receiver.room()), (false, 0));
+    assert!(matches!(receiver.next_line(Instant(0)), Some(Incoming::Command(text)) if text.len() == 99));
+    assert_eq!((receiver.has_room(), receiver.room()), (true, 100));
+    while receiver.next_line(Instant(0)).is_some() {}
+    assert_eq!((receiver.is_empty(), receiver.room()), (true, most));
+}
+
+#[test]
+fn a_line_ended_before_or_after_a_place() {
+    let mut receiver = Receiver::new();
+    b"M105\n".iter().for_each(|byte| _ = receiver.feed(Received::Byte(*byte)));
+    let place = receiver.place();
+    b"M114\n".iter().for_each(|byte| _ = receiver.feed(Received::Byte(*byte)));
+    assert_eq!(receiver.next_line(Instant(0)), Some(Incoming::Command(b"M105")));
+    assert!(receiver.is_within(place));
+    assert_eq!(receiver.next_line(Instant(0)), Some(Incoming::Command(b"M114")));
+    assert!(!receiver.is_within(place) && receiver.is_within(receiver.place()));
+}
+
+#[test]
+fn the_beginning_of_a_line_that_is_too_long_is_kept() {
+    let text = format!("FOO {}", "x".repeat(9000));
+    let body = format!("N1 {text}");
+    let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+    for line in [format!("{text}\n"), format!("{body}*{sum}\n")] {
+        let mut host = Line::new();
+        // More than the ring holds, so that it is taken in pieces.
+        let found: Vec<_> =
+            line.as_bytes().chunks(500).flat_map(|piece| host.send(str::from_utf8(piece).unwrap_or(""))).collect();
+        assert_eq!(found, ["TooLong"]);
+        let kept = host.receiver.kept();
+        assert!(kept.len() > 256 && text.as_bytes().starts_with(kept));
+    }
+}

@@ -302,3 +302,33 @@ fn at_the_end_of_the_numbers_only_m110_helps() {
     assert_eq!(machine.say(numbered(0, "M110 N0") + &numbered(1, "G1 X3")), "ok\nok\n");
     assert_eq!(machine.commands, ["G1 X1", "G1 X2", "G1 X3"]);
 }
+
+/// Blanks are no line; a comment may have been one, whose N came through as a semicolon.
+#[test]
+fn a_stream_that_pauses_after_blanks_has_lost_nothing() {
+    let mut machine = streaming(7);
+    assert_eq!(machine.say(" \t"), "");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
+    let mut machine = streaming(7);
+    assert_eq!(machine.say(";8 G1 X8"), "");
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), MISMATCH);
+}
+
+#[test]
+fn a_host_that_hears_answers_is_not_in_silence() {
+    let mut machine = streaming(7);
+    for _ in 0..3 {
+        assert_eq!(wait(&mut machine, PATIENCE_MS - 1), "");
+        machine.receiver.hold_silence();
+    }
+    assert_eq!(wait(&mut machine, PATIENCE_MS + 1), "ok\n");
+}
+
+/// It asks by itself after a while.
+#[test]
+fn an_octoprint_that_has_waited_for_the_motion_hears_nothing() {
+    let mut machine = Machine::new();
+    machine.say("N0 M110 N0*125\n".to_owned() + &numbered(1, "G28") + &numbered(2, "M400"));
+    machine.activity = Activity::Waited;
+    assert_eq!(wait(&mut machine, 600_000), "");
+}

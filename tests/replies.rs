@@ -43,6 +43,7 @@ fn the_resend_dialogue() {
 fn an_unknown_command_is_echoed_without_teeth() {
     assert_eq!(reply(|r| r.unknown(b"G29 A")), "echo:Unknown command: \"G29 A\"\nok\n");
     let nasty = b"FOO T:21 \"\xFF\x00\nok";
+    assert_eq!(reply(|r| r.unknown(b"G29\tA")), "echo:Unknown command: \"G29 A\"\nok\n");
     assert_eq!(reply(|r| r.unknown(nasty)), "echo:Unknown command: \"FOO T?21 ????ok\"\nok\n");
     assert_eq!(reply(|r| r.unknown(&[b'x'; 500])).matches('x').count(), ECHOED);
 }
@@ -76,6 +77,28 @@ fn lines_survive_the_end_of_the_ring() {
     }
     assert_eq!(replies.room(), CAPACITY);
     replies.sent(5);
+    replies.ok().unwrap();
+    assert_eq!(replies.room(), CAPACITY - 3);
+}
+
+#[test]
+fn every_answer_has_its_words() {
+    assert_eq!(reply(Replies::ok), "ok\n");
+    assert_eq!(reply(Replies::busy), "echo:busy: processing\n");
+    assert_eq!(reply(Replies::paused), "echo:busy: paused for user\n");
+    assert_eq!(reply(Replies::start), "start\n");
+    assert_eq!(reply(Replies::too_long), "echo:Line too long, ignored\nok\n");
+    assert_eq!(reply(Replies::killed), "Error:Printer halted. kill() called! Send M999 or reset\n");
+    let killed_by = "Error:Printer halted. kill() called! (no steps) Send M999 or reset\n";
+    assert_eq!(reply(|r| r.killed_by("no steps")), killed_by);
+    assert_eq!(reply(|r| r.question(12)), "Resend: 13\nok\n");
+    assert_eq!(
+        (reply(|r| r.line_number(Some(5))), reply(|r| r.line_number(None))),
+        ("Line: 5\nok\n".into(), "ok\n".into())
+    );
+    // Marlin's lines have 96 bytes (Configuration_adv.h, MAX_CMD_SIZE).
+    assert_eq!(reply(|r| r.advanced_ok(Some(7), 15, 96 * 10 + 95)), "ok N7 P15 B10\n");
+    assert_eq!(reply(|r| r.advanced_ok(None, 0, 95)), "ok P0 B0\n");
 }
 
 /// What a line may not begin with, unless it is meant (printcore, OctoPrint comm.py).

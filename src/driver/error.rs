@@ -137,6 +137,8 @@ mod tests {
             fault.to_string(),
             "driver of motor 8 does not answer: is the motor supply on, its jumper set to UART?"
         );
+        let fault = Fault { motor: Motor::Z2, error: DriverError::Differs(Register::Pwmconf) };
+        assert_eq!(fault.to_string(), "driver of motor Z2 holds another PWMCONF than it was told");
     }
 
     #[test]

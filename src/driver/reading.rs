@@ -85,3 +85,80 @@ impl Reading {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A reading in which one register was read.
+    fn with(register: Register, value: u32) -> Reading {
+        let mut reading = Reading::default();
+        reading.note(register, value);
+        reading
+    }
+
+    #[test]
+    fn microsteps_and_mode_are_told_by_the_bits_of_the_datasheet() {
+        // GCONF, 5.1: mstep_reg_select is bit 7, en_spreadCycle bit 2. CHOPCONF, 5.5.1: MRES is bits 27 to 24.
+        for bit in 0..32 {
+            let mut reading = with(Register::Gconf, 1 << bit);
+            reading.note(Register::Chopconf, 0x1503_0053);
+            assert_eq!(reading.microsteps(), (bit == 7).then_some(8), "GCONF, bit {bit}");
+            assert_eq!(reading.mode(), if bit == 2 { "spreadCycle" } else { "stealthChop" }, "GCONF, bit {bit}");
+        }
+    }
+
+    #[test]
+    fn every_bit_of_the_status_has_its_meaning() {
+        // DRV_STATUS, 5.5.3: otpw is bit 0, ot 1, shorts 2 to 5, ola and olb 6 and 7, t120 to t157 8 to 11.
+        for bit in 0..32 {
+            let reading = with(Register::DrvStatus, 1 << bit);
+            let temperature = match bit {
+                8 => "above 120 C",
+                9 => "above 143 C",
+                10 => "above 150 C",
+                11 => "above 157 C",
+                _ => "below 120 C",
+            };
+            let problem = match bit {
+                1 => Some(DriverError::OverTemperature),
+                2..=5 => Some(DriverError::ShortCircuit),
+                _ => None,
+            };
+            assert_eq!(reading.temperature(), temperature, "bit {bit}");
+            assert_eq!(reading.problem(), problem, "bit {bit}");
+            assert_eq!((reading.is_hot(), reading.seems_open()), (bit == 0, (6..=7).contains(&bit)), "bit {bit}");
+        }
+        // The hotter it is, the more of the bits are set: the highest counts.
+        for (status, temperature) in [
+            (0, "below 120 C"),
+            (0x100, "above 120 C"),
+            (0x300, "above 143 C"),
+            (0x700, "above 150 C"),
+            (0xF00, "above 157 C"),
+        ] {
+            assert_eq!(with(Register::DrvStatus, status).temperature(), temperature);
+        }
+    }
+
+    #[test]
+    fn what_the_status_says_comes_before_what_the_flags_say() {
+        // GSTAT, 5.1: reset, drv_err and uv_cp are bits 0 to 2.
+        let mut reading = with(Register::Gstat, 0b010);
+        assert_eq!(reading.problem(), Some(DriverError::ShutDown));
+        reading.note(Register::DrvStatus, 1 << 1);
+        assert_eq!(reading.problem(), Some(DriverError::OverTemperature), "which is why it is off");
+        assert_eq!(with(Register::Gstat, 0b100).problem(), Some(DriverError::LowSupply));
+        assert_eq!(Reading::default().problem(), None);
+    }
+
+    #[test]
+    fn numbers_are_told_as_they_were_read() {
+        let mut reading = with(Register::SgResult, 510);
+        assert_eq!((reading.stall(), reading.writes()), (510, 0));
+        reading.note(Register::Ifcnt, 255);
+        // What no report tells is forgotten.
+        reading.note(Register::Ioin, 0x2100_0000);
+        assert_eq!((reading.stall(), reading.writes()), (510, 255));
+    }
+}

@@ -135,3 +135,33 @@ pub(super) mod drv_status {
     /// See [`T120`].
     pub const T157: u32 = 1 << 11;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Register;
+
+    #[test]
+    fn a_register_has_the_address_and_the_name_of_the_datasheet() {
+        // Rev 1.09, sections 5.1, 5.2, 5.3, 5.5.
+        for (register, address, name) in [
+            (Register::Gconf, 0x00, "GCONF"),
+            (Register::Gstat, 0x01, "GSTAT"),
+            (Register::Ifcnt, 0x02, "IFCNT"),
+            (Register::Slaveconf, 0x03, "SLAVECONF"),
+            (Register::Ioin, 0x06, "IOIN"),
+            (Register::IholdIrun, 0x10, "IHOLD_IRUN"),
+            (Register::Tpowerdown, 0x11, "TPOWERDOWN"),
+            (Register::Tpwmthrs, 0x13, "TPWMTHRS"),
+            (Register::Tcoolthrs, 0x14, "TCOOLTHRS"),
+            (Register::Vactual, 0x22, "VACTUAL"),
+            (Register::Sgthrs, 0x40, "SGTHRS"),
+            (Register::SgResult, 0x41, "SG_RESULT"),
+            (Register::Coolconf, 0x42, "COOLCONF"),
+            (Register::Chopconf, 0x6C, "CHOPCONF"),
+            (Register::DrvStatus, 0x6F, "DRV_STATUS"),
+            (Register::Pwmconf, 0x70, "PWMCONF"),
+        ] {
+            assert_eq!((register.address(), register.name()), (address, name));
+        }
+    }
+}

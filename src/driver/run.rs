@@ -282,3 +282,6 @@ impl Run {
         Next::Exchange
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -139,6 +139,24 @@ mod tests {
     }
 
     #[test]
+    fn bytes_lie_together_as_far_as_the_end_of_the_memory() {
+        let mut ring = Ring::new();
+        // The oldest byte is the third from the end.
+        for _ in 0..CAPACITY - 3 {
+            ring.push(Received::Byte(b'x'));
+            ring.skip(1);
+        }
+        assert_eq!((ring.is_empty(), ring.together(), ring.room()), (true, &b""[..], CAPACITY - 1));
+        b"abcde".iter().for_each(|byte| ring.push(Received::Byte(*byte)));
+        assert_eq!((ring.is_empty(), ring.together(), ring.room()), (false, &b"abc"[..], CAPACITY - 6));
+        ring.skip(2);
+        assert_eq!((ring.together(), ring.room()), (&b"c"[..], CAPACITY - 4));
+        assert_eq!(ring.pop(), Some(Received::Byte(b'c')));
+        assert_eq!(ring.together(), b"de");
+        assert_eq!(ring.places(), (CAPACITY as u32 + 2, CAPACITY as u32));
+    }
+
+    #[test]
     fn nul_is_nothing() {
         let mut ring = Ring::new();
         ring.push(Received::Byte(0));

@@ -85,10 +85,11 @@ mod tests {
     fn line_numbers_are_signed_and_never_overflow() {
         assert_eq!(line_number(b"N12 G1"), Some((12, &b" G1"[..])));
         assert_eq!(line_number(b"n -1 M110"), Some((-1, &b" M110"[..])));
+        assert_eq!(line_number(b"N+5 G1"), Some((5, &b" G1"[..])));
         assert_eq!(line_number(b"N1000001G1"), Some((1_000_001, &b"G1"[..])));
         assert_eq!(line_number(b"N99999999999"), Some((i32::MAX, &b""[..])));
         assert_eq!(line_number(b"N-99999999999"), Some((i32::MIN, &b""[..])));
-        for text in ["N", "N-", "NOZZLE", "12", ""] {
+        for text in ["N", "N-", "N+", "N+-1", "NOZZLE", "12", ""] {
             assert_eq!(line_number(text.as_bytes()), None);
         }
     }

@@ -43,6 +43,27 @@ fn the_fields_are_where_the_datasheet_has_them() {
 }
 
 #[test]
+fn every_register_that_is_written_has_its_value() {
+    let c = config(|d| d.stall_threshold = 9);
+    // Section 5.5.2: PWM_LIM 12, PWM_REG 8, no freewheeling, autograd, autoscale, PWM_FREQ 1, PWM_GRAD 14, PWM_OFS 36.
+    let pwm = 12 << 28 | 8 << 24 | 1 << 19 | 1 << 18 | 1 << 16 | 14 << 8 | 36;
+    for (register, value) in [
+        (Register::Tpowerdown, 20),
+        (Register::Sgthrs, 9),
+        (Register::Pwmconf, pwm),
+        // All flags are cleared; the driver steps by its input, without coolStep, and answers at once.
+        (Register::Gstat, 0b111),
+        (Register::Vactual, 0),
+        (Register::Coolconf, 0),
+        (Register::Slaveconf, 0),
+    ] {
+        assert_eq!(c.value(register), value, "{register:?}");
+    }
+    assert_eq!(config(|_| ()).value(Register::Tcoolthrs), 0, "no stall is looked for");
+    assert_eq!(c.microsteps(), 16);
+}
+
+#[test]
 fn the_threshold_is_a_time_between_two_of_256_steps() {
     // 100 mm/s are 8,000 steps, 128,000 of the finest: 93.75 clocks.
     let at = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).value(Register::Tpwmthrs);

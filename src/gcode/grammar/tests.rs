@@ -29,6 +29,8 @@ fn what_is_no_word_is_named() {
         ("G1 \"a b", "\"a"),
         ("G92 X1..5", "X1..5"),
         ("G90 %", "%"),
+        ("M83 %", "%"),
+        ("M900 % K1", "%"),
     ] {
         assert_eq!(flaw(line), Some(Flaw::NoWord(word.as_bytes())), "{line:?}");
     }
@@ -50,6 +52,14 @@ fn letters_that_need_a_number_have_one() {
         ("M220 S", b'S'),
         ("M900 K", b'K'),
         ("M593 F", b'F'),
+        ("M84 S", b'S'),
+        ("M73 R", b'R'),
+        ("M111 S", b'S'),
+        ("M205 B", b'B'),
+        ("M207 Z", b'Z'),
+        ("M208 F", b'F'),
+        ("M302 P", b'P'),
+        ("M572 W", b'W'),
     ] {
         assert_eq!(flaw(line), Some(Flaw::NoNumber(letter)), "{line}");
     }
@@ -57,7 +67,9 @@ fn letters_that_need_a_number_have_one() {
 
 #[test]
 fn no_axis_no_second_command_and_no_time_before_now() {
-    for line in ["G1 C5", "G1 X5 C5", "G92 C0", "G28 C", "M84 C", "M92 C100", "M201 C5", "G2 X5 I5 C1"] {
+    for line in
+        ["G1 C5", "G1 X5 C5", "G92 C0", "G28 C", "M84 C", "M92 C100", "M201 C5", "G2 X5 I5 C1", "M17 C", "M569 S1 C"]
+    {
         assert_eq!(flaw(line), Some(Flaw::NoAxis(b'C')), "{line}");
     }
     assert_eq!(flaw("G90 G1 X10"), Some(Flaw::SecondCommand(b"G1")));
@@ -65,6 +77,8 @@ fn no_axis_no_second_command_and_no_time_before_now() {
     assert_eq!(flaw("G21 M 400"), Some(Flaw::SecondCommand(b"M 400")));
     assert_eq!(flaw("G4 P-5"), Some(Flaw::OutOfRange(b"P-5")));
     assert_eq!(flaw("G2 X1 R5 P-3"), Some(Flaw::OutOfRange(b"P-3")));
+    assert_eq!(flaw("M84 S-1"), Some(Flaw::OutOfRange(b"S-1")));
+    assert_eq!(flaw("M593 F-5"), Some(Flaw::OutOfRange(b"F-5")));
 }
 
 #[test]
@@ -91,6 +105,9 @@ fn what_slicers_and_people_write_is_in_order() {
         "G92",
         "G92 E",
         "G10 S1",
+        "G29 P1 %",
+        "G4 P0 S0",
+        "M84 S0",
     ] {
         assert_eq!(flaw(line), None, "{line}");
     }

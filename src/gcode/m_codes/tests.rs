@@ -141,3 +141,68 @@ fn heaters_and_fans() {
         assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line}");
     }
 }
+
+#[test]
+fn every_code_has_its_command() {
+    let one = Some(Number::from(1));
+    let (none, no_flags) = (AxisWords::default(), AxisFlags::default());
+    for (line, command) in [
+        ("M17", Command::EnableMotors(no_flags)),
+        ("M24", Command::Resume),
+        ("M602", Command::Resume),
+        ("M25", Command::Pause),
+        ("M48", Command::Probing),
+        ("M290", Command::Probing),
+        ("M851", Command::Probing),
+        ("M82", Command::AbsoluteExtrusion),
+        ("M83", Command::RelativeExtrusion),
+        ("M92", Command::StepsPerMm(none)),
+        ("M105", Command::ReportTemperatures),
+        ("M108", Command::Continue),
+        ("M110 N5", Command::LineNumber),
+        ("M111 S1", Command::Debug(one)),
+        ("M112", Command::EmergencyStop),
+        ("M113 S1", Command::Keepalive(one)),
+        ("M119", Command::ReportEndstops),
+        ("M201", Command::MaxAcceleration(none)),
+        ("M203", Command::MaxSpeed(none)),
+        ("M207 S1 F1 Z1", Command::RetractSettings { length: one, feed: one, lift: one }),
+        ("M207", Command::RetractSettings { length: None, feed: None, lift: None }),
+        ("M208 S1", Command::RecoverSettings { extra: one, feed: None }),
+        ("M208 F1", Command::RecoverSettings { extra: None, feed: one }),
+        ("M221 S1", Command::FlowPercent(one)),
+        ("M301", Command::HeaterTuning),
+        ("M304", Command::HeaterTuning),
+        ("M400", Command::Finish),
+        ("M410", Command::QuickStop),
+        ("M420 S1", Command::ReportLevelling),
+        ("M503", Command::ReportSettings),
+        ("M913", Command::HybridThreshold(none)),
+        ("M914", Command::StallThreshold(none)),
+        ("M999", Command::Restart),
+    ] {
+        assert_eq!(parse(line.as_bytes()), command, "{line}");
+    }
+}
+
+#[test]
+fn letters_that_only_one_code_knows() {
+    let [one, two, three, four] = [1, 2, 3, 4].map(|n| Some(Number::from(n)));
+    let retract = Command::Acceleration { print: one, retract: two, travel: three };
+    assert_eq!(parse(b"M204 P1 R2 T3 S4"), retract);
+    let expected = Command::Corners {
+        deviation: one,
+        jerk: AxisWords { y: four, ..AxisWords::default() },
+        min_feed: two,
+        min_travel: three,
+        min_segment: four,
+    };
+    assert_eq!(parse(b"M205 J1 S2 T3 B4 Y4"), expected);
+}
+
+#[test]
+fn a_subcode_makes_it_another_command() {
+    for line in ["M104.1 S200", "M204.1 P500", "M17.2", "M74.1"] {
+        assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()));
+    }
+}

@@ -35,6 +35,9 @@ fn the_text_after_a_number_is_left_alone() {
     assert_eq!(Number::read(b"1E5").unwrap(), (Number::from(1), &b"E5"[..]));
     assert_eq!(Number::read(b"6.2.6+8948").unwrap().1, b".6+8948");
     assert_eq!(Number::read(b"1-2").unwrap().1, b"-2");
+    // The characters before 0 and after 9.
+    assert_eq!(Number::read(b"1/2").unwrap(), (Number::from(1), &b"/2"[..]));
+    assert_eq!(Number::read(b"1:2").unwrap(), (Number::from(1), &b":2"[..]));
 }
 
 #[test]
@@ -64,6 +67,16 @@ fn quick_and_long_paths_agree() {
         let long = std::format!("{decimals}0000000000000");
         assert_eq!(read_fraction(decimals.as_bytes()).0, read_fraction(long.as_bytes()).0);
     }
+    // What slicers write goes the quick way.
+    for text in
+        ["0", "200", "-", "12.345", "0.03123", ".5", "5.", "999999999", "1234.56789", "123456789.", ".000000001"]
+    {
+        let short = read_short(text.as_bytes());
+        assert_eq!((short.is_some(), short), (text != "-", read_long(text.as_bytes())), "{text}");
+    }
+    for text in ["1234567890", "12345.67890", ".0000000001", "0000000001", ""] {
+        assert_eq!(read_short(text.as_bytes()), None, "{text}");
+    }
 }
 
 #[test]
@@ -73,6 +86,10 @@ fn parts_of_a_number() {
     assert_eq!(number("-1.9").to_u32(), 0);
     assert_eq!(number("255.9").to_u32(), 255);
     assert_eq!(number("1.2345").to_thousandths(), 1235);
+    assert_eq!(number("-1.2346").to_thousandths(), -1235);
+    assert_eq!(number("-2.0004").to_thousandths(), -2000);
+    assert_eq!((number("0").to_int(), number("1").to_int(), number("-1").to_int()), (0, 1, -1));
+    assert_eq!((number("0").to_u32(), number("1").to_u32()), (0, 1));
     assert_eq!(number("-0.0004").to_thousandths(), 0);
     assert_eq!(number("1e9").to_thousandths(), 1000);
     assert_eq!(number("1000000000").to_thousandths(), 1_000_000_000_000);

@@ -112,3 +112,52 @@ fn a_comment_may_stand_before_the_code() {
     assert_eq!(parse("\u{feff}G28".as_bytes()), parse(b"G28"));
     assert_eq!(parse("\u{a0}G28\u{a0}".as_bytes()), parse(b"G28"));
 }
+
+#[test]
+fn every_axis_has_its_value() {
+    let [x, y, z, e, feed] = [1, 2, 3, 4, 5].map(|n| Some(Number::from(n)));
+    let to = AxisWords { x, y, z, e };
+    for rapid in [true, false] {
+        let line = std::format!("G{} X1 Y2 Z3 E4 F5", u8::from(!rapid));
+        assert_eq!(parse(line.as_bytes()), Command::Line { rapid, to, feed });
+    }
+    let shape = ArcShape::Radius(Number::from(6));
+    for clockwise in [true, false] {
+        let line = std::format!("G{} X1 Y2 Z3 E4 F5 R6", if clockwise { 2 } else { 3 });
+        assert_eq!(parse(line.as_bytes()), Command::Arc { clockwise, to, feed, shape, turns: 1 });
+    }
+    assert_eq!(parse(b"G92 X1 Y2 Z3 E4"), Command::SetPosition(to));
+    assert_eq!(parse(b"M92 X1 Y2 Z3 E4"), Command::StepsPerMm(to));
+    let none = AxisFlags::default();
+    for (letter, axis) in [
+        ('X', AxisFlags { x: true, ..none }),
+        ('Y', AxisFlags { y: true, ..none }),
+        ('Z', AxisFlags { z: true, ..none }),
+        ('E', AxisFlags { e: true, ..none }),
+    ] {
+        assert_eq!(parse(std::format!("M17 {letter}").as_bytes()), Command::EnableMotors(axis));
+    }
+}
+
+#[test]
+fn every_g_code_has_its_command() {
+    for (line, command) in [
+        ("G10", Command::Retract),
+        ("G10 S1", Command::Retract),
+        ("G11", Command::Recover),
+        ("G12", Command::Silent),
+        ("G17", Command::Plane(Plane::Xy)),
+        ("G18", Command::Plane(Plane::Zx)),
+        ("G19", Command::Plane(Plane::Yz)),
+        ("G20", Command::Inches),
+        ("G21", Command::Millimetres),
+        ("G29", Command::Probing),
+        ("G30", Command::Probing),
+        ("G90", Command::Absolute),
+        ("G91", Command::Relative),
+        ("T0", Command::Tool(0)),
+        ("T255", Command::Tool(255)),
+    ] {
+        assert_eq!(parse(line.as_bytes()), command, "{line}");
+    }
+}

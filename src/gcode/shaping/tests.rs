@@ -23,7 +23,7 @@ fn shapers_of_one_axis_or_both() {
     };
     assert_eq!(parse(b"M593 X F60 D.1 T2"), shaper(true, false, "60", "0.1", "2"));
     assert_eq!(parse(b"M593 F0"), shaper(false, false, "0", "", ""));
-    assert_eq!(parse(b"M593 Y Z T1"), shaper(false, true, "", "", "1"));
+    assert_eq!(parse(b"M593 Y Z E T1"), shaper(false, true, "", "", "1"));
     assert_eq!(parse(b"M593 P\"mzv\" F60"), shaper(false, false, "60", "", "2"));
     assert_eq!(parse(b"M593 X P \"EI2\" F60 S0.1"), shaper(true, false, "60", "0.1", "4"));
     assert_eq!(parse(b"M593 P\"none\""), shaper(false, false, "0", "", ""));
@@ -89,8 +89,21 @@ fn a_small_number_may_have_an_exponent() {
     for line in ["M900 K1e-05", "M900 K1E-5", "SET_PRESSURE_ADVANCE ADVANCE=1e-05"] {
         assert_eq!(parse(line.as_bytes()), advance(Some("0.00001"), None), "{line}");
     }
+    assert_eq!(parse(b"M900 K-1e-05"), advance(Some("-0.00001"), None));
     assert_eq!(parse(b"M900 K1.5e+1"), advance(Some("15"), None));
+    assert_eq!(parse(b"M900 K1.5e0"), advance(Some("1.5"), None));
     assert_eq!(parse(b"M900 K1e-999"), advance(Some("0"), None));
     assert_eq!(parse(b"M900 K1e999"), advance(Some("1000000000"), None));
     assert_eq!(parse(b"M900 E-5"), advance(None, None));
+}
+
+#[test]
+fn shapers_are_numbered_as_prusa_numbers_them() {
+    let shapers = [ShaperName::Zv, ShaperName::Zvd, ShaperName::Mzv, ShaperName::Ei, ShaperName::TwoHumpEi];
+    for (number, shaper) in (0..).zip(shapers) {
+        assert_eq!(ShaperName::of(Number::from(number)), Some(shaper));
+    }
+    for text in ["-1", "5", "1.5"] {
+        assert_eq!(number(text).and_then(ShaperName::of), None, "{text}");
+    }
 }

@@ -28,6 +28,7 @@ fn an_emergency_comes_in_many_dresses() {
         "G1 X5\nM112\n",
         "M112*\n",
         "M112 S1\n",
+        "\x08\x7FM112\n",
     ] {
         assert_eq!(scan(text), [Emergency::Stop], "{text:?}");
     }
@@ -62,6 +63,7 @@ fn a_false_alarm_would_ruin_a_print() {
         "M876\n",
         "M876 P1\n",
         "M876 P1 S0\n",
+        "M876xS1\n",
         "M8760 S0\n",
         "M240\n",
         "M112\x08\x08\x0805\n",
@@ -76,10 +78,11 @@ fn a_false_alarm_would_ruin_a_print() {
 #[test]
 fn damage_lasts_to_the_end_of_the_line() {
     let mut scanner = Scanner::new();
-    scanner.read(b'M');
-    scanner.spoil();
-    for &byte in b"M112\n" {
-        assert_eq!(scanner.read(byte), None);
+    for begun in ["", "M11", "M112"] {
+        begun.bytes().for_each(|byte| assert_eq!(scanner.read(byte), None));
+        scanner.spoil();
+        assert!("M112"[begun.len()..].bytes().all(|byte| scanner.read(byte).is_none()));
+        assert_eq!(scanner.read(b'\n'), None, "{begun}");
     }
     assert_eq!(b"M112\n".iter().find_map(|&byte| scanner.read(byte)), Some(Emergency::Stop));
 }

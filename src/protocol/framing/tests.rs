@@ -37,8 +37,16 @@ fn the_sum_of_a_real_line() {
 }
 
 #[test]
+fn what_means_nothing_by_itself_is_taken_at_once() {
+    for (text, count) in [("G1 X5 Y6", 8), ("G1 X5;c", 5), ("N1 M115*39", 7), ("M117 \"", 5), (" G1", 0), ("", 0)] {
+        assert_eq!(Frame::new().push_plain(text.as_bytes()), count, "{text:?}");
+    }
+    assert_eq!(Frame::new().push_plain(&[b'x'; 2 * CAPACITY]), CAPACITY);
+}
+
+#[test]
 fn what_may_follow_a_checksum() {
-    for line in ["N1 M115*39  ", "N1 M115*39 ;x", "N1 M115* 39", "  N1 M115*39", "N1 M115*039"] {
+    for line in ["N1 M115*39  ", "N1 M115*39 ;x", "N1 M115* 39", " N1 M115*39", "\t N1 M115*39", "N1 M115*039"] {
         assert!(is_good(&frame(line)), "{line}");
     }
     for line in ["N1 M115*39x", "N1 M115*", "N1 M115*295", "N1 M115*3 9", "N1 M115*65575", "N1 M115*-39"] {
@@ -72,6 +80,7 @@ fn a_semicolon_in_parentheses_begins_no_comment() {
         ("G1 (a) X5 ;b (c) d", "G1 (a) X5 "),
         ("G1 X5 (a ; b", "G1 X5 (a "),
         ("G1 X5 (a;(b) c", "G1 X5 (a"),
+        ("G1 X5 ;a) b", "G1 X5 "),
         ("G1 X5 (a(b;c) Y6", "G1 X5 (a(b;c) Y6"),
         ("G1 X5 (5\";b) Y6;c", "G1 X5 (5\";b) Y6"),
         ("G1 X5 ) Y6;c", "G1 X5 ) Y6"),
@@ -105,6 +114,9 @@ fn what_is_typed_can_be_erased_and_what_a_host_sends_cannot() {
     assert_eq!(frame(&std::format!("N5 M117 H\x08*{sum}")).checksum(), Checksum::Bad);
     let long = std::format!("M117 {}{}", "x".repeat(9000), "\x08".repeat(9000));
     assert_eq!(frame(&long).text(), b"M117 ");
+    // The last character that is kept is forgotten with all that it meant.
+    let full = "x".repeat(CAPACITY - 1);
+    assert_eq!(frame(&std::format!("{full}\"\x08;c")).text(), full.as_bytes());
 }
 
 #[test]
@@ -126,4 +138,19 @@ fn a_full_line_may_still_have_a_checksum() {
     assert!(is_good(&full));
     assert!(!full.is_too_long_before_checksum());
     assert_eq!(full.before_checksum(), body.as_bytes());
+}
+
+#[test]
+fn a_line_is_too_long_from_the_first_byte_that_is_not_kept() {
+    for (length, is_too_long) in [(CAPACITY - 1, false), (CAPACITY, false), (CAPACITY + 1, true), (9000, true)] {
+        let line = frame(&"x".repeat(length));
+        assert_eq!((line.is_too_long(), line.is_too_long_before_checksum()), (is_too_long, is_too_long), "{length}");
+    }
+}
+
+#[test]
+fn a_line_has_begun_with_its_first_byte_that_is_no_blank() {
+    for (text, is_empty) in [("", true), (" \t", true), ("G", false), (" G", false), (";", false), ("*", false)] {
+        assert_eq!(frame(text).is_empty(), is_empty, "{text:?}");
+    }
 }

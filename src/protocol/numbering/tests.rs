@@ -129,3 +129,35 @@ fn a_fresh_connection_may_begin_with_either_line() {
     assert_eq!((story.line(0, 0), story.0.last()), (OK, 1));
     assert_eq!(Story(Numbering::new()).line(2, 0), resend(ResendReason::LineNumber, 0));
 }
+
+#[test]
+fn eight_lines_are_known_and_no_older_one() {
+    let sum = |body: &str| body.bytes().fold(0, |sum, byte| sum ^ byte);
+    let mut story = Story::at(0);
+    // Line 9 has the checksum of line 1, and its place among those that are known.
+    let (first, ninth) = ("N1 i", "N9 a");
+    assert_eq!(sum(first), sum(ninth));
+    assert!(matches!(story.raw(&format!("{first}*{}", sum(first)), 0), Some(Verdict::Command { .. })));
+    for number in 2..=8 {
+        assert_eq!(story.line(number, 0), OK);
+    }
+    assert_eq!(story.raw(&format!("{first}*{}", sum(first)), 0), Some(OK), "a repetition");
+    assert!(matches!(story.raw(&format!("{ninth}*{}", sum(ninth)), 0), Some(Verdict::Command { .. })));
+    assert_eq!(story.raw(&format!("{first}*{}", sum(first)), 0), Some(resend(ResendReason::LineNumber, 9)));
+}
+
+#[test]
+fn once_m110_has_named_a_line_no_other_one_may_be_the_first() {
+    let mut story = Story(Numbering::new());
+    assert_eq!(story.raw("M110 N12", 0), Some(Verdict::LineNumber { report: None }));
+    assert_eq!(story.line(0, 0), resend(ResendReason::LineNumber, 12));
+}
+
+#[test]
+fn only_a_host_that_counts_from_below_zero_waits_for_ever() {
+    for (line, waits) in [("N-1 M110 N-1*125", true), ("N0 M110 N0*125", false), ("N1 M110 N1*125", false)] {
+        let mut story = Story(Numbering::new());
+        assert_eq!(story.raw(line, 0), Some(Verdict::LineNumber { report: None }));
+        assert_eq!((story.0.waits_for_ever(), story.0.is_stream()), (waits, waits), "{line}");
+    }
+}

@@ -8,6 +8,17 @@ fn the_prototype_is_legal() {
 }
 
 #[test]
+fn rows_that_are_no_machine_are_refused_where_a_machine_is_made() {
+    let mut s = Settings::prototype();
+    s.mechanism.rows[6] = [0; 4];
+    assert_eq!(s.check_machine(), Err(SettingsError::Mechanism(MechanismError::NotDriven("e"))));
+    assert_eq!(s.check(), Ok(()), "stored settings have the machine's own rows");
+    s = Settings::prototype();
+    s.keepalive_s = 61;
+    assert_eq!(s.check_machine(), Err(SettingsError::OutOfRange("keepalive_s")), "all the rest counts too");
+}
+
+#[test]
 fn drivers_have_limits_too() {
     let mut s = Settings::prototype();
     s.drivers.z.microsteps = 24;
