@@ -22,7 +22,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
     ("settings", &["units", "motors", "connectors", "kinematics"]),
     ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
-    ("storage", &["units", "checksum", "port", "kinematics", "settings"]),
+    ("storage", &["units", "checksum", "connectors", "port", "kinematics", "settings"]),
     ("thermal", &["units", "connectors", "fault", "status", "port", "settings"]),
     (
         "machine",

@@ -220,7 +220,7 @@ impl HeaterLoop {
 
     /// The duty for the next period.
     fn decide(&mut self, measured: Celsius, ahead: Ahead) -> u16 {
-        let most = (u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535 >> 16) as u16;
+        let most = ((u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535) >> 16) as u16;
         if self.target == Celsius::ZERO {
             self.is_free = true;
             return 0;

@@ -12,7 +12,7 @@
 //! ```
 
 use super::fixed_point::{Power, RATE, saturated, times};
-use super::observer::ROOM;
+use super::room::ROOM;
 use crate::settings::HeaterModel;
 use crate::units::Celsius;
 use fixed::types::{I8F24, I12F20};

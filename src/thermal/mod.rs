@@ -32,6 +32,7 @@ mod observer;
 mod order;
 mod pid;
 mod predictive;
+mod room;
 mod scrub;
 pub mod sensor;
 mod switching;

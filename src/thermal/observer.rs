@@ -14,12 +14,10 @@
 
 use super::fixed_point::{Power, RATE, saturated, times};
 use super::lag_watch::Seen;
+use super::room::ROOM;
 use crate::settings::{HeaterModel, HeaterSettings};
 use crate::units::{Celsius, Ratio, Seconds};
 use fixed::types::{I2F30, I8F24, I12F20};
-
-/// The room's temperature that the model assumes; a warmer or colder room is a drift.
-pub const ROOM: Celsius = Celsius::const_from_int(25);
 
 /// Limits of what the gain may be: 18 V at a supply of 24 V are 0.56, 26 V 1.17, a block may be a third lighter or heavier.
 const GAIN: [I8F24; 2] = [I8F24::lit("0.4"), I8F24::lit("1.8")];
@@ -81,7 +79,7 @@ impl Coefficients {
         let pole3 = (pole2 * pole) >> 24;
         let per_period = |value: i64| I2F30::from_bits(saturated((value << 6) / rate));
         // What the drift learns in a period, in W for each K: C w^3 tau_s.
-        let drift_step = capacity.saturating_mul((pole3 * sensor_lag) >> 24) / rate >> 20;
+        let drift_step = (capacity.saturating_mul((pole3 * sensor_lag) >> 24) / rate) >> 20;
         let most = i64::from(settings.power.to_bits()).max(1 << 16);
         Self {
             warming: I2F30::from_bits(saturated((1 << 46) / (rate * capacity))),

@@ -21,7 +21,7 @@
 //! All guards but the one for a lost target stay on.
 
 use super::fixed_point::{Power, RATE, saturated};
-use super::observer::ROOM;
+use super::room::ROOM;
 use crate::settings::HeaterSettings;
 use crate::status::{Tuned, Tuning};
 use crate::units::Celsius;

@@ -108,7 +108,7 @@ fn f11_a_switch_that_sticks_during_a_print_too() {
     break_it(&printer, |faults| faults.hotend_heater.stuck_on = true);
     let (cause, time) = until_off(&mut printer, 60.0);
     println!("stuck at 215 C: {cause:?} after {time:.1} s at {:.0} C", printer.hotend());
-    assert_eq!(printer.bench.borrow().supply, false);
+    assert!(!printer.bench.borrow().supply);
     let mut hottest = 0.0_f64;
     for _ in 0..5000 {
         printer.period();

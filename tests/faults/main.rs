@@ -1,6 +1,6 @@
 //! What can go wrong with heat, crash and configuration, each thing a test that looks at pins and duties in virtual time. The
 //! numbers are those of docs/safety.md.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod configuration;
 mod fuzz;

@@ -171,8 +171,6 @@ fn every_code_has_its_command() {
         ("M208 S1", Command::RecoverSettings { extra: one, feed: None }),
         ("M208 F1", Command::RecoverSettings { extra: None, feed: one }),
         ("M221 S1", Command::FlowPercent(one)),
-        ("M301", Command::HeaterTuning),
-        ("M304", Command::HeaterTuning),
         ("M400", Command::Finish),
         ("M410", Command::QuickStop),
         ("M420 S1", Command::ReportLevelling),

@@ -7,7 +7,7 @@ use super::{Alarm, periods};
 use crate::fault::Cause;
 use crate::settings::{HeaterModel, HeaterSettings};
 use crate::thermal::fixed_point::{Power, RATE, saturated, times};
-use crate::thermal::observer::ROOM;
+use crate::thermal::room::ROOM;
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds};
 use fixed::types::{I2F30, I8F24};
 

@@ -62,7 +62,7 @@ impl Curve {
                 const { steinhart_hart(8.096_510_542_751_242e-4, 2.116_360_307_356_851_7e-4, 7.074_208_839_939_73e-8) }
             }
             Thermistor::Semitec104Nt4 => {
-                const { steinhart_hart(7.958_246_125_479_903e-4, 2.136_086_635_635_552_8e-4, 6.483_002_617_420_579e-8) }
+                const { steinhart_hart(7.958_246_125_479_903e-4, 2.136_086_635_635_553e-4, 6.483_002_617_420_579e-8) }
             }
             Thermistor::Generic3950 => {
                 const { steinhart_hart(7.934_721_511_480_472e-4, 2.007_632_502_866_657_3e-4, 1.632_834_118_179_309e-7) }
@@ -130,12 +130,12 @@ fn of_platinum(sample: u16) -> Celsius {
     // The root of A^2 - 4 B (1 - R/R0), with 60 and then 30 fractional bits.
     let square = const { (A * A * (1u64 << 60) as f64) as i64 };
     let slope = const { (-4.0 * B * (1u64 << 60) as f64) as i64 };
-    let below = square + ((slope >> 12) * ((1 << 24) - ratio as i64) >> 12);
+    let below = square + (((slope >> 12) * ((1 << 24) - ratio as i64)) >> 12);
     let root = below.max(0).cast_unsigned().isqrt() as i64;
     let difference = const { (A * (1u64 << 30) as f64) as i64 } - root;
     // Over 2 |B|, with 20 fractional bits.
     let over = const { ((1u64 << 20) as f64 / (-2.0 * B * (1u64 << 20) as f64)) as i64 };
-    Celsius::from_bits((difference * over >> 10) as i32)
+    Celsius::from_bits(((difference * over) >> 10) as i32)
 }
 
 #[cfg(test)]

@@ -43,9 +43,13 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
         let (mut at, mut begin, mut count) = (entry, entry, 0);
         let arrives = loop {
             let Some(&(_, size)) = functions.get(&begin).filter(|(_, size)| at < begin + size) else { break false };
-            let instruction = decode(half(at), half(at + 2));
+            let first = half(at);
+            let instruction = decode(first, half(at + 2));
             count += 1;
-            if count > 2 * MOST || goes_back(half(at)) {
+            if begin == target && is_return(first) {
+                break true;
+            }
+            if count > 2 * MOST || goes_back(first) {
                 break false;
             }
             at += instruction.length as u64;
@@ -56,8 +60,6 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
                 }
                 _ if begin == target && at == begin + size => break true,
                 Kind::Indirect => break false,
-                // A return, or data at the end of the function.
-                _ if begin == target && half(at) == 0x4770 => break true,
                 _ => {}
             }
         };
@@ -72,6 +74,11 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
     ))
 }
 
+/// Whether it returns: `bx lr`, or `pop` with the program counter (ARM DDI 0403E, A7.7.20 and A7.7.99).
+const fn is_return(first: u16) -> bool {
+    first == 0x4770 || first >> 8 == 0xBD
+}
+
 /// Whether a short branch goes back: a loop (ARM DDI 0403E, A7.7.12, encodings T1 and T2: the sign is the highest bit of the
 /// distance).
 const fn goes_back(first: u16) -> bool {
@@ -81,7 +88,13 @@ const fn goes_back(first: u16) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::goes_back;
+    use super::{goes_back, is_return};
+
+    #[test]
+    fn returns_are_told_from_other_instructions() {
+        assert!([0x4770, 0xBD80, 0xBDF0].into_iter().all(is_return));
+        assert!([0xBC80, 0x4718, 0xB580].into_iter().all(|other| !is_return(other)));
+    }
 
     #[test]
     fn loops_are_told_from_other_branches() {
