@@ -1,4 +1,4 @@
-//! Heaters and fans as hosts know them, on a machine whose sensors read 25 C whatever happens.
+//! Heaters and fans as hosts know them, on a simulated machine that warms and cools.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "common/deaf.rs"]
@@ -7,8 +7,8 @@ mod deaf;
 use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
-use corehbot::status::Status;
 use corehbot::units::{Mm, TICKS_PER_MS};
+use corehbot_rig::plant::HeaterFault;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Outcome, World};
 use deaf::Deaf;
@@ -28,7 +28,7 @@ fn talk_with(
     settings: &Settings,
     ms: u64,
     lines: &[&str],
-    mut look: impl FnMut(u64, &Status),
+    mut look: impl FnMut(u64, &mut World<'_>),
 ) -> (Vec<String>, Outcome) {
     let drivers = Drivers::new();
     let mut desk = Desk::new(1);
@@ -46,7 +46,7 @@ fn talk_with(
             heard.push(line);
         }
         let now = world.now() / u64::from(TICKS_PER_MS);
-        look(now, world.status());
+        look(now, &mut world);
         if let Some(line) = lines.get(next) {
             let (at, text) = line.split_once(':').map_or((None, *line), |(at, text)| (Some(at), text));
             if at.map_or(awaiting == 0 && now >= 100, |at| now >= at.parse::<u64>().unwrap()) {
@@ -73,7 +73,10 @@ fn has(heard: &[String], line: &str) -> bool {
 #[test]
 fn a_target_is_reported_from_the_next_line_on() {
     let heard = talk(&machine(&[Heater::Hotend, Heater::Bed]), 1000, &["M104 S20", "M140 S21.5", "M105"]);
-    assert_eq!(heard, ["ok", "ok", "ok T:24.99 /20.00 B:25.00 /21.50 @:0 B@:0"], "{heard:?}");
+    assert_eq!(heard[..2], ["ok", "ok"]);
+    let (hotend, bed) = heard[2].split_once(" B:").unwrap();
+    assert!(hotend.starts_with("ok T:2") && hotend.ends_with(" /20.00"), "{heard:?}");
+    assert!(bed.starts_with('2') && bed.ends_with(" /21.50 @:0 B@:0"), "{heard:?}");
 }
 
 #[test]
@@ -136,22 +139,44 @@ fn a_wait_for_cooling_ends_when_nothing_cools() {
     assert!((60..=62).contains(&lines) && has(&heard, "over"), "{lines}");
 }
 
-/// A sensor that stands still under power.
+/// A cartridge that is open.
 #[test]
 fn a_fault_halts_the_machine_in_words_that_hosts_know() {
-    let heard = talk(&machine(&[Heater::Hotend]), 120_000, &["M109 S200"]);
+    let break_it = |_: u64, world: &mut World<'_>| {
+        if let Some(plant) = world.heat().plant() {
+            plant.faults().hotend_heater = HeaterFault::OPEN;
+        }
+    };
+    let (heard, _) = talk_with(&machine(&[Heater::Hotend]), 60_000, &["M109 S200"], break_it);
     let [.., fault, halted] = heard.as_slice() else { panic!("{heard:?}") };
-    assert!(fault.starts_with("Error:hotend: "), "{heard:?}");
+    assert!(fault.starts_with("Error:hotend: heating failed"), "{heard:?}");
     assert_eq!(halted, "Error:Printer halted. kill() called! Send M999 or reset");
     assert!(!has(&heard, "ok"), "{heard:?}");
+}
+
+#[test]
+fn a_hotend_and_a_bed_are_heated_and_waited_for() {
+    let lines = ["M140 S60", "M104 S205", "M190 S60", "M109 S205", "M105", "M140 S0", "M109 R100", "M105"];
+    let mut fans = [0; 3];
+    let look = |_: u64, world: &mut World<'_>| fans = [0, 1, 2].map(|fan| world.status().heat().fan(fan));
+    let (heard, outcome) = talk_with(&machine(&[Heater::Hotend, Heater::Bed]), 700_000, &lines, look);
+    let reports: Vec<_> = heard.iter().filter(|line| line.starts_with("ok T:")).collect();
+    assert_eq!(reports.len(), 2, "{:?}", heard.last());
+    let temperature = |report: &str, letter: &str| -> f64 {
+        let (_, rest) = report.split_once(letter).unwrap();
+        rest.split(' ').next().unwrap().parse().unwrap()
+    };
+    assert!((temperature(reports[0], "T:") - 205.0).abs() < 1.5 && (temperature(reports[0], "B:") - 60.0).abs() < 1.5);
+    assert!((temperature(reports[1], "T:") - 100.0).abs() < 3.5, "{}", reports[1]);
+    assert_eq!((fans, outcome.halted), ([0, 65_535, 65_535], false), "fans of hotend and controller run");
 }
 
 #[test]
 fn m112_switches_heaters_off() {
     let mut seen = (false, false);
     let (heard, _) =
-        talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, status| {
-            let heat = status.heat();
+        talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, world| {
+            let heat = world.status().heat();
             seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
             seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
         });
@@ -232,7 +257,10 @@ fn settings_of_heaters_are_said_as_the_lines_that_set_them() {
 fn diagnosis_has_the_fault_and_the_heaters() {
     let heard = talk(&machine(&[Heater::Bed]), 3000, &["M122"]);
     assert!(has(&heard, "echo:fault: none"), "{heard:?}");
-    assert!(heard.iter().any(|line| line.starts_with("echo:heater bed 25.0")), "{heard:?}");
+    assert!(
+        heard.iter().any(|line| line.starts_with("echo:heater bed 2") && line.ends_with(" C, target 0.00 C, duty 0 %")),
+        "{heard:?}"
+    );
 }
 
 #[test]
