@@ -74,7 +74,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     /// M302 P1: filament may move at any temperature.
     pub(super) allows_cold: bool,
     /// When what the filament takes is told next, and what the look-ahead knows of it.
-    pub(super) filament_due: Instant,
+    pub(super) heat_due: Instant,
     pub(super) ahead_due: Instant,
 }
 
@@ -120,7 +120,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             heaters_used: now,
             targets_before: None,
             allows_cold: false,
-            filament_due: now,
+            heat_due: now,
             ahead_due: now,
         }
     }
@@ -268,9 +268,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.hosts.greet(Replies::start);
         self.tend_drivers()?;
         self.feed_motion();
-        self.tend_heat()?;
+        let now = self.ports.clock.now();
+        self.tend_heat(now)?;
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
-        self.hosts.keep_alive(self.ports.clock.now(), keepalive_ms, self.pauses.is_for_user());
+        self.hosts.keep_alive(now, keepalive_ms, self.pauses.is_for_user());
         self.report_unasked();
         self.watch_idleness();
         self.hosts.send();

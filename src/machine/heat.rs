@@ -3,27 +3,31 @@
 use crate::connectors::Heater;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::port::{Clock, Pend};
-use crate::units::{Celsius, TICKS_PER_SECOND};
+use crate::port::Pend;
+use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
-/// Filament that went through the nozzle is told so often, in ms: a quarter of a control period.
-const FILAMENT_MS: u32 = 5;
+/// Heat is looked after so often, in ms: a quarter of a control period.
+const TURN_MS: u32 = 5;
 
 /// And what the look-ahead knows of it so often: a fraction of any heater's lag.
 const AHEAD_MS: u32 = 50;
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Everything about heat that must go on whatever the Console waits for. A fault ends the motion here and now.
-    pub(super) fn tend_heat(&mut self) -> Result<(), Interrupt> {
+    pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
         if self.link.status().fault().is_set() {
             return Err(Interrupt::Halt);
         }
+        if now < self.heat_due {
+            return Ok(());
+        }
+        self.heat_due = now.after_ms(TURN_MS);
         self.follow_fans();
         self.heat_orders.note_motors(!self.drivers.powered().is_empty());
-        self.watch_heaters();
+        self.watch_heaters(now);
         self.send_orders();
         if self.settings.thermal.heater(Heater::Hotend).is_fitted {
-            self.tell_filament();
+            self.tell_filament(now);
         }
         Ok(())
     }
@@ -57,8 +61,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Switches heaters off that nobody has used for long enough, in whatever state the Console is. Who comes back to a
     /// question finds them as they were.
-    fn watch_heaters(&mut self) {
-        let now = self.ports.clock.now();
+    fn watch_heaters(&mut self, now: Instant) {
         if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
             self.heaters_used = now;
         }
@@ -81,12 +84,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// What the filament takes of the hotend's heat.
-    fn tell_filament(&mut self) {
-        let now = self.ports.clock.now();
-        if now < self.filament_due {
-            return;
-        }
-        self.filament_due = now.after_ms(FILAMENT_MS);
+    fn tell_filament(&mut self, now: Instant) {
         let [.., at] = self.real_steps();
         let heat = self.link.status().heat();
         heat.set_extruded_um(self.planner.filament_um(at) as u32);

@@ -174,12 +174,11 @@ fn a_hotend_and_a_bed_are_heated_and_waited_for() {
 #[test]
 fn m112_switches_heaters_off() {
     let mut seen = (false, false);
-    let (heard, _) =
-        talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, world| {
-            let heat = world.status().heat();
-            seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
-            seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
-        });
+    let (heard, _) = talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, world| {
+        let heat = world.status().heat();
+        seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
+        seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
+    });
     assert_eq!(seen, (true, false), "{heard:?}");
 }
 

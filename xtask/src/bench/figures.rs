@@ -194,7 +194,8 @@ fn of_lines(parse: &Profile, plain: &Profile) -> Vec<Figure> {
 /// A control period with hotend and bed on, without the plant that they heat.
 fn of_heat(heat: &Profile) -> Vec<Figure> {
     let periods = heat.entries(Context::Thermal) as f64;
-    let work = heat.work(|spot| spot.context == Context::Thermal && spot.room != Some(Room::Rig)).instructions as f64;
+    let work =
+        heat.work(|spot| spot.context == Context::Thermal && spot.room == Some(Room::Thermal)).instructions as f64;
     // Most of a period's work depends on what was measured.
     vec![Figure { is_steady: false, ..figure("thermal_insn_per_period", work / periods, Some(3000.0), "") }]
 }

@@ -105,8 +105,11 @@ pub extern "C" fn on_generator() {
 pub extern "C" fn on_thermal() {
     THERMAL.with(|(thermal, counts, groups)| {
         thermal.period();
-        let extruded = groups.motor_counts(counts.read())[Motor::E0 as usize];
-        thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
+        // Counting walks through the queue of step events.
+        if thermal.port().plant().is_some() {
+            let extruded = groups.motor_counts(counts.read())[Motor::E0 as usize];
+            thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
+        }
     });
 }
 
