@@ -31,9 +31,8 @@ impl Heat {
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
         let thermal = settings.thermal;
-        let is_heated = Heater::ALL.into_iter().any(|heater| thermal.heater(heater).is_fitted);
         Self {
-            plant: is_heated.then(|| Plant::new(&constants(&thermal))),
+            plant: thermal.has_heater().then(|| Plant::new(&constants(&thermal))),
             settings: thermal,
             steps_per_mm: settings.steps_per_mm(Motor::E0).to_num(),
             duties: [0; OUTPUTS],

@@ -11,9 +11,9 @@ use super::scrub::sum;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
-use crate::settings::{FanRole, ThermalSettings};
+use crate::settings::ThermalSettings;
 use crate::status::{Status, Tuning};
-use crate::units::{Celsius, Ratio};
+use crate::units::Celsius;
 use fixed::types::I8F24;
 
 /// Periods between two looks at the settings in RAM: 1 s.
@@ -87,10 +87,9 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         while let Some(order) = self.orders.dequeue() {
             match order {
                 // After a fault nothing heats any more.
-                Order::Target(..) | Order::Tune(..) | Order::SelfTest if self.status.fault().is_set() => {}
+                Order::Target(..) | Order::Tune(..) if self.status.fault().is_set() => {}
                 Order::Target(heater, target) => self.heaters[heater as usize].set_target(target),
                 Order::Tune(heater, target, cycles) => self.heaters[heater as usize].tune(target, cycles),
-                Order::SelfTest => {}
                 Order::StopTuning => self.stop_tuning(),
                 Order::Fan(fan, speed) => {
                     if let Some(fan) = self.fans.get_mut(usize::from(fan)) {
@@ -275,16 +274,6 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.port.blow(place, duty);
             self.status.heat().set_fan(place, duty);
         }
-    }
-
-    /// The role of a fan, for those who command it.
-    pub fn fan_role(&self, fan: usize) -> Option<FanRole> {
-        self.fans.get(fan).map(|fan| fan.settings().role)
-    }
-
-    /// The part fan's duty, of 1.
-    pub fn part_fan(&self) -> Ratio {
-        share(self.status.heat().fan(0))
     }
 }
 

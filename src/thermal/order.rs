@@ -31,8 +31,6 @@ pub enum Order {
     Tune(Heater, Celsius, u8),
     /// End that.
     StopTuning,
-    /// Pulse each heater and look whether its sensor follows.
-    SelfTest,
     /// Other settings for a heater.
     Heater(Heater, HeaterSettings),
     /// Other settings for a fan.

@@ -81,7 +81,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if thermal.heater(heater).is_fitted {
             return None;
         }
-        let has_any = thermal.heaters.all().into_iter().any(|heater| heater.is_fitted);
+        let has_any = thermal.has_heater();
         Some(match heater {
             // Slicers write M141 and M191 for machines without a chamber's heater too.
             Heater::Chamber => Answer::Nothing,
@@ -142,7 +142,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// M116: waits for all that are on.
     pub(in crate::machine) async fn await_heaters(&mut self) -> Result<Answer<'static>, Interrupt> {
-        if self.settings.thermal.heaters.all().into_iter().all(|heater| !heater.is_fitted) {
+        if !self.settings.thermal.has_heater() {
             return Ok(self.missing(Heater::Hotend).unwrap_or(Answer::Nothing));
         }
         let are_on = Heater::ALL.map(|heater| self.target_of(heater) > Celsius::ZERO);
@@ -299,9 +299,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         match heater {
             None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
             Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
-            Some(heater) if thermal.heaters.all().into_iter().any(|heater| heater.is_fitted) => {
-                Err(Answer::NoHeater(heater))
-            }
+            Some(heater) if thermal.has_heater() => Err(Answer::NoHeater(heater)),
             Some(_) => Err(Answer::Line("echo:no heaters configured, ignored")),
         }
     }

@@ -70,6 +70,12 @@ impl ThermalSettings {
         }
     }
 
+    /// Whether there is any heater.
+    #[must_use]
+    pub fn has_heater(&self) -> bool {
+        self.heaters.all().into_iter().any(|heater| heater.is_fitted)
+    }
+
     /// The settings of a heater.
     #[must_use]
     pub const fn heater(&self, heater: Heater) -> &HeaterSettings {
