@@ -214,6 +214,12 @@ pub trait Storage {
     fn is_done(&mut self) -> Result<bool, StorageError> {
         Ok(true)
     }
+
+    /// What the program memory holds, as one number that is another one after an update; `None` for a program that nobody
+    /// flashes, such as a simulator's.
+    fn image(&self) -> Option<u32> {
+        None
+    }
 }
 
 /// For machines without storage.

@@ -145,6 +145,7 @@ fn line() -> impl Strategy<Value = String> {
         "M593 P\"mzv\"",
         "M302 S170",
         "M303",
+        "SELF_TEST",
         "M303 E-1 S60 U1",
         "M109",
         "M190 R60",

@@ -38,7 +38,7 @@ pub enum Cause {
     ConverterStopped = 14,
     /// Settings in RAM have changed by themselves.
     SettingsDamaged = 15,
-    /// The first heating after an update: the wrong sensor followed, or none.
+    /// In a self-test the wrong sensor followed, or none; value and limit are the rise that was, and that should have been.
     SelfTest = 16,
     /// A context has not come by; the subject says which.
     ContextHangs = 17,
@@ -117,7 +117,7 @@ impl Cause {
             Self::Reference => "reference voltage of the converter is wrong",
             Self::ConverterStopped => "analog converter stopped",
             Self::SettingsDamaged => "settings in RAM are damaged",
-            Self::SelfTest => "self-test failed",
+            Self::SelfTest => "self-test failed, its sensor did not follow it, or another one did",
             Self::ContextHangs => "a part of the firmware hangs",
             Self::Panic => "firmware gave up (panic)",
             Self::HardFault => "processor fault",
@@ -144,6 +144,7 @@ impl Cause {
                 | Self::TemperatureLost
                 | Self::HeatsWhileOff
                 | Self::Overshoot
+                | Self::SelfTest
         )
     }
 }

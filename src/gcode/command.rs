@@ -280,6 +280,8 @@ pub enum Command<'a> {
         /// U: whether to use what is found.
         applies: bool,
     },
+    /// SELF_TEST: find out whether each heater warms its own sensor.
+    SelfTest,
     /// M302: the temperature below which no filament moves, or report.
     ColdExtrusion {
         /// S, in degrees Celsius.

@@ -36,6 +36,9 @@ pub(super) fn parse_named(text: &[u8]) -> Option<Command<'_>> {
     if is(b"SET_VELOCITY_LIMIT") {
         return Some(set_velocity_limit(after));
     }
+    if is(b"SELF_TEST") {
+        return Some(Command::SelfTest);
+    }
     if CONDITIONALS.iter().any(|conditional| is(conditional)) && !matches!(after, [b'0'..=b'9', ..]) {
         return Some(Command::Conditional);
     }

@@ -25,6 +25,7 @@ use crate::machine::state::idle_timeout::IdleTimeout;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::Notices;
 use crate::machine::state::position::{Homed, RealPosition};
+use crate::machine::state::self_tests::SelfTests;
 use crate::machine::stream::release_policy::ReleasePolicy;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
@@ -68,6 +69,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) orders: Orders<'m>,
     pub(super) heat_orders: HeatOrders,
     pub(super) fan_schedule: FanSchedule,
+    pub(super) self_tests: SelfTests,
     /// When heaters were last used, and what they were at before they went off while the user was waited for.
     pub(super) heaters_used: Instant,
     pub(super) targets_before: Option<[Celsius; HEATERS]>,
@@ -117,6 +119,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             orders,
             heat_orders: HeatOrders::new(&settings.thermal),
             fan_schedule: FanSchedule::new(),
+            self_tests: SelfTests::new(),
             heaters_used: now,
             targets_before: None,
             allows_cold: false,
@@ -173,6 +176,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         loop {
             let now = self.ports.clock.now();
             let patience = (u32::from(self.settings.patience_ms), self.activity());
+            // Flash may stop the processor while it is written, so everything rests.
+            if self.self_tests.has_news() && !self.has_motion() {
+                self.note_self_test().await?;
+            }
             let Some(asked) = self.hosts.next_line(now, patience, &mut text) else {
                 self.link.status().set_awaiting_input(true);
                 self.turn().await?;

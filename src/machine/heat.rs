@@ -26,6 +26,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.heat_orders.note_motors(!self.drivers.powered().is_empty());
         self.watch_heaters(now);
         self.send_orders();
+        self.follow_self_test();
         if self.settings.thermal.heater(Heater::Hotend).is_fitted {
             self.tell_filament(now);
         }

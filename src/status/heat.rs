@@ -19,6 +19,20 @@ pub enum Tuning {
     Failed,
 }
 
+/// How far a self-test has come. One that fails is a fault.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum SelfTest {
+    /// There was none, or it was ended.
+    None = 0,
+    /// It goes on.
+    Testing = 1,
+    /// Each heater warms its own sensor.
+    Passed = 2,
+    /// A heater is hot, or its sensor has no reading: nothing was found out.
+    PutOff = 3,
+}
+
 /// What M303 has found, in the bits of the types that settings have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Tuned {
@@ -54,6 +68,7 @@ pub struct Heat {
     periods: AtomicU32,
     tuning: AtomicU32,
     tuned: [AtomicU32; 7],
+    self_test: AtomicU8,
     /// Filament that went through the nozzle, in um, wrapping; written by the Console.
     extruded_um: AtomicU32,
     /// Heat for each K that filament will take within the hotend's lag, and at its end, in 2^-24 J/K and W/K; written by the
@@ -80,6 +95,7 @@ impl Heat {
             periods: AtomicU32::new(0),
             tuning: AtomicU32::new(0),
             tuned: [const { AtomicU32::new(0) }; 7],
+            self_test: AtomicU8::new(SelfTest::None as u8),
             extruded_um: AtomicU32::new(0),
             coming: AtomicU32::new(0),
             then: AtomicU32::new(0),
@@ -142,7 +158,18 @@ impl Heat {
         }
     }
 
-    /// What it has found.
+    /// How far a self-test has come.
+    #[must_use]
+    pub fn self_test(&self) -> SelfTest {
+        match self.self_test.load(Relaxed) {
+            1 => SelfTest::Testing,
+            2 => SelfTest::Passed,
+            3 => SelfTest::PutOff,
+            _ => SelfTest::None,
+        }
+    }
+
+    /// What a tuning has found.
     #[must_use]
     pub fn tuned(&self) -> Tuned {
         let [capacity, loss, fan_loss, lag, p, i, d] = self.tuned.each_ref().map(|word| word.load(Relaxed));
@@ -181,6 +208,10 @@ impl Heat {
             Tuning::Cycle(cycles) => u32::from(cycles) + 3,
         };
         self.tuning.store(number, Relaxed);
+    }
+
+    pub(crate) fn set_self_test(&self, state: SelfTest) {
+        self.self_test.store(state as u8, Relaxed);
     }
 
     pub(crate) fn set_tuned(&self, tuned: &Tuned) {

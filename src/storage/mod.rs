@@ -3,9 +3,13 @@
 //! Two slots hold a record each. A save writes the slot that does not hold the newest settings, so these
 //! stay whole until the new record is; a checksum over all of a record decides whether it is. Sequence
 //! numbers tell which of two is the newer one, and saving in turns halves the wear.
+//!
+//! After the slots lies one page more, which notes the last self-test of the heaters that was passed.
 
 mod record;
+mod self_test;
 mod slots;
 
 pub use record::{FORMAT, Receipt, Rejected};
+pub use self_test::{note_passed_test, passed_test};
 pub use slots::{NEEDED, PAGE, SaveError, Slot, Stored, Survey, is_present, save, survey};

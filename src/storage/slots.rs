@@ -15,8 +15,11 @@ pub const PAGE: usize = 32;
 /// Distance of the slots. Twice the longest record, so that settings can grow without moving them.
 const STRIDE: u32 = 1024;
 
-/// Bytes of storage that the settings need: half of an AT24C32.
-pub const NEEDED: u32 = 2 * STRIDE;
+/// Where the note of the last self-test lies: in a page of its own after the slots.
+pub(super) const SELF_TEST: u32 = 2 * STRIDE;
+
+/// Bytes of storage that are needed: half of an AT24C32, and a page.
+pub const NEEDED: u32 = SELF_TEST + PAGE as u32;
 
 const _: () = assert!(LONGEST <= STRIDE as usize && LONGEST.is_multiple_of(PAGE));
 const _: () = assert!(STRIDE.is_multiple_of(PAGE as u32) && NEEDED <= 4096);

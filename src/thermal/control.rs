@@ -8,11 +8,12 @@ use super::heater::{Circumstances, HeaterLoop};
 use super::order::{Common, Order, OrdersIn};
 use super::predictive::Ahead;
 use super::scrub::sum;
+use super::self_test::{End, Readings, SelfTest};
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
 use crate::settings::ThermalSettings;
-use crate::status::{Status, Tuning};
+use crate::status::{self, Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
 
@@ -30,6 +31,7 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     common: Common,
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
+    self_test: Option<SelfTest>,
     hearts: Hearts,
     /// Whether motors have power, and periods for which the controller's fan goes on.
     has_motors: bool,
@@ -54,6 +56,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             common: Common::of(settings),
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
+            self_test: None,
             hearts: Hearts::new(),
             has_motors: false,
             runs_on: 0,
@@ -87,8 +90,13 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         while let Some(order) = self.orders.dequeue() {
             match order {
                 // After a fault nothing heats any more.
-                Order::Target(..) | Order::Tune(..) if self.status.fault().is_set() => {}
-                Order::Target(heater, target) => self.heaters[heater as usize].set_target(target),
+                Order::Target(..) | Order::Tune(..) | Order::SelfTest if self.status.fault().is_set() => {}
+                Order::Target(heater, target) => match &mut self.self_test {
+                    Some(test) => test.hold(heater, self.heaters[heater as usize].legal(target)),
+                    None => self.heaters[heater as usize].set_target(target),
+                },
+                Order::Tune(..) if self.self_test.is_some() => {}
+                Order::SelfTest => self.begin_self_test(),
                 Order::Tune(heater, target, cycles) => self.heaters[heater as usize].tune(target, cycles),
                 Order::StopTuning => self.stop_tuning(),
                 Order::Fan(fan, speed) => {
@@ -98,10 +106,12 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 }
                 Order::Motors(on) => self.has_motors = on,
                 Order::Off => {
+                    self.stop_self_test();
                     self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
                     self.fans.iter_mut().for_each(|fan| fan.command(0));
                 }
                 Order::Heater(heater, settings) => {
+                    self.end_self_test(End::PutOff);
                     self.heaters[heater as usize].configure(settings);
                     has_new_settings = true;
                 }
@@ -119,6 +129,62 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
         if has_new_settings {
             self.settings_sum = self.sum();
+        }
+    }
+
+    /// What each heater's sensor reads.
+    fn readings(&self) -> Readings {
+        self.heaters.each_ref().map(|heater| heater.measured().filter(|_| heater.settings().is_fitted))
+    }
+
+    fn begin_self_test(&mut self) {
+        if self.self_test.is_some() {
+            return;
+        }
+        let held = self.heaters.each_ref().map(HeaterLoop::target);
+        let settings = self.heaters.each_ref().map(HeaterLoop::settings);
+        self.self_test = SelfTest::new(settings, &self.readings(), held);
+        let is_begun = self.self_test.is_some();
+        if is_begun {
+            self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
+        }
+        let state = if is_begun { status::SelfTest::Testing } else { status::SelfTest::PutOff };
+        self.status.heat().set_self_test(state);
+    }
+
+    /// One control period of a self-test that goes on.
+    fn test(&mut self) -> Result<(), (Heater, Alarm)> {
+        let readings = self.readings();
+        let settings = self.heaters.each_ref().map(HeaterLoop::settings);
+        let end = self.self_test.as_mut().and_then(|test| test.period(settings, &readings));
+        if let Some(End::Failed(heater, alarm)) = end {
+            self.stop_self_test();
+            return Err((heater, alarm));
+        }
+        end.into_iter().for_each(|end| self.end_self_test(end));
+        let powered = self.self_test.as_ref().and_then(SelfTest::powered);
+        for heater in Heater::ALL {
+            self.heaters[heater as usize].pulse(powered == Some(heater));
+        }
+        Ok(())
+    }
+
+    /// A self-test that goes on is over, and heaters get the targets that were held.
+    fn end_self_test(&mut self, end: End) {
+        let Some(test) = self.self_test.take() else { return };
+        for (heater, target) in self.heaters.iter_mut().zip(test.held()) {
+            heater.set_target(target);
+        }
+        let is_passed = end == End::Passed;
+        let state = if is_passed { status::SelfTest::Passed } else { status::SelfTest::PutOff };
+        self.status.heat().set_self_test(state);
+    }
+
+    /// A self-test that goes on is over, and so is all heating.
+    fn stop_self_test(&mut self) {
+        if self.self_test.take().is_some() {
+            self.heaters.iter_mut().for_each(|heater| heater.pulse(false));
+            self.status.heat().set_self_test(status::SelfTest::None);
         }
     }
 
@@ -163,7 +229,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
         let now = self.circumstances();
         let mut duties = [0; OUTPUTS];
-        let mut found = Ok(());
+        let mut found = self.test();
         for heater in Heater::ALL {
             let looped = &mut self.heaters[heater as usize];
             let settings = looped.settings();
@@ -186,15 +252,17 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
         if found.is_err() || self.status.fault().is_set() || self.status.is_halted() {
             duties = [0; OUTPUTS];
+            self.stop_self_test();
             self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
         }
         self.port.heat(&duties);
         self.tell_tuning();
         for heater in Heater::ALL {
             let looped = &self.heaters[heater as usize];
+            let target = self.self_test.as_ref().map_or(looped.target(), |test| test.held()[heater as usize]);
             let measured = looped.measured().filter(|_| looped.settings().is_fitted);
             let duty = if duties == [0; OUTPUTS] { 0 } else { looped.duty() };
-            self.status.heat().set_heater(heater, measured, looped.target(), duty);
+            self.status.heat().set_heater(heater, measured, target, duty);
             self.status.heat().set_ailment(heater, looped.ailment());
         }
         found

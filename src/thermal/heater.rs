@@ -44,6 +44,8 @@ pub struct HeaterLoop {
     /// What was asked of the output, without switching.
     wanted: u16,
     tune: Option<Tune>,
+    /// Full power whatever the target, for a self-test.
+    is_pulsed: bool,
     /// Why it must not heat, while nobody wants it to.
     ailment: Option<Cause>,
 }
@@ -88,6 +90,7 @@ impl HeaterLoop {
             is_free: true,
             wanted: 0,
             tune: None,
+            is_pulsed: false,
             ailment: None,
         }
     }
@@ -121,13 +124,17 @@ impl HeaterLoop {
 
     /// What it is to be kept at; 0 or less is off.
     pub fn set_target(&mut self, target: Celsius) {
-        let target =
-            if self.ailment.is_some() { Celsius::ZERO } else { target.min(self.settings.most).max(Celsius::ZERO) };
+        let target = self.legal(target);
         if target == Celsius::ZERO {
             self.pid.rest();
             self.tune = None;
         }
         self.target = target;
+    }
+
+    /// The nearest legal target: within the limits, and none while the sensor is broken.
+    pub fn legal(&self, target: Celsius) -> Celsius {
+        if self.ailment.is_some() { Celsius::ZERO } else { target.min(self.settings.most).max(Celsius::ZERO) }
     }
 
     /// The target; 0 is off.
@@ -165,6 +172,11 @@ impl HeaterLoop {
     /// The tuning that goes on.
     pub const fn tuning(&mut self) -> &mut Option<Tune> {
         &mut self.tune
+    }
+
+    /// Whether to give full power in the coming period whatever the target, for a self-test.
+    pub const fn pulse(&mut self, is_pulsed: bool) {
+        self.is_pulsed = is_pulsed;
     }
 
     /// One control period.
@@ -221,6 +233,10 @@ impl HeaterLoop {
     /// The duty for the next period.
     fn decide(&mut self, measured: Celsius, ahead: Ahead) -> u16 {
         let most = ((u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535) >> 16) as u16;
+        if self.is_pulsed {
+            self.is_free = false;
+            return most;
+        }
         if self.target == Celsius::ZERO {
             self.is_free = true;
             return 0;

@@ -31,6 +31,8 @@ pub enum Order {
     Tune(Heater, Celsius, u8),
     /// End that.
     StopTuning,
+    /// Find out whether each heater warms its own sensor; targets wait until that is known.
+    SelfTest,
     /// Other settings for a heater.
     Heater(Heater, HeaterSettings),
     /// Other settings for a fan.

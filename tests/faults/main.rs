@@ -10,6 +10,7 @@ mod latch;
 #[path = "../thermal/printer.rs"]
 mod printer;
 mod quiet;
+mod self_test;
 mod sensors;
 
 use corehbot::connectors::{Heater, Output};

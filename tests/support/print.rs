@@ -135,6 +135,7 @@ impl Display for Printed<'_> {
                 word(f, 'C', cycles)?;
                 f.write_str(if applies { " U1" } else { "" })
             }
+            Command::SelfTest => f.write_str("SELF_TEST"),
             Command::ColdExtrusion { least, allow } => {
                 switch(f, "M302", least)?;
                 word(f, 'P', allow.map(|allow| Number::from(i32::from(allow))))

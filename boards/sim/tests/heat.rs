@@ -1,69 +1,17 @@
 //! Heaters and fans as hosts know them, on a simulated machine that warms and cools.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "common/deaf.rs"]
-mod deaf;
+#[path = "common/heat_talk.rs"]
+mod heat_talk;
 
 use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
-use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::plant::HeaterFault;
-use corehbot_sim::drivers::Drivers;
-use corehbot_sim::world::{Desk, Outcome, World};
-use deaf::Deaf;
-
-/// A machine with these heaters.
-fn machine(fitted: &[Heater]) -> Settings {
-    let mut settings = Settings::prototype();
-    for heater in fitted {
-        settings.thermal.heater_mut(*heater).is_fitted = true;
-    }
-    settings
-}
-
-/// Says `lines` one after the other, each after the `ok` of the one before, and lets so much time pass in all. A line that begins
-/// with a number of ms and a colon is said at that time, whatever was answered. Returns what was heard.
-fn talk_with(
-    settings: &Settings,
-    ms: u64,
-    lines: &[&str],
-    mut look: impl FnMut(u64, &mut World<'_>),
-) -> (Vec<String>, Outcome) {
-    let drivers = Drivers::new();
-    let mut desk = Desk::new(1);
-    let start = Some([100, 100, 50].map(Mm::from_num));
-    let mut sink = Deaf;
-    let mut world = World::new(&mut desk, settings, start, NoStorage, &drivers, &mut sink);
-    let (mut heard, mut partial, mut next, mut awaiting) = (Vec::<String>::new(), Vec::new(), 0, 0);
-    while world.now() < ms * u64::from(TICKS_PER_MS) {
-        world.poll();
-        partial.extend(world.wires()[0].heard());
-        while let Some(end) = partial.iter().position(|byte| *byte == b'\n') {
-            let line: Vec<u8> = partial.drain(..=end).collect();
-            let line = String::from_utf8(line).unwrap().trim_end().to_owned();
-            awaiting -= i32::from(line.starts_with("ok"));
-            heard.push(line);
-        }
-        let now = world.now() / u64::from(TICKS_PER_MS);
-        look(now, &mut world);
-        if let Some(line) = lines.get(next) {
-            let (at, text) = line.split_once(':').map_or((None, *line), |(at, text)| (Some(at), text));
-            if at.map_or(awaiting == 0 && now >= 100, |at| now >= at.parse::<u64>().unwrap()) {
-                world.wires()[0].put(format!("{text}\n").into_bytes());
-                (next, awaiting) = (next + 1, awaiting + 1);
-                continue;
-            }
-        }
-        world.advance();
-    }
-    assert_eq!(next, lines.len(), "{heard:?}");
-    heard.retain(|line| line != "echo:busy: processing");
-    (heard.split_off(2), world.outcome())
-}
+use heat_talk::{machine, talk_with};
 
 fn talk(settings: &Settings, ms: u64, lines: &[&str]) -> Vec<String> {
-    talk_with(settings, ms, lines, |_, _| {}).0
+    talk_with(settings, NoStorage, ms, lines, |_, _| {}).0
 }
 
 fn has(heard: &[String], line: &str) -> bool {
@@ -147,7 +95,7 @@ fn a_fault_halts_the_machine_in_words_that_hosts_know() {
             plant.faults().hotend_heater = HeaterFault::OPEN;
         }
     };
-    let (heard, _) = talk_with(&machine(&[Heater::Hotend]), 60_000, &["M109 S200"], break_it);
+    let (heard, _) = talk_with(&machine(&[Heater::Hotend]), NoStorage, 60_000, &["M109 S200"], break_it);
     let [.., fault, halted] = heard.as_slice() else { panic!("{heard:?}") };
     assert!(fault.starts_with("Error:hotend: heating failed"), "{heard:?}");
     assert_eq!(halted, "Error:Printer halted. kill() called! Send M999 or reset");
@@ -159,7 +107,7 @@ fn a_hotend_and_a_bed_are_heated_and_waited_for() {
     let lines = ["M140 S60", "M104 S205", "M190 S60", "M109 S205", "M105", "M140 S0", "M109 R100", "M105"];
     let mut fans = [0; 3];
     let look = |_: u64, world: &mut World<'_>| fans = [0, 1, 2].map(|fan| world.status().heat().fan(fan));
-    let (heard, outcome) = talk_with(&machine(&[Heater::Hotend, Heater::Bed]), 700_000, &lines, look);
+    let (heard, outcome) = talk_with(&machine(&[Heater::Hotend, Heater::Bed]), NoStorage, 700_000, &lines, look);
     let reports: Vec<_> = heard.iter().filter(|line| line.starts_with("ok T:")).collect();
     assert_eq!(reports.len(), 2, "{:?}", heard.last());
     let temperature = |report: &str, letter: &str| -> f64 {
@@ -174,11 +122,12 @@ fn a_hotend_and_a_bed_are_heated_and_waited_for() {
 #[test]
 fn m112_switches_heaters_off() {
     let mut seen = (false, false);
-    let (heard, _) = talk_with(&machine(&[Heater::Hotend]), 3000, &["M106", "M104 S200", "2000:M112"], |now, world| {
-        let heat = world.status().heat();
-        seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
-        seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
-    });
+    let (heard, _) =
+        talk_with(&machine(&[Heater::Hotend]), NoStorage, 3000, &["M106", "M104 S200", "2000:M112"], |now, world| {
+            let heat = world.status().heat();
+            seen.0 |= now < 2000 && heat.target(Heater::Hotend) == 200;
+            seen.1 |= now > 2100 && heat.target(Heater::Hotend) > 0;
+        });
     assert_eq!(seen, (true, false), "{heard:?}");
 }
 
@@ -205,12 +154,12 @@ fn no_filament_moves_while_the_hotend_is_cold() {
     let told = "echo: cold extrusion prevented";
     let settings = machine(&[Heater::Hotend]);
     let lines = ["G1 X110 E5 F6000", "G1 E9 F600", "G2 X120 I5 E12", "G10", "G11", "G92 E9", "M400", "M114"];
-    let (heard, outcome) = talk_with(&settings, 8000, &lines, |_, _| {});
+    let (heard, outcome) = talk_with(&settings, NoStorage, 8000, &lines, |_, _| {});
     let [.., extruder] = outcome.counts;
     assert_eq!((extruder, outcome.counts[0].abs() > 0), (0, true));
     assert_eq!(heard.iter().filter(|line| *line == told).count(), 1, "{heard:?}");
     assert!(has(&heard, "X:120.00 Y:100.00 Z:50.00 E:9.00 Count A:17600 B:1600 Z:40000"), "{heard:?}");
-    let (_, outcome) = talk_with(&settings, 8000, &[&["M302 P1"], lines.as_slice()].concat(), |_, _| {});
+    let (_, outcome) = talk_with(&settings, NoStorage, 8000, &[&["M302 P1"], lines.as_slice()].concat(), |_, _| {});
     assert_eq!(outcome.counts[6], 12 * 400, "with leave it moves");
     for lines in [["M302 P1", "M302"], ["M302 S0", "M302"]] {
         let heard = talk(&settings, 1000, &lines);

@@ -19,10 +19,10 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embassy_time::{Duration, Ticker, Timer};
 use static_cell::StaticCell;
 
+use crate::board_storage::BoardStorage;
 use crate::drivers::Drivers;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
-use crate::memory::BoardStorage;
 use crate::step_pins::StepPins;
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usb::{self, UsbPort};

@@ -39,6 +39,8 @@ mod ring;
 #[cfg(target_os = "none")]
 mod after_bootloader;
 #[cfg(target_os = "none")]
+mod board_storage;
+#[cfg(target_os = "none")]
 mod bus;
 #[cfg(target_os = "none")]
 mod clocks;
@@ -62,6 +64,8 @@ mod heat;
 mod heater_timer;
 #[cfg(target_os = "none")]
 mod host_serial;
+#[cfg(target_os = "none")]
+mod image;
 #[cfg(target_os = "none")]
 mod otg;
 #[cfg(target_os = "none")]

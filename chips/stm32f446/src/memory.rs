@@ -2,31 +2,31 @@
 //!
 //! The `main` of a board names it by a function, so that the image holds no other.
 
-use corehbot::port::{Storage, StorageError};
+use corehbot::port::StorageError;
 
 use crate::wiring::Board;
 
 /// A function that finds the memory of a board, when its clocks run.
 pub type Find = fn(&'static Board) -> &'static mut dyn Memory;
 
-/// The port [`Storage`] without futures: no call takes longer than a millisecond or two, unless it says so.
+/// The port [`corehbot::port::Storage`] without futures: no call takes longer than a millisecond or two, unless it says so.
 pub trait Memory {
-    /// As [`Storage::capacity`].
+    /// As [`corehbot::port::Storage::capacity`].
     fn capacity(&self) -> u32;
 
-    /// As [`Storage::read`].
+    /// As [`corehbot::port::Storage::read`].
     ///
     /// # Errors
     /// The same.
     fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError>;
 
-    /// As [`Storage::write`].
+    /// As [`corehbot::port::Storage::write`].
     ///
     /// # Errors
     /// The same.
     fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError>;
 
-    /// As [`Storage::is_done`].
+    /// As [`corehbot::port::Storage::is_done`].
     ///
     /// # Errors
     /// The same.
@@ -49,26 +49,5 @@ impl<M: Memory> Memory for Option<M> {
 
     fn is_done(&mut self) -> Result<bool, StorageError> {
         self.as_mut().ok_or(StorageError::Absent)?.is_done()
-    }
-}
-
-/// The board's memory as the core sees it.
-pub struct BoardStorage(pub &'static mut dyn Memory);
-
-impl Storage for BoardStorage {
-    fn capacity(&self) -> u32 {
-        self.0.capacity()
-    }
-
-    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        self.0.read(at, into)
-    }
-
-    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        self.0.write(at, bytes)
-    }
-
-    fn is_done(&mut self) -> Result<bool, StorageError> {
-        self.0.is_done()
     }
 }

@@ -11,12 +11,13 @@ use defmt_rtt as _;
 use embassy_time::{Duration, Instant, block_for};
 use static_cell::{ConstStaticCell, StaticCell};
 
+use crate::board_storage::BoardStorage;
 use crate::contexts::{self, BoardParts, BoardPorts, IrqPend};
 use crate::drivers::Drivers;
 use crate::fans::Fans;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
-use crate::memory::{BoardStorage, Find};
+use crate::memory::Find;
 use crate::port_writes::PortWrites;
 use crate::reset_reason::{self, ResetReason};
 use crate::step_pins::StepPins;

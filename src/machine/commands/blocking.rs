@@ -74,6 +74,8 @@ pub(in crate::machine) enum Blocking<'c> {
     Fan { fan: u8, speed: Number },
     /// M303.
     Tune { heater: Option<Heater>, target: Option<Number>, cycles: Option<Number>, applies: bool },
+    /// SELF_TEST.
+    SelfTest,
     /// M119.
     ReportEndstops,
     /// M122.
@@ -129,6 +131,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Blocking::Tune { heater, target, cycles, applies } => {
                 return self.tune(heater, target, cycles, applies).await;
             }
+            Blocking::SelfTest => return self.test_heaters().await,
             Blocking::ReportEndstops => {
                 self.link.look_at_endstops();
                 self.turn().await?;

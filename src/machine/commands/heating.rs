@@ -113,6 +113,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let Some(number) = target else { return Ok(false) };
         let range = Range { least: Celsius::ZERO, most: self.settings.thermal.heater(heater).most };
         let target = self.clamps.near([code, "S"], number, range);
+        if target > Celsius::ZERO {
+            self.test_before_heating();
+        }
         self.heat_orders.heat(heater, target);
         self.heaters_used = self.ports.clock.now();
         self.send_orders();
@@ -243,6 +246,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.finish().await?;
         self.tell(Answer::Line("PID Autotune start")).await?;
         self.pauses.begin(Waiting::Tuning);
+        self.test_before_heating();
+        self.await_self_test().await?;
         self.heat_orders.tune(heater, target, cycles);
         let found = self.await_tuning(heater).await;
         self.pauses.end();

@@ -42,6 +42,7 @@ pub(in crate::machine) mod immediate;
 pub(in crate::machine) mod moves;
 pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod retraction;
+pub(in crate::machine) mod self_test;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod settings;
 pub(in crate::machine) mod shaping;

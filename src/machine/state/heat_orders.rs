@@ -27,6 +27,7 @@ enum Target {
 pub(in crate::machine) struct HeatOrders {
     is_off: bool,
     targets: [Target; HEATERS],
+    is_test_waiting: bool,
     tuning: Option<(Heater, Celsius, u8)>,
     fans: [Option<u16>; FANS],
     motors: Option<bool>,
@@ -42,6 +43,7 @@ impl HeatOrders {
         Self {
             is_off: false,
             targets: [Target::Known; HEATERS],
+            is_test_waiting: false,
             tuning: None,
             fans: [None; FANS],
             motors: None,
@@ -67,7 +69,17 @@ impl HeatOrders {
     pub const fn switch_off(&mut self) {
         self.targets = [Target::Known; HEATERS];
         self.fans = [None; FANS];
-        (self.tuning, self.is_off) = (None, true);
+        (self.tuning, self.is_test_waiting, self.is_off) = (None, false, true);
+    }
+
+    /// Find out whether each heater warms its own sensor, before anything that is ordered later.
+    pub const fn test(&mut self) {
+        self.is_test_waiting = true;
+    }
+
+    /// Whether that order is yet to leave.
+    pub const fn is_test_waiting(&self) -> bool {
+        self.is_test_waiting
     }
 
     /// Find out how a heater behaves.
@@ -100,7 +112,8 @@ impl HeatOrders {
 
     /// Whether everything has left.
     pub const fn is_empty(&self) -> bool {
-        let is_silent = self.tuning.is_none() && self.motors.is_none() && !self.is_off && !self.has_news;
+        let is_silent =
+            !self.is_test_waiting && self.tuning.is_none() && self.motors.is_none() && !self.is_off && !self.has_news;
         let [a, b, c] = self.targets;
         is_silent && !matches!(a, Target::Waits(_)) && !matches!(b, Target::Waits(_)) && !matches!(c, Target::Waits(_))
     }
@@ -112,6 +125,9 @@ impl HeatOrders {
         }
         if let Some(order) = self.next_settings(settings) {
             return Some(order);
+        }
+        if core::mem::take(&mut self.is_test_waiting) {
+            return Some(Order::SelfTest);
         }
         for heater in Heater::ALL {
             let place = &mut self.targets[heater as usize];

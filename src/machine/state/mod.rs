@@ -18,5 +18,6 @@ pub(in crate::machine) mod idle_timeout;
 pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;
 pub(in crate::machine) mod position;
+pub(in crate::machine) mod self_tests;
 pub(in crate::machine) mod soft_endstops;
 pub(in crate::machine) mod waiting;

@@ -16,6 +16,8 @@ pub(in crate::machine) enum Waiting {
     Heat,
     /// M303 finds out how a heater behaves.
     Tuning,
+    /// SELF_TEST.
+    SelfTest,
 }
 
 impl Waiting {
@@ -24,7 +26,7 @@ impl Waiting {
     pub const fn is_idle_for_heaters(self) -> bool {
         match self {
             Self::Nothing | Self::User => true,
-            Self::Time | Self::Heat | Self::Tuning => false,
+            Self::Time | Self::Heat | Self::Tuning | Self::SelfTest => false,
         }
     }
 
@@ -33,7 +35,7 @@ impl Waiting {
     pub const fn is_idle_for_motors(self) -> bool {
         match self {
             Self::Nothing => true,
-            Self::User | Self::Time | Self::Heat | Self::Tuning => false,
+            Self::User | Self::Time | Self::Heat | Self::Tuning | Self::SelfTest => false,
         }
     }
 }

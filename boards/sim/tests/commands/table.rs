@@ -197,6 +197,7 @@ const ROWS: &[Row] = &[
     ("M190 S60", HEATERS),
     ("M301", UNTUNED),
     ("M303 E0 S200", UNTUNED),
+    ("SELF_TEST", UNTUNED),
     ("M304", UNTUNED),
     ("M306", UNTUNED),
     ("M306 E-1 A3", UNTUNED),

@@ -58,6 +58,10 @@ impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
         }
         Ok(())
     }
+
+    fn image(&self) -> Option<u32> {
+        self.console.ports.storage.image()
+    }
 }
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
@@ -80,7 +84,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if let Some(stored) = survey.newest {
             self.use_settings(stored.settings).await?;
         }
+        let mut paced = Paced::new(self);
+        let passed = storage::passed_test(&mut paced).await;
+        paced.into_result()?;
+        // A note that cannot be read costs a test, and no more.
+        self.self_tests.know(passed.unwrap_or_default());
         Ok(Answer::Storage(StorageNews::loaded(&survey)))
+    }
+
+    /// Notes the self-test that was passed, for starts to come.
+    pub(in crate::machine) async fn note_self_test(&mut self) -> Result<(), Interrupt> {
+        let Some(tested) = self.self_tests.take_news() else { return Ok(()) };
+        let mut paced = Paced::new(self);
+        let _ = storage::note_passed_test(&mut paced, tested).await;
+        paced.into_result()
     }
 
     /// M500. The machine rests: storage may be flash, whose erasing stops the processor.

@@ -1,0 +1,198 @@
+//! Self-test: whether each heater warms its own sensor, and no other.
+//!
+//! ```text
+//!  power  __####______________    a pulse for 3 C by the heater's model, of at most 30 s
+//!  own    ____..--''''''''''''    judged two lags after the pulse: a third of what the model says at least ...
+//!  other  ____________________    ... and twice as much as any other sensor has risen
+//! ```
+//!
+//! One heater after the other, from the slowest to the quickest, so that what is still on its way to a sensor is small beside
+//! the next rise. It begins with everything cold, and targets wait until it is over. All guards stay on.
+
+use super::fixed_point::{RATE, saturated};
+use super::guard::Alarm;
+use super::scrub::sum;
+use crate::connectors::{HEATERS, Heater};
+use crate::fault::Cause;
+use crate::settings::{HeaterSettings, ThermalSettings};
+use crate::units::Celsius;
+
+/// The rise that a pulse is made for: thirty times the noise of a reading, and nothing that could harm.
+const RISE: i64 = 3;
+
+/// The longest pulse, in periods: 30 s.
+const LONGEST: i64 = 30 * RATE as i64;
+
+/// A block that is as hot as this or hotter loses too much heat to be tested: Marlin's fan of a hotend runs from here on
+/// (EXTRUDER_AUTO_FAN_TEMPERATURE, Configuration_adv.h, 2.1).
+const COLD: Celsius = Celsius::const_from_int(50);
+
+/// From the slowest to the quickest.
+const ORDER: [Heater; HEATERS] = [Heater::Bed, Heater::Chamber, Heater::Hotend];
+
+/// What a test is of, as one number: the image that heats, and which output and sensor each heater has.
+#[must_use]
+pub fn subject(settings: &ThermalSettings, image: u32) -> u32 {
+    let heaters = Heater::ALL.map(|heater| {
+        let HeaterSettings { is_fitted, output, sensor, thermistor, .. } = *settings.heater(heater);
+        is_fitted.then_some((output, sensor, thermistor))
+    });
+    sum(&(image, heaters))
+}
+
+/// What each heater's sensor reads; nothing where no heater is fitted.
+pub type Readings = [Option<Celsius>; HEATERS];
+
+/// How a test has ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum End {
+    /// Each heater warms its own sensor.
+    Passed,
+    /// A sensor did not follow, or another one did.
+    Failed(Heater, Alarm),
+    /// Something is hot, or has no reading: there is nothing to be learned now.
+    PutOff,
+}
+
+/// The heater that is being tested.
+#[derive(Clone, Copy, Debug)]
+struct Pulse {
+    place: usize,
+    before: Readings,
+    /// What the model says of the rise.
+    expected: Celsius,
+    /// Periods since the pulse began, of power, and until the rise is judged.
+    elapsed: u32,
+    power: u32,
+    judged: u32,
+}
+
+/// A test that goes on.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfTest {
+    pulse: Pulse,
+    /// What the heaters are to be kept at afterwards.
+    held: [Celsius; HEATERS],
+}
+
+impl SelfTest {
+    /// A test, if everything is cold and some heater is fitted; heaters are to be kept at `held` afterwards.
+    #[must_use]
+    pub fn new(settings: [&HeaterSettings; HEATERS], readings: &Readings, held: [Celsius; HEATERS]) -> Option<Self> {
+        pulse(0, settings, readings).map(|pulse| Self { pulse, held })
+    }
+
+    /// A target that came meanwhile.
+    pub const fn hold(&mut self, heater: Heater, target: Celsius) {
+        self.held[heater as usize] = target;
+    }
+
+    /// What the heaters are to be kept at afterwards.
+    #[must_use]
+    pub const fn held(&self) -> [Celsius; HEATERS] {
+        self.held
+    }
+
+    /// The heater that has power in the coming period.
+    #[must_use]
+    pub fn powered(&self) -> Option<Heater> {
+        ORDER.get(self.pulse.place).copied().filter(|_| self.pulse.elapsed < self.pulse.power)
+    }
+
+    /// One control period; how the test has ended, if it has.
+    pub fn period(&mut self, settings: [&HeaterSettings; HEATERS], readings: &Readings) -> Option<End> {
+        self.pulse.elapsed += 1;
+        if self.pulse.elapsed < self.pulse.judged {
+            return None;
+        }
+        let own = ORDER.get(self.pulse.place).copied()?;
+        let rise = |heater: Heater| {
+            let (now, before) = (readings[heater as usize]?, self.pulse.before[heater as usize]?);
+            Some(now.saturating_sub(before))
+        };
+        let Some(value) = rise(own) else { return Some(End::PutOff) };
+        let others = Heater::ALL.into_iter().filter(|heater| *heater != own).filter_map(rise);
+        let limit = others.map(|rise| rise.saturating_mul_int(2)).fold(self.pulse.expected / 3, Celsius::max);
+        if value < limit {
+            return Some(End::Failed(own, Alarm { cause: Cause::SelfTest, value, limit }));
+        }
+        let next = self.pulse.place + 1;
+        if (next..HEATERS).all(|place| !settings[ORDER[place] as usize].is_fitted) {
+            return Some(End::Passed);
+        }
+        let Some(pulse) = pulse(next, settings, readings) else { return Some(End::PutOff) };
+        self.pulse = pulse;
+        None
+    }
+}
+
+/// The pulse of the next heater that is fitted; none if there is no such heater, or not everything is cold.
+fn pulse(from: usize, settings: [&HeaterSettings; HEATERS], readings: &Readings) -> Option<Pulse> {
+    let is_cold = |heater: Heater| {
+        !settings[heater as usize].is_fitted || readings[heater as usize].is_some_and(|reading| reading < COLD)
+    };
+    let place = (from..HEATERS).find(|place| settings[ORDER[*place] as usize].is_fitted)?;
+    if !Heater::ALL.into_iter().all(is_cold) {
+        return None;
+    }
+    let settings = settings[ORDER[place] as usize];
+    // W: power and duty have 16 fractional bits each.
+    let power = (i64::from(settings.power.to_bits()) * i64::from(settings.max_duty.to_bits())) >> 32;
+    let rate = i64::from(RATE);
+    let capacity = settings.model.capacity.to_num::<i64>().max(1);
+    let periods = (RISE * capacity * rate / power.max(1)).clamp(1, LONGEST);
+    // J, over J/K; a few thousand at most of either.
+    let expected = ((power * periods) << Celsius::FRAC_NBITS) / (rate * capacity);
+    let lags = settings.model.heater_lag.saturating_add(settings.model.sensor_lag).to_num::<u32>() + 1;
+    let periods = periods as u32;
+    Some(Pulse {
+        place,
+        before: *readings,
+        expected: Celsius::from_bits(saturated(expected)),
+        elapsed: 0,
+        power: periods,
+        judged: periods + 2 * lags * RATE.unsigned_abs(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How a test of hotend and bed ends if the bed's pulse has their sensors rise by so much, and the hotend's by so much.
+    fn ends(by_bed: [i32; 2], by_hotend: [i32; 2]) -> End {
+        let mut thermal = ThermalSettings::prototype();
+        (thermal.heaters.hotend.is_fitted, thermal.heaters.bed.is_fitted) = (true, true);
+        let settings = Heater::ALL.map(|heater| thermal.heater(heater));
+        let mut readings = [Some(Celsius::const_from_int(25)), Some(Celsius::const_from_int(25)), None];
+        let mut test = SelfTest::new(settings, &readings, [Celsius::ZERO; HEATERS]).unwrap();
+        for (heater, rises) in [(Heater::Bed, by_bed), (Heater::Hotend, by_hotend)] {
+            assert_eq!(test.powered(), Some(heater));
+            for (reading, rise) in readings.iter_mut().flatten().zip(rises) {
+                *reading += Celsius::from_num(rise);
+            }
+            while test.pulse.place == ORDER.iter().position(|other| *other == heater).unwrap() {
+                if let Some(end) = test.period(settings, &readings) {
+                    return end;
+                }
+            }
+        }
+        panic!("it has no end")
+    }
+
+    #[test]
+    fn the_own_sensor_must_rise_and_twice_as_much_as_any_other() {
+        let failed = |heater, value: i32, limit: i32| {
+            let [value, limit] = [value, limit].map(Celsius::from_num);
+            End::Failed(heater, Alarm { cause: Cause::SelfTest, value, limit })
+        };
+        assert_eq!(ends([0, 3], [3, 0]), End::Passed);
+        assert_eq!(ends([1, 2], [2, 1]), End::Passed);
+        assert_eq!(ends([2, 3], [3, 0]), failed(Heater::Bed, 3, 4));
+        assert_eq!(ends([0, 3], [3, 2]), failed(Heater::Hotend, 3, 4));
+        assert!(matches!(ends([0, 0], [3, 0]), End::Failed(Heater::Bed, _)));
+        assert!(matches!(ends([0, 3], [0, 0]), End::Failed(Heater::Hotend, _)));
+        assert_eq!(ends([30, 3], [3, 0]), failed(Heater::Bed, 3, 60));
+        assert_eq!(ends([0, 30], [3, 0]), End::PutOff, "the bed is hot now");
+    }
+}
