@@ -270,6 +270,11 @@ pub trait ThermalPort {
     /// Has a fan run at this part of full speed, in units of 1/65,535, until told otherwise.
     fn blow(&mut self, _fan: usize, _duty: u16) {}
 
+    /// The pulses that a fan's tachometer has given, wrapping; `None` where there is no tachometer.
+    fn tachometer(&self, _fan: usize) -> Option<u16> {
+        None
+    }
+
     /// Whether the board can switch the power supply off (PS_ON).
     fn has_supply_switch(&self) -> bool {
         false

@@ -30,7 +30,7 @@ pub enum Cause {
     HeatsWhileOff = 10,
     /// It is far above its target and gets no power.
     Overshoot = 11,
-    /// The fan that has to cool it stands still.
+    /// A fan that is driven stands still; the subject says which.
     FanFailed = 12,
     /// The converter's reference reads something else than it is.
     Reference = 13,
@@ -131,7 +131,7 @@ impl Cause {
 
     /// Whether its subject is a heater.
     const fn is_of_heater(self) -> bool {
-        (self as u8) <= Self::FanFailed as u8 || matches!(self, Self::SelfTest)
+        (self as u8) < Self::FanFailed as u8 || matches!(self, Self::SelfTest)
     }
 
     /// Whether its value and limit are degrees.
@@ -168,6 +168,8 @@ impl core::fmt::Display for Fault {
         if self.cause.is_of_heater() {
             let heater = Heater::ALL.get(usize::from(self.subject)).map_or("heater", |heater| heater.name());
             write!(f, "{heater}: ")?;
+        } else if self.cause == Cause::FanFailed {
+            write!(f, "FAN{}: ", self.subject)?;
         }
         f.write_str(self.cause.text())?;
         if self.cause.is_of_degrees() {

@@ -2,7 +2,7 @@
 
 use super::fans::{Fan, Needs};
 use super::fixed_point::{PERIOD_MS, RATE, saturated, share};
-use super::guard::{Alarm, Reference, Swapped};
+use super::guard::{Alarm, FanTurns, Reference, Swapped};
 use super::hearts::{Context, Hearts};
 use super::heater::{Circumstances, HeaterLoop};
 use super::order::{Common, Order, OrdersIn};
@@ -28,6 +28,7 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     pend: W,
     heaters: [HeaterLoop; HEATERS],
     fans: [Fan; FANS],
+    fan_turns: [FanTurns; FANS],
     common: Common,
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
@@ -53,6 +54,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             pend,
             heaters: Heater::ALL.map(|heater| HeaterLoop::new(*settings.heater(heater))),
             fans: settings.fans.map(Fan::new),
+            fan_turns: [FanTurns::new(); FANS],
             common: Common::of(settings),
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
@@ -336,11 +338,19 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.runs_on.saturating_sub(1)
         };
         let stuck = self.status.fault().fault().is_some_and(|fault| fault.cause.is_stuck_on());
+        let mut standing = None;
         let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: stuck };
         for (place, fan) in self.fans.iter_mut().enumerate().take(self.port.fans()) {
             let duty = fan.period(needs);
             self.port.blow(place, duty);
             self.status.heat().set_fan(place, duty);
+            let alarm = self.port.tachometer(place).and_then(|pulses| self.fan_turns[place].look(duty, pulses));
+            if let Some(alarm) = alarm {
+                standing = Some((place as u8, alarm));
+            }
+        }
+        if let Some((fan, alarm)) = standing {
+            self.fail(fan, alarm);
         }
     }
 }

@@ -174,3 +174,24 @@ fn a_target_beyond_the_limit_is_the_limit() {
     printer.run(5.0);
     assert_eq!(printer.bench.borrow().duties.iter().filter(|duty| **duty > 0.0).count(), 0, "there is no chamber");
 }
+
+#[test]
+fn f18_a_hotend_fan_with_a_tachometer_that_stands_still_switches_off() {
+    let mut printer = cold();
+    printer.bench.borrow_mut().tachometer = Some(u16::MAX - 50);
+    printer.set(Heater::Hotend, 215.0);
+    printer.run(120.0);
+    assert_eq!(printer.fault(), None);
+    printer.bench.borrow_mut().is_stuck = true;
+    let (cause, time) = until_off(&mut printer, 10.0);
+    println!("hotend fan stuck: off after {time:.1} s");
+    assert_eq!((cause, time <= 6.1), (Cause::FanFailed, true), "{time}");
+    assert_eq!(printer.fault().unwrap().to_string(), "FAN1: fan stands still [F12]");
+    // One that never turns.
+    let mut printer = cold();
+    printer.bench.borrow_mut().tachometer = Some(0);
+    printer.bench.borrow_mut().is_stuck = true;
+    printer.set(Heater::Hotend, 215.0);
+    assert_eq!(until_off(&mut printer, 60.0).0, Cause::FanFailed);
+    assert!(printer.hotend() < 150.0, "{}", printer.hotend());
+}

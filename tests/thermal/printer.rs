@@ -26,6 +26,9 @@ pub struct Bench {
     pub supply: bool,
     /// How often the watchdog was fed.
     pub fed: u32,
+    /// Pulses of the hotend fan's tachometer, if it has one, and whether the fan is stuck.
+    pub tachometer: Option<u16>,
+    pub is_stuck: bool,
 }
 
 /// The firmware's port to it.
@@ -54,6 +57,10 @@ impl ThermalPort for BenchPort {
 
     fn blow(&mut self, fan: usize, duty: u16) {
         self.0.borrow_mut().fans[fan] = f64::from(duty) / 65_535.0;
+    }
+
+    fn tachometer(&self, fan: usize) -> Option<u16> {
+        self.0.borrow().tachometer.filter(|_| fan == 1)
     }
 
     fn has_supply_switch(&self) -> bool {
@@ -108,7 +115,15 @@ impl Printer {
 
     /// A printer that has just been switched on, as it is.
     pub fn with(plant: Plant, settings: ThermalSettings) -> Self {
-        let bench = Bench { plant, duties: [0.0; OUTPUTS], fans: [0.0; FANS], supply: false, fed: 0 };
+        let bench = Bench {
+            plant,
+            duties: [0.0; OUTPUTS],
+            fans: [0.0; FANS],
+            supply: false,
+            fed: 0,
+            tachometer: None,
+            is_stuck: false,
+        };
         let bench = Rc::new(RefCell::new(bench));
         let queue: &'static mut OrderQueue = Box::leak(Box::new(OrderQueue::new()));
         let (orders, orders_in) = queue.split();
@@ -158,6 +173,10 @@ impl Printer {
             flow_mm3_s: flow(0.0),
             supply_on: bench.supply,
         };
+        // 3000 turns a minute, two pulses each: two in a control period.
+        if bench.fans[1] > 0.5 && !bench.is_stuck {
+            bench.tachometer = bench.tachometer.map(|pulses| pulses.wrapping_add(2));
+        }
         bench.plant.step(&drive, PERIOD);
         self.seconds += PERIOD;
     }

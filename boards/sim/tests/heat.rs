@@ -8,6 +8,7 @@ use corehbot::connectors::Heater;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot_rig::plant::HeaterFault;
+use corehbot_sim::world::World;
 use heat_talk::{machine, talk_with};
 
 fn talk(settings: &Settings, ms: u64, lines: &[&str]) -> Vec<String> {

@@ -8,12 +8,14 @@
 //! | [`WhileOff`] | a switch that does not switch off | without power |
 //! | [`Frozen`] | a reading that stands still | power has changed |
 //! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
+//! | [`FanTurns`] | a fan that is driven and stands still | its connector has a tachometer |
 //! | [`Reference`] | a converter whose reference, or whose order of channels, is wrong | always |
 //!
 //! A guard is fed once in a control period and answers with a cause and two numbers, or with nothing. Guards do not look at
 //! the controller or its observer: what one of them has wrong must not make a guard blind.
 
 mod at_target;
+mod fan_turns;
 mod frozen;
 mod heat_balance;
 mod reference;
@@ -22,6 +24,7 @@ mod while_off;
 mod window;
 
 pub use at_target::AtTarget;
+pub use fan_turns::FanTurns;
 pub use frozen::Frozen;
 pub use heat_balance::HeatBalance;
 pub use reference::Reference;
