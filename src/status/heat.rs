@@ -40,7 +40,7 @@ pub struct Tuned {
     pub capacity: u32,
     /// W/K.
     pub loss: u32,
-    /// W/K in addition with the part fan at full speed.
+    /// W/K in addition with the part fan at full speed; 0 if it was not found out.
     pub fan_loss: u32,
     /// s, from the heater to the sensor.
     pub lag: u32,

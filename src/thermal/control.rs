@@ -9,13 +9,17 @@ use super::order::{Common, Order, OrdersIn};
 use super::predictive::Ahead;
 use super::scrub::sum;
 use super::self_test::{End, Readings, SelfTest};
+use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
-use crate::settings::ThermalSettings;
+use crate::settings::{FanRole, ThermalSettings};
 use crate::status::{self, Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
+
+/// The fan that cools what is printed, and the hotend's block with it.
+const PART_FAN: usize = 0;
 
 /// Periods between two looks at the settings in RAM: 1 s.
 const SCRUB: u32 = 1000 / PERIOD_MS;
@@ -99,7 +103,10 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 },
                 Order::Tune(..) if self.self_test.is_some() => {}
                 Order::SelfTest => self.begin_self_test(),
-                Order::Tune(heater, target, cycles) => self.heaters[heater as usize].tune(target, cycles),
+                Order::Tune(heater, target, cycles) => {
+                    let has_fan = heater == Heater::Hotend && self.has_part_fan();
+                    self.heaters[heater as usize].tune(target, cycles, has_fan);
+                }
                 Order::StopTuning => self.stop_tuning(),
                 Order::Fan(fan, speed) => {
                     if let Some(fan) = self.fans.get_mut(usize::from(fan)) {
@@ -188,6 +195,11 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.heaters.iter_mut().for_each(|heater| heater.pulse(false));
             self.status.heat().set_self_test(status::SelfTest::None);
         }
+    }
+
+    /// Whether M106 commands a fan that cools the hotend's block.
+    fn has_part_fan(&self) -> bool {
+        self.port.fans() > PART_FAN && self.fans[PART_FAN].settings().role == FanRole::Commanded
     }
 
     fn stop_tuning(&mut self) {
@@ -293,7 +305,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         // um a period times periods a second, times J/(K mm), over 1000 um: W/K.
         let filament = i64::from(moved) * i64::from(RATE) * i64::from(self.common.filament.to_bits()) / 1000;
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
-        let fan = share(heat.fan(0));
+        let fan = share(heat.fan(PART_FAN));
         Circumstances { fan, filament: I8F24::from_bits(saturated(filament)), ahead: Ahead { coming, then } }
     }
 
@@ -338,10 +350,13 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.runs_on.saturating_sub(1)
         };
         let stuck = self.status.fault().fault().is_some_and(|fault| fault.cause.is_stuck_on());
+        // A tuning needs the part fan in its own time.
+        let part_fan = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
         let mut standing = None;
         let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: stuck };
         for (place, fan) in self.fans.iter_mut().enumerate().take(self.port.fans()) {
-            let duty = fan.period(needs);
+            let forced = part_fan.filter(|_| place == PART_FAN);
+            let duty = forced.map_or_else(|| fan.period(needs), |is_on| if is_on { u16::MAX } else { 0 });
             self.port.blow(place, duty);
             self.status.heat().set_fan(place, duty);
             let alarm = self.port.tachometer(place).and_then(|pulses| self.fan_turns[place].look(duty, pulses));

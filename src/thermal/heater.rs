@@ -162,16 +162,16 @@ impl HeaterLoop {
         self.wanted > 0
     }
 
-    /// Begins to find out how it behaves.
-    pub fn tune(&mut self, target: Celsius, cycles: u8) {
+    /// Begins to find out how it behaves, with the part fan too if that cools it.
+    pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool) {
         self.set_target(target);
         let tune = self.measured.filter(|_| self.target > Celsius::ZERO);
-        self.tune = tune.map(|measured| Tune::new(&self.settings, self.target, cycles, measured));
+        self.tune = tune.map(|measured| Tune::new(&self.settings, self.target, cycles, has_fan, measured));
     }
 
     /// The tuning that goes on.
-    pub const fn tuning(&mut self) -> &mut Option<Tune> {
-        &mut self.tune
+    pub const fn tuning(&self) -> Option<&Tune> {
+        self.tune.as_ref()
     }
 
     /// Whether to give full power in the coming period whatever the target, for a self-test.

@@ -24,13 +24,18 @@ fn a_tuned_hotend_is_the_plant_and_heats_as_well() {
     printer.run(1.0);
     let (tuning, time) = tune(&mut printer, Heater::Hotend, 215);
     assert_eq!((printer.fault(), tuning), (None, Tuning::Done));
-    let Tuned { capacity, loss, lag, p, i, d, .. } = printer.status.heat().tuned();
+    let Tuned { capacity, loss, fan_loss, lag, p, i, d } = printer.status.heat().tuned();
     let [capacity, loss] = [JoulesPerKelvin::from_bits(capacity), JoulesPerKelvin::from_bits(loss >> 8)];
     let lag = Seconds::from_bits(lag);
     let pid = Pid { p: Ratio::from_bits(p), i: Ratio::from_bits(i), d: Ratio::from_bits(d) };
     println!("{time:.0} s: {capacity:.2} J/K, {loss:.4} W/K, {lag:.2} s, P {:.1} I {:.2} D {:.1}", pid.p, pid.i, pid.d);
     assert!((9.0..13.0).contains(&capacity.to_num::<f64>()));
     assert!((0.06..0.1).contains(&loss.to_num::<f64>()));
+    let fan_loss = f64::from(fan_loss) / f64::from(1 << 24);
+    let truth = PlantConstants::prototype().hotend.part_fan_watt_per_kelvin;
+    println!("{fan_loss:.4} W/K with the part fan, of {truth}");
+    assert!((fan_loss - truth).abs() < 0.1 * truth);
+    assert_eq!(printer.bench.borrow().fans[0], 0.0, "the fan stands still again");
     assert!((1.5..3.5).contains(&lag.to_num::<f64>()));
     assert_eq!(printer.duty(corehbot::connectors::Output::He0), 0.0, "it is off afterwards");
     // With what was found.

@@ -365,12 +365,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 }
 
-/// Takes over what M303 has found. The two lags cannot be told apart, so each gets half. The loss with the part fan is not
-/// found, and stays.
+/// Takes over what M303 has found. The two lags cannot be told apart, so each gets half. A loss to the part fan that
+/// was not found stays.
 fn apply(tuned: &Tuned, heater: &mut HeaterSettings) {
     let lag = Seconds::from_bits((tuned.lag / 2).max(1));
     heater.model.capacity = JoulesPerKelvin::from_bits(tuned.capacity);
     heater.model.loss = WattsPerKelvin::from_bits(tuned.loss);
+    if tuned.fan_loss > 0 {
+        heater.model.fan_loss = WattsPerKelvin::from_bits(tuned.fan_loss);
+    }
     (heater.model.heater_lag, heater.model.sensor_lag) = (lag, lag);
     heater.pid = Pid { p: Ratio::from_bits(tuned.p), i: Ratio::from_bits(tuned.i), d: Ratio::from_bits(tuned.d) };
 }

@@ -88,4 +88,8 @@ pub(in crate::machine) fn say_tuned(to: &mut Speaker<'_>, heater: Heater, tuned:
     let loss = shortest(crate::units::WattsPerKelvin::from_bits(tuned.loss));
     let lag = shortest(crate::units::Seconds::from_bits(tuned.lag));
     to.say(format_args!("echo:{}: {capacity} J/K, {loss} W/K, lag {lag} s", heater.name()));
+    if tuned.fan_loss > 0 {
+        let fan = shortest(crate::units::WattsPerKelvin::from_bits(tuned.fan_loss));
+        to.say(format_args!("echo:{}: {fan} W/K more with the part fan", heater.name()));
+    }
 }

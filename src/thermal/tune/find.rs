@@ -1,0 +1,57 @@
+//! What a tuning finds from what it has seen.
+
+use super::{HYSTERESIS, Tune, above_room};
+use crate::status::Tuned;
+use crate::thermal::fixed_point::RATE;
+
+/// k for s / (r + s) of 0/16 to 16/16, times 4096: -x s/(r+s) + 2 - (2 + x) e^-x, where (1 + x) e^-x is s/(r+s).
+const RISE_AFTER_CUT: [i64; 17] =
+    [8192, 6744, 5722, 4870, 4133, 3485, 2910, 2398, 1942, 1537, 1180, 868, 601, 376, 197, 66, 0];
+
+impl Tune {
+    /// What was found.
+    #[must_use]
+    pub fn find(&self) -> Option<Tuned> {
+        let power = i64::from(self.power.to_bits());
+        let loss = self.still.loss(power)?;
+        let fan_loss = if self.has_fan { (self.blown.loss(power)? - loss).max(0) } else { 0 };
+        let (from, _) = self.half_way?;
+        let rise = i64::from(self.cut_at.saturating_sub(from).to_bits()).max(1);
+        // J with 20 fractional bits: given, and lost on the way.
+        let rate = i64::from(RATE);
+        let given = power * i64::from(self.rise_periods) / rate;
+        let lost = (loss * (self.warmth / rate)) >> 12;
+        let capacity = (given.saturating_sub(lost) << 16) / rise;
+        // Slopes after and before the cut, in K/s with 20 fractional bits: losses, and power less losses, over the capacity.
+        let losses = (loss * above_room(self.cut_at)) >> 12;
+        let [fall, rise] = [losses, power - losses].map(|watts| (watts.max(0) << 16) / capacity.max(1));
+        let both = (fall + rise).max(1);
+        let lag = (self.after_cut << 36) / (both * rise_after_cut((fall << 16) / both)).max(1) * 2;
+        // PID in duty of 255: d = 127.5, so Ku = 4 * 127.5 / (pi a) = 162.34 / a.
+        let amplitude = self.still.amplitude();
+        let hysteresis = i64::from(HYSTERESIS.to_bits());
+        let beyond = (amplitude * amplitude - hysteresis * hysteresis).max(hysteresis * hysteresis / 16);
+        let ku = ((162.34 * 65_536.0) as i64) * (1 << 20) / (beyond.cast_unsigned().isqrt() as i64).max(1);
+        let period = self.still.period(rate);
+        let p = ku * 3 / 5;
+        let i = (p << 17) / period.max(1);
+        let d = (p * period) >> 19;
+        let bits = |value: i64| u32::try_from(value).ok().filter(|bits| *bits > 0);
+        Some(Tuned {
+            capacity: bits(capacity)?,
+            loss: bits(loss)?,
+            fan_loss: u32::try_from(fan_loss).ok()?,
+            lag: bits(lag)?,
+            p: bits(p)?,
+            i: bits(i)?,
+            d: bits(d)?,
+        })
+    }
+}
+
+/// k of the head for a part with 16 fractional bits; with 12.
+fn rise_after_cut(part: i64) -> i64 {
+    let place = part.clamp(0, 65_535);
+    let [below, above] = [0, 1].map(|more| RISE_AFTER_CUT.get((place >> 12) as usize + more).copied().unwrap_or(0));
+    below + (((above - below) * (place & 4095)) >> 12)
+}
