@@ -12,4 +12,4 @@ mod slots;
 
 pub use record::{FORMAT, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
-pub use slots::{NEEDED, PAGE, SaveError, Slot, Stored, Survey, is_present, save, survey};
+pub use slots::{NEEDED, PAGE, STRIDE, SaveError, Slot, Stored, Survey, is_present, save, survey};

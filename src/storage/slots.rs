@@ -13,7 +13,7 @@ use crate::settings::Settings;
 pub const PAGE: usize = 32;
 
 /// Distance of the slots. Twice the longest record, so that settings can grow without moving them.
-const STRIDE: u32 = 1024;
+pub const STRIDE: u32 = 1024;
 
 /// Where the note of the last self-test lies: in a page of its own after the slots.
 pub(super) const SELF_TEST: u32 = 2 * STRIDE;

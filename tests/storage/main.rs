@@ -7,7 +7,7 @@ mod memories;
 
 use corehbot::port::{NoStorage, StorageError};
 use corehbot::settings::Settings;
-use corehbot::storage::{self, NEEDED, PAGE, Rejected, SaveError, Slot};
+use corehbot::storage::{self, NEEDED, PAGE, Rejected, STRIDE, SaveError, Slot};
 use corehbot::units::{Mm, MmPerSec};
 use memories::{Cut, Eeprom, SIZE, Silent, Stuck, TORN, Torn, now};
 use proptest::prelude::*;
@@ -111,7 +111,7 @@ fn no_flipped_bit_gives_other_settings() {
         let found = survey.newest.unwrap().settings;
         noticed += usize::from(survey.rejected.iter().any(|(_, why)| why.is_some()));
         // The newest are in slot B; if they are damaged, those before them count.
-        let in_b = (NEEDED as usize / 2..NEEDED as usize / 2 + used).contains(&(bit / 8));
+        let in_b = (STRIDE as usize..STRIDE as usize + used).contains(&(bit / 8));
         assert_eq!(found, variant(u16::from(!in_b)), "bit {bit}");
     }
     assert_eq!(noticed, 2 * used * 8);
@@ -126,8 +126,8 @@ fn slots_take_turns_and_unchanged_settings_cost_nothing() {
         let receipt = now(storage::save(&mut eeprom, &variant(n))).unwrap();
         assert_eq!(eeprom.bytes_written(), receipt.bytes);
         assert_eq!(eeprom.writes.len(), receipt.bytes.div_ceil(PAGE), "each page is written once");
-        let slot = eeprom.writes[0].0 / (NEEDED / 2);
-        assert!(eeprom.writes.iter().all(|(at, _)| at / (NEEDED / 2) == slot));
+        let slot = eeprom.writes[0].0 / STRIDE;
+        assert!(eeprom.writes.iter().all(|(at, _)| at / STRIDE == slot));
         counts[slot as usize] += 1;
         eeprom.writes.clear();
         assert_eq!(now(storage::save(&mut eeprom, &variant(n))), Ok(receipt));
@@ -214,7 +214,7 @@ proptest! {
         let mut cells: Vec<u8> = (0..SIZE).map(|i| seed[i % 64] ^ seed[i / 64] ^ (i % 251) as u8).collect();
         for (slot, magic) in magic.into_iter().enumerate() {
             if magic {
-                let head = &mut cells[slot * NEEDED as usize / 2..];
+                let head = &mut cells[slot * STRIDE as usize..];
                 head[..4].copy_from_slice(b"CHBS");
                 head[4..6].copy_from_slice(&format.to_le_bytes());
                 head[6..8].copy_from_slice(&length.to_le_bytes());
@@ -245,5 +245,24 @@ proptest! {
                 prop_assert_eq!(newest(&mut eeprom), Some(settings));
             }
         }
+    }
+}
+
+#[test]
+fn a_cut_note_of_a_self_test_is_the_old_one_or_none_and_never_costs_settings() {
+    let mut before = Eeprom::blank();
+    now(storage::save(&mut before, &variant(1))).unwrap();
+    assert_eq!(now(storage::passed_test(&mut before)), Ok(None));
+    now(storage::note_passed_test(&mut before, 0x1234_5678)).unwrap();
+    assert_eq!(now(storage::passed_test(&mut before)), Ok(Some(0x1234_5678)));
+    for (left, torn, whole_page) in
+        (0..8).flat_map(|left| TORN.map(|torn| (left, torn, false))).chain([(3, TORN[3], true)])
+    {
+        let mut eeprom = before.clone();
+        let mut cut = Cut { eeprom: &mut eeprom, left, torn, whole_page, is_dead: false };
+        now(storage::note_passed_test(&mut cut, 0x8765_4321)).unwrap_err();
+        let found = now(storage::passed_test(&mut eeprom)).unwrap();
+        assert!(matches!(found, None | Some(0x1234_5678 | 0x8765_4321)), "cut after {left}: {found:?}");
+        assert_eq!(newest(&mut eeprom), Some(variant(1)));
     }
 }
