@@ -20,6 +20,10 @@
 //!
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
+//!
+//! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion` (`corners`, `model`,
+//! `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of [`CornerRule`]: the compiler asks for
+//! it here and there, `boards/sim/tests/every_setting.rs` for its key in machine files and its letter of M205.
 
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
