@@ -1,5 +1,6 @@
 //! Named commands: the few words of Klipper that slicers write for any firmware, and those of programs with a flow of
-//! their own.
+//! their own. A new name needs a row in `boards/sim/tests/commands/table.rs` and a line in `CODES` of `tests/gcode.rs`; no test
+//! asks for them, as names cannot be counted through.
 
 use super::command::Command;
 use super::lexer::skip_blanks;
