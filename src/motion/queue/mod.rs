@@ -16,6 +16,9 @@
 //! that there is none, so it need not compare counts to know whether the queue is empty. One bit of an event's word says
 //! that the event wants more than steps; the generator sets it when it makes the event.
 //!
+//! Its length is [`SLOTS`], a power of two and a multiple of `REGULAR` (`steps_in`). Who changes it is led to `app::Memory`, which
+//! asserts its size, to `stepgen`, whose batch must fit in, and to the budget of RAM (`xtask/src/build/contents.rs`).
+//!
 //! # Who writes which word when
 //!
 //! | word | owner, who writes it | when | who else reads it |
@@ -56,7 +59,7 @@ pub(super) use steps_in::StepTimes;
 pub use steps_in::StepsIn;
 
 /// Slots of the ring, one of which stays empty.
-const SLOTS: usize = 512;
+pub(in crate::motion) const SLOTS: usize = 512;
 // The numbers of events wrap at 2^32, where slots must go on in order; and every so many events one is not plain, which
 // must fall on the same slots in each turn of the ring.
 const _: () = assert!(SLOTS.is_power_of_two() && SLOTS.is_multiple_of(REGULAR as usize));
