@@ -218,3 +218,17 @@ fn interrupts_have_the_numbers_of_their_sources() {
         );
     }
 }
+
+/// An interrupt without a handler ends in the default one, which halts the board. embassy has that of its own time.
+#[test]
+fn every_interrupt_has_a_handler() {
+    let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src")).unwrap();
+    let files =
+        folder.map(|file| file.unwrap().path()).filter(|path| path.extension().is_some_and(|kind| kind == "rs"));
+    let code: String = files.map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    for source in SOURCES.iter().filter(|source| source.peripheral != resources::TIME) {
+        let interrupt = METADATA.interrupts.iter().find(|interrupt| interrupt.number == u32::from(source.number));
+        let handler = format!("#[interrupt]\nfn {}() {{", interrupt.expect("the chip has it").name);
+        assert!(code.contains(&handler), "{source:?}: {handler}");
+    }
+}
