@@ -1,5 +1,5 @@
-//! What the build scripts of all boards do: the memory map of the root becomes a link argument, with the addresses of the
-//! board.
+//! What the build scripts of all boards do: memory.x in the repository's root folder becomes a link argument, with the
+//! addresses of the board.
 
 use std::env;
 use std::error::Error;

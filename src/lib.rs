@@ -10,9 +10,12 @@
 //!                                        +--orders--> thermal --duties--> heaters, fans
 //! ```
 //!
-//! A room (module) may use only the rooms to its left in
+//! A **room** is a folder or file directly in `src`, with one job. A room may use only the rooms to its left in
 //! `{units, text, checksum} <- {motors, connectors <- fault} <- status <- port <- {protocol, gcode, kinematics <- settings} <- {motion, driver, storage, thermal} <- machine <- app`;
-//! `tests/layers.rs` holds every `use` to that.
+//! `tests/layers.rs` holds every `use` to that. `<-` may be read as "is used by"; a group in braces uses everything left of it.
+//!
+//! **The paper** is the one that describes the CoreH-bot (README.md); **the prototype** is the machine in it, with an 80 mm head:
+//! [`settings::Settings::prototype`]. Each room explains its other words at its head.
 #![no_std]
 #![forbid(unsafe_code)]
 

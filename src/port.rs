@@ -8,6 +8,10 @@ pub use crate::motors::{EndstopSet, GroupSet, Motor, MotorSet};
 
 use crate::units::{Instant, Tick};
 
+/// How long a step line has to be high, in ns, with every driver that is supported. TMC2209 datasheet rev 1.09, section 13.1:
+/// t_SH >= max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest.
+pub const STEP_PULSE_NS: u32 = 133;
+
 /// Step and direction lines of all motors, and the endstop inputs. Called from the step interrupt only:
 /// no call may block, lock or loop without a constant bound.
 pub trait StepPort {
@@ -20,8 +24,8 @@ pub trait StepPort {
     /// `tick` is the event's motion time, which a trace records and a GPIO port ignores.
     fn rise(&mut self, steps: GroupSet, tick: u64);
 
-    /// Lowers the step lines of `steps`, at least 100 ns after `rise` (TMC2209 datasheet rev 1.09,
-    /// section 13.1: minimum STEP high time). In between lies a call of [`StepClock::alarm_again`].
+    /// Lowers the step lines of `steps`, at least [`STEP_PULSE_NS`] after `rise`. In between lies a call of
+    /// [`StepClock::alarm_again`].
     fn fall(&mut self, steps: GroupSet);
 
     /// Groups whose step lines take longer than the others': theirs is [`rise`](Self::rise) alone.
@@ -105,7 +109,7 @@ pub enum Received {
     Opened,
 }
 
-/// Serial lines that a machine may have: USB and two UARTs.
+/// Serial lines to hosts that a machine may have: USB and two UARTs, as on the Octopus. The Console serves each in turn.
 pub const LINES: usize = 3;
 
 /// The serial lines of a machine.

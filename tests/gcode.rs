@@ -5,8 +5,9 @@
 mod support;
 
 use corehbot::connectors::Heater;
-use corehbot::gcode::{AxisFlags, AxisWords, Command, Number, parse};
+use corehbot::gcode::{AxisFlags, AxisWords, Command, Number, names, parse};
 use proptest::prelude::*;
+use std::collections::BTreeSet;
 use support::bodies;
 use support::print::Printed;
 
@@ -72,124 +73,27 @@ fn number_text() -> impl Strategy<Value = String> {
     prop_oneof!["[+-]?[0-9]{0,3}\\.?[0-9]{0,5}", "[+-]?[0-9]{1,12}\\.[0-9]{0,45}", "[0-9.+-]{0,8}",]
 }
 
+/// What a line may begin with: every code that is known, and others like them.
+#[rustfmt::skip]
+const CODES: &[&str] = &[
+    "G0", "G1", "g1", "G01", "G2", "G3", "G4", "G17", "G20", "G21", "G28", "G90", "G91", "G92", "M17", "M18", "M84",
+    "M82", "M83", "M92", "M104", "M105", "M106", "M108", "M110", "M112", "M113", "M114", "M115", "M117", "M119",
+    "M122", "M155", "M200", "M201", "M203", "M204", "M205", "M211", "M220", "M221", "M302", "M400", "M410", "M500",
+    "M501", "M502", "M503", "M504", "M122", "M569 S1 X Y", "M906 X800 Z900", "M913 X100.5", "M914 Y70", "T0", "T3",
+    "T300", "M862.3", "M593", "M593 X F60 D0.1 T2", "M593 F0", "M572", "M572 S0.05 W0.04", "M900 K1e-05",
+    "SET_VELOCITY_LIMIT ACCEL=500 ACCEL_TO_DECEL=250", "SET_VELOCITY_LIMIT VELOCITY=",
+    "SET_PRESSURE_ADVANCE ADVANCE=0.05", "M593 P\"mzv\"", "M302 S170", "M303", "SELF_TEST", "M303 E-1 S60 U1", "M109", "M190 R60",
+    "M141", "M191", "M116", "M107", "M301", "M304", "M306", "M306 E-1 A0.08 F0.1", "M306 T", "M710", "M710 R", "M413",
+    "M622", "M81", "M999", "G18", "G19", "G29", "G10", "G11", "M207", "M208", "M600", "M0", "M1", "M73", "M118",
+    "M118 A1", "M118 E1", "M486", "M876", "M24", "M25", "M111", "M154", "EXCLUDE_OBJECT_DEFINE NAME=x", "EXCLUDE_OBJECT_START NAME=x",
+    "if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"x\"", "EXCLUDE_OBJECT NAME=x", "EXCLUDE_OBJECT_END",
+    "print_end", "M1234567", "(x) G1", "G12", "G30", "M2", "M20", "M21", "M48", "M74", "M75", "M76", "M77", "M80",
+    "M140", "M142", "M150", "M202", "M217", "M240", "M290", "M300", "M355", "M403", "M420", "M425", "M530", "M532",
+    "M555", "M601", "M602", "M623", "M851", "M870", "M907",
+];
+
 /// A line that is probably a command.
 fn line() -> impl Strategy<Value = String> {
-    const CODES: &[&str] = &[
-        "G0",
-        "G1",
-        "g1",
-        "G01",
-        "G2",
-        "G3",
-        "G4",
-        "G17",
-        "G20",
-        "G21",
-        "G28",
-        "G90",
-        "G91",
-        "G92",
-        "M17",
-        "M18",
-        "M84",
-        "M82",
-        "M83",
-        "M92",
-        "M104",
-        "M105",
-        "M106",
-        "M108",
-        "M110",
-        "M112",
-        "M113",
-        "M114",
-        "M115",
-        "M117",
-        "M119",
-        "M122",
-        "M155",
-        "M200",
-        "M201",
-        "M203",
-        "M204",
-        "M205",
-        "M211",
-        "M220",
-        "M221",
-        "M302",
-        "M400",
-        "M410",
-        "M500",
-        "M501",
-        "M502",
-        "M503",
-        "M504",
-        "M122",
-        "M569 S1 X Y",
-        "M906 X800 Z900",
-        "M913 X100.5",
-        "M914 Y70",
-        "T0",
-        "T3",
-        "T300",
-        "M862.3",
-        "M593",
-        "M593 X F60 D0.1 T2",
-        "M593 F0",
-        "M572",
-        "M572 S0.05 W0.04",
-        "M900 K1e-05",
-        "SET_VELOCITY_LIMIT ACCEL=500 ACCEL_TO_DECEL=250",
-        "SET_VELOCITY_LIMIT VELOCITY=",
-        "SET_PRESSURE_ADVANCE ADVANCE=0.05",
-        "M593 P\"mzv\"",
-        "M302 S170",
-        "M303",
-        "SELF_TEST",
-        "M303 E-1 S60 U1",
-        "M109",
-        "M190 R60",
-        "M141",
-        "M191",
-        "M116",
-        "M107",
-        "M301",
-        "M304",
-        "M306",
-        "M306 E-1 A0.08 F0.1",
-        "M306 T",
-        "M710",
-        "M710 R",
-        "M413",
-        "M622",
-        "M81",
-        "M999",
-        "G18",
-        "G19",
-        "G29",
-        "G10",
-        "G11",
-        "M207",
-        "M208",
-        "M600",
-        "M0",
-        "M1",
-        "M73",
-        "M118",
-        "M118 A1",
-        "M118 E1",
-        "M486",
-        "M876",
-        "M24",
-        "M25",
-        "M111",
-        "M154",
-        "EXCLUDE_OBJECT NAME=x",
-        "EXCLUDE_OBJECT_END",
-        "print_end",
-        "M1234567",
-        "(x) G1",
-    ];
     let word = ("[XYZEFSPRTIJKBCDGMxyzesN]", "[ \t]?", number_text(), "[ ]{0,2}")
         .prop_map(|(letter, gap, number, after)| letter + &gap + &number + &after);
     let extra = prop_oneof![
@@ -383,4 +287,63 @@ fn custom_code_of_real_profiles() {
     for line in ["print_end", "P0 S1", "Q603 X1", "%", "(comment)", "/G1", "T0_PARK"] {
         assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()));
     }
+}
+
+/// Codes after which any text may stand, by reason; the last two reasons are looked at.
+const ANY_TEXT: [&[&str]; 5] = [
+    // They must act whatever follows.
+    &["M81", "M108", "M110", "M112", "M410", "M999"],
+    // A text for people, a name or a version follows.
+    &["M0", "M1", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876"],
+    // They take no words, so none can be misread.
+    &["M24", "M25", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
+    // They are answered and not carried out.
+    &["G29", "G30", "M48", "M290", "M420", "M622", "M623", "M851"],
+    // The machine has nothing to do for them (`gcode::quiet`).
+    &[
+        "M2", "M20", "M21", "M74", "M75", "M76", "M77", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355",
+        "M403", "M425", "M530", "M532", "M555", "M870", "M907",
+    ],
+];
+
+/// Every code of G0 to G999 and M0 to M999 that stands for a command.
+fn known_codes() -> impl Iterator<Item = String> {
+    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..1000).map(move |number| format!("{letter}{number}")));
+    codes.filter(|code| !matches!(parse(code.as_bytes()), Command::Unknown(_)))
+}
+
+#[test]
+fn every_known_code_and_name_is_thrown_at_the_parser() {
+    let is_thrown = |code: &String| CODES.iter().any(|line| line.split([' ', '.']).next() == Some(code));
+    let missing: Vec<_> = known_codes().chain(names().map(str::to_owned)).filter(|code| !is_thrown(code)).collect();
+    assert!(missing.is_empty(), "{missing:?} in CODES");
+}
+
+/// Names say in their own reader what is wrong with their words, as `ACCEL=fast`.
+#[test]
+fn a_name_that_goes_on_is_another_name() {
+    for name in names() {
+        for other in [format!("{name}5"), format!("{name}S"), format!("{name}_")] {
+            assert!(names().any(|name| name == other) || parse(other.as_bytes()) == Command::Unknown(other.as_bytes()));
+        }
+    }
+}
+
+/// A line with a mistake does nothing, unless its command is listed here.
+#[test]
+fn a_code_without_a_row_in_the_grammar_takes_any_text_for_a_reason() {
+    let is_obeyed = |code: &String| !matches!(parse(format!("{code} X?!").as_bytes()), Command::Malformed(_));
+    let [.., answered, silent] = ANY_TEXT;
+    for code in answered {
+        let command = parse(code.as_bytes());
+        let is_answered = matches!(command, Command::Probing | Command::ReportLevelling | Command::Conditional);
+        assert!(is_answered, "{code} does something: a row in src/gcode/grammar.rs");
+    }
+    for code in silent {
+        assert_eq!(parse(code.as_bytes()), Command::Silent, "{code} does something: a row in src/gcode/grammar.rs");
+    }
+    let obeyed: BTreeSet<_> = known_codes().filter(is_obeyed).collect();
+    let any_text: BTreeSet<_> = ANY_TEXT.concat().into_iter().map(str::to_owned).collect();
+    let different: Vec<_> = obeyed.symmetric_difference(&any_text).collect();
+    assert!(different.is_empty(), "{different:?}: a row in src/gcode/grammar.rs, or a place in ANY_TEXT");
 }

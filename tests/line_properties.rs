@@ -1,4 +1,5 @@
-//! The line protocol whatever arrives: every line answered once, packets of no account, every damaged line repaired.
+//! The line protocol whatever arrives: every line is answered once, how bytes are split into packets does
+//! not matter, every damaged line is repaired.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod support;

@@ -1,4 +1,4 @@
-//! Link arguments: the memory map of the root with this board's addresses.
+//! Link arguments: memory.x in the repository's root folder, with this board's addresses.
 
 #[path = "../link.rs"]
 mod link;

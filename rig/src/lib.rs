@@ -28,6 +28,8 @@ pub struct Rig {
     weights: [[i32; Motor::ALL.len()]; 3],
     /// Tool at power-up, in units of these sums.
     start: [i64; 3],
+    /// The switches that there are.
+    inputs: EndstopSet,
 }
 
 impl Rig {
@@ -41,7 +43,8 @@ impl Rig {
             *steps = ((i128::from(mm.to_bits()) * i128::from(pitch.to_bits())) >> 48) as i32;
         }
         let back = settings.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
-        let mut rig = Self { counts: [0; Motor::ALL.len()], weights: [[0; Motor::ALL.len()]; 3], start: [0; 3] };
+        let (counts, weights) = ([0; Motor::ALL.len()], [[0; Motor::ALL.len()]; 3]);
+        let mut rig = Self { counts, weights, start: [0; 3], inputs: EndstopSet::SWITCHES };
         for motor in 0..Motor::ALL.len() {
             let mut one = [0; Motor::ALL.len()];
             one[motor] = 1;
@@ -52,6 +55,18 @@ impl Rig {
             }
         }
         rig
+    }
+
+    /// The same machine with these endstops alone.
+    #[must_use]
+    pub const fn with_inputs(self, inputs: EndstopSet) -> Self {
+        Self { inputs, ..self }
+    }
+
+    /// The endstops that there are.
+    #[must_use]
+    pub const fn inputs(&self) -> EndstopSet {
+        self.inputs
     }
 
     /// One step of each motor in `steps`, forward if it is in `forward`.
@@ -85,7 +100,7 @@ impl Rig {
                 pressed |= switch.0;
             }
         }
-        EndstopSet(pressed)
+        EndstopSet(pressed & self.inputs.0)
     }
 }
 

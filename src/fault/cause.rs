@@ -1,4 +1,7 @@
-//! What can go wrong, each with a number that stays what it is: it is kept over resets and told to people.
+//! What can go wrong, each with a number that stays what it is: it is kept over resets and told to people, as `[E04]`.
+//!
+//! A new cause gets the next number at the end. The matches below have no wildcard, so the compiler asks for the rest: its
+//! place in [`Cause::all`], whether only the power supply can end it, its text, and what its numbers are.
 
 use crate::connectors::Heater;
 use crate::units::Celsius;
@@ -60,43 +63,73 @@ pub enum Cause {
 
 impl Cause {
     /// Every cause.
-    pub const ALL: [Self; 24] = [
-        Self::SensorOpen,
-        Self::SensorShort,
-        Self::TooCold,
-        Self::TooHot,
-        Self::SensorFlickers,
-        Self::SensorFrozen,
-        Self::SensorsSwapped,
-        Self::HeatsTooSlowly,
-        Self::TemperatureLost,
-        Self::HeatsWhileOff,
-        Self::Overshoot,
-        Self::FanFailed,
-        Self::Reference,
-        Self::ConverterStopped,
-        Self::SettingsDamaged,
-        Self::SelfTest,
-        Self::ContextHangs,
-        Self::Panic,
-        Self::HardFault,
-        Self::StackOverflow,
-        Self::ClockFailed,
-        Self::Watchdog,
-        Self::Supply,
-        Self::Driver,
-    ];
+    pub fn all() -> impl Iterator<Item = Self> {
+        core::iter::successors(Some(Self::SensorOpen), |cause| cause.next())
+    }
+
+    /// The cause with the next number. Without a wildcard: a new cause is linked in here, or [`Self::of`] would not find it.
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::SensorOpen => Some(Self::SensorShort),
+            Self::SensorShort => Some(Self::TooCold),
+            Self::TooCold => Some(Self::TooHot),
+            Self::TooHot => Some(Self::SensorFlickers),
+            Self::SensorFlickers => Some(Self::SensorFrozen),
+            Self::SensorFrozen => Some(Self::SensorsSwapped),
+            Self::SensorsSwapped => Some(Self::HeatsTooSlowly),
+            Self::HeatsTooSlowly => Some(Self::TemperatureLost),
+            Self::TemperatureLost => Some(Self::HeatsWhileOff),
+            Self::HeatsWhileOff => Some(Self::Overshoot),
+            Self::Overshoot => Some(Self::FanFailed),
+            Self::FanFailed => Some(Self::Reference),
+            Self::Reference => Some(Self::ConverterStopped),
+            Self::ConverterStopped => Some(Self::SettingsDamaged),
+            Self::SettingsDamaged => Some(Self::SelfTest),
+            Self::SelfTest => Some(Self::ContextHangs),
+            Self::ContextHangs => Some(Self::Panic),
+            Self::Panic => Some(Self::HardFault),
+            Self::HardFault => Some(Self::StackOverflow),
+            Self::StackOverflow => Some(Self::ClockFailed),
+            Self::ClockFailed => Some(Self::Watchdog),
+            Self::Watchdog => Some(Self::Supply),
+            Self::Supply => Some(Self::Driver),
+            Self::Driver => None,
+        }
+    }
 
     /// The cause with this number.
     #[must_use]
     pub fn of(number: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|cause| *cause as u8 == number)
+        Self::all().find(|cause| *cause as u8 == number)
     }
 
     /// Whether the heater may be on whatever the firmware does: only the power supply can end it.
     #[must_use]
     pub const fn is_stuck_on(self) -> bool {
-        matches!(self, Self::HeatsWhileOff | Self::Overshoot | Self::TooHot)
+        match self {
+            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot => true,
+            Self::SensorOpen
+            | Self::SensorShort
+            | Self::TooCold
+            | Self::SensorFlickers
+            | Self::SensorFrozen
+            | Self::SensorsSwapped
+            | Self::HeatsTooSlowly
+            | Self::TemperatureLost
+            | Self::FanFailed
+            | Self::Reference
+            | Self::ConverterStopped
+            | Self::SettingsDamaged
+            | Self::SelfTest
+            | Self::ContextHangs
+            | Self::Panic
+            | Self::HardFault
+            | Self::StackOverflow
+            | Self::ClockFailed
+            | Self::Watchdog
+            | Self::Supply
+            | Self::Driver => false,
+        }
     }
 
     /// What is told of it.
@@ -129,23 +162,64 @@ impl Cause {
         }
     }
 
-    /// Whether its subject is a heater.
+    /// Whether its subject is a heater, which is told by name then.
     const fn is_of_heater(self) -> bool {
-        (self as u8) < Self::FanFailed as u8 || matches!(self, Self::SelfTest)
+        match self {
+            Self::SensorOpen
+            | Self::SensorShort
+            | Self::TooCold
+            | Self::TooHot
+            | Self::SensorFlickers
+            | Self::SensorFrozen
+            | Self::SensorsSwapped
+            | Self::HeatsTooSlowly
+            | Self::TemperatureLost
+            | Self::HeatsWhileOff
+            | Self::Overshoot
+            | Self::SelfTest => true,
+            Self::FanFailed
+            | Self::Reference
+            | Self::ConverterStopped
+            | Self::SettingsDamaged
+            | Self::ContextHangs
+            | Self::Panic
+            | Self::HardFault
+            | Self::StackOverflow
+            | Self::ClockFailed
+            | Self::Watchdog
+            | Self::Supply
+            | Self::Driver => false,
+        }
     }
 
     /// Whether its value and limit are degrees.
     const fn is_of_degrees(self) -> bool {
-        matches!(
-            self,
+        match self {
             Self::TooCold
-                | Self::TooHot
-                | Self::HeatsTooSlowly
-                | Self::TemperatureLost
-                | Self::HeatsWhileOff
-                | Self::Overshoot
-                | Self::SelfTest
-        )
+            | Self::TooHot
+            | Self::HeatsTooSlowly
+            | Self::TemperatureLost
+            | Self::HeatsWhileOff
+            | Self::Overshoot
+            | Self::SelfTest => true,
+            Self::SensorOpen
+            | Self::SensorShort
+            | Self::SensorFlickers
+            | Self::SensorFrozen
+            | Self::SensorsSwapped
+            | Self::FanFailed
+            | Self::Reference
+            | Self::ConverterStopped
+            | Self::SettingsDamaged
+            | Self::ContextHangs
+            | Self::Panic
+            | Self::HardFault
+            | Self::StackOverflow
+            | Self::ClockFailed
+            | Self::Watchdog
+            | Self::Supply
+            | Self::Driver => false,
+        }
     }
 }
 
@@ -181,6 +255,20 @@ impl core::fmt::Display for Fault {
         } else if !self.cause.is_of_heater() && (self.value != 0 || self.limit != 0) {
             write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
         }
-        write!(f, " [F{:02}]", self.cause as u8)
+        write!(f, " [E{:02}]", self.cause as u8)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_no_gap_and_lead_back_to_their_cause() {
+        for (cause, number) in Cause::all().zip(1..) {
+            assert_eq!((cause as u8, Cause::of(number)), (number, Some(cause)));
+        }
+        let count = Cause::all().count() as u8;
+        assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
     }
 }

@@ -26,6 +26,7 @@ mod shaping;
 mod text;
 
 pub use command::Command;
+pub use named::names;
 pub use number::Number;
 pub use parse::parse;
 pub use parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, ModelWords, Plane, VelocityWords};

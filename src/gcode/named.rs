@@ -5,11 +5,32 @@ use super::command::Command;
 use super::lexer::skip_blanks;
 use super::shaping::{set_pressure_advance, set_velocity_limit};
 
-/// What the objects of a print are called, and where each begins and ends. Nothing here depends on it.
-const SILENT: [&[u8]; 3] = [b"EXCLUDE_OBJECT_DEFINE", b"EXCLUDE_OBJECT_START", b"EXCLUDE_OBJECT_END"];
+/// The names that are known, and what makes a command of the text after each.
+const NAMES: [(&str, Read); 14] = [
+    // What the objects of a print are called, and where each begins and ends. Nothing here depends on it.
+    ("EXCLUDE_OBJECT_DEFINE", silent),
+    ("EXCLUDE_OBJECT_START", silent),
+    ("EXCLUDE_OBJECT_END", silent),
+    ("EXCLUDE_OBJECT", exclude_object),
+    ("SELF_TEST", self_test),
+    ("SET_PRESSURE_ADVANCE", set_pressure_advance),
+    ("SET_VELOCITY_LIMIT", set_velocity_limit),
+    // What decides in RepRapFirmware which lines run.
+    ("if", conditional),
+    ("elif", conditional),
+    ("else", conditional),
+    ("while", conditional),
+    ("break", conditional),
+    ("continue", conditional),
+    ("abort", conditional),
+];
 
-/// What decides in RepRapFirmware which lines run.
-const CONDITIONALS: [&[u8]; 7] = [b"if", b"elif", b"else", b"while", b"break", b"continue", b"abort"];
+type Read = for<'a> fn(&'a [u8]) -> Command<'a>;
+
+/// The names that are known.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    NAMES.into_iter().map(|(name, _)| name)
+}
 
 /// The command that a name stands for, or `None` if it is not known. `text` is the whole line.
 pub(super) fn parse_named(text: &[u8]) -> Option<Command<'_>> {
@@ -21,29 +42,34 @@ pub(super) fn parse_named(text: &[u8]) -> Option<Command<'_>> {
     }
     let end = text.iter().position(|byte| !(byte.is_ascii_alphabetic() || *byte == b'_')).unwrap_or(text.len());
     let (name, after) = text.split_at_checked(end)?;
-    let is = |other: &[u8]| name.eq_ignore_ascii_case(other);
-    if SILENT.iter().any(|silent| is(silent)) {
+    // A multi-material unit's loading, cutting and choosing: Tx, Tc and T?.
+    if matches!((name, after), (b"Tx" | b"Tc", _) | (b"T", b"?")) {
         return Some(Command::Silent);
     }
-    if is(b"EXCLUDE_OBJECT") {
-        // Without a name it asks which objects are left out, with RESET=1 for none of them.
-        let asks = skip_blanks(after).get(..5).is_none_or(|word| !matches!(word, b"NAME=" | b"CURRE"));
-        return Some(if asks { Command::Silent } else { Command::CancelObject });
+    // With a digit behind it is another name.
+    if matches!(after, [b'0'..=b'9', ..]) {
+        return None;
     }
-    if is(b"SET_PRESSURE_ADVANCE") {
-        return Some(set_pressure_advance(after));
-    }
-    if is(b"SET_VELOCITY_LIMIT") {
-        return Some(set_velocity_limit(after));
-    }
-    if is(b"SELF_TEST") {
-        return Some(Command::SelfTest);
-    }
-    if CONDITIONALS.iter().any(|conditional| is(conditional)) && !matches!(after, [b'0'..=b'9', ..]) {
-        return Some(Command::Conditional);
-    }
-    // A multi-material unit's loading, cutting and choosing: Tx, Tc and T?.
-    matches!((name, after), (b"Tx" | b"Tc", _) | (b"T", b"?")).then_some(Command::Silent)
+    let (_, read) = NAMES.into_iter().find(|(known, _)| name.eq_ignore_ascii_case(known.as_bytes()))?;
+    Some(read(after))
+}
+
+const fn silent(_: &[u8]) -> Command<'_> {
+    Command::Silent
+}
+
+const fn self_test(_: &[u8]) -> Command<'_> {
+    Command::SelfTest
+}
+
+const fn conditional(_: &[u8]) -> Command<'_> {
+    Command::Conditional
+}
+
+/// EXCLUDE_OBJECT: without a name it asks which objects are left out, with RESET=1 for none of them.
+fn exclude_object(text: &[u8]) -> Command<'_> {
+    let asks = skip_blanks(text).get(..5).is_none_or(|word| !matches!(word, b"NAME=" | b"CURRE"));
+    if asks { Command::Silent } else { Command::CancelObject }
 }
 
 #[cfg(test)]

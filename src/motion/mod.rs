@@ -35,7 +35,7 @@
 //! - **work**: what the Console asks of the generator: a move, a dwell, other taps. **entry**: work in the MoveQueue, with its
 //!   epoch. (An entry speed is something else: how fast a move begins.)
 //! - **to lay**: to add a move's phases to the trajectory. **to release**: to let a move leave the look-ahead for good.
-//! - **covered**: the part of a path that lies between its begin and here. **following**: later on the path, or in time.
+//! - **covered**: how much of a path has been travelled so far. **following**: later on the path, or in time.
 //!
 //! # Suffixes
 //!

@@ -13,7 +13,7 @@
 //! |---|---|---|
 //! | moves | `ok` | a question, twice, then `ok` |
 //! | has come to rest by itself | `ok` | `ok` |
-//! | has waited for its motion to end | `ok` if the host would wait for ever | the same |
+//! | has waited for its motion to end | `ok` if the host began its numbers below 0, as printcore does, which waits for ever | the same |
 //! | is paused | nothing | nothing |
 
 use crate::units::Instant;

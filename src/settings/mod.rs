@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal` | compiler (`prototype`) |
 //! | range, check | `check` | `tests/setting_ranges.rs` |
-//! | record | `storage::record`, by serde: a changed field makes another `FORMAT` | `src/storage/record/tests.rs` |
+//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (as `with_heat` does) | `src/storage/record/tests.rs` |
 //! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
 //! | M503 | `machine/commands/setting.rs` | the same test |
@@ -15,8 +15,12 @@
 //! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |
 //!
 //! A new [`ShaperKind`] is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
-//! (`gcode::shaping`), what of the two belongs together and M593's text (`machine/commands/shaping.rs`), and `KindToml` (the
-//! machine file). Matches without a wildcard ask for it from here to `gcode`; the same test names what else is missing.
+//! (`gcode::shaping`), the two functions that translate between kind and number, with M593's text (`machine/commands/shaping.rs`),
+//! and `KindToml` (the machine file). The compiler asks for impulses and `name_of`, the same test for the rest, and
+//! `tests/motion/shapers.rs` for figures from the literature. By hand: `FREQUENCY` in `check` if it lasts longer than the others,
+//! docs/shaping.md.
+//!
+//! A new [`CornerRule`] or [`Thermistor`]: the comment of each says where it is known.
 
 mod axis;
 mod check;
@@ -37,13 +41,30 @@ use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
-/// What limits the speed in a corner.
+/// What limits the speed in a corner. `motion::planner::junction` has the law. A machine file chooses a rule by its key
+/// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum CornerRule {
     /// Junction deviation: how far an arc that rounds the corner may leave it.
     JunctionDeviation(Mm),
     /// Square-corner velocity: the speed through a corner of 90 degrees.
     SquareCorner(MmPerSec),
+}
+
+impl CornerRule {
+    /// Every rule, with a usual value.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let usual = Self::JunctionDeviation(const { Mm::lit("0.013") });
+        core::iter::successors(Some(usual), |rule| rule.next())
+    }
+
+    /// The rule after this one. Without a wildcard: a new rule is linked in here, and tests go through all of them.
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::JunctionDeviation(_) => Some(Self::SquareCorner(MmPerSec::const_from_int(5))),
+            Self::SquareCorner(_) => None,
+        }
+    }
 }
 
 /// Everything that makes one machine different from another.

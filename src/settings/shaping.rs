@@ -3,7 +3,8 @@
 use crate::units::{Hertz, Mm, Ratio, Seconds};
 use serde::{Deserialize, Serialize};
 
-/// Input shapers, by their usual names.
+/// Input shapers, by their usual names. The head of `settings` says where each is known. Records hold the number of a variant,
+/// so a new one comes last.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum ShaperKind {
     /// None.
@@ -18,6 +19,25 @@ pub enum ShaperKind {
     Ei,
     /// Extra insensitive with two humps, for 5 % of vibration.
     TwoHumpEi,
+}
+
+impl ShaperKind {
+    /// Every kind.
+    pub fn all() -> impl Iterator<Item = Self> {
+        core::iter::successors(Some(Self::None), |kind| kind.next())
+    }
+
+    /// The kind after this one. Without a wildcard: a new kind is linked in here, and tests go through all of them.
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::None => Some(Self::Zv),
+            Self::Zv => Some(Self::Zvd),
+            Self::Zvd => Some(Self::Mzv),
+            Self::Mzv => Some(Self::Ei),
+            Self::Ei => Some(Self::TwoHumpEi),
+            Self::TwoHumpEi => None,
+        }
+    }
 }
 
 /// The input shaper of an axis.

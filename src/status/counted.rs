@@ -1,4 +1,4 @@
-//! Steps that are counted where they are made, so that whoever plays them need not.
+//! Steps are counted by the generator, so that the step interrupt need not count.
 
 use crate::motors::MOST_GROUPS;
 use core::sync::atomic::{AtomicI32, Ordering::Acquire, Ordering::Relaxed};

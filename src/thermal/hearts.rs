@@ -3,7 +3,7 @@
 //! | context | heard of by |
 //! |---|---|
 //! | converter | samples come, or the board has none |
-//! | control period | it is the one that looks |
+//! | control period | needs no sign: it is the code that looks |
 //! | Stepper | it has emitted an event, or answered being pended |
 //! | StepGenerator | it has run after being pended |
 //! | Console | it has come by |

@@ -1,8 +1,8 @@
-//! The lag watch: a sensor that sits loosely follows the block much later than its model says, and a block that is stopped when the
-//! sensor shows the target would be far above it.
+//! The lag watch: a loose sensor lags far behind the block. If heating stopped only when it shows the target, the block would be
+//! far too hot by then.
 //!
-//! At full power, what the heater gives rises with time, and what was found in the sensor (its own warmth and the losses by
-//! then) rises by the same slope, but later: by the lag.
+//! At full power, the heat that the heater has given rises with time. The heat that the sensor's reading accounts for (stored plus
+//! lost so far) rises by the same slope, but later: by the lag.
 //!
 //! ```text
 //!   heat    given /    / found

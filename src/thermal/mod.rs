@@ -9,11 +9,12 @@
 //! ```
 //!
 //! [`ThermalControl`] runs once in a control period of 20 ms, in a context of its own between the step interrupts and the
-//! Console, so no command delays it. Everything is in fixed point; nothing in it can be no number.
+//! Console, so no command delays it. Everything is in fixed point, so there is no NaN.
 //!
 //! | word | means |
 //! |---|---|
 //! | period | control period, 20 ms |
+//! | room | the air around the machine, not a folder of `src` |
 //! | element, block, sensor | the three masses of a heater's model |
 //! | lag | time constant between two of them |
 //! | drift | power that comes or goes beside the heater's, as the observer has learned |

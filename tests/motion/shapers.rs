@@ -24,6 +24,8 @@ const KNOWN: [(ShaperKind, &[f64], &[f64]); 5] = [
 
 #[test]
 fn impulses_are_those_of_the_literature() {
+    let known: Vec<_> = KNOWN.iter().map(|(kind, ..)| *kind).collect();
+    assert_eq!(known, ShaperKind::all().filter(|kind| *kind != ShaperKind::None).collect::<Vec<_>>());
     for (kind, amplitudes, times) in KNOWN {
         let impulses = impulses(kind, 60.0, 0.05);
         assert_eq!(impulses.len(), amplitudes.len());

@@ -1,4 +1,4 @@
-//! Ways: what becomes of a move's length.
+//! How a move's length is divided among its three phases: no phase has time but no length.
 
 use super::line::plan;
 use corehbot::settings::Settings;

@@ -1,7 +1,7 @@
 //! The wiring of the bench rig: a Nucleo-F446RE with a CNC shield v3, four drivers, no Z and no extruder.
 //!
 //! Arduino names are on the shield. Motors 1 and 8 step on GPIOA, motors 4 and 11 on GPIOB, and one line gives
-//! power to all.
+//! power to all. The host is on USART2, which the ST-LINK has as a USB serial port.
 
 use corehbot::port::MotorSet;
 use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};

@@ -2,10 +2,12 @@
 //!
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
+//!
+//! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core allows.
 
 use corehbot::port::{MotorSet, Output, Sensor};
 use corehbot_stm32f446::wiring::{
-    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, Thermistor,
+    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
     Usart,
 };
 
@@ -106,8 +108,8 @@ const fn fan_on_d(channel: u8) -> FanPin {
 }
 
 /// A thermistor on port F.
-const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> Thermistor {
-    Thermistor { sensor, pin: Pin::new(Port::F, pin), channel }
+const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
+    ThermistorPin { sensor, pin: Pin::new(Port::F, pin), channel }
 }
 
 #[cfg(test)]

@@ -4,22 +4,22 @@
 //! rows in the mechanism stand alike and those with opposite rows mirror each other (on the CoreH-bot, 1 and 8, 4 and 11,
 //! so that the belt is not strained, and both ball screws). Where four coordinates hold three axes, the sum of counts
 //! that should be 0 (A - B + C - D of a CoreXYZ) is what rounding makes of it: each count is within half a step of its
-//! coordinate, so the sum is below two steps, and two at most for the tick to which a step is rounded. At the end it is
-//! below two, and the counts are the expected ones.
+//! coordinate, so the sum of four is below two steps. A step's tick is rounded as well, so in between the sum may reach two.
+//! At the end it is below two, and the counts are the expected ones.
 //!
 //! Speeds and accelerations are measured on positions sampled every 0.5 ms. With window T and step q:
 //!
 //! - speed: `|p(t) - p(t-T)| <= V T + Q`, where Q = 1.5 q is what quantisation can fake;
 //! - acceleration: the second difference `|p(t) - 2 p(t-T) + p(t-2T)|`, which is the acceleration averaged
 //!   with a triangular weight times T^2, is at most `sqrt2 A T^2 + J T + 2 Q`. The factor sqrt2 (x, y and belt
-//!   only) is an axis that brakes at its limit and rounds a curve at the limit as well; J is one corner's jump of speed (see
-//!   [`limits`](crate::limits)). More corners within one window are within the bound if the planner lets no
+//!   only) allows for an axis that brakes at its limit and turns at its limit at the same time. J is one corner's jump of speed
+//!   (see [`limits`](crate::limits)). More corners within one window are within the bound if the planner lets no
 //!   chain of corners turn faster than a curve at the limit would.
 //!
 //! A long window (T = V / 5A) finds, on the belt axes, an acceleration of twice the limit before the axis is
 //! as fast as its speed limit; a short one (T = sqrt(2Q / A)), where the three terms are least together, finds a jump: for
 //! 80 steps/mm, 5 m/s2 and d = 0.013 mm any jump above 65 mm/s. Within 4 ms the speeds of x and y are looked at step by step
-//! (`changes.rs`), which finds a wave that is too short for both windows.
+//! (`changes.rs`), which finds an oscillation that is too short for both windows.
 
 use self::changes::Changes;
 use crate::limits::{Limit, Limits, belts};

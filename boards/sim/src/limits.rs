@@ -16,7 +16,7 @@
 //! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`. So it adds `K (v(t + h/2) - v(t - h/2)) / h`
 //! to the extruder's speed, at most `K V / h`, for both are between 0 and V; and `K (a(t + h/2) - a(t - h/2)) / h` to its
 //! acceleration, at most `2 K A / h`. A corner's jump enters the window and leaves it again, as a jump of K / h times as
-//! much, and so does a change of K: it is a jump from `K v` to another.
+//! much. A change of K is such a jump too: the filament that is ahead, `K v`, is another at once.
 
 use crate::host::{command_of, words};
 use corehbot::gcode::{Command, VelocityWords, parse};

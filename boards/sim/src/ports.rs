@@ -147,4 +147,8 @@ impl StepPort for Pins<'_> {
     fn endstops(&mut self) -> EndstopSet {
         self.rig.endstops()
     }
+
+    fn inputs(&self) -> EndstopSet {
+        self.rig.inputs()
+    }
 }

@@ -13,7 +13,7 @@ use corehbot::connectors::Heater;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
@@ -100,6 +100,8 @@ pub struct Desk {
     memory: Memory,
     shared: Shared,
     wires: Vec<Wire>,
+    /// The endstops that are connected.
+    pub endstops: EndstopSet,
 }
 
 impl Desk {
@@ -107,7 +109,7 @@ impl Desk {
     #[must_use]
     pub fn new(lines: usize) -> Box<Self> {
         let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
-        Box::new(Self { memory: Memory::new(), shared: Shared::default(), wires })
+        Box::new(Self { memory: Memory::new(), shared: Shared::default(), wires, endstops: EndstopSet::SWITCHES })
     }
 
     /// The same at a time in ticks.
@@ -170,10 +172,10 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires } = desk;
+        let Desk { memory, shared, wires, endstops } = desk;
         let (shared, wires): (&'w Shared, &'w [Wire]) = (shared, wires);
         let groups = Groups::new(&settings.mechanism);
-        let (rig, table) = (Rig::new(settings, place), MotorTable::new(&groups));
+        let (rig, table) = (Rig::new(settings, place).with_inputs(*endstops), MotorTable::new(&groups));
         let pins = Pins { rig, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
@@ -365,8 +367,23 @@ pub fn run_from(
     hosts: &mut [&mut dyn Host],
     sink: &mut dyn Sink,
 ) -> Result<Outcome, WorldError> {
-    let mut desk = Desk::at(hosts.len(), now);
-    let mut world = World::new(&mut desk, settings, start, storage, drivers, sink);
+    run_at(&mut Desk::at(hosts.len(), now), settings, start, storage, drivers, hosts, sink)
+}
+
+/// The same at that desk, which has a line for each host.
+///
+/// # Errors
+/// If printer and host wait for each other.
+pub fn run_at(
+    desk: &mut Desk,
+    settings: &Settings,
+    start: Option<[Mm; 3]>,
+    storage: impl Storage,
+    drivers: &Drivers,
+    hosts: &mut [&mut dyn Host],
+    sink: &mut dyn Sink,
+) -> Result<Outcome, WorldError> {
+    let mut world = World::new(desk, settings, start, storage, drivers, sink);
     let mut idle_ms = 0;
     while !(hosts.iter().all(|host| host.is_done()) || world.status().is_halted()) {
         world.poll();

@@ -29,8 +29,7 @@ impl Sink for Steps {
 }
 
 fn shapers() -> impl Strategy<Value = Shaper> {
-    let kinds = [ShaperKind::None, ShaperKind::Zv, ShaperKind::Zvd, ShaperKind::Mzv, ShaperKind::Ei];
-    let kind = proptest::sample::select(kinds.into_iter().chain([ShaperKind::TwoHumpEi]).collect::<Vec<_>>());
+    let kind = proptest::sample::select(ShaperKind::all().collect::<Vec<_>>());
     let span = prop_oneof![Just(0.0), 500.0..1000.0f64];
     let motor = prop_oneof![Just(0.0), 100.0..400.0f64];
     (kind, 30.0..200.0f64, 0.0..0.2f64, span, motor).prop_map(|(kind, frequency, damping, span, motor)| Shaper {

@@ -11,7 +11,7 @@ mod lines;
 
 use corehbot::gcode::{Command, Number, parse};
 use corehbot::port::NoStorage;
-use corehbot::settings::{Settings, ShaperKind};
+use corehbot::settings::{CornerRule, Settings, ShaperKind};
 use corehbot::units::Mm;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::machine_file;
@@ -33,11 +33,36 @@ fn settings_as_said(settings: &Settings, lines: &[&str]) -> Vec<String> {
     host.heard.into_iter().filter(|line| line.starts_with("echo:  ") || line.starts_with("echo:;")).collect()
 }
 
-/// A machine file with every key and shapers that are on. No two axes share a motor, so each may be changed alone.
-fn file() -> Table {
+/// A rule for corners: its path in the settings, its key in a machine file, and a line that sets it. A new rule does not
+/// compile before it has them.
+const fn corner(rule: CornerRule) -> [&'static str; 3] {
+    match rule {
+        CornerRule::JunctionDeviation(_) => ["corner.JunctionDeviation", "junction_deviation", "M205 J.02"],
+        CornerRule::SquareCorner(_) => ["corner.SquareCorner", "square_corner", "M205 X8"],
+    }
+}
+
+/// All settings by their paths, each with a machine file in which it counts: a rule for corners has a file of its own.
+fn settings_and_files() -> Vec<(String, Table)> {
+    let of_rule = |rule| {
+        let file = file(rule);
+        let paths = by_path(&load(&file).unwrap()).into_keys();
+        paths.map(|path| (path, file.clone())).collect::<Vec<_>>()
+    };
+    let mut rules = CornerRule::all();
+    let mut all = of_rule(rules.next().unwrap());
+    all.extend(rules.flat_map(of_rule).filter(|(path, _)| path.starts_with("corner.")));
+    all
+}
+
+/// A machine file with every key of that rule for corners, and shapers that are on. No two axes share a motor, so each may
+/// be changed alone.
+fn file(rule: CornerRule) -> Table {
     const ROWS: [(&str, [i64; 4]); 4] =
         [("m1", [1, 0, 0, 0]), ("m4", [0, 1, 0, 0]), ("z1", [0, 0, 1, 0]), ("e0", [0, 0, 0, 1])];
     let mut file: Table = EXAMPLE.parse().unwrap();
+    let [_, key, _] = corner(rule);
+    file.insert("corner".to_owned(), toml::Value::Table(Table::from_iter([(key.to_owned(), toml::Value::Float(0.5))])));
     let rows = ROWS.map(|(motor, row)| (motor.to_owned(), row.to_vec().into()));
     file.insert("mechanism".to_owned(), toml::Value::Table(Table::from_iter(rows)));
     for axis in ["x", "y"] {
@@ -71,7 +96,10 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
 /// The place of a setting in a machine file.
 fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
-    let path = path.replace("shapers.", "shaper.").replace("corner.JunctionDeviation", "corner.junction_deviation");
+    let path = path.replace("shapers.", "shaper.");
+    let path = CornerRule::all()
+        .map(corner)
+        .fold(path, |path, [of_rule, key, _]| path.replace(of_rule, &format!("corner.{key}")));
     let (tables, key) = path.rsplit_once('.').unwrap_or(("", &path));
     tables
         .split('.')
@@ -81,10 +109,10 @@ fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
 }
 
 /// Settings with another value in that key of the file.
-fn changed(path: &str) -> Option<Settings> {
-    let before = load(&file()).unwrap();
+fn changed(path: &str, file: &Table) -> Option<Settings> {
+    let before = load(file).unwrap();
     let legal = |value: toml::Value| {
-        let mut file = file();
+        let mut file = file.clone();
         *key(&mut file, path)? = value;
         load(&file).ok().filter(|settings| *settings != before)
     };
@@ -110,10 +138,9 @@ const NOT_SAID: [&str; 9] = [
 const FILE_ONLY: [&str; 6] = ["back_off", "fast", "length", "lookahead_time", "require_homing", "slow"];
 
 /// Lines that set a setting. A letter in braces is the axis.
-const LINES: [(&str, &str); 22] = [
+const LINES: [(&str, &str); 21] = [
     ("advance.time", "M900 K.1"),
     ("advance.window", "M572 W.05"),
-    ("corner.JunctionDeviation", "M205 J.02"),
     ("current_ma", "M906 {}700"),
     ("extruder_jerk", "M205 E3"),
     ("hybrid_threshold", "M913 {}50"),
@@ -147,29 +174,30 @@ fn is_of_all_machines(path: &str) -> bool {
 
 /// The line that sets a setting.
 fn line_for(path: &str) -> Option<String> {
-    let (_, line) = LINES.into_iter().find(|(name, _)| is_one_of(path, &[name]))?;
+    let of_corners = CornerRule::all().map(corner).map(|[path, _, line]| (path, line));
+    let (_, line) = LINES.into_iter().chain(of_corners).find(|(name, _)| is_one_of(path, &[name]))?;
     let axis = path.split('.').nth(1).map(|axis| if axis == "belt" { "X".to_owned() } else { axis.to_uppercase() });
     Some(line.replace("{}", axis.as_deref().unwrap_or_default()))
 }
 
 #[test]
 fn every_setting_has_a_key_in_the_machine_file_that_sets_it_alone() {
-    let before = by_path(&load(&file()).unwrap());
-    for path in before.keys().filter(|path| *path != "mechanism") {
-        assert!(key(&mut file(), path).is_some(), "{path} has no key in examples/machines/prototype.toml");
-        let after = by_path(
-            &changed(path).unwrap_or_else(|| panic!("no value changes {path}: boards/sim/src/machine_file.rs")),
-        );
+    for (path, mut file) in settings_and_files().into_iter().filter(|(path, _)| path != "mechanism") {
+        let before = by_path(&load(&file).unwrap());
+        let after = changed(&path, &file);
+        let after =
+            by_path(&after.unwrap_or_else(|| panic!("no value changes {path}: boards/sim/src/machine_file.rs")));
+        assert!(key(&mut file, &path).is_some(), "{path} has no key in examples/machines/prototype.toml");
         let other: Vec<_> = before.keys().filter(|name| before[*name] != after[*name]).collect();
-        assert_eq!(other, [path], "the key of {path}");
+        assert_eq!(other, [&path], "the key of {path}");
     }
 }
 
 #[test]
 fn every_setting_is_said_by_m503_or_is_known_not_to_be() {
-    let before = settings_as_said(&load(&file()).unwrap(), &[]);
-    for path in by_path(&Settings::prototype()).keys().filter(|path| is_of_all_machines(path)) {
-        let is_said = settings_as_said(&changed(path).unwrap(), &[]) != before;
+    for (path, file) in settings_and_files().iter().filter(|(path, _)| is_of_all_machines(path)) {
+        let before = settings_as_said(&load(file).unwrap(), &[]);
+        let is_said = settings_as_said(&changed(path, file).unwrap(), &[]) != before;
         let is_e_length = path == "axes.e.length";
         assert_eq!(is_said, !is_one_of(path, &NOT_SAID) && !is_e_length, "{path}: src/machine/commands/setting.rs");
     }
@@ -177,9 +205,9 @@ fn every_setting_is_said_by_m503_or_is_known_not_to_be() {
 
 #[test]
 fn every_setting_that_m503_says_has_a_line_that_sets_it_or_is_of_the_file_alone() {
-    let settings = load(&file()).unwrap();
-    let before = settings_as_said(&settings, &[]);
-    for path in by_path(&Settings::prototype()).keys().filter(|path| is_of_all_machines(path)) {
+    for (path, file) in settings_and_files().iter().filter(|(path, _)| is_of_all_machines(path)) {
+        let settings = load(file).unwrap();
+        let before = settings_as_said(&settings, &[]);
         let Some(line) = line_for(path) else {
             assert!(is_one_of(path, &NOT_SAID) || is_one_of(path, &FILE_ONLY), "no line sets {path}");
             continue;
@@ -202,17 +230,9 @@ const fn name(kind: ShaperKind) -> &'static str {
     }
 }
 
-/// All shapers. That a variant is missing here cannot be: an unknown one makes serde list them.
-fn kinds() -> Vec<ShaperKind> {
-    let error = serde_json::from_str::<ShaperKind>("\"\"").unwrap_err().to_string();
-    let variants = error.split('`').skip(1).step_by(2).filter(|variant| !variant.is_empty());
-    variants.map(|variant| serde_json::from_value(variant.into()).unwrap()).collect()
-}
-
 #[test]
 fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
-    assert!(kinds().len() >= 6);
-    for kind in kinds() {
+    for kind in ShaperKind::all() {
         let name = name(kind);
         let settings = machine_file::load(&format!("[shaper.x]\nkind = \"{name}\"")).unwrap();
         assert_eq!(settings.shapers.x.kind, kind, "KindToml in boards/sim/src/machine_file/form.rs");

@@ -10,7 +10,7 @@
 //!
 //! | direction | spent | so J may be |
 //! |---|---|---|
-//! | sending | The driver measures four bits of the sync nibble, so its bit is wrong by J / 4, and its last sample by 9.5 times that; this byte's start bit and the edge next to the sample may each be late by J, but only one of them counts: 3.4 J | 7.7 us |
+//! | sending | The driver measures the length of a bit over four bits of the sync nibble, so a late tick makes it wrong by J / 4. Its last sample comes 9.5 bits later and is wrong by 9.5 J / 4 = 2.4 J. This byte's start bit and the edge next to the sample may each be late by another J, but only one of them counts: 3.4 J | 7.7 us |
 //! | listening | The driver speaks with the bit that it measured, so a stop bit may end 2.5 J early; a start bit is seen within a tick, half of which counts, 5.2 us; the sample is late by J: 5.2 us + 3.5 J | 5.9 us |
 //!
 //! 2 % between the clocks, beyond what J makes of them, leave 2.9 us. In the emulator, which knows no flash wait

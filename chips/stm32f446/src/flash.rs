@@ -3,9 +3,9 @@
 //! Registers and not embassy-stm32's driver, which erases without regard to the watchdog: while a sector is erased the
 //! processor cannot fetch instructions and stands still, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits),
 //! and the watchdog bites after 0.34 s. So it gets a longer period for that time, in which the Console's clock stands
-//! still. Motors rest when settings are saved, and drivers hold on their own; heaters, if there were any, would be off: no control
-//! period comes, and their timer ends the pulse that is under way (`heater_timer`). Commands are heard again afterwards; their
-//! bytes are kept by DMA.
+//! still. Motors rest when settings are saved, and drivers hold on their own. Heaters go off by themselves: their timer ends the
+//! pulse that is under way (`heater_timer`), and no control period starts another while the processor stands still. (No board
+//! that keeps its settings in flash has heaters.) Commands are heard again afterwards; their bytes are kept by DMA.
 
 use corehbot::port::StorageError;
 use embassy_stm32::pac::FLASH;

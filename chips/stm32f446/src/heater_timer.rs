@@ -7,7 +7,7 @@
 //!
 //! The interrupt has no other source than the counter's end, and nobody starts the counter but [`heat`], once a period, at the
 //! end of the interrupt. A control period that does not come to call it is the last one, and the watchdog is not fed any more.
-//! Nothing of that is the Console's: it has no interrupt, no register and no clock in it.
+//! The Console plays no part in this.
 //!
 //! While a debugger halts the processor the timer runs on (DBG_TIM5_STOP stays 0), so a halt is as any other hang. Stopped
 //! in the middle of a pulse, TIM5 would hold its output high: only TIM1 and TIM8 let go of their outputs in a halt (RM0390,

@@ -1,6 +1,6 @@
 //! Memory for settings, whichever a board has.
 //!
-//! The `main` of a board names it by a function, so that the image holds no other.
+//! A board's `main` passes the function that opens its memory, so the linker leaves the other driver out.
 
 use corehbot::port::StorageError;
 

@@ -8,12 +8,10 @@ use embassy_stm32::pac::usart::Usart as Registers;
 use embassy_stm32::pac::{RCC, USART1, USART2};
 
 use crate::after_bootloader::HSI_HZ;
+use crate::resources::USART_FUNCTION;
 use crate::serial_port::{SerialPort, Usart};
 use crate::wiring::Board;
 use crate::{ports, watchdog};
-
-/// USART1 and 2 are alternate function 7 (STM32F446 datasheet, table of alternate functions).
-const FUNCTION: u8 = 7;
 
 /// Between two messages: 40 times 50 ms, and longer where flash is waited for.
 const PAUSES: u32 = 40;
@@ -58,7 +56,7 @@ fn start(port: &SerialPort) {
         w.set_ue(true);
         w.set_te(true);
     });
-    ports::make_alternate(port.tx, FUNCTION);
+    ports::make_alternate(port.tx, USART_FUNCTION);
 }
 
 fn send(registers: Registers, byte: u8) {

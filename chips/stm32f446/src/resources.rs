@@ -1,4 +1,4 @@
-//! What of the chip serves for what: alternate functions, DMA streams, timers and interrupts.
+//! Which peripheral does which job: alternate functions, DMA streams, timers and interrupts.
 //!
 //! Plain numbers and names, so that a test on the host can hold them against the description of the chip that
 //! stm32-metapac is generated from (`tests/chip.rs`); the code takes them from here.

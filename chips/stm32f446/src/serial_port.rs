@@ -17,7 +17,9 @@ pub struct SerialPort {
     pub baud: u32,
 }
 
-/// The USARTs that are wired for hosts.
+/// The USARTs that are wired for hosts. A new one: the compiler asks for its bus, its receiver's DMA and its registers
+/// (`resources`, `usart`, `plain_serial`); `tests/chip.rs` for its interrupts (`SOURCES` in `resources`, with a priority and a
+/// handler each), and `LINES` in `src/port.rs` of the core is the most that a board may have.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Usart {
     /// USART1.
@@ -34,6 +36,28 @@ const TOLERANCE: u32 = 100;
 const LEAST: u32 = 16;
 
 impl Usart {
+    /// Every USART.
+    pub fn all() -> impl Iterator<Item = Self> {
+        core::iter::successors(Some(Self::One), |usart| usart.next())
+    }
+
+    /// The USART after this one. Without a wildcard: a new one is linked in here, and tests go through all of them.
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::One => Some(Self::Two),
+            Self::Two => None,
+        }
+    }
+
+    /// Its name in the manual.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::One => "USART1",
+            Self::Two => "USART2",
+        }
+    }
+
     /// Clock of its bus: APB2 with a half, APB1 with a quarter of 180 MHz (`clocks`).
     #[must_use]
     pub const fn bus_hz(self) -> u32 {
@@ -94,7 +118,7 @@ mod tests {
 
     #[test]
     fn usual_rates_are_met_to_half_a_percent() {
-        for usart in [Usart::One, Usart::Two] {
+        for usart in Usart::all() {
             for baud in [115_200, 230_400, 250_000, 500_000, 1_000_000] {
                 let port = port(usart, baud);
                 let real = f64::from(usart.bus_hz()) / f64::from(port.divisor());

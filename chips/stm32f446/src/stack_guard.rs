@@ -6,7 +6,7 @@
 //! | region | addresses | what ends there |
 //! |---|---|---|
 //! | 7 | the lowest KiB of RAM | a stack that grows by calls and exceptions |
-//! | 6 | the 32 KiB below RAM, which hold nothing that is ever read (RM0390, 2.2.2: the option bytes are read by registers) | one frame that reaches past the KiB; frames are smaller, but for the one that start-up puts the machine together in |
+//! | 6 | the 32 KiB below RAM, which hold nothing that is ever read (RM0390, 2.2.2: the option bytes are read by registers) | one frame that reaches past the KiB; all frames are smaller than that, except that of the start-up function which builds the machine |
 //!
 //! An access there is a MemManage fault. That exception is left disabled, so that whatever faults in whatever context is a
 //! HardFault, which takes a fresh stack (see [`fault`](crate::fault)). An exception whose frame does not fit any more faults

@@ -1,5 +1,12 @@
 //! The step port: which edges the Stepper's events make on the pins, and how long a pulse is.
 //!
+//! Nobody waits for the end of a pulse: it lasts as long as the Stepper takes to fetch the next event and set its alarm.
+//! [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors in `slow` of the board's
+//! table are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS` (`src/port.rs` of the core);
+//! then either its motors are named in `slow`, or [`StepPins::fall_quick`] has to wait. Two steps of a motor must be far enough
+//! apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are late and follow each other at once
+//! (`motion/stepper.rs` of the core, docs/time.md).
+//!
 //! A table gives the words for all ports at once, in RAM (see [`PortWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
@@ -7,22 +14,29 @@
 use core::sync::atomic::{Ordering::AcqRel, compiler_fence};
 
 use corehbot::kinematics::Groups;
+use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::motors::MOST_GROUPS;
-use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, STEP_PULSE_NS, StepPort};
+use corehbot::units::TICKS_PER_MS;
 
 use crate::port_writes::{PORTS, PortWrites, QUICK};
 use crate::ports::{self, Registers};
 use crate::wiring::{Board, Pin};
 
-/// A step pulse has to be high for so many cycles of 180 MHz, 133 ns. TMC2209 datasheet rev 1.09, section 13.1: t_SH >=
-/// max(t_FILTSD, t_CLK + 20 ns), which is 103 ns with the internal clock of 12 MHz and 118 ns at its slowest. What the
-/// Stepper does meanwhile takes longer, without any wait of the chip's: the next event is fetched and the alarm set. The
-/// bench counts these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
-const PULSE: u32 = 24;
+/// A step pulse has to be high for so many cycles of 180 MHz. What the Stepper does meanwhile takes longer; the bench counts
+/// these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
+const PULSE: u32 = (STEP_PULSE_NS * CYCLES_PER_US).div_ceil(1000);
 
 /// What a pulse on a step pin on PC13, PC14 or PC15 takes beyond that, which is good for 2 MHz (STM32F446 datasheet, pin
 /// definitions, note on the power switch): 300 ns altogether.
 const SLOW_REST: u32 = 54 - PULSE;
+
+/// Cycles of 180 MHz.
+const CYCLES_PER_US: u32 = 180;
+
+// High for a pulse and low for as long, also on a slow pin, before the next step of the same motor.
+const _: () =
+    assert!(2 * (PULSE + SLOW_REST) as u64 * TICKS_PER_MS as u64 <= MIN_STEP_INTERVAL * 1000 * CYCLES_PER_US as u64);
 
 /// Step and direction pins of all motors, and the endstop inputs.
 // In this order: what a quick step needs is in front.

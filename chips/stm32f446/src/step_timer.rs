@@ -6,7 +6,7 @@
 //! A tick is 18 cycles. The cycle of a tick is its number times 18, and both wrap at 2^32, so there is nothing to keep
 //! in step. The cycle counter wraps first, after 23.8 s. So what is near is told by cycles, and what is not by
 //! [`StepTimer::now`], which counts on from where it was last; the Stepper asks for that every few seconds at the latest
-//! while there is motion, and at rest a tick is as good as any other.
+//! while there is motion, and at rest it does not matter if ticks are lost.
 //!
 //! A debugger that halts the core halts both. Whether the cycle counter counts while the processor sleeps is up to the
 //! chip, so that is [measured](StepTimer::start) at start-up.

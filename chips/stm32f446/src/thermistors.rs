@@ -6,7 +6,8 @@
 //! degree is 3.7 steps of 12 bits, and noise of a step or so, which averaging needs to gain anything, falls to a quarter:
 //! 0.07 degrees. Slower noise is for whoever makes degrees of it.
 //!
-//! A new sensor is a row in the wiring of its board ([`Thermistor`]); there may be [`MOST_THERMISTORS`].
+//! A new input is a row in the wiring of its board ([`ThermistorPin`]); there may be [`MOST_THERMISTORS`]. The kind of thermistor
+//! that is plugged in there is a setting (`settings::Thermistor` of the core), and its curve is in `thermal::sensor`.
 //!
 //! No interrupt: whoever asks sums up what lies there, and looks whether the DMA goes on counting. An overrun or a
 //! stopped clock ends that for good, and then there are no values any more.
@@ -24,7 +25,7 @@ use embassy_stm32::pac::{ADC3, ADC123_COMMON, DMA2, RCC};
 
 use crate::ports;
 use crate::resources::CONVERTER;
-use crate::wiring::{MOST_THERMISTORS, Thermistor};
+use crate::wiring::{MOST_THERMISTORS, ThermistorPin};
 
 /// Its stream of DMA2.
 const STREAM: usize = CONVERTER.stream;
@@ -43,14 +44,14 @@ static KEPT_READINGS: [AtomicU16; MOST_THERMISTORS * KEPT] = [const { AtomicU16:
 
 /// The thermistors of a board.
 pub struct Thermistors {
-    wired: &'static [Thermistor],
+    wired: &'static [ThermistorPin],
     /// Whether they are alive, if somebody has looked in this control period.
     are_alive: Option<bool>,
 }
 
 impl Thermistors {
     /// Lets the converter run; the pins are its own from now on.
-    pub fn start(wired: &'static [Thermistor]) -> Self {
+    pub fn start(wired: &'static [ThermistorPin]) -> Self {
         let wired = wired.get(..MOST_THERMISTORS).unwrap_or(wired);
         if wired.is_empty() {
             return Self { wired, are_alive: None };

@@ -1,7 +1,7 @@
 //! USARTs: bytes come by DMA (see [`receiver`](crate::receiver)) and go by interrupts. What happens when the line rests or
 //! a byte is damaged: [`receiver_flags`](crate::receiver_flags).
 //!
-//! One code serves both. A host may be on each, at the same time.
+//! USART1 and USART2 run the same code. Each may have a host, at the same time.
 
 use corehbot::port::{Received, Serial};
 use corehbot_cortex_m4::Handover;

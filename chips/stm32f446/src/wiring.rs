@@ -2,7 +2,7 @@
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
 //!
-//! What a board may have is capped: [`LINES`] to hosts, [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
+//! What a board may have is capped: [`LINES`] to hosts (`src/port.rs` of the core; a kind of UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
 //! [`Board::problem`] says what a table has too much of.
 
 use corehbot::port::{FANS, LINES, Motor, MotorSet, Output, OutputSet, Sensor};
@@ -98,9 +98,9 @@ pub struct Probe {
     pub pull_up: bool,
 }
 
-/// A thermistor to ground, under a resistor to the converter's reference.
+/// An input for a thermistor to ground, under a resistor to the converter's reference. Which kind is plugged in is a setting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Thermistor {
+pub struct ThermistorPin {
     /// What it measures.
     pub sensor: Sensor,
     /// Its pin.
@@ -173,7 +173,7 @@ pub struct Board {
     /// The Z probe.
     pub probe: Option<Probe>,
     /// The thermistors.
-    pub thermistors: &'static [Thermistor],
+    pub thermistors: &'static [ThermistorPin],
     /// Everything that heats or blows: low is off. Those that no timer drives stay low.
     pub loads: &'static [Pin],
     /// Heater outputs that may heat.

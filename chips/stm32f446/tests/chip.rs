@@ -51,11 +51,9 @@ fn misdirected(channel: Channel, owner: &str, signal: &str) -> Option<String> {
     (!is_there).then(|| format!("{stream} does not carry {owner}'s {signal} by request {}", channel.request))
 }
 
-const fn usart(usart: Usart) -> &'static str {
-    match usart {
-        Usart::One => "USART1",
-        Usart::Two => "USART2",
-    }
+/// Every DMA stream in use.
+fn streams() -> Vec<Channel> {
+    Usart::all().map(resources::receiver).chain([resources::CONVERTER]).collect()
 }
 
 /// Every pin that the table names, with what it is for.
@@ -97,8 +95,8 @@ fn problems(board: &Board, has_pin: impl Fn(Pin) -> bool) -> Vec<String> {
     }
     for port in board.serial {
         let function = Some(resources::USART_FUNCTION);
-        found.extend(misplaced(port.tx, usart(port.usart), "TX", function));
-        found.extend(misplaced(port.rx, usart(port.usart), "RX", function));
+        found.extend(misplaced(port.tx, port.usart.name(), "TX", function));
+        found.extend(misplaced(port.rx, port.usart.name(), "RX", function));
     }
     for thermistor in board.thermistors {
         found.extend(misplaced(thermistor.pin, "ADC3", &format!("IN{}", thermistor.channel), None));
@@ -151,12 +149,12 @@ fn the_nucleo_uses_pins_as_the_chip_has_them() {
 
 #[test]
 fn a_table_that_errs_is_found_out() {
-    use corehbot_stm32f446::wiring::{FanPin, FanTimer, HeaterPin, Port, SerialPort, Thermistor};
+    use corehbot_stm32f446::wiring::{FanPin, FanTimer, HeaterPin, Port, SerialPort, ThermistorPin};
     let good = octopus::BOARD;
     let wrong = |board: Board| problems(&board, has_lqfp144).len();
     let swapped = [SerialPort { tx: good.serial[0].rx, rx: good.serial[0].tx, ..good.serial[0] }];
     let elsewhere = [SerialPort { usart: Usart::One, ..good.serial[0] }];
-    let channel = [Thermistor { channel: 4, ..good.thermistors[0] }];
+    let channel = [ThermistorPin { channel: 4, ..good.thermistors[0] }];
     let eeprom = good.eeprom.map(|[clock, data]| [data, clock]);
     let heater = [HeaterPin { channel: 3, ..good.heaters[0] }];
     let fan = [FanPin { timer: FanTimer::Four, ..good.fans[0] }];
@@ -174,13 +172,12 @@ fn a_table_that_errs_is_found_out() {
 
 #[test]
 fn streams_carry_what_they_are_meant_to() {
-    for one in [Usart::One, Usart::Two] {
-        assert_eq!(misdirected(resources::receiver(one), usart(one), "RX"), None);
+    for usart in Usart::all() {
+        assert_eq!(misdirected(resources::receiver(usart), usart.name(), "RX"), None);
     }
     assert_eq!(misdirected(resources::CONVERTER, "ADC3", "ADC3"), None);
-    let streams = [resources::CONVERTER, resources::receiver(Usart::One), resources::receiver(Usart::Two)];
-    let distinct: BTreeSet<_> = streams.iter().map(|c| (c.controller, c.stream)).collect();
-    assert_eq!(distinct.len(), streams.len(), "a stream serves two");
+    let distinct: BTreeSet<_> = streams().iter().map(|c| (c.controller, c.stream)).collect();
+    assert_eq!(distinct.len(), streams().len(), "a stream serves two");
     let wrong = Channel { request: 3, ..resources::CONVERTER };
     assert!(misdirected(wrong, "ADC3", "ADC3").is_some());
 }
@@ -191,9 +188,9 @@ fn timers_and_lines_are_on_the_buses_that_their_rates_are_computed_for() {
     for (timer, apb) in TIMERS {
         assert_eq!(bus(timer), format!("PCLK{apb}"), "{timer}");
     }
-    for (one, hz) in [(Usart::One, 90_000_000), (Usart::Two, 45_000_000)] {
-        let fast = bus(usart(one)) == "PCLK2";
-        assert_eq!((one.bus_hz(), fast), (hz, hz == 90_000_000));
+    for usart in Usart::all() {
+        let hz = if bus(usart.name()) == "PCLK2" { 90_000_000 } else { 45_000_000 };
+        assert_eq!(usart.bus_hz(), hz, "{usart:?}");
     }
     assert_eq!((bus("I2C1"), bus("ADC3")), ("PCLK1", "PCLK2"));
 }
@@ -211,10 +208,27 @@ fn interrupts_have_the_numbers_of_their_sources() {
         };
         assert_eq!(number(interrupt), Some(u32::from(source.number)), "{source:?}");
     }
-    let streams = [resources::CONVERTER, resources::receiver(Usart::One), resources::receiver(Usart::Two)];
-    for channel in &streams[1..] {
-        let owner = format!("DMA{}", channel.controller);
-        let signal = format!("CH{}", channel.stream);
-        assert!(SOURCES.iter().any(|s| s.peripheral == owner && s.signal == signal), "{channel:?} has no interrupt");
+    let is_in_use = |owner: &str, signal: &str| SOURCES.iter().any(|s| s.peripheral == owner && s.signal == signal);
+    for usart in Usart::all() {
+        let Channel { controller, stream, .. } = resources::receiver(usart);
+        assert!(is_in_use(usart.name(), "GLOBAL"), "{usart:?} has no interrupt");
+        assert!(
+            is_in_use(&format!("DMA{controller}"), &format!("CH{stream}")),
+            "the receiver of {usart:?} has no interrupt"
+        );
+    }
+}
+
+/// An interrupt without a handler ends in the default one, which halts the board. embassy has that of its own time.
+#[test]
+fn every_interrupt_has_a_handler() {
+    let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/src")).unwrap();
+    let files =
+        folder.map(|file| file.unwrap().path()).filter(|path| path.extension().is_some_and(|kind| kind == "rs"));
+    let code: String = files.map(|path| std::fs::read_to_string(path).unwrap()).collect();
+    for source in SOURCES.iter().filter(|source| source.peripheral != resources::TIME) {
+        let interrupt = METADATA.interrupts.iter().find(|interrupt| interrupt.number == u32::from(source.number));
+        let handler = format!("#[interrupt]\nfn {}() {{", interrupt.expect("the chip has it").name);
+        assert!(code.contains(&handler), "{source:?}: {handler}");
     }
 }

@@ -1,7 +1,7 @@
 //! What is plugged into what: outputs into heaters, thermistors into channels of the converter.
 //!
-//! A switch that sticks belongs to its output, and a heater's power to the heater, whichever output that is plugged into. A
-//! thermistor takes its faults along into the other's socket.
+//! A switch that sticks belongs to its output, and a heater's power to the heater, whichever output that is plugged into. When
+//! plugs are swapped, a broken thermistor stays broken in the other socket.
 
 use super::constants::HeaterConstants;
 use super::faults::HeaterFault;

@@ -1,11 +1,13 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
 //!
-//! The endstops are switches at the low end of their axes, at 0, and stay pressed below it; so does the rig press them
-//! (`rig/src/lib.rs`). Homing therefore goes down, and the place where the switch was met is 0.
+//! The endstops are switches at the low end of their axes, at 0, and stay pressed below it. The rig presses them in the same
+//! way (`rig/src/lib.rs`). Homing therefore goes down, and the place where the switch was met is 0.
 //!
 //! The Z probe ([`EndstopSet::PROBE`]) takes no part: it is read and reported (M119), but nothing homes by it, and G29,
-//! G30 and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would do as
-//! `approach` does here: a move that watches for the probe.
+//! G30 and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would use `approach`,
+//! which refuses an endstop that the board does not have. It also needs: `Command::Probing` taken apart and letters in
+//! `gcode::grammar` (`tests/gcode.rs` asks for them); a probe in the rig and in the ports of simulator and QEMU (`StepPort::inputs` there is the default, without
+//! one) and in `emulator/src/wiring.rs`; boards/octopus/README.md, which says that nothing probes.
 
 use crate::gcode::AxisFlags;
 use crate::machine::console::{Console, PortSet};
@@ -28,6 +30,9 @@ enum HomeError {
     /// Something else ended it.
     Interrupted(Interrupt),
 }
+
+/// The board has no such input: nothing would end the move.
+const NOT_FITTED: HomeError = HomeError::Failed("not on this board");
 
 /// The switch was not met on the whole length of the axis.
 const NO_TRIGGER: HomeError = HomeError::Failed("not found");
@@ -105,7 +110,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Moves towards the switch; true if it was met.
-    async fn approach(&mut self, axis: &Axis, distance: Mm, speed: MmPerSec) -> Result<bool, Interrupt> {
+    async fn approach(&mut self, axis: &Axis, distance: Mm, speed: MmPerSec) -> Result<bool, HomeError> {
+        if !self.link.status().inputs().has(axis.endstop) {
+            return Err(NOT_FITTED);
+        }
         self.travel(axis, -distance, speed, axis.endstop).await?;
         let met = !self.link.status().triggered().is_empty();
         self.drop_motion().await?;

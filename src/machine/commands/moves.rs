@@ -68,7 +68,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if wanted.too_much {
             self.tell(Answer::TooMuchFilament).await?;
         }
-        if wanted.is_fenced {
+        if wanted.is_too_far {
             self.tell_of_edge().await?;
         }
         Ok(wanted)

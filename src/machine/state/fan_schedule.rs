@@ -4,8 +4,9 @@
 //!   M106 ──▶ after move n ── n has left the look-ahead ──▶ after entry e ── e is done ──▶ the fan
 //! ```
 //!
-//! Done means that all steps of the entry are made, which is some 10 ms before they are played, and before what an input
-//! shaper delays. A fan needs far longer than that to change its speed.
+//! Done means that the generator has put all steps of the entry into the StepQueue. They are played up to 10 ms later
+//! (`AHEAD` in `motion::stepgen::brake`), and an input shaper delays the end further. A fan needs far longer than that to change
+//! its speed.
 
 use heapless::Deque;
 

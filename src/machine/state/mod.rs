@@ -10,7 +10,7 @@
 //! | named position | the commanded position as the program counts it, after G92 |
 //! | edge | the end of the reachable space of a homed axis, where soft endstops put a target that lies beyond |
 //! | notice | what a host is told once, not with every line |
-//! | fence | 10 m from zero, beyond which no target is computed |
+//! | farthest | 10 m from zero, beyond which no target is computed |
 
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;

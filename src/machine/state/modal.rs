@@ -56,8 +56,8 @@ pub(in crate::machine) struct Wanted {
     pub is_held_back: bool,
     /// Whether the filament asked for in one move was more than there may be; it is left out then.
     pub too_much: bool,
-    /// Whether the target was farther away than any machine reaches, and lies at the fence now.
-    pub is_fenced: bool,
+    /// Whether the target was farther away than any machine reaches, and lies at the farthest place now.
+    pub is_too_far: bool,
 }
 
 impl Modal {
@@ -95,12 +95,12 @@ impl Modal {
 
     /// Where the words of a line lead. No filament moves if it `is_cold`; the program counts it all the same.
     pub fn target(&self, words: &AxisWords, settings: &Settings, is_cold: bool) -> Wanted {
-        let mut is_fenced = false;
+        let mut is_too_far = false;
         let mut axis = |word: Option<Number>, at: Mm, origin: Mm| match word.map(|n| self.length(n)) {
             None => at,
             Some(v) => {
                 let target = if self.absolute { origin.saturating_add(v) } else { at.saturating_add(v) };
-                is_fenced |= !FARTHEST.holds(target);
+                is_too_far |= !FARTHEST.holds(target);
                 FARTHEST.clamp(target)
             }
         };
@@ -125,7 +125,7 @@ impl Modal {
             extrusion,
             is_held_back: is_cold && asked != Mm::ZERO,
             too_much,
-            is_fenced,
+            is_too_far,
         }
     }
 
@@ -206,13 +206,13 @@ mod tests {
     }
 
     #[test]
-    fn inches_are_exact_and_huge_numbers_end_at_the_fence() {
+    fn inches_are_exact_and_huge_numbers_end_at_the_farthest_place() {
         let (mut m, s) = modal();
         m.inches = true;
         assert_eq!(m.target(&words("5", ""), &s, false).position[0], Mm::from_num(127));
         assert_eq!(m.target(&words("999999999999", ""), &s, false).position[0], Mm::from_num(10_000));
-        assert!(m.target(&words("999999999999", ""), &s, false).is_fenced);
+        assert!(m.target(&words("999999999999", ""), &s, false).is_too_far);
         assert!(m.target(&words("1", "99999"), &s, false).too_much);
-        assert!(!m.target(&words("1", "99999"), &s, false).is_fenced);
+        assert!(!m.target(&words("1", "99999"), &s, false).is_too_far);
     }
 }

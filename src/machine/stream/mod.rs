@@ -16,7 +16,7 @@
 //! | final | a move whose speeds no later move can change |
 //! | dry | so little is queued that a move leaves though it is not final |
 //! | underrun | a move followed one that had left dry: the host was too slow |
-//! | share | the part of the commanded feed that a host which cannot keep up gets; also a speed's part of another |
+//! | share | the part of the commanded feed that a host which cannot keep up gets |
 //! | gathering | the machine rests, and moves are added before the motion begins |
 
 pub(in crate::machine) mod feed_throttle;

@@ -12,7 +12,7 @@ use crate::port::{Clock, EndstopSet, Pend};
 use crate::units::{Mm, MmPerSec, Seconds, Steps, TICKS_PER_SECOND};
 
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
-fn fence(position: [Mm; 4]) -> [Mm; 4] {
+fn bounded(position: [Mm; 4]) -> [Mm; 4] {
     let [x, y, z, e] = position;
     let [x, y, z] = [x, y, z].map(|at| FARTHEST.clamp(at));
     [x, y, z, e]
@@ -21,7 +21,7 @@ fn fence(position: [Mm; 4]) -> [Mm; 4] {
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Plans a move within the reachable space and takes it as the commanded position.
     pub(in crate::machine) async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
-        let (inside, moved) = clamp(fence(position), self.homed, &self.settings);
+        let (inside, moved) = clamp(bounded(position), self.homed, &self.settings);
         if moved {
             self.tell_of_edge().await?;
         }

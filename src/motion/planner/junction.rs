@@ -14,12 +14,17 @@
 //! - **Shorter chords in a long curve**: the radius r is that of the path over some distance
 //!   ([`path_curvature`](super::path_curvature)), and `v^2 = a r`.
 //! - **Shorter chords in a short bend**, over before the curvature is known: at a corner that changes the direction by a small
-//!   angle p, junction deviation lets the velocity jump by `v p = sqrt(8 a d)`. All corners of a bend together may jump
-//!   by no more than that, beside what the acceleration makes up for between them: that sum is the lead of `path_curvature`.
+//!   angle p, junction deviation lets the velocity jump by `v p = sqrt(8 a d)`. All corners of a bend together may change
+//!   the velocity by no more than that, plus what the acceleration allows in the time between them; their sum, less that part, is
+//!   the lead of `path_curvature`.
 //!   Corners that are more than [`BEND_TIME`] apart are of different bends.
 //!
 //! The acceleration on that arc points along the change of direction, so it is limited by what the axes
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
+//!
+//! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion` (`corners`, `model`,
+//! `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of [`CornerRule`]: the compiler asks for
+//! it here and there, `boards/sim/tests/every_setting.rs` for its key in machine files and its letter of M205.
 
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;

@@ -13,8 +13,8 @@
 //!
 //! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is stored.
 //! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
-//! - **final**: an exit speed that no later move can change. **frozen**: one that is kept though it is not final, for the move
-//!   was made to leave (**forced**).
+//! - **final**: an exit speed that no later move can change. **frozen**: an exit speed that was not final but is fixed now,
+//!   because its move had to leave early (**forced**).
 //! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.
 //! - **chord**: a move that is a part of a curve. **bend**: where several of them turn the path. **lead**: see

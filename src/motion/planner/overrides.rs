@@ -1,7 +1,7 @@
 //! The feed override, changed from outside, also for moves that wait in the look-ahead: by the user, and by a stream of
 //! commands that does not keep up.
 //!
-//! What has left the look-ahead keeps its speed; that is 50 ms of motion, and the move under way.
+//! What has left the look-ahead keeps its speed. That is at most 50 ms of motion, plus the move under way.
 
 use super::Planner;
 use crate::units::MmPerSec;

@@ -8,12 +8,12 @@
 //!   by the angle l/r, however long the chords are, and a mean over 2 l by 2 l/r. So the two means differ by the angle by which
 //!   the path turns over l. Means are kept for five distances, each twice as long as the one before. The short ones
 //!   see small curves. The long ones are hardly disturbed by rounded coordinates: a point that is off by p turns a mean
-//!   over l by p/l at most, and so much of each difference is not taken for a bend.
+//!   over l by p/l at most, so this much is subtracted from each difference before it counts as curvature.
 //! - **The lead**, for a bend that is over before the means have seen it. Imagine a velocity that follows that of the tool and
 //!   changes no faster than the acceleration allows. The lead is the turn which the tool has made and that velocity has
 //!   not made yet: each corner adds its turn to the lead, and time takes from it. The speed at a corner is what junction
-//!   deviation gives to a corner that turns by the lead and the greatest lead of late together. The greatest counts too because
-//!   after a turn there and back no lead is left, though the velocity has changed twice.
+//!   deviation gives to a corner that turns by the sum of the lead and the greatest recent lead, from which time takes as much.
+//!   The greatest counts too because after a turn there and back no lead is left, though the velocity has changed twice.
 
 use crate::motion::number::root;
 

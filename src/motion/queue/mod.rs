@@ -16,20 +16,23 @@
 //! that there is none, so it need not compare counts to know whether the queue is empty. One bit of an event's word says
 //! that the event wants more than steps; the generator sets it when it makes the event.
 //!
+//! Its length is [`SLOTS`], a power of two and a multiple of `REGULAR` (`steps_in`). Who changes it is led to `app::Memory`, which
+//! asserts its size, to `stepgen`, whose batch must fit in, and to the budget of RAM (`xtask/src/build/contents.rs`).
+//!
 //! # Who writes which word when
 //!
 //! | word | owner, who writes it | when | who else reads it |
 //! |---|---|---|---|
 //! | slots from `made + 1` on | generator | while a run is filled | nobody before the store of the first event |
 //! | slot at the new end | generator | before the run is shown | Stepper, as "no event" |
-//! | slot at `made`: interval | generator | before the fence | Stepper, which may find it under an event that is still NONE |
+//! | slot at `made`: interval | generator | before the first fence | Stepper; it may read the new interval while the event word still says NONE |
 //! | slot at `made`: event | generator | **last**, between two fences | Stepper: from now on it sees the run |
 //! | REFILL of a waiting event | generator | any time; the Stepper may have read it before | Stepper |
 //! | `done` | Stepper | when it lets go of an event | generator, Console |
 //! | `made` | generator, in its own memory | after the second fence | others by `Status`, when published |
 //!
 //! The order matters in three places. The end is stored before the event that leads to it, or the Stepper would run into what
-//! stands there from the last turn of the ring. All following events of a run are stored before the first one, for the
+//! stands there from the previous turn of the ring. All following events of a run are stored before the first one, for the
 //! Stepper that sees the first may play them all. And the first one's interval is stored before its event; a Stepper that has
 //! taken the interval of the slot while the event was NONE looks at the event again when it is due (`Stepper::check_event`).
 //!
@@ -41,6 +44,7 @@
 //! - **slot**: where an event is stored. **word**: 32 bits, which are read and written in one piece.
 //! - **plain event**: steps in directions that are set, in time, and nothing else. **special event**: any other.
 //! - **run**: events that are shown at once. **mark**: the event at which the Stepper calls the generator.
+//! - **fence**: `compiler_fence`, which keeps the compiler from moving stores across it.
 
 mod event;
 mod packed_event;
@@ -56,7 +60,7 @@ pub(super) use steps_in::StepTimes;
 pub use steps_in::StepsIn;
 
 /// Slots of the ring, one of which stays empty.
-const SLOTS: usize = 512;
+pub(in crate::motion) const SLOTS: usize = 512;
 // The numbers of events wrap at 2^32, where slots must go on in order; and every so many events one is not plain, which
 // must fall on the same slots in each turn of the ring.
 const _: () = assert!(SLOTS.is_power_of_two() && SLOTS.is_multiple_of(REGULAR as usize));

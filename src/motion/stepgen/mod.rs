@@ -40,8 +40,7 @@ mod step_time_buffer;
 mod step_time_solver;
 
 use crate::kinematics::Groups;
-use crate::motion::queue::LONGEST_INTERVAL;
-use crate::motion::queue::{PackedEvent, StepsIn};
+use crate::motion::queue::{LONGEST_INTERVAL, PackedEvent, SLOTS, StepsIn};
 use crate::motion::ticks::{NEAR, earlier};
 use crate::motion::trajectory::{Position, SpanMemory, Trajectory};
 use crate::motion::work::Entry;
@@ -63,6 +62,8 @@ const BATCH: u32 = 128;
 
 /// With less room the queue is as good as full: whoever fills up every slot as it gets free never pauses.
 const LEAST_ROOM: usize = 32;
+// A batch finds room in a queue that is not as good as full.
+const _: () = assert!(BATCH as usize + LEAST_ROOM < SLOTS);
 
 /// What is being done.
 enum Task {

@@ -12,8 +12,8 @@
 //!
 //! Step times are found in cubic runs of n. The first time of a run is computed like that; the others lie on the cubic that
 //! has the right slope 1/u at both ends of the run: three sums a step. Hermite's remainder, f n^4 / 384 with the
-//! fourth derivative f = 120 h^3 / u^7 of the slow end, says how much that is off. With r = 4 h n / u^2, by which part u^2 changes in
-//! the run, that is
+//! fourth derivative f = 120 h^3 / u^7 of the slow end, says how much that is off. With r = 4 h n / u^2, the fraction by which
+//! u^2 changes over the run, that is
 //!
 //! ```text
 //! 15 / 3072 r^3 n / u ticks

@@ -1,10 +1,15 @@
-//! A heater: where it hangs, what watches it, how it behaves, and what is not normal any more.
+//! A heater: where it hangs, what watches it (and the kinds of sensor, [`Thermistor`]), how it behaves, and what is not normal
+//! any more.
 
 use crate::connectors::{Output, Sensor};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
 
 /// A kind of temperature sensor, by the name under which it is sold. `thermal::sensor` has its numbers.
+///
+/// A new one comes behind the others, since records hold its number; the compiler and tests then ask for its curve and its data
+/// sheet (`thermal::sensor::curve`), its law in the simulated plant (`rig/src/heat.rs`) and its name in machine files
+/// (`boards/sim/src/machine_file/form.rs` and `heat.rs`). By hand: `examples/machines/prototype.toml`, docs/heat.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum Thermistor {
     /// ATC Semitec 104GT-2: most hotends up to 300 C.
@@ -24,6 +29,25 @@ pub enum Thermistor {
         /// B, in K.
         beta: u16,
     },
+}
+
+impl Thermistor {
+    /// Every kind, of [`Self::Beta`] one that is usual.
+    pub fn all() -> impl Iterator<Item = Self> {
+        core::iter::successors(Some(Self::Semitec104Gt2), |kind| kind.next())
+    }
+
+    /// The kind after this one. Without a wildcard: a new kind is linked in here, and tests go through all of them.
+    const fn next(self) -> Option<Self> {
+        match self {
+            Self::Semitec104Gt2 => Some(Self::Semitec104Nt4),
+            Self::Semitec104Nt4 => Some(Self::Generic3950),
+            Self::Generic3950 => Some(Self::Slice450),
+            Self::Slice450 => Some(Self::Pt1000),
+            Self::Pt1000 => Some(Self::Beta { ohms: 100_000, beta: 3950 }),
+            Self::Beta { .. } => None,
+        }
+    }
 }
 
 /// How a heater behaves: what M303 finds out and M306 sets.

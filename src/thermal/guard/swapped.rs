@@ -1,5 +1,5 @@
-//! The sensor that follows a heater is its own: otherwise plugs are swapped, and a heater would run away while the wrong sensor
-//! stays cold.
+//! A heater must warm its own sensor. If another one follows it, plugs are swapped, and the heater would run away while the wrong
+//! sensor stays cold.
 
 use super::{Alarm, periods};
 use crate::fault::Cause;

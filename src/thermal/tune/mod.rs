@@ -15,9 +15,9 @@
 //! | capacity | heat that went in on the way up less losses, over the rise between two points of the same slope |
 //! | PID | K. Astrom and T. Hagglund's relay experiment with hysteresis h: Ku = 4 d / (pi sqrt(a^2 - h^2)); P = 0.6 Ku, I = 2 P / Tu, D = P Tu / 8 |
 //!
-//! After the cut the block falls by a slope s, its losses over its capacity, where it rose by r. A sensor behind two lags of a each
-//! then has the slope -s + (r + s) (1 + x) e^-x with x = t / a, and has risen by a (r + s) k where that is 0; k depends on
-//! s / (r + s) alone ([`RISE_AFTER_CUT`]).
+//! Up to the cut (t = 0) the block rises by a slope r; from then on it falls by s, its losses over its capacity. Behind two lags of
+//! a each, the sensor's slope is then -s + (r + s) (1 + x) e^-x with x = t / a. Where this is 0 the sensor peaks; it has risen by
+//! a (r + s) k since the cut. k depends only on s / (r + s); [`RISE_AFTER_CUT`] tabulates it.
 //!
 //! All guards but the one for a lost target stay on.
 

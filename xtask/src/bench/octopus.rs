@@ -9,6 +9,7 @@ use super::cycles::{EXCEPTION, cost};
 use super::waits::{Bus, FLASH, LINE, bus, wait};
 use crate::build::instruction::{Kind, decode};
 use anyhow::{Context as _, Result, bail, ensure};
+use corehbot::port::STEP_PULSE_NS;
 use std::collections::BTreeSet;
 
 /// SysTick's vector (ARM DDI 0403E, B1.5.2).
@@ -24,8 +25,8 @@ const BSRR: i32 = 0x18;
 /// Ports that a plain event raises, and lowers again (`chips/stm32f446`, words.rs, QUICK).
 const PORTS: usize = 3;
 
-/// Cycles between the last rise and the first fall, at the least (`chips/stm32f446`, step_pins.rs, PULSE).
-const PULSE: u64 = 24;
+/// Cycles of 180 MHz between the last rise and the first fall, at the least.
+const PULSE: u64 = (STEP_PULSE_NS as u64 * 180).div_ceil(1000);
 
 /// Cycles that a handler's first instruction comes after the exception's request.
 const ENTRY: u64 = 12;

@@ -1,6 +1,7 @@
 //! Tests of machine_file.
 
 use super::*;
+use corehbot::settings::Thermistor;
 use corehbot::units::{Hertz, Mm, MmPerSec, Seconds};
 
 #[test]
@@ -28,6 +29,26 @@ fn keys_stand_over_the_defaults() {
     let s2 = load("[shaper.y]\nspan = 862.2\nmotor_frequency = 167").unwrap();
     assert_eq!((s2.shapers.y.span, s2.shapers.y.motor_frequency), (Mm::from_num(862.2), Hertz::from_num(167)));
     assert_eq!((s.shapers.y.kind, s.advance.time), (ShaperKind::None, Seconds::from_num(0.05)));
+}
+
+/// The name of a sensor in a machine file: a new kind does not compile before it has one.
+const fn name(thermistor: Thermistor) -> &'static str {
+    match thermistor {
+        Thermistor::Semitec104Gt2 => "\"104gt2\"",
+        Thermistor::Semitec104Nt4 => "\"104nt4\"",
+        Thermistor::Generic3950 => "\"ntc_3950\"",
+        Thermistor::Slice450 => "\"slice_450\"",
+        Thermistor::Pt1000 => "\"pt1000\"",
+        Thermistor::Beta { .. } => "{ ohms = 100000, beta = 3950 }",
+    }
+}
+
+#[test]
+fn every_sensor_has_a_name() {
+    for thermistor in Thermistor::all() {
+        let settings = load(&format!("[heaters.chamber]\nthermistor = {}", name(thermistor))).unwrap();
+        assert_eq!(settings.thermal.heaters.chamber.thermistor, thermistor);
+    }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The table: a line, and what stands in front of its `ok`.
 
 use super::asker::answers;
+use corehbot::gcode::{Command, names, parse};
 use corehbot::protocol::BUSY_PAUSED;
 
 /// Answers in front of the `ok`; an asterisk at the end stands for anything.
@@ -39,6 +40,9 @@ const ROWS: &[Row] = &[
     ("M208 S.1", SILENCE),
     ("M208", &["echo:  M208 S0 F480"]),
     ("G17", SILENCE),
+    ("G18", SILENCE),
+    ("G19", SILENCE),
+    ("G20", SILENCE),
     ("G21", SILENCE),
     ("G28 X0 Y0", SILENCE),
     ("G90", SILENCE),
@@ -165,7 +169,21 @@ const ROWS: &[Row] = &[
     ("M77", SILENCE),
     ("M80", SILENCE),
     ("M81", &["echo:M81: heaters and fans are off; this firmware does not switch the power supply"]),
+    ("M2", SILENCE),
+    ("M20", SILENCE),
+    ("M21", SILENCE),
+    ("G12", SILENCE),
+    ("M150 R255", SILENCE),
+    ("M202 X5000", SILENCE),
+    ("M217 S10", SILENCE),
+    ("M240", SILENCE),
     ("M300 S440 P100", SILENCE),
+    ("M355 S1", SILENCE),
+    ("M403 E0 F0", SILENCE),
+    ("M425 F1", SILENCE),
+    ("M530 S1", SILENCE),
+    ("M532 X50", SILENCE),
+    ("M870", SILENCE),
     ("M413 S0", SILENCE),
     ("M413 S1", &["echo:Power-loss recovery OFF, this firmware cannot do it"]),
     ("M413", &["echo:Power-loss recovery OFF"]),
@@ -243,6 +261,25 @@ const ROWS: &[Row] = &[
     ("M502", &["echo:Hardcoded Default Settings Loaded"]),
 ];
 
+/// Codes that one line and its answer do not show, and where they are tested.
+const ELSEWHERE: [(&str, &str); 15] = [
+    ("M112", "../emergencies.rs"),
+    ("M115", "answers.rs"),
+    ("M122", "../console/reports.rs"),
+    ("M503", "answers.rs"),
+    ("M504", "../console/storage.rs"),
+    ("M622", "effects.rs"),
+    ("M623", "effects.rs"),
+    ("EXCLUDE_OBJECT_DEFINE", "answers.rs"),
+    ("if", "effects.rs"),
+    ("elif", "effects.rs"),
+    ("else", "effects.rs"),
+    ("while", "effects.rs"),
+    ("break", "effects.rs"),
+    ("continue", "effects.rs"),
+    ("abort", "effects.rs"),
+];
+
 fn fits(heard: &str, pattern: &str) -> bool {
     match pattern.strip_suffix('*') {
         Some(begin) => heard.starts_with(begin),
@@ -262,4 +299,16 @@ fn every_command_is_answered_as_the_table_says() {
         assert!(said.iter().zip(*expected).all(|(heard, pattern)| fits(heard, pattern)), "{line}: {heard:?}");
         assert!(!heard.iter().any(|heard| heard.contains("Unknown")), "{line}: {heard:?}");
     }
+}
+
+/// Every code and name that stands for a command has a row, or is in `ELSEWHERE`.
+#[test]
+fn every_known_code_and_name_has_a_row() {
+    let codes = ["G", "M"].into_iter().flat_map(|letter| (0..1000).map(move |number| format!("{letter}{number}")));
+    let codes = codes.filter(|code| !matches!(parse(code.as_bytes()), Command::Unknown(_)));
+    let known: Vec<_> = codes.chain(names().map(str::to_owned)).collect();
+    let begins = |line: &str, code: &String| line.split(['.', ' ']).next() == Some(code);
+    let has_row = |code: &String| ROWS.iter().any(|(line, _)| begins(line, code));
+    let without: Vec<_> = known.into_iter().filter(|code| !has_row(code)).collect();
+    assert_eq!(without, ELSEWHERE.map(|(code, _)| code), "a row, or a place in ELSEWHERE");
 }

@@ -1,9 +1,13 @@
 //! Homing: switches found, missed, and lost again.
 
-use super::talk::{talk, talk_to};
+use super::talk::{Steps, Talk, talk, talk_to};
+use corehbot::motors::{EndstopSet, Motor};
+use corehbot::port::NoStorage;
 use corehbot::protocol::BUSY;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_sim::drivers::Drivers;
+use corehbot_sim::world::{Desk, run_at};
 
 #[test]
 fn homing_finds_the_switches_through_the_belt() {
@@ -36,6 +40,21 @@ fn a_missing_switch_halts_the_machine() {
     assert!(heard.contains(&"Error:Homing failed: X endstop not found".to_owned()), "{heard:?}");
     assert!(heard.contains(&"Error:Printer halted. kill() called! Send M999 or reset".to_owned()), "{heard:?}");
     assert!(!heard.iter().any(|l| l.starts_with("ok")));
+}
+
+/// A move that watches for an input which the board does not have would be ended by nothing.
+#[test]
+fn an_endstop_that_is_not_connected_is_refused_before_anything_moves() {
+    let (mut host, mut steps) = (Talk::new(&["G28 X", "M114", "G28 Z", "G1 X5"]), Steps::default());
+    let mut desk = Desk::new(1);
+    desk.endstops = EndstopSet::X.with(EndstopSet::Y);
+    let settings = Settings::prototype();
+    let outcome = run_at(&mut desk, &settings, None, NoStorage, &Drivers::new(), &mut [&mut host], &mut steps).unwrap();
+    assert!(outcome.halted && steps.count > 0);
+    assert!(host.heard.contains(&"Error:Homing failed: Z endstop not on this board".to_owned()), "{:?}", host.heard);
+    // x was homed, z has not moved.
+    assert_eq!(outcome.counts[Motor::Z1 as usize..], [0; 3]);
+    assert_eq!(host.heard.iter().filter(|line| line.starts_with("ok")).count(), 2, "{:?}", host.heard);
 }
 
 #[test]
