@@ -163,6 +163,9 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
 
     /// One control period of a self-test that goes on.
     fn test(&mut self) -> Result<(), (Heater, Alarm)> {
+        if self.self_test.is_none() {
+            return Ok(());
+        }
         let readings = self.readings();
         let settings = self.heaters.each_ref().map(HeaterLoop::settings);
         let end = self.self_test.as_mut().and_then(|test| test.period(settings, &readings));
@@ -170,10 +173,11 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.stop_self_test();
             return Err((heater, alarm));
         }
-        end.into_iter().for_each(|end| self.end_self_test(end));
-        let powered = self.self_test.as_ref().and_then(SelfTest::powered);
-        for heater in Heater::ALL {
-            self.heaters[heater as usize].pulse(powered == Some(heater));
+        if let Some(end) = end {
+            self.end_self_test(end);
+        } else {
+            let powered = self.self_test.as_ref().and_then(SelfTest::powered);
+            Heater::ALL.into_iter().for_each(|heater| self.heaters[heater as usize].pulse(powered == Some(heater)));
         }
         Ok(())
     }
@@ -182,6 +186,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     fn end_self_test(&mut self, end: End) {
         let Some(test) = self.self_test.take() else { return };
         for (heater, target) in self.heaters.iter_mut().zip(test.held()) {
+            heater.pulse(false);
             heater.set_target(target);
         }
         let is_passed = end == End::Passed;
