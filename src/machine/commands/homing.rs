@@ -5,9 +5,12 @@
 //!
 //! The Z probe ([`EndstopSet::PROBE`]) takes no part: it is read and reported (M119), but nothing homes by it, and G29,
 //! G30 and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would use `approach`,
-//! which refuses an endstop that the board does not have. It also needs: `Command::Probing` taken apart and letters in
-//! `gcode::grammar` (`tests/gcode.rs` asks for them); a probe in the rig and in the ports of simulator and QEMU (`StepPort::inputs` there is the default, without
-//! one) and in `emulator/src/wiring.rs`; boards/octopus/README.md, which says that nothing probes.
+//! which refuses an endstop that the board does not have. It also needs:
+//!
+//! - `Command::Probing` taken apart, and letters in `gcode::grammar` (`tests/gcode.rs` asks for them);
+//! - a probe in the rig (`Rig::inputs`) and in QEMU's port (`StepPort::inputs` there is the default, without one), and one in
+//!   `emulator/src/wiring.rs`;
+//! - another word than "Probing" in boards/octopus/README.md, among what is not there.
 
 use crate::gcode::AxisFlags;
 use crate::machine::console::{Console, PortSet};
