@@ -4,7 +4,7 @@ use crate::units::{Hertz, Mm, Ratio, Seconds};
 use serde::{Deserialize, Serialize};
 
 /// Input shapers, by their usual names.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum ShaperKind {
     /// None.
     None,
@@ -21,7 +21,7 @@ pub enum ShaperKind {
 }
 
 /// The input shaper of an axis.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Shaper {
     /// Which.
     pub kind: ShaperKind,
@@ -37,7 +37,7 @@ pub struct Shaper {
 }
 
 /// The input shapers of the bed plane.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Shapers {
     /// Along x.
     pub x: Shaper,
@@ -46,7 +46,7 @@ pub struct Shapers {
 }
 
 /// Pressure advance: the filament in the nozzle is pushed ahead by its speed times this.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Advance {
     /// K of M900.
     pub time: Seconds,

@@ -33,7 +33,6 @@ mod order;
 mod pid;
 mod predictive;
 mod room;
-mod scrub;
 pub mod sensor;
 mod switching;
 mod tune;
