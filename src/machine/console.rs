@@ -97,7 +97,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
         let drivers = Drivers::new(bus.lines(), &settings);
         Self {
             ports: Devices { drivers: bus, clock, storage },
-            hosts: Hosts::new(serial, now),
+            hosts: Hosts::new(serial),
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
             policy: ReleasePolicy::new(),
@@ -139,6 +139,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// It ends when the machine is to begin anew, after a stop: have the board reset then.
     pub async fn run(&mut self) -> Restart {
         self.ports.drivers.enable(MotorSet::NONE);
+        self.hosts.open(self.ports.clock.now());
         loop {
             let mut stopped = match self.start_and_serve().await {
                 Ok(never) => match never {},
