@@ -3,7 +3,7 @@
 //! Everything is integer or fixed point, so that every platform computes the same bits. The widths are
 //! chosen so that the largest machine we drive leaves headroom: see the range beside each type.
 
-use fixed::types::{I12F20, I32F32, U8F24, U16F16, U24F8};
+use fixed::types::{I0F32, I12F20, I32F32, U8F24, U16F16, U24F8};
 
 /// A length or position in millimetres; resolution 0.23 nm, range +-2.1e9 mm.
 pub type Mm = I32F32;
@@ -206,6 +206,23 @@ impl Instant {
     }
 }
 
+/// The part of a difference that a lag of the first order makes up for in one of `rate` periods a second; a half, if the lag
+/// is shorter than two periods. The product of such a part and a word has the word's size without a shift or a check.
+#[must_use]
+pub const fn part_per_period(lag: Seconds, rate: u32) -> I0F32 {
+    const ONE: u64 = 1 << I0F32::FRAC_NBITS;
+    let product = lag.to_bits() as u64 * rate as u64;
+    let part = (ONE << Seconds::FRAC_NBITS) / if product == 0 { 1 } else { product };
+    if part < ONE / 2 { I0F32::from_bits(part as i32) } else { I0F32::MAX }
+}
+
+/// Periods, `rate` of them a second, in so many lags; cut off.
+#[must_use]
+pub const fn periods_in(lags: u32, lag: Seconds, rate: u32) -> u32 {
+    // 32 bits are enough for half an hour at a rate of 100,000.
+    ((lag.to_bits() as u64 * lags as u64 * rate as u64) >> Seconds::FRAC_NBITS) as u32
+}
+
 /// Multiplies before it divides, with all the bits in between; saturates instead of wrapping and
 /// treats a division by zero as infinite.
 #[must_use]
@@ -285,6 +302,18 @@ mod tests {
         for (square, expected) in [(0, 0), (2, 1), (3, 2), (6, 2), (7, 3), (u64::MAX, 1 << 32)] {
             assert_eq!(root(square), expected);
         }
+    }
+
+    #[test]
+    fn lags_are_parts_and_numbers_of_periods() {
+        let parts = [("2", 50), ("0.5", 50), ("0.02", 50), ("0.001", 50), ("0", 50), ("200", 1000)];
+        for (lag, rate) in parts.map(|(lag, rate)| (Seconds::lit(lag), rate)) {
+            let wanted = (1.0 / (lag.to_num::<f64>() * f64::from(rate))).min(0.5);
+            assert!((part_per_period(lag, rate).to_num::<f64>() - wanted).abs() < 1e-9, "{lag}");
+        }
+        assert_eq!(periods_in(6, Seconds::lit("2.5"), 50), 750);
+        assert_eq!(periods_in(5, Seconds::lit("0.019"), 50), 4);
+        assert_eq!(periods_in(u32::from(u16::MAX), Seconds::MAX, 50), 838_847_999);
     }
 
     #[test]

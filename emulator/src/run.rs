@@ -94,6 +94,8 @@ pub struct Seen {
     pub eeprom: At24c32,
     /// Pins of the debug port that are its own at the end: SWDIO and SWCLK (PA13, PA14), from the lowest bit.
     pub debug_pins: u16,
+    /// Bytes of the stack that were never used, its guard among them.
+    pub stack_free: u32,
     /// Core clock in Hz at the end.
     pub core_hz: u64,
     /// RCC_AHB1ENR, APB1ENR and APB2ENR at the end.
@@ -138,7 +140,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         board.drive(VirtualNanos(0), pin, high);
     }
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
-    let watch = Watch::new(
+    let mut watch = Watch::new(
         request.wiring,
         (request.firmware.symbol("STEPPER")?, request.firmware.function("SysTick")?),
         request.settings,
@@ -147,6 +149,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         request.manner.baud,
         request.drivers.clone(),
     );
+    watch.stack_end = request.firmware.symbol("_stack_end")?;
     let images = request.firmware.images(request.wiring)?;
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
     let (mut session, watch) = (finished.session, finished.driver);
@@ -187,6 +190,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         second,
         eeprom,
         debug_pins,
+        stack_free: watch.stack_free,
         core_hz,
         clocked,
         virtual_ns: stop.at.0,

@@ -68,6 +68,10 @@ pub struct Watch {
     pub injected: Option<u64>,
     /// The trap could be sprung.
     pub is_injectable: bool,
+    /// Where the stack ends, below which it does not grow.
+    pub stack_end: u32,
+    /// Bytes from there up that nobody has written to when the run ended.
+    pub stack_free: u32,
     is_supply_low: bool,
     /// When the supply came back after it had fallen, the processor was still at its own slow clock.
     pub has_waited: bool,
@@ -107,6 +111,8 @@ impl Watch {
             end: End::Late,
             injected: None,
             is_injectable: true,
+            stack_end: 0,
+            stack_free: 0,
             is_supply_low: false,
             has_waited: false,
         }
@@ -215,8 +221,14 @@ impl Driver<Emulated> for Watch {
         &mut self,
         session: &mut Session<Emulated>,
         stop: Stop,
-        _host: &mut dyn rigless::emulator::Host,
+        host: &mut dyn rigless::emulator::Host,
     ) -> Option<VirtualNanos> {
-        if self.look(session, stop.at.0) { None } else { Some(VirtualNanos(stop.at.0 + LOOK_NS)) }
+        if !self.look(session, stop.at.0) {
+            return Some(VirtualNanos(stop.at.0 + LOOK_NS));
+        }
+        // RAM begins as zeros, and so does what the stack has never reached.
+        let words = (0..).map(|word| host.read(u64::from(self.stack_end + 4 * word), Width::W32));
+        self.stack_free = 4 * words.take_while(|word| matches!(word, Ok(0))).count() as u32;
+        None
     }
 }

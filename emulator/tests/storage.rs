@@ -152,3 +152,21 @@ fn a_bus_that_is_held_low_costs_no_more() {
         complains(&seen);
     }
 }
+
+/// The guard of the stack, its lowest KiB, and what is to be left above it for what this test does not do.
+const STACK_RESERVE: u32 = 1024 + 2048;
+
+/// Settings are the largest things that pass through the stack: put together at the start, read, saved and read again, while
+/// steps are made and all drivers are looked after.
+#[test]
+fn the_stack_is_deep_enough_for_settings_and_steps_at_once() {
+    let gcode = "M500\nM203 X250.5\nM500\nM501\nM504\nM502\nM503\nM122\nM115\nG28\nM593 F40\nM900 K0.05\nM569 S1\n\
+                 G1 X30 Y30 E2 F6000\nG2 X50 Y50 I10 J10 E1\nG10\nG11\nM92 X81\nM501\nG1 X10 E1\nM906 X700\nM400\nM500\n";
+    let first = talk(&At24c32::default(), gcode);
+    let second = talk(&At24c32::holding(first.eeprom.cells.clone()), gcode);
+    for seen in [&first, &second] {
+        assert_eq!(seen.end, End::Done, "{:?}", seen.line.said);
+        println!("{} bytes of the stack are left", seen.stack_free);
+        assert!(seen.stack_free >= STACK_RESERVE, "{}", seen.stack_free);
+    }
+}

@@ -7,69 +7,21 @@
 //! | [`ThermalControl`] | an interrupt of its own, every 20 ms, above the Console | heaters, fans, guards, watchdog |
 //! | [`Console`] | thread or lowest executor | everything else |
 //!
-//! Each lives in one context, and nobody else holds it.
+//! Each lives in one context, and nobody else holds it. [`assemble`] makes them all at once, [`Kits`] one by one.
 
-use crate::kinematics::Groups;
+mod kits;
+mod memory;
+
+pub use kits::{ConsoleKit, GeneratorKit, Kits, StepPorts, StepperKit, ThermalKit};
+pub use memory::Memory;
+
 use crate::machine::{Console, PortSet, Ports};
-use crate::motion::{Link, MoveMemory, MoveQueue, SpanMemory, StepCounts, StepGenerator, StepQueue, Stepper};
+use crate::motion::{StepCounts, StepGenerator, Stepper};
 use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
 use crate::status::Status;
-use crate::thermal::{OrderQueue, ThermalControl};
+use crate::thermal::ThermalControl;
 use crate::units::Mm;
-
-/// All memory that the handles share, 33 KiB; the Console and the StepGenerator themselves come on top.
-pub struct Memory {
-    /// Console to StepGenerator: moves that left the look-ahead, 3.4 KiB.
-    moves: MoveQueue,
-    /// StepGenerator to Stepper: step events, 4 KiB.
-    events: StepQueue,
-    /// The StepGenerator's: the trajectory as far back as shapers reach, 9 KiB.
-    spans: SpanMemory,
-    /// The Console's: the look-ahead, 16 KiB.
-    planned: MoveMemory,
-    /// Console to ThermalControl, 2 KiB.
-    orders: OrderQueue,
-    groups: Groups,
-    status: Status,
-}
-
-// As much as the fields' comments say, on a computer of 64 bits; on a board some are smaller.
-const _: () = assert!(size_of::<MoveQueue>() <= 3448);
-// This one is of as many bytes everywhere. Another length changes the comments of its field and of `Memory`, and the budget of
-// RAM in xtask/src/build/contents.rs.
-const _: () = assert!(size_of::<StepQueue>() == 4100);
-const _: () = assert!(size_of::<SpanMemory>() <= 9 * 1024 && size_of::<MoveMemory>() <= 16 * 1024);
-
-impl Default for Memory {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-impl Memory {
-    /// Empty queues.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            moves: MoveQueue::new(),
-            events: StepQueue::new(),
-            spans: SpanMemory::new(),
-            planned: MoveMemory::new(),
-            orders: OrderQueue::new(),
-            groups: Groups::NONE,
-            status: Status::new(),
-        }
-    }
-}
-
-/// The two ports of the step interrupt.
-pub struct StepPorts<P: StepPort, C: StepClock> {
-    /// Step and direction lines.
-    pub pins: P,
-    /// Step timer.
-    pub clock: C,
-}
 
 /// The handles.
 pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: Pend> {
@@ -108,19 +60,12 @@ pub fn assemble<
     ports: Ports<S, D, K, T>,
     pend: W,
 ) -> Parts<'m, P, C, Ports<S, D, K, T>, H, W> {
-    let Memory { moves, events, spans, planned, orders, groups, status } = memory;
-    *groups = Groups::new(&settings.mechanism);
-    let (groups, status): (&'m Groups, &'m Status) = (groups, status);
-    let (moves_in, moves_out) = moves.split();
-    let (events_in, events_out) = events.split();
-    let (orders, orders_in) = orders.split();
-    let counts = events_out.counts(status);
-    let link = Link::new(moves_in, status, counts, pend);
+    let Kits { stepper, generator, thermal, console, status, counts } = Kits::new(memory, &settings, pend);
     Parts {
-        stepper: Stepper::new(events_out, status, step_ports.pins, step_ports.clock, pend),
-        generator: StepGenerator::new(moves_out, events_in, spans, status, groups),
-        thermal: ThermalControl::new(&settings.thermal, orders_in, status, thermal_port, pend),
-        console: Console::new(settings, start, planned, orders, groups, link, ports),
+        stepper: stepper.make(step_ports, pend),
+        generator: generator.make(),
+        thermal: thermal.make(&settings, thermal_port, pend),
+        console: console.make(&settings, start, ports),
         status,
         counts,
     }

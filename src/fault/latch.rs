@@ -58,6 +58,9 @@ impl Latch {
     /// The fault.
     #[must_use]
     pub fn fault(&self) -> Option<Fault> {
+        if !self.is_set() {
+            return None;
+        }
         let cause = Cause::of(self.cause.load(Ordering::Acquire))?;
         let [value, limit] = [&self.value, &self.limit].map(|word| word.load(Ordering::Relaxed));
         Some(Fault { cause, subject: self.subject.load(Ordering::Relaxed), value, limit })

@@ -16,7 +16,7 @@ const NOT_FITTED: Row = [0; 4];
 const AXES: [&str; 4] = ["x", "y", "z", "e"];
 
 /// One row a motor, in the order of [`Motor::ALL`]. Stored as one number, two bits an entry.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 #[serde(from = "i64", into = "i64")]
 pub struct Mechanism {
     /// The rows; [`check`](Self::check) says what is legal.

@@ -30,7 +30,7 @@ use crate::machine::stream::release_policy::ReleasePolicy;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
 use crate::protocol::{Activity, Replies};
-use crate::settings::Settings;
+use crate::settings::{Kept, Settings};
 use crate::thermal::Orders;
 use crate::units::{Celsius, Instant, Mm};
 use core::convert::Infallible;
@@ -48,9 +48,11 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     comes_again: bool,
     /// How far the present answer has been written.
     pub(super) progress: Progress,
-    pub(super) settings: Settings,
+    pub(super) settings: Kept<Settings>,
     /// The settings that the machine was made with.
-    defaults: Settings,
+    pub(super) defaults: Kept<Settings>,
+    /// When they are looked at next.
+    pub(super) scrub_due: Instant,
     pub(super) modal: Modal,
     pub(super) retraction: Retraction,
     pub(super) homed: Homed,
@@ -97,14 +99,15 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
         let drivers = Drivers::new(bus.lines(), &settings);
         Self {
             ports: Devices { drivers: bus, clock, storage },
-            hosts: Hosts::new(serial, now),
+            hosts: Hosts::new(serial),
             link,
             planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
             policy: ReleasePolicy::new(),
             comes_again: false,
             progress: Progress::default(),
-            settings,
-            defaults: settings,
+            settings: Kept::new(settings),
+            defaults: Kept::new(settings),
+            scrub_due: now,
             modal: Modal::new([x, y, z]),
             retraction: Retraction::new(),
             homed: Homed::new([start.is_some(); 3]),
@@ -131,7 +134,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The settings as they are now.
-    pub const fn settings(&self) -> &Settings {
+    pub fn settings(&self) -> &Settings {
         &self.settings
     }
 
@@ -139,6 +142,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// It ends when the machine is to begin anew, after a stop: have the board reset then.
     pub async fn run(&mut self) -> Restart {
         self.ports.drivers.enable(MotorSet::NONE);
+        self.hosts.open(self.ports.clock.now());
         loop {
             let mut stopped = match self.start_and_serve().await {
                 Ok(never) => match never {},
@@ -234,7 +238,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// The settings that the machine was made with.
-    pub(super) const fn defaults(&self) -> &Settings {
+    pub(super) fn defaults(&self) -> &Settings {
         &self.defaults
     }
 
@@ -269,13 +273,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Everything that must go on whatever the Console waits for. Bounded by what has arrived.
-    fn crank(&mut self) -> Result<(), Interrupt> {
+    pub(super) fn crank(&mut self) -> Result<(), Interrupt> {
         self.link.status().heat().beat_of_console();
         let emergency = self.receive();
         self.hosts.greet(Replies::start);
         self.tend_drivers()?;
         self.feed_motion();
         let now = self.ports.clock.now();
+        self.scrub(now);
         self.tend_heat(now)?;
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
         self.hosts.keep_alive(now, keepalive_ms, self.pauses.is_for_user());

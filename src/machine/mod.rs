@@ -20,6 +20,7 @@
 //! | `reports` | what is said, and how it is worded |
 //! | `power` | power for the motors, and talks with their drivers |
 //! | `heat` | orders for heaters and fans, and what is looked at while they are on |
+//! | `scrub` | whether settings in RAM are what was put in |
 //!
 //! | word | means |
 //! |---|---|
@@ -40,6 +41,7 @@ mod numbers;
 mod ports;
 mod power;
 mod reports;
+mod scrub;
 mod state;
 mod stream;
 

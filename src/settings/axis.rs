@@ -4,7 +4,7 @@ use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
 /// One value for each of X, Y, Z and E.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Hash, Serialize, Deserialize)]
 pub struct Axes<T> {
     /// Left to right.
     pub x: T,
@@ -37,7 +37,7 @@ impl<T> From<[T; 4]> for Axes<T> {
 }
 
 /// One value for each of X, Y and Z.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Hash, Serialize, Deserialize)]
 pub struct Cartesian<T> {
     /// Left to right.
     pub x: T,
@@ -48,7 +48,7 @@ pub struct Cartesian<T> {
 }
 
 /// Resolution, limits and length of one axis.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct AxisSettings {
     /// Steps a millimetre (M92).
     pub steps_per_mm: StepsPerMm,
@@ -74,7 +74,7 @@ impl AxisSettings {
 
 /// How an axis finds its endstop. It sits at the low end, where the position is 0 after homing: `machine/commands/homing.rs`
 /// moves downwards to find it, and the rig of simulator and QEMU (rig/src/lib.rs) presses its switches at 0 and below.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Homing {
     /// Speed of the first approach.
     pub fast: MmPerSec,

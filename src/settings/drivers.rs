@@ -4,7 +4,7 @@ use crate::units::MmPerSec;
 use serde::{Deserialize, Serialize};
 
 /// The configuration of the drivers of one group of motors.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct DriverSettings {
     /// Root mean square of the current of a running motor, in mA (M906).
     pub current_ma: u16,
@@ -21,7 +21,7 @@ pub struct DriverSettings {
 }
 
 /// Settings of the drivers by group of motors. The four belt motors have one set: they pull one belt.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct DriverGroups {
     /// Motors 1, 4, 8 and 11.
     pub belt: DriverSettings,

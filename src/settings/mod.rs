@@ -12,6 +12,7 @@
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
 //! | M503 | `machine/commands/setting.rs` | the same test |
 //! | who reads it | `motion`, `driver` or `machine` | its own tests |
+//! | its sum in RAM | `kept`, by `Hash` | compiler |
 //! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |
 //!
 //! A new [`ShaperKind`] is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
@@ -25,12 +26,14 @@
 mod axis;
 mod check;
 mod drivers;
+mod kept;
 mod shaping;
 mod thermal;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
+pub use kept::{Kept, sum};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
     Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, ThermalSettings, Thermistor,
@@ -43,7 +46,7 @@ use serde::{Deserialize, Serialize};
 
 /// What limits the speed in a corner. `motion::planner::junction` has the law. A machine file chooses a rule by its key
 /// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`).
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {
     /// Junction deviation: how far an arc that rounds the corner may leave it.
     JunctionDeviation(Mm),
@@ -68,7 +71,7 @@ impl CornerRule {
 }
 
 /// Everything that makes one machine different from another.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Settings {
     /// Resolution, limits and length of every axis.
     pub axes: Axes<AxisSettings>,

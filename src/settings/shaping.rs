@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Input shapers, by their usual names. The head of `settings` says where each is known. Records hold the number of a variant,
 /// so a new one comes last.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum ShaperKind {
     /// None.
     None,
@@ -41,7 +41,7 @@ impl ShaperKind {
 }
 
 /// The input shaper of an axis.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Shaper {
     /// Which.
     pub kind: ShaperKind,
@@ -57,7 +57,7 @@ pub struct Shaper {
 }
 
 /// The input shapers of the bed plane.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Shapers {
     /// Along x.
     pub x: Shaper,
@@ -66,7 +66,7 @@ pub struct Shapers {
 }
 
 /// Pressure advance: the filament in the nozzle is pushed ahead by its speed times this.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Advance {
     /// K of M900.
     pub time: Seconds,

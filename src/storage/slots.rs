@@ -143,15 +143,23 @@ pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> 
     }
     let mut survey = Survey { newest: None, rejected: [(Slot::A, None), (Slot::B, None)] };
     for (slot, rejected) in &mut survey.rejected {
-        match read_slot(storage, *slot).await? {
-            Ok(found) if survey.newest.as_ref().is_none_or(|newest| found.is_newer_than(newest)) => {
-                survey.newest = Some(found);
-            }
-            Ok(_) => {}
-            Err(why) => *rejected = Some(why),
-        }
+        let mut record = [0; LONGEST];
+        let length = read_slot(storage, *slot, &mut record).await?;
+        *rejected = length.and_then(|()| take_newer(&mut survey.newest, *slot, &record)).err();
     }
     Ok(survey)
+}
+
+/// Takes what a slot holds for the newest, if it is. A function of its own: settings are large, and their copies would be on the
+/// stack while the storage is waited for, below all that goes on meanwhile.
+#[inline(never)]
+fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {
+    let (settings, sequence, receipt) = decode(record)?;
+    let found = Stored { settings, receipt, slot, sequence };
+    if newest.as_ref().is_none_or(|newest| found.is_newer_than(newest)) {
+        *newest = Some(found);
+    }
+    Ok(())
 }
 
 /// Saves `settings` and reads them back; writes nothing if they are the newest already.
@@ -186,9 +194,13 @@ fn pages(record: &Record, slot: Slot) -> impl DoubleEndedIterator<Item = (u32, &
     used.chunks(PAGE).enumerate().map(move |(i, page)| (slot.address() + (i * PAGE) as u32, page))
 }
 
-async fn read_slot(storage: &mut impl Storage, slot: Slot) -> Result<Result<Stored, Rejected>, StorageError> {
-    let mut bytes = [0; LONGEST];
-    let (head, tail) = bytes.split_at_mut(PAGE);
+/// Reads a slot's record, as far as it says that it is one.
+async fn read_slot(
+    storage: &mut impl Storage,
+    slot: Slot,
+    record: &mut [u8; LONGEST],
+) -> Result<Result<(), Rejected>, StorageError> {
+    let (head, tail) = record.split_at_mut(PAGE);
     storage.read(slot.address(), head).await?;
     let length = match length(head) {
         Ok(length) => length,
@@ -198,7 +210,7 @@ async fn read_slot(storage: &mut impl Storage, slot: Slot) -> Result<Result<Stor
     for (i, page) in tail.chunks_mut(PAGE).enumerate() {
         storage.read(slot.address() + ((i + 1) * PAGE) as u32, page).await?;
     }
-    Ok(decode(&bytes).map(|(settings, sequence, receipt)| Stored { settings, receipt, slot, sequence }))
+    Ok(Ok(()))
 }
 
 #[cfg(test)]

@@ -1,19 +1,18 @@
 //! ThermalControl: the handle of the thermal context.
 
 use super::fans::{Fan, Needs};
-use super::fixed_point::{PERIOD_MS, RATE, saturated, share};
+use super::fixed_point::{PERIOD_MS, quotient, saturated, share};
 use super::guard::{Alarm, FanTurns, Reference, Swapped};
 use super::hearts::{Context, Hearts};
 use super::heater::{Circumstances, HeaterLoop};
 use super::order::{Common, Order, OrdersIn};
 use super::predictive::Ahead;
-use super::scrub::sum;
 use super::self_test::{End, Readings, SelfTest};
 use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
-use crate::settings::{FanRole, ThermalSettings};
+use crate::settings::{FanRole, ThermalSettings, sum};
 use crate::status::{self, Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
@@ -37,6 +36,8 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
     self_test: Option<SelfTest>,
+    /// Heaters that were compared in the last period.
+    is_compared: [bool; HEATERS],
     hearts: Hearts,
     /// Whether motors have power, and periods for which the controller's fan goes on.
     has_motors: bool,
@@ -63,6 +64,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
             self_test: None,
+            is_compared: [false; HEATERS],
             hearts: Hearts::new(),
             has_motors: false,
             runs_on: 0,
@@ -243,10 +245,11 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
 
     /// All heaters of the coming period. After a fault or an emergency stop they are all off.
     fn heat(&mut self) -> Result<(), (Heater, Alarm)> {
-        for (sensor, _) in Sensor::ALL {
-            self.status.heat().set_sample(sensor, self.port.sample(sensor));
+        for (sensor, _) in &Sensor::ALL {
+            self.status.heat().set_sample(*sensor, self.port.sample(*sensor));
         }
-        let now = self.circumstances();
+        let of_hotend = self.circumstances();
+        let of_others = Circumstances { filament: I8F24::ZERO, ahead: Ahead::default(), ..of_hotend };
         let mut duties = [0; OUTPUTS];
         let mut found = self.test();
         for heater in Heater::ALL {
@@ -256,10 +259,8 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 continue;
             }
             let (output, sensor) = (settings.output, settings.sensor);
-            let is_hotend = heater == Heater::Hotend;
-            let now =
-                if is_hotend { now } else { Circumstances { filament: I8F24::ZERO, ahead: Ahead::default(), ..now } };
-            match looped.period(self.status.heat().sample(sensor), &now) {
+            let now = if heater == Heater::Hotend { &of_hotend } else { &of_others };
+            match looped.period(self.status.heat().sample(sensor), now) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
                 Ok(_) => {}
                 Err(alarm) => found = found.and(Err((heater, alarm))),
@@ -276,11 +277,12 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
         self.port.heat(&duties);
         self.tell_tuning();
+        let is_any_on = duties.iter().any(|duty| *duty > 0);
         for heater in Heater::ALL {
             let looped = &self.heaters[heater as usize];
             let target = self.self_test.as_ref().map_or(looped.target(), |test| test.held()[heater as usize]);
             let measured = looped.measured().filter(|_| looped.settings().is_fitted);
-            let duty = if duties == [0; OUTPUTS] { 0 } else { looped.duty() };
+            let duty = if is_any_on { looped.duty() } else { 0 };
             self.status.heat().set_heater(heater, measured, target, duty);
             self.status.heat().set_ailment(heater, looped.ailment());
         }
@@ -306,27 +308,30 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     fn circumstances(&mut self) -> Circumstances {
         let heat = self.status.heat();
         let um = heat.extruded_um();
-        let moved = um.wrapping_sub(core::mem::replace(&mut self.extruded_um, um)).cast_signed().max(0);
-        // um a period times periods a second, times J/(K mm), over 1000 um: W/K.
-        let filament = i64::from(moved) * i64::from(RATE) * i64::from(self.common.filament.to_bits()) / 1000;
+        let moved = um.wrapping_sub(core::mem::replace(&mut self.extruded_um, um)).cast_signed().max(0).unsigned_abs();
+        // um a period times J/(K mm), times periods a second over 1000 um: W/K.
+        let filament = quotient(u64::from(moved) * u64::from(self.common.filament.to_bits()), PERIOD_MS);
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
         let fan = share(heat.fan(PART_FAN));
-        Circumstances { fan, filament: I8F24::from_bits(saturated(filament)), ahead: Ahead { coming, then } }
+        Circumstances { fan, filament: I8F24::from_bits(saturated(filament.into())), ahead: Ahead { coming, then } }
     }
 
     /// Whether each heater warms its own sensor.
     fn compare(&mut self) -> Result<(), (Heater, Alarm)> {
-        for (own, guards) in Heater::ALL.into_iter().zip(&mut self.swapped) {
-            if self.heaters[own as usize].duty() <= u16::MAX / 2 {
-                *guards = [Swapped::new(); HEATERS];
+        for own in Heater::ALL {
+            let (guards, a) = (&mut self.swapped[own as usize], &self.heaters[own as usize]);
+            let heats = a.duty() > u16::MAX / 2;
+            let did = core::mem::replace(&mut self.is_compared[own as usize], heats);
+            if !heats {
+                if did {
+                    *guards = [Swapped::new(); HEATERS];
+                }
                 continue;
             }
+            let Some(a_is) = a.measured() else { continue };
             for (other, guard) in Heater::ALL.into_iter().zip(guards) {
-                let [a, b] = [own, other].map(|heater| &self.heaters[heater as usize]);
-                if own == other || !b.settings().is_fitted {
-                    continue;
-                }
-                let (Some(a_is), Some(b_is)) = (a.measured(), b.measured()) else { continue };
+                let b = &self.heaters[other as usize];
+                let Some(b_is) = b.measured().filter(|_| own != other && b.settings().is_fitted) else { continue };
                 if let Some(alarm) = guard.look(!b.is_powered(), a_is, b_is) {
                     return Err((own, alarm));
                 }

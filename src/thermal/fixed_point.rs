@@ -1,9 +1,9 @@
 //! Arithmetic of the thermal room: everything saturates, so that no input brings about nonsense.
 
-use crate::units::Ratio;
+use crate::units::{self, Ratio, Seconds};
 use fixed::FixedI32;
-use fixed::types::I12F20;
 use fixed::types::extra::{LeEqU32, Unsigned};
+use fixed::types::{I0F32, I8F24, I12F20};
 
 /// A power in W with a sign, a millionth fine; +-2048.
 pub type Power = I12F20;
@@ -13,6 +13,11 @@ pub const RATE: i32 = 50;
 
 /// Milliseconds of a control period.
 pub const PERIOD_MS: u32 = 1000 / RATE.unsigned_abs();
+
+/// The part of a difference that a lag makes up for in a control period.
+pub fn part_per_period(lag: Seconds) -> I0F32 {
+    units::part_per_period(lag, RATE.unsigned_abs())
+}
 
 /// A value times a factor.
 #[inline(always)]
@@ -24,7 +29,51 @@ pub fn times<F: Unsigned + LeEqU32>(value: I12F20, factor: FixedI32<F>) -> I12F2
 /// A product or quotient in 32 bits.
 #[inline(always)]
 pub fn saturated(wide: i64) -> i32 {
-    wide.clamp(i32::MIN.into(), i32::MAX.into()) as i32
+    let narrow = wide as i32;
+    // The bits above are copies of the sign: two instructions, where comparing with both limits takes ten.
+    if i64::from(narrow) == wide { narrow } else { out_of_range(wide) }
+}
+
+/// The limit that is next to what has more than 32 bits.
+#[inline(always)]
+const fn out_of_range(wide: i64) -> i32 {
+    i32::MAX ^ (wide >> 63) as i32
+}
+
+/// A quotient, cut off; the greatest number if it has more than 32 bits. In two digits of 16 bits (D. E. Knuth, The Art of
+/// Computer Programming, 4.3.1, algorithm D): a division of 64 bits by 64 takes a Cortex-M4 six times as long.
+pub fn quotient(dividend: u64, divisor: u32) -> u32 {
+    let (upper, lower) = ((dividend >> 32) as u32, dividend as u32);
+    if upper >= divisor {
+        return u32::MAX;
+    }
+    // With its highest bit set, the divisor's upper half alone gives a digit to within two.
+    let shift = divisor.leading_zeros();
+    let divisor = divisor << shift;
+    let (upper, lower) = (upper << shift | lower >> 1 >> (31 - shift), lower << shift);
+    let (first, rest) = digit(upper, lower >> 16, divisor);
+    let (second, _) = digit(rest, lower & 0xFFFF, divisor);
+    first << 16 | second
+}
+
+/// The digit that `divisor` is contained in `rest` followed by `next`, and what is left. `rest` is less than `divisor`, whose
+/// highest bit is set.
+#[inline(always)]
+const fn digit(rest: u32, next: u32, divisor: u32) -> (u32, u32) {
+    let (upper, lower) = (divisor >> 16, divisor & 0xFFFF);
+    let (mut digit, mut left) = (rest / upper, rest % upper);
+    while left >> 16 == 0 && (digit >> 16 != 0 || digit * lower > (left << 16 | next)) {
+        digit -= 1;
+        left += upper;
+    }
+    (digit, (rest << 16 | next).wrapping_sub(digit.wrapping_mul(divisor)))
+}
+
+/// A value over a factor that is greater than 0.
+pub fn over(value: I12F20, factor: I8F24) -> I12F20 {
+    let magnitude = u64::from(value.unsigned_abs().to_bits()) << I8F24::FRAC_NBITS;
+    let magnitude = i64::from(quotient(magnitude, factor.unsigned_abs().to_bits()));
+    I12F20::from_bits(saturated(if value < I12F20::ZERO { -magnitude } else { magnitude }))
 }
 
 /// A duty of 0 to 65,535 as a part of one.
@@ -39,6 +88,53 @@ pub fn duty(value: Power, whole: Power) -> u16 {
     if whole <= Power::ZERO {
         return 0;
     }
-    let part = (i64::from(value.max(Power::ZERO).to_bits()) * 65_535) / i64::from(whole.to_bits());
-    part.min(65_535) as u16
+    let product = u64::from(value.max(Power::ZERO).unsigned_abs().to_bits()) * 65_535;
+    quotient(product, whole.unsigned_abs().to_bits()).min(65_535) as u16
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+
+    #[test]
+    fn quotients_are_those_of_64_bits() {
+        let edges = [1, 2, 3, 0xFFFE, 0xFFFF, 0x1_0000, 0x1_0001, 0x7FFF_FFFF, 0x8000_0000, 0x8000_FFFF, u32::MAX];
+        let numbers = edges.iter().flat_map(|upper| edges.map(|lower| u64::from(*upper) << 32 | u64::from(lower)));
+        for dividend in numbers.chain(edges.map(u64::from)).flat_map(|n| [n - 1, n, n >> 13]) {
+            for divisor in edges {
+                let exact = dividend / u64::from(divisor);
+                assert_eq!(
+                    quotient(dividend, divisor),
+                    u32::try_from(exact).unwrap_or(u32::MAX),
+                    "{dividend} {divisor}"
+                );
+            }
+            assert_eq!(quotient(dividend, 0), u32::MAX);
+        }
+        // Digits that are estimated too great by one and by two, wherever they fall.
+        let mut random = 1u64;
+        for _ in 0..200_000 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let divisor = (random >> 32) as u32 >> (random & 31) | 1;
+            let dividend = random.rotate_left(17) % (u64::from(divisor) << 32);
+            assert_eq!(u64::from(quotient(dividend, divisor)), dividend / u64::from(divisor), "{dividend} {divisor}");
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_a_limit() {
+        let limits = [i64::from(i32::MIN), i64::from(i32::MAX)];
+        assert_eq!(limits.map(saturated), [i32::MIN, i32::MAX]);
+        assert_eq!([i64::MIN, limits[0] - 1].map(saturated), [i32::MIN; 2]);
+        assert_eq!([i64::MAX, limits[1] + 1].map(saturated), [i32::MAX; 2]);
+        let (half, ten) = (I8F24::lit("0.5"), I12F20::lit("-10.25"));
+        assert_eq!((over(ten, half), over(I12F20::MIN, half)), (I12F20::lit("-20.5"), I12F20::MIN));
+        assert_eq!((over(I12F20::MAX, half), over(I12F20::ONE, I8F24::ZERO)), (I12F20::MAX, I12F20::MAX));
+        assert_eq!([Power::MIN, Power::ZERO, Power::MAX].map(|whole| duty(Power::ONE, whole)), [0, 0, 31]);
+        assert_eq!(
+            [-1, 10, 20, 30].map(|watts| duty(Power::from_num(watts), Power::from_num(20))),
+            [0, 32_767, 65_535, 65_535]
+        );
+    }
 }

@@ -34,7 +34,6 @@ mod order;
 mod pid;
 mod predictive;
 mod room;
-mod scrub;
 mod self_test;
 pub mod sensor;
 mod switching;

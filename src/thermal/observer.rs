@@ -12,18 +12,18 @@
 //! cartridge, a block that is heavier. A Luenberger observer with all three poles at the same place (K. Astrom and
 //! R. Murray, Feedback Systems, section 8.2).
 
-use super::fixed_point::{Power, RATE, saturated, times};
+use super::fixed_point::{Power, RATE, over, part_per_period, saturated, times};
 use super::lag_watch::Seen;
 use super::room::ROOM;
 use crate::settings::{HeaterModel, HeaterSettings};
 use crate::units::{Celsius, Ratio, Seconds};
-use fixed::types::{I2F30, I8F24, I12F20};
+use fixed::types::{I0F32, I2F30, I8F24, I12F20};
 
 /// Limits of what the gain may be: 18 V at a supply of 24 V are 0.56, 26 V 1.17, a block may be a third lighter or heavier.
 const GAIN: [I8F24; 2] = [I8F24::lit("0.4"), I8F24::lit("1.8")];
 
-/// The time constants below which the observer of a period of 20 ms makes no sense, in 1/16 s.
-const SHORTEST_LAG: i64 = 2;
+/// The time constant below which the observer of a period of 20 ms makes no sense.
+const SHORTEST_LAG: Seconds = Seconds::lit("0.125");
 
 /// What happened in a control period.
 #[derive(Clone, Copy, Debug)]
@@ -44,10 +44,10 @@ pub struct Past {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Coefficients {
     /// K a period for each W.
-    warming: I2F30,
+    warming: I0F32,
     /// Parts a period by which the block's heat follows the power, and the sensor the block.
-    element: I2F30,
-    sensor: I2F30,
+    element: I0F32,
+    sensor: I0F32,
     /// W/K.
     loss: I8F24,
     fan_loss: I8F24,
@@ -56,8 +56,8 @@ pub struct Coefficients {
     /// W for each K that is missing: the heat is made up for within `heater_lag`.
     pub grip: I12F20,
     /// How far the sensor's, the block's and the drift's values move for each K of innovation.
-    sensor_step: I2F30,
-    block_step: I2F30,
+    sensor_step: I0F32,
+    block_step: I0F32,
     drift_step: I12F20,
     /// The same for the gain, in parts a K.
     gain_step: I2F30,
@@ -68,23 +68,23 @@ impl Coefficients {
     #[must_use]
     pub fn new(settings: &HeaterSettings) -> Self {
         let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = settings.model;
+        let [element, sensor] = [heater_lag, sensor_lag].map(|lag| lag.max(SHORTEST_LAG));
         // Lags in s with 24 fractional bits, the capacity in J/K with 16.
-        let [heater_lag, sensor_lag] =
-            [heater_lag, sensor_lag].map(|lag| i64::from(lag.to_bits()).max(SHORTEST_LAG << 20));
+        let [heater_lag, sensor_lag] = [element, sensor].map(|lag| i64::from(lag.to_bits()));
         let capacity = i64::from(capacity.to_bits()).max(1 << 14);
         let rate = i64::from(RATE);
         // Where the poles are, in rad/s with 24 fractional bits: one over the mean of the lags.
         let pole = (1 << 49) / (heater_lag + sensor_lag);
         let pole2 = (pole * pole) >> 24;
         let pole3 = (pole2 * pole) >> 24;
-        let per_period = |value: i64| I2F30::from_bits(saturated((value << 6) / rate));
+        let per_period = |value: i64| I0F32::from_bits(saturated((value << 8) / rate));
         // What the drift learns in a period, in W for each K: C w^3 tau_s.
         let drift_step = (capacity.saturating_mul((pole3 * sensor_lag) >> 24) / rate) >> 20;
         let most = i64::from(settings.power.to_bits()).max(1 << 16);
         Self {
-            warming: I2F30::from_bits(saturated((1 << 46) / (rate * capacity))),
-            element: per_period((1 << 48) / heater_lag),
-            sensor: per_period((1 << 48) / sensor_lag),
+            warming: I0F32::from_bits(saturated((1 << 48) / (rate * capacity))),
+            element: part_per_period(element),
+            sensor: part_per_period(sensor),
             loss: I8F24::from_bits(saturated(loss.to_bits().into())),
             fan_loss: I8F24::from_bits(saturated(fan_loss.to_bits().into())),
             heater_lag: I12F20::from_bits(saturated(heater_lag >> 4)),
@@ -124,7 +124,7 @@ impl Observer {
 
     /// Takes in what happened in a control period.
     pub fn follow(&mut self, past: &Past) {
-        let n = self.numbers;
+        let n = &self.numbers;
         self.to_room = n.loss.saturating_add(times_ratio(n.fan_loss, past.fan));
         self.to_filament = past.filament;
         self.arriving = self.arriving.saturating_add(times(past.power.saturating_sub(self.arriving), n.element));
@@ -154,7 +154,7 @@ impl Observer {
         self.block = measured.saturating_add(Celsius::from_bits(saturated(behind)));
         self.sensor = measured;
         // W for each W: what warms the block by this slope, with what it loses.
-        let warming = (i64::from(seen.slope.to_bits()) << 30)
+        let warming = (i64::from(seen.slope.to_bits()) << I0F32::FRAC_NBITS)
             / (i64::from(self.numbers.warming.to_bits()) * i64::from(RATE)).max(1);
         let needed = Power::from_bits(saturated(warming)).saturating_add(self.losses(self.block, self.to_filament));
         let gain = (i64::from(needed.to_bits()) << I8F24::FRAC_NBITS) / i64::from(self.arriving.to_bits()).max(1);
@@ -176,7 +176,7 @@ impl Observer {
     /// each K that filament takes within the heater's lag, in J/K.
     #[must_use]
     pub fn excess(&self, target: Celsius, coming: I8F24) -> Celsius {
-        let n = self.numbers;
+        let n = &self.numbers;
         let surplus = self.heat().saturating_sub(self.losses(self.block, I8F24::ZERO));
         let promised = times(target.saturating_sub(ROOM), coming);
         let on_its_way = times(n.heater_lag, surplus).saturating_sub(promised);
@@ -189,8 +189,7 @@ impl Observer {
     #[must_use]
     pub fn power(&self, target: Celsius, filament: I8F24, extra: Power) -> Power {
         let wanted = self.losses(target, filament).saturating_sub(self.drift).saturating_add(extra);
-        let wanted = i64::from(wanted.to_bits()) << I8F24::FRAC_NBITS;
-        Power::from_bits(saturated(wanted / i64::from(self.gain.to_bits().max(1))))
+        over(wanted, self.gain)
     }
 
     /// The heater's numbers.

@@ -11,10 +11,9 @@
 
 use super::fixed_point::{RATE, saturated};
 use super::guard::Alarm;
-use super::scrub::sum;
 use crate::connectors::{HEATERS, Heater};
 use crate::fault::Cause;
-use crate::settings::{HeaterSettings, ThermalSettings};
+use crate::settings::{HeaterSettings, ThermalSettings, sum};
 use crate::units::Celsius;
 
 /// The rise that a pulse is made for: thirty times the noise of a reading, and nothing that could harm.

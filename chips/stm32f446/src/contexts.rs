@@ -4,7 +4,7 @@ use core::fmt::Write as _;
 use core::future::poll_fn;
 use core::pin::pin;
 
-use corehbot::app::Parts;
+use corehbot::app::{StepPorts, StepperKit};
 use corehbot::fault::{Cause, Fault};
 use corehbot::port::{LINES, Lines, Pend, Received, Serial as _};
 use corehbot::status::Status;
@@ -19,6 +19,7 @@ use embassy_sync::waitqueue::AtomicWaker;
 use embassy_time::{Duration, Ticker, Timer};
 use static_cell::StaticCell;
 
+use crate::assembly::Handles;
 use crate::board_storage::BoardStorage;
 use crate::drivers::Drivers;
 use crate::heat::BoardHeat;
@@ -33,12 +34,13 @@ pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
 /// The ports of a board, but for those of the steps.
 pub type BoardPorts = machine::Ports<HostSerial, Drivers, BoardClock, BoardStorage>;
-/// The core with the ports of a board.
-pub type BoardParts = Parts<'static, StepPins, StepTimer, BoardPorts, BoardHeat, IrqPend>;
 type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
-type ThermalControl = thermal::ThermalControl<'static, BoardHeat, IrqPend>;
-type StepGenerator = motion::StepGenerator<'static>;
-type Console = machine::Console<'static, BoardPorts, IrqPend>;
+/// Heat, with the ports of a board.
+pub type ThermalControl = thermal::ThermalControl<'static, BoardHeat, IrqPend>;
+/// Steps to be.
+pub type StepGenerator = motion::StepGenerator<'static>;
+/// Everything else, with the ports of a board.
+pub type Console = machine::Console<'static, BoardPorts, IrqPend>;
 
 /// The Stepper itself, which its interrupt finds so with one load less.
 static STEPPER: Handover<Stepper> = Handover::new();
@@ -47,16 +49,20 @@ static THERMAL: Handover<(&'static mut ThermalControl, &'static Status)> = Hando
 static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 static CONSOLE_WAKER: AtomicWaker = AtomicWaker::new();
 
-/// Hands the parts to their contexts and lets them loose.
+/// Makes the Stepper, which lives with its interrupt.
+#[inline(never)]
+pub fn give_stepper(kit: StepperKit<'static>, ports: StepPorts<StepPins, StepTimer>) {
+    STEPPER.fill(kit.make(ports, IrqPend));
+}
+
+/// Hands the handles to their contexts and lets them loose.
 /// The processor never sleeps if it must stay `awake`.
-pub fn start(parts: &'static mut BoardParts, usb: Option<UsbPort>, awake: bool) -> ! {
-    // SAFETY: it stays where it was put together for ever, but nobody uses it there.
-    STEPPER.fill(unsafe { core::ptr::read(&parts.stepper) });
-    GENERATOR.fill(&mut parts.generator);
-    parts.thermal.port().begin();
-    THERMAL.fill((&mut parts.thermal, parts.status));
+pub fn start(handles: Handles, usb: Option<UsbPort>, awake: bool) -> ! {
+    let Handles { generator, thermal, console, status } = handles;
+    GENERATOR.fill(generator);
+    thermal.port().begin();
+    THERMAL.fill((thermal, status));
     priorities::enable();
-    let console = &mut parts.console;
     EXECUTOR.init(Executor::new()).run(|spawner| {
         spawn(spawner, run_console(console));
         spawn(spawner, keep_time());
@@ -159,7 +165,7 @@ pub fn wake_console() {
 #[unsafe(link_section = ".text.SysTick")]
 fn SysTick() {
     // SAFETY:
-    // - `start` fills the place before anybody who could set the alarm or pend this exception runs: the Stepper, the
+    // - `give_stepper` fills the place before anybody who could set the alarm or pend this exception runs: the Stepper, the
     //   Console, the StepGenerator and ThermalControl all begin later;
     // - nobody else uses the place, and an exception does not interrupt itself.
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };

@@ -39,6 +39,8 @@ mod ring;
 #[cfg(target_os = "none")]
 mod after_bootloader;
 #[cfg(target_os = "none")]
+mod assembly;
+#[cfg(target_os = "none")]
 mod board_storage;
 #[cfg(target_os = "none")]
 mod bus;

@@ -1,6 +1,6 @@
 //! Start-up: safe levels first, then clocks, then the core.
 
-use corehbot::app::{self, Memory, StepPorts};
+use corehbot::app::StepPorts;
 use corehbot::fault::{Cause, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
@@ -9,10 +9,11 @@ use corehbot::settings::Settings;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_time::{Duration, Instant, block_for};
-use static_cell::{ConstStaticCell, StaticCell};
+use static_cell::StaticCell;
 
+use crate::assembly::{Handles, assemble};
 use crate::board_storage::BoardStorage;
-use crate::contexts::{self, BoardParts, BoardPorts, IrqPend};
+use crate::contexts;
 use crate::drivers::Drivers;
 use crate::fans::Fans;
 use crate::heat::BoardHeat;
@@ -31,8 +32,6 @@ use crate::{
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
-static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
-static PARTS: StaticCell<BoardParts> = StaticCell::new();
 static DIR_WRITES: StaticCell<PortWrites> = StaticCell::new();
 
 /// The machine, until its storage says more of it.
@@ -47,6 +46,13 @@ const REPEAT: Duration = Duration::from_secs(2);
 
 /// Runs the firmware on `board`, with the memory for settings that `find` finds there.
 pub fn run(board: &'static Board, find: Find) -> ! {
+    let (handles, usb, counts_asleep) = make_ready(board, find);
+    contexts::start(handles, usb, !counts_asleep)
+}
+
+/// Everything before the contexts begin. A function of its own, so that its 3 KiB of the stack are free afterwards.
+#[inline(never)]
+fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, bool) {
     let Some(mut peripherals) = Peripherals::take() else { fault::give_up(Cause::Panic, "start-up runs once") };
     stack_guard::start(&mut peripherals.MPU, &mut peripherals.SCB);
     ports::switch_on();
@@ -96,8 +102,8 @@ pub fn run(board: &'static Board, find: Find) -> ! {
     let ports =
         Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage: BoardStorage(find(board)) };
     let heat = BoardHeat::start(board);
-    let parts = assemble(StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer }, heat, ports);
-    contexts::start(parts, usb, !counts_asleep)
+    let step_ports = StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer };
+    (assemble(&SETTINGS, step_ports, heat, ports), usb, counts_asleep)
 }
 
 /// Whether the board has the resistors that we know it by. Leaves the pins inputs.
@@ -137,14 +143,6 @@ fn refuse(board: &Board, mut lines: Lines<HostSerial>) -> ! {
             block_for(Duration::from_millis(50));
         }
     }
-}
-
-/// Puts the machine together. A function of its own, so that what passes through the stack on its way does not
-/// stay there.
-#[inline(never)]
-fn assemble(step_ports: StepPorts<StepPins, StepTimer>, heat: BoardHeat, ports: BoardPorts) -> &'static mut BoardParts {
-    // In this form the parts are built in their place; they are too large to be carried about.
-    PARTS.init_with(|| app::assemble(MEMORY.take(), SETTINGS, None, step_ports, heat, ports, IrqPend))
 }
 
 /// Tells the hosts why the last reset happened, unless it was for a good reason, and what the board lacks.

@@ -161,7 +161,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if *words == AxisWords::default() {
             return Ok(Answer::Setting(Setting::Resolutions));
         }
-        let mut wanted = self.settings;
+        let mut wanted = *self.settings;
         match set_resolution(words, &mut wanted, &mut self.clamps) {
             Ok(Resolved::Resolutions) => {}
             Ok(Resolved::LoweredSpeeds) => self.tell(Answer::LoweredSpeeds).await?,
@@ -180,7 +180,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if words.are_a_question() {
             return Ok(Answer::Setting(Setting::Shapers));
         }
-        let mut wanted = self.settings;
+        let mut wanted = *self.settings;
         let Some(shapers) = words.change(wanted.shapers, &mut self.clamps) else {
             return Ok(Answer::Line(NO_SUCH_KIND));
         };
@@ -202,13 +202,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if time.or(window).is_none() {
             return Ok(Answer::Advance);
         }
-        let mut wanted = self.settings;
+        let mut wanted = *self.settings;
         set_advance(time, window, &mut wanted, &mut self.clamps);
         if self.advance_in_use.needs_rest(&self.settings, &wanted) {
             self.finish().await?;
             self.use_settings(wanted).await?;
         } else {
-            self.settings = wanted;
+            *self.settings = wanted;
         }
         Ok(Answer::Nothing)
     }

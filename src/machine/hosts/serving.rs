@@ -13,6 +13,8 @@ use core::fmt;
 /// All hosts, one of which is being served.
 pub(in crate::machine) struct Hosts<S> {
     hosts: Lines<Host<S>>,
+    /// Those that nobody listens to yet.
+    closed: Lines<S>,
     serving: usize,
     /// The host being served waits for the answer to a line.
     owes_ok: bool,
@@ -21,13 +23,23 @@ pub(in crate::machine) struct Hosts<S> {
 }
 
 impl<S: Serial> Hosts<S> {
-    pub(in crate::machine) fn new(lines: Lines<S>, now: Instant) -> Self {
-        Self {
-            hosts: lines.into_iter().map(|line| Host::new(line, now)).collect(),
-            serving: 0,
-            owes_ok: false,
-            is_gone: false,
+    /// Nobody is listened to before [`open`](Self::open): 4 KiB of memory for each host would pass through the stack with all
+    /// else that is made at the start.
+    pub(in crate::machine) const fn new(lines: Lines<S>) -> Self {
+        Self { hosts: Lines::new(), closed: lines, serving: 0, owes_ok: false, is_gone: false }
+    }
+
+    /// Listens to all lines from now on.
+    pub(in crate::machine) fn open(&mut self, now: Instant) {
+        for line in core::mem::take(&mut self.closed) {
+            self.push(line, now);
         }
+    }
+
+    #[inline(never)]
+    fn push(&mut self, line: S, now: Instant) {
+        // There is as much room as there were lines.
+        let _ = self.hosts.push(Host::new(line, now));
     }
 
     /// How many there are.
@@ -218,7 +230,8 @@ mod tests {
     fn a_report_stands_neither_in_a_line_nor_in_an_answer() {
         let heard = RefCell::new(Vec::new());
         let lines: Lines<Slow<'_>> = core::iter::once(Slow(&heard)).collect();
-        let mut hosts = Hosts::new(lines, Instant(0));
+        let mut hosts = Hosts::new(lines);
+        hosts.open(Instant(0));
         hosts.turn_to(0);
         hosts.schedule(Report::Temperatures, 1, Instant(0));
         let mut now = Instant(0);

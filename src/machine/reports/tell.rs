@@ -75,7 +75,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
         let targets = Heater::ALL.map(|heater| self.target_of(heater));
         let Self { hosts, progress, settings, modal, retraction, planner, link, ports, homed, drivers, .. } = self;
         let allows_cold = &self.allows_cold;
-        let s = &*settings;
+        let s = &**settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
             Answer::Nothing | Answer::Ok | Answer::Position { .. } => {}

@@ -85,7 +85,7 @@ impl Limits {
 }
 
 /// The belt motors' coordinates: how much of a way of x, y and z each of them makes. One group is the extruder's.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug)]
 pub(in crate::motion) struct Belts(Vec<[f32; 3], { MOST_GROUPS - 1 }>);
 
 impl Belts {

@@ -70,6 +70,11 @@ const LEAST_LENGTH: u64 = (1 << 32) / 2000;
 /// From so many ticks on, 27 s, the 30 bits of a length are too few for its time.
 const LONG_TICKS: u32 = LONG_TIME.whole_ticks() as u32;
 
+/// Between millimetres and steps of x, y, z and e.
+fn step_scales(settings: &Settings) -> [StepScale; 4] {
+    settings.axes.map(|a| StepScale::new(a.steps_per_mm)).to_array()
+}
+
 /// Looks ahead over targets and releases moves.
 pub struct Planner<'m> {
     pub(in crate::motion) window: Window<'m>,
@@ -102,7 +107,7 @@ impl<'m> Planner<'m> {
     pub fn new(memory: &'m mut MoveMemory, settings: &Settings, position: [Mm; 4]) -> Self {
         let mut planner = Self {
             window: Window::new(memory),
-            step_scale: settings.axes.map(|a| StepScale::new(a.steps_per_mm)).to_array(),
+            step_scale: step_scales(settings),
             belts: Belts::new(&Groups::new(&settings.mechanism)),
             end: [Steps::ZERO; 4],
             asked: position,
@@ -122,7 +127,13 @@ impl<'m> Planner<'m> {
 
     /// Takes over new resolutions (M92); the machine stands.
     pub fn set_resolution(&mut self, settings: &Settings) {
-        self.step_scale = settings.axes.map(|a| StepScale::new(a.steps_per_mm)).to_array();
+        self.step_scale = step_scales(settings);
+    }
+
+    /// Whether what follows from the settings is still in memory as it was: resolutions, and the rows of the belt motors.
+    #[must_use]
+    pub fn is_whole(&self, settings: &Settings, groups: &Groups) -> bool {
+        self.step_scale == step_scales(settings) && self.belts == Belts::new(groups)
     }
 
     /// A position in steps.

@@ -5,7 +5,7 @@
 use crate::units::{Mm, Steps, StepsPerMm};
 
 /// Between millimetres and steps of one axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::motion) struct StepScale {
     steps_per_mm: u32,
     /// Raw `Mm` bits a raw `Steps` bit, times 2^48.

@@ -65,6 +65,14 @@ pub struct HeaterModel {
     pub sensor_lag: Seconds,
 }
 
+impl HeaterModel {
+    /// From the heating element to the sensor's reading.
+    #[must_use]
+    pub const fn lag(&self) -> Seconds {
+        self.heater_lag.saturating_add(self.sensor_lag)
+    }
+}
+
 /// A PID controller in Marlin's terms: its output is a duty of 0 to 255.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Pid {

@@ -3,13 +3,13 @@
 //! A fixed rate (2 C in 20 s) is too strict for a bed that is warm already and too lax for a hotend. The balance holds at
 //! every temperature: what the thing took up and lost by its model, as a part of what the heater gave.
 
-use super::{Alarm, periods};
+use super::{Alarm, periods, periods_of_lags};
 use crate::fault::Cause;
 use crate::settings::{HeaterModel, HeaterSettings};
-use crate::thermal::fixed_point::{Power, RATE, saturated, times};
+use crate::thermal::fixed_point::{Power, RATE, part_per_period, saturated, times};
 use crate::thermal::room::ROOM;
-use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds};
-use fixed::types::{I2F30, I8F24};
+use crate::units::{Celsius, JoulesPerKelvin, Ratio};
+use fixed::types::{I0F32, I8F24};
 
 /// A balance is struck over this many lags, so that what is on its way is a small part of it, ...
 const LAGS: u32 = 6;
@@ -33,7 +33,7 @@ pub struct HeatBalance {
     begun_at: Celsius,
     left: u32,
     /// Parts a period by which heat arrives, and the power that arrives.
-    arrival: I2F30,
+    arrival: I0F32,
     arriving: Power,
     /// Heat that has arrived and heat lost in this balance, in J times 50, with 20 fractional bits.
     given: i64,
@@ -44,11 +44,9 @@ impl HeatBalance {
     /// The guard of a heater.
     #[must_use]
     pub fn new(settings: &HeaterSettings) -> Self {
-        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = settings.model;
-        let lags = (heater_lag.saturating_add(sensor_lag).to_bits() >> (Seconds::FRAC_NBITS - 8)).saturating_mul(LAGS);
-        let length = periods(LEAST_S).max((lags * RATE.unsigned_abs()) >> 8);
-        let lag = i64::from(heater_lag.saturating_add(sensor_lag).to_bits()).max(1 << 20);
-        let arrival = I2F30::from_bits(saturated((1 << 54) / (lag * i64::from(RATE))));
+        let HeaterModel { capacity, loss, fan_loss, .. } = settings.model;
+        let length = periods(LEAST_S).max(periods_of_lags(LAGS, &settings.model));
+        let arrival = part_per_period(settings.model.lag());
         let [loss, fan_loss] = [loss, fan_loss].map(|loss| I8F24::from_bits(saturated(loss.to_bits().into())));
         Self {
             least: settings.guards.heating,

@@ -39,7 +39,8 @@ pub use while_off::WhileOff;
 pub use window::{LEAST, Window};
 
 use crate::fault::Cause;
-use crate::units::Celsius;
+use crate::settings::HeaterModel;
+use crate::units::{Celsius, periods_in};
 
 /// What a guard has found: the cause, what is, and what may be.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -50,6 +51,11 @@ pub struct Alarm {
     pub value: Celsius,
     /// What may be.
     pub limit: Celsius,
+}
+
+/// Control periods of so many of a heater's lags: element to block and block to sensor.
+const fn periods_of_lags(lags: u32, model: &HeaterModel) -> u32 {
+    periods_in(lags, model.lag(), super::fixed_point::RATE.unsigned_abs())
 }
 
 /// Control periods of so many seconds.

@@ -29,7 +29,9 @@ impl Swapped {
     /// Looks at a control period. `heats` if this heater warms up, at more than half of its power, and the other one has none.
     pub fn look(&mut self, heats: bool, own: Celsius, other: Celsius) -> Option<Alarm> {
         if !heats {
-            *self = Self::new();
+            if self.heated > 0 {
+                *self = Self::new();
+            }
             return None;
         }
         self.heated = self.heated.saturating_add(1);

@@ -1,10 +1,10 @@
 //! A heater that is off does not get warmer. A transistor or relay that does not switch off is what burns printers down, and
 //! only the power supply's switch ends it.
 
-use super::{Alarm, periods};
+use super::{Alarm, periods, periods_of_lags};
 use crate::fault::Cause;
 use crate::settings::HeaterSettings;
-use crate::units::{Celsius, Seconds};
+use crate::units::Celsius;
 
 /// Heat on its way arrives within so many lags.
 const LAGS: u32 = 5;
@@ -30,8 +30,7 @@ impl WhileOff {
     /// The guard of a heater.
     #[must_use]
     pub const fn new(settings: &HeaterSettings) -> Self {
-        let lags = settings.model.heater_lag.saturating_add(settings.model.sensor_lag).to_bits();
-        let settling = ((lags >> (Seconds::FRAC_NBITS - 8)).saturating_mul(LAGS * periods(1))) >> 8;
+        let settling = periods_of_lags(LAGS, &settings.model);
         Self { rise: settings.guards.off_rise, settling, off: 0, coldest: [Celsius::MAX; 2], left: 0 }
     }
 

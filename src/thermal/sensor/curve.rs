@@ -5,6 +5,7 @@
 
 use super::logarithm::{FRACTION, log2, natural};
 use crate::settings::Thermistor;
+use crate::thermal::fixed_point::{quotient, saturated};
 use crate::units::Celsius;
 
 /// The resistor to the reference, in Ohm: that of the Octopus and of most boards (BTT's schematic, R at TH0).
@@ -31,9 +32,9 @@ pub enum Curve {
         /// With 40 fractional bits.
         a: i64,
         /// With 40 fractional bits.
-        b: i64,
+        b: i32,
         /// With 48 fractional bits.
-        c: i64,
+        c: i32,
     },
     /// A platinum resistor of 1 kOhm (IEC 60751).
     Platinum,
@@ -45,7 +46,7 @@ const ZERO_C: i64 = (273.15 * (1u64 << Celsius::FRAC_NBITS) as f64) as i64;
 /// 1/298.15 K, 25 C, with 40 fractional bits.
 const AT_25: i64 = (((1u64 << 40) as f64) / 298.15) as i64;
 
-/// No NTC has less (Vishay's catalogue begins at 2800 K), and with it all products stay within 64 bits.
+/// No NTC has less (Vishay's catalogue begins at 2800 K), and with it 1/B has no more than 31 bits.
 const LEAST_BETA: u16 = 1000;
 
 /// Coefficients of IEC 60751: R / R0 = 1 + A t + B t^2, above 0 C; below, it is off by 0.02 K at -20 C.
@@ -74,7 +75,7 @@ impl Curve {
             Thermistor::Beta { ohms, beta } => {
                 let b = (1 << 40) / if beta < LEAST_BETA { LEAST_BETA as i64 } else { beta as i64 };
                 let at_25 = natural(log2(if ohms == 0 { 1 } else { ohms }));
-                Self::SteinhartHart { a: AT_25 - ((b * at_25) >> FRACTION), b, c: 0 }
+                Self::SteinhartHart { a: AT_25 - ((b * at_25) >> FRACTION), b: b as i32, c: 0 }
             }
         }
     }
@@ -104,23 +105,28 @@ impl Curve {
 
 const fn steinhart_hart(a: f64, b: f64, c: f64) -> Curve {
     let scale = (1u64 << 40) as f64;
-    Curve::SteinhartHart { a: (a * scale) as i64, b: (b * scale) as i64, c: (c * scale * 256.0) as i64 }
+    Curve::SteinhartHart { a: (a * scale) as i64, b: (b * scale) as i32, c: (c * scale * 256.0) as i32 }
 }
 
-/// `sample` is neither 0 nor 65,535.
-fn of_steinhart_hart(sample: u16, a: i64, b: i64, c: i64) -> Celsius {
+/// `sample` is 250 to 65,400, so the resistance is 18 Ohm to 2.3 MOhm, and its logarithm 2.8 to 14.7.
+fn of_steinhart_hart(sample: u16, a: i64, b: i32, c: i32) -> Celsius {
     let sample = u32::from(sample);
     // All bits of the quotient that fit: the sample alone would have 11 of them at 280 C.
     let shift = sample.leading_zeros();
-    let quotient = (sample << shift) / ((1 << 16) - sample);
-    let log2_ohms = log2(quotient) - (i64::from(shift) << FRACTION) + const { log2(PULL_UP) };
-    let log = natural(log2_ohms);
-    // With 20 fractional bits.
-    let square = (log * log) >> 32;
-    let cube = (square * log) >> FRACTION;
-    let inverse = a + ((b * log) >> FRACTION) + ((c * cube) >> 28);
-    let kelvin = (1 << 60) / inverse.max(1 << 28);
-    Celsius::from_bits((kelvin - ZERO_C) as i32)
+    let ratio = (sample << shift) / ((1 << 16) - sample);
+    let log2_ohms = log2(ratio) - (i64::from(shift) << FRACTION) + const { log2(PULL_UP) };
+    // In words of 32 bits, with 26, 20 and 19 fractional bits.
+    let log = natural(log2_ohms) as i32;
+    let square = (wide_mul(log, log) >> 32) as i32;
+    let cube = (wide_mul(square, log) >> 27) as i32;
+    let inverse = a + (wide_mul(b, log) >> FRACTION) + (wide_mul(c, cube) >> 27);
+    // 38 fractional bits are left of the 40, so that 64 K and more fit into a word.
+    let inverse = (inverse >> 2).clamp(1 << 26, u32::MAX.into()) as u32;
+    Celsius::from_bits(saturated(i64::from(quotient(1 << 58, inverse)) - ZERO_C))
+}
+
+fn wide_mul(a: i32, b: i32) -> i64 {
+    i64::from(a) * i64::from(b)
 }
 
 fn of_platinum(sample: u16) -> Celsius {

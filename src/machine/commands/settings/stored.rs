@@ -103,7 +103,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// M500. The machine rests: storage may be flash, whose erasing stops the processor.
     pub(in crate::machine) async fn save_settings(&mut self) -> Result<StorageNews, Interrupt> {
         self.finish().await?;
-        let settings = self.settings;
+        let settings = *self.settings;
         let mut paced = Paced::new(self);
         let saved = storage::save(&mut paced, &settings).await;
         paced.into_result()?;
@@ -141,7 +141,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) async fn use_settings(&mut self, wanted: Settings) -> Result<(), Interrupt> {
         let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
         let is_same = resolutions(&wanted) == resolutions(&self.settings);
-        self.settings = wanted;
+        *self.settings = wanted;
         self.drivers.want(&wanted);
         self.heat_orders.note_settings();
         if is_same {

@@ -1,0 +1,120 @@
+//! Kits: what the handles are made of. A board with little stack makes them one by one, each in the place where it stays.
+
+use super::memory::Memory;
+use crate::kinematics::Groups;
+use crate::machine::{Console, Ports};
+use crate::motion::{Entry, Link, MoveMemory, SpanMemory, StepCounts, StepGenerator, Stepper, StepsIn, StepsOut};
+use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
+use crate::settings::Settings;
+use crate::status::Status;
+use crate::thermal::{Orders, OrdersIn, ThermalControl};
+use crate::units::Mm;
+use heapless::spsc::Consumer;
+
+/// The two ports of the step interrupt.
+pub struct StepPorts<P: StepPort, C: StepClock> {
+    /// Step and direction lines.
+    pub pins: P,
+    /// Step timer.
+    pub clock: C,
+}
+
+/// A kit for each handle, and what everybody may look at.
+pub struct Kits<'m, W: Pend> {
+    /// To be made first: the generator asks which of its groups are slow.
+    pub stepper: StepperKit<'m>,
+    /// For the generator's interrupt.
+    pub generator: GeneratorKit<'m>,
+    /// For the thermal interrupt.
+    pub thermal: ThermalKit<'m>,
+    /// For the Console's task.
+    pub console: ConsoleKit<'m, W>,
+    /// For everybody, to look at.
+    pub status: &'m Status,
+    /// What the motors have done.
+    pub counts: StepCounts<'m>,
+}
+
+impl<'m, W: Pend> Kits<'m, W> {
+    /// The kits of a machine with these settings.
+    pub fn new(memory: &'m mut Memory, settings: &Settings, pend: W) -> Self {
+        let Memory { moves, events, spans, planned, orders, groups, status } = memory;
+        *groups = Groups::new(&settings.mechanism);
+        let (groups, status): (&'m Groups, &'m Status) = (groups, status);
+        let (moves_in, moves) = moves.split();
+        let (events_in, events) = events.split();
+        let (orders, orders_in) = orders.split();
+        let counts = events.counts(status);
+        Self {
+            stepper: StepperKit { events, status },
+            generator: GeneratorKit { moves, events: events_in, spans, status, groups },
+            thermal: ThermalKit { orders: orders_in, status },
+            console: ConsoleKit { planned, orders, groups, link: Link::new(moves_in, status, counts, pend) },
+            status,
+            counts,
+        }
+    }
+}
+
+/// What a [`Stepper`] is made of.
+pub struct StepperKit<'m> {
+    events: StepsOut<'m>,
+    status: &'m Status,
+}
+
+impl<'m> StepperKit<'m> {
+    /// Makes it.
+    pub fn make<P: StepPort, C: StepClock, W: Pend>(self, ports: StepPorts<P, C>, pend: W) -> Stepper<'m, P, C, W> {
+        Stepper::new(self.events, self.status, ports.pins, ports.clock, pend)
+    }
+}
+
+/// What a [`StepGenerator`] is made of.
+pub struct GeneratorKit<'m> {
+    moves: Consumer<'m, Entry>,
+    events: StepsIn<'m>,
+    spans: &'m mut SpanMemory,
+    status: &'m Status,
+    groups: &'m Groups,
+}
+
+impl<'m> GeneratorKit<'m> {
+    /// Makes it.
+    #[must_use]
+    pub fn make(self) -> StepGenerator<'m> {
+        StepGenerator::new(self.moves, self.events, self.spans, self.status, self.groups)
+    }
+}
+
+/// What a [`ThermalControl`] is made of.
+pub struct ThermalKit<'m> {
+    orders: OrdersIn<'m>,
+    status: &'m Status,
+}
+
+impl<'m> ThermalKit<'m> {
+    /// Makes it.
+    pub fn make<H: ThermalPort, W: Pend>(self, settings: &Settings, port: H, pend: W) -> ThermalControl<'m, H, W> {
+        ThermalControl::new(&settings.thermal, self.orders, self.status, port, pend)
+    }
+}
+
+/// What a [`Console`] is made of.
+pub struct ConsoleKit<'m, W: Pend> {
+    planned: &'m mut MoveMemory,
+    orders: Orders<'m>,
+    groups: &'m Groups,
+    link: Link<'m, W>,
+}
+
+impl<'m, W: Pend> ConsoleKit<'m, W> {
+    /// Makes it, for a machine that stands at `start` (x, y, z) if that is known, as if homed.
+    pub fn make<S: Serial, D: DriverBus, K: Clock, T: Storage>(
+        self,
+        settings: &Settings,
+        start: Option<[Mm; 3]>,
+        ports: Ports<S, D, K, T>,
+    ) -> Console<'m, Ports<S, D, K, T>, W> {
+        Console::new(*settings, start, self.planned, self.orders, self.groups, self.link, ports)
+    }
+}

@@ -1,0 +1,156 @@
+//! The scrub, a part of the crank: settings of motion in RAM, and what was made of them, are looked at twice a second. What has
+//! changed by itself is a fault, which ends motion and heat.
+
+use crate::fault::{Cause, Fault};
+use crate::kinematics::Groups;
+use crate::machine::console::{Console, PortSet};
+use crate::port::Pend;
+use crate::units::Instant;
+
+/// So often, in ms: a flipped bit is found within a second even by a Console that storage keeps busy.
+const EVERY_MS: u32 = 500;
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// Takes legal changes for right, and looks whether there were others.
+    pub(super) fn scrub(&mut self, now: Instant) {
+        self.settings.settle();
+        if now < self.scrub_due {
+            return;
+        }
+        self.scrub_due = now.after_ms(EVERY_MS);
+        if !self.is_whole() {
+            self.link.status().fault().set(Fault { cause: Cause::SettingsDamaged, subject: 0, value: 0, limit: 0 });
+        }
+    }
+
+    /// Settings are summed up when they come; what follows from them is made once more and compared.
+    fn is_whole(&self) -> bool {
+        let groups = self.real.groups();
+        self.settings.is_whole()
+            && self.defaults.is_whole()
+            && *groups == Groups::new(&self.settings.mechanism)
+            && self.planner.is_whole(&self.settings, groups)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use crate::fault::Cause;
+    use crate::kinematics::{Groups, Mechanism};
+    use crate::machine::console::Console;
+    use crate::machine::interrupt::Interrupt;
+    use crate::machine::ports::Ports;
+    use crate::motion::{Link, MoveMemory, MoveQueue, StepQueue};
+    use crate::port::{Clock, DriverBus, Lines, MotorSet, NoStorage, Pend, Received, Serial};
+    use crate::settings::Settings;
+    use crate::status::Status;
+    use crate::thermal::OrderQueue;
+    use crate::units::{Instant, MmPerSec, MmPerSec2, StepsPerMm};
+    use core::cell::Cell;
+    use std::boxed::Box;
+
+    struct Nothing;
+
+    impl Serial for Nothing {
+        fn recv(&mut self) -> Option<Received> {
+            None
+        }
+
+        fn send(&mut self, bytes: &[u8]) -> usize {
+            bytes.len()
+        }
+    }
+
+    impl DriverBus for Nothing {
+        fn enable(&mut self, _on: MotorSet) {}
+    }
+
+    struct Time<'t>(&'t Cell<Instant>);
+
+    impl Clock for Time<'_> {
+        fn now(&self) -> Instant {
+            self.0.get()
+        }
+    }
+
+    #[derive(Clone, Copy)]
+    struct Nobody;
+
+    impl Pend for Nobody {
+        fn pend_generator(&self) {}
+        fn pend_stepper(&self) {}
+    }
+
+    type Machine<'m> = Console<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage>, Nobody>;
+
+    /// What a Console with the groups of a mechanism finds within a second after each of the changes.
+    fn find(mechanism: &Mechanism, changes: &[fn(&mut Machine<'_>)]) -> Option<(u32, Cause)> {
+        let settings = Settings::prototype();
+        let (mut moves, mut events, mut orders) = (MoveQueue::new(), StepQueue::new(), OrderQueue::new());
+        let (mut memory, status) = (Box::new(MoveMemory::new()), Status::new());
+        let groups = Groups::new(mechanism);
+        let (moves_in, _moves) = moves.split();
+        let (_events, events_out) = events.split();
+        let (orders_in, _orders) = orders.split();
+        let link = Link::new(moves_in, &status, events_out.counts(&status), Nobody);
+        let now = Cell::new(Instant::default());
+        let serial: Lines<_> = [Nothing].into_iter().collect();
+        let ports = Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage };
+        let mut console = Console::new(settings, None, &mut memory, orders_in, &groups, link, ports);
+        for change in changes {
+            for ms in 0..=1000 {
+                now.set(now.get().after_ms(1));
+                match console.crank() {
+                    Ok(()) => assert_eq!(status.fault().fault(), None, "a fault ends the turn"),
+                    Err(interrupt) => {
+                        assert_eq!(interrupt, Interrupt::Halt);
+                        return status.fault().fault().map(|fault| (ms, fault.cause));
+                    }
+                }
+                if ms == 0 {
+                    change(&mut console);
+                }
+            }
+        }
+        None
+    }
+
+    const LEGAL: fn(&mut Machine<'_>) = |c| c.settings.print_acceleration = MmPerSec2::ONE;
+
+    #[test]
+    fn f40_motion_settings_that_change_by_themselves_halt_the_machine_within_a_second() {
+        let whole = Mechanism::corehbot();
+        let flips: [fn(&mut Machine<'_>); 5] = [
+            |c| c.settings.damage().axes.x.max_speed ^= MmPerSec::DELTA,
+            |c| c.settings.damage().soft_endstops ^= true,
+            |c| c.settings.damage().mechanism.rows[0][0] ^= 2,
+            |c| c.defaults.damage().homing.z.fast ^= MmPerSec::DELTA,
+            // What the planner made of the settings, here by the wrong ones.
+            |c| {
+                let mut settings = *c.settings;
+                settings.axes.y.steps_per_mm += StepsPerMm::DELTA;
+                c.planner.set_resolution(&settings);
+            },
+        ];
+        for flip in flips {
+            let found = find(&whole, &[LEGAL, flip]);
+            assert!(matches!(found, Some((..1000, Cause::SettingsDamaged))), "{found:?}");
+            let found = find(&whole, &[flip, LEGAL]);
+            assert!(matches!(found, Some((..1000, Cause::SettingsDamaged))), "{found:?}");
+        }
+        let legal: [fn(&mut Machine<'_>); 3] = [
+            LEGAL,
+            |c| c.settings.thermal.fan_run_on_s += 1,
+            |c| {
+                c.settings.axes.x.steps_per_mm = StepsPerMm::from_num(81);
+                let settings = *c.settings;
+                c.planner.set_resolution(&settings);
+            },
+        ];
+        assert_eq!(find(&whole, &legal), None);
+        let mut damaged = whole;
+        damaged.rows[5][2] ^= 2;
+        assert!(find(&damaged, &[LEGAL]).is_some(), "the second Z screw would turn backward");
+    }
+}

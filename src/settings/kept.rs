@@ -1,0 +1,155 @@
+//! Kept: a value in RAM that changes only when somebody changes it. A bit that flips by itself must not raise a limit, or
+//! stretch a millimetre.
+
+use core::hash::{Hash, Hasher};
+use core::ops::{Deref, DerefMut};
+
+/// The sum of a value: FNV-1a, to which every flipped bit makes a difference.
+#[must_use]
+pub fn sum(value: &impl Hash) -> u32 {
+    let mut sum = Sum(0x811C_9DC5);
+    value.hash(&mut sum);
+    sum.0
+}
+
+/// FNV-1a with 32 bits (RFC 9923), of words where a value has words: a step that can be undone, like one of a byte, so that no
+/// difference is lost, in a quarter of the time.
+struct Sum(u32);
+
+impl Sum {
+    const fn take(&mut self, word: u32) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0100_0193);
+    }
+}
+
+impl Hasher for Sum {
+    fn finish(&self) -> u64 {
+        self.0.into()
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.take((*byte).into()));
+    }
+
+    fn write_u16(&mut self, word: u16) {
+        self.take(word.into());
+    }
+
+    fn write_u32(&mut self, word: u32) {
+        self.take(word);
+    }
+
+    fn write_u64(&mut self, words: u64) {
+        self.take(words as u32);
+        self.take((words >> 32) as u32);
+    }
+
+    /// Which variant of an enum it is.
+    fn write_usize(&mut self, number: usize) {
+        self.write_u64(number as u64);
+    }
+}
+
+/// A value with its sum. Whoever may change it does so through `DerefMut`; then the old value is looked at once more, and the new
+/// one is summed up by [`settle`](Self::settle).
+#[derive(Clone, Copy, Debug)]
+pub struct Kept<T> {
+    value: T,
+    sum: u32,
+    /// It was changed, and is not summed up yet.
+    is_new: bool,
+    /// It had changed by itself when somebody wanted to change it.
+    was_damaged: bool,
+}
+
+impl<T: Hash> Kept<T> {
+    /// A value that is right.
+    #[must_use]
+    pub fn new(value: T) -> Self {
+        let sum = sum(&value);
+        Self { value, sum, is_new: false, was_damaged: false }
+    }
+
+    /// What was changed is right as it is now.
+    pub fn settle(&mut self) {
+        if self.is_new {
+            self.is_new = false;
+            self.sum = sum(&self.value);
+        }
+    }
+
+    /// Whether it is what was put in.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        !self.was_damaged && (self.is_new || sum(&self.value) == self.sum)
+    }
+
+    /// The value, to be changed by nobody.
+    #[cfg(test)]
+    pub const fn damage(&mut self) -> &mut T {
+        &mut self.value
+    }
+}
+
+impl<T> Deref for Kept<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<T: Hash> DerefMut for Kept<T> {
+    fn deref_mut(&mut self) -> &mut T {
+        if !self.is_new {
+            // Lest the new sum make right what was wrong.
+            self.was_damaged |= !self.is_whole();
+            self.is_new = true;
+        }
+        &mut self.value
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Settings, ThermalSettings};
+    use crate::units::{Celsius, StepsPerMm};
+
+    #[test]
+    fn every_change_shows() {
+        let settings = ThermalSettings::prototype();
+        let whole = sum(&settings);
+        assert_eq!(whole, sum(&ThermalSettings::prototype()));
+        for bit in 0..32 {
+            let mut damaged = settings;
+            let most = &mut damaged.heaters.hotend.most;
+            *most = Celsius::from_bits(most.to_bits() ^ 1 << bit);
+            assert_ne!(sum(&damaged), whole);
+        }
+        assert_eq!(sum(&()), 0x811C_9DC5);
+    }
+
+    fn flip(settings: &mut Settings, bit: u32) {
+        let resolution = &mut settings.axes.z.steps_per_mm;
+        *resolution = StepsPerMm::from_bits(resolution.to_bits() ^ 1 << bit);
+    }
+
+    #[test]
+    fn f40_what_changes_by_itself_is_found_and_what_is_changed_is_not() {
+        for bit in 0..32 {
+            let mut kept = Kept::new(Settings::prototype());
+            assert!(kept.is_whole());
+            flip(&mut kept, bit);
+            assert!(kept.is_whole(), "somebody changed it");
+            kept.settle();
+            assert!(kept.is_whole());
+            flip(kept.damage(), bit);
+            assert!(!kept.is_whole());
+            // A legal change does not make it right.
+            kept.keepalive_s = 7;
+            kept.settle();
+            assert!(!kept.is_whole());
+        }
+    }
+}
