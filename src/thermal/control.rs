@@ -19,6 +19,9 @@ use fixed::types::I8F24;
 /// Periods between two looks at the settings in RAM: 1 s.
 const SCRUB: u32 = 1000 / PERIOD_MS;
 
+/// More filament in a period than any extruder moves, in um: what its heat comes to stays within 64 bits, whatever the settings.
+const MOST_UM: i32 = 1 << 20;
+
 /// Heaters, fans and sensors of a machine.
 pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     port: H,
@@ -219,7 +222,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     fn circumstances(&mut self) -> Circumstances {
         let heat = self.status.heat();
         let um = heat.extruded_um();
-        let moved = um.wrapping_sub(core::mem::replace(&mut self.extruded_um, um)).cast_signed().max(0);
+        let moved = um.wrapping_sub(core::mem::replace(&mut self.extruded_um, um)).cast_signed().clamp(0, MOST_UM);
         // um a period times periods a second, times J/(K mm), over 1000 um: W/K.
         let filament = i64::from(moved) * i64::from(RATE) * i64::from(self.common.filament.to_bits()) / 1000;
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
