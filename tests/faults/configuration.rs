@@ -6,7 +6,7 @@ use corehbot::connectors::{Heater, Output};
 use corehbot::settings::{Control, Pid};
 use corehbot::thermal::Order;
 use corehbot::units::Ratio;
-use corehbot_rig::plant::{HeaterFault, Plant, PlantFaults, SensorFault};
+use corehbot_rig::plant::{HeaterFault, Plant, SensorFault};
 
 #[test]
 fn f20_absurd_gains_heat_no_further_than_the_limit() {
@@ -52,14 +52,17 @@ fn other_gains_change_nothing_else() {
 /// Reproducer: settings that came again and again (M301, M306) began every guard anew, so that none ever found anything.
 #[test]
 fn settings_that_keep_coming_hold_up_no_guard() {
-    let frozen = |faults: &mut PlantFaults| faults.hotend_sensor = SensorFault::Frozen;
-    let open = |faults: &mut PlantFaults| faults.hotend_heater = HeaterFault::OPEN;
-    let cases: [(fn(&mut PlantFaults), f64); 3] = [(open, 20.0), (open, 215.0), (frozen, 215.0)];
-    for (what, celsius) in cases {
+    for (is_frozen, celsius) in [(false, 20.0), (false, 215.0), (true, 215.0)] {
         let mut printer = Printer::with(Plant::hot(&constants(), celsius, 25.0), settings());
         printer.set(Heater::Hotend, 215.0);
         printer.run(if celsius > 200.0 { 60.0 } else { 1.0 });
-        break_it(&printer, what);
+        break_it(&printer, |faults| {
+            if is_frozen {
+                faults.hotend_sensor = SensorFault::Frozen;
+            } else {
+                faults.hotend_heater = HeaterFault::OPEN;
+            }
+        });
         let mut changed = *settings().heater(Heater::Hotend);
         for second in 0..60_u8 {
             (changed.pid.p, changed.model.capacity) = ((20 + second % 2).into(), (11 + second % 2).into());

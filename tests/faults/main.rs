@@ -11,6 +11,8 @@ mod latch;
 mod printer;
 mod quiet;
 mod sensors;
+#[path = "../support/wild_heat.rs"]
+mod wild_heat;
 
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
