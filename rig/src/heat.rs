@@ -74,6 +74,19 @@ impl Heat {
     pub const fn duties(&self) -> [u16; OUTPUTS] {
         self.duties
     }
+
+    /// The duty of a heater, of 65,535, if it is fitted.
+    #[must_use]
+    pub fn duty(&self, heater: Heater) -> Option<u16> {
+        let settings = self.settings.heater(heater);
+        settings.is_fitted.then(|| self.duties[settings.output as usize])
+    }
+
+    /// The duty of each fan, of 65,535.
+    #[must_use]
+    pub const fn fan_duties(&self) -> [u16; FANS] {
+        self.fans
+    }
 }
 
 /// The prototype's plant with what the machine's file says of it.

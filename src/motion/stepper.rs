@@ -265,6 +265,11 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.due = self.due.after(interval);
     }
 
+    /// What hardware does for it.
+    pub const fn port(&mut self) -> &mut P {
+        &mut self.port
+    }
+
     /// Leaves the processor to the others for a while.
     #[inline(never)]
     fn yield_cpu(&mut self) {

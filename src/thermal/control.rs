@@ -23,6 +23,9 @@ const PART_FAN: usize = 0;
 /// Periods between two looks at the settings in RAM: 1 s.
 const SCRUB: u32 = 1000 / PERIOD_MS;
 
+/// More filament in a period than any extruder moves, in um: what its heat comes to stays within 64 bits, whatever the settings.
+const MOST_UM: i32 = 1 << 20;
+
 /// Heaters, fans and sensors of a machine.
 pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     port: H,
@@ -308,7 +311,11 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     fn circumstances(&mut self) -> Circumstances {
         let heat = self.status.heat();
         let um = heat.extruded_um();
-        let moved = um.wrapping_sub(core::mem::replace(&mut self.extruded_um, um)).cast_signed().max(0).unsigned_abs();
+        let moved = um
+            .wrapping_sub(core::mem::replace(&mut self.extruded_um, um))
+            .cast_signed()
+            .clamp(0, MOST_UM)
+            .unsigned_abs();
         // um a period times J/(K mm), times periods a second over 1000 um: W/K.
         let filament = quotient(u64::from(moved) * u64::from(self.common.filament.to_bits()), PERIOD_MS);
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));

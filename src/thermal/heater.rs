@@ -69,6 +69,14 @@ impl HeaterGuards {
             frozen: Frozen::new(),
         }
     }
+
+    /// Other thresholds. What was seen so far still counts, or settings that keep coming would hold up every alarm.
+    fn configure(&mut self, settings: &HeaterSettings) {
+        self.window.configure(settings.too_hot());
+        self.balance.configure(settings);
+        self.at_target.configure(settings.guards);
+        self.while_off.configure(settings);
+    }
 }
 
 impl HeaterLoop {
@@ -113,7 +121,7 @@ impl HeaterLoop {
         if before != settings {
             self.observer = None;
             self.lag_watch = LagWatch::new(&settings.model);
-            self.guards = HeaterGuards::new(&settings);
+            self.guards.configure(&settings);
         }
     }
 
@@ -203,8 +211,8 @@ impl HeaterLoop {
             (None, None) => {}
         }
         let Some(measured) = good else {
-            // Nobody heats more because of what cannot be believed.
-            let wanted = self.wanted;
+            // Nobody heats more because of what cannot be believed, and nobody heats what is to be off.
+            let wanted = if self.target == Celsius::ZERO { 0 } else { self.wanted };
             return Ok(self.put_out(wanted));
         };
         (self.measured, self.ailment) = (Some(measured), None);

@@ -1,12 +1,12 @@
 //! Settings that are absurd (F20, F87) or change while a heater is on (F40 is in `thermal::scrub`).
 
 use crate::printer::{Printer, settings};
-use crate::{constants, is_off, printing};
+use crate::{break_it, constants, is_off, printing};
 use corehbot::connectors::{Heater, Output};
 use corehbot::settings::{Control, Pid};
 use corehbot::thermal::Order;
 use corehbot::units::Ratio;
-use corehbot_rig::plant::Plant;
+use corehbot_rig::plant::{HeaterFault, Plant, SensorFault};
 
 #[test]
 fn f20_absurd_gains_heat_no_further_than_the_limit() {
@@ -47,6 +47,33 @@ fn other_gains_change_nothing_else() {
     printer.run(60.0);
     assert_eq!(printer.fault(), None);
     assert!((printer.hotend() - 215.0).abs() < 1.0, "{}", printer.hotend());
+}
+
+/// Reproducer: settings that came again and again (M301, M306) began every guard anew, so that none ever found anything.
+#[test]
+fn settings_that_keep_coming_hold_up_no_guard() {
+    for (is_frozen, celsius) in [(false, 20.0), (false, 215.0), (true, 215.0)] {
+        let mut printer = Printer::with(Plant::hot(&constants(), celsius, 25.0), settings());
+        printer.set(Heater::Hotend, 215.0);
+        printer.run(if celsius > 200.0 { 60.0 } else { 1.0 });
+        break_it(&printer, |faults| {
+            if is_frozen {
+                faults.hotend_sensor = SensorFault::Frozen;
+            } else {
+                faults.hotend_heater = HeaterFault::OPEN;
+            }
+        });
+        let mut changed = *settings().heater(Heater::Hotend);
+        for second in 0..60_u8 {
+            (changed.pid.p, changed.model.capacity) = ((20 + second % 2).into(), (11 + second % 2).into());
+            printer.order(Order::Heater(Heater::Hotend, changed));
+            // Whoever tries to see through a frozen sensor needs another power now and then.
+            printer.set(Heater::Hotend, if second % 4 < 2 { 215.0 } else { 225.0 });
+            printer.run(1.0);
+        }
+        println!("settings every second, from {celsius} C: {:?}", printer.fault());
+        assert!(printer.fault().is_some() && is_off(&printer));
+    }
 }
 
 #[test]

@@ -12,6 +12,8 @@ mod printer;
 mod quiet;
 mod self_test;
 mod sensors;
+#[path = "../support/wild_heat.rs"]
+mod wild_heat;
 
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;

@@ -2,7 +2,7 @@
 
 use crate::printer::{Printer, settings};
 use crate::{break_it, cold, constants, is_off, printing, until_off, until_refused};
-use corehbot::connectors::Heater;
+use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::settings::Thermistor;
 use corehbot::units::Celsius;
@@ -208,4 +208,18 @@ fn too_hot_is_off_whatever_the_target() {
     let (cause, time) = until_off(&mut printer, 5.0);
     assert_eq!((cause, time <= 0.5), (Cause::TooHot, true));
     assert_eq!(hot.heater(Heater::Hotend).thermistor, Thermistor::Semitec104Gt2);
+}
+
+/// Reproducer: while readings were doubtful a heater kept its power, even when it was switched off.
+#[test]
+fn a_heater_that_is_switched_off_while_its_sensor_flickers_is_off_in_the_next_period() {
+    let mut printer = printing();
+    break_it(&printer, |faults| faults.hotend_sensor = SensorFault::Open);
+    printer.run(0.1);
+    assert!(printer.duty(Output::He0) > 0.0 && printer.fault().is_none());
+    printer.set(Heater::Hotend, 0.0);
+    printer.period();
+    assert_eq!(printer.duty(Output::He0), 0.0);
+    printer.run(1.0);
+    assert_eq!((printer.fault(), printer.duty(Output::He0)), (None, 0.0), "nothing is lost that was off");
 }

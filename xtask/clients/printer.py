@@ -33,12 +33,14 @@ class Printer:
     """A printer at the end of a pty, as fast as its host at speed `max`: `corehbot`, or the board in QEMU if that is what
     `xtask` stands for."""
 
-    def __init__(self, program, link=None, speed="max"):
+    def __init__(self, program, link=None, speed="max", settings=None):
         command = [program, "serve", "--speed", str(speed)]
         if os.path.basename(program) == "xtask":
             command = [program, "qemu", "--serve"]
         if link:
             command += ["--pty", link]
+        if settings:
+            command += ["--settings", settings]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         self.path = self.process.stdout.readline().strip()
         check(self.path, "corehbot serve does not start")
@@ -74,10 +76,12 @@ class Printer:
                 self.process.wait()
 
 
-def simulate(program, file):
-    """The summary that `corehbot run` writes of a file."""
+def simulate(program, file, settings=None):
+    """The summary that `corehbot run` writes of a file, on a machine if it is not the prototype."""
     with tempfile.NamedTemporaryFile(suffix=".json") as summary:
         command = [program, "run", file, "--json", summary.name]
+        if settings:
+            command += ["--settings", settings]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)
         # It was written beside and renamed, so the open file is still the empty one.
         with open(summary.name, encoding="utf-8") as written:

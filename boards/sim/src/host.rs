@@ -25,6 +25,9 @@ const KEPT: usize = 20;
 /// Resends of one command after which something is wrong for good.
 const PATIENCE: u32 = 10;
 
+/// Waits for temperatures that are kept: more would hide each other in a chart.
+const MOST_HEAT_WAITS: usize = 200;
+
 /// Commands that can be sent again: more than a printer of any kind has room for.
 const RECENT: usize = 256;
 
@@ -66,6 +69,15 @@ impl fmt::Display for Remark {
     }
 }
 
+/// A command that waited for a temperature.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct HeatWait {
+    /// The command.
+    pub command: String,
+    /// When it was sent, and when it was answered, in ticks.
+    pub time: [u64; 2],
+}
+
 /// Sends a file and listens to the answers.
 pub struct FileHost {
     file: Lines<Box<dyn BufRead + Send>>,
@@ -94,6 +106,9 @@ pub struct FileHost {
     paused: Option<u64>,
     pauses: Vec<Remark>,
     pauses_total: u32,
+    /// The first commands that waited for a temperature; the last one may go on.
+    heat_waits: Vec<HeatWait>,
+    is_heat_awaited: bool,
     failure: Option<Remark>,
 }
 
@@ -128,6 +143,8 @@ impl FileHost {
             paused: None,
             pauses: Vec::new(),
             pauses_total: 0,
+            heat_waits: Vec::new(),
+            is_heat_awaited: false,
             failure: None,
         }
     }
@@ -213,6 +230,12 @@ impl FileHost {
         self.pauses_total
     }
 
+    /// Where it waited for temperatures: the first places.
+    #[must_use]
+    pub fn heat_waits(&self) -> &[HeatWait] {
+        &self.heat_waits
+    }
+
     /// Why the print failed, if it did.
     #[must_use]
     pub const fn failure(&self) -> Option<&Remark> {
@@ -240,6 +263,17 @@ impl FileHost {
     fn fail(&mut self, reply: &str) {
         if self.failure.is_none() {
             self.failure = Some(Remark { reply: reply.to_owned(), ..self.current() });
+        }
+    }
+
+    /// The command `index` has been sent: it may wait for a temperature.
+    fn await_heat(&mut self, index: i64) {
+        let now = self.now;
+        let known = self.command(index).ok().filter(|command| is_heat_wait(&command.text));
+        let Some(command) = known.map(|command| command.text.clone()) else { return };
+        if self.heat_waits.len() < MOST_HEAT_WAITS {
+            self.heat_waits.push(HeatWait { command, time: [now; 2] });
+            self.is_heat_awaited = true;
         }
     }
 
@@ -293,10 +327,14 @@ impl Host for FileHost {
         self.next += 1;
         self.sent += 1;
         self.awaiting = 1;
+        self.await_heat(index);
     }
 
     fn clock(&mut self, tick: u64) {
         self.now = tick;
+        if let Some(wait) = self.heat_waits.last_mut().filter(|_| self.is_heat_awaited) {
+            wait.time[1] = tick;
+        }
     }
 
     fn interject(&mut self, out: &mut Vec<u8>) {
@@ -320,6 +358,7 @@ impl Host for FileHost {
                 self.fail(&error);
             }
             self.awaiting = self.awaiting.saturating_sub(1);
+            self.is_heat_awaited &= self.awaiting > 0;
         } else if let Some(action) = line.strip_prefix("// action:") {
             self.hear_action(action);
         } else if let Some(number) = line.strip_prefix("Resend:") {
@@ -356,6 +395,11 @@ const EXPECTED: [&str; 9] = [
 /// Whether a reply tells of something that the author of the file should know.
 fn is_odd(reply: &str) -> bool {
     reply.strip_prefix("echo:").is_some_and(|text| !EXPECTED.iter().any(|begin| text.starts_with(begin)))
+}
+
+/// Whether a command waits for a temperature: of the hotend, of any heater, of the bed or the chamber.
+fn is_heat_wait(command: &str) -> bool {
+    matches!(words(command).next(), Some(('M', Some(109.0 | 116.0 | 190.0 | 191.0))))
 }
 
 /// Whether a wait for the user ends by itself: with a time, in seconds (S) or milliseconds (P).

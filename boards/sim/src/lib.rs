@@ -9,6 +9,7 @@ pub mod check;
 pub mod cli;
 pub mod drivers;
 pub mod eeprom;
+pub mod heat_log;
 pub mod host;
 pub mod input;
 pub mod limits;

@@ -3,6 +3,10 @@
 //! The page is a template. The path stands in it in chunks of base64, which the page unpacks when it shows them, so a print
 //! of any length has all of its lines and is still opened at once; everything else is one JSON object.
 
+mod heat;
+
+use crate::heat_log::HeatLog;
+use crate::host::HeatWait;
 use crate::path::{Bounds, Chunk, Stored};
 use crate::summary::Summary;
 use crate::tally::Figures;
@@ -10,14 +14,18 @@ use corehbot::kinematics::Row;
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
+use heat::HeatData;
 use serde::Serialize;
 use std::io::{self, BufReader, Read, Seek, Write};
 
 /// The page.
 const TEMPLATE: &str = include_str!("report.html");
 
-/// Where the path goes, and where the data goes.
-const MARKS: [&str; 2] = ["<!--PATH-->", "/*DATA*/"];
+/// Its script that draws heat.
+const HEAT: &str = include_str!("report/heat.js");
+
+/// Where the path goes, the data and that script.
+const MARKS: [&str; 3] = ["<!--PATH-->", "/*DATA*/", "/*HEAT*/"];
 
 /// What a page shows.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +34,10 @@ pub struct Page<'a> {
     pub summary: &'a Summary,
     /// Those over time.
     pub figures: &'a Figures,
+    /// Temperatures and duties over time.
+    pub heat: &'a HeatLog,
+    /// Where the print waited for temperatures.
+    pub heat_waits: &'a [HeatWait],
     /// The machine.
     pub settings: &'a Settings,
 }
@@ -48,6 +60,8 @@ struct Data<'a> {
     speed: Vec<f64>,
     peak: Vec<f64>,
     rate: Vec<u64>,
+    /// None on a machine without heaters.
+    heat: Option<HeatData>,
 }
 
 /// A motor that is fitted.
@@ -82,19 +96,20 @@ impl Page<'_> {
     pub fn write(&self, stored: Stored, out: &mut impl Write) -> io::Result<()> {
         let cut = |text: &'static str, mark| text.split_once(mark).ok_or(io::ErrorKind::InvalidData);
         let (head, rest) = cut(TEMPLATE, MARKS[0])?;
-        let (middle, end) = cut(rest, MARKS[1])?;
+        let (middle, rest) = cut(rest, MARKS[1])?;
+        let (curves, end) = cut(rest, MARKS[2])?;
         // A file name with "</script>" in it must not end the script.
         let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
         out.write_all(head.as_bytes())?;
         write_path(stored, out)?;
-        for text in [middle, &json, end] {
+        for text in [middle, &json, curves, HEAT, end] {
             out.write_all(text.as_bytes())?;
         }
         out.flush()
     }
 
     fn data(&self, stored: &Stored) -> Data<'_> {
-        let Self { summary, figures, settings } = *self;
+        let Self { summary, figures, heat, heat_waits, settings } = *self;
         let bin_s = figures.series.bin_ticks() as f64 / f64::from(TICKS_PER_SECOND);
         let bins = figures.series.bins();
         Data {
@@ -109,6 +124,7 @@ impl Page<'_> {
             speed: bins.iter().map(|b| tenth(f64::from(b.path) / bin_s)).collect(),
             peak: bins.iter().map(|b| tenth(b.peak_speed.into())).collect(),
             rate: bins.iter().map(|b| (f64::from(b.events) / bin_s).round() as u64).collect(),
+            heat: HeatData::new(heat, heat_waits, &settings.thermal),
         }
     }
 }
@@ -196,8 +212,8 @@ mod tests {
     #[test]
     fn the_template_has_places_for_path_and_data_and_needs_no_network() {
         assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
-        assert!(TEMPLATE.find(MARKS[0]) < TEMPLATE.find(MARKS[1]));
-        assert!(!TEMPLATE.contains("http://") && !TEMPLATE.contains("https://"));
+        assert!(MARKS.map(|mark| TEMPLATE.find(mark)).is_sorted());
+        assert!([TEMPLATE, HEAT].iter().all(|text| !text.contains("http://") && !text.contains("https://")));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::check::Checker;
 use crate::cli::{DONE, FAILED, Printer};
 use crate::eeprom::Eeprom;
+use crate::heat_log::HeatLog;
 use crate::host::FileHost;
 use crate::input::GcodeFile;
 use crate::limits::{Limits, Widening};
@@ -16,7 +17,7 @@ use crate::summary::{Names, Summary};
 use crate::tally::{Figures, Tally};
 use crate::trace::TraceWriter;
 use crate::vcd::VcdWriter;
-use crate::world::{self, Host, Outcome, Sink};
+use crate::world::{self, HeatPeriod, Host, Outcome, Sink};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use corehbot::motors::MotorSet;
@@ -43,7 +44,7 @@ pub(crate) struct Run {
     /// Writes the summary as JSON.
     #[arg(long, value_name = "S.json")]
     json: Option<PathBuf>,
-    /// Writes a page with the tool path and curves of speed and load.
+    /// Writes a page with the tool path and curves of speed, load and heat.
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -112,6 +113,7 @@ impl Prepared {
             tally: Tally::new(settings, begin),
             checker: Checker::new(settings, &limits),
             path: path.context("cannot keep the tool path in a temporary file")?,
+            heat: HeatLog::default(),
         };
         let start = Instant::now();
         let outcome = match &mut eeprom {
@@ -121,6 +123,7 @@ impl Prepared {
         host.bar.finish_and_clear();
         let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
         let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
+        let heat = std::mem::take(&mut sinks.heat);
         let (mut summary, figures, path) = sinks.finish(names, &host.host, &outcome)?;
         if !limits.is_judged {
             summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
@@ -137,7 +140,8 @@ impl Prepared {
             write_all(json, &summary.to_json()?).context("cannot write the JSON")?;
         }
         if let (Some(mut report), Some(path)) = (report, path) {
-            let page = report::Page { summary: &summary, figures: &figures, settings };
+            let heat_waits = host.host.heat_waits();
+            let page = report::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, settings };
             page.write(path, &mut report).context("cannot write the report")?;
         }
         say(&summary, outputs.is_standard_taken())?;
@@ -217,6 +221,7 @@ struct Sinks {
     tally: Tally,
     checker: Checker,
     path: Option<ToolPath>,
+    heat: HeatLog,
 }
 
 impl Sink for Sinks {
@@ -230,6 +235,10 @@ impl Sink for Sinks {
         if let Some(path) = &mut self.path {
             path.event(tick, steps, forward);
         }
+    }
+
+    fn heat(&mut self, period: &HeatPeriod) {
+        self.heat.add(period);
     }
 }
 

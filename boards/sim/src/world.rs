@@ -9,7 +9,7 @@ use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Pends, Pins, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
-use corehbot::connectors::Heater;
+use corehbot::connectors::{FANS, HEATERS, Heater};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
@@ -18,7 +18,7 @@ use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
-use corehbot::units::{Mm, TICKS_PER_MS};
+use corehbot::units::{Celsius, Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
 use corehbot_rig::heat::Heat;
 use std::pin::Pin;
@@ -30,6 +30,32 @@ use std::task::{Context, Wake, Waker};
 pub trait Sink {
     /// The motors of `steps` step at `tick`, each forward if it is in `forward`.
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
+    /// A control period has passed on a machine with heaters.
+    fn heat(&mut self, _period: &HeatPeriod) {}
+}
+
+/// Heat at the end of a control period.
+#[derive(Clone, Copy, Debug)]
+pub struct HeatPeriod {
+    /// Time since the printer was switched on, in ticks.
+    pub now: u64,
+    /// Motion time, in ticks.
+    pub tick: u64,
+    /// Those that are fitted.
+    pub heaters: [Option<HeaterPeriod>; HEATERS],
+    /// Duty of each fan, of 65,535, as the plant got it.
+    pub fans: [u16; FANS],
+}
+
+/// A heater at the end of a control period.
+#[derive(Clone, Copy, Debug)]
+pub struct HeaterPeriod {
+    /// What the firmware measured; none before the first time.
+    pub measured: Option<Celsius>,
+    /// What it is to be; 0 is off.
+    pub target: Celsius,
+    /// Of 65,535, as the plant got it.
+    pub duty: u16,
 }
 
 /// The other end of the serial line.
@@ -250,8 +276,22 @@ impl<'w> World<'w> {
             self.thermal.period();
             let extruded = self.groups.motor_counts(self.counts.read())[Motor::E0 as usize];
             self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
+            if self.thermal.port().plant().is_some() {
+                let period = self.heat_period();
+                self.stepper.port().sink.heat(&period);
+            }
         }
         moved
+    }
+
+    fn heat_period(&mut self) -> HeatPeriod {
+        let (now, tick, known) = (self.shared.now.get(), self.stepper.tick(), self.status.heat());
+        let heat = self.thermal.port();
+        let heaters = Heater::ALL.map(|heater| {
+            let duty = heat.duty(heater)?;
+            Some(HeaterPeriod { measured: known.measured(heater), target: known.target(heater), duty })
+        });
+        HeatPeriod { now, tick, heaters, fans: heat.fan_duties() }
     }
 
     /// Whether the Console has nothing to do before a host says more.

@@ -31,6 +31,11 @@ impl AtTarget {
         Self { guards, target, is_reached: false, comes_down_from, far: 0, over: 0 }
     }
 
+    /// Other thresholds.
+    pub const fn configure(&mut self, guards: Guards) {
+        self.guards = guards;
+    }
+
     /// Looks at a control period of a heater that has a target; `is_powered` if it was given any power.
     pub fn look(&mut self, target: Celsius, measured: Celsius, is_powered: bool) -> Option<Alarm> {
         if target != self.target {

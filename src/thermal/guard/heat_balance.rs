@@ -63,6 +63,13 @@ impl HeatBalance {
         }
     }
 
+    /// Other thresholds; the balance goes on.
+    pub fn configure(&mut self, settings: &HeaterSettings) {
+        let Self { begun_at, left, arriving, given, lost, .. } = *self;
+        let new = Self::new(settings);
+        *self = Self { begun_at, left: left.min(new.length), arriving, given, lost, ..new };
+    }
+
     /// Looks at a control period: the power that was given, the part fan, the filament in W/K.
     pub fn look(&mut self, measured: Celsius, power: Power, fan: Ratio, filament: I8F24) -> Option<Alarm> {
         if self.left == 0 {

@@ -34,6 +34,12 @@ impl WhileOff {
         Self { rise: settings.guards.off_rise, settling, off: 0, coldest: [Celsius::MAX; 2], left: 0 }
     }
 
+    /// Other thresholds.
+    pub const fn configure(&mut self, settings: &HeaterSettings) {
+        let Self { rise, settling, .. } = Self::new(settings);
+        (self.rise, self.settling) = (rise, settling);
+    }
+
     /// Looks at a control period.
     pub fn look(&mut self, measured: Celsius, is_powered: bool) -> Option<Alarm> {
         if is_powered {

@@ -25,6 +25,11 @@ impl Window {
         Self { most, beyond: 0 }
     }
 
+    /// Another limit.
+    pub const fn configure(&mut self, most: Celsius) {
+        self.most = most;
+    }
+
     /// Looks at a reading.
     pub fn look(&mut self, measured: Celsius) -> Option<Alarm> {
         let is_inside = LEAST <= measured && measured <= self.most;

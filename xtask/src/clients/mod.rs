@@ -22,6 +22,9 @@ const OCTOPRINT: Venv = Venv { name: "octoprint", packages: &["OctoPrint==1.11.8
 /// Where the programs are.
 const PROGRAMS: &str = "xtask/clients";
 
+/// A print that heats, with its machine beside it.
+const HEAT: &str = "xtask/clients/heat.gcode";
+
 /// The example that is most like a sliced file.
 const EXAMPLE: &str = "examples/first-print.gcode";
 
@@ -39,6 +42,8 @@ enum Print {
     Sliced,
     /// The example, where each line takes long.
     Example,
+    /// One on a machine with heaters.
+    Heat,
 }
 
 /// A client and a line.
@@ -50,7 +55,7 @@ struct Trial {
     print: Print,
 }
 
-const TRIALS: [Trial; 7] = [
+const TRIALS: [Trial; 10] = [
     printcore("clean", Board::Simulator, Print::Sliced),
     printcore("corrupt", Board::Simulator, Print::Sliced),
     printcore("drop", Board::Simulator, Print::Example),
@@ -58,6 +63,9 @@ const TRIALS: [Trial; 7] = [
     printcore("drop", Board::Qemu, Print::Example),
     octoprint("corrupt", Print::Sliced),
     octoprint("drop", Print::Example),
+    heats(PRINTRUN, "printcore_heats.py", Board::Simulator),
+    heats(PRINTRUN, "printcore_heats.py", Board::Qemu),
+    heats(OCTOPRINT, "octoprint_heats.py", Board::Simulator),
 ];
 
 const fn printcore(line: &'static str, board: Board, print: Print) -> Trial {
@@ -66,6 +74,10 @@ const fn printcore(line: &'static str, board: Board, print: Print) -> Trial {
 
 const fn octoprint(line: &'static str, print: Print) -> Trial {
     Trial { client: OCTOPRINT, program: "octoprint_prints.py", line, board: Board::Simulator, print }
+}
+
+const fn heats(client: Venv, program: &'static str, board: Board) -> Trial {
+    Trial { client, program, line: "clean", board, print: Print::Heat }
 }
 
 /// Runs all trials.
@@ -123,6 +135,7 @@ impl Trial {
         let file = match self.print {
             Print::Sliced => sliced_file().unwrap_or_else(example),
             Print::Example => example(),
+            Print::Heat => root().join(HEAT),
         };
         let mut command = Command::new(self.client.python()?);
         // No compiled files in the sources.

@@ -163,3 +163,17 @@ fn words_are_letters_with_numbers() {
     let words: Vec<_> = words("g1x-.5 Y2 F").collect();
     assert_eq!(words, [('G', Some(1.0)), ('X', Some(-0.5)), ('Y', Some(2.0)), ('F', None)]);
 }
+
+#[test]
+fn waits_for_heat_last_from_the_command_to_its_answer() {
+    let mut host = FileHost::new("M140 S60\nM190 S60\nG1 X5\nM109 S200\n");
+    for tick in [10, 20, 30, 40, 50] {
+        host.clock(tick);
+        sent(&mut host);
+        host.clock(tick + 7);
+        host.hear("echo:busy: processing");
+        host.hear("ok");
+    }
+    let waits: Vec<_> = host.heat_waits().iter().map(|wait| (wait.command.as_str(), wait.time)).collect();
+    assert_eq!(waits, [("M190 S60", [30, 37]), ("M109 S200", [50, 57])]);
+}
