@@ -1,15 +1,19 @@
 //! The image under test, and how it is run.
 #![allow(dead_code, reason = "each test is a program of its own and needs but some of this")]
 
+use corehbot::connectors::Heater;
 use corehbot::settings::Settings;
+use corehbot::units::Watts;
 use corehbot_emulator::clock_tree::Defect;
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::firmware::Firmware;
+use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
 use corehbot_emulator::wiring::{OCTOPUS, Pin};
+use corehbot_sim::eeprom::Eeprom;
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.
@@ -62,6 +66,14 @@ pub struct Bench<'a> {
     pub eeprom: At24c32,
     /// Voltages in mV on channels of ADC3.
     pub thermistors: &'a [(u8, u32)],
+    /// The machine: the image's own, or the one that `eeprom` has.
+    pub settings: Settings,
+    /// What is round its heat.
+    pub climate: Climate,
+    /// The rate of the slow oscillator in Hz.
+    pub slow_oscillator: Option<u64>,
+    /// Virtual time to go on after a reset, in ns.
+    pub after_reset: u64,
     /// A pin that is held.
     pub stuck: Option<(Pin, bool)>,
     /// What of the clocks is broken.
@@ -81,6 +93,10 @@ impl Default for Bench<'_> {
             drivers: drivers(),
             eeprom: At24c32::default(),
             thermistors: &[],
+            settings: Settings::prototype(),
+            climate: Climate::default(),
+            slow_oscillator: None,
+            after_reset: 50 * MS,
             stuck: None,
             defect: Defect::None,
             whole: 7_200_000 * MS,
@@ -89,14 +105,36 @@ impl Default for Bench<'_> {
     }
 }
 
+/// A machine with a hotend of 60 W on HE0 and TH0 and a bed of 500 W on the bed's connectors; the part fan is FAN0, the
+/// hotend's FAN1, the controller's FAN2.
+pub fn heated() -> Settings {
+    let mut settings = Settings::prototype();
+    for heater in [Heater::Hotend, Heater::Bed] {
+        settings.thermal.heater_mut(heater).is_fitted = true;
+    }
+    settings.thermal.heaters.hotend.power = Watts::const_from_int(60);
+    settings
+}
+
+/// A board with that machine in its EEPROM.
+pub fn heated_bench() -> Bench<'static> {
+    bench_of(heated())
+}
+
+/// A board with a machine in its EEPROM.
+pub fn bench_of(settings: Settings) -> Bench<'static> {
+    let mut eeprom = Eeprom::blank();
+    eeprom.save(&settings).unwrap();
+    Bench { settings, eeprom: At24c32::holding(eeprom.cells().to_vec()), ..Bench::default() }
+}
+
 /// Prints `gcode` on `bench`.
 pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
-    let settings = Settings::prototype();
-    let patience = Patience { whole: bench.whole, silent: 10_000 * MS, after_reset: 50 * MS };
+    let patience = Patience { whole: bench.whole, silent: 10_000 * MS, after_reset: bench.after_reset };
     let request = Request {
         firmware,
         wiring: &OCTOPUS,
-        settings: &settings,
+        settings: &bench.settings,
         gcode,
         second: bench.second,
         manner: bench.manner,
@@ -105,6 +143,8 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
         drivers: &bench.drivers,
         eeprom: &bench.eeprom,
         thermistors: bench.thermistors,
+        climate: bench.climate,
+        slow_oscillator: bench.slow_oscillator,
         stuck: bench.stuck,
         defect: bench.defect,
     };
