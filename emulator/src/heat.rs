@@ -208,6 +208,12 @@ impl HeatWatch {
         are_low.then(|| self.edges.last().map_or(0, |edge| edge.at))
     }
 
+    /// Whether the pin of a heater has just gone high: most of its pulse is still to come.
+    #[must_use]
+    pub fn has_just_gone_on(&self, at: u64) -> bool {
+        self.edges.last().is_some_and(|edge| edge.is_high && at - edge.at < STEP_NS)
+    }
+
     /// True temperatures of block and plate at a time, in C.
     #[must_use]
     pub fn celsius_at(&self, at: u64) -> Option<[f64; 2]> {

@@ -58,15 +58,15 @@ pub enum Injection {
         /// Events before it.
         after: usize,
     },
-    /// The trap springs when a heater's pin is high, at this time at the earliest.
+    /// The trap springs when a heater's pin has just gone high, at this time at the earliest.
     TrapWhileHot {
         /// Virtual time before it, in ns.
         after: u64,
         /// What happens with it.
         with: With,
     },
-    /// A line of the interrupt controller goes high and stays there until the chip is reset, from a time on when a heater's pin is
-    /// high.
+    /// A line of the interrupt controller goes high and stays there until the chip is reset, from a time on when a heater's pin has
+    /// just gone high.
     Storm {
         /// Virtual time before it, in ns.
         after: u64,
@@ -128,7 +128,7 @@ impl Watch {
         let Some(injection) = self.injection else { return };
         match injection {
             Injection::TrapWhileHot { after, .. } | Injection::Storm { after, .. }
-                if at.0 < after || self.heat.off_since().is_some() =>
+                if at.0 < after || !self.heat.has_just_gone_on(at.0) =>
             {
                 return;
             }
