@@ -7,8 +7,8 @@ use crate::chip::Chip;
 use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
 use crate::line::HostLine;
-use crate::wiring::{HostPort, Pin, Wiring};
-use anyhow::{Context, Result, anyhow};
+use crate::wiring::{HostPort, Load, Pin, ROOM, Timer, Wiring};
+use anyhow::{Context, Result, ensure};
 use rigless::cpu::armv7m::windows;
 use rigless::device::Level;
 use rigless::emulator::CoreSpec;
@@ -16,8 +16,7 @@ use rigless::machine::{Board, Target, armv7m};
 use rigless::mcu::{Mcu, Operate};
 use rigless::snapshot::Store;
 use rigless::soc::stm32f427::generated::gpioa::Register;
-use rigless::soc::stm32f427::generated::tim2;
-use rigless::soc::stm32f427::peripherals::{adc, gpio, tim};
+use rigless::soc::stm32f427::peripherals::{adc, gpio};
 use rigless::time::VirtualNanos;
 use std::num::{NonZeroU32, NonZeroU64};
 
@@ -34,8 +33,12 @@ const SYSTICK_DIVIDER: NonZeroU32 = NonZeroU32::new(8).unwrap();
 /// STM32F446: four priority bits (PM0214 rev 10, section 4.3).
 const PRIORITY_BITS: u8 = 4;
 
-/// TIM5's place among the general timers of the model.
-const HEATER_TIMER: usize = 3;
+/// Places of the converters of the thermistors (ADC3) and of the internal reference (ADC1).
+const THERMISTORS: usize = 2;
+const REFERENCE: usize = 0;
+
+/// What a conversion makes of its reference: the inputs of ADC3 are given in these steps.
+const FULL_SCALE: u32 = 4095;
 
 /// The board's rail in mV.
 pub const RAIL: u32 = 3300;
@@ -88,6 +91,7 @@ impl Emulated {
         for converter in &mut mcu.adc {
             converter.set_reference(RAIL);
         }
+        mcu.adc[THERMISTORS].set_reference(FULL_SCALE);
         for (port, host) in wiring.host_ports.iter().zip(hosts) {
             let usart = &mut mcu.usart[port.place];
             host.damage(usart.errors_mut());
@@ -95,7 +99,7 @@ impl Emulated {
         }
         mcu.i2c[0].attach(eeprom);
         let mut board = Self { mcu, wiring };
-        board.heat(wiring.thermistors)?;
+        board.heat(&wiring.thermistors.map(|(_, channel)| (channel, ROOM)))?;
         for &(pin, high) in wiring.resistors {
             board.drive(VirtualNanos(0), pin, high);
         }
@@ -113,10 +117,22 @@ impl Emulated {
     /// If there is no such channel.
     pub fn heat(&mut self, channels: &[(u8, u32)]) -> Result<()> {
         for &(channel, millivolts) in channels {
-            let channel = adc::Channel::new(channel).ok_or_else(|| anyhow!("no ADC channel {channel}"))?;
-            self.mcu.adc[2].set_input(channel, millivolts);
+            ensure!(adc::Channel::new(channel).is_some(), "no ADC channel {channel}");
+            self.show(channel, millivolts * FULL_SCALE / RAIL);
         }
         Ok(())
+    }
+
+    /// Gives a channel of ADC3 what its next conversion makes of it, 0 to 4095.
+    pub fn show(&mut self, channel: u8, reading: u32) {
+        if let Some(channel) = adc::Channel::new(channel) {
+            self.mcu.adc[THERMISTORS].set_input(channel, reading);
+        }
+    }
+
+    /// Puts so many mV on the converters' supply. The thermistors hang there too, so only the internal reference shows it.
+    pub fn set_analog_supply(&mut self, millivolts: u32) {
+        self.mcu.adc[REFERENCE].set_reference(millivolts);
     }
 
     /// What the firmware does with port `n` now.
@@ -132,37 +148,14 @@ impl Emulated {
             }
         }
         port.live = port.alternate;
-        for &(pin, channel) in self.wiring.heater_channels.iter().filter(|(pin, _)| pin.port == n) {
-            if port.alternate & pin.mask() != 0 && self.is_on_heater_timer(pin) && self.pulse(channel).is_none() {
+        for (_, Load { pin, timer }) in self.wiring.heaters.into_iter().filter(|(_, load)| load.pin.port == n) {
+            let Some((Timer::Five, channel)) = timer else { continue };
+            let is_on_timer = port.alternate & pin.mask() != 0 && self.function(pin) == Timer::Five.function();
+            if is_on_timer && self.pulse(channel).is_none() {
                 port.live &= !pin.mask();
             }
         }
         port
-    }
-
-    /// Whether a pin's alternate function is TIM5 (STM32F446 datasheet, table of alternate functions: AF2).
-    fn is_on_heater_timer(&mut self, pin: Pin) -> bool {
-        let (_, registers) = self.mcu.port(pin.port);
-        let word = registers.get(if pin.bit < 8 { Register::Afrl } else { Register::Afrh });
-        word >> (4 * (pin.bit % 8)) & 0xF == 2
-    }
-
-    /// The pulse that a channel of TIM5 puts out now or will before its counter stops: its begin and its end, in counts of the
-    /// present period. A level that is high while the counter stands has no end.
-    pub fn pulse(&mut self, channel: u8) -> Option<(u64, u64)> {
-        let number = tim::Channel::new(channel)?;
-        let (timer, registers) = self.mcu.timer(HEATER_TIMER);
-        let is_high = timer.output(number, registers) == Some(Level::High);
-        let enabled = registers.get(tim2::Register::Ccer) >> (4 * (u32::from(channel) - 1)) & 1 != 0;
-        let compare = [tim2::Register::Ccr1, tim2::Register::Ccr2, tim2::Register::Ccr3, tim2::Register::Ccr4];
-        let (begin, end) = (registers.get(compare[usize::from(channel) - 1]), registers.get(tim2::Register::Arr) + 1);
-        let is_running = registers.get(tim2::Register::Cr1) & 1 != 0;
-        match (is_high, is_running) {
-            (true, false) => Some((0, u64::MAX)),
-            (false, true) if !enabled || begin >= end => None,
-            (_, true) => Some((begin, end)),
-            (false, false) => None,
-        }
     }
 
     /// Whether the chip pulls `pin` up.

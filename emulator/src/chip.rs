@@ -10,12 +10,12 @@
 use crate::board::RAIL;
 use crate::clock_tree::{ClockTree, Defect, Supply};
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
-use rigless::mcu::Mcu;
+use rigless::mcu::{Mcu, Operate};
 use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::generated::otg_fs_global::Register;
 use rigless::soc::stm32f427::generated::{exti, otg_fs_device};
 use rigless::soc::stm32f427::peripherals::otg::Otg;
-use rigless::soc::{Bus, Error};
+use rigless::soc::{Bus, Error, Width};
 use rigless::time::VirtualNanos;
 use std::ops::{Deref, DerefMut};
 
@@ -102,6 +102,25 @@ impl Chip {
         self.power();
     }
 
+    /// Has the slow oscillator run at so many Hz.
+    pub fn calibrate_slow_oscillator(&mut self, hz: u64) {
+        self.clock_tree.calibrate(hz);
+    }
+
+    /// The crystal stops: what the clock security system makes of that happens at once (RM0390 rev 6, section 6.2.7), but for the
+    /// exception, which the model does not raise. Says whether the system watched for it.
+    pub fn stop_crystal(&mut self, at: VirtualNanos) -> bool {
+        /// RCC_CR and RCC_CIR, and CSSF in the latter (RM0390 rev 6, sections 6.3.1 and 6.3.4).
+        const CONTROL: u64 = 0x4002_3800;
+        const INTERRUPTS: u64 = 0x4002_380C;
+        const HAS_FAILED: u64 = 1 << 7;
+        self.clock_tree.stop_crystal();
+        let control = self.peek(at, CONTROL, Width::W32).unwrap_or(0);
+        let written = self.write(at, CONTROL, Width::W32, control);
+        let flags = self.peek(at, INTERRUPTS, Width::W32).unwrap_or(0);
+        written.is_ok() && flags & HAS_FAILED != 0
+    }
+
     /// Puts the board's rail on the supply that is broken, if it is in use.
     fn power(&mut self) {
         if let Some(slot) = self.slots[3].filter(|_| self.clock_tree.defect() == Defect::OverDrive) {
@@ -171,8 +190,6 @@ impl Mcu for Chip {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rigless::mcu::Operate;
-    use rigless::soc::Width;
 
     const AHB2ENR: u64 = 0x4002_3834;
     const GRSTCTL: u64 = 0x5000_0010;

@@ -136,18 +136,30 @@ pub struct ClockTree {
     is_from_r: bool,
     /// Of what is broken.
     switch: Switch,
+    /// The crystal is about to stop.
+    stops: bool,
 }
 
 impl ClockTree {
     /// A clock tree out of reset.
     #[must_use]
     pub fn new() -> Self {
-        Self { model: Rcc::new(), defect: Defect::None, is_from_r: false, switch: Switch::default() }
+        Self { model: Rcc::new(), defect: Defect::None, is_from_r: false, switch: Switch::default(), stops: false }
     }
 
     /// Fits a crystal of so many Hz.
     pub fn fit(&mut self, crystal: u64) {
         self.model.attach_crystals(crystal, 0);
+    }
+
+    /// Has the slow oscillator run at so many Hz, 17,000 to 47,000 (STM32F446 datasheet, LSI).
+    pub fn calibrate(&mut self, hz: u64) {
+        self.model.calibrate_lsi(hz);
+    }
+
+    /// Has the crystal stop at the next write to a register, whatever that is.
+    pub const fn stop_crystal(&mut self) {
+        self.stops = true;
     }
 
     /// Breaks something.
@@ -175,9 +187,10 @@ impl ClockTree {
 
     /// The part was reset: everything but what is soldered is new.
     pub fn restarted(&mut self, cause: ResetCause, registers: &mut RegisterFile) {
-        let (crystal, defect) = (self.model.crystals().0, self.defect);
+        let (crystal, slow, defect) = (self.model.crystals().0, self.model.lsi_hz(), self.defect);
         *self = Self::new();
         self.fit(crystal);
+        self.calibrate(slow);
         self.weaken(defect);
         // The part has put its flags there already; this one only has to know.
         self.model.restarted(cause, registers.get(Register::Csr), registers);
@@ -227,6 +240,10 @@ impl Device for ClockTree {
             _ => {}
         }
         Device::write(&mut self.model, register, value, registers, context);
+        if std::mem::take(&mut self.stops) {
+            self.model.fail_hse(registers, context);
+            self.is_from_r = false;
+        }
     }
 
     fn on_event(&mut self, event: EventId, registers: &mut RegisterFile, context: &mut DeviceContext<'_>) {

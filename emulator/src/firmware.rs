@@ -121,6 +121,29 @@ impl Firmware {
         }
     }
 
+    /// What the firmware makes of its own image: FNV-1a over the words of code and constants (`image::sum` of
+    /// chips/stm32f446). What is patched counts.
+    ///
+    /// # Errors
+    /// If the image does not say where they begin and end.
+    pub fn sum(&self) -> Result<u32> {
+        let (from, to) = (self.symbol("__stext")?, self.symbol("__erodata")?);
+        // Between the two is what was erased.
+        let mut flash = vec![0xFF; ((to & !3) - from) as usize];
+        for segment in self.file()?.segments() {
+            let begin = segment.address().wrapping_sub(from.into()) as usize;
+            for (place, byte) in (0..)
+                .map(|n: usize| begin.wrapping_add(n))
+                .zip(segment.data()?)
+                .filter(|(place, _)| *place < flash.len())
+            {
+                flash[place] = *byte;
+            }
+        }
+        let words = flash.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word));
+        Ok(words.fold(0x811C_9DC5, |sum: u32, word| (sum ^ word).wrapping_mul(0x0100_0193)))
+    }
+
     /// Where the file holds what goes to `address`.
     fn offset(&self, address: u32) -> Result<usize> {
         let at = u64::from(address);

@@ -28,7 +28,7 @@ pub const ALLOWED: &[Allowed] = &[
     Allowed {
         addresses: (0x4001_4000, 0x4001_404C),
         name: "TIM9",
-        reason: "the fan FAN1, whose pin nobody looks at; the registers keep what is written",
+        reason: "the fan FAN1; the registers keep what is written, and the plant takes the duty from there",
     },
     Allowed {
         addresses: (0xE004_2000, 0xE004_2010),

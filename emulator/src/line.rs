@@ -26,6 +26,8 @@ pub struct Manner {
     pub damaged: u32,
     /// They send all lines at once, as they are, and only count the answers.
     pub is_impatient: bool,
+    /// Impatient ones say it all again whenever they hear that the machine stays off.
+    pub insists: bool,
 }
 
 /// The far end of the line.
@@ -33,6 +35,7 @@ pub struct HostLine {
     manner: Manner,
     /// What an impatient host has to say, how many lines that is, and how many were answered.
     text: String,
+    all: String,
     asked: usize,
     answered: usize,
     /// The host that prints a file.
@@ -56,6 +59,7 @@ impl HostLine {
         Self {
             manner,
             text: gcode.to_owned(),
+            all: gcode.to_owned(),
             asked: gcode.lines().count(),
             answered: 0,
             host: FileHost::new(gcode),
@@ -109,6 +113,8 @@ impl Peer for HostLine {
             self.host.hear(&line);
         } else if line.starts_with("ok") {
             self.answered += 1;
+        } else if self.manner.insists && line.contains("stay off") {
+            self.text.clone_from(&self.all);
         }
         if self.said.len() < KEPT {
             self.said.push(line);

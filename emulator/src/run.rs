@@ -7,6 +7,7 @@ use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
 use crate::gaps::Gaps;
+use crate::heat::{Climate, HeatWatch};
 use crate::laps::Laps;
 use crate::line::{HostLine, Manner};
 use crate::safety::Safety;
@@ -53,6 +54,10 @@ pub struct Request<'a> {
     pub eeprom: &'a At24c32,
     /// Channels of ADC3 that have another voltage than at room temperature, in mV.
     pub thermistors: &'a [(u8, u32)],
+    /// What is round the machine's heat, if it has any.
+    pub climate: Climate,
+    /// The rate of the slow oscillator in Hz, if it is not that of the data sheet.
+    pub slow_oscillator: Option<u64>,
     /// A pin that something holds high or low all the time.
     pub stuck: Option<(Pin, bool)>,
     /// What of the clocks is broken.
@@ -72,6 +77,8 @@ pub struct Seen {
     pub safety: Safety,
     /// The firmware's clock.
     pub laps: Laps,
+    /// The machine's heat.
+    pub heat: HeatWatch,
     /// The motor drivers.
     pub drivers: DriverLines,
     /// What the model could not stand in for.
@@ -84,6 +91,8 @@ pub struct Seen {
     pub has_waited: bool,
     /// When the injected fault happened, in ns.
     pub injected: Option<u64>,
+    /// When a context fell into the trap that the fault sprang, in ns.
+    pub fallen: Option<u64>,
     /// When the firmware greeted its host, in ns.
     pub started: Option<u64>,
     /// The conversation.
@@ -139,6 +148,9 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     if let Some((pin, high)) = request.stuck {
         board.drive(VirtualNanos(0), pin, high);
     }
+    if let Some(hz) = request.slow_oscillator {
+        board.mcu.calibrate_slow_oscillator(hz);
+    }
     let session = Session::new(Box::new(board), 0, VirtualNanos(1))?;
     let mut watch = Watch::new(
         request.wiring,
@@ -150,6 +162,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         request.drivers.clone(),
     );
     watch.stack_end = request.firmware.symbol("_stack_end")?;
+    watch.heat = HeatWatch::new(request.wiring, request.settings, &request.climate);
     let images = request.firmware.images(request.wiring)?;
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
     let (mut session, watch) = (finished.session, finished.driver);
@@ -180,12 +193,14 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         slow_accesses: watch.slow_accesses,
         safety: watch.safety,
         laps: watch.laps,
+        heat: watch.heat,
         drivers: watch.drivers,
         gaps,
         breaches: watch.clock_rules.breaches,
         resets,
         has_waited: watch.has_waited,
         injected: watch.injected,
+        fallen: watch.fallen,
         line,
         second,
         eeprom,

@@ -2,13 +2,14 @@
 
 use crate::board::Port;
 use crate::wiring::{PORTS, Wiring};
+use corehbot::connectors::{Output, OutputSet};
 use corehbot::motors::MotorSet;
 
 /// Why a pin was not safe.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Danger {
-    /// A heater was driven high, or is to be by a timer, or was handed to another peripheral.
-    HeaterLive(&'static str),
+    /// An output was driven high, or is to be by a timer, or was handed to another peripheral, with no heater fitted on it.
+    HeaterLive(Output),
     /// A motor got power before the firmware had greeted its host.
     PoweredBeforeStart(MotorSet),
 }
@@ -25,19 +26,21 @@ pub struct Safety {
     pub switched: Vec<(u64, MotorSet)>,
     masks: [u16; PORTS],
     heaters: [u16; PORTS],
+    /// Outputs that may heat.
+    fitted: OutputSet,
     hot: [u16; PORTS],
 }
 
 impl Safety {
-    /// A watch over the pins of `wiring`, none of them driven.
+    /// A watch over the pins of `wiring`, none of them driven, where nothing but the outputs of `fitted` may heat.
     #[must_use]
-    pub fn new(wiring: &'static Wiring) -> Self {
+    pub fn new(wiring: &'static Wiring, fitted: OutputSet) -> Self {
         let (mut masks, mut heaters) = ([0; PORTS], [0; PORTS]);
         for slot in &wiring.slots {
             masks[slot.enable.port] |= slot.enable.mask();
         }
-        for (_, pin) in wiring.heaters {
-            heaters[pin.port] |= pin.mask();
+        for (_, load) in wiring.heaters {
+            heaters[load.pin.port] |= load.pin.mask();
         }
         Self {
             wiring,
@@ -46,6 +49,7 @@ impl Safety {
             switched: Vec::new(),
             masks,
             heaters,
+            fitted,
             hot: [0; PORTS],
         }
     }
@@ -56,9 +60,10 @@ impl Safety {
         let new = hot & !self.hot[n];
         self.hot[n] = hot;
         if new != 0 {
-            for (name, pin) in self.wiring.heaters {
-                if pin.port == n && new & pin.mask() != 0 {
-                    self.dangers.push((at, Danger::HeaterLive(name)));
+            for (output, load) in self.wiring.heaters {
+                let is_new = load.pin.port == n && new & load.pin.mask() != 0;
+                if is_new && !(greeted && self.fitted.has(output)) {
+                    self.dangers.push((at, Danger::HeaterLive(output)));
                 }
             }
         }
@@ -110,18 +115,28 @@ mod tests {
 
     #[test]
     fn a_heater_on_a_timer_with_a_pulse_is_live() {
-        let mut safety = Safety::new(&OCTOPUS);
+        let mut safety = Safety::new(&OCTOPUS, OutputSet::NONE);
         safety.store(5, 0, Port { outputs: 1 << 1, ..Port::default() }, true);
         safety.store(5, 0, Port { alternate: 1 << 1, ..Port::default() }, true);
         assert!(safety.dangers.is_empty());
         safety.store(6, 0, Port { alternate: 1 << 1, live: 1 << 1, ..Port::default() }, true);
-        assert_eq!(safety.dangers, [(6, Danger::HeaterLive("bed"))]);
+        assert_eq!(safety.dangers, [(6, Danger::HeaterLive(Output::Bed))]);
         assert!(safety.is_hot());
     }
 
     #[test]
+    fn a_heater_that_is_fitted_is_a_danger_before_the_greeting_only() {
+        let live = Port { alternate: 1 << 2, live: 1 << 2, ..Port::default() };
+        for (greeted, dangers) in [(false, 1), (true, 0)] {
+            let mut safety = Safety::new(&OCTOPUS, OutputSet::NONE.with(Output::He0));
+            safety.store(5, 0, live, greeted);
+            assert_eq!((safety.dangers.len(), safety.is_hot()), (dangers, true));
+        }
+    }
+
+    #[test]
     fn an_enable_line_is_active_only_if_it_is_driven_low() {
-        let mut safety = Safety::new(&OCTOPUS);
+        let mut safety = Safety::new(&OCTOPUS, OutputSet::NONE);
         safety.store(1, 5, Port::default(), false);
         assert!(safety.powered.is_empty());
         safety.store(2, 5, Port { outputs: 1 << 14, ..Port::default() }, false);

@@ -1,6 +1,6 @@
 //! Traps: faults that happen in mid-motion, in code that is otherwise the image's own.
 //!
-//! A sound image cannot be brought to panic or hang. So the first instructions of the step interrupt are led
+//! A sound image cannot be brought to panic or hang. So the first instructions of a context's handler are led
 //! through a few of ours in flash that the image leaves free; these look at a word in memory that the F446
 //! has not and the model has, and as long as it is 0 they go on where they came from.
 
@@ -22,13 +22,51 @@ const ICSR: u32 = 0xE000_ED04;
 /// Interrupt set-pending register 0 (ARM DDI 0403E, B3.4.5): the supply's detector is interrupt 1 (RM0390, vector table).
 const ISPR: u32 = 0xE000_E200;
 
-/// What happens in the step interrupt.
+/// Where a context goes that has fallen into the trap.
+pub const FALLEN: u32 = PLACE + 24;
+
+/// Where a trap lies: at the beginning of what a context runs again and again.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Place {
+    /// The step interrupt.
+    Stepper,
+    /// The step generator's.
+    Generator,
+    /// The control period.
+    Thermal,
+    /// The Console, where it sends orders to the control period: in thread mode, at every turn.
+    Console,
+}
+
+impl Place {
+    /// The function's symbol.
+    const fn symbol(self) -> &'static str {
+        match self {
+            Self::Stepper => "SysTick",
+            Self::Generator => "CAN2_SCE",
+            Self::Thermal => "TIM5",
+            Self::Console => "send_orders",
+        }
+    }
+}
+
+/// What happens there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Trap {
     /// `udf`
     IllegalInstruction,
+    /// A read where nothing may be accessed: below RAM.
+    BadPointer,
+    /// Two words that are read at an odd address.
+    Unaligned,
+    /// A jump into data.
+    ExecuteRam,
+    /// A call of a function pointer that is 0.
+    ExecuteZero,
     /// A loop without end.
     Hang,
+    /// The same with all interrupts masked.
+    MaskedHang,
     /// A panic.
     Panic,
     /// Pushes without end.
@@ -39,6 +77,19 @@ pub enum Trap {
     /// The supply falls below the level of its detector. The model has the detector, but no line from it to the processor,
     /// so the code pends the interrupt, if [`crate::watch`] has found detector and line armed.
     SupplyFalls,
+}
+
+/// An address in the middle of RAM, and one just below it.
+const IN_RAM: u32 = 0x2001_0000;
+const BELOW_RAM: u32 = 0x1FFF_FF00;
+
+/// A loop without end that does nothing. The emulator takes a twentieth of the time for it that it takes for a lone branch to
+/// itself.
+fn endless() -> impl Iterator<Item = u16> {
+    const NOPS: u16 = 500;
+    // B, encoding T2, to where the loop begins (ARMv7-M manual, A7.7.12).
+    let back = 0xE000 | (NOPS + 2).wrapping_neg() & 0x7FF;
+    std::iter::repeat_n(0xBF00, NOPS.into()).chain([back])
 }
 
 /// What the first instructions of `handler` become, and what goes to [`PLACE`].
@@ -57,7 +108,29 @@ fn detour(trap: Trap, handler: u32, panic: u32, first: [u16; 2]) -> ([u16; 2], V
     word(&mut code, TRIGGER);
     match trap {
         Trap::IllegalInstruction => code.push(0xDE00),
-        Trap::Hang => code.push(0xE7FE),
+        Trap::Hang => code.extend(endless()),
+        // cpsid i
+        Trap::MaskedHang => {
+            code.push(0xB672);
+            code.extend(endless());
+        }
+        // ldr r0, =address; ldr r0, [r0]; b .
+        Trap::BadPointer => {
+            code.extend([0x4802, 0x6800, 0xE7FE, 0xBF00, 0xBF00, 0xBF00]);
+            word(&mut code, BELOW_RAM);
+        }
+        // ldr r0, =address; ldrd r0, r1, [r0]; b .
+        Trap::Unaligned => {
+            code.extend([0x4802, 0xE9D0, 0x0100, 0xE7FE, 0xBF00, 0xBF00]);
+            word(&mut code, IN_RAM + 1);
+        }
+        // ldr r0, =address; bx r0
+        Trap::ExecuteRam => {
+            code.extend([0x4802, 0x4700, 0xBF00, 0xBF00, 0xBF00, 0xBF00]);
+            word(&mut code, IN_RAM + 1);
+        }
+        // movs r0, #0; bx r0
+        Trap::ExecuteZero => code.extend([0x2000, 0x4700]),
         // push {r0-r7}; b .-2
         Trap::StackOverflow => code.extend([0xB4FF, 0xE7FD]),
         Trap::ClockFailure => {
@@ -91,13 +164,21 @@ impl Firmware {
     /// # Errors
     /// If the image has no such interrupt, or one that begins unexpectedly.
     pub fn lay(&mut self, trap: Trap) -> Result<()> {
-        let handler = self.symbol("SysTick")?;
+        self.lay_in(Place::Stepper, trap)
+    }
+
+    /// Lays a trap into a context.
+    ///
+    /// # Errors
+    /// If the image has no such function, or one that begins unexpectedly.
+    pub fn lay_in(&mut self, place: Place, trap: Trap) -> Result<()> {
+        let handler = self.symbol(place.symbol())?;
         let panic = if trap == Trap::Panic { self.symbol(PANIC)? } else { 0 };
         let first = [self.halfword(handler)?, self.halfword(handler + 2)?];
-        // Only instructions that do the same elsewhere: `push` and `add r7, sp`, or the long `push`.
-        let is_movable = first[0] == 0xE92D || (first[0] >> 8 == 0xB5 && first[1] >> 8 == 0xAF);
-        if !is_movable {
-            bail!("SysTick begins with {first:04x?}");
+        // Only instructions that do the same elsewhere: `push` and `add r7, sp` or `mov r7, sp`, or the long `push`.
+        let is_short = first[0] >> 8 == 0xB5 && (first[1] >> 8 == 0xAF || first[1] == 0x466F);
+        if !(first[0] == 0xE92D || is_short) {
+            bail!("{} begins with {first:04x?}", place.symbol());
         }
         let (begin, code) = detour(trap, handler, panic, first);
         self.patch(handler, &begin)?;
@@ -116,6 +197,14 @@ mod tests {
         let word = |at: usize| u32::from(code[at / 2]) | u32::from(code[at / 2 + 1]) << 16;
         assert_eq!((word(20), word(36), word(40)), (TRIGGER, PLACE + 40, PLACE + 56));
         assert_eq!(word(56).to_le_bytes(), *b"trap");
+        for (trap, wanted) in
+            [(Trap::BadPointer, BELOW_RAM), (Trap::Unaligned, IN_RAM + 1), (Trap::ExecuteRam, IN_RAM + 1)]
+        {
+            let (_, code) = detour(trap, 0x0801_0000, 0, [0xB5F0, 0xAF03]);
+            assert_eq!(u32::from(code[18]) | u32::from(code[19]) << 16, wanted);
+        }
+        // arm-none-eabi-as: `b .` is e7fe; this one goes back by 500 halfwords more.
+        assert_eq!(endless().last(), Some(0xE7FE - 500));
         let (_, code) = detour(Trap::ClockFailure, 0x0801_0000, 0, [0xB5F0, 0xAF03]);
         assert_eq!(u32::from(code[18]) | u32::from(code[19]) << 16, ICSR);
         let (_, code) = detour(Trap::SupplyFalls, 0x0801_0000, 0, [0xB5F0, 0xAF03]);

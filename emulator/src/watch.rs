@@ -4,20 +4,21 @@ mod ending;
 mod injection;
 
 pub use ending::{End, Patience};
-pub use injection::Injection;
+pub use injection::{Injection, With};
 
 use crate::board::{Emulated, Port};
 use crate::clock_rules::ClockRules;
 use crate::driver_line::DriverLines;
+use crate::heat::{Climate, HeatWatch, fitted};
 use crate::laps::Laps;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::Schedule;
 use crate::wiring::{BRR, PORTS, Wiring};
-use corehbot::motors::EndstopSet;
+use corehbot::motors::{EndstopSet, Motor};
 use corehbot::settings::Settings;
 use corehbot_rig::Rig;
-use rigless::emulator::{AccessKind, Driver, Settled, Stop};
+use rigless::emulator::{AccessKind, Driver, InterruptLine, Settled, Stop};
 use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
@@ -60,18 +61,26 @@ pub struct Watch {
     pub laps: Laps,
     /// The motor drivers.
     pub drivers: DriverLines,
+    /// The machine's heat.
+    pub heat: HeatWatch,
     /// The clocks.
     pub clock_rules: ClockRules,
     /// Why the run ended.
     pub end: End,
     /// When the injected fault happened, in ns.
     pub injected: Option<u64>,
+    /// When a context fell into the trap, in ns.
+    pub fallen: Option<u64>,
     /// The trap could be sprung.
     pub is_injectable: bool,
     /// Where the stack ends, below which it does not grow.
     pub stack_end: u32,
     /// Bytes from there up that nobody has written to when the run ended.
     pub stack_free: u32,
+    /// What happens together with the trap.
+    with: With,
+    /// A line of the interrupt controller that is held high.
+    held: Option<InterruptLine>,
     is_supply_low: bool,
     /// When the supply came back after it had fallen, the processor was still at its own slow clock.
     pub has_waited: bool,
@@ -105,14 +114,18 @@ impl Watch {
             done: None,
             resets: 0,
             recorder: Recorder::new(wiring),
-            safety: Safety::new(wiring),
+            safety: Safety::new(wiring, fitted(settings)),
+            heat: HeatWatch::new(wiring, settings, &Climate::default()),
             laps: Laps::default(),
             clock_rules: ClockRules::new(wiring.crystal),
             end: End::Late,
             injected: None,
+            fallen: None,
             is_injectable: true,
             stack_end: 0,
             stack_free: 0,
+            with: With::Nothing,
+            held: None,
             is_supply_low: false,
             has_waited: false,
         }
@@ -127,6 +140,9 @@ impl Watch {
     ) {
         let port = session.board_mut().port(n);
         self.safety.store(at.0, n, port, self.greeted);
+        if n == self.wiring.supply_switch.port {
+            self.heat.switch(at.0, port.low() & self.wiring.supply_switch.mask() != 0);
+        }
         self.drivers.store(at.0, n, port, |pin| session.board_mut().is_pulled_up(pin));
         let (steps, forward) = self.recorder.store(at.0, n, port, self.safety.powered);
         if steps.is_empty() {
@@ -176,17 +192,23 @@ impl Driver<Emulated> for Watch {
         if self.endstops.is_none() {
             self.press(session, VirtualNanos(0));
         }
-        let Settled::Access { access, .. } = settled else {
-            if let Settled::Stop(stop) = settled {
+        let access = match settled {
+            Settled::Access { access, .. } => access,
+            Settled::Stop(stop) => {
                 self.drivers.advance(session.board_mut(), stop.at);
-                session.pause_at(self.drivers.next.map(VirtualNanos));
+                self.heat.look(session.board_mut(), stop.at.0, self.rig.counts()[Motor::E0 as usize]);
+                self.inject_while_hot(session, host, stop.at);
+                return session.pause_at(self.drivers.next.map(VirtualNanos));
             }
-            return;
+            Settled::Hit(hit) => return self.fall(session, hit.at),
+            _ => return,
         };
         if session.resets().len() != self.resets {
             self.resets = session.resets().len();
             let at = session.resets().last().map_or(0, |r| r.at.0);
             self.safety.reset(at);
+            self.heat.switch(at, false);
+            self.release(host);
             self.clock_rules.reset();
             for n in 0..PORTS {
                 self.drivers.store(at, n, Port::default(), |_| true);
@@ -206,12 +228,16 @@ impl Driver<Emulated> for Watch {
         self.clock_rules.written(session.board_mut(), &access);
         self.set_rate(session.board_mut(), access.virtual_time, access.address);
         self.laps.written(session.board_mut(), access.virtual_time, access.address, access.value);
+        let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
+        let is_port = (port as usize) < PORTS;
         if HEATER_TIMER.contains(&access.address) {
             let port = session.board_mut().port(0);
             self.safety.store(access.virtual_time.0, 0, port, self.greeted);
         }
-        let port = access.address.wrapping_sub(GPIO) / PORT_SIZE;
-        if (port as usize) < PORTS {
+        if is_port || HEATER_TIMER.contains(&access.address) {
+            self.heat.look(session.board_mut(), access.virtual_time.0, self.rig.counts()[Motor::E0 as usize]);
+        }
+        if is_port {
             self.port_written(session, host, access.virtual_time, port as usize);
             session.pause_at(self.drivers.next.map(VirtualNanos));
         }

@@ -3,6 +3,7 @@
 //! It is written down from the board's schematic, not taken from the firmware: an image that has mixed up
 //! two pins must not find the same mistake here.
 
+use corehbot::connectors::{FANS, OUTPUTS, Output, Sensor};
 use corehbot::motors::{EndstopSet, Motor};
 
 /// Ports of the chip, GPIOA to GPIOH.
@@ -53,6 +54,46 @@ pub struct Slot {
     pub uart: Pin,
 }
 
+/// A timer that drives pins.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Timer {
+    /// TIM1.
+    One,
+    /// TIM4.
+    Four,
+    /// TIM5.
+    Five,
+    /// TIM9, of which the emulator has the registers only.
+    Nine,
+}
+
+impl Timer {
+    /// The alternate function by which a pin is the timer's (STM32F446 datasheet, table of alternate functions).
+    #[must_use]
+    pub const fn function(self) -> u64 {
+        match self {
+            Self::One => 1,
+            Self::Four | Self::Five => 2,
+            Self::Nine => 3,
+        }
+    }
+}
+
+/// A pin that switches a heater or a fan on when it is high.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Load {
+    /// The pin.
+    pub pin: Pin,
+    /// The timer that may drive it, and its channel there.
+    pub timer: Option<(Timer, u8)>,
+}
+
+impl Load {
+    const fn new(letter: char, bit: u8, timer: Timer, channel: u8) -> Self {
+        Self { pin: Pin::new(letter, bit), timer: Some((timer, channel)) }
+    }
+}
+
 /// A serial port's divisor register (RM0390 rev 6, section 25.6.8).
 pub const BRR: u64 = 0x08;
 
@@ -77,14 +118,16 @@ pub struct Wiring {
     /// A pressed endstop is high: a normally closed switch to ground with a pull-up, so a cut wire stops
     /// the machine.
     pub endstops: [(EndstopSet, Pin); 3],
-    /// Outputs that heat when they are high.
-    pub heaters: &'static [(&'static str, Pin)],
-    /// The channel of TIM5 that each of the `heaters` is on, if any.
-    pub heater_channels: &'static [(Pin, u8)],
+    /// Outputs that heat when they are high, and their timer.
+    pub heaters: [(Output, Load); OUTPUTS],
+    /// FAN0 and so on.
+    pub fans: [Load; FANS],
+    /// The power supply of heaters, fans and motors is on while this is driven low (PS_ON).
+    pub supply_switch: Pin,
     /// Levels that resistors on the board give to pins that nothing drives.
     pub resistors: &'static [(Pin, bool)],
-    /// Channels of ADC3 with a thermistor, and their voltage at room temperature in mV.
-    pub thermistors: &'static [(u8, u32)],
+    /// Thermistors, and their channels of ADC3.
+    pub thermistors: [(Sensor, u8); 5],
     /// Where the firmware begins; what lies before is the bootloader.
     pub application: u32,
     /// Serial ports for hosts.
@@ -97,8 +140,8 @@ const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Slot
     Slot { motor, step, dir, enable, uart }
 }
 
-/// 100 kOhm at 25 C under 4.7 kOhm from 3.3 V.
-const ROOM: u32 = 3152;
+/// The voltage of a thermistor at room temperature in mV: 100 kOhm at 25 C under 4.7 kOhm from 3.3 V.
+pub const ROOM: u32 = 3152;
 
 /// BTT Octopus V1.0 and V1.1 with motors 1, 8, 4, 11 in slots M0, M4, M1, M3, the ball screws in M2 and M5
 /// and the extruder in M6; the Raspberry Pi header is USART2 and the TFT header USART1.
@@ -118,14 +161,23 @@ pub static OCTOPUS: Wiring = Wiring {
         (EndstopSet::Y, Pin::new('G', 9)),
         (EndstopSet::Z, Pin::new('G', 10)),
     ],
-    heaters: &[
-        ("bed", Pin::new('A', 1)),
-        ("hotend 0", Pin::new('A', 2)),
-        ("hotend 1", Pin::new('A', 3)),
-        ("hotend 2", Pin::new('B', 10)),
-        ("hotend 3", Pin::new('B', 11)),
+    heaters: [
+        (Output::Bed, Load::new('A', 1, Timer::Five, 2)),
+        (Output::He0, Load::new('A', 2, Timer::Five, 3)),
+        (Output::He1, Load::new('A', 3, Timer::Five, 4)),
+        (Output::He2, Load { pin: Pin::new('B', 10), timer: None }),
+        (Output::He3, Load { pin: Pin::new('B', 11), timer: None }),
     ],
-    heater_channels: &[(Pin::new('A', 1), 2), (Pin::new('A', 2), 3), (Pin::new('A', 3), 4)],
+    fans: [
+        Load::new('A', 8, Timer::One, 1),
+        Load::new('E', 5, Timer::Nine, 1),
+        Load::new('D', 12, Timer::Four, 1),
+        Load::new('D', 13, Timer::Four, 2),
+        Load::new('D', 14, Timer::Four, 3),
+        Load::new('D', 15, Timer::Four, 4),
+    ],
+    // 10 kOhm to 3.3 V.
+    supply_switch: Pin::new('E', 11),
     // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: what the check for the right
     // board looks at.
     resistors: &[
@@ -136,7 +188,13 @@ pub static OCTOPUS: Wiring = Wiring {
         (Pin::new('B', 10), false),
         (Pin::new('B', 11), false),
     ],
-    thermistors: &[(9, ROOM), (14, ROOM), (15, ROOM), (4, ROOM), (5, ROOM)],
+    thermistors: [
+        (Sensor::Bed, 9),
+        (Sensor::Hotend0, 14),
+        (Sensor::Hotend1, 15),
+        (Sensor::Hotend2, 4),
+        (Sensor::Hotend3, 5),
+    ],
     application: 0x0800_8000,
     host_ports: &[
         HostPort { place: 1, base: 0x4000_4400, is_on_apb2: false },
@@ -153,7 +211,9 @@ mod tests {
     fn no_two_functions_share_a_pin() {
         let mut pins: Vec<Pin> = OCTOPUS.slots.iter().flat_map(|s| [s.step, s.dir, s.enable, s.uart]).collect();
         pins.extend(OCTOPUS.endstops.map(|(_, pin)| pin));
-        pins.extend(OCTOPUS.heaters.iter().map(|(_, pin)| *pin));
+        pins.extend(OCTOPUS.heaters.iter().map(|(_, load)| load.pin));
+        pins.extend(OCTOPUS.fans.iter().map(|load| load.pin));
+        pins.push(OCTOPUS.supply_switch);
         for (i, a) in pins.iter().enumerate() {
             assert!(!pins[i + 1..].contains(a), "{a} twice");
         }

@@ -42,6 +42,13 @@ impl Heat {
         }
     }
 
+    /// The same with a hotend and a bed that have long been so hot, in C.
+    #[must_use]
+    pub fn hot(settings: &Settings, hotend_celsius: f64, bed_celsius: f64) -> Self {
+        let plant = |thermal: &ThermalSettings| Plant::hot(&constants(thermal), hotend_celsius, bed_celsius);
+        Self { plant: settings.thermal.has_heater().then(|| plant(&settings.thermal)), ..Self::new(settings) }
+    }
+
     /// Time passes: the extruder has made so many steps since the start.
     pub fn advance(&mut self, extruded: i32, seconds: f64) {
         let steps = extruded.wrapping_sub(core::mem::replace(&mut self.extruded, extruded));
@@ -67,6 +74,25 @@ impl Heat {
     /// The plant, if there are heaters: to look at, and to break.
     pub const fn plant(&mut self) -> Option<&mut Plant> {
         self.plant.as_mut()
+    }
+
+    /// A single conversion at a sensor, 0 to 4095, for a board that adds them up itself; `None` without heaters, and where none
+    /// of them has its sensor.
+    pub fn convert(&mut self, sensor: Sensor) -> Option<u16> {
+        let place = self.place(sensor)?;
+        self.plant.as_mut()?.convert(place)
+    }
+
+    /// Where the plant has what hangs at a sensor's connector: sensors hang where the machine's file has them.
+    fn place(&self, sensor: Sensor) -> Option<Sensor> {
+        let of = |heater| self.settings.heater(heater).sensor == sensor;
+        if of(Heater::Hotend) {
+            Some(Sensor::Hotend0)
+        } else if of(Heater::Bed) {
+            Some(Sensor::Bed)
+        } else {
+            None
+        }
     }
 
     /// The duty of each output, of 65,535.
@@ -123,18 +149,11 @@ fn law(heater: &HeaterSettings) -> Thermistor {
 
 impl ThermalPort for Heat {
     fn sample(&mut self, sensor: Sensor) -> Option<u16> {
+        let place = self.place(sensor);
         let Some(plant) = &mut self.plant else {
             return matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM);
         };
-        // Sensors hang where the machine's file has them.
-        let of = |heater| self.settings.heater(heater).sensor == sensor;
-        if of(Heater::Hotend) {
-            plant.sample(Sensor::Hotend0)
-        } else if of(Heater::Bed) {
-            plant.sample(Sensor::Bed)
-        } else {
-            Some(ROOM)
-        }
+        place.map_or(Some(ROOM), |place| plant.sample(place))
     }
 
     fn reference(&mut self) -> Option<u16> {

@@ -5,7 +5,7 @@
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use corehbot::port::{Storage, StorageError};
 use corehbot::settings::Settings;
-use corehbot::storage::{save, survey};
+use corehbot::storage::{note_passed_test, passed_test, save, survey};
 use std::fs::{File, OpenOptions};
 use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
@@ -80,6 +80,25 @@ impl Eeprom {
             // Nothing waits here, so the future is ready at once.
             Poll::Pending => bail!("the settings cannot be stored"),
         }
+    }
+
+    /// Notes that a self-test was passed, as a firmware does.
+    ///
+    /// # Errors
+    /// If that could not be kept.
+    pub fn note_self_test(&mut self, tested: u32) -> Result<()> {
+        let mut eeprom = self;
+        let note = pin!(note_passed_test(&mut eeprom, tested)).poll(&mut Context::from_waker(Waker::noop()));
+        ensure!(note == Poll::Ready(Ok(())), "the note of a self-test cannot be stored");
+        Ok(())
+    }
+
+    /// The note of the last self-test that was passed.
+    pub fn self_test(&mut self) -> Option<u32> {
+        let mut eeprom = self;
+        let note = pin!(passed_test(&mut eeprom)).poll(&mut Context::from_waker(Waker::noop()));
+        let Poll::Ready(Ok(note)) = note else { return None };
+        note
     }
 
     /// Its content, to look at and to damage.

@@ -2,9 +2,11 @@
 
 use super::{GPIO, PORT_SIZE, Watch};
 use crate::board::{Emulated, RAIL};
-use crate::trap::TRIGGER;
+use crate::trap::{FALLEN, TRIGGER};
 use crate::wiring::PORTS;
 use corehbot::motors::Motor;
+use rigless::device::Level;
+use rigless::emulator::{self, InterruptLine};
 use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
@@ -56,11 +58,39 @@ pub enum Injection {
         /// Events before it.
         after: usize,
     },
-    /// The same, and the supply of the processor falls at that instant.
+    /// The trap springs when a heater's pin has just gone high, at this time at the earliest.
+    TrapWhileHot {
+        /// Virtual time before it, in ns.
+        after: u64,
+        /// What happens with it.
+        with: With,
+    },
+    /// A line of the interrupt controller goes high and stays there until the chip is reset, from a time on when a heater's pin has
+    /// just gone high.
+    Storm {
+        /// Virtual time before it, in ns.
+        after: u64,
+        /// The interrupt.
+        line: u16,
+    },
+    /// After so many step events, the trap springs, and the supply of the processor falls at that instant.
     SupplyFalls {
         /// Events before it.
         after: usize,
     },
+}
+
+/// What happens together with a trap.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum With {
+    /// Nothing.
+    Nothing,
+    /// It springs again after each reset.
+    Repetition,
+    /// The supply of the processor falls when it springs.
+    LowSupply,
+    /// The crystal stops when a context falls into it.
+    StoppedCrystal,
 }
 
 impl Watch {
@@ -80,23 +110,84 @@ impl Watch {
             Some(Injection::SupplyLost { after }) if events >= after => {
                 Motor::ALL.into_iter().for_each(|motor| self.drivers.of(motor).chip.power_off());
             }
-            Some(Injection::Trap { after }) if events >= after => self.spring(host),
-            Some(Injection::SupplyFalls { after }) if events >= after => {
-                let mcu = &mut session.board_mut().mcu;
-                mcu.set_supply(LOW_SUPPLY);
-                let mut has = |(register, bit)| mcu.peek(at, register, Width::W32).is_ok_and(|value| value & bit != 0);
-                let is_armed = DETECTOR.into_iter().all(&mut has);
-                self.is_supply_low = true;
-                self.spring(host);
-                self.is_injectable &= is_armed;
-            }
+            Some(Injection::Trap { after }) if events >= after => self.spring(session, host),
+            Some(Injection::SupplyFalls { after }) if events >= after => self.drop_supply(session, host, at),
             _ => return,
         }
         self.injection = None;
         self.injected = Some(at.0);
     }
 
-    fn spring(&mut self, host: &mut dyn rigless::emulator::Host) {
+    /// The same for faults that wait for a heater's pin to be high.
+    pub(super) fn inject_while_hot(
+        &mut self,
+        session: &mut Session<Emulated>,
+        host: &mut dyn rigless::emulator::Host,
+        at: VirtualNanos,
+    ) {
+        let Some(injection) = self.injection else { return };
+        match injection {
+            Injection::TrapWhileHot { after, .. } | Injection::Storm { after, .. }
+                if at.0 < after || !self.heat.has_just_gone_on(at.0) =>
+            {
+                return;
+            }
+            Injection::TrapWhileHot { with: With::LowSupply, .. } => self.drop_supply(session, host, at),
+            Injection::TrapWhileHot { with, .. } => {
+                self.with = with;
+                self.spring(session, host);
+            }
+            Injection::Storm { line, .. } => self.hold(host, line, Level::High),
+            _ => return,
+        }
+        self.injection = None;
+        self.injected = Some(at.0);
+    }
+
+    /// A context has fallen into the trap.
+    pub(super) fn fall(&mut self, session: &mut Session<Emulated>, at: VirtualNanos) {
+        session.unwatch(emulator::Watch::Instruction(FALLEN.into()));
+        if self.fallen.is_none() && self.with == With::StoppedCrystal {
+            self.is_injectable &= session.board_mut().mcu.stop_crystal(at);
+        }
+        self.fallen.get_or_insert(at.0);
+    }
+
+    /// The chip was reset: what was forced upon it ends, unless it is to come again.
+    pub(super) fn release(&mut self, host: &mut dyn rigless::emulator::Host) {
+        if self.injected.is_some() && self.with != With::Repetition {
+            let _ = host.write(u64::from(TRIGGER), Width::W32, 0);
+        }
+        if let Some(line) = self.held.take() {
+            host.set_interrupt(line, Level::Low);
+        }
+    }
+
+    fn hold(&mut self, host: &mut dyn rigless::emulator::Host, line: u16, level: Level) {
+        let Some(line) = InterruptLine::new(line) else { return };
+        host.set_interrupt(line, level);
+        self.held = Some(line);
+    }
+
+    /// The supply falls, for which detector and line have to be armed.
+    fn drop_supply(
+        &mut self,
+        session: &mut Session<Emulated>,
+        host: &mut dyn rigless::emulator::Host,
+        at: VirtualNanos,
+    ) {
+        let mcu = &mut session.board_mut().mcu;
+        mcu.set_supply(LOW_SUPPLY);
+        let mut has = |(register, bit)| mcu.peek(at, register, Width::W32).is_ok_and(|value| value & bit != 0);
+        let is_armed = DETECTOR.into_iter().all(&mut has);
+        self.is_supply_low = true;
+        self.spring(session, host);
+        self.is_injectable &= is_armed;
+    }
+
+    /// From now on who comes by falls into the trap. Watching for that costs time, so it begins here.
+    fn spring(&mut self, session: &mut Session<Emulated>, host: &mut dyn rigless::emulator::Host) {
+        session.watch(emulator::Watch::Instruction(FALLEN.into()));
         self.is_injectable = host.write(u64::from(TRIGGER), Width::W32, 1).is_ok();
     }
 

@@ -1,15 +1,20 @@
 //! The image under test, and how it is run.
 #![allow(dead_code, reason = "each test is a program of its own and needs but some of this")]
 
+use corehbot::connectors::Heater;
 use corehbot::settings::Settings;
+use corehbot::thermal::test_subject;
+use corehbot::units::Watts;
 use corehbot_emulator::clock_tree::Defect;
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::firmware::Firmware;
+use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
 use corehbot_emulator::wiring::{OCTOPUS, Pin};
+use corehbot_sim::eeprom::Eeprom;
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.
@@ -62,6 +67,16 @@ pub struct Bench<'a> {
     pub eeprom: At24c32,
     /// Voltages in mV on channels of ADC3.
     pub thermistors: &'a [(u8, u32)],
+    /// Whether the heaters are yet to be tested.
+    pub is_untested: bool,
+    /// The machine: the image's own, or the one that `eeprom` has.
+    pub settings: Settings,
+    /// What is round its heat.
+    pub climate: Climate,
+    /// The rate of the slow oscillator in Hz.
+    pub slow_oscillator: Option<u64>,
+    /// Virtual time to go on after a reset, in ns.
+    pub after_reset: u64,
     /// A pin that is held.
     pub stuck: Option<(Pin, bool)>,
     /// What of the clocks is broken.
@@ -81,6 +96,11 @@ impl Default for Bench<'_> {
             drivers: drivers(),
             eeprom: At24c32::default(),
             thermistors: &[],
+            is_untested: false,
+            settings: Settings::prototype(),
+            climate: Climate::default(),
+            slow_oscillator: None,
+            after_reset: 50 * MS,
             stuck: None,
             defect: Defect::None,
             whole: 7_200_000 * MS,
@@ -89,22 +109,65 @@ impl Default for Bench<'_> {
     }
 }
 
+/// A machine with a hotend of 60 W on HE0 and TH0 and a bed of 500 W on the bed's connectors; the part fan is FAN0, the
+/// hotend's FAN1, the controller's FAN2.
+pub fn heated() -> Settings {
+    let mut settings = Settings::prototype();
+    for heater in [Heater::Hotend, Heater::Bed] {
+        settings.thermal.heater_mut(heater).is_fitted = true;
+    }
+    settings.thermal.heaters.hotend.power = Watts::const_from_int(60);
+    settings
+}
+
+/// A board with that machine in its EEPROM.
+pub fn heated_bench() -> Bench<'static> {
+    bench_of(heated())
+}
+
+/// A board with a machine in its EEPROM.
+pub fn bench_of(settings: Settings) -> Bench<'static> {
+    let mut eeprom = Eeprom::blank();
+    eeprom.save(&settings).unwrap();
+    Bench { settings, eeprom: At24c32::holding(eeprom.cells().to_vec()), ..Bench::default() }
+}
+
+/// What a self-test of this machine's heaters with this image is of.
+pub fn self_test_subject(firmware: &Firmware, settings: &Settings) -> u32 {
+    test_subject(&settings.thermal, firmware.sum().unwrap())
+}
+
+/// The EEPROM of a bench after a self-test that was passed, if the bench has heaters.
+fn tested(firmware: &Firmware, bench: &Bench<'_>) -> At24c32 {
+    if !bench.settings.thermal.has_heater() {
+        return bench.eeprom.clone();
+    }
+    let mut eeprom = Eeprom::blank();
+    eeprom.cells().copy_from_slice(&bench.eeprom.cells);
+    eeprom.note_self_test(self_test_subject(firmware, &bench.settings)).unwrap();
+    let mut tested = bench.eeprom.clone();
+    tested.cells = eeprom.cells().to_vec();
+    tested
+}
+
 /// Prints `gcode` on `bench`.
 pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
-    let settings = Settings::prototype();
-    let patience = Patience { whole: bench.whole, silent: 10_000 * MS, after_reset: 50 * MS };
+    let patience = Patience { whole: bench.whole, silent: 10_000 * MS, after_reset: bench.after_reset };
+    let eeprom = if bench.is_untested { bench.eeprom.clone() } else { tested(firmware, bench) };
     let request = Request {
         firmware,
         wiring: &OCTOPUS,
-        settings: &settings,
+        settings: &bench.settings,
         gcode,
         second: bench.second,
         manner: bench.manner,
         patience,
         injection: bench.injection,
         drivers: &bench.drivers,
-        eeprom: &bench.eeprom,
+        eeprom: &eeprom,
         thermistors: bench.thermistors,
+        climate: bench.climate,
+        slow_oscillator: bench.slow_oscillator,
         stuck: bench.stuck,
         defect: bench.defect,
     };

@@ -25,7 +25,8 @@ impl Channel {
         (0..CONVERSIONS).map(|_| self.convert(share)).sum()
     }
 
-    fn convert(&mut self, share: f64) -> u16 {
+    /// A single conversion, 0 to 4095.
+    pub(super) fn convert(&mut self, share: f64) -> u16 {
         let steps = libm::floor(share * STEPS + self.noise() + 0.5);
         steps.clamp(0.0, STEPS - 1.0) as u16
     }

@@ -162,6 +162,15 @@ impl Plant {
         }
     }
 
+    /// A single conversion at a sensor, 0 to 4095, for a board whose own converter adds them up.
+    pub fn convert(&mut self, sensor: Sensor) -> Option<u16> {
+        match sensor {
+            Sensor::Bed => self.arrive(Place::Bed, Channel::convert),
+            Sensor::Hotend0 => self.arrive(Place::Hotend, Channel::convert),
+            Sensor::Hotend1 | Sensor::Hotend2 | Sensor::Hotend3 => None,
+        }
+    }
+
     /// What it reads at its internal reference, in 1/65,536 of VDDA: 1.21 V / VDDA.
     pub fn vref_sample(&mut self) -> Option<u16> {
         self.read(Place::Vrefint)

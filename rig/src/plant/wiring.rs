@@ -4,6 +4,7 @@
 //! plugs are swapped, a broken thermistor stays broken in the other socket.
 
 use super::constants::HeaterConstants;
+use super::converter::Channel;
 use super::faults::HeaterFault;
 use super::{Drive, Plant, VREFINT_VOLTS};
 
@@ -38,8 +39,14 @@ impl Plant {
         ]
     }
 
-    /// What arrives from a place.
+    /// The reading that arrives from a place.
     pub(super) fn read(&mut self, place: Place) -> Option<u16> {
+        self.arrive(place, Channel::read)
+    }
+
+    /// What arrives from a place, as the converter's channel makes it of the share of the reference. Only one way of reading is
+    /// used with one plant: a frozen sensor keeps what arrived.
+    pub(super) fn arrive(&mut self, place: Place, of: fn(&mut Channel, f64) -> u16) -> Option<u16> {
         let (c, f) = (&self.constants, &self.faults);
         if f.converter_stopped {
             return None;
@@ -52,7 +59,7 @@ impl Plant {
             (Place::Vrefint, true) => Place::Bed,
         };
         let of_hotend = match (shown, f.swapped_sensors) {
-            (Place::Vrefint, _) => return Some(channel.read(VREFINT_VOLTS / f.vdda_volts)),
+            (Place::Vrefint, _) => return Some(of(channel, VREFINT_VOLTS / f.vdda_volts)),
             (Place::Hotend, false) | (Place::Bed, true) => true,
             (Place::Bed, false) | (Place::Hotend, true) => false,
         };
@@ -61,7 +68,7 @@ impl Plant {
         } else {
             (&mut self.bed_sensor, &c.bed.sensor, f.bed_sensor)
         };
-        let fresh = channel.read(thermometer.share(constants, fault, c.converter.pull_up_ohm));
+        let fresh = of(channel, thermometer.share(constants, fault, c.converter.pull_up_ohm));
         Some(thermometer.reading(fault, fresh))
     }
 }

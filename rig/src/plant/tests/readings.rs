@@ -42,6 +42,16 @@ fn quiet(celsius: f64, noise_lsb: f64) -> Plant {
 }
 
 #[test]
+fn sixteen_conversions_are_a_reading() {
+    let (mut one, mut other) = (quiet(60.0, 0.8), quiet(60.0, 0.8));
+    for sensor in [Sensor::Bed, Sensor::Hotend0] {
+        let sum: u16 = (0..16).map(|_| one.convert(sensor).unwrap()).sum();
+        assert_eq!(Some(sum), other.sample(sensor));
+    }
+    assert_eq!(one.convert(Sensor::Hotend1), None);
+}
+
+#[test]
 fn a_thermistor_has_the_resistances_of_its_data_sheet() {
     let semitec = Thermistor::semitec_104gt2();
     // The three points of the fit, and between them Semitec's R25 = 100 kOhm and B25/85 = 4267 K: 9.10 kOhm at 85 C.
