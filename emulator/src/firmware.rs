@@ -131,13 +131,11 @@ impl Firmware {
         // Between the two is what was erased.
         let mut flash = vec![0xFF; ((to & !3) - from) as usize];
         for segment in self.file()?.segments() {
-            let begin = segment.address().wrapping_sub(from.into()) as usize;
-            for (place, byte) in (0..)
-                .map(|n: usize| begin.wrapping_add(n))
-                .zip(segment.data()?)
-                .filter(|(place, _)| *place < flash.len())
-            {
-                flash[place] = *byte;
+            for (address, byte) in (segment.address()..).zip(segment.data()?) {
+                let place = address.checked_sub(from.into()).and_then(|place| usize::try_from(place).ok());
+                if let Some(cell) = place.and_then(|place| flash.get_mut(place)) {
+                    *cell = *byte;
+                }
             }
         }
         let words = flash.as_chunks().0.iter().map(|word| u32::from_le_bytes(*word));
