@@ -91,7 +91,8 @@ fn check_all(s: &Settings) {
 #[test]
 fn no_number_among_the_settings_is_without_a_range() {
     let mut s = settings();
-    check_all(&s);
-    s.corner = CornerRule::SquareCorner(MmPerSec::from_num(8));
-    check_all(&s);
+    for rule in CornerRule::all() {
+        s.corner = rule;
+        check_all(&s);
+    }
 }

@@ -162,8 +162,8 @@ impl Cause {
         }
     }
 
-    /// Whether its subject is a heater, which is told by name then.
-    const fn is_of_heater(self) -> bool {
+    /// What the number of its subject means.
+    const fn subject(self) -> Subject {
         match self {
             Self::SensorOpen
             | Self::SensorShort
@@ -176,9 +176,9 @@ impl Cause {
             | Self::TemperatureLost
             | Self::HeatsWhileOff
             | Self::Overshoot
-            | Self::SelfTest => true,
-            Self::FanFailed
-            | Self::Reference
+            | Self::SelfTest => Subject::Heater,
+            Self::FanFailed => Subject::Fan,
+            Self::Reference
             | Self::ConverterStopped
             | Self::SettingsDamaged
             | Self::ContextHangs
@@ -188,7 +188,7 @@ impl Cause {
             | Self::ClockFailed
             | Self::Watchdog
             | Self::Supply
-            | Self::Driver => false,
+            | Self::Driver => Subject::Other,
         }
     }
 
@@ -223,6 +223,17 @@ impl Cause {
     }
 }
 
+/// What the number of a fault's subject means.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Subject {
+    /// A heater, which is told by name.
+    Heater,
+    /// A fan.
+    Fan,
+    /// Something else, or nothing.
+    Other,
+}
+
 /// A cause with its numbers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -239,11 +250,14 @@ pub struct Fault {
 
 impl core::fmt::Display for Fault {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        if self.cause.is_of_heater() {
-            let heater = Heater::ALL.get(usize::from(self.subject)).map_or("heater", |heater| heater.name());
-            write!(f, "{heater}: ")?;
-        } else if self.cause == Cause::FanFailed {
-            write!(f, "FAN{}: ", self.subject)?;
+        let subject = self.cause.subject();
+        match subject {
+            Subject::Heater => {
+                let heater = Heater::ALL.get(usize::from(self.subject)).map_or("heater", |heater| heater.name());
+                write!(f, "{heater}: ")?;
+            }
+            Subject::Fan => write!(f, "FAN{}: ", self.subject)?,
+            Subject::Other => {}
         }
         f.write_str(self.cause.text())?;
         if self.cause.is_of_degrees() {
@@ -252,7 +266,7 @@ impl core::fmt::Display for Fault {
             let sign = |tenths: i64| if tenths < 0 { "-" } else { "" };
             let [a, b] = [value.unsigned_abs(), limit.unsigned_abs()];
             write!(f, " ({}{}.{} C, limit {}{}.{} C)", sign(value), a / 10, a % 10, sign(limit), b / 10, b % 10)?;
-        } else if !self.cause.is_of_heater() && (self.value != 0 || self.limit != 0) {
+        } else if subject == Subject::Other && (self.value != 0 || self.limit != 0) {
             write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
         }
         write!(f, " [E{:02}]", self.cause as u8)

@@ -3,6 +3,10 @@
 //! One row of small integers a motor, over (x, y, z, e). A machine of belts or screws is nothing but such rows: what
 //! its motors must do is rows times position, and everything else follows from the rows ([`Groups`](super::Groups)).
 //! A row of zeros is a motor that is not fitted.
+//!
+//! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`) for simulator and QEMU; on a
+//! board it is `SETTINGS` in `chips/stm32f446/src/start.rs`, which is compiled in. The tests of `boards/sim/tests/machines` home,
+//! print and stop every file; docs/kinematics.md has a table of them.
 
 use super::forward::{ForwardKinematics, is_held};
 use super::row::Row;

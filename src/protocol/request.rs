@@ -6,7 +6,8 @@
 use crate::units::Instant;
 
 /// A request is repeated after this time, should it have been lost itself. For as long nothing is trusted that
-/// comes without a number: the pieces of a line that false line ends cut up follow each other at once.
+/// comes without a number: the pieces of a line that false line ends cut up follow each other at once. It has nothing to do
+/// with the patience of `silence`, and may be longer or shorter.
 const ASK_AGAIN_MS: u32 = 1000;
 
 /// Stale lines that are passed over in silence. OctoPrint can repeat its last 50 lines only (comm.py,

@@ -1,5 +1,8 @@
 //! Silence: how long a host has said nothing, and how often the host was prompted for its silence.
 //!
+//! How long it may be silent is a setting, the patience: `Settings::patience_ms`, by default in `Settings::prototype`, in a machine
+//! file by `patience_ms`; stored settings keep their own. It should stay below `lookahead_time`, or a lost line costs a stop.
+//!
 //! A line may be lost whole, line end and all, or the `ok` for the last one. A host that waits for its `ok` then waits for
 //! ever (printcore) or for half a minute (OctoPrint). So a silence in the middle of a stream is broken. A host that merely
 //! pauses looks just the same from here, so on a line that has lost nothing so far it hears an `ok` and no more: who
@@ -22,7 +25,8 @@ use crate::units::Instant;
 /// under way may have lost an answer to each.
 const PROMPTS: u8 = 8;
 
-/// From one prompt to the next the time doubles, so many times at most: to 8 s with a patience of half a second.
+/// From one prompt to the next the time doubles, so many times at most: to 16 times the patience, 8 s by default. OctoPrint
+/// itself asks after 30 s.
 const DOUBLINGS: u8 = 4;
 
 /// So many of the first prompts may be questions. OctoPrint counts each as a resend, and gives up at the eleventh for the

@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal` | compiler (`prototype`) |
 //! | range, check | `check` | `tests/setting_ranges.rs` |
-//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (as `with_heat` does) | `src/storage/record/tests.rs` |
+//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (as `with_heat` does). A field of a struct inside `Settings` cannot be put behind: `decode` then reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
 //! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
 //! | M503 | `machine/commands/setting.rs` | the same test |
@@ -19,7 +19,7 @@
 //! (`gcode::shaping`), the two functions that translate between kind and number, with M593's text (`machine/commands/shaping.rs`),
 //! and `KindToml` (the machine file). The compiler asks for impulses and `name_of`, the same test for the rest, and
 //! `tests/motion/shapers.rs` for figures from the literature. By hand: `FREQUENCY` in `check` if it lasts longer than the others,
-//! docs/shaping.md.
+//! docs/shaping.md, M593 in docs/host-protocol.md, README.md, the comment in `examples/machines/prototype.toml`.
 //!
 //! A new [`CornerRule`] or [`Thermistor`]: the comment of each says where it is known.
 

@@ -72,10 +72,12 @@ impl HeaterGuards {
 
     /// Other thresholds. What was seen so far still counts, or settings that keep coming would hold up every alarm.
     fn configure(&mut self, settings: &HeaterSettings) {
-        self.window.configure(settings.too_hot());
-        self.balance.configure(settings);
-        self.at_target.configure(settings.guards);
-        self.while_off.configure(settings);
+        // By name, so that the compiler asks for a new guard.
+        let Self { window, balance, at_target, while_off, frozen: _ } = self;
+        window.configure(settings.too_hot());
+        balance.configure(settings);
+        at_target.configure(settings.guards);
+        while_off.configure(settings);
     }
 }
 

@@ -41,10 +41,11 @@ fn shapers() -> impl Strategy<Value = Shaper> {
 
 fn machines() -> impl Strategy<Value = Settings> {
     let accelerations = (500.0..10_000.0f64, 500.0..10_000.0f64, 500.0..10_000.0f64, 300.0..10_000.0f64);
-    let corner = prop_oneof![
-        (0.002..0.2f64).prop_map(|d| CornerRule::JunctionDeviation(Mm::from_num(d))),
-        (1.0..20.0f64).prop_map(|w| CornerRule::SquareCorner(MmPerSec::from_num(w))),
-    ];
+    let rule = proptest::sample::select(CornerRule::all().collect::<Vec<_>>());
+    let corner = (rule, 0.0..1.0f64).prop_map(|(rule, part)| match rule {
+        CornerRule::JunctionDeviation(_) => CornerRule::JunctionDeviation(Mm::from_num(0.002 + 0.198 * part)),
+        CornerRule::SquareCorner(_) => CornerRule::SquareCorner(MmPerSec::from_num(1.0 + 19.0 * part)),
+    });
     let speeds = (100.0..400.0f64, 100.0..600.0f64);
     let shaped = (shapers(), proptest::option::of(shapers()));
     let advance = prop_oneof![Just((0.0, 0.04)), (0.0..0.1f64, 0.01..0.06f64)];

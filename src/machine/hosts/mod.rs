@@ -13,7 +13,7 @@
 //! | gone | the served host's line was opened anew, so nobody waits for the answer |
 //! | urgent | what arrived and must not wait for its turn: M112, M410, M108, M24, M602, M876, M999 |
 //! | forgotten | lines that a quick stop has overtaken: answered, not carried out |
-//! | patience | how long a host may be silent in the middle of its lines before it is prompted |
+//! | patience | how long a host may be silent in the middle of its lines before it is prompted (`Settings::patience_ms`) |
 
 pub(in crate::machine) mod halted;
 pub(in crate::machine) mod host;

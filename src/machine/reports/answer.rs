@@ -2,7 +2,7 @@
 //!
 //! A command does what it does and returns its answer; `tell` writes it, and the `ok` after it. A new reply is a variant
 //! here and an arm in `tell::write`. A reply of several lines gets a function of its own, in `report` or beside what it
-//! speaks of.
+//! speaks of. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
 use super::driver_report::DriverReport;
 use crate::connectors::Heater;

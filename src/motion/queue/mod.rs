@@ -17,7 +17,7 @@
 //! that the event wants more than steps; the generator sets it when it makes the event.
 //!
 //! Its length is [`SLOTS`], a power of two and a multiple of `REGULAR` (`steps_in`). Who changes it is led to `app::Memory`, which
-//! asserts its size, to `stepgen`, whose batch must fit in, and to the budget of RAM (`xtask/src/build/contents.rs`).
+//! asserts its size, to `stepgen`, whose batch must fit in, and to the budget of RAM (`xtask/src/build/contents.rs`, docs/boards.md).
 //!
 //! # Who writes which word when
 //!

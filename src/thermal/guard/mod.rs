@@ -14,7 +14,7 @@
 //! A guard is fed once in a control period and answers with a cause and two numbers, or with nothing. Guards do not look at
 //! the controller or its observer: a mistake in them must not hide a fault from a guard.
 //!
-//! A new guard: a file here and a row above; a field of `HeaterGuards` and a line where the others are fed (`thermal/heater.rs`),
+//! A new guard: a file here and a row above; a field of `HeaterGuards`, in `configure` too if it has a threshold, and a line where the others are fed (`thermal/heater.rs`),
 //! or in `thermal/control.rs` if it is not of one heater; a [`Cause`] (`fault/cause.rs`); what it measures, in `port::ThermalPort`
 //! (`chips/stm32f446/src/heat.rs`, `rig/src/heat.rs` and `tests/thermal/printer.rs` implement it); its threshold, if it has one,
 //! in `settings::Guards`. Then a fault of the plant that it finds (`rig/src/plant/faults.rs`), a test in `tests/faults`, and a row

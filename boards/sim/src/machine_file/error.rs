@@ -36,7 +36,9 @@ impl Display for MachineFileError {
         match self {
             Self::Syntax(error) => f.write_str(&place::words(error)),
             Self::Range { key, value, legal } => write!(f, "{key} = {value} is outside {legal}"),
-            Self::Corner => f.write_str("corner wants either junction_deviation or square_corner"),
+            Self::Corner => f.write_str(
+                "corner wants either of its keys (junction_deviation, square_corner), not both and not none",
+            ),
             Self::Row { key, row } => {
                 write!(f, "{key} = {row:?} is no row: -1, 0 or 1 for x, y, z and, if not 0, for e")
             }
