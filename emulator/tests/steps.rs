@@ -97,9 +97,9 @@ fn tiny_moves_step_as_on_the_host() {
     check_from_home("tiny.gcode");
 }
 
-/// A sliced file is printed so far, for more than a minute. QEMU prints the whole of it, and so does `cargo xtask equal`
+/// A sliced file is printed so far, for half a minute. QEMU prints the whole of it, and so does `cargo xtask equal`
 /// here.
-const LINES: usize = 1200;
+const LINES: usize = 600;
 
 /// What people print. The sliced file is not part of the project.
 #[test]

@@ -122,7 +122,7 @@ fn a_power_cut_in_the_page_with_the_header_leaves_the_old_or_the_new() {
 /// Every byte is cut on the host (`tests/storage.rs` of the core); here two runs cost a second.
 #[test]
 fn a_power_cut_in_another_page_leaves_the_old_or_the_new() {
-    cut_after(|after, before_header| after < before_header && after % 20 == 10);
+    cut_after(|after, before_header| after < before_header && after % 40 == 10);
 }
 
 #[test]
