@@ -18,7 +18,7 @@ fn file() -> String {
 /// What the other host asks in the meantime: so much that it outlasts the print, for this host too waits for the end of
 /// motion when it is done, and that would have the motion rest.
 fn questions() -> String {
-    "M105\nM115\nM114\nM119\n".repeat(60)
+    "M105\nM115\nM114\nM119\n".repeat(150)
 }
 
 fn count(line: &LineSeen, begin: &str) -> usize {

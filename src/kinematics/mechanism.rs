@@ -6,7 +6,7 @@
 //!
 //! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`) for simulator and QEMU; on a
 //! board it is `SETTINGS` in `chips/stm32f446/src/start.rs`, which is compiled in. The tests of `boards/sim/tests/machines` home,
-//! print and stop every file; docs/kinematics.md has a table of them.
+//! print and stop every file; `tests/mechanisms/machines.rs` and docs/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};
 use super::row::Row;

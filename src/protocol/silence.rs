@@ -25,7 +25,7 @@ use crate::units::Instant;
 /// under way may have lost an answer to each.
 const PROMPTS: u8 = 8;
 
-/// From one prompt to the next the time doubles, so many times at most: to 16 times the patience, 8 s by default. OctoPrint
+/// From one prompt to the next the time doubles, so many times at most: to 16 times the patience. OctoPrint
 /// itself asks after 30 s.
 const DOUBLINGS: u8 = 4;
 

@@ -199,7 +199,11 @@ fn every_setting_is_said_by_m503_or_is_known_not_to_be() {
         let before = settings_as_said(&load(file).unwrap(), &[]);
         let is_said = settings_as_said(&changed(path, file).unwrap(), &[]) != before;
         let is_e_length = path == "axes.e.length";
-        assert_eq!(is_said, !is_one_of(path, &NOT_SAID) && !is_e_length, "{path}: src/machine/commands/setting.rs");
+        assert_eq!(
+            is_said,
+            !is_one_of(path, &NOT_SAID) && !is_e_length,
+            "{path}: src/machine/commands/setting.rs, or for drivers `say_driver_settings` in settings/shown.rs"
+        );
     }
 }
 
@@ -251,5 +255,15 @@ fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
         run_on(&Settings::prototype(), None, NoStorage, &drivers, &mut [&mut host], &mut Deaf).unwrap();
         let text = format!("{number} ({})", name.to_uppercase());
         assert!(host.heard.iter().any(|line| line.contains(&text)), "{text} in {:?}", host.heard);
+    }
+}
+
+#[test]
+fn the_error_of_two_rules_for_corners_has_the_keys_of_all() {
+    let keys: Vec<_> = CornerRule::all().map(corner).map(|[_, key, _]| key).collect();
+    let lines: String = keys.iter().map(|key| format!("{key} = 0.1\n")).collect();
+    let error = machine_file::load(&format!("[corner]\n{lines}")).unwrap_err().to_string();
+    for key in keys {
+        assert!(error.contains(key), "{key} is missing in boards/sim/src/machine_file/error.rs");
     }
 }

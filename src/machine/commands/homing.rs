@@ -13,6 +13,8 @@
 //! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the rig, and
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
+//! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `zero`
+//!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`reports/tell.rs`);
 //! - another word than "Probing" in boards/octopus/README.md, among what is not there.
 
 use crate::gcode::AxisFlags;

@@ -16,7 +16,8 @@
 //!
 //! A new guard: a file here and a row above; a field of `HeaterGuards`, in `configure` too if it has a threshold, and a line where the others are fed (`thermal/heater.rs`),
 //! or in `thermal/control.rs` if it is not of one heater; a [`Cause`] (`fault/cause.rs`); what it measures, in `port::ThermalPort`
-//! (`chips/stm32f446/src/heat.rs`, `rig/src/heat.rs` and `tests/thermal/printer.rs` implement it); its threshold, if it has one,
+//! (`chips/stm32f446/src/heat.rs`, `rig/src/heat.rs`, `tests/thermal/printer.rs` and `tests/support/wild_heat.rs` implement it,
+//! `emulator/src/heat.rs` has the pins); its threshold, if it has one,
 //! in `settings::Guards`. Then a fault of the plant that it finds (`rig/src/plant/faults.rs`), a test in `tests/faults`, and a row
 //! in both tables of docs/safety.md.
 

@@ -84,6 +84,11 @@ fn of_octopus(step: &PlainStep, s: &Profile, axis: &Profile) -> Vec<Figure> {
     ]
 }
 
+/// Instructions from a fault to heaters that are low, in the Octopus's image.
+pub fn of_last_resort(instructions: usize) -> Figure {
+    figure("octopus_last_resort_insn", instructions as f64, Some(50.0), "")
+}
+
 /// Job S.
 fn of_steps(s: &Profile) -> Vec<Figure> {
     let (events, motor_steps) = (s.events as f64, s.motor_steps as f64);

@@ -18,6 +18,7 @@ mod report;
 mod rooms;
 mod waits;
 
+use crate::build;
 use crate::checkout;
 use crate::qemu::BOARD;
 use crate::test::{self, Verdict};
@@ -90,6 +91,7 @@ struct Bench {
     image: PathBuf,
     elf: Vec<u8>,
     octopus: PlainStep,
+    last_resort: usize,
     plugin: Plugin,
     folder: PathBuf,
 }
@@ -100,10 +102,11 @@ impl Bench {
         let elf = std::fs::read(&image).with_context(|| format!("cannot open {}", image.display()))?;
         let octopus = checkout::build_image(OCTOPUS)?;
         let octopus = std::fs::read(&octopus).with_context(|| format!("cannot open {}", octopus.display()))?;
+        let last_resort = build::last_resort(&octopus)?;
         let octopus = PlainStep::of(&Code::read(&octopus)?)?;
         let folder = checkout::target_dir()?.join("bench");
         let plugin = Plugin::prepare(&Code::read(&elf)?, &octopus, &folder)?;
-        Ok(Self { image, elf, octopus, plugin, folder })
+        Ok(Self { image, elf, octopus, last_resort, plugin, folder })
     }
 
     fn code(&self) -> Result<Code<'_>> {
@@ -118,6 +121,8 @@ impl Bench {
     fn figures(&self) -> Result<Vec<Figure>> {
         let profiles: BTreeMap<_, _> =
             Job::ALL.into_iter().map(|job| Ok((job, self.measure(job)?))).collect::<Result<_>>()?;
-        figures::figures(&profiles, &self.octopus)
+        let mut figures = figures::figures(&profiles, &self.octopus)?;
+        figures.push(figures::of_last_resort(self.last_resort));
+        Ok(figures)
     }
 }

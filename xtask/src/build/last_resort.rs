@@ -23,6 +23,14 @@ const MOST: usize = 50;
 
 /// Says how many instructions the longest way has, and what is wrong with the ways.
 pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
+    let (longest, complaints) = longest_way(elf)?;
+    let report =
+        format!("{:<16} {longest:>8} of {MOST:>8} instructions from a fault to heaters that are low", "last resort");
+    Ok((report, complaints))
+}
+
+/// How many instructions the longest way has, and what is wrong with the ways.
+pub fn longest_way(elf: &Elf<'_>) -> Result<(usize, Vec<String>)> {
     let functions = functions(elf);
     let text = elf.section_by_name(".text").context("the image has no code")?;
     let (start, code) = (text.address(), text.data()?);
@@ -68,10 +76,7 @@ pub fn examine(elf: &Elf<'_>) -> Result<(String, Vec<String>)> {
         }
         longest = longest.max(count);
     }
-    Ok((
-        format!("{:<16} {longest:>8} of {MOST:>8} instructions from a fault to heaters that are low", "last resort"),
-        complaints,
-    ))
+    Ok((longest, complaints))
 }
 
 /// Whether it returns: `bx lr`, or `pop` with the program counter (ARM DDI 0403E, A7.7.20 and A7.7.99).

@@ -7,7 +7,7 @@ mod last_resort;
 mod step_path;
 
 use crate::checkout;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use object::Endianness;
 use object::elf::FileHeader32;
 use object::read::elf::ElfFile;
@@ -120,6 +120,16 @@ pub fn examine_all() -> Result<String> {
 
 fn read(path: &Path) -> Result<Vec<u8>> {
     std::fs::read(path).with_context(|| format!("cannot open {}", path.display()))
+}
+
+/// Instructions from a fault to heaters that are low, in an image.
+///
+/// # Errors
+/// If it is no ELF file, or if some way of a fault does not lead there.
+pub fn last_resort(image: &[u8]) -> Result<usize> {
+    let (longest, complaints) = last_resort::longest_way(&Elf::parse(image)?)?;
+    ensure!(complaints.is_empty(), "{}", complaints.join("; "));
+    Ok(longest)
 }
 
 /// Fails if an image is too large or holds what it must not; with `and_step_path` also if the step interrupt does.
