@@ -30,8 +30,8 @@ const RESIDENCY_MS: u32 = 3000;
 const LEAST_COOLING: Celsius = Celsius::lit("1.5");
 const COOLING_MS: u32 = 60_000;
 
-/// From one line with temperatures to the next.
-const LINE_MS: u32 = 1000;
+/// From one line with temperatures to the next, in whatever wait.
+pub(super) const LINE_MS: u32 = 1000;
 
 /// M303 without C, and its range: the relay experiment throws the first swing away.
 const CYCLES: u8 = 5;

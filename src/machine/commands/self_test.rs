@@ -2,6 +2,7 @@
 //!
 //! No firmware has an M-code for it, so it has a name, as Klipper's commands do.
 
+use super::heating::LINE_MS;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::reports::answer::Answer;
@@ -9,9 +10,6 @@ use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, Pend, Storage};
 use crate::status::SelfTest;
 use crate::thermal::test_subject;
-
-/// From one line with temperatures to the next.
-const LINE_MS: u32 = 1000;
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Heaters are about to be switched on: those that were not tested since the last update are tested first. Their targets
