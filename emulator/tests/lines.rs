@@ -15,8 +15,8 @@ fn file() -> String {
     std::fs::read_to_string(root().join("examples/tiny.gcode")).unwrap()
 }
 
-/// What the other host asks in the meantime: so much that it outlasts the print, for this host too waits for the end of
-/// motion when it is done, and that would have the motion rest.
+/// What the other host asks in the meantime: so much that it outlasts the print. This host too says M400 when it is done, and
+/// an M400 under way has the motion of both come to rest, which makes other steps than those of the file alone.
 fn questions() -> String {
     "M105\nM115\nM114\nM119\n".repeat(150)
 }

@@ -170,6 +170,43 @@ proptest! {
         prop_assert_eq!(moves, plan(&path, &settings));
     }
 
+    /// Nor does it where the moves are so short that hardly one is final before its batch is frozen.
+    #[test]
+    fn moves_of_batches_are_the_same_whenever_they_leave(
+        ways in proptest::collection::vec((-0.002..0.05, -0.01..0.01), 150..600),
+        cuts in proptest::collection::vec(0..40_u8, 600),
+        feed in 20.0..400.0,
+        change in proptest::option::of((100..400_usize, 10..300_u16)),
+    ) {
+        let settings = Settings::prototype();
+        let run = |cuts: &[u8]| {
+            let mut memory = MoveMemory::new();
+            let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
+            let (mut moves, mut at) = (Vec::new(), [0.0; 4]);
+            for (i, (dx, dy)) in ways.iter().enumerate() {
+                // At times none, at times a few more than one are added.
+                let most = cuts.get(i).map_or(0, |cut| usize::from(cut.saturating_sub(20)));
+                moves.extend(std::iter::from_fn(|| planner.pop()).take(most));
+                if !planner.has_room() {
+                    planner.release_some();
+                    moves.push(planner.pop().expect("a full window has a move that may leave"));
+                }
+                (at[0], at[1]) = (at[0] + dx, at[1] + dy);
+                planner.push(&target(at, feed), &settings);
+                if let Some((_, percent)) = change.filter(|change| change.0 == i) {
+                    // What has left keeps its feed.
+                    moves.extend(std::iter::from_fn(|| planner.pop()));
+                    planner.override_feed(percent);
+                    while !planner.replan() {}
+                }
+            }
+            planner.release_all();
+            moves.extend(std::iter::from_fn(|| planner.pop()));
+            moves
+        };
+        prop_assert_eq!(run(&cuts), run(&[]));
+    }
+
     #[test]
     fn pairs_step_together_and_the_belt_is_never_strained(path in paths()) {
         let steps = generate(&plan(&path, &Settings::prototype()));
