@@ -13,16 +13,18 @@ pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// Where cargo puts what it builds: this program lies in `<target>/release`.
+/// Where cargo puts what it builds: this program lies in `<target>/debug`.
 pub fn target_dir() -> Result<PathBuf> {
     let program = std::env::current_exe().context("cannot find this program's own path")?;
     let dir = program.ancestors().nth(2).context("this program lies in no target folder")?;
     Ok(dir.to_owned())
 }
 
-/// A program built for this computer.
-pub fn host_program(name: &str) -> Result<PathBuf> {
-    Ok(target_dir()?.join("release").join(name).with_extension(std::env::consts::EXE_EXTENSION))
+/// Builds `corehbot` for this computer and says where it is. Together with xtask it is built with the dependencies that are
+/// there already.
+pub fn build_command() -> Result<PathBuf> {
+    run(cargo(["build", "--package", "corehbot-sim", "--package", "xtask"]))?;
+    Ok(target_dir()?.join("debug").join("corehbot").with_extension(std::env::consts::EXE_EXTENSION))
 }
 
 /// The profile that images are built with.

@@ -5,7 +5,7 @@
 
 mod venv;
 
-use crate::checkout::{self, cargo, root, run};
+use crate::checkout::{self, root};
 use crate::test::{Verdict, has_emulator, lack_of_emulator, sliced_file};
 use anyhow::{Context as _, Result, bail};
 use std::path::Path;
@@ -99,9 +99,7 @@ pub fn check() -> Result<Verdict> {
             format!("cannot install {packages} from PyPI, which takes python3 with venv and, the first time, a network")
         })?;
     }
-    // Together with xtask it is built with the dependencies that are there already.
-    run(cargo(["build", "--release", "--package", "corehbot-sim", "--package", "xtask"]))?;
-    let simulator = checkout::host_program("corehbot")?;
+    let simulator = checkout::build_command()?;
     let mut remark = versions();
     let mut failures = Vec::new();
     let mut tests = 0;

@@ -1,7 +1,7 @@
 //! QEMU against the simulator: the same G-code has to give the same steps, byte for byte.
 
 use super::{Verdict, diff, side_by_side, tools};
-use crate::checkout::{self, cargo, root, run};
+use crate::checkout::{self, root, run};
 use crate::qemu::{self, BOARD, Job};
 use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
@@ -21,9 +21,7 @@ pub fn check() -> Result<Verdict> {
         return Ok(Verdict::Skipped(tools::lack_of_emulator()));
     }
     let image = checkout::build_image(BOARD)?;
-    // Together with xtask it is built with the dependencies that are there already.
-    run(cargo(["build", "--release", "--package", "corehbot-sim", "--package", "xtask"]))?;
-    let simulator = checkout::host_program("corehbot")?;
+    let simulator = checkout::build_command()?;
     let mut files = examples()?;
     let mut remark = format!("{} examples", files.len());
     if let Some(sliced) = sliced_file() {
@@ -55,8 +53,7 @@ pub fn check_file(file: &Path, settings: Option<&Path>) -> Result<()> {
         bail!("{}", tools::lack_of_emulator());
     }
     let image = checkout::build_image(BOARD)?;
-    run(cargo(["build", "--release", "--package", "corehbot-sim", "--package", "xtask"]))?;
-    compare(&image, &checkout::host_program("corehbot")?, file, settings)
+    compare(&image, &checkout::build_command()?, file, settings)
 }
 
 /// The examples.

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: everything that must hold before a change goes in; CI runs the same.
 //!
-//! The steps share what they build: host tests use the dev profile, everything else the release profile in
-//! which `cargo xtask` itself is built, and the boards' profile. So two lanes of steps can go on side by side (see [`lane`]).
+//! The steps share what they build: programs of this computer are built once, in the dev profile, in which `cargo xtask` itself
+//! is built. Two lanes of steps go on side by side (see [`lane`]).
 
 mod cargo;
 mod compare;
@@ -50,7 +50,7 @@ enum Lane {
     First,
     /// On this computer's own code.
     Host,
-    /// On images, and with programs made for release; beside those of [`Lane::Host`].
+    /// On images; beside those of [`Lane::Host`].
     Images,
 }
 
@@ -65,9 +65,10 @@ pub enum Verdict {
 }
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 14] = [
+const STEPS: [Step; 15] = [
     Step { name: "tools", lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
+    Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
     // First, for one crate of it keeps a single processor busy for two minutes; the tests on images wait for it.
     Step { name: "emulator", lane: Host, heading: "the emulator is linted and builds", run: cargo::build_emulator },
     Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
