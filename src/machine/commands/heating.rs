@@ -6,9 +6,9 @@
 
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::machine::state::notices::Notice;
 use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, Pend};
