@@ -14,7 +14,10 @@
 //! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`retraction`] |
 //! | G28 | [`homing`] |
 //! | G4, M0, M24, M25, M600 | [`waits`] |
-//! | M104, M109, M116, M140, M141, M190, M191, M303, M302, M81 | [`heating`] |
+//! | M104, M109, M116, M140, M141, M190, M191, M81 | [`heating`] |
+//! | M302 | [`cold_extrusion`] |
+//! | M303 | [`tuning`] |
+//! | SELF_TEST | [`self_test`] |
 //! | M106, M107, M710 | [`fans`] |
 //! | M301, M304, M306 | [`heater_settings`] |
 //! | M593, M900, M572 | [`shaping`] |
@@ -28,6 +31,7 @@
 
 pub(in crate::machine) mod arcs;
 pub(in crate::machine) mod blocking;
+pub(in crate::machine) mod cold_extrusion;
 pub(in crate::machine) mod dispatch;
 pub(in crate::machine) mod drivers;
 pub(in crate::machine) mod fans;
@@ -40,4 +44,5 @@ pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod self_test;
 pub(in crate::machine) mod settings;
 pub(in crate::machine) mod shaping;
+pub(in crate::machine) mod tuning;
 pub(in crate::machine) mod waits;
