@@ -13,14 +13,23 @@
 //! | file or folder | for |
 //! |---|---|
 //! | `console` | the loop and the crank |
-//! | `hosts` | lines from several hosts, served in turn; what they are told after a stop |
 //! | `commands` | what each command does |
-//! | `state` | what earlier lines said, where the machine stands, what was noticed |
-//! | `stream` | moves into the look-ahead and out of it, at the right time |
-//! | `reports` | what is said, and how it is worded |
+//! | `reports` | how it is worded what there is to say, and the telling of it |
+//! | `stream` | moves into the look-ahead and out of it, and the machine to rest |
 //! | `power` | power for the motors, and talks with their drivers |
 //! | `heat` | orders for heaters and fans, and what is looked at while they are on |
 //! | `scrub` | whether settings in RAM are what was put in |
+//! | `halted` | after a stop: what hosts are told until M999 |
+//! | `answers` | what there is to say, as values |
+//! | `hosts` | lines from several hosts, served in turn |
+//! | `release` | when moves leave the look-ahead |
+//! | `state` | what earlier lines said, where the machine stands, what was noticed |
+//! | `ports`, `interrupt`, `numbers` | what is needed of a board; why a command ends early; numbers of lines |
+//!
+//! Each uses those to its left alone (`tests/layers.rs` finds circles):
+//! `{ports, interrupt, release, hosts, numbers <- state} <- answers <- console <- {halted, scrub, heat, power, stream, commands <- reports}`.
+//! What the Console owns is to its left and knows nothing of it. To its right is `impl Console`: parts of the crank, and
+//! what waits, for every wait turns the crank.
 //!
 //! | word | means |
 //! |---|---|
@@ -28,18 +37,21 @@
 //! | crank | everything that must go on whatever a command waits for |
 //! | interrupt | why a command ends before it is done: M112, M410, no power |
 //! | rest | nothing moves |
-//! | tell, say | see `reports` |
-//! | waiting, queued, dry, underrun | see `stream` |
+//! | tell, say | see `reports`, `answers` |
+//! | waiting, queued, dry, underrun | see `stream`, `release` |
 //! | served, urgent, forgotten | see `hosts` |
 
+mod answers;
 mod commands;
 mod console;
+mod halted;
 mod heat;
 mod hosts;
 mod interrupt;
 mod numbers;
 mod ports;
 mod power;
+mod release;
 mod reports;
 mod scrub;
 mod state;

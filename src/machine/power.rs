@@ -2,9 +2,9 @@
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::fault::{self, Cause};
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::port::{Clock, Motor, MotorSet, Pend};
 
 /// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so

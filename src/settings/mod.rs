@@ -10,7 +10,7 @@
 //! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (as `with_heat` does). A field of a struct inside `Settings` cannot be put behind: `decode` then reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
 //! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
-//! | M503 | `machine/commands/setting.rs`; of drivers `say_driver_settings` in `machine/commands/settings/shown.rs` | the same test |
+//! | M503 | `machine/answers/setting.rs`; of drivers `say_driver_settings` in `machine/commands/settings/shown.rs` | the same test |
 //! | who reads it | `motion`, `driver` or `machine` | its own tests |
 //! | its sum in RAM | `kept`, by `Hash` | compiler |
 //! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |

@@ -2,19 +2,18 @@
 //!
 //! They are awaited: motion, power, storage, drivers, questions to the user. Meanwhile the Console's crank goes on turning.
 
-use super::driver_value::DriverValue;
 use super::drivers::{mode_words, set_drivers};
 use super::moves::ArcWords;
-use super::setting::Setting;
 use super::settings::set::{Resolved, set_resolution};
 use super::shaping::{NO_SUCH_KIND, ShaperWords, set_advance};
 use crate::connectors::Heater;
 use crate::driver::Job;
 use crate::gcode::{AxisFlags, AxisWords, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::answers::setting::Setting;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
-use crate::machine::reports::driver_report::DriverReport;
 use crate::port::{Motor, MotorSet, Pend};
 
 /// A command that takes time.
@@ -232,7 +231,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
             let has_uart = self.drivers.lines().has(motor);
             let reading = if has_uart { Some(self.ask_driver(Job::Read, motor).await?) } else { None };
-            self.tell(Answer::Driver(DriverReport::new(motor, reading))).await?;
+            self.tell(Answer::Driver(motor, reading)).await?;
         }
         Ok(())
     }

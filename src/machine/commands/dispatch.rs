@@ -10,9 +10,9 @@
 
 use super::immediate::Outcome;
 use crate::gcode::Command;
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::port::Pend;
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {

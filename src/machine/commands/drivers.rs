@@ -3,12 +3,11 @@
 //! X and Y both mean the four belt motors, which have one set of settings. A change reaches the drivers of motors
 //! with power within a second, in the background and without stopping the motion; the others before they get it.
 
-use super::clamps::Clamps;
-use super::driver_value::{DriverValue, DriverValueLine};
 use crate::driver::Drivers;
 use crate::gcode::{AxisFlags, AxisWords, Number};
-use crate::machine::reports::answer::Answer;
-use crate::machine::reports::speaker::Speaker;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::settings::{DriverGroups, DriverSettings, Range, Settings, ranges};
 use crate::units::MmPerSec;
@@ -82,12 +81,4 @@ pub(in crate::machine) fn mode_words(stealth: bool, axes: AxisFlags) -> AxisWord
     let all = axes == AxisFlags::default();
     let word = |is_named: bool| (is_named || all).then_some(Number::from(i32::from(stealth)));
     AxisWords { x: word(axes.x), y: word(axes.y), z: word(axes.z), e: word(axes.e) }
-}
-
-/// One value of each axis.
-pub(in crate::machine) fn say_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
-    let DriverGroups { belt, z, e } = s.drivers;
-    for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
-        to.say(format_args!("{}", DriverValueLine(axis, value, &group)));
-    }
 }

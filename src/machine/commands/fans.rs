@@ -1,11 +1,11 @@
 //! Fans: M106 and M107 in their turn among the moves, and the fan of the controller (M710).
 
-use super::clamps::Clamps;
-use super::heater_settings::HeatSetting;
 use crate::gcode::Number;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::setting::HeatSetting;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
+use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::Notice;
 use crate::port::Pend;
 use crate::settings::{FanRole, Range, ThermalSettings};

@@ -3,12 +3,13 @@
 //! A heater is controlled by its model or by PID: by the model as it is made, by PID once M301 or M304 has set a gain, by the
 //! model again once M306 has set a number. M503 says the one in use last, so that its lines, sent back, leave it in use.
 
-use super::clamps::Clamps;
 use crate::connectors::Heater;
 use crate::gcode::{ModelWords, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::setting::HeatSetting;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
-use crate::machine::reports::answer::Answer;
-use crate::machine::reports::speaker::Speaker;
+use crate::machine::state::clamps::Clamps;
 use crate::settings::{Control, FanRole, HeaterSettings, Pid, Range, ThermalSettings};
 use crate::units::{JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 
@@ -28,19 +29,6 @@ const LAG: Range<Seconds> = Range { least: const { Seconds::lit("0.02") }, most:
 const RESPONSIVENESS: Range<Ratio> = Range { least: const { Ratio::lit("0.004") }, most: Ratio::const_from_int(50) };
 /// Heat of a mm of filament, in J/K: 1.75 mm have 0.006, 2.85 mm 0.015.
 const FILAMENT: Range<WattsPerKelvin> = Range { least: WattsPerKelvin::ZERO, most: WattsPerKelvin::ONE };
-
-/// What one line sets.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum HeatSetting {
-    /// M301, M304.
-    Pid(Heater),
-    /// M306.
-    Model(Heater),
-    /// M302.
-    ColdExtrusion,
-    /// M710.
-    ControllerFan,
-}
 
 /// M301, M304.
 pub(in crate::machine) fn set_pid(

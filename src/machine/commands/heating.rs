@@ -1,20 +1,18 @@
-//! Heating: targets (M104, M140, M141), waits for them (M109, M116, M190, M191), tuning (M303), cold extrusion (M302), and
-//! everything off (M81).
+//! Heating: targets (M104, M140, M141), waits for them (M109, M116, M190, M191), and everything off (M81).
 //!
 //! A target acts at once, ahead of moves that are queued, and moves go on while a command waits for it. M108 ends a wait and
 //! leaves the target; M410 does too. A fault of a heater halts the machine, and so ends any wait.
 
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::machine::state::notices::Notice;
 use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, Pend};
-use crate::settings::{HeaterSettings, Pid, Range};
-use crate::status::{Tuned, Tuning};
-use crate::units::{Celsius, Instant, JoulesPerKelvin, Ratio, Seconds, TICKS_PER_SECOND, WattsPerKelvin};
+use crate::settings::Range;
+use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
 /// So near to its target a heater has reached it, and so far from it it has lost it again: Marlin's TEMP_WINDOW and
 /// TEMP_HYSTERESIS (Configuration.h, 2.1).
@@ -32,10 +30,6 @@ const COOLING_MS: u32 = 60_000;
 
 /// From one line with temperatures to the next, in whatever wait.
 pub(super) const LINE_MS: u32 = 1000;
-
-/// M303 without C, and its range: the relay experiment throws the first swing away.
-const CYCLES: u8 = 5;
-const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
 
 /// Whether heaters have been at their targets for long enough.
 struct Residency {
@@ -154,7 +148,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// What each heater is at; the coldest there is without a reading.
-    fn measured(&self) -> [Celsius; HEATERS] {
+    pub(super) fn measured(&self) -> [Celsius; HEATERS] {
         Heater::ALL.map(|heater| self.link.status().heat().measured(heater).unwrap_or(Celsius::MIN))
     }
 
@@ -219,85 +213,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.await_heat(targets.map(|target| target > Celsius::ZERO), false).await
     }
 
-    /// M303.
-    pub(in crate::machine) async fn tune(
-        &mut self,
-        heater: Option<Heater>,
-        target: Option<Number>,
-        cycles: Option<Number>,
-        applies: bool,
-    ) -> Result<Answer<'static>, Interrupt> {
-        let heater = match self.model_of(heater) {
-            Ok(heater) => heater,
-            Err(answer) => return Ok(answer),
-        };
-        if self.link.status().heat().measured(heater).is_none() {
-            return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
-        }
-        let range = Range { least: Celsius::ZERO, most: self.settings.thermal.heater(heater).most };
-        // Marlin's defaults (M303.cpp), for the chamber too.
-        let default = Number::from(if heater == Heater::Hotend { 150 } else { 70 });
-        let target = self.clamps.near(["M303", "S"], target.unwrap_or(default), range);
-        if target == Celsius::ZERO {
-            return Ok(Answer::Line("echo:M303 ignored: S is the temperature to tune at"));
-        }
-        let cycles = cycles.map_or(CYCLES, |cycles| self.clamps.whole(["M303", "C"], cycles, CYCLE_RANGE) as u8);
-        self.tell_clamps().await?;
-        self.finish().await?;
-        self.tell(Answer::Line("PID Autotune start")).await?;
-        self.pauses.begin(Waiting::Tuning);
-        self.test_before_heating();
-        self.await_self_test().await?;
-        self.heat_orders.tune(heater, target, cycles);
-        let found = self.await_tuning(heater).await;
-        self.pauses.end();
-        // Done, failed or ended by M108, M410: in any case it is over.
-        self.heat_orders.heat(heater, Celsius::ZERO);
-        self.send_orders();
-        let Some(tuned) = found? else {
-            return Ok(Answer::Line(
-                "PID Autotune failed! It was ended, or the temperature did not swing as it should",
-            ));
-        };
-        if applies {
-            apply(&tuned, self.settings.thermal.heater_mut(heater));
-            self.heat_orders.note_settings();
-        }
-        self.tell(Answer::Tuned(heater, tuned)).await?;
-        Ok(if applies { Answer::Nothing } else { Answer::Line("echo:nothing is changed, M303 U1 uses what it finds") })
-    }
-
-    /// Waits for the end of a tuning; `None` if it failed, or M108 ended it.
-    async fn await_tuning(&mut self, heater: Heater) -> Result<Option<Tuned>, Interrupt> {
-        // The first state that is told is that of an earlier tuning.
-        let status = self.link.status();
-        while !self.heat_orders.is_empty() {
-            self.turn().await?;
-        }
-        let begun = status.heat().periods();
-        let (mut next_line, mut cycle) = (self.ports.clock.now(), 0);
-        while !self.pauses.is_over() {
-            let now = self.ports.clock.now();
-            if now >= next_line {
-                next_line = next_line.after_ms(LINE_MS);
-                self.tell(Answer::Heating(None)).await?;
-            }
-            if status.heat().periods().wrapping_sub(begun) > 2 {
-                match status.heat().tuning() {
-                    Tuning::Done => return Ok(Some(status.heat().tuned())),
-                    Tuning::Cycle(done) => {
-                        if core::mem::replace(&mut cycle, done) != done {
-                            self.tell(Answer::TuningCycle(heater, done)).await?;
-                        }
-                    }
-                    Tuning::None | Tuning::Failed => return Ok(None),
-                }
-            }
-            self.turn().await?;
-        }
-        Ok(None)
-    }
-
     /// The heater that a command for its behaviour means, if it is fitted.
     pub(in crate::machine) fn model_of(&self, heater: Option<Heater>) -> Result<Heater, Answer<'static>> {
         let thermal = &self.settings.thermal;
@@ -309,53 +224,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
-    /// M302. Without a hotend nothing can be too cold.
-    pub(in crate::machine) fn set_cold_extrusion(
-        &mut self,
-        least: Option<Number>,
-        allow: Option<bool>,
-    ) -> Answer<'static> {
-        let hotend = self.settings.thermal.heater(Heater::Hotend);
-        if !hotend.is_fitted {
-            let forbids = least.is_some_and(|least| least > Number::ZERO) || allow == Some(false);
-            return Answer::Line(if forbids {
-                "echo:Cold extrudes are enabled, and cannot be forbidden without a heater"
-            } else {
-                "echo:Cold extrudes are enabled"
-            });
-        }
-        if least.is_none() && allow.is_none() {
-            return Answer::ColdExtrusion;
-        }
-        if let Some(least) = least {
-            let range = Range { least: Celsius::ZERO, most: hotend.most };
-            self.settings.thermal.min_extrude = self.clamps.near(["M302", "S"], least, range);
-            self.allows_cold = false;
-        }
-        if let Some(allow) = allow {
-            self.allows_cold = allow;
-        }
-        self.heat_orders.note_settings();
-        Answer::Nothing
-    }
-
-    /// Whether no filament may move: the hotend is too cold for it, or nobody knows.
-    pub(in crate::machine) fn is_too_cold(&self) -> bool {
-        let thermal = &self.settings.thermal;
-        thermal.heater(Heater::Hotend).is_fitted
-            && !self.allows_cold
-            && thermal.min_extrude > Celsius::ZERO
-            && self.measured()[Heater::Hotend as usize] < thermal.min_extrude
-    }
-
-    /// Tells once a print that filament was left out.
-    pub(in crate::machine) async fn tell_of_cold(&mut self) -> Result<(), Interrupt> {
-        if self.notices.give(Notice::Cold) {
-            self.tell(Answer::Line("echo: cold extrusion prevented")).await?;
-        }
-        Ok(())
-    }
-
     /// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
     pub(in crate::machine) fn switch_off(&mut self) -> Answer<'static> {
         self.heat_orders.switch_off();
@@ -363,19 +231,6 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.send_orders();
         Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
     }
-}
-
-/// Takes over what M303 has found. The two lags cannot be told apart, so each gets half. A loss to the part fan that
-/// was not found stays.
-fn apply(tuned: &Tuned, heater: &mut HeaterSettings) {
-    let lag = Seconds::from_bits((tuned.lag / 2).max(1));
-    heater.model.capacity = JoulesPerKelvin::from_bits(tuned.capacity);
-    heater.model.loss = WattsPerKelvin::from_bits(tuned.loss);
-    if tuned.fan_loss > 0 {
-        heater.model.fan_loss = WattsPerKelvin::from_bits(tuned.fan_loss);
-    }
-    (heater.model.heater_lag, heater.model.sensor_lag) = (lag, lag);
-    heater.pid = Pid { p: Ratio::from_bits(tuned.p), i: Ratio::from_bits(tuned.i), d: Ratio::from_bits(tuned.d) };
 }
 
 #[cfg(test)]

@@ -18,9 +18,9 @@
 //! - another word than "Probing" in boards/octopus/README.md, among what is not there.
 
 use crate::gcode::AxisFlags;
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::machine::state::notices::Notice;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};

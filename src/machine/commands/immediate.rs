@@ -2,20 +2,21 @@
 //! it does. What takes time is only named here, as a [`Blocking`], its values in range where they have one.
 
 use super::blocking::Blocking;
-use super::clamps::Clamps;
-use super::driver_value::DriverValue;
 use super::drivers::set_drivers;
 use super::fans::set_controller_fan;
 use super::heater_settings::{set_model, set_pid};
 use super::moves::ArcWords;
+use super::retraction::{set_recovery, set_retraction};
 use super::settings::set::{
     CornerWords, set_acceleration, set_corners, set_keepalive, set_max_acceleration, set_max_speed, set_velocity_limit,
 };
 use super::shaping::ShaperWords;
 use crate::gcode::{AxisWords, Command, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::hosts::schedule::{PERIOD_S, Report};
-use crate::machine::reports::answer::Answer;
+use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::{FARTHEST, PERCENT};
 use crate::port::{Clock, Pend};
 use crate::settings::ThermalSettings;
@@ -93,8 +94,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 set_corners(&words, s, modal, clamps, notices)
             }
             Command::VelocityLimit(ref words) => set_velocity_limit(words, s, clamps),
-            Command::RetractSettings { length, feed, lift } => retraction.set(length, feed, lift, modal, clamps),
-            Command::RecoverSettings { extra, feed } => retraction.set_recovery(extra, feed, modal, clamps),
+            Command::RetractSettings { length, feed, lift } => {
+                set_retraction([length, feed, lift], &mut retraction.settings, modal, clamps)
+            }
+            Command::RecoverSettings { extra, feed } => {
+                set_recovery([extra, feed], &mut retraction.settings, modal, clamps)
+            }
             Command::DriverCurrent(ref words) => set_drivers(DriverValue::Current, words, s, drivers, modal, clamps),
             Command::HybridThreshold(ref words) => {
                 set_drivers(DriverValue::HybridThreshold, words, s, drivers, modal, clamps)

@@ -1,15 +1,15 @@
 //! Commands that move: straight moves (G0, G1), arcs (G2, G3), retraction (G10, G11).
 //!
-//! Each ends in `stream::motion`'s `go` or `plan`, which wait until there is room for the move.
+//! Each ends in `go` or `plan` of `stream`, which wait until there is room for the move.
 
 use super::arcs::arc::{Arc, Shape, join, split};
-use super::retraction::RetractionMove;
 use crate::gcode::{ArcShape, AxisWords, Number};
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::machine::state::modal::Wanted;
 use crate::machine::state::notices::Notice;
+use crate::machine::state::retraction::RetractionMove;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::units::{Mm, part_of};

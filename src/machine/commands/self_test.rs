@@ -3,9 +3,9 @@
 //! No firmware has an M-code for it, so it has a name, as Klipper's commands do.
 
 use super::heating::LINE_MS;
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, Pend, Storage};
 use crate::status::SelfTest;

@@ -1,11 +1,11 @@
 //! Shaping: input shapers (M593) and pressure advance (M900, M572) as lines set them.
 
-use super::clamps::Clamps;
 use crate::gcode::{AxisFlags, Number, ShaperName};
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
-use crate::machine::reports::speaker::Speaker;
+use crate::machine::state::clamps::Clamps;
 use crate::settings::{Settings, Shaper, ShaperKind, Shapers, ranges};
-use crate::units::{Hertz, Ratio, Seconds};
+use crate::units::{Hertz, Ratio};
 
 /// What M593 says of a shaper.
 #[derive(Clone, Copy)]
@@ -102,29 +102,6 @@ impl ShaperWords {
 /// What M593 says of a kind that there is not.
 pub(in crate::machine) const NO_SUCH_KIND: &str =
     "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
-
-/// Whether the generator follows a pressure advance. Once it does, that stays so: all axes are as late as its window
-/// needs, and an advance of 0 is one like any other.
-#[derive(Debug)]
-pub(in crate::machine) struct AdvanceInUse(bool);
-
-impl AdvanceInUse {
-    pub const fn new() -> Self {
-        Self(false)
-    }
-
-    /// The window that the generator is to follow with these settings, if any.
-    pub fn window(&mut self, settings: &Settings) -> Option<Seconds> {
-        self.0 |= settings.advance.time > Seconds::ZERO;
-        self.0.then_some(settings.advance.window)
-    }
-
-    /// Whether motion must rest before `wanted` counts: its window is another, or it is the first advance.
-    pub fn needs_rest(&self, settings: &Settings, wanted: &Settings) -> bool {
-        let is_first = !self.0 && wanted.advance.time > Seconds::ZERO;
-        is_first || wanted.advance.window != settings.advance.window
-    }
-}
 
 /// M900 K and M572 W, brought into range.
 pub(in crate::machine) fn set_advance(

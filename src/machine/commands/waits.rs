@@ -1,8 +1,8 @@
 //! Commands that wait: for the user (M0, M1, M600, M601), for time (G4), and the pause of a print (M24, M25, M602).
 
+use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::machine::state::waiting::Waiting;
 use crate::motion::Work;
 use crate::port::{Clock, Pend};

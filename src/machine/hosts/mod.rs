@@ -5,7 +5,8 @@
 //!   serial line ◀── replies  ◀── what the command says, and what the host is told unasked
 //! ```
 //!
-//! The Console calls [`serving::Hosts`] at every turn, and asks it for the next line when the last one is answered.
+//! The Console calls [`serving::Hosts`] at every turn, and asks it for the next line when the last one is answered. Nothing
+//! here knows the Console; what hosts are told after a stop is in `halted`.
 //!
 //! | word | means |
 //! |---|---|
@@ -15,7 +16,6 @@
 //! | forgotten | lines that a quick stop has overtaken: answered, not carried out |
 //! | patience | how long a host may be silent in the middle of its lines before it is prompted (`Settings::patience_ms`) |
 
-pub(in crate::machine) mod halted;
 pub(in crate::machine) mod host;
 pub(in crate::machine) mod schedule;
 pub(in crate::machine) mod serving;

@@ -1,22 +1,16 @@
-//! M122: what the motor drivers say of themselves.
+//! What is said of motor drivers: how they are (M122), and how they are set (M569, M906, M913, M914).
 
 use super::report::Hundredths;
-use super::speaker::Speaker;
 use crate::driver::{Config, DriverError, Drivers, Name, Reading};
+use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::answers::speaker::Speaker;
 use crate::port::Motor;
-use crate::settings::Settings;
+use crate::settings::{DriverGroups, DriverSettings, Settings};
 use crate::units::{Mm, StepsPerMm};
 use core::fmt;
 
 /// Full steps of a turn of almost every stepper motor (1.8 degrees).
 const FULL_STEPS: u64 = 200;
-
-/// A driver, and what it said; `None` without a UART.
-#[derive(Clone, Copy)]
-pub(in crate::machine) struct DriverReport {
-    motor: Motor,
-    reading: Option<Result<Reading, DriverError>>,
-}
 
 /// What M122 says of a driver that answers.
 struct State<'r> {
@@ -55,18 +49,15 @@ impl fmt::Display for Health<'_> {
     }
 }
 
-impl DriverReport {
-    /// What the driver of `motor` said; `None` if it has no UART.
-    pub const fn new(motor: Motor, reading: Option<Result<Reading, DriverError>>) -> Self {
-        Self { motor, reading }
-    }
-}
-
 /// M122, the lines of one driver.
-pub(in crate::machine) fn say_driver(to: &mut Speaker<'_>, report: &DriverReport, drivers: &Drivers, s: &Settings) {
-    let motor = report.motor;
+pub(in crate::machine) fn say_driver(
+    to: &mut Speaker<'_>,
+    (motor, reading): (Motor, Option<Result<Reading, DriverError>>),
+    drivers: &Drivers,
+    s: &Settings,
+) {
     let name = Name(motor);
-    let reading = match report.reading {
+    let reading = match reading {
         None => return to.say(format_args!("Driver {name}: no UART, set by its jumpers")),
         Some(Err(error)) => return to.say(format_args!("Driver {name}: {error}")),
         Some(Ok(reading)) => reading,
@@ -85,4 +76,29 @@ pub(in crate::machine) fn say_driver(to: &mut Speaker<'_>, report: &DriverReport
 fn turn_of(steps_per_mm: StepsPerMm, microsteps: u32) -> Hundredths {
     let steps = (FULL_STEPS * u64::from(microsteps)) << 48;
     Hundredths(Mm::from_bits((steps / u64::from(steps_per_mm.to_bits().max(1))) as i64))
+}
+
+/// The value of one axis in Marlin's words.
+struct DriverValueLine<'g>(char, DriverValue, &'g DriverSettings);
+
+impl fmt::Display for DriverValueLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(axis, value, group) = *self;
+        let what = match value {
+            DriverValue::Current => "driver current",
+            DriverValue::HybridThreshold => "stealthChop max speed",
+            DriverValue::StallThreshold => "homing sensitivity",
+            DriverValue::Mode if group.stealth => return write!(f, "{axis} driver mode: stealthChop"),
+            DriverValue::Mode => return write!(f, "{axis} driver mode: spreadCycle"),
+        };
+        write!(f, "{axis} {what}: {}", value.number(group))
+    }
+}
+
+/// One value of each axis.
+pub(in crate::machine) fn say_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
+    let DriverGroups { belt, z, e } = s.drivers;
+    for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
+        to.say(format_args!("{}", DriverValueLine(axis, value, &group)));
+    }
 }

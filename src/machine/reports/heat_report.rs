@@ -2,9 +2,9 @@
 
 use super::report::Hundredths;
 use super::sensors::say_sensors;
-use super::speaker::Speaker;
 use crate::connectors::{HEATERS, Heater};
 use crate::fault::Latch;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
 use crate::settings::ThermalSettings;
 use crate::status::{Heat, Tuned};

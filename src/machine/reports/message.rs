@@ -1,7 +1,7 @@
 //! M118: messages for the host.
 
-use super::speaker::Speaker;
 use crate::gcode::Form;
+use crate::machine::answers::speaker::Speaker;
 use core::fmt::{self, Write};
 
 /// What a message may not begin with, in lower case: a host would take it for an answer (printcore, OctoPrint comm.py).

@@ -7,23 +7,20 @@
 //!
 //! | file | is for |
 //! |---|---|
-//! | [`answer`] | **what** a command has to say, as a value |
+//! | `answers` | **what** a command has to say, as a value |
 //! | [`report`] and the files beside it | **how** it is worded |
 //! | [`tell`] | the Console's part: writes an answer, and waits for room |
-//! | [`speaker`] | says each part once and in order, whatever room there is |
 //!
 //! | word | means |
 //! |---|---|
-//! | part | a line, or lines that must not be separated |
-//! | say | write a part, if there is room for it |
+//! | part, say | see `answers` |
 //! | tell | say all parts of an answer, waiting for room |
 //! | give notice | say something once, and not with every line that it is true of |
 
-pub(in crate::machine) mod answer;
 pub(in crate::machine) mod driver_report;
 pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod message;
 pub(in crate::machine) mod report;
 pub(in crate::machine) mod sensors;
-pub(in crate::machine) mod speaker;
+pub(in crate::machine) mod storage_report;
 pub(in crate::machine) mod tell;

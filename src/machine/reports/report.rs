@@ -2,8 +2,8 @@
 //!
 //! Plain functions of what they speak of: position (M114), firmware (M115), endstops (M119, M211), overload (M122).
 
-use super::speaker::Speaker;
 use crate::kinematics::Groups;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;

@@ -1,6 +1,6 @@
 //! What the temperature sensors say, before anybody makes degrees of it.
 
-use super::speaker::Speaker;
+use crate::machine::answers::speaker::Speaker;
 use crate::port::Sensor;
 use crate::status::Heat;
 

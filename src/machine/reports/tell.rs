@@ -1,17 +1,16 @@
 //! Telling: the Console writes an answer, and waits wherever there is no room for a part of it.
 
-use super::answer::Answer;
-use super::driver_report::say_driver;
+use super::driver_report::{say_driver, say_driver_values};
 use super::heat_report::{Temperatures, say_heat, say_tuned};
 use super::message::say_message;
 use super::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
-use super::speaker::{Progress, Speaker};
+use super::storage_report::say_storage;
 use crate::connectors::Heater;
 use crate::gcode::Flaw;
-use crate::machine::commands::drivers::say_driver_values;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::speaker::{Progress, Speaker};
 use crate::machine::commands::heater_settings::say_heat_setting;
 use crate::machine::commands::settings::shown::{say_setting, say_settings};
-use crate::machine::commands::settings::storage_news::say_storage;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
@@ -127,8 +126,8 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
                     to.say(format_args!("echo:{warning}"));
                 }
             }
-            Answer::Setting(setting) => say_setting(to, setting, s, retraction),
-            Answer::Settings => say_settings(to, s, retraction, !drivers.lines().is_empty()),
+            Answer::Setting(setting) => say_setting(to, setting, s, &retraction.settings),
+            Answer::Settings => say_settings(to, s, &retraction.settings, !drivers.lines().is_empty()),
             Answer::OneBelt(code) => {
                 to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
             }
@@ -148,7 +147,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
                 let (least, most) = (ranges::CURRENT_MA.least, ranges::CURRENT_MA.most);
                 to.say(format_args!("echo:{code} ignored: {least} to {most} mA"));
             }
-            Answer::Driver(report) => say_driver(to, &report, drivers, s),
+            Answer::Driver(motor, reading) => say_driver(to, (motor, reading), drivers, s),
             Answer::Storage(news) => say_storage(to, &news),
             Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor was given power")),
             Answer::HomingFailed { axis, why } => to.say(format_args!("Error:Homing failed: {axis} endstop {why}")),

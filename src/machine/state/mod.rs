@@ -1,7 +1,18 @@
-//! State that outlasts a line: what earlier lines said that still holds, and what is known of the machine.
+//! State: what earlier lines said that still holds, what is known of the machine, and what the present line asked for
+//! beyond its ranges.
 //!
 //! Each struct owns its fields; the Console holds the structs and hands each command the ones that it needs. Pure: nothing
 //! here knows the Console.
+//!
+//! | looking for | see |
+//! |---|---|
+//! | G90 to G92, G20, F, overrides | [`modal`] |
+//! | G10, G11 | [`retraction`] |
+//! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
+//! | what a command waits for, M25 | [`pauses`], [`waiting`] |
+//! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
+//! | values out of range | [`clamps`] |
+//! | what a host was told once | [`notices`] |
 //!
 //! | word | means |
 //! |---|---|
@@ -10,14 +21,20 @@
 //! | named position | the commanded position as the program counts it, after G92 |
 //! | edge | the end of the reachable space of a homed axis, where soft endstops put a target that lies beyond |
 //! | notice | what a host is told once, not with every line |
+//! | away | how far retraction keeps the machine from the commanded position |
+//! | clamp | a value out of range, brought to the edge of its range and told of |
 //! | farthest | 10 m from zero, beyond which no target is computed |
 
+pub(in crate::machine) mod advance_in_use;
+pub(in crate::machine) mod clamps;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
 pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;
+pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod position;
+pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod self_tests;
 pub(in crate::machine) mod soft_endstops;
 pub(in crate::machine) mod waiting;

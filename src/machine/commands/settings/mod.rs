@@ -12,5 +12,4 @@
 
 pub(in crate::machine) mod set;
 pub(in crate::machine) mod shown;
-pub(in crate::machine) mod storage_news;
 pub(in crate::machine) mod stored;

@@ -3,10 +3,10 @@
 //! Plain functions on the settings; M92 alone needs the machine at rest, which is `commands::blocking`'s part.
 
 use crate::gcode::{AxisWords, Number, VelocityWords};
-use crate::machine::commands::clamps::Clamps;
-use crate::machine::commands::setting::Setting;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::setting::Setting;
 use crate::machine::numbers::exact;
-use crate::machine::reports::answer::Answer;
+use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::settings::{AxisSettings, CornerRule, Range, Settings, ranges};

@@ -1,17 +1,23 @@
 //! Settings as they are shown: as the lines that set them, one each for the command without words, all of them for M503.
 
 use crate::gcode::Number;
-use crate::machine::commands::driver_value::DriverValue;
+use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::answers::setting::Setting;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::commands::heater_settings::say_heat_settings;
-use crate::machine::commands::retraction::Retraction;
-use crate::machine::commands::setting::Setting;
+use crate::machine::commands::retraction::{say_recovery, say_retraction};
 use crate::machine::commands::shaping::say_shaper;
 use crate::machine::numbers::{exact, shortest};
-use crate::machine::reports::speaker::Speaker;
+use crate::machine::state::retraction::RetractionSettings;
 use crate::settings::{CornerRule, Settings};
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
-pub(in crate::machine) fn say_settings(to: &mut Speaker<'_>, s: &Settings, retraction: &Retraction, has_drivers: bool) {
+pub(in crate::machine) fn say_settings(
+    to: &mut Speaker<'_>,
+    s: &Settings,
+    retraction: &RetractionSettings,
+    has_drivers: bool,
+) {
     to.say(format_args!("echo:  G21"));
     for setting in Setting::all() {
         say_setting(to, setting, s, retraction);
@@ -29,7 +35,12 @@ pub(in crate::machine) fn say_settings(to: &mut Speaker<'_>, s: &Settings, retra
 }
 
 /// The line or lines of one setting.
-pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings, retraction: &Retraction) {
+pub(in crate::machine) fn say_setting(
+    to: &mut Speaker<'_>,
+    setting: Setting,
+    s: &Settings,
+    retraction: &RetractionSettings,
+) {
     match setting {
         Setting::Resolutions => say_axes(to, "M92", s.axes.map(|a| exact(a.steps_per_mm)).to_array()),
         Setting::MaxSpeeds => say_axes(to, "M203", s.axes.map(|a| exact(a.max_speed)).to_array()),
@@ -64,8 +75,8 @@ pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s:
             to.say(format_args!("echo:  M900 K{time}"));
             to.say(format_args!("echo:  M572 W{window}"));
         }
-        Setting::Retraction => retraction.say(to),
-        Setting::Recovery => retraction.say_recovery(to),
+        Setting::Retraction => say_retraction(to, retraction),
+        Setting::Recovery => say_recovery(to, retraction),
     }
 }
 

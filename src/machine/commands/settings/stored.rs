@@ -1,9 +1,9 @@
 //! Settings as they are stored: what is stored counts from the start on, and M500, M501, M502, M504.
 
-use super::storage_news::StorageNews;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::storage_news::StorageNews;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::machine::reports::answer::Answer;
 use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
 use crate::storage::{self, Survey};

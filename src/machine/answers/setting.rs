@@ -1,5 +1,7 @@
 //! What one line of G-code sets, as a name: each is a line of M503.
 
+use crate::connectors::Heater;
+
 /// What one line sets.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Setting {
@@ -46,4 +48,17 @@ impl Setting {
             Self::Recovery => None,
         }
     }
+}
+
+/// What one line about heaters and fans sets.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum HeatSetting {
+    /// M301, M304.
+    Pid(Heater),
+    /// M306.
+    Model(Heater),
+    /// M302.
+    ColdExtrusion,
+    /// M710.
+    ControllerFan,
 }

@@ -3,7 +3,6 @@
 use crate::gcode::Number;
 use crate::machine::numbers::exact;
 use crate::settings::DriverSettings;
-use core::fmt;
 
 /// A setting that a command reports or changes for each axis.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -36,22 +35,5 @@ impl DriverValue {
             Self::StallThreshold => exact(i32::from(group.stall_threshold)),
             Self::Mode => exact(i32::from(group.stealth)),
         }
-    }
-}
-
-/// The value of one axis in Marlin's words.
-pub(in crate::machine) struct DriverValueLine<'g>(pub char, pub DriverValue, pub &'g DriverSettings);
-
-impl fmt::Display for DriverValueLine<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(axis, value, group) = *self;
-        let what = match value {
-            DriverValue::Current => "driver current",
-            DriverValue::HybridThreshold => "stealthChop max speed",
-            DriverValue::StallThreshold => "homing sensitivity",
-            DriverValue::Mode if group.stealth => return write!(f, "{axis} driver mode: stealthChop"),
-            DriverValue::Mode => return write!(f, "{axis} driver mode: spreadCycle"),
-        };
-        write!(f, "{axis} {what}: {}", value.number(group))
     }
 }

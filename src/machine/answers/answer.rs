@@ -1,19 +1,18 @@
 //! Answers: what a command has to say, as a value. `answer` is for what is said, `report` for how it is worded.
 //!
 //! A command does what it does and returns its answer; `tell` writes it, and the `ok` after it. A new reply is a variant
-//! here and an arm in `tell::write`. A reply of several lines gets a function of its own, in `report` or beside what it
+//! here and an arm in `reports::tell`. A reply of several lines gets a function of its own, in `reports` or beside what it
 //! speaks of. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
-use super::driver_report::DriverReport;
+use super::driver_value::DriverValue;
+use super::setting::HeatSetting;
+use super::setting::Setting;
+use super::storage_news::StorageNews;
 use crate::connectors::Heater;
-use crate::driver::Fault;
+use crate::driver::{DriverError, Fault, Reading};
 use crate::gcode::{Flaw, Form};
-use crate::machine::commands::clamps::Clamp;
-use crate::machine::commands::driver_value::DriverValue;
-use crate::machine::commands::heater_settings::HeatSetting;
-use crate::machine::commands::setting::Setting;
-use crate::machine::commands::settings::storage_news::StorageNews;
-use crate::port::EndstopSet;
+use crate::machine::state::clamps::Clamp;
+use crate::port::{EndstopSet, Motor};
 use crate::protocol::ResendReason;
 use crate::status::Tuned;
 
@@ -89,7 +88,8 @@ pub(in crate::machine) enum Answer<'a> {
     TooMuchFilament,
     DriverValues(DriverValue),
     IllegalCurrent(&'static str),
-    Driver(DriverReport),
+    /// M122: a driver, and what it said; `None` without a UART.
+    Driver(Motor, Option<Result<Reading, DriverError>>),
     Storage(StorageNews),
     /// Why motors have no power.
     NoPower(Fault),

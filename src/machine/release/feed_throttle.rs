@@ -7,7 +7,7 @@
 //!
 //! While the stream has not run dry nothing of this happens, for it depends on when lines arrive. It ends when the
 //! look-ahead is full, so that the host is known to be faster, when a command waits for the motion, or with a pause
-//! (see [`release_policy`](super::release_policy)).
+//! (see [`policy`](super::policy)).
 
 use crate::motion::WHOLE_SHARE as WHOLE;
 use crate::units::TICKS_PER_MS;

@@ -5,14 +5,14 @@
 //! host wants to know when it connects is answered, so that it gets as far as sending M999; what asks for anything to be
 //! done gets the error too.
 
-use super::host::{Asked, Text};
 use crate::driver;
 use crate::fault::Fault;
 use crate::gcode::{self, Command};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::speaker::Progress;
 use crate::machine::console::{Console, PortSet, yield_once};
+use crate::machine::hosts::host::{Asked, Text};
 use crate::machine::interrupt::Restart;
-use crate::machine::reports::answer::Answer;
-use crate::machine::reports::speaker::Progress;
 use crate::port::{Clock, LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
 
@@ -59,7 +59,7 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// The Console after a stop, until M999.
-    pub(in crate::machine) async fn stay_halted(&mut self) -> Restart {
+    pub(super) async fn stay_halted(&mut self) -> Restart {
         self.link.status().set_halted();
         self.stop_and_cut();
         self.link.status().set_awaiting_input(true);

@@ -1,0 +1,22 @@
+//! Answers: what a command has to say, as a value, and the speaker that says it.
+//!
+//! A command returns an [`answer::Answer`]. `reports` words it and says it through the [`speaker::Speaker`], one part after
+//! the other. Nothing here knows the Console.
+//!
+//! | file | is for |
+//! |---|---|
+//! | [`answer`] | **what** there is to say: one variant a reply |
+//! | [`setting`], [`driver_value`] | names for what a line sets and shows |
+//! | [`storage_news`] | what M500 to M504 and the start have found |
+//! | [`speaker`] | says each part once and in order, whatever room there is |
+//!
+//! | word | means |
+//! |---|---|
+//! | part | a line, or lines that must not be separated |
+//! | say | write a part, if there is room for it |
+
+pub(in crate::machine) mod answer;
+pub(in crate::machine) mod driver_value;
+pub(in crate::machine) mod setting;
+pub(in crate::machine) mod speaker;
+pub(in crate::machine) mod storage_news;

@@ -1,0 +1,40 @@
+//! News of the storage: what M500 to M504 and the start have to say of it.
+
+use crate::port::StorageError;
+use crate::storage::{Receipt, Rejected, SaveError, Slot, Survey};
+
+/// Why the content of a slot is not used.
+pub(in crate::machine) type Slots = [(Slot, Option<Rejected>); 2];
+
+/// What there is to tell of the storage.
+#[derive(Clone, Copy)]
+pub(in crate::machine) enum StorageNews {
+    /// M500 did it.
+    Saved(Receipt),
+    /// M500 did not.
+    NotSaved(SaveError),
+    /// M501 found no storage.
+    Unchanged(StorageError),
+    /// M504 found none.
+    Unanswered(StorageError),
+    /// There was none at the start.
+    Unreadable(StorageError),
+    /// These settings were found and taken, or the defaults if there is no receipt.
+    Loaded { rejected: Slots, receipt: Option<Receipt> },
+    /// These settings were found.
+    Checked { rejected: Slots, receipt: Option<Receipt> },
+    /// M502.
+    Defaults,
+}
+
+impl StorageNews {
+    /// What was found and taken.
+    pub fn loaded(survey: &Survey) -> Self {
+        Self::Loaded { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
+    }
+
+    /// What was found.
+    pub fn checked(survey: &Survey) -> Self {
+        Self::Checked { rejected: survey.rejected, receipt: survey.newest.map(|stored| stored.receipt) }
+    }
+}

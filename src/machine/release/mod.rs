@@ -1,0 +1,19 @@
+//! Release: when moves leave the look-ahead, and how much of the feed a slow host gets.
+//!
+//! Both files decide from times and counts alone and touch nothing; `stream` asks them and moves the moves.
+//!
+//! | file | decides |
+//! |---|---|
+//! | [`policy`] | when motion begins, and what may leave then |
+//! | [`feed_throttle`] | how much of the feed the stream allows |
+//!
+//! | word | means |
+//! |---|---|
+//! | final | a move whose speeds no later move can change |
+//! | dry | so little is queued that a move leaves though it is not final |
+//! | underrun | a move followed one that had left dry: the host was too slow |
+//! | share | the part of the commanded feed that a host which cannot keep up gets |
+//! | gathering | the machine rests, and moves are added before the motion begins |
+
+pub(in crate::machine) mod feed_throttle;
+pub(in crate::machine) mod policy;

@@ -1,0 +1,106 @@
+//! Firmware retraction: G10 pulls the filament back and lifts the tool, G11 undoes it.
+//!
+//! The program knows nothing of it: what it commands goes on meaning the same, and the machine stays away from it by
+//! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
+
+use crate::units::{Mm, MmPerSec};
+
+/// How G10 and G11 retract: M207, M208.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct RetractionSettings {
+    pub length: Mm,
+    pub speed: MmPerSec,
+    pub lift: Mm,
+    pub extra: Mm,
+    pub recover_speed: MmPerSec,
+}
+
+impl RetractionSettings {
+    /// Marlin's values (Configuration_adv.h, RETRACT_LENGTH and those below it).
+    const fn new() -> Self {
+        Self {
+            length: Mm::const_from_int(3),
+            speed: MmPerSec::const_from_int(45),
+            lift: Mm::ZERO,
+            extra: Mm::ZERO,
+            recover_speed: MmPerSec::const_from_int(8),
+        }
+    }
+}
+
+/// Whether the filament is retracted, and how that is done.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Retraction {
+    pub settings: RetractionSettings,
+    /// How far the tool is lifted above the commanded position, and the filament pulled back from it.
+    away: Option<[Mm; 2]>,
+}
+
+/// A move of the machine alone: how far the machine is away from the commanded position at its end, and its speed.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct RetractionMove {
+    away: [Mm; 2],
+    pub speed: MmPerSec,
+}
+
+impl Retraction {
+    /// The filament is where the program wants it.
+    pub const fn new() -> Self {
+        Self { settings: RetractionSettings::new(), away: None }
+    }
+
+    /// Where the machine goes for a commanded position.
+    pub fn away_from(&self, position: [Mm; 4]) -> [Mm; 4] {
+        let [x, y, z, e] = position;
+        let [lift, length] = self.away.unwrap_or_default();
+        [x, y, z.saturating_add(lift), e.wrapping_sub(length)]
+    }
+
+    /// The commanded position of a machine that stands there.
+    pub fn commanded(&self, position: [Mm; 4]) -> [Mm; 4] {
+        let [x, y, z, e] = position;
+        let [lift, length] = self.away.unwrap_or_default();
+        [x, y, z.saturating_sub(lift), e.wrapping_add(length)]
+    }
+
+    /// G10: the filament first, then the lift. Nothing if that was done.
+    pub fn moves_away(&self, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
+        let (lift, length) = (self.settings.lift, self.settings.length);
+        let moves = [
+            RetractionMove { away: [Mm::ZERO, length], speed: self.settings.speed },
+            RetractionMove { away: [lift, length], speed: z_speed },
+        ];
+        self.away.is_none().then_some(moves)
+    }
+
+    /// G11: the lift first, then the filament.
+    pub fn moves_back(&self, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
+        let [_, length] = self.away?;
+        let recovered = RetractionMove { away: [Mm::ZERO, -self.settings.extra], speed: self.settings.recover_speed };
+        Some([RetractionMove { away: [Mm::ZERO, length], speed: z_speed }, recovered])
+    }
+
+    /// Where the machine stands after that move.
+    pub fn after(&self, step: RetractionMove, commanded: [Mm; 4]) -> [Mm; 4] {
+        Self { away: Some(step.away), ..*self }.away_from(commanded)
+    }
+
+    /// That move is planned.
+    pub const fn note_planned(&mut self, step: RetractionMove) {
+        self.away = Some(step.away);
+    }
+
+    /// The filament that was recovered in addition, which counts as asked for. `None` if some is still retracted.
+    pub fn take_extra(&mut self) -> Option<Mm> {
+        let [lift, length] = self.away.filter(|[_, length]| *length <= Mm::ZERO)?;
+        self.away = (lift > Mm::ZERO).then_some([lift, Mm::ZERO]);
+        Some(-length)
+    }
+
+    /// Z was homed, so its lift is gone.
+    pub fn forget_lift(&mut self) {
+        if let Some([lift, _]) = &mut self.away {
+            *lift = Mm::ZERO;
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Out of the look-ahead: the part of the crank that hands moves on when the release policy lets them go.
+
+use crate::machine::console::{Console, PortSet};
+use crate::machine::release::policy::{GATHERED, Release};
+use crate::motion::Work;
+use crate::port::{Clock, Pend};
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// Hands released moves on, and releases more when it is time.
+    pub(in crate::machine) fn feed_motion(&mut self) {
+        // Asked at every turn, because that counts up what was stepped.
+        self.link.left();
+        let level = (self.planner.len() + self.link.level()) as u32;
+        self.link.status().set_level(level);
+        if self.policy.is_level_telling() {
+            self.link.status().note_level(level);
+        }
+        if self.policy.is_gathering() {
+            if self.begin_motion() {
+                self.come_again();
+            }
+            return;
+        }
+        // One move a turn, so that bytes and emergencies are looked at in between. The next turn follows at once.
+        if self.hand_on() {
+            self.come_again();
+        }
+    }
+
+    /// Hands a move on, or lets one go, if it is time.
+    fn hand_on(&mut self) -> bool {
+        if !self.link.has_room() {
+            return false;
+        }
+        let release = self.policy.release(self.link.level(), self.link.left());
+        if release == Release::Nothing {
+            return false;
+        }
+        if self.planner.is_empty() {
+            if self.link.is_idle() {
+                self.policy.come_to_rest(self.ports.clock.now());
+            }
+            return false;
+        }
+        if !self.planner.replan() {
+            self.come_again();
+            return false;
+        }
+        if let Some(released) = self.planner.pop() {
+            self.link.send(Work::Move(released));
+            return true;
+        }
+        if release == Release::Final {
+            return false;
+        }
+        self.planner.release_next();
+        self.policy.note_dry();
+        true
+    }
+
+    /// Whether motion begins now.
+    fn begin_motion(&mut self) -> bool {
+        let now = self.ports.clock.now();
+        // A move that is not planned cannot be final, and few moves are not worth the question.
+        if !self.policy.is_worth_asking(now) || self.planner.is_empty() {
+            return false;
+        }
+        let is_due = !self.planner.is_planned() || self.planner.waiting() >= GATHERED;
+        let (final_ticks, is_all) = if is_due { self.planner.final_time() } else { (0, true) };
+        if !is_all {
+            self.policy.note_news();
+            self.come_again();
+        }
+        self.policy.begin(final_ticks, now)
+    }
+}
