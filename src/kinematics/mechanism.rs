@@ -4,8 +4,8 @@
 //! its motors must do is rows times position, and everything else follows from the rows ([`Groups`](super::Groups)).
 //! A row of zeros is a motor that is not fitted.
 //!
-//! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`) for simulator and QEMU; on a
-//! board it is `SETTINGS` in `chips/stm32f446/src/start.rs`, which is compiled in. The tests of `boards/sim/tests/machines` home,
+//! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`). A board starts as the machine
+//! that is stored. The tests of `boards/sim/tests/machines` home,
 //! print and stop every file; `tests/mechanisms/machines.rs` and docs/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};

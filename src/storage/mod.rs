@@ -6,10 +6,12 @@
 //!
 //! After the slots lies one page more, which notes the last self-test of the heaters that was passed.
 
+mod machine;
 mod record;
 mod self_test;
 mod slots;
 
+pub use machine::other_machine;
 pub use record::{FORMAT, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
 pub use slots::{NEEDED, PAGE, STRIDE, SaveError, Slot, Stored, Survey, is_present, save, survey};

@@ -266,3 +266,22 @@ fn a_cut_note_of_a_self_test_is_the_old_one_or_none_and_never_costs_settings() {
         assert_eq!(newest(&mut eeprom), Some(variant(1)));
     }
 }
+
+/// A board is put together as the machine that is stored, if its motors are others and make a machine.
+#[test]
+fn a_machine_with_other_motors_is_started_as_that() {
+    let made = Settings::prototype();
+    let stored = |settings: &Settings| {
+        let mut eeprom = Eeprom::blank();
+        now(storage::save(&mut eeprom, settings)).unwrap();
+        now(storage::other_machine(&mut eeprom, &made))
+    };
+    let mut other = variant(7);
+    assert_eq!(stored(&other), None, "the same motors with other settings are the Console's business");
+    other.mechanism.rows.swap(0, 1);
+    assert_eq!(stored(&other), Some(other));
+    other.mechanism.rows = [[0; 4]; 7];
+    assert_eq!(stored(&other), None, "nothing moves: no machine");
+    assert_eq!(now(storage::other_machine(&mut Eeprom::blank(), &made)), None);
+    assert_eq!(now(storage::other_machine(&mut NoStorage, &made)), None);
+}

@@ -4,9 +4,7 @@
 
 use crate::checkout::{self, root, run};
 use crate::test::check_file;
-use anyhow::{Result, ensure};
-use corehbot::settings::Settings;
-use corehbot_sim::machine_file;
+use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -20,7 +18,7 @@ pub struct Args {
     board: Board,
     /// G-code file; it has to home, for the image does not believe in a position.
     file: PathBuf,
-    /// The machine, which is put into the board's EEPROM; its mechanism has to be that of the image.
+    /// The machine, which is put into the board's EEPROM.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins, in real time since reset.
@@ -43,7 +41,7 @@ enum Board {
 pub struct EqualArgs {
     /// G-code file; it has to home.
     file: PathBuf,
-    /// The machine; its mechanism has to be that of the image.
+    /// The machine.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
 }
@@ -51,26 +49,14 @@ pub struct EqualArgs {
 /// Builds the image and prints a file on it; the emulator compares its steps with the simulator's.
 pub fn main(args: &Args) -> Result<()> {
     let Board::Octopus = args.board;
-    check_mechanism(args.settings.as_deref())?;
     let options = [("--settings", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd)];
     print(&args.file, options)
 }
 
 /// Prints a file three times: the simulator against QEMU, byte for byte, and against the image.
 pub fn equal(args: &EqualArgs) -> Result<()> {
-    check_mechanism(args.settings.as_deref())?;
     check_file(&args.file, args.settings.as_deref())?;
     print(&args.file, [("--settings", &args.settings)])
-}
-
-/// Refuses a machine that the image cannot be, before anything is built.
-fn check_mechanism(settings: Option<&Path>) -> Result<()> {
-    let Some(path) = settings else { return Ok(()) };
-    let mechanism = machine_file::read(path)?.settings.mechanism;
-    let other = "has another mechanism than the image, into which it is compiled; `corehbot run` and `cargo xtask qemu` \
-                 take it";
-    ensure!(mechanism == Settings::prototype().mechanism, "{} {other}", path.display());
-    Ok(())
 }
 
 fn print<const N: usize>(file: &Path, options: [(&'static str, &Option<PathBuf>); N]) -> Result<()> {

@@ -6,8 +6,10 @@ use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
 use corehbot::settings::Settings;
+use corehbot::storage::other_machine;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
+use embassy_futures::block_on;
 use embassy_time::{Duration, Instant, block_for};
 use static_cell::StaticCell;
 
@@ -34,8 +36,8 @@ defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
 static DIR_WRITES: StaticCell<PortWrites> = StaticCell::new();
 
-/// The machine, until its storage says more of it.
-const SETTINGS: Settings = Settings::prototype();
+/// The machine, unless one with another mechanism is stored.
+static MADE: Settings = Settings::prototype();
 
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
@@ -97,13 +99,25 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
         contexts::only_talk(lines, usb, record.fault);
     }
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
-    let groups = Groups::new(&SETTINGS.mechanism);
+    let mut storage = BoardStorage(find(board));
+    let settings = settings_at_start(&mut storage);
+    let groups = Groups::new(&settings.mechanism);
     let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
-    let ports =
-        Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage: BoardStorage(find(board)) };
+    let ports = Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage };
     let heat = BoardHeat::start(board);
     let step_ports = StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer };
-    (assemble(&SETTINGS, step_ports, heat, ports), usb, counts_asleep)
+    (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
+}
+
+/// What the machine is put together with.
+#[inline(never)]
+fn settings_at_start(storage: &mut BoardStorage) -> &'static Settings {
+    static STORED: StaticCell<Settings> = StaticCell::new();
+    // The board's memory answers at once; nothing here waits for anybody else.
+    match block_on(other_machine(storage, &MADE)) {
+        Some(stored) => STORED.init(stored),
+        None => &MADE,
+    }
 }
 
 /// Whether the board has the resistors that we know it by. Leaves the pins inputs.

@@ -1,0 +1,12 @@
+//! The machine to start as: motors are put together before the Console runs, so the mechanism is looked for first.
+
+use super::slots::survey;
+use crate::port::Storage;
+use crate::settings::Settings;
+
+/// The newest settings that are stored, if they are those of a machine with other motors than `made` has: a board is then
+/// started as that machine. All else in them is for the Console, which looks again, and tells what it finds.
+pub async fn other_machine(storage: &mut impl Storage, made: &Settings) -> Option<Settings> {
+    let stored = survey(storage).await.ok()?.newest?.settings;
+    (stored.mechanism != made.mechanism && stored.check_machine().is_ok()).then_some(stored)
+}
