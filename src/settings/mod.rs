@@ -5,9 +5,9 @@
 //!
 //! | place | where | what holds it to that |
 //! |---|---|---|
-//! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal` | compiler (`prototype`) |
-//! | range, check | `check` | `tests/setting_ranges.rs` |
-//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (as `with_heat` does). A field of a struct inside `Settings` cannot be put behind: `decode` then reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
+//! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
+//! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
+//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (`completed`). A field of a struct inside `Settings` cannot be put behind: `decode` then reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
 //! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
 //! | M503 | `machine/answers/setting.rs`; of drivers `say_driver_settings` in `machine/commands/settings/shown.rs` | the same test |
@@ -27,17 +27,21 @@ mod axis;
 mod check;
 mod drivers;
 mod kept;
+mod plugged;
 mod shaping;
 mod thermal;
+mod wiring;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use kept::{Kept, sum};
+pub use plugged::{ConnectorError, Plugged};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
     Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, ThermalSettings, Thermistor,
 };
+pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
 use crate::kinematics::Mechanism;
 use crate::motors::Motor;
@@ -123,6 +127,8 @@ pub struct Settings {
     pub require_homing: bool,
     /// Heaters and fans.
     pub thermal: ThermalSettings,
+    /// Where motors and switches are plugged in.
+    pub wiring: Wiring,
 }
 
 impl Settings {
@@ -173,6 +179,7 @@ impl Settings {
             mechanism: Mechanism::corehbot(),
             require_homing: false,
             thermal: ThermalSettings::prototype(),
+            wiring: Wiring::prototype(),
         }
     }
 

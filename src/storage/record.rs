@@ -13,14 +13,20 @@
 //! in 2^32.
 
 use crate::checksum::crc32;
+use crate::connectors::HEATERS;
 use crate::kinematics::Mechanism;
-use crate::settings::{Settings, SettingsError, ThermalSettings};
+use crate::settings::{
+    Axes, AxisSettings, Cartesian, HeaterModel, Homing, Pid, Settings, SettingsError, Shapers, ThermalSettings, Wiring,
+};
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 7;
+pub const FORMAT: u16 = 8;
 
-/// The format before there were heaters: the same settings up to [`Settings::thermal`].
+/// The format before connectors were settings: the same up to [`Settings::wiring`].
+const WITHOUT_WIRING: u16 = 7;
+
+/// The format before there were heaters: the same up to [`Settings::thermal`].
 const WITHOUT_HEAT: u16 = 6;
 
 const MAGIC: [u8; 4] = *b"CHBS";
@@ -30,9 +36,16 @@ pub(super) const HEADER: usize = 16;
 /// Longest record.
 pub(super) const LONGEST: usize = 1024;
 
-// Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 10 for i64, which the
-// mechanism is stored as.
-const _: () = assert!(HEADER + (size_of::<Settings>() - size_of::<Mechanism>()) * 3 / 2 + 10 <= LONGEST);
+/// The longest payload. Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 10 for i64,
+/// which the mechanism is stored as. `wide` is what has no u16. A plug is a name of eight bytes, before which stands its length, and
+/// a `bool`.
+const LONGEST_PAYLOAD: usize = {
+    let wide = size_of::<Axes<AxisSettings>>() + size_of::<Cartesian<Homing>>() + size_of::<Shapers>();
+    let wide = wide + HEATERS * (size_of::<HeaterModel>() + size_of::<Pid>());
+    let rest = size_of::<Settings>() - size_of::<Mechanism>() - size_of::<Wiring>() - wide;
+    rest * 3 / 2 + wide * 5 / 4 + 10 + size_of::<Wiring>() * 10 / 9
+};
+const _: () = assert!(HEADER + LONGEST_PAYLOAD <= LONGEST);
 
 /// Why a slot's content is no settings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -141,7 +154,7 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     let mut longer = [0; LONGEST];
     let whole = match header.format {
         FORMAT => payload,
-        WITHOUT_HEAT => with_heat(payload, &mut longer).ok_or(Rejected::Damaged)?,
+        WITHOUT_HEAT | WITHOUT_WIRING => completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?,
         format => return Err(Rejected::Format(format)),
     };
     match postcard::take_from_bytes::<Settings>(whole) {
@@ -154,13 +167,15 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     }
 }
 
-/// A payload of [`WITHOUT_HEAT`] as one of today: the encoding has no names and no lengths, so the heaters and fans of a new
-/// machine are put behind it. An update must not lose what a user has set.
-fn with_heat<'a>(payload: &[u8], longer: &'a mut [u8; LONGEST]) -> Option<&'a [u8]> {
-    let (first, second) = longer.split_at_mut_checked(payload.len())?;
+/// A payload of an earlier format as one of today: the encoding has no names and no lengths, so what the format does not know
+/// is put behind it as a new machine has it. An update must not lose what a user has set.
+fn completed<'a>(payload: &[u8], format: u16, whole: &'a mut [u8; LONGEST]) -> Option<&'a [u8]> {
+    let (first, rest) = whole.split_at_mut_checked(payload.len())?;
     first.copy_from_slice(payload);
-    let added = postcard::to_slice(&ThermalSettings::prototype(), second).ok()?.len();
-    longer.get(..payload.len() + added)
+    let is_heat_added = format == WITHOUT_HEAT;
+    let heat = if is_heat_added { postcard::to_slice(&ThermalSettings::prototype(), rest).ok()?.len() } else { 0 };
+    let wiring = postcard::to_slice(&Wiring::prototype(), rest.get_mut(heat..)?).ok()?.len();
+    whole.get(..payload.len() + heat + wiring)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use corehbot::port::MotorSet;
 use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
 
-/// The board.
+/// The board. Its connectors' names, in the same order, are [`NUCLEO`](corehbot::connectors::NUCLEO).
 pub static BOARD: Board = Board {
     name: "Nucleo-F446RE",
     crystal: Crystal::Clock8MHz,
@@ -50,12 +50,44 @@ const fn slot(step: (Port, u8), dir: (Port, u8)) -> Option<Slot> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::connectors::NUCLEO;
     use corehbot::port::Motor;
 
     #[test]
     fn the_table_is_sound() {
         assert_eq!(BOARD.problem(), None);
         assert_eq!(BOARD.uarts(), MotorSet::NONE);
+    }
+
+    #[test]
+    fn names_and_pins_are_those_of_the_readme() {
+        let readme: Vec<Vec<_>> = include_str!("../README.md")
+            .lines()
+            .filter(|line| line.starts_with('|'))
+            .map(|line| line.split('|').map(str::trim).collect())
+            .collect();
+        let pin = |pin: Pin| format!("P{:?}{}", pin.port, pin.number());
+        assert_eq!(NUCLEO.sockets.len(), BOARD.slots.iter().flatten().count());
+        for (name, slot) in NUCLEO.sockets.iter().zip(BOARD.slots.iter().flatten()) {
+            let row = readme.iter().find(|row| row.len() == 7 && row[3] == name.as_str()).unwrap();
+            assert!(row[4].ends_with(&pin(slot.step)) && row[5].ends_with(&pin(slot.dir)), "{name}");
+        }
+        assert_eq!(NUCLEO.endstops.len(), BOARD.endstops.len());
+        for (name, input) in NUCLEO.endstops.iter().zip(BOARD.endstops) {
+            let limits =
+                include_str!("../README.md").lines().find(|line| line.starts_with("Limit switches: ")).unwrap();
+            assert!(
+                limits.split(',').any(|part| {
+                    part.contains(&format!("{name} on D")) && part.contains(&format!("({})", pin(input)))
+                })
+            );
+        }
+    }
+
+    #[test]
+    fn the_core_knows_what_is_offered() {
+        assert_eq!((NUCLEO.outputs, NUCLEO.sensors.len()), (BOARD.outputs(), BOARD.thermistors.len()));
+        assert_eq!((NUCLEO.fans, NUCLEO.has_probe), (BOARD.fans.len(), BOARD.probe.is_some()));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use corehbot_stm32f446::wiring::{
     Usart,
 };
 
-/// The board.
+/// The board. Its connectors' names, in the same order, are [`OCTOPUS`](corehbot::connectors::OCTOPUS).
 pub static BOARD: Board = Board {
     name: "BTT Octopus V1.0 or V1.1",
     crystal: Crystal::Oscillator12MHz,
@@ -115,6 +115,7 @@ const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::connectors::OCTOPUS;
     use corehbot::kinematics::{Groups, Mechanism};
     use corehbot::port::{GroupSet, Motor};
     use corehbot_stm32f446::port_writes::PortWrites;
@@ -122,6 +123,34 @@ mod tests {
     #[test]
     fn the_table_is_sound() {
         assert_eq!(BOARD.problem(), None);
+    }
+
+    #[test]
+    fn names_and_pins_are_those_of_the_readme() {
+        let readme: Vec<Vec<_>> = include_str!("../README.md")
+            .lines()
+            .filter(|line| line.starts_with('|'))
+            .map(|line| line.split('|').map(str::trim).collect())
+            .collect();
+        let pin = |pin: Pin| format!("P{:?}{}", pin.port, pin.number());
+        assert_eq!(OCTOPUS.sockets.len(), BOARD.slots.len());
+        for (name, slot) in OCTOPUS.sockets.iter().zip(BOARD.slots.iter().flatten()) {
+            let is_it = |row: &&Vec<&str>| row.len() == 9 && row[3].split(' ').next() == Some(name.as_str());
+            let row = readme.iter().find(is_it).unwrap();
+            let pins = [slot.step, slot.dir, slot.enable, slot.uart.unwrap()].map(pin);
+            assert_eq!(row[4..8], pins, "{name}");
+        }
+        assert_eq!(OCTOPUS.endstops.len(), BOARD.endstops.len());
+        for (name, input) in OCTOPUS.endstops.iter().zip(BOARD.endstops) {
+            assert!(readme.iter().any(|row| row.get(2..4) == Some(&[name.as_str(), &pin(input)])), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_core_knows_what_is_offered() {
+        assert_eq!(OCTOPUS.outputs, BOARD.outputs());
+        assert!(OCTOPUS.sensors.iter().eq(BOARD.thermistors.iter().map(|thermistor| &thermistor.sensor)));
+        assert_eq!((OCTOPUS.fans, OCTOPUS.has_probe), (BOARD.fans.len(), BOARD.probe.is_some()));
     }
 
     #[test]

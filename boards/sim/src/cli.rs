@@ -110,7 +110,11 @@ fn parse_place(text: &str) -> Result<[Mm; 3], String> {
 
 fn read_machine(path: Option<&Path>) -> Result<Machine> {
     let Some(path) = path else {
-        return Ok(Machine { name: Some("CoreH-bot prototype".to_owned()), settings: Settings::prototype() });
+        return Ok(Machine {
+            name: Some("CoreH-bot prototype".to_owned()),
+            board: None,
+            settings: Settings::prototype(),
+        });
     };
     machine_file::read(path)
 }

@@ -2,28 +2,31 @@
 //!
 //! Every key is optional and stands over the prototype's value, but for `[mechanism]`, which lists all motors or is left
 //! out. An unknown key or a value outside its legal range is an error that names both. `form` has the keys, `quantity` the
-//! ranges; `examples/machines/prototype.toml` shows every key.
+//! ranges; `examples/machines/prototype.toml` shows every key. A file that names a `board` is held to what that has.
 
 mod error;
 mod form;
 mod heat;
 mod place;
+mod plugs;
 mod quantity;
+mod resolution;
 
 use anyhow::{Context as _, anyhow};
+use corehbot::connectors::{BoardConnectors, SIM};
 use corehbot::kinematics::{Mechanism, Row};
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, Shaper, ShaperKind, ranges,
+    AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
 };
 pub use error::MachineFileError;
 use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, MechanismToml, ShaperToml};
 pub use place::Place;
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BACK_OFF, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
-    KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, RESOLUTION, SPEED, TOLERANCE, put, put_whole,
-    quantity,
+    KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SPEED, TOLERANCE, put, put_whole, quantity,
 };
+use resolution::resolution;
 use std::path::Path;
 
 /// A machine as its file describes it.
@@ -31,6 +34,8 @@ use std::path::Path;
 pub struct Machine {
     /// What the file calls it.
     pub name: Option<String>,
+    /// The board that it says it has; every connector of the settings is on it.
+    pub board: Option<&'static BoardConnectors>,
     /// Its settings, all in range.
     pub settings: Settings,
 }
@@ -64,6 +69,9 @@ pub fn load(text: &str) -> Result<Settings, MachineFileError> {
 pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     let file: MachineToml = toml::from_str(text).map_err(MachineFileError::Syntax)?;
     let mut s = Settings::prototype();
+    let board = file.board.map(<&BoardConnectors>::from);
+    s.wiring = board.map_or(s.wiring, Wiring::usual);
+    plugs::wiring(&mut s.wiring, file.motors, file.endstops)?;
     put(&mut s.motor_max_speed, "motor_max_speed", file.motor_max_speed, &SPEED)?;
     put(&mut s.motor_max_acceleration, "motor_max_acceleration", file.motor_max_acceleration, &ACCELERATION)?;
     put(&mut s.print_acceleration, "print_acceleration", file.print_acceleration, &ACCELERATION)?;
@@ -98,9 +106,13 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
     driver(&mut s.drivers.z, "drivers.z", &file.drivers.z)?;
     driver(&mut s.drivers.e, "drivers.e", &file.drivers.e)?;
+    for (number, file) in [&file.axes.x, &file.axes.y, &file.axes.z, &file.axes.e].into_iter().enumerate() {
+        resolution(&mut s, number, file)?;
+    }
     heat::thermal(&mut s.thermal, &file.thermal, &file.heaters, &file.fans)?;
     s.check_machine().map_err(MachineFileError::Settings)?;
-    Ok(Machine { name: file.name, settings: s })
+    s.check_connectors(board.unwrap_or(&SIM)).map_err(MachineFileError::Connectors)?;
+    Ok(Machine { name: file.name, board, settings: s })
 }
 
 /// The rows of the motors that the file lists; the others are not fitted.
@@ -135,7 +147,6 @@ fn corner(default: CornerRule, file: &CornerToml) -> Result<CornerRule, MachineF
 }
 
 fn axis(a: &mut AxisSettings, table: &str, file: &AxisToml) -> Result<(), MachineFileError> {
-    put(&mut a.steps_per_mm, &format!("{table}.steps_per_mm"), file.steps_per_mm, &RESOLUTION)?;
     put(&mut a.max_speed, &format!("{table}.max_speed"), file.max_speed, &SPEED)?;
     put(&mut a.max_acceleration, &format!("{table}.max_acceleration"), file.max_acceleration, &ACCELERATION)?;
     put(&mut a.length, &format!("{table}.length"), file.length, &AXIS_LENGTH)

@@ -10,6 +10,7 @@ mod deaf;
 mod lines;
 
 use corehbot::gcode::{Command, Number, parse};
+use corehbot::motors::Motor;
 use corehbot::port::NoStorage;
 use corehbot::settings::{CornerRule, Settings, ShaperKind};
 use corehbot::units::Mm;
@@ -68,6 +69,8 @@ fn file(rule: CornerRule) -> Table {
     for axis in ["x", "y"] {
         file["shaper"][axis]["kind"] = "zv".into();
     }
+    // No board: it has not every connector that a setting may name.
+    file.remove("board");
     file
 }
 
@@ -82,7 +85,12 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
             Value::Array(items) if path.ends_with(".fans") => {
                 items.iter().enumerate().for_each(|(n, value)| gather(value, &format!("{path}.fan{n}"), into));
             }
-            Value::Object(fields) if !fields.contains_key("bits") => {
+            Value::Array(items) if path.ends_with(".motors") => {
+                let motors = Motor::ALL.into_iter().map(Motor::name).zip(items);
+                motors.for_each(|(motor, value)| gather(value, &format!("{path}.{motor}"), into));
+            }
+            // A connector and which way round it is are one text.
+            Value::Object(fields) if !fields.contains_key("bits") && !fields.contains_key("connector") => {
                 fields.iter().for_each(|(key, value)| gather(value, &format!("{path}.{key}"), into));
             }
             _ => drop(into.insert(path.trim_start_matches('.').to_owned(), value.clone())),
@@ -96,7 +104,7 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
 /// The place of a setting in a machine file.
 fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
-    let path = path.replace("shapers.", "shaper.");
+    let path = path.replace("shapers.", "shaper.").replace("wiring.", "");
     let path = CornerRule::all()
         .map(corner)
         .fold(path, |path, [of_rule, key, _]| path.replace(of_rule, &format!("corner.{key}")));
@@ -167,9 +175,9 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 }
 
 /// Whether M503 says it of every machine, or never. Settings of heaters and fans it says of those that are fitted, and
-/// `boards/sim/tests/heat.rs` sends its lines back; the mechanism is no number.
+/// `boards/sim/tests/heat.rs` sends its lines back; the mechanism and the connectors are no numbers.
 fn is_of_all_machines(path: &str) -> bool {
-    path != "mechanism" && !path.starts_with("thermal.")
+    path != "mechanism" && !path.starts_with("thermal.") && !path.starts_with("wiring.")
 }
 
 /// The line that sets a setting.

@@ -3,10 +3,10 @@
 extern crate std;
 
 use super::*;
-use crate::connectors::{Output, Sensor};
+use crate::connectors::{ConnectorName, Output, Sensor};
 use crate::settings::{
-    Advance, AxisSettings, Control, CornerRule, DriverSettings, FanRole, FanSettings, Guards, HeaterModel,
-    HeaterSettings, Heaters, Homing, Pid, Shaper, ShaperKind, Thermistor,
+    Advance, Control, CornerRule, DriverSettings, EndstopPlug, FanRole, FanSettings, Guards, HeaterModel,
+    HeaterSettings, Heaters, MotorPlug, Shaper, ShaperKind, Thermistor,
 };
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -57,7 +57,8 @@ fn file_of(format: u16) -> std::string::String {
 /// What is read from a record of an earlier format: what it does not know yet is as in a new machine.
 fn as_of(format: u16) -> Settings {
     match format {
-        WITHOUT_HEAT => Settings { thermal: ThermalSettings::prototype(), ..spelled_out() },
+        WITHOUT_HEAT => Settings { thermal: ThermalSettings::prototype(), ..as_of(WITHOUT_WIRING) },
+        WITHOUT_WIRING => Settings { wiring: Wiring::prototype(), ..spelled_out() },
         _ => spelled_out(),
     }
 }
@@ -128,7 +129,17 @@ fn spelled_out() -> Settings {
     s.mechanism = Mechanism::corehbot();
     s.require_homing = true;
     s.thermal = heat();
+    s.wiring = wiring();
     s
+}
+
+fn wiring() -> Wiring {
+    let mut motors = ["P0", "P1", "P2", "P3", "P4", "", "12345678"]
+        .map(|name| MotorPlug { connector: ConnectorName::lit(name), is_reversed: false });
+    motors[3].is_reversed = true;
+    let [x, y, z] = ["S0", "S1", "S2"]
+        .map(|name| EndstopPlug { connector: ConnectorName::lit(name), is_normally_open: name == "S1" });
+    Wiring { motors, endstops: Cartesian { x, y, z } }
 }
 
 fn heat() -> ThermalSettings {
@@ -204,6 +215,9 @@ fn the_longest_values_fit() {
         stall_threshold: u8::MAX,
     };
     (s.drivers.belt, s.drivers.z, s.drivers.e) = (drivers, drivers, drivers);
+    s.wiring.motors.fill(MotorPlug { connector: ConnectorName::lit("12345678"), is_reversed: true });
+    let endstop = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
+    (s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z) = (endstop, endstop, endstop);
     assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
 }
 

@@ -1,7 +1,7 @@
 //! What can be wrong with a machine file, and where in the file it is.
 
 use super::place::{self, Place};
-use corehbot::settings::SettingsError;
+use corehbot::settings::{ConnectorError, Plugged, SettingsError};
 use std::fmt::{self, Display};
 
 /// What is wrong with a machine file.
@@ -27,6 +27,22 @@ pub enum MachineFileError {
         /// The row in the file.
         row: Vec<f64>,
     },
+    /// What is no name of a connector.
+    Connector {
+        /// The key with its table.
+        key: String,
+        /// The text in the file.
+        value: String,
+    },
+    /// Steps a millimetre do not follow from what the file says.
+    Resolution {
+        /// The key with its tables.
+        key: String,
+        /// What is wrong.
+        why: &'static str,
+    },
+    /// The board has not what is plugged in.
+    Connectors(ConnectorError),
     /// The values do not go together.
     Settings(SettingsError),
 }
@@ -42,6 +58,14 @@ impl Display for MachineFileError {
             Self::Row { key, row } => {
                 write!(f, "{key} = {row:?} is no row: -1, 0 or 1 for x, y, z and, if not 0, for e")
             }
+            Self::Connector { key, value } => {
+                write!(
+                    f,
+                    "{key} = {value:?} is no connector: its name on the board, up to 8 characters; perhaps ! before it"
+                )
+            }
+            Self::Resolution { key, why } => write!(f, "{key}: {why}"),
+            Self::Connectors(error) => error.fmt(f),
             Self::Settings(error) => error.fmt(f),
         }
     }
@@ -55,7 +79,13 @@ impl MachineFileError {
     pub fn place(&self, text: &str) -> Option<Place> {
         let key = match self {
             Self::Syntax(error) => return error.span().map(|span| Place::of_byte(text, span.start)),
-            Self::Range { key, .. } | Self::Row { key, .. } => key.clone(),
+            Self::Range { key, .. }
+            | Self::Row { key, .. }
+            | Self::Connector { key, .. }
+            | Self::Resolution { key, .. } => key.clone(),
+            Self::Connectors(error) => {
+                return Place::of_key(text, &plugged(error)).or_else(|| Place::of_key(text, "board"));
+            }
             Self::Corner => "corner.square_corner".to_owned(),
             Self::Settings(SettingsError::OutOfRange(key)) => (*key).to_owned(),
             Self::Settings(SettingsError::TooManySteps(table)) => format!("{table}.max_speed"),
@@ -69,5 +99,19 @@ impl MachineFileError {
             Self::Settings(SettingsError::Mechanism(_)) => "mechanism".to_owned(),
         };
         Place::of_key(text, &key)
+    }
+}
+
+/// The key of what is plugged in wrongly; of two, the second one's.
+fn plugged(error: &ConnectorError) -> String {
+    match error {
+        ConnectorError::Nowhere(part, _) | ConnectorError::NoSuch(part, ..) | ConnectorError::Twice([_, part], _) => {
+            match part {
+                Plugged::Motor(motor) => format!("motors.{}", motor.name()),
+                Plugged::Endstop(axis) => format!("endstops.{axis}"),
+            }
+        }
+        ConnectorError::NoSuchOutput(heater, ..) => format!("heaters.{}.output", heater.name()),
+        ConnectorError::NoSuchSensor(heater, ..) => format!("heaters.{}.sensor", heater.name()),
     }
 }

@@ -1,6 +1,6 @@
 //! The form of a machine file: its tables and keys, every one optional.
 
-use corehbot::connectors::{Output, Sensor};
+use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, Output, SIM, Sensor};
 use corehbot::settings::{Control, FanRole, ShaperKind};
 use serde::Deserialize;
 
@@ -8,6 +8,7 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields, default)]
 pub(super) struct MachineToml {
     pub name: Option<String>,
+    pub board: Option<BoardToml>,
     pub motor_max_speed: Option<f64>,
     pub motor_max_acceleration: Option<f64>,
     pub print_acceleration: Option<f64>,
@@ -25,6 +26,8 @@ pub(super) struct MachineToml {
     pub advanced_ok: Option<bool>,
     pub minimum_cruise_ratio: Option<f64>,
     pub mechanism: Option<MechanismToml>,
+    pub motors: MotorsToml,
+    pub endstops: EndstopsToml,
     pub corner: CornerToml,
     pub shaper: ShapersToml,
     pub advance: AdvanceToml,
@@ -34,6 +37,47 @@ pub(super) struct MachineToml {
     pub thermal: ThermalToml,
     pub heaters: HeatersToml,
     pub fans: FansToml,
+}
+
+/// Boards by their names in `connectors`.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum BoardToml {
+    Octopus,
+    Nucleo,
+    Sim,
+}
+
+impl From<BoardToml> for &'static BoardConnectors {
+    fn from(board: BoardToml) -> Self {
+        match board {
+            BoardToml::Octopus => &OCTOPUS,
+            BoardToml::Nucleo => &NUCLEO,
+            BoardToml::Sim => &SIM,
+        }
+    }
+}
+
+/// The connector of each motor.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct MotorsToml {
+    pub m1: Option<String>,
+    pub m4: Option<String>,
+    pub m8: Option<String>,
+    pub m11: Option<String>,
+    pub z1: Option<String>,
+    pub z2: Option<String>,
+    pub e0: Option<String>,
+}
+
+/// The connector of each axis' switch.
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct EndstopsToml {
+    pub x: Option<String>,
+    pub y: Option<String>,
+    pub z: Option<String>,
 }
 
 /// A row a motor that is fitted.
@@ -119,6 +163,8 @@ pub(super) struct AxesToml {
 #[serde(deny_unknown_fields, default)]
 pub(super) struct AxisToml {
     pub steps_per_mm: Option<f64>,
+    pub rotation_distance: Option<f64>,
+    pub full_steps: Option<f64>,
     pub max_speed: Option<f64>,
     pub max_acceleration: Option<f64>,
     pub length: Option<f64>,

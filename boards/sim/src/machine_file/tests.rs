@@ -2,7 +2,7 @@
 
 use super::*;
 use corehbot::settings::Thermistor;
-use corehbot::units::{Hertz, Mm, MmPerSec, Seconds};
+use corehbot::units::{Hertz, Mm, MmPerSec, Seconds, StepsPerMm};
 
 #[test]
 fn an_empty_file_is_the_prototype() {
@@ -13,7 +13,7 @@ fn an_empty_file_is_the_prototype() {
 fn the_example_is_the_prototype_with_every_key() {
     let text = include_str!("../../../../examples/machines/prototype.toml");
     assert_eq!(load(text).unwrap(), Settings::prototype());
-    assert_eq!(text.lines().filter(|l| l.contains(" = ")).count(), 176);
+    assert_eq!(text.lines().filter(|l| l.contains(" = ") && !l.starts_with('#')).count(), 186);
 }
 
 #[test]
@@ -74,6 +74,71 @@ fn a_mechanism_lists_the_motors_that_are_fitted() {
     assert!(error(&format!("{many}\n{rest}")).contains("at most 5 motors may differ"));
     assert!(error("m2 = [1, 0, 0]").contains("unknown field `m2`"));
     assert!(error(&format!("m8 = [1, 0, 1]\nm11 = [0, 1, 0]\n{rest}")).contains("x and z share motors"));
+}
+
+#[test]
+fn motors_and_switches_are_plugged_in_by_name() {
+    let s = load("[motors]\nm1 = \"!M7\"\nz2 = \"\"\n[endstops]\ny = \"!E0DET\"").unwrap();
+    let plug = |motor| (s.wiring.of(motor).connector.to_string(), s.wiring.of(motor).is_reversed);
+    assert_eq!(plug(Motor::M1), ("M7".to_owned(), true));
+    assert_eq!((plug(Motor::Z2), plug(Motor::E0)), ((String::new(), false), ("M6".to_owned(), false)));
+    let y = s.wiring.endstops.y;
+    assert_eq!((y.connector.as_str(), y.is_normally_open), ("E0DET", true));
+    assert!(!s.wiring.endstops.x.is_normally_open);
+    let error = |text: &str| load(text).unwrap_err().to_string();
+    let none = "is no connector: its name on the board, up to 8 characters; perhaps ! before it";
+    assert_eq!(error("[motors]\nm1 = \"M 1\""), format!("motors.m1 = \"M 1\" {none}"));
+    for text in ["!", "123456789", "!!M1"] {
+        assert_eq!(error(&format!("[endstops]\nz = \"{text}\"")), format!("endstops.z = {text:?} {none}"));
+    }
+    assert_eq!(error("[motors]\nm1 = \"M1\""), "motor m1 and motor m4 have the same connector, M1");
+    assert!(error("[motors]\nm3 = \"M1\"").contains("unknown field `m3`"));
+}
+
+#[test]
+fn a_file_with_a_board_is_held_to_it() {
+    for board in BoardConnectors::ALL {
+        let machine = parse(&format!("board = \"{}\"", board.key)).unwrap();
+        assert_eq!((machine.board, machine.settings.wiring), (Some(board), Wiring::usual(board)));
+    }
+    let error = |text: &str| {
+        let text = format!("board = \"octopus\"\n{text}");
+        let error = load(&text).unwrap_err();
+        format!("{}: {error}", error.place(&text).unwrap())
+    };
+    let has = "it has M0, M1, M2, M3, M4, M5, M6";
+    assert_eq!(error("[motors]\nm1 = \"M7\""), format!("3:6: motor m1: the BTT Octopus has no connector M7; {has}"));
+    assert!(error("[motors]\nm1 = \"\"").starts_with("3:6: motor m1: it has no connector; the BTT Octopus has M0"));
+    assert!(error("[endstops]\nz = \"J27\"").starts_with("3:5: endstop of z"));
+    let hotend = "[heaters.hotend]\nis_fitted = true\noutput = \"he2\"";
+    let said = "4:10: heater hotend: the BTT Octopus has no output he2; it has bed, he0, he1";
+    assert_eq!(error(hotend), said);
+    assert!(load(hotend).is_ok(), "anything goes without a board");
+    assert!(load("board = \"octopuss\"").unwrap_err().to_string().ends_with("did you mean `octopus`?"));
+}
+
+#[test]
+fn a_turn_of_the_motor_gives_the_resolution() {
+    let s = load("[axes.z]\nrotation_distance = 8\n[drivers.z]\nmicrosteps = 64").unwrap();
+    assert_eq!(s.axes.z.steps_per_mm, StepsPerMm::from_num(1600));
+    let xy = |turn: &str| format!("[axes]\nx = {{ {turn} }}\ny = {{ {turn} }}");
+    let s = load(&xy("rotation_distance = 40, full_steps = 400")).unwrap();
+    assert_eq!(s.axes.x.steps_per_mm, StepsPerMm::from_num(160));
+    let s = load("[axes.e]\nrotation_distance = 7.5\n").unwrap();
+    assert_eq!(s.axes.e.steps_per_mm, StepsPerMm::from_num(3200.0 / 7.5));
+    let error = |text: &str| load(text).unwrap_err().to_string();
+    let both = "axes.e.rotation_distance: steps_per_mm is given as well, and one follows from the other";
+    assert_eq!(error("[axes.e]\nsteps_per_mm = 400\nrotation_distance = 8"), both);
+    let alone = "axes.e.full_steps: it counts with rotation_distance alone";
+    assert_eq!(error("[axes.e]\nfull_steps = 400"), alone);
+    assert_eq!(error("[axes.e]\nrotation_distance = 0"), "axes.e.rotation_distance = 0 is outside 0.125 to 3200");
+    assert!(error("[axes.e]\nrotation_distance = -8").contains("is outside 0.125 to 3200"));
+    assert!(error("[axes.e]\nrotation_distance = nan").contains("is outside 0.125 to 3200"));
+    let steps = "axes.e.full_steps = 1000 is outside the whole numbers 20 to 800";
+    assert_eq!(error("[axes.e]\nrotation_distance = 8\nfull_steps = 1000"), steps);
+    let mixed = "[mechanism]\nm1 = [1, 0, 0]\nm4 = [0, 1, 0]\nm8 = [0, 0, 1]\nz1 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n\
+                 [axes.z]\nrotation_distance = 8\n[drivers.z]\nmicrosteps = 32";
+    assert!(error(mixed).contains("its motors have different microsteps"));
 }
 
 #[test]

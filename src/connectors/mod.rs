@@ -1,6 +1,13 @@
-//! Connectors: where a board has heaters, temperature sensors and fans, by the names printed beside them.
+//! Connectors: where a board has motors, switches, heaters, temperature sensors and fans, by the names printed beside them.
 //!
 //! A [`Heater`] is a thing that is kept at a temperature; settings say at which output it hangs and which sensor watches it.
+//! [`BoardConnectors`] lists what a board has. Which pin is behind a name is in `wiring.rs` of the board.
+
+mod boards;
+mod name;
+
+pub use boards::{BoardConnectors, NUCLEO, OCTOPUS, SIM};
+pub use name::ConnectorName;
 
 use serde::{Deserialize, Serialize};
 
@@ -59,6 +66,12 @@ impl Output {
     /// Every output, with the name that reports print.
     pub const ALL: [(Self, &'static str); OUTPUTS] =
         [(Self::Bed, "bed"), (Self::He0, "he0"), (Self::He1, "he1"), (Self::He2, "he2"), (Self::He3, "he3")];
+
+    /// The name that reports print.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.into_iter().find(|(output, _)| *output == self).map_or("", |(_, name)| name)
+    }
 }
 
 /// A set of heater outputs, one bit each.
@@ -113,6 +126,12 @@ impl Sensor {
         (Self::Hotend2, "hotend2"),
         (Self::Hotend3, "hotend3"),
     ];
+
+    /// The name that reports print.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.into_iter().find(|(sensor, _)| *sensor == self).map_or("", |(_, name)| name)
+    }
 }
 
 /// Fan outputs that a board may have, FAN0 and so on: the P of M106.

@@ -1,0 +1,94 @@
+//! The connectors of each board, by the names printed on it.
+
+use super::{ConnectorName, FANS, Output, OutputSet, Sensor};
+
+/// What a board has to plug a machine into.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct BoardConnectors {
+    /// Its name in files and on command lines.
+    pub key: &'static str,
+    /// What it is called in messages.
+    pub name: &'static str,
+    /// Sockets of motor drivers, in the order of the board's table of pins: that of the prototype's motors.
+    pub sockets: &'static [ConnectorName],
+    /// Inputs for switches, in the order of the board's table of pins: x, y and z of the prototype.
+    pub endstops: &'static [ConnectorName],
+    /// Heater outputs that may heat.
+    pub outputs: OutputSet,
+    /// Inputs for temperature sensors.
+    pub sensors: &'static [Sensor],
+    /// Fan outputs, FAN0 and so on.
+    pub fans: usize,
+    /// There is an input for a Z probe.
+    pub has_probe: bool,
+    /// A bench rig: motors that it has no socket for are counted, and do not turn.
+    pub is_bench: bool,
+    /// Nothing is plugged in anywhere, so every name will do.
+    pub is_simulated: bool,
+}
+
+/// BTT Octopus V1.0 and V1.1 (BTT's schematic). M2 is one driver with two plugs. Left out, though printed:
+/// - M7, whose direction line (PA14) is the clock of the debug port;
+/// - heater outputs HE2 and HE3, whose pulses no timer can end (`boards/octopus/src/wiring.rs`);
+/// - the inputs Z2-STOP and E0DET to E3DET, which no axis needs beside the three.
+pub const OCTOPUS: BoardConnectors = BoardConnectors {
+    key: "octopus",
+    name: "BTT Octopus",
+    sockets: &names(["M0", "M1", "M4", "M3", "M2", "M5", "M6"]),
+    endstops: &names(["X-STOP", "Y-STOP", "Z-STOP"]),
+    outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
+    sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
+    fans: FANS,
+    has_probe: true,
+    is_bench: false,
+    is_simulated: false,
+};
+
+/// Nucleo-F446RE with a CNC shield v3: the sockets and limit inputs of the shield.
+pub const NUCLEO: BoardConnectors = BoardConnectors {
+    key: "nucleo",
+    name: "CNC shield",
+    sockets: &names(["X", "Y", "A", "Z"]),
+    endstops: &names(["X", "Y", "Z"]),
+    outputs: OutputSet::NONE,
+    sensors: &[],
+    fans: 0,
+    has_probe: false,
+    is_bench: true,
+    is_simulated: false,
+};
+
+/// The simulator: as an Octopus, with any other name as well.
+pub const SIM: BoardConnectors =
+    BoardConnectors { key: "sim", name: "simulator", is_bench: true, is_simulated: true, ..OCTOPUS };
+
+impl BoardConnectors {
+    /// Every board.
+    pub const ALL: [&'static Self; 3] = [&OCTOPUS, &NUCLEO, &SIM];
+}
+
+const fn names<const N: usize>(texts: [&'static str; N]) -> [ConnectorName; N] {
+    let mut names = [ConnectorName::NONE; N];
+    let (mut from, mut to): (&[&str], &mut [ConnectorName]) = (&texts, &mut names);
+    while let ([text, texts @ ..], [name, names @ ..]) = (from, to) {
+        *name = ConnectorName::lit(text);
+        (from, to) = (texts, names);
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_board_has_a_name_twice() {
+        for board in BoardConnectors::ALL {
+            for names in [board.sockets, board.endstops] {
+                assert!(names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1));
+                assert!(!names.contains(&ConnectorName::NONE));
+            }
+            assert_eq!(BoardConnectors::ALL.iter().filter(|other| other.key == board.key).count(), 1);
+        }
+    }
+}

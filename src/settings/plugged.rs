@@ -1,0 +1,138 @@
+//! Whether a board has what a machine is plugged into.
+
+use super::Settings;
+use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
+use crate::motors::Motor;
+use core::fmt::{self, Display};
+
+/// What has a connector of its own.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Plugged {
+    /// A motor.
+    Motor(Motor),
+    /// The switch of an axis.
+    Endstop(&'static str),
+}
+
+/// What is plugged in where it cannot be.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ConnectorError {
+    /// It is plugged in nowhere.
+    Nowhere(Plugged, &'static BoardConnectors),
+    /// The board has no such connector for it.
+    NoSuch(Plugged, ConnectorName, &'static BoardConnectors),
+    /// Both are in one connector.
+    Twice([Plugged; 2], ConnectorName),
+    /// The board has no such heater output, or cannot switch it.
+    NoSuchOutput(Heater, Output, &'static BoardConnectors),
+    /// The board has no such input for a temperature sensor.
+    NoSuchSensor(Heater, Sensor, &'static BoardConnectors),
+}
+
+impl Settings {
+    /// Checks that a board has every connector that the machine is plugged into, each once. Motors and heaters that are not
+    /// fitted need none.
+    ///
+    /// # Errors
+    /// The first that is wrong.
+    pub fn check_connectors(&self, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
+        let motors = Motor::ALL.into_iter().filter(|motor| self.mechanism.fitted().has(*motor));
+        check(motors.map(|motor| (Plugged::Motor(motor), self.wiring.of(motor).connector)), board)?;
+        let axes = &self.wiring.endstops;
+        let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
+        check(switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector)), board)?;
+        Heater::ALL.into_iter().filter(|_| !board.is_simulated).try_for_each(|heater| self.check_heater(heater, board))
+    }
+
+    fn check_heater(&self, heater: Heater, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
+        let settings = self.thermal.heater(heater);
+        if settings.is_fitted && !board.outputs.has(settings.output) {
+            Err(ConnectorError::NoSuchOutput(heater, settings.output, board))
+        } else if settings.is_fitted && !board.sensors.contains(&settings.sensor) {
+            Err(ConnectorError::NoSuchSensor(heater, settings.sensor, board))
+        } else {
+            Ok(())
+        }
+    }
+}
+
+fn check(
+    plugs: impl Iterator<Item = (Plugged, ConnectorName)> + Clone,
+    board: &'static BoardConnectors,
+) -> Result<(), ConnectorError> {
+    for (at, (part, connector)) in plugs.clone().enumerate() {
+        if connector.is_none() {
+            if !board.is_bench {
+                return Err(ConnectorError::Nowhere(part, board));
+            }
+        } else if !board.is_simulated && !part.connectors_of(board).contains(&connector) {
+            return Err(ConnectorError::NoSuch(part, connector, board));
+        } else if let Some((other, _)) = plugs.clone().take(at).find(|(_, earlier)| *earlier == connector) {
+            return Err(ConnectorError::Twice([other, part], connector));
+        }
+    }
+    Ok(())
+}
+
+impl Plugged {
+    /// Where it may be plugged in.
+    const fn connectors_of(self, board: &BoardConnectors) -> &'static [ConnectorName] {
+        match self {
+            Self::Motor(_) => board.sockets,
+            Self::Endstop(_) => board.endstops,
+        }
+    }
+}
+
+impl Display for Plugged {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Motor(motor) => write!(f, "motor {}", motor.name()),
+            Self::Endstop(axis) => write!(f, "endstop of {axis}"),
+        }
+    }
+}
+
+impl Display for ConnectorError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nowhere(part, board) => {
+                write!(f, "{part}: it has no connector; the {} has ", board.name)?;
+                list(f, sorted(part.connectors_of(board)))
+            }
+            Self::NoSuch(part, connector, board) => {
+                write!(f, "{part}: the {} has no connector {connector}; it has ", board.name)?;
+                list(f, sorted(part.connectors_of(board)))
+            }
+            Self::Twice([a, b], connector) => write!(f, "{a} and {b} have the same connector, {connector}"),
+            Self::NoSuchOutput(heater, output, board) => {
+                write!(f, "heater {}: the {} has no output {}; it has ", heater.name(), board.name, output.name())?;
+                list(f, Output::ALL.into_iter().filter(|(o, _)| board.outputs.has(*o)).map(|(_, name)| name))
+            }
+            Self::NoSuchSensor(heater, sensor, board) => {
+                write!(f, "heater {}: the {} has no sensor {}; it has ", heater.name(), board.name, sensor.name())?;
+                list(f, board.sensors.iter().map(|sensor| sensor.name()))
+            }
+        }
+    }
+}
+
+impl core::error::Error for ConnectorError {}
+
+/// Names in the order of their characters.
+fn sorted(names: &[ConnectorName]) -> impl Iterator<Item = ConnectorName> {
+    let after = |last: ConnectorName| names.iter().copied().filter(|name| *name > last).min();
+    core::iter::successors(after(ConnectorName::NONE), move |last| after(*last))
+}
+
+fn list(f: &mut fmt::Formatter<'_>, names: impl Iterator<Item = impl Display>) -> fmt::Result {
+    let mut is_empty = true;
+    for name in names {
+        write!(f, "{}{name}", if is_empty { "" } else { ", " })?;
+        is_empty = false;
+    }
+    if is_empty { f.write_str("none") } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,94 @@
+//! Tests of plugged.
+
+extern crate std;
+
+use super::*;
+use crate::connectors::{NUCLEO, OCTOPUS, SIM};
+use crate::kinematics::Mechanism;
+use crate::settings::Wiring;
+use std::format;
+use std::string::{String, ToString};
+
+fn error(settings: &Settings, board: &'static BoardConnectors) -> String {
+    settings.check_connectors(board).unwrap_err().to_string()
+}
+
+fn plugged(motor: Motor, name: &str) -> Settings {
+    let mut s = Settings::prototype();
+    s.wiring.motors[motor as usize].connector = ConnectorName::lit(name);
+    s
+}
+
+#[test]
+fn the_prototype_is_an_octopus() {
+    let s = Settings::prototype();
+    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    assert_eq!(s.check_connectors(&SIM), Ok(()));
+    let names = Motor::ALL.map(|motor| s.wiring.of(motor).connector.to_string());
+    assert_eq!(names, ["M0", "M1", "M4", "M3", "M2", "M5", "M6"]);
+    assert_eq!(s.wiring.endstops.z.connector.as_str(), "Z-STOP");
+    assert!(s.wiring.motors.iter().all(|plug| !plug.is_reversed) && !s.wiring.endstops.x.is_normally_open);
+}
+
+#[test]
+fn a_board_has_no_other_connectors_than_its_own() {
+    let has = "it has M0, M1, M2, M3, M4, M5, M6";
+    assert_eq!(
+        error(&plugged(Motor::M1, "M7"), &OCTOPUS),
+        format!("motor m1: the BTT Octopus has no connector M7; {has}")
+    );
+    assert_eq!(plugged(Motor::M1, "M7").check_connectors(&SIM), Ok(()), "the simulator has any");
+    let mut s = Settings::prototype();
+    s.wiring.endstops.y.connector = ConnectorName::lit("J27");
+    let has = "it has X-STOP, Y-STOP, Z-STOP";
+    assert_eq!(error(&s, &OCTOPUS), format!("endstop of y: the BTT Octopus has no connector J27; {has}"));
+    s.thermal.heaters.hotend.is_fitted = true;
+    s.wiring = Wiring::usual(&OCTOPUS);
+    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    s.thermal.heaters.hotend.output = Output::He2;
+    assert_eq!(error(&s, &OCTOPUS), "heater hotend: the BTT Octopus has no output he2; it has bed, he0, he1");
+    s.thermal.heaters.hotend.output = Output::He1;
+    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    s.wiring = Wiring::usual(&NUCLEO);
+    assert_eq!(error(&s, &NUCLEO), "heater hotend: the CNC shield has no output he1; it has none");
+}
+
+#[test]
+fn a_board_without_that_sensor_is_refused() {
+    const NO_SENSORS: BoardConnectors = BoardConnectors { sensors: &[Sensor::Bed], ..OCTOPUS };
+    let mut s = Settings::prototype();
+    s.thermal.heaters.hotend.is_fitted = true;
+    assert_eq!(error(&s, &NO_SENSORS), "heater hotend: the BTT Octopus has no sensor hotend0; it has bed");
+}
+
+#[test]
+fn nothing_is_plugged_in_twice() {
+    assert_eq!(error(&plugged(Motor::E0, "M4"), &OCTOPUS), "motor m8 and motor e0 have the same connector, M4");
+    assert_eq!(error(&plugged(Motor::E0, "M4"), &SIM), "motor m8 and motor e0 have the same connector, M4");
+    let mut s = Settings::prototype();
+    s.wiring.endstops.z.connector = s.wiring.endstops.x.connector;
+    assert_eq!(error(&s, &OCTOPUS), "endstop of x and endstop of z have the same connector, X-STOP");
+}
+
+#[test]
+fn what_is_fitted_is_plugged_in_and_what_is_not_need_not_be() {
+    let has = "the BTT Octopus has M0, M1, M2, M3, M4, M5, M6";
+    assert_eq!(error(&plugged(Motor::Z2, ""), &OCTOPUS), format!("motor z2: it has no connector; {has}"));
+    let mut s = plugged(Motor::Z2, "");
+    s.mechanism = Mechanism { rows: s.mechanism.rows.map(|row| if row == [0, 0, 1, 0] { [0; 4] } else { row }) };
+    s.mechanism.rows[Motor::Z1 as usize] = [0, 0, 1, 0];
+    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    // A motor that is not fitted takes no socket from another.
+    s.wiring.motors[Motor::Z2 as usize].connector = ConnectorName::lit("M0");
+    assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
+    s.wiring.endstops.x.connector = ConnectorName::NONE;
+    assert_eq!(error(&s, &OCTOPUS), "endstop of x: it has no connector; the BTT Octopus has X-STOP, Y-STOP, Z-STOP");
+}
+
+#[test]
+fn a_bench_has_sockets_for_some() {
+    let s = Settings { wiring: Wiring::usual(&NUCLEO), ..Settings::prototype() };
+    assert_eq!(s.check_connectors(&NUCLEO), Ok(()));
+    assert_eq!([Motor::M8, Motor::Z1].map(|motor| s.wiring.of(motor).connector.to_string()), ["A", ""]);
+    assert_eq!(error(&s, &OCTOPUS), "motor m1: the BTT Octopus has no connector X; it has M0, M1, M2, M3, M4, M5, M6");
+}
