@@ -109,7 +109,7 @@ pub struct HostPort {
 }
 
 /// A board with an STM32F446.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Wiring {
     /// What it is called.
     pub name: &'static str,

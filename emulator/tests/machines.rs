@@ -3,10 +3,13 @@
 
 mod common;
 
-use common::{bench_of, firmware, print_on, root};
+use common::{Bench, bench_of, firmware, print_on, root};
+use corehbot::connectors::ConnectorName;
 use corehbot::motors::{Motor, MotorSet};
+use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::watch::End;
+use corehbot_emulator::wiring::OCTOPUS;
 use corehbot_sim::machine_file;
 
 /// Both belts and the screw, and an arc.
@@ -14,12 +17,16 @@ const GCODE: &str = "G28\nG1 X40 Y20 F12000\nG1 Z2\nG2 X60 Y40 I20 J0\nG1 X45 F9
 
 /// Prints on the machine of a file in the EEPROM, compares the steps with the simulator's, and says which motors stepped.
 fn motors_of(name: &str) -> MotorSet {
-    let settings = machine_file::read(&root().join("examples/machines").join(name)).unwrap().settings;
-    let seen = print_on(&firmware(), GCODE, &bench_of(settings));
+    motors_on(&bench_of(machine_file::read(&root().join("examples/machines").join(name)).unwrap().settings))
+}
+
+fn motors_on(bench: &Bench<'_>) -> MotorSet {
+    let settings = bench.settings;
+    let seen = print_on(&firmware(), GCODE, bench);
     assert_eq!((seen.end, seen.resets.len(), &seen.line.failure), (End::Done, 0, &None));
     let host = scheduled(GCODE, &settings).unwrap();
     if let Some(difference) = difference(&seen.recorder.events, &host) {
-        panic!("{name}: {difference}");
+        panic!("{difference}");
     }
     assert!(seen.safety.dangers.is_empty() && seen.recorder.unpowered == 0);
     let stored: Vec<_> = seen.line.said.iter().filter(|line| line.contains("stored settings retrieved")).collect();
@@ -36,4 +43,38 @@ fn a_corexy_has_two_belt_motors_and_one_screw() {
 #[test]
 fn a_corexyz_lifts_with_all_four() {
     assert_eq!(motors_of("corexyz.toml"), MotorSet::BELT);
+}
+
+/// Motors 1 and 8 in each other's sockets, both reversed: the belt moves as before. The switches of x and y in each other's
+/// inputs.
+#[test]
+fn motors_and_switches_are_where_the_file_has_them() {
+    let file = "board = \"octopus\"\n[motors]\nm1 = \"!M4\"\nm8 = \"!M0\"\n[endstops]\nx = \"Y-STOP\"\ny = \"X-STOP\"\n";
+    let mut wiring = OCTOPUS;
+    let [(_, x), (_, y), _] = &mut wiring.endstops;
+    std::mem::swap(x, y);
+    let bench = Bench { wiring: Box::leak(Box::new(wiring)), ..bench_of(machine_file::load(file).unwrap()) };
+    assert_eq!(motors_on(&bench), MotorSet::ALL.without(MotorSet::of(Motor::E0)));
+}
+
+/// A switch that closes when it is pressed reads the other way round.
+#[test]
+fn a_normally_open_switch_reads_the_other_way_round() {
+    let bench = bench_of(machine_file::load("[endstops]\nz = \"!Z-STOP\"\n").unwrap());
+    let seen = print_on(&firmware(), "M119\n", &bench);
+    for line in ["x_min: open", "y_min: open", "z_min: TRIGGERED"] {
+        assert!(seen.line.said.iter().any(|said| said == line), "{:?}", seen.line.said);
+    }
+}
+
+/// What the board has no connector for is told, and it starts as if nothing were stored.
+#[test]
+fn a_machine_for_another_board_is_told_of_and_not_used() {
+    let mut settings = Settings::prototype();
+    settings.wiring.motors[0].connector = ConnectorName::lit("M7");
+    let seen = print_on(&firmware(), "G28 Z\nM114\n", &bench_of(settings));
+    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
+    let told = "Error:the stored machine is not used: motor 1: the BTT Octopus has no connector M7; it has M0, M1, M4, M3, M2, \
+                M5, M6";
+    assert!(seen.line.said.iter().any(|said| said == told), "{:?}", seen.line.said);
 }

@@ -2,11 +2,17 @@
 
 use super::slots::survey;
 use crate::port::Storage;
-use crate::settings::Settings;
+use crate::settings::{Settings, Wiring};
 
-/// The newest settings that are stored, if they are those of a machine with other motors than `made` has: a board is then
-/// started as that machine. All else in them is for the Console, which looks again, and tells what it finds.
+/// The newest settings that are stored, if they are those of a machine with another mechanism than `made`, or plugged in
+/// elsewhere: a board is then started as that machine. All else in them is for the Console, which looks again, and tells what
+/// it finds.
 pub async fn other_machine(storage: &mut impl Storage, made: &Settings) -> Option<Settings> {
-    let stored = survey(storage).await.ok()?.newest?.settings;
-    (stored.mechanism != made.mechanism && stored.check_machine().is_ok()).then_some(stored)
+    let mut stored = survey(storage).await.ok()?.newest?.settings;
+    // So the records say that did not know of connectors, on whatever board they are.
+    if stored.wiring == Wiring::prototype() {
+        stored.wiring = made.wiring;
+    }
+    let is_other = stored.mechanism != made.mechanism || stored.wiring != made.wiring;
+    (is_other && stored.check_machine().is_ok()).then_some(stored)
 }

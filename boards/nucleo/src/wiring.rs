@@ -3,12 +3,14 @@
 //! Arduino names are on the shield. Motors 1 and 8 step on GPIOA, motors 4 and 11 on GPIOB, and one line gives
 //! power to all. The host is on USART2, which the ST-LINK has as a USB serial port.
 
-use corehbot::port::MotorSet;
+use corehbot::connectors::NUCLEO;
+use corehbot::port::{EndstopSet, MotorSet};
 use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
 
-/// The board. Its connectors' names, in the same order, are [`NUCLEO`](corehbot::connectors::NUCLEO).
+/// The board.
 pub static BOARD: Board = Board {
     name: "Nucleo-F446RE",
+    connectors: &NUCLEO,
     crystal: Crystal::Clock8MHz,
     slots: [
         // Motor 1 in socket X: D2, D5.
@@ -27,6 +29,7 @@ pub static BOARD: Board = Board {
     slow: MotorSet::NONE,
     // X, Y and Z limits: D9, D10, D11.
     endstops: [Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
+    normally_open: EndstopSet::NONE,
     probe: None,
     thermistors: &[],
     loads: &[],
@@ -50,7 +53,6 @@ const fn slot(step: (Port, u8), dir: (Port, u8)) -> Option<Slot> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::connectors::NUCLEO;
     use corehbot::port::Motor;
 
     #[test]

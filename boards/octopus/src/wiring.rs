@@ -5,15 +5,17 @@
 //!
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core allows.
 
-use corehbot::port::{MotorSet, Output, Sensor};
+use corehbot::connectors::OCTOPUS;
+use corehbot::port::{EndstopSet, MotorSet, Output, Sensor};
 use corehbot_stm32f446::wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
     Usart,
 };
 
-/// The board. Its connectors' names, in the same order, are [`OCTOPUS`](corehbot::connectors::OCTOPUS).
+/// The board.
 pub static BOARD: Board = Board {
     name: "BTT Octopus V1.0 or V1.1",
+    connectors: &OCTOPUS,
     crystal: Crystal::Oscillator12MHz,
     slots: [
         // Motor 1 in slot M0.
@@ -36,6 +38,7 @@ pub static BOARD: Board = Board {
     slow: MotorSet(1 << 5),
     // X-STOP, Y-STOP, Z-STOP.
     endstops: [Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
+    normally_open: EndstopSet::NONE,
     // The PROBE header, and that of the BLTouch, whose signal is high for a moment when the pin is pushed in.
     probe: Some(Probe { pin: Pin::new(Port::B, 7), is_high: true, pull_up: false }),
     // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
@@ -115,7 +118,6 @@ const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::connectors::OCTOPUS;
     use corehbot::kinematics::{Groups, Mechanism};
     use corehbot::port::{GroupSet, Motor};
     use corehbot_stm32f446::port_writes::PortWrites;

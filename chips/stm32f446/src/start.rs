@@ -1,16 +1,19 @@
 //! Start-up: safe levels first, then clocks, then the core.
 
+use core::fmt::Write as _;
+
 use corehbot::app::StepPorts;
 use corehbot::fault::{Cause, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
-use corehbot::settings::Settings;
+use corehbot::settings::{Settings, Wiring};
 use corehbot::storage::other_machine;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_futures::block_on;
 use embassy_time::{Duration, Instant, block_for};
+use heapless::String;
 use static_cell::StaticCell;
 
 use crate::assembly::{Handles, assemble};
@@ -36,12 +39,13 @@ defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
 static DIR_WRITES: StaticCell<PortWrites> = StaticCell::new();
 
-/// The machine, unless one with another mechanism is stored.
-static MADE: Settings = Settings::prototype();
 
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
 const SETTLE: u32 = 10_000;
+
+/// Longest text about a connector: a motor, a name of 8 letters, a board, and the names of all its connectors.
+const LONGEST_ERROR: usize = 128;
 
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
@@ -100,7 +104,7 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     }
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let mut storage = BoardStorage(find(board));
-    let settings = settings_at_start(&mut storage);
+    let (settings, board) = machine_at_start(board, &mut storage, &mut lines);
     let groups = Groups::new(&settings.mechanism);
     let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
     let ports = Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage };
@@ -109,14 +113,34 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }
 
-/// What the machine is put together with.
+/// What the machine is put together with, and the board as that is plugged into it: the prototype in the usual places, unless
+/// another machine is stored. One that the board has no connectors for is told of and left alone.
 #[inline(never)]
-fn settings_at_start(storage: &mut BoardStorage) -> &'static Settings {
-    static STORED: StaticCell<Settings> = StaticCell::new();
+fn machine_at_start(
+    board: &'static Board,
+    storage: &mut BoardStorage,
+    lines: &mut [HostSerial],
+) -> (&'static Settings, &'static Board) {
+    static MACHINE: StaticCell<Settings> = StaticCell::new();
+    static PLUGGED: StaticCell<Board> = StaticCell::new();
+    let machine = MACHINE.init(Settings::prototype());
+    machine.wiring = Wiring::usual(board.connectors);
     // The board's memory answers at once; nothing here waits for anybody else.
-    match block_on(other_machine(storage, &MADE)) {
-        Some(stored) => STORED.init(stored),
-        None => &MADE,
+    let Some(stored) = block_on(other_machine(storage, machine)) else { return (machine, board) };
+    match board.plugged(&stored) {
+        Ok(plugged) => {
+            *machine = stored;
+            (machine, PLUGGED.init(plugged))
+        }
+        Err(error) => {
+            let mut text = String::<LONGEST_ERROR>::new();
+            // What does not fit is left out.
+            let _ = write!(text, "{error}");
+            for part in ["Error:the stored machine is not used: ", &text, "\n"] {
+                lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
+            }
+            (machine, board)
+        }
     }
 }
 

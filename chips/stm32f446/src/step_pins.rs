@@ -173,7 +173,9 @@ impl Endstops {
             let mask = pin.mask();
             Input { port: ports::registers(pin.port), mask, triggered: if is_high { mask } else { 0 } }
         };
-        let [x, y, z] = board.endstops.map(|pin| input(pin, true));
+        let [x, y, z] = board.endstops;
+        let switch = |pin, endstop| input(pin, !board.normally_open.has(endstop));
+        let (x, y, z) = (switch(x, EndstopSet::X), switch(y, EndstopSet::Y), switch(z, EndstopSet::Z));
         // An input of no bits that would have to read 1 never triggers.
         let none = Input { mask: 0, triggered: 1, ..x };
         Self([x, y, z, board.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])

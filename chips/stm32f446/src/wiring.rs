@@ -5,7 +5,8 @@
 //! What a board may have is capped: [`LINES`] to hosts (`src/port.rs` of the core; a kind of UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
 //! [`Board::problem`] says what a table has too much of.
 
-use corehbot::port::{FANS, LINES, Motor, MotorSet, Output, OutputSet, Sensor};
+use corehbot::connectors::BoardConnectors;
+use corehbot::port::{EndstopSet, FANS, LINES, Motor, MotorSet, Output, OutputSet, Sensor};
 
 use crate::port_writes::PortWrites;
 pub use crate::serial_port::{SerialPort, Usart};
@@ -160,6 +161,8 @@ pub const MOST_THERMISTORS: usize = 5;
 pub struct Board {
     /// What the board is called in messages.
     pub name: &'static str,
+    /// The names of its connectors: sockets of drivers in the order of `slots`, inputs in that of `endstops`.
+    pub connectors: &'static BoardConnectors,
     /// Rate of the clock at the crystal's pins.
     pub crystal: Crystal,
     /// The drivers by motor; a motor without one is counted, but does not turn.
@@ -168,8 +171,10 @@ pub struct Board {
     pub reversed: MotorSet,
     /// Motors whose step pin is slow and needs a longer pulse.
     pub slow: MotorSet,
-    /// Switches of x, y and z: closed to ground at rest, with a pull-up, so that a broken wire reads as pressed.
+    /// Switches of x, y and z, to ground with a pull-up: closed at rest, so that a broken wire reads as pressed.
     pub endstops: [Pin; 3],
+    /// Those that are open at rest.
+    pub normally_open: EndstopSet,
     /// The Z probe.
     pub probe: Option<Probe>,
     /// The thermistors.
@@ -326,6 +331,8 @@ impl Board {
 pub(crate) fn bits(pins: impl Iterator<Item = Pin>, port: Port) -> u32 {
     pins.filter(|pin| pin.port == port).fold(0, |bits, pin| bits | pin.mask())
 }
+
+mod plugged;
 
 #[cfg(test)]
 mod tests;

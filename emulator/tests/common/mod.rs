@@ -13,7 +13,7 @@ use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
-use corehbot_emulator::wiring::{OCTOPUS, Pin};
+use corehbot_emulator::wiring::{OCTOPUS, Pin, Wiring};
 use corehbot_sim::eeprom::Eeprom;
 use std::path::{Path, PathBuf};
 
@@ -61,6 +61,8 @@ pub struct Bench<'a> {
     pub manner: Manner,
     /// A fault.
     pub injection: Option<Injection>,
+    /// The board, with what is plugged in.
+    pub wiring: &'static Wiring,
     /// The motor drivers.
     pub drivers: DriverLines,
     /// The EEPROM.
@@ -93,6 +95,7 @@ impl Default for Bench<'_> {
             second: None,
             manner: Manner::default(),
             injection: None,
+            wiring: &OCTOPUS,
             drivers: drivers(),
             eeprom: At24c32::default(),
             thermistors: &[],
@@ -156,7 +159,7 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
     let eeprom = if bench.is_untested { bench.eeprom.clone() } else { tested(firmware, bench) };
     let request = Request {
         firmware,
-        wiring: &OCTOPUS,
+        wiring: bench.wiring,
         settings: &bench.settings,
         gcode,
         second: bench.second,

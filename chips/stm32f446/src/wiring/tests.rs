@@ -1,6 +1,7 @@
 //! Tests of wiring.
 
 use super::*;
+use corehbot::connectors::SIM;
 
 fn board(uart: Option<Pin>) -> Board {
     let pin = |number| Pin::new(Port::B, number);
@@ -9,11 +10,13 @@ fn board(uart: Option<Pin>) -> Board {
     slots[Motor::M8 as usize] = Some(slot);
     Board {
         name: "",
+        connectors: &SIM,
         crystal: Crystal::Clock8MHz,
         slots,
         reversed: MotorSet::NONE,
         slow: MotorSet::NONE,
         endstops: [pin(3), pin(4), pin(5)],
+        normally_open: EndstopSet::NONE,
         probe: None,
         thermistors: &[],
         loads: &[],
