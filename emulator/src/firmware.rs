@@ -6,6 +6,8 @@
 use crate::bootloader::{Bootloader, RESET};
 use crate::wiring::Wiring;
 use anyhow::{Context, Result, bail};
+use corehbot::settings::Settings;
+use corehbot_sim::image;
 use object::read::elf::ElfFile32;
 use object::{Object, ObjectSegment, ObjectSymbol};
 use rigless::image::Image;
@@ -102,6 +104,14 @@ impl Firmware {
             cell.copy_from_slice(&halfword.to_le_bytes());
         }
         Ok(())
+    }
+
+    /// Puts a machine into the image, as `corehbot image` does.
+    ///
+    /// # Errors
+    /// If the image has no place for it, or its board no such connectors.
+    pub fn put_machine(&mut self, machine: &mut Settings) -> Result<()> {
+        image::put(&mut self.bytes, machine).map(|_| ())
     }
 
     /// Puts `bytes` into flash beside the image.

@@ -49,7 +49,8 @@ fn a_corexyz_lifts_with_all_four() {
 /// inputs.
 #[test]
 fn motors_and_switches_are_where_the_file_has_them() {
-    let file = "board = \"octopus\"\n[motors]\nm1 = \"!M4\"\nm8 = \"!M0\"\n[endstops]\nx = \"Y-STOP\"\ny = \"X-STOP\"\n";
+    let file =
+        "board = \"octopus\"\n[motors]\nm1 = \"!M4\"\nm8 = \"!M0\"\n[endstops]\nx = \"Y-STOP\"\ny = \"X-STOP\"\n";
     let mut wiring = OCTOPUS;
     let [(_, x), (_, y), _] = &mut wiring.endstops;
     std::mem::swap(x, y);
@@ -74,7 +75,22 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
     settings.wiring.motors[0].connector = ConnectorName::lit("M7");
     let seen = print_on(&firmware(), "G28 Z\nM114\n", &bench_of(settings));
     assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
-    let told = "Error:the stored machine is not used: motor 1: the BTT Octopus has no connector M7; it has M0, M1, M4, M3, M2, \
-                M5, M6";
+    let told = "echo:the machine is not used: motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";
     assert!(seen.line.said.iter().any(|said| said == told), "{:?}", seen.line.said);
+}
+
+/// `corehbot image` puts a machine into the image, which is all that such a board needs.
+#[test]
+fn an_image_with_a_machine_in_it_starts_as_that() {
+    let mut settings = machine_file::read(&root().join("examples/machines/hbot.toml")).unwrap().settings;
+    let mut firmware = firmware();
+    firmware.put_machine(&mut settings).unwrap();
+    let bench = Bench { settings, ..Bench::default() };
+    let seen = print_on(&firmware, GCODE, &bench);
+    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
+    assert!(seen.line.said.iter().any(|line| line.contains("Hardcoded Default Settings")), "{:?}", seen.line.said);
+    let host = scheduled(GCODE, &settings).unwrap();
+    if let Some(difference) = difference(&seen.recorder.events, &host) {
+        panic!("{difference}");
+    }
 }

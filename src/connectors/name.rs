@@ -45,6 +45,20 @@ impl ConnectorName {
         }
     }
 
+    /// Its bytes, with zeros behind it.
+    #[must_use]
+    pub const fn as_bytes(&self) -> &[u8; Self::LONGEST] {
+        &self.0
+    }
+
+    /// The name with these bytes, with zeros behind it.
+    #[must_use]
+    pub fn from_bytes(bytes: [u8; Self::LONGEST]) -> Option<Self> {
+        let name = Self(bytes);
+        let is_name = Self::new(name.as_str()) == Some(name);
+        is_name.then_some(name)
+    }
+
     /// Whether nothing is plugged in.
     #[must_use]
     pub fn is_none(self) -> bool {

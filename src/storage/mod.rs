@@ -4,14 +4,18 @@
 //! stay whole until the new record is; a checksum over all of a record decides whether it is. Sequence
 //! numbers tell which of two is the newer one, and saving in turns halves the wear.
 //!
+//! An image has a place for a record of its own ([`machine_of`]), for the machine that a board is until another one is stored.
+//!
 //! After the slots lies one page more, which notes the last self-test of the heaters that was passed.
 
 mod machine;
+mod machine_block;
 mod record;
 mod self_test;
 mod slots;
 
 pub use machine::other_machine;
+pub use machine_block::{BLOCK, MARK, blank_block, board_of, machine_of, put_machine};
 pub use record::{FORMAT, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
 pub use slots::{NEEDED, PAGE, STRIDE, SaveError, Slot, Stored, Survey, is_present, save, survey};

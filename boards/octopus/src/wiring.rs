@@ -7,15 +7,20 @@
 
 use corehbot::connectors::OCTOPUS;
 use corehbot::port::{EndstopSet, MotorSet, Output, Sensor};
+use corehbot::storage::{BLOCK, blank_block};
 use corehbot_stm32f446::wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
     Usart,
 };
 
+/// The place for a machine in the image.
+static MACHINE: [u8; BLOCK] = blank_block(OCTOPUS.key);
+
 /// The board.
 pub static BOARD: Board = Board {
     name: "BTT Octopus V1.0 or V1.1",
     connectors: &OCTOPUS,
+    machine: &MACHINE,
     crystal: Crystal::Oscillator12MHz,
     slots: [
         // Motor 1 in slot M0.
@@ -118,8 +123,10 @@ const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::connectors::ConnectorName;
     use corehbot::kinematics::{Groups, Mechanism};
     use corehbot::port::{GroupSet, Motor};
+    use corehbot::settings::Settings;
     use corehbot_stm32f446::port_writes::PortWrites;
 
     #[test]
@@ -202,5 +209,32 @@ mod tests {
         let has = [Output::Bed, Output::He0, Output::He1, Output::He2, Output::He3].map(|output| offered.has(output));
         assert_eq!(has, [true, true, true, false, false]);
         assert_eq!(BOARD.safe_levels(Port::B) >> 16, 1 << 10 | 1 << 11, "but they have a safe level");
+    }
+
+    #[test]
+    fn a_machine_is_plugged_in_where_it_says() {
+        let mut machine = Settings::prototype();
+        let usual = BOARD.plugged(&machine).unwrap();
+        assert_eq!((usual.slots, usual.reversed, usual.slow), (BOARD.slots, BOARD.reversed, BOARD.slow));
+        assert_eq!((usual.endstops, usual.normally_open), (BOARD.endstops, EndstopSet::NONE));
+        // Motors 1 and z2 change places, and the switches of x and z; z1 is not fitted.
+        let [m1, _, _, _, z1, z2, _] = &mut machine.wiring.motors;
+        std::mem::swap(m1, z2);
+        (m1.is_reversed, *z1) = (true, *m1);
+        std::mem::swap(&mut machine.wiring.endstops.x, &mut machine.wiring.endstops.z);
+        machine.wiring.endstops.x.is_normally_open = true;
+        machine.mechanism.rows[Motor::Z1 as usize] = [0; 4];
+        let board = BOARD.plugged(&machine).unwrap();
+        let [m1, m4, m8, m11, z1, z2, e0] = BOARD.slots;
+        assert_eq!(board.slots, [z2, m4, m8, m11, None, m1, e0]);
+        assert!(z1.is_some());
+        assert_eq!((board.reversed, board.slow), (MotorSet::of(Motor::M1), MotorSet::of(Motor::M1)));
+        let [x, y, z] = BOARD.endstops;
+        assert_eq!((board.endstops, board.normally_open), ([z, y, x], EndstopSet::X));
+        assert_eq!(board.problem(), None);
+        machine.wiring.motors[0].connector = ConnectorName::lit("M7");
+        let error = BOARD.plugged(&machine).map(|_| ()).unwrap_err();
+        let text = "motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";
+        assert_eq!(error.to_string(), text);
     }
 }

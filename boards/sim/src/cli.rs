@@ -4,6 +4,7 @@
 //! the command line, a file or the settings are wrong. 130: Ctrl-C (128 and the number of the signal).
 
 use crate::eeprom::Eeprom;
+use crate::image::{self, Image};
 use crate::machine_file::{self, Machine};
 use crate::printable;
 use crate::run::{self, Run};
@@ -40,6 +41,8 @@ enum Command {
     /// Is a printer at the end of a serial line (a pty), for hosts and terminal programs.
     #[cfg(unix)]
     Serve(Serve),
+    /// Makes an image for a board, with the machine of a file in it. Takes no compiler.
+    Image(Image),
 }
 
 /// Runs the command that the process was called with.
@@ -49,6 +52,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => end(run::Prepared::new(&args), |prepared| prepared.run(&args)),
         #[cfg(unix)]
         Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
+        Command::Image(args) => end(image::Prepared::new(&args), |prepared| prepared.write(&args)),
     }
 }
 

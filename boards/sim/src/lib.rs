@@ -11,6 +11,7 @@ pub mod drivers;
 pub mod eeprom;
 pub mod heat_log;
 pub mod host;
+pub mod image;
 pub mod input;
 pub mod limits;
 pub mod machine_file;

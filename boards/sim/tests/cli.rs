@@ -2,6 +2,8 @@
 // Clippy sees no test in the helpers here.
 #![allow(clippy::unwrap_used)]
 
+use corehbot::storage::{BLOCK, blank_block, machine_of};
+use corehbot_sim::machine_file;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -186,5 +188,64 @@ fn what_cannot_be_printed_is_status_2_and_says_why() {
         let output = corehbot().args(args).output().unwrap();
         assert_eq!(output.status.code(), Some(2), "{args:?}");
         assert!(text(&output.stderr).contains(message), "{args:?}: {}", text(&output.stderr));
+    }
+}
+
+/// An image as a build leaves it: something round a block that says which board it is for.
+fn blank_image(place: &Path, board: &str) -> PathBuf {
+    let path = place.join(format!("{board}.bin"));
+    std::fs::write(&path, [&[7; 300][..], &blank_block(board), &[9; 100]].concat()).unwrap();
+    path
+}
+
+#[test]
+fn an_image_gets_the_machine_of_a_file() {
+    let place = scratch("image");
+    let (blank, made) = (blank_image(&place, "octopus"), place.join("firmware.bin"));
+    let machine = example("machines/corexy.toml");
+    let run = |args: &[&Path]| {
+        let output = corehbot().arg("image").args(args).output().unwrap();
+        (output.status.code().unwrap(), text(&output.stdout) + &text(&output.stderr))
+    };
+    let [from, with, to] = ["--from", "--machine", "-o"].map(Path::new);
+    let (status, said) = run(&[from, &blank, with, &machine, to, &made]);
+    assert!(status == 0 && said.contains("for the board octopus, CoreXY ("), "{status} {said}");
+    let (before, after) = (std::fs::read(&blank).unwrap(), std::fs::read(&made).unwrap());
+    assert_eq!(before.len(), after.len());
+    let block = after[300..300 + BLOCK].try_into().unwrap();
+    assert_eq!(machine_of(block), Ok(machine_file::read(&machine).unwrap().settings));
+    assert!(before[..324] == after[..324] && before[300 + BLOCK..] == after[300 + BLOCK..]);
+    // An image that has a machine may get another one, and one without a machine is a copy.
+    let again = place.join("again.bin");
+    assert_eq!(run(&[from, &made, with, &example("machines/hbot.toml"), to, &again]).0, 0);
+    assert_eq!(run(&[from, &blank, to, &again]).0, 0);
+    assert_eq!(std::fs::read(&again).unwrap(), before);
+}
+
+#[test]
+fn no_image_is_made_of_what_is_none() {
+    let place = scratch("no-image");
+    let (blank, made) = (blank_image(&place, "nucleo"), place.join("firmware.bin"));
+    let wrong = |args: &[&str]| {
+        let output = corehbot().arg("image").args(args).args(["-o", made.to_str().unwrap()]).output().unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        assert!(!made.exists());
+        text(&output.stderr)
+    };
+    let blank = blank.to_str().unwrap();
+    let file = place.join("m.toml");
+    std::fs::write(&file, "board = \"octopus\"\n[motors]\nm1 = \"M3\"\nm11 = \"M0\"\n").unwrap();
+    let file = file.to_str().unwrap();
+    for (args, told) in [
+        (&["--from", blank, "--machine", file][..], "motor m1: the CNC shield has no connector M3"),
+        (&["--from", blank, "--board", "octopus"], "is for the board nucleo, not for octopus"),
+        (&["--from", file], "no image of this firmware"),
+        (&["--board", "printer"], "no board is called printer: octopus, nucleo"),
+        (&["--board", "nucleo"], "name an image with --from"),
+        (&[], "--board"),
+        (&["--from", blank, "--machine", "nothing.toml"], "cannot open nothing.toml"),
+    ] {
+        let said = wrong(args);
+        assert!(said.contains(told), "{args:?}: {said}");
     }
 }

@@ -7,8 +7,8 @@ use corehbot::fault::{Cause, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
-use corehbot::settings::{Settings, Wiring};
-use corehbot::storage::other_machine;
+use corehbot::settings::Settings;
+use corehbot::storage::{machine_of, other_machine};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_futures::block_on;
@@ -38,7 +38,6 @@ use crate::{
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
 static DIR_WRITES: StaticCell<PortWrites> = StaticCell::new();
-
 
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
@@ -113,8 +112,8 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }
 
-/// What the machine is put together with, and the board as that is plugged into it: the prototype in the usual places, unless
-/// another machine is stored. One that the board has no connectors for is told of and left alone.
+/// What the machine is put together with, and the board as that is plugged into it: the machine that is stored, or else that of
+/// the image, or else the prototype in the usual places. One that the board has no connectors for is told of and left alone.
 #[inline(never)]
 fn machine_at_start(
     board: &'static Board,
@@ -124,21 +123,26 @@ fn machine_at_start(
     static MACHINE: StaticCell<Settings> = StaticCell::new();
     static PLUGGED: StaticCell<Board> = StaticCell::new();
     let machine = MACHINE.init(Settings::prototype());
-    machine.wiring = Wiring::usual(board.connectors);
+    if let Ok(made) = machine_of(board.machine()) {
+        *machine = made;
+    }
+    board.name_connectors(machine);
     // The board's memory answers at once; nothing here waits for anybody else.
-    let Some(stored) = block_on(other_machine(storage, machine)) else { return (machine, board) };
-    match board.plugged(&stored) {
-        Ok(plugged) => {
-            *machine = stored;
-            (machine, PLUGGED.init(plugged))
-        }
+    if let Some(mut stored) = block_on(other_machine(storage, machine)) {
+        board.name_connectors(&mut stored);
+        *machine = stored;
+    }
+    match board.plugged(machine) {
+        Ok(plugged) => (machine, PLUGGED.init(plugged)),
         Err(error) => {
             let mut text = String::<LONGEST_ERROR>::new();
             // What does not fit is left out.
             let _ = write!(text, "{error}");
-            for part in ["Error:the stored machine is not used: ", &text, "\n"] {
+            for part in ["echo:the machine is not used: ", &text, "\n"] {
                 lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
             }
+            *machine = Settings::prototype();
+            board.name_connectors(machine);
             (machine, board)
         }
     }

@@ -7,6 +7,7 @@
 
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::{EndstopSet, FANS, LINES, Motor, MotorSet, Output, OutputSet, Sensor};
+use corehbot::storage::BLOCK;
 
 use crate::port_writes::PortWrites;
 pub use crate::serial_port::{SerialPort, Usart};
@@ -163,6 +164,8 @@ pub struct Board {
     pub name: &'static str,
     /// The names of its connectors: sockets of drivers in the order of `slots`, inputs in that of `endstops`.
     pub connectors: &'static BoardConnectors,
+    /// The machine that is put into the image, if one is (`corehbot image`).
+    pub machine: &'static [u8; BLOCK],
     /// Rate of the clock at the crystal's pins.
     pub crystal: Crystal,
     /// The drivers by motor; a motor without one is counted, but does not turn.

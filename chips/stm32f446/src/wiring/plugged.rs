@@ -1,12 +1,29 @@
 //! A board as one machine is plugged into it.
 
+use core::hint::black_box;
+
 use corehbot::connectors::ConnectorName;
 use corehbot::port::{EndstopSet, Motor, MotorSet};
-use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
+use corehbot::settings::{ConnectorError, EndstopPlug, Settings, Wiring};
+use corehbot::storage::BLOCK;
 
 use super::{Board, Pin, Slot};
 
 impl Board {
+    /// The machine block of the image. The compiler must not take what it compiles for what is there when it runs.
+    #[must_use]
+    pub fn machine(&self) -> &'static [u8; BLOCK] {
+        black_box(self.machine)
+    }
+
+    /// Names the usual connectors in the settings of a machine that has those of the prototype: so records say that did not know of
+    /// connectors, on whatever board they are.
+    pub fn name_connectors(&self, machine: &mut Settings) {
+        if machine.wiring == Settings::prototype().wiring {
+            machine.wiring = Wiring::usual(self.connectors);
+        }
+    }
+
     /// The board with each motor of a machine at the driver, and each switch at the input, that it is plugged into. Drivers
     /// without a motor are left off.
     ///

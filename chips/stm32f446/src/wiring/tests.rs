@@ -2,6 +2,7 @@
 
 use super::*;
 use corehbot::connectors::SIM;
+use corehbot::storage::blank_block;
 
 fn board(uart: Option<Pin>) -> Board {
     let pin = |number| Pin::new(Port::B, number);
@@ -11,6 +12,7 @@ fn board(uart: Option<Pin>) -> Board {
     Board {
         name: "",
         connectors: &SIM,
+        machine: const { &blank_block("") },
         crystal: Crystal::Clock8MHz,
         slots,
         reversed: MotorSet::NONE,
