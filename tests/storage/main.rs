@@ -285,3 +285,20 @@ fn a_machine_with_other_motors_is_started_as_that() {
     assert_eq!(now(storage::other_machine(&mut Eeprom::blank(), &made)), None);
     assert_eq!(now(storage::other_machine(&mut NoStorage, &made)), None);
 }
+
+/// Both slots and the note have places of their own, and all of them are within what is said to be needed.
+#[test]
+fn a_note_of_a_self_test_and_two_records_do_not_touch_each_other() {
+    let mut eeprom = Eeprom::holding(vec![0xFF; NEEDED as usize]);
+    for n in 0..4 {
+        now(storage::save(&mut eeprom, &variant(n))).unwrap();
+        now(storage::note_passed_test(&mut eeprom, u32::from(n))).unwrap();
+        let survey = now(storage::survey(&mut eeprom)).unwrap();
+        assert_eq!(survey.newest.map(|stored| stored.settings), Some(variant(n)));
+        let whole = survey.rejected.iter().filter(|(_, why)| why.is_none()).count();
+        assert_eq!(whole, usize::from(n + 1).min(2), "{:?}", survey.rejected);
+        assert_eq!(now(storage::passed_test(&mut eeprom)), Ok(Some(n.into())));
+    }
+    let last = eeprom.writes.iter().map(|(at, size)| at + *size as u32).max();
+    assert!(last.is_some_and(|last| last <= NEEDED && last > NEEDED - PAGE as u32));
+}
