@@ -6,6 +6,7 @@
 pub use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Output, OutputSet, SENSORS, Sensor};
 pub use crate::motors::{EndstopSet, GroupSet, Motor, MotorSet};
 
+use crate::connectors::{BoardConnectors, SIM};
 use crate::units::{Instant, Tick};
 
 /// How long a step line has to be high, in ns, with every driver that is supported. TMC2209 datasheet rev 1.09, section 13.1:
@@ -145,6 +146,11 @@ pub trait DriverBus {
     /// bounded time.
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         Some(Err(BusError::Silent))
+    }
+
+    /// What the board has to plug a machine into.
+    fn connectors(&self) -> &'static BoardConnectors {
+        &SIM
     }
 
     /// What M122 has to say of how this board keeps its outputs safe, if something is amiss.

@@ -7,7 +7,9 @@ use common::{Bench, bench_of, firmware, print_on, root};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
+use corehbot::storage::{LONGEST, record_of};
 use corehbot_emulator::compare::{difference, scheduled};
+use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::OCTOPUS;
 use corehbot_sim::machine_file;
@@ -93,4 +95,24 @@ fn an_image_with_a_machine_in_it_starts_as_that() {
     if let Some(difference) = difference(&seen.recorder.events, &host) {
         panic!("{difference}");
     }
+}
+
+/// A machine that comes over the serial line is stored and told of; a reset later the board is that machine.
+#[test]
+fn a_machine_that_was_sent_is_there_after_a_reset() {
+    let machine = machine_file::read(&root().join("examples/machines/corexy.toml")).unwrap().settings;
+    let mut record = [0; LONGEST];
+    let length = record_of(&machine, &mut record).unwrap();
+    let pieces = record[..length].chunks(24).enumerate().map(|(n, piece)| {
+        let hex: String = piece.iter().map(|byte| format!("{byte:02x}")).collect();
+        format!("MACHINE_PUT AT={} HEX={hex}\n", 24 * n)
+    });
+    let text: String = pieces.chain(["MACHINE_STORE\n".to_owned()]).collect();
+    let seen = print_on(&firmware(), &text, &Bench::default());
+    assert_eq!((seen.end, &seen.line.failure, seen.line.resends), (End::Done, &None, 0));
+    let told = |line: &&String| line.starts_with("echo:machine stored (") && line.ends_with("after the next reset");
+    assert_eq!(seen.line.said.iter().filter(told).count(), 1, "{:?}", seen.line.said);
+    let motors = [Motor::M8, Motor::M11, Motor::Z1].into_iter().map(MotorSet::of);
+    let again = Bench { settings: machine, eeprom: At24c32::holding(seen.eeprom.cells), ..Bench::default() };
+    assert_eq!(motors_on(&again), motors.fold(MotorSet::NONE, MotorSet::with));
 }

@@ -1,7 +1,7 @@
 //! What a line of G-code asks for, as a type in which nonsense cannot be written down.
 
 use super::number::Number;
-use super::parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, ModelWords, Plane, VelocityWords};
+use super::parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, Plane, VelocityWords};
 use crate::connectors::Heater;
 
 /// A command; every variant is answered with one `ok`. Lengths are in the units that G20/G21 chose.
@@ -286,6 +286,8 @@ pub enum Command<'a> {
     },
     /// SELF_TEST: find out whether each heater warms its own sensor.
     SelfTest,
+    /// MACHINE_GET, MACHINE_PUT, MACHINE_STORE: the machine, as a record in pieces.
+    MachineRecord(MachineRecord<'a>),
     /// M302: the temperature below which no filament moves, or report.
     ColdExtrusion {
         /// S, in degrees Celsius.

@@ -3,15 +3,19 @@
 
 use super::command::Command;
 use super::lexer::skip_blanks;
+use super::machine_record;
 use super::shaping::{set_pressure_advance, set_velocity_limit};
 
 /// The names that are known, and what makes a command of the text after each.
-const NAMES: [(&str, Read); 14] = [
+const NAMES: [(&str, Read); 17] = [
     // What the objects of a print are called, and where each begins and ends. Nothing here depends on it.
     ("EXCLUDE_OBJECT_DEFINE", silent),
     ("EXCLUDE_OBJECT_START", silent),
     ("EXCLUDE_OBJECT_END", silent),
     ("EXCLUDE_OBJECT", exclude_object),
+    ("MACHINE_GET", machine_record::get),
+    ("MACHINE_PUT", machine_record::put),
+    ("MACHINE_STORE", machine_record::store),
     ("SELF_TEST", self_test),
     ("SET_PRESSURE_ADVANCE", set_pressure_advance),
     ("SET_VELOCITY_LIMIT", set_velocity_limit),

@@ -85,6 +85,22 @@ pub enum Flaw<'a> {
     SecondCommand(&'a [u8]),
 }
 
+/// What is to be done with the record of the machine.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum MachineRecord<'a> {
+    /// MACHINE_GET: say it.
+    Get,
+    /// MACHINE_PUT: take a piece of another one.
+    Put {
+        /// AT: its place in the record, in bytes.
+        at: u16,
+        /// HEX: its bytes, two digits each.
+        hex: &'a [u8],
+    },
+    /// MACHINE_STORE: look at what was put together, and store it.
+    Store,
+}
+
 /// The words of SET_VELOCITY_LIMIT.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct VelocityWords<'a> {

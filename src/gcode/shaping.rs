@@ -130,13 +130,13 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
 }
 
 /// What stands between blanks, as far as a comment.
-fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
     text.split(|byte| is_blank(*byte)).filter(|word| !word.is_empty())
 }
 
 /// A name and the value after its `=`.
-fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
+pub(super) fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
     let length = word.iter().position(|byte| *byte == b'=').filter(|length| *length > 0)?;
     Some((word.get(..length)?, word.get(length + 1..)?))
 }

@@ -21,6 +21,7 @@ use crate::machine::state::clamps::Clamps;
 use crate::machine::state::fan_schedule::FanSchedule;
 use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::idle_timeout::IdleTimeout;
+use crate::machine::state::machine_pieces::MachinePieces;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::Notices;
 use crate::machine::state::pauses::Pauses;
@@ -72,6 +73,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) heat_orders: HeatOrders,
     pub(super) fan_schedule: FanSchedule,
     pub(super) self_tests: SelfTests,
+    pub(super) machine_pieces: MachinePieces,
     /// When heaters were last used, and what they were at before they went off while the user was waited for.
     pub(super) heaters_used: Instant,
     pub(super) targets_before: Option<[Celsius; HEATERS]>,
@@ -123,6 +125,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             heat_orders: HeatOrders::new(&settings.thermal),
             fan_schedule: FanSchedule::new(),
             self_tests: SelfTests::new(),
+            machine_pieces: MachinePieces::new(),
             heaters_used: now,
             targets_before: None,
             allows_cold: false,

@@ -6,7 +6,8 @@
 //! | 16..24 | the key of the board that the image is for |
 //! | 24.. | a [record](super::record), or 0xFF throughout: no machine |
 
-use super::record::{LONGEST, Receipt, Rejected, decode, encode};
+use super::machine::machine_in;
+use super::record::{LONGEST, Receipt, Rejected, encode};
 use crate::connectors::ConnectorName;
 use crate::settings::Settings;
 
@@ -36,9 +37,7 @@ pub const fn blank_block(board: &str) -> [u8; BLOCK] {
 /// Why there is none.
 pub fn machine_of(block: &[u8; BLOCK]) -> Result<Settings, Rejected> {
     let (_, record) = block.split_at(HEAD);
-    let (settings, ..) = decode(record)?;
-    settings.check_machine().map_err(Rejected::Illegal)?;
-    Ok(settings)
+    machine_in(record)
 }
 
 /// The key of the board that the image of a block is for, or `None` if the bytes are no block.

@@ -33,8 +33,8 @@ const MAGIC: [u8; 4] = *b"CHBS";
 
 pub(super) const HEADER: usize = 16;
 
-/// Longest record.
-pub(super) const LONGEST: usize = 1024;
+/// Bytes of the longest record.
+pub const LONGEST: usize = 1024;
 
 /// The longest payload. Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 10 for i64,
 /// which the mechanism is stored as. `wide` is what has no u16. A plug is a name of eight bytes, before which stands its length, and

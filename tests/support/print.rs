@@ -3,7 +3,9 @@
 use core::fmt::{self, Display, Formatter, Write};
 
 use corehbot::connectors::Heater;
-use corehbot::gcode::{ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, Number, Plane, VelocityWords};
+use corehbot::gcode::{
+    ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Number, Plane, VelocityWords,
+};
 
 /// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
 /// neither printable ASCII nor a tab.
@@ -136,6 +138,12 @@ impl Display for Printed<'_> {
                 f.write_str(if applies { " U1" } else { "" })
             }
             Command::SelfTest => f.write_str("SELF_TEST"),
+            Command::MachineRecord(MachineRecord::Get) => f.write_str("MACHINE_GET"),
+            Command::MachineRecord(MachineRecord::Store) => f.write_str("MACHINE_STORE"),
+            Command::MachineRecord(MachineRecord::Put { at, hex }) => {
+                write!(f, "MACHINE_PUT AT={at} HEX=")?;
+                write_text(f, hex)
+            }
             Command::ColdExtrusion { least, allow } => {
                 switch(f, "M302", least)?;
                 word(f, 'P', allow.map(|allow| Number::from(i32::from(allow))))

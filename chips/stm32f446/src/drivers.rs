@@ -1,5 +1,6 @@
 //! The motor drivers: their enable lines, and the UART of each.
 
+use corehbot::connectors::BoardConnectors;
 use corehbot::port::{BusError, DriverBus, Frame, Motor, MotorSet};
 
 use crate::driver_uart::DriverUart;
@@ -46,6 +47,10 @@ impl DriverBus for Drivers {
 
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
         self.uart.outcome()
+    }
+
+    fn connectors(&self) -> &'static BoardConnectors {
+        self.board.connectors
     }
 
     fn warning(&self) -> Option<&'static str> {

@@ -5,6 +5,7 @@
 //! speaks of. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
 use super::driver_value::DriverValue;
+use super::machine_answer::MachineAnswer;
 use super::setting::HeatSetting;
 use super::setting::Setting;
 use super::storage_news::StorageNews;
@@ -91,6 +92,8 @@ pub(in crate::machine) enum Answer<'a> {
     /// M122: a driver, and what it said; `None` without a UART.
     Driver(Motor, Option<Result<Reading, DriverError>>),
     Storage(StorageNews),
+    /// A machine over the serial line.
+    Machine(MachineAnswer),
     /// Why motors have no power.
     NoPower(Fault),
     HomingFailed {

@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`answer`] | **what** there is to say: one variant a reply |
 //! | [`setting`], [`driver_value`] | names for what a line sets and shows |
+//! | [`machine_answer`] | what there is to say of a machine that comes or goes over the line |
 //! | [`storage_news`] | what M500 to M504 and the start have found |
 //! | [`speaker`] | says each part once and in order, whatever room there is |
 //!
@@ -17,6 +18,7 @@
 
 pub(in crate::machine) mod answer;
 pub(in crate::machine) mod driver_value;
+pub(in crate::machine) mod machine_answer;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod speaker;
 pub(in crate::machine) mod storage_news;

@@ -13,6 +13,8 @@ pub(in crate::machine) enum StorageNews {
     Saved(Receipt),
     /// M500 did not.
     NotSaved(SaveError),
+    /// M500 did not, for another machine was stored that counts after the next reset.
+    MachineWaits,
     /// M501 found no storage.
     Unchanged(StorageError),
     /// M504 found none.

@@ -8,7 +8,7 @@ use super::settings::set::{Resolved, set_resolution};
 use super::shaping::{NO_SUCH_KIND, ShaperWords, set_advance};
 use crate::connectors::Heater;
 use crate::driver::Job;
-use crate::gcode::{AxisFlags, AxisWords, Number};
+use crate::gcode::{AxisFlags, AxisWords, MachineRecord, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
@@ -75,6 +75,8 @@ pub(in crate::machine) enum Blocking<'c> {
     Tune { heater: Option<Heater>, target: Option<Number>, cycles: Option<Number>, applies: bool },
     /// SELF_TEST.
     SelfTest,
+    /// MACHINE_GET, MACHINE_PUT, MACHINE_STORE.
+    MachineRecord(MachineRecord<'c>),
     /// M119.
     ReportEndstops,
     /// M122.
@@ -131,6 +133,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 return self.tune(heater, target, cycles, applies).await;
             }
             Blocking::SelfTest => return self.test_heaters().await,
+            Blocking::MachineRecord(order) => return self.exchange_machine(order).await,
             Blocking::ReportEndstops => {
                 self.link.look_at_endstops();
                 self.turn().await?;

@@ -80,6 +80,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::AwaitHeaters => return Outcome::TakesTime(Blocking::AwaitHeaters),
             Command::FanSpeed { fan, speed } => return Outcome::TakesTime(Blocking::Fan { fan, speed }),
             Command::SelfTest => return Outcome::TakesTime(Blocking::SelfTest),
+            Command::MachineRecord(order) => return Outcome::TakesTime(Blocking::MachineRecord(order)),
             Command::TuneHeater { heater, target, cycles, applies } => {
                 return Outcome::TakesTime(Blocking::Tune { heater, target, cycles, applies });
             }

@@ -18,6 +18,7 @@
 //! | M302 | [`cold_extrusion`] |
 //! | M303 | [`tuning`] |
 //! | SELF_TEST | [`self_test`] |
+//! | MACHINE_GET, MACHINE_PUT, MACHINE_STORE | [`machine_record`] |
 //! | M106, M107, M710 | [`fans`] |
 //! | M301, M304, M306 | [`heater_settings`] |
 //! | M593, M900, M572 | [`shaping`] |
@@ -39,6 +40,7 @@ pub(in crate::machine) mod heater_settings;
 pub(in crate::machine) mod heating;
 pub(in crate::machine) mod homing;
 pub(in crate::machine) mod immediate;
+pub(in crate::machine) mod machine_record;
 pub(in crate::machine) mod moves;
 pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod self_test;

@@ -19,6 +19,7 @@
 
 pub(in crate::machine) mod driver_report;
 pub(in crate::machine) mod heat_report;
+pub(in crate::machine) mod machine_report;
 pub(in crate::machine) mod message;
 pub(in crate::machine) mod report;
 pub(in crate::machine) mod sensors;

@@ -9,6 +9,9 @@ pub(in crate::machine) fn say_storage(to: &mut Speaker<'_>, news: &StorageNews) 
     match *news {
         StorageNews::Saved(receipt) => to.say(format_args!("echo:Settings Stored {receipt}")),
         StorageNews::NotSaved(error) => to.say(format_args!("echo:Settings not stored: {error}")),
+        StorageNews::MachineWaits => {
+            to.say(format_args!("echo:Settings not stored: another machine is, which counts after the next reset"));
+        }
         StorageNews::Unchanged(error) => to.say(format_args!("echo:Settings unchanged: {error}")),
         StorageNews::Unanswered(error) => to.say(format_args!("echo:{error}")),
         StorageNews::Unreadable(error) => {

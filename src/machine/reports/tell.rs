@@ -2,6 +2,7 @@
 
 use super::driver_report::{say_driver, say_driver_values};
 use super::heat_report::{Temperatures, say_heat, say_tuned};
+use super::machine_report::say_machine;
 use super::message::say_message;
 use super::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
 use super::storage_report::say_storage;
@@ -72,7 +73,20 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
         }
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.target_of(heater));
-        let Self { hosts, progress, settings, modal, retraction, planner, link, ports, homed, drivers, .. } = self;
+        let Self {
+            hosts,
+            progress,
+            settings,
+            modal,
+            retraction,
+            planner,
+            link,
+            ports,
+            homed,
+            drivers,
+            machine_pieces,
+            ..
+        } = self;
         let allows_cold = &self.allows_cold;
         let s = &**settings;
         let to = &mut Speaker::new(progress, hosts);
@@ -126,6 +140,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
                     to.say(format_args!("echo:{warning}"));
                 }
             }
+            Answer::Machine(answer) => say_machine(to, &answer, machine_pieces),
             Answer::Setting(setting) => say_setting(to, setting, s, &retraction.settings),
             Answer::Settings => say_settings(to, s, &retraction.settings, !drivers.lines().is_empty()),
             Answer::OneBelt(code) => {

@@ -11,6 +11,7 @@
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
 //! | what a command waits for, M25 | [`pauses`], [`waiting`] |
 //! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
+//! | a machine on its way over the line | [`machine_pieces`] |
 //! | values out of range | [`clamps`] |
 //! | what a host was told once | [`notices`] |
 //!
@@ -30,6 +31,7 @@ pub(in crate::machine) mod clamps;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
+pub(in crate::machine) mod machine_pieces;
 pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;
 pub(in crate::machine) mod pauses;

@@ -216,6 +216,13 @@ const ROWS: &[Row] = &[
     ("M301", UNTUNED),
     ("M303 E0 S200", UNTUNED),
     ("SELF_TEST", UNTUNED),
+    // The machine over the line.
+    ("MACHINE_PUT AT=5 HEX=00", &["echo:machine not stored: the next piece belongs at 0"]),
+    ("MACHINE_PUT AT=0 HEX=0g", &["echo:machine not stored: HEX needs two hexadecimal digits a byte"]),
+    ("MACHINE_PUT AT=x HEX=00", &["echo:line ignored: \"AT=x\" is no name with = and a number"]),
+    ("MACHINE_PUT HEX=00", &["echo:line ignored: \"HEX=00\" is no name with = and a number"]),
+    ("MACHINE_PUT AT=0 HEX=00", SILENCE),
+    ("MACHINE_STORE", &["echo:machine not stored: empty"]),
     ("M304", UNTUNED),
     ("M306", UNTUNED),
     ("M306 E-1 A3", UNTUNED),
@@ -262,7 +269,7 @@ const ROWS: &[Row] = &[
 ];
 
 /// Codes that one line and its answer do not show, and where they are tested.
-const ELSEWHERE: [(&str, &str); 15] = [
+const ELSEWHERE: [(&str, &str); 16] = [
     ("M112", "../emergencies.rs"),
     ("M115", "answers.rs"),
     ("M122", "../console/reports.rs"),
@@ -271,6 +278,7 @@ const ELSEWHERE: [(&str, &str); 15] = [
     ("M622", "effects.rs"),
     ("M623", "effects.rs"),
     ("EXCLUDE_OBJECT_DEFINE", "answers.rs"),
+    ("MACHINE_GET", "../console/machine_record.rs"),
     ("if", "effects.rs"),
     ("elif", "effects.rs"),
     ("else", "effects.rs"),

@@ -6,7 +6,7 @@ use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
-use crate::storage::{self, Survey};
+use crate::storage::{self, Receipt, SaveError, Survey};
 
 /// The storage, with the world going round once after every transfer, so that M112 is heard while settings
 /// are being saved.
@@ -100,14 +100,25 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         paced.into_result()
     }
 
-    /// M500. The machine rests: storage may be flash, whose erasing stops the processor.
+    /// M500. Another machine that waits for the next reset is not written over.
     pub(in crate::machine) async fn save_settings(&mut self) -> Result<StorageNews, Interrupt> {
-        self.finish().await?;
+        if self.machine_pieces.is_stored {
+            return Ok(StorageNews::MachineWaits);
+        }
         let settings = *self.settings;
+        Ok(self.save(&settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+    }
+
+    /// Stores settings. The machine rests: storage may be flash, whose erasing stops the processor.
+    pub(in crate::machine) async fn save(
+        &mut self,
+        settings: &Settings,
+    ) -> Result<Result<Receipt, SaveError>, Interrupt> {
+        self.finish().await?;
         let mut paced = Paced::new(self);
-        let saved = storage::save(&mut paced, &settings).await;
+        let saved = storage::save(&mut paced, settings).await;
         paced.into_result()?;
-        Ok(saved.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+        Ok(saved)
     }
 
     /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing.

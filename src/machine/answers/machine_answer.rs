@@ -1,0 +1,43 @@
+//! What there is to say of a machine that comes or goes over a serial line.
+
+use crate::machine::state::machine_pieces::PieceError;
+use crate::settings::ConnectorError;
+use crate::storage::{Receipt, Rejected, SaveError};
+use core::fmt;
+
+/// What there is to say of it.
+#[derive(Clone, Copy)]
+pub(in crate::machine) enum MachineAnswer {
+    /// MACHINE_GET: the piece at this place; the last one is followed by the whole length.
+    Piece(usize),
+    /// MACHINE_PUT or MACHINE_STORE refuse.
+    Refused(MachineRefusal),
+    /// MACHINE_STORE did it: the record, and whether it counts from now on.
+    Stored(Receipt, bool),
+}
+
+/// Why a machine is not taken. What was stored before still is.
+#[derive(Clone, Copy)]
+pub(in crate::machine) enum MachineRefusal {
+    /// A piece.
+    Piece(PieceError),
+    /// What was put together is no record, or forbidden.
+    Record(Rejected),
+    /// The board has not what is plugged in.
+    Connectors(ConnectorError),
+    /// The storage.
+    Storage(SaveError),
+}
+
+impl fmt::Display for MachineRefusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Piece(PieceError::Gap(there)) => write!(f, "the next piece belongs at {there}"),
+            Self::Piece(PieceError::NoHex) => f.write_str("HEX needs two hexadecimal digits a byte"),
+            Self::Piece(PieceError::TooLong) => f.write_str("no machine is so long"),
+            Self::Record(why) => why.fmt(f),
+            Self::Connectors(error) => error.fmt(f),
+            Self::Storage(error) => error.fmt(f),
+        }
+    }
+}
