@@ -3,6 +3,7 @@
 //! 0: the print was done and its steps are sound. 1: it was not, or nothing was printed. 2: nothing was begun, because
 //! the command line, a file or the settings are wrong. 130: Ctrl-C (128 and the number of the signal).
 
+use crate::config::{self, Config};
 use crate::eeprom::Eeprom;
 use crate::machine_file::{self, Machine};
 use crate::printable;
@@ -19,7 +20,7 @@ use std::process::ExitCode;
 /// All went well.
 pub(crate) const DONE: u8 = 0;
 
-/// The print failed.
+/// The print failed, or a file is no machine.
 pub(crate) const FAILED: u8 = 1;
 
 /// Nothing was begun; clap ends with the same status.
@@ -40,6 +41,9 @@ enum Command {
     /// Is a printer at the end of a serial line (a pty), for hosts and terminal programs.
     #[cfg(unix)]
     Serve(Serve),
+    /// Begins, checks and describes machine files.
+    #[command(subcommand)]
+    Config(Config),
 }
 
 /// Runs the command that the process was called with.
@@ -49,6 +53,7 @@ pub fn main() -> ExitCode {
         Command::Run(args) => end(run::Prepared::new(&args), |prepared| prepared.run(&args)),
         #[cfg(unix)]
         Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
+        Command::Config(config) => end(config::run(&config), Ok),
     }
 }
 
