@@ -8,7 +8,7 @@
 //! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
 //! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (`completed`). A field of a struct inside `Settings` cannot be put behind: `decode` then reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
-//! | machine file | keys in `boards/sim/src/machine_file/form.rs`, read in `machine_file.rs`, shown in `examples/machines/prototype.toml` | `boards/sim/tests/every_setting.rs` |
+//! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
 //! | M503 | `machine/answers/setting.rs`; of drivers `say_driver_settings` in `machine/commands/settings/shown.rs` | the same test |
 //! | who reads it | `motion`, `driver` or `machine` | its own tests |

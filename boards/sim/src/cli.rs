@@ -3,6 +3,7 @@
 //! 0: the print was done and its steps are sound. 1: it was not, or nothing was printed. 2: nothing was begun, because
 //! the command line, a file or the settings are wrong. 130: Ctrl-C (128 and the number of the signal).
 
+use crate::config::{self, Config};
 use crate::eeprom::Eeprom;
 use crate::image::{self, Image};
 use crate::machine_file::{self, Machine};
@@ -20,7 +21,7 @@ use std::process::ExitCode;
 /// All went well.
 pub(crate) const DONE: u8 = 0;
 
-/// The print failed.
+/// The print failed, or a file is no machine.
 pub(crate) const FAILED: u8 = 1;
 
 /// Nothing was begun; clap ends with the same status.
@@ -43,6 +44,9 @@ enum Command {
     Serve(Serve),
     /// Makes an image for a board, with the machine of a file in it. Takes no compiler.
     Image(Image),
+    /// Begins, checks and describes machine files.
+    #[command(subcommand)]
+    Config(Config),
 }
 
 /// Runs the command that the process was called with.
@@ -53,6 +57,7 @@ pub fn main() -> ExitCode {
         #[cfg(unix)]
         Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
         Command::Image(args) => end(image::Prepared::new(&args), |prepared| prepared.write(&args)),
+        Command::Config(config) => end(config::run(&config), Ok),
     }
 }
 

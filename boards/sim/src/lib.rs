@@ -7,6 +7,7 @@
 
 pub mod check;
 pub mod cli;
+mod config;
 pub mod drivers;
 pub mod eeprom;
 pub mod heat_log;

@@ -2,15 +2,18 @@
 //!
 //! Every key is optional and stands over the prototype's value, but for `[mechanism]`, which lists all motors or is left
 //! out. An unknown key or a value outside its legal range is an error that names both. `form` has the keys, `quantity` the
-//! ranges; `examples/machines/prototype.toml` shows every key. A file that names a `board` is held to what that has.
+//! ranges, `schema` both for editors, `problems` all that is wrong with a file; `examples/machines/prototype.toml` shows every key. A file that names a `board` is held to what that has.
 
 mod error;
 mod form;
 mod heat;
 mod place;
 mod plugs;
+mod problems;
 mod quantity;
 mod resolution;
+mod schema;
+mod unwise;
 
 use anyhow::{Context as _, anyhow};
 use corehbot::connectors::{BoardConnectors, SIM};
@@ -20,13 +23,15 @@ use corehbot::settings::{
     AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
 };
 pub use error::MachineFileError;
-use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, MechanismToml, ShaperToml};
+use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, MechanismToml, RowToml, ShaperToml};
 pub use place::Place;
+pub use problems::{Problem, problems};
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BACK_OFF, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
     KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SPEED, TOLERANCE, put, put_whole, quantity,
 };
 use resolution::resolution;
+pub use schema::schema;
 use std::path::Path;
 
 /// A machine as its file describes it.
@@ -120,7 +125,7 @@ fn mechanism(file: MechanismToml) -> Result<Mechanism, MachineFileError> {
     let MechanismToml { m1, m4, m8, m11, z1, z2, e0 } = file;
     let mut mechanism = Mechanism { rows: [[0; 4]; Motor::ALL.len()] };
     for ((motor, slot), listed) in Motor::ALL.into_iter().zip(&mut mechanism.rows).zip([m1, m4, m8, m11, z1, z2, e0]) {
-        if let Some(listed) = listed {
+        if let Some(RowToml(listed)) = listed {
             let key = || format!("mechanism.{}", motor.name());
             *slot = row(&listed).ok_or_else(|| MachineFileError::Row { key: key(), row: listed })?;
         }

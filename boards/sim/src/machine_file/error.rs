@@ -74,6 +74,12 @@ impl Display for MachineFileError {
 impl std::error::Error for MachineFileError {}
 
 impl MachineFileError {
+    /// Whether it is one key that is wrong, whatever the others say.
+    #[must_use]
+    pub const fn is_of_one_key(&self) -> bool {
+        matches!(self, Self::Syntax(_) | Self::Range { .. } | Self::Row { .. } | Self::Connector { .. })
+    }
+
     /// Where in the file it is, if it is at one place.
     #[must_use]
     pub fn place(&self, text: &str) -> Option<Place> {

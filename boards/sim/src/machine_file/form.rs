@@ -1,46 +1,92 @@
-//! The form of a machine file: its tables and keys, every one optional.
+//! The form of a machine file: its tables and keys, every one optional. The comments of keys, with their units, are what an
+//! editor shows: they stand in the schema (`schema`).
 
-use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, Output, SIM, Sensor};
-use corehbot::settings::{Control, FanRole, ShaperKind};
+mod heat;
+mod motion;
+
+use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, SIM};
+pub(super) use heat::{
+    FanToml, FansToml, GuardsToml, HeaterToml, HeatersToml, ModelToml, PidToml, ThermalToml, ThermistorToml,
+};
+pub(super) use motion::{
+    AdvanceToml, AxesToml, AxisToml, CornerToml, DriverToml, DriversToml, HomingToml, HomingsToml, ShaperToml,
+    ShapersToml,
+};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
-#[derive(Deserialize, Default)]
+/// A machine of CoreH-bot firmware. What is left out is as in the prototype.
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct MachineToml {
+    /// What reports call the machine.
     pub name: Option<String>,
+    /// The board. Motors, endstops and heaters are held to the connectors that it has; without a board they may be
+    /// anything.
     pub board: Option<BoardToml>,
+    /// Speed limit of one belt motor, in mm of belt a second. A diagonal asks 1.41 times the tool's speed of two
+    /// motors.
     pub motor_max_speed: Option<f64>,
+    /// Acceleration limit of one belt motor, in mm of belt a second squared.
     pub motor_max_acceleration: Option<f64>,
+    /// Acceleration of moves that print, in mm/s2 (M204 P).
     pub print_acceleration: Option<f64>,
+    /// Acceleration of moves of the extruder alone, in mm/s2 (M204 R).
     pub retract_acceleration: Option<f64>,
+    /// Acceleration of moves that do not print, in mm/s2 (M204 T).
     pub travel_acceleration: Option<f64>,
+    /// The jump in the extruder's speed that a corner may ask for, in mm/s (M205 E).
     pub extruder_jerk: Option<f64>,
+    /// Least commanded speed of printing moves, in mm/s; 0 is none (M205 S).
     pub min_feed: Option<f64>,
+    /// Least commanded speed of other moves, in mm/s; 0 is none (M205 T).
     pub min_travel: Option<f64>,
+    /// Whether moves are kept inside the reachable space (M211).
     pub soft_endstops: Option<bool>,
+    /// Whether moves of an axis that was not homed are refused. Otherwise the host is told of them once.
     pub require_homing: Option<bool>,
+    /// How far the chords of an arc may lie inside it, in mm.
     pub arc_tolerance: Option<f64>,
+    /// Seconds between two busy messages; 0 is none (M113).
     pub keepalive_s: Option<f64>,
+    /// Milliseconds of silence in the middle of numbered lines after which the host is prompted to go on, 100 or more;
+    /// 0 is never.
     pub patience_ms: Option<f64>,
+    /// Seconds of motion, at nominal speed, that wait in the look-ahead before a line is answered.
     pub lookahead_time: Option<f64>,
+    /// Whether ok tells the line number, free moves and free lines (ok N12 P100 B9), as Marlin's ADVANCED_OK.
     pub advanced_ok: Option<bool>,
+    /// The part of a move over which its speed holds at least, unless it accelerates or brakes all along.
     pub minimum_cruise_ratio: Option<f64>,
+    /// How many steps a motor turns for one step of x, y, z and e. A file with this table lists every motor that is
+    /// fitted.
     pub mechanism: Option<MechanismToml>,
+    /// Which socket of the board each motor is plugged into.
     pub motors: MotorsToml,
+    /// Which input of the board the switch of each axis is plugged into.
     pub endstops: EndstopsToml,
+    /// Speed in corners: either of the two keys.
     pub corner: CornerToml,
+    /// Input shapers against ringing (M593).
     pub shaper: ShapersToml,
+    /// Pressure advance (M900, M572).
     pub advance: AdvanceToml,
+    /// Resolution, limits and length of every axis.
     pub axes: AxesToml,
+    /// How each axis finds its endstop, at its low end.
     pub homing: HomingsToml,
+    /// What the motor drivers (TMC2209) are told where they have a UART.
     pub drivers: DriversToml,
+    /// What heaters and fans have in common.
     pub thermal: ThermalToml,
+    /// Heaters.
     pub heaters: HeatersToml,
+    /// Fan outputs.
     pub fans: FansToml,
 }
 
 /// Boards by their names in `connectors`.
-#[derive(Clone, Copy, Deserialize)]
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum BoardToml {
     Octopus,
@@ -59,331 +105,66 @@ impl From<BoardToml> for &'static BoardConnectors {
 }
 
 /// The connector of each motor.
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct MotorsToml {
-    pub m1: Option<String>,
-    pub m4: Option<String>,
-    pub m8: Option<String>,
-    pub m11: Option<String>,
-    pub z1: Option<String>,
-    pub z2: Option<String>,
-    pub e0: Option<String>,
+    /// Socket of motor 1, as printed on the board; ! before it turns the motor the other way round; empty is nowhere.
+    pub m1: Option<PlugToml>,
+    /// Socket of motor 4, as printed on the board; ! before it turns the motor the other way round; empty is nowhere.
+    pub m4: Option<PlugToml>,
+    /// Socket of motor 8, as printed on the board; ! before it turns the motor the other way round; empty is nowhere.
+    pub m8: Option<PlugToml>,
+    /// Socket of motor 11, as printed on the board; ! before it turns the motor the other way round; empty is nowhere.
+    pub m11: Option<PlugToml>,
+    /// Socket of the first screw, as printed on the board; ! before it turns the motor the other way round; empty is
+    /// nowhere.
+    pub z1: Option<PlugToml>,
+    /// Socket of the second screw, as printed on the board; ! before it turns the motor the other way round; empty is
+    /// nowhere.
+    pub z2: Option<PlugToml>,
+    /// Socket of the extruder, as printed on the board; ! before it turns the motor the other way round; empty is
+    /// nowhere.
+    pub e0: Option<PlugToml>,
 }
 
 /// The connector of each axis' switch.
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct EndstopsToml {
-    pub x: Option<String>,
-    pub y: Option<String>,
-    pub z: Option<String>,
+    /// Input of the x switch, which opens when it is pressed; ! before it: it closes (normally open).
+    pub x: Option<PlugToml>,
+    /// Input of the y switch, which opens when it is pressed; ! before it: it closes (normally open).
+    pub y: Option<PlugToml>,
+    /// Input of the z switch, which opens when it is pressed; ! before it: it closes (normally open).
+    pub z: Option<PlugToml>,
 }
 
 /// A row a motor that is fitted.
-#[derive(Deserialize, Default)]
+#[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct MechanismToml {
-    pub m1: Option<Vec<f64>>,
-    pub m4: Option<Vec<f64>>,
-    pub m8: Option<Vec<f64>>,
-    pub m11: Option<Vec<f64>>,
-    pub z1: Option<Vec<f64>>,
-    pub z2: Option<Vec<f64>>,
-    pub e0: Option<Vec<f64>>,
+    /// Motor 1 (CoreH-bot: front left): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    pub m1: Option<RowToml>,
+    /// Motor 4 (CoreH-bot: front right): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    pub m4: Option<RowToml>,
+    /// Motor 8 (CoreH-bot: rear right): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    pub m8: Option<RowToml>,
+    /// Motor 11 (CoreH-bot: rear left): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    pub m11: Option<RowToml>,
+    /// First screw: steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    pub z1: Option<RowToml>,
+    /// Second screw: steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    pub z2: Option<RowToml>,
+    /// Extruder: steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    pub e0: Option<RowToml>,
 }
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct CornerToml {
-    pub junction_deviation: Option<f64>,
-    pub square_corner: Option<f64>,
-}
+/// A row: what a motor turns for a step of x, y, z and maybe e.
+#[derive(Deserialize, JsonSchema)]
+pub(super) struct RowToml(
+    #[schemars(with = "Vec<i8>", length(min = 3, max = 4), inner(range(min = -1, max = 1)))] pub Vec<f64>,
+);
 
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct ShapersToml {
-    pub x: ShaperToml,
-    pub y: ShaperToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct ShaperToml {
-    pub kind: Option<KindToml>,
-    pub frequency: Option<f64>,
-    pub damping: Option<f64>,
-    pub span: Option<f64>,
-    pub motor_frequency: Option<f64>,
-}
-
-/// The shapers by the names that Klipper gives them.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum KindToml {
-    None,
-    Zv,
-    Zvd,
-    Mzv,
-    Ei,
-    #[serde(rename = "2hump_ei")]
-    TwoHumpEi,
-}
-
-impl From<KindToml> for ShaperKind {
-    fn from(kind: KindToml) -> Self {
-        match kind {
-            KindToml::None => Self::None,
-            KindToml::Zv => Self::Zv,
-            KindToml::Zvd => Self::Zvd,
-            KindToml::Mzv => Self::Mzv,
-            KindToml::Ei => Self::Ei,
-            KindToml::TwoHumpEi => Self::TwoHumpEi,
-        }
-    }
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct AdvanceToml {
-    pub time: Option<f64>,
-    pub window: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct AxesToml {
-    pub x: AxisToml,
-    pub y: AxisToml,
-    pub z: AxisToml,
-    pub e: AxisToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct AxisToml {
-    pub steps_per_mm: Option<f64>,
-    pub rotation_distance: Option<f64>,
-    pub full_steps: Option<f64>,
-    pub max_speed: Option<f64>,
-    pub max_acceleration: Option<f64>,
-    pub length: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct HomingsToml {
-    pub x: HomingToml,
-    pub y: HomingToml,
-    pub z: HomingToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct HomingToml {
-    pub fast: Option<f64>,
-    pub slow: Option<f64>,
-    pub back_off: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct DriversToml {
-    pub belt: DriverToml,
-    pub z: DriverToml,
-    pub e: DriverToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct DriverToml {
-    pub current_ma: Option<f64>,
-    pub hold_percent: Option<f64>,
-    pub microsteps: Option<f64>,
-    pub stealth: Option<bool>,
-    pub hybrid_threshold: Option<f64>,
-    pub stall_threshold: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct ThermalToml {
-    pub min_extrude: Option<f64>,
-    pub hotend_fan_above: Option<f64>,
-    pub fan_run_on_s: Option<f64>,
-    pub idle_min: Option<f64>,
-    pub filament: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct HeatersToml {
-    pub hotend: HeaterToml,
-    pub bed: HeaterToml,
-    pub chamber: HeaterToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct HeaterToml {
-    pub is_fitted: Option<bool>,
-    pub output: Option<OutputToml>,
-    pub sensor: Option<SensorToml>,
-    pub thermistor: Option<ThermistorToml>,
-    pub most: Option<f64>,
-    pub power: Option<f64>,
-    pub max_duty: Option<f64>,
-    pub period_ms: Option<f64>,
-    pub control: Option<ControlToml>,
-    pub model: ModelToml,
-    pub pid: PidToml,
-    pub guards: GuardsToml,
-}
-
-/// Heater outputs by the names on a board.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum OutputToml {
-    Bed,
-    He0,
-    He1,
-    He2,
-    He3,
-}
-
-impl From<OutputToml> for Output {
-    fn from(output: OutputToml) -> Self {
-        match output {
-            OutputToml::Bed => Self::Bed,
-            OutputToml::He0 => Self::He0,
-            OutputToml::He1 => Self::He1,
-            OutputToml::He2 => Self::He2,
-            OutputToml::He3 => Self::He3,
-        }
-    }
-}
-
-/// Sensor inputs by the names that reports print.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum SensorToml {
-    Bed,
-    Hotend0,
-    Hotend1,
-    Hotend2,
-    Hotend3,
-}
-
-impl From<SensorToml> for Sensor {
-    fn from(sensor: SensorToml) -> Self {
-        match sensor {
-            SensorToml::Bed => Self::Bed,
-            SensorToml::Hotend0 => Self::Hotend0,
-            SensorToml::Hotend1 => Self::Hotend1,
-            SensorToml::Hotend2 => Self::Hotend2,
-            SensorToml::Hotend3 => Self::Hotend3,
-        }
-    }
-}
-
-/// Sensors by the names under which they are sold; or an NTC by its numbers.
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum ThermistorToml {
-    #[serde(rename = "104gt2")]
-    Semitec104Gt2,
-    #[serde(rename = "104nt4")]
-    Semitec104Nt4,
-    #[serde(rename = "ntc_3950")]
-    Generic3950,
-    #[serde(rename = "slice_450")]
-    Slice450,
-    Pt1000,
-    #[serde(untagged)]
-    Beta {
-        ohms: f64,
-        beta: f64,
-    },
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum ControlToml {
-    Model,
-    Pid,
-}
-
-impl From<ControlToml> for Control {
-    fn from(control: ControlToml) -> Self {
-        match control {
-            ControlToml::Model => Self::Model,
-            ControlToml::Pid => Self::Pid,
-        }
-    }
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct ModelToml {
-    pub capacity: Option<f64>,
-    pub loss: Option<f64>,
-    pub fan_loss: Option<f64>,
-    pub heater_lag: Option<f64>,
-    pub sensor_lag: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct PidToml {
-    pub p: Option<f64>,
-    pub i: Option<f64>,
-    pub d: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct GuardsToml {
-    pub heating: Option<f64>,
-    pub lost: Option<f64>,
-    pub lost_s: Option<f64>,
-    pub off_rise: Option<f64>,
-    pub overshoot: Option<f64>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct FansToml {
-    pub fan0: FanToml,
-    pub fan1: FanToml,
-    pub fan2: FanToml,
-    pub fan3: FanToml,
-    pub fan4: FanToml,
-    pub fan5: FanToml,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct FanToml {
-    pub role: Option<RoleToml>,
-    pub kick_ms: Option<f64>,
-    pub least: Option<f64>,
-    pub most: Option<f64>,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum RoleToml {
-    Commanded,
-    Hotend,
-    Controller,
-}
-
-impl From<RoleToml> for FanRole {
-    fn from(role: RoleToml) -> Self {
-        match role {
-            RoleToml::Commanded => Self::Commanded,
-            RoleToml::Hotend => Self::Hotend,
-            RoleToml::Controller => Self::Controller,
-        }
-    }
-}
+/// A connector, as `plugs` reads it.
+#[derive(Deserialize, JsonSchema)]
+pub(super) struct PlugToml(#[schemars(regex(pattern = r"^(|!?[\x22-\x7e]{1,8})$"))] pub String);

@@ -2,7 +2,7 @@
 //! way round.
 
 use super::MachineFileError;
-use super::form::{EndstopsToml, MotorsToml};
+use super::form::{EndstopsToml, MotorsToml, PlugToml};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::Motor;
 use corehbot::settings::Wiring;
@@ -11,14 +11,14 @@ use corehbot::settings::Wiring;
 pub(super) fn wiring(w: &mut Wiring, motors: MotorsToml, endstops: EndstopsToml) -> Result<(), MachineFileError> {
     let MotorsToml { m1, m4, m8, m11, z1, z2, e0 } = motors;
     for ((motor, slot), text) in Motor::ALL.into_iter().zip(&mut w.motors).zip([m1, m4, m8, m11, z1, z2, e0]) {
-        if let Some(text) = text {
+        if let Some(PlugToml(text)) = text {
             (slot.is_reversed, slot.connector) = plug(format!("motors.{}", motor.name()), text)?;
         }
     }
     let EndstopsToml { x, y, z } = endstops;
     let axes = [("x", &mut w.endstops.x, x), ("y", &mut w.endstops.y, y), ("z", &mut w.endstops.z, z)];
     for (axis, slot, text) in axes {
-        if let Some(text) = text {
+        if let Some(PlugToml(text)) = text {
             (slot.is_normally_open, slot.connector) = plug(format!("endstops.{axis}"), text)?;
         }
     }

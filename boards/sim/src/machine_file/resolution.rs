@@ -8,7 +8,7 @@ use corehbot::settings::{Range, Settings};
 use corehbot::units::StepsPerMm;
 
 /// Full steps a turn: from tin-can motors of 18 degrees to motors of 0.45 degrees.
-const FULL_STEPS: Range<u16> = Range { least: 20, most: 800 };
+pub(super) const FULL_STEPS: Range<u16> = Range { least: 20, most: 800 };
 
 /// Full steps of a motor of 1.8 degrees, as most printers have.
 const USUAL_FULL_STEPS: u16 = 200;

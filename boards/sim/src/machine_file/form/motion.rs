@@ -1,0 +1,157 @@
+//! Axes, corners, shapers, homing and drivers of a machine file.
+
+use super::super::resolution::FULL_STEPS;
+use corehbot::settings::ShaperKind;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct CornerToml {
+    /// How far an arc that rounds a corner may leave it, in mm (M205 J).
+    pub junction_deviation: Option<f64>,
+    /// The speed through a right angle, in mm/s (M205 X, Y).
+    pub square_corner: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct ShapersToml {
+    /// The shaper of x.
+    pub x: ShaperToml,
+    /// The shaper of y.
+    pub y: ShaperToml,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct ShaperToml {
+    /// The kind of shaper.
+    pub kind: Option<KindToml>,
+    /// Frequency at which the axis rings, in Hz.
+    pub frequency: Option<f64>,
+    /// Damping of the axis, as a ratio.
+    pub damping: Option<f64>,
+    /// Length of the belts that pull along the axis, both sides together, in mm; 0: it rings the same everywhere.
+    pub span: Option<f64>,
+    /// Frequency at which the axis would ring if its belts were stiff, in Hz; 0 is none.
+    pub motor_frequency: Option<f64>,
+}
+
+/// The shapers by the names that Klipper gives them.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(in crate::machine_file) enum KindToml {
+    None,
+    Zv,
+    Zvd,
+    Mzv,
+    Ei,
+    #[serde(rename = "2hump_ei")]
+    TwoHumpEi,
+}
+
+impl From<KindToml> for ShaperKind {
+    fn from(kind: KindToml) -> Self {
+        match kind {
+            KindToml::None => Self::None,
+            KindToml::Zv => Self::Zv,
+            KindToml::Zvd => Self::Zvd,
+            KindToml::Mzv => Self::Mzv,
+            KindToml::Ei => Self::Ei,
+            KindToml::TwoHumpEi => Self::TwoHumpEi,
+        }
+    }
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct AdvanceToml {
+    /// K of M900, in s; 0 is none.
+    pub time: Option<f64>,
+    /// Over how many seconds the extruder's speed is averaged (M572 W).
+    pub window: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct AxesToml {
+    /// The axis x.
+    pub x: AxisToml,
+    /// The axis y.
+    pub y: AxisToml,
+    /// The axis z.
+    pub z: AxisToml,
+    /// The extruder; its length is the longest single move.
+    pub e: AxisToml,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct AxisToml {
+    /// Steps of a motor for 1 mm, microsteps counted; or say rotation_distance instead.
+    pub steps_per_mm: Option<f64>,
+    /// What a turn of the motor moves the axis, in mm (teeth x pitch, lead of a screw, with gears). Steps/mm =
+    /// full_steps x microsteps / rotation_distance.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub rotation_distance: Option<f64>,
+    /// Full steps of a turn of the motor, for rotation_distance; 200 if left out.
+    #[schemars(with = "Option<u16>", range(min = FULL_STEPS.least, max = FULL_STEPS.most))]
+    pub full_steps: Option<f64>,
+    /// Speed limit, in mm/s.
+    pub max_speed: Option<f64>,
+    /// Acceleration limit, in mm/s2.
+    pub max_acceleration: Option<f64>,
+    /// Length of the axis, in mm.
+    pub length: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct HomingsToml {
+    /// How x finds its endstop.
+    pub x: HomingToml,
+    /// How y finds its endstop.
+    pub y: HomingToml,
+    /// How z finds its endstop.
+    pub z: HomingToml,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct HomingToml {
+    /// Speed of the first approach, in mm/s.
+    pub fast: Option<f64>,
+    /// Speed of the second approach, in mm/s.
+    pub slow: Option<f64>,
+    /// The way back between them, in mm.
+    pub back_off: Option<f64>,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct DriversToml {
+    /// Drivers of the motors 1, 4, 8 and 11.
+    pub belt: DriverToml,
+    /// Drivers of the screws.
+    pub z: DriverToml,
+    /// Driver of the extruder.
+    pub e: DriverToml,
+}
+
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::machine_file) struct DriverToml {
+    /// Current of a running motor, in mA, root mean square (M906).
+    pub current_ma: Option<f64>,
+    /// Current at rest, in percent of current_ma.
+    pub hold_percent: Option<f64>,
+    /// Microsteps of a full step: 1, 2, 4 and so on up to 256. Steps/mm follow them.
+    pub microsteps: Option<f64>,
+    /// stealthChop instead of spreadCycle (M569).
+    pub stealth: Option<bool>,
+    /// Speed above which stealthChop gives way to spreadCycle, in mm/s; 0 is never (M913).
+    pub hybrid_threshold: Option<f64>,
+    /// StallGuard threshold SGTHRS; 0 is none (M914).
+    pub stall_threshold: Option<f64>,
+}

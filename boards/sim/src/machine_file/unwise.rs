@@ -1,0 +1,119 @@
+//! What a machine may have but should not.
+
+use super::Machine;
+use corehbot::kinematics::Mechanism;
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::settings::{FanRole, Settings};
+
+/// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In its switches
+/// of 170 mOhm each that is 1.4 W, on 15 x 20 mm. The 2 A (root mean square) of its datasheet (rev 1.09, features) want a large
+/// board below it.
+const MODULE_MA: u16 = 1414;
+
+/// Steps a second of all motors together that the Octopus keeps up: docs/performance.md, `octopus_sustained_motor_steps_per_s`.
+const STEPS_A_SECOND: f64 = 1.8e6;
+
+/// What is unwise, each with the key that would change it.
+pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
+    let s = &machine.settings;
+    let mut found = Vec::new();
+    let mut warn = |key: &str, text: String| found.push((key.to_owned(), text));
+    let groups =
+        [("belt", s.drivers.belt, MotorSet::BELT), ("z", s.drivers.z, MotorSet::Z), ("e", s.drivers.e, MotorSet::E)];
+    for (name, driver, motors) in groups {
+        if driver.current_ma > MODULE_MA && s.mechanism.fitted().0 & motors.0 != 0 {
+            let key = format!("drivers.{name}.current_ma");
+            let text = format!("{key} = {}: above {MODULE_MA} mA a TMC2209 on a module needs a fan", driver.current_ma);
+            warn(&key, text);
+        }
+    }
+    let steps = steps_a_second(s);
+    if steps > STEPS_A_SECOND {
+        let text = format!(
+            "at full speed all motors together make {:.2} million steps/s; the Octopus keeps up {:.1} million",
+            steps / 1e6,
+            STEPS_A_SECOND / 1e6,
+        );
+        warn("axes.x.steps_per_mm", text);
+    }
+    for (axis, plug) in [("x", s.wiring.endstops.x), ("y", s.wiring.endstops.y), ("z", s.wiring.endstops.z)] {
+        if plug.is_normally_open {
+            let key = format!("endstops.{axis}");
+            warn(&key, format!("{key}: a switch that closes when it is pressed is not noticed if its wire breaks"));
+        }
+    }
+    for motor in Motor::ALL.into_iter().filter(|motor| s.mechanism.fitted().has(*motor)) {
+        if s.wiring.of(motor).connector.is_none() {
+            warn(
+                &format!("motors.{}", motor.name()),
+                format!("motor {} has no connector and will not turn", motor.name()),
+            );
+        }
+    }
+    if s.thermal.heaters.hotend.is_fitted && !s.thermal.fans.iter().any(|fan| fan.role == FanRole::Hotend) {
+        warn("heaters.hotend.is_fitted", "no fan has the role hotend, so nothing cools the cold end".to_owned());
+    }
+    found
+}
+
+/// The most steps of all motors in a second, along any axis or diagonal, with the extruder at its own limit.
+fn steps_a_second(s: &Settings) -> f64 {
+    let Mechanism { rows } = s.mechanism;
+    let resolution = Motor::ALL.map(|motor| s.steps_per_mm(motor).to_num::<f64>());
+    let [x, y, z, e] = [s.axes.x, s.axes.y, s.axes.z, s.axes.e].map(|axis| axis.max_speed.to_num::<f64>());
+    let ways = || [-1.0, 0.0, 1.0].into_iter();
+    let mut most: f64 = 0.0;
+    for v in ways().flat_map(|a| ways().flat_map(move |b| ways().map(move |c| [a * x, b * y, c * z]))) {
+        let turns = rows.map(|row| row.iter().zip(v).map(|(times, v)| f64::from(*times) * v).sum::<f64>().abs());
+        let xy = rows.iter().zip(turns).filter(|(row, _)| row[0] != 0 || row[1] != 0).map(|(_, v)| v);
+        // A belt motor has a limit of its own, and the whole move is slowed to it.
+        let slowed = (s.motor_max_speed.to_num::<f64>() / xy.fold(0.0, f64::max)).min(1.0);
+        most = most.max(turns.iter().zip(resolution).map(|(v, steps)| v * steps * slowed).sum());
+    }
+    let extruders = rows.iter().zip(resolution).filter(|(row, _)| row[3] != 0).map(|(_, steps)| e * steps);
+    most + extruders.sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parse;
+    use super::*;
+
+    fn keys(text: &str) -> Vec<String> {
+        warnings(&parse(text).unwrap()).into_iter().map(|(key, _)| key).collect()
+    }
+
+    #[test]
+    fn the_prototype_is_wise() {
+        assert_eq!(keys(""), [""; 0]);
+        assert_eq!(keys("board = \"octopus\"\n[heaters.hotend]\nis_fitted = true"), [""; 0]);
+    }
+
+    #[test]
+    fn too_much_current_is_told_of_drivers_that_there_are() {
+        assert_eq!(keys("[drivers.z]\ncurrent_ma = 1415\n[drivers.e]\ncurrent_ma = 1414"), ["drivers.z.current_ma"]);
+    }
+
+    #[test]
+    fn the_prototype_makes_steps_as_by_hand() {
+        // Four belt motors along x or y make 4 x 300 x 80, more than the two of a diagonal at 450; z and e beside.
+        let by_hand = 4.0 * 300.0 * 80.0 + 2.0 * 20.0 * 800.0 + 80.0 * 400.0;
+        let s = Settings::prototype();
+        assert!((steps_a_second(&s) - by_hand).abs() < 1.0, "{} {by_hand}", steps_a_second(&s));
+    }
+
+    #[test]
+    fn too_many_steps_are_told() {
+        let axis = "{ steps_per_mm = 1600 }";
+        let fast = format!("motor_max_speed = 300\n[axes]\nx = {axis}\ny = {axis}");
+        assert_eq!(keys(&fast), ["axes.x.steps_per_mm"]);
+    }
+
+    #[test]
+    fn switches_that_close_motors_without_a_socket_and_a_hotend_without_a_fan_are_told() {
+        assert_eq!(keys("[endstops]\ny = \"!Y-STOP\""), ["endstops.y"]);
+        assert_eq!(keys("board = \"nucleo\""), ["motors.z1", "motors.z2", "motors.e0"]);
+        let hot = "[heaters.hotend]\nis_fitted = true\n[fans.fan1]\nrole = \"commanded\"";
+        assert_eq!(keys(hot), ["heaters.hotend.is_fitted"]);
+    }
+}
