@@ -44,7 +44,7 @@ enum Command {
     Serve(Serve),
     /// Makes an image for a board, with the machine of a file in it. Takes no compiler.
     Image(Image),
-    /// Begins, checks and describes machine files.
+    /// Begins, checks and describes machine files, sends them to boards and gets them back.
     #[command(subcommand)]
     Config(Config),
 }

@@ -1,5 +1,9 @@
-//! `corehbot config`: machine files are begun, checked and described.
+//! `corehbot config`: machine files are begun, checked, described, and sent to boards.
 
+#[cfg(unix)]
+mod exchange;
+#[cfg(unix)]
+mod line;
 mod template;
 
 use crate::cli::{DONE, FAILED};
@@ -23,6 +27,12 @@ pub(crate) enum Config {
     New(New),
     /// Says what is wrong or unwise in a machine file; the exit status is 1 if it is no machine.
     Check(Check),
+    /// Sends a machine to a board, which checks it and stores it.
+    #[cfg(unix)]
+    Send(exchange::Send),
+    /// Writes the machine that a board is, with what commands have changed, as a machine file.
+    #[cfg(unix)]
+    Get(exchange::Get),
 }
 
 #[derive(Args)]
@@ -60,6 +70,10 @@ pub(crate) fn run(config: &Config) -> Result<u8> {
         Config::Schema => say(&format!("{}\n", serde_json::to_string_pretty(&schema())?)),
         Config::New(new) => write_new(new),
         Config::Check(check) => report(&check.file),
+        #[cfg(unix)]
+        Config::Send(args) => exchange::send(args),
+        #[cfg(unix)]
+        Config::Get(args) => exchange::get(args),
     }
 }
 

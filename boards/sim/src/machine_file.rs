@@ -14,6 +14,7 @@ mod quantity;
 mod resolution;
 mod schema;
 mod unwise;
+mod written;
 
 use anyhow::{Context as _, anyhow};
 use corehbot::connectors::{BoardConnectors, SIM};
@@ -33,6 +34,7 @@ use quantity::{
 use resolution::resolution;
 pub use schema::schema;
 use std::path::Path;
+pub use written::written;
 
 /// A machine as its file describes it.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_sim::host::FileHost;
+use corehbot_sim::machine_file;
 use corehbot_sim::world::Host;
 use rustix::fs::{Mode, OFlags, open};
 use rustix::process::{Pid, Signal, kill_process};
@@ -222,4 +223,43 @@ fn a_person_types_with_echo_and_backspace() {
     client.say(b"M114\r\n");
     assert_eq!(client.hear(), "M114");
     assert!(client.hear().starts_with("X:65.00 Y:50.00"));
+}
+
+/// Runs `corehbot config`: its status, and what it says.
+fn config(args: &[&str]) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("config").args(args).output().unwrap();
+    let said = [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap());
+    (output.status.code(), said.concat())
+}
+
+#[test]
+fn a_machine_is_sent_and_comes_back() {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("config");
+    std::fs::create_dir_all(&place).unwrap();
+    let [eeprom, mine, got] = ["e.bin", "mine.toml", "got.toml"].map(|name| place.join(name));
+    let _ = std::fs::remove_file(&eeprom);
+    std::fs::write(&mine, "name = \"mine\"\nkeepalive_s = 9\n[axes.z]\nlength = 123.4567\n").unwrap();
+    let served = Served::start(&["--storage", eeprom.to_str().unwrap(), "--speed", "20"]);
+    let port = served.path.to_str().unwrap();
+    let (status, said) = config(&["send", mine.to_str().unwrap(), port]);
+    assert!(status == Some(0) && said.contains("stored (") && said.contains("it counts from now on"), "{said}");
+    let (status, said) = config(&["get", port]);
+    assert_eq!(status, Some(0), "{said}");
+    std::fs::write(&got, &said).unwrap();
+    let [sent, read] = [&mine, &got].map(|file| machine_file::read(file).unwrap().settings);
+    assert_eq!(read, sent);
+    // What has come back can be sent, and changes nothing.
+    assert_eq!(config(&["send", got.to_str().unwrap(), port]).0, Some(0));
+    assert_eq!(config(&["get", port]).1, said);
+    // Another mechanism waits for the next start.
+    let corexy = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/machines/corexy.toml");
+    let (status, said) = config(&["send", corexy.to_str().unwrap(), port]);
+    assert!(status == Some(0) && said.contains("it counts after the next reset"), "{said}");
+    // What is wrong with a file is said before anything is sent, and a line must be one.
+    std::fs::write(&mine, "keepalive_s = 99\n").unwrap();
+    let (status, said) = config(&["send", mine.to_str().unwrap(), port]);
+    assert!(status == Some(2) && said.contains("mine.toml:1:15: keepalive_s = 99"), "{status:?} {said}");
+    let (status, said) = config(&["get", got.to_str().unwrap()]);
+    assert!(status == Some(2) && said.contains("as a serial line"), "{status:?} {said}");
+    served.interrupt();
 }
