@@ -14,6 +14,8 @@ use std::path::Path;
 pub fn machines() -> Vec<(String, Settings)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/machines");
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    // The schema stands beside them.
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
     files.sort();
     let named = files.into_iter().map(|file| {
         let machine = machine_file::parse(&std::fs::read_to_string(&file).unwrap());
