@@ -9,7 +9,7 @@ use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::storage::{LONGEST, record_of};
 use corehbot_emulator::compare::{difference, scheduled};
-use corehbot_emulator::eeprom::At24c32;
+use corehbot_emulator::eeprom::{At24c32, Cut};
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::OCTOPUS;
 use corehbot_sim::machine_file;
@@ -97,22 +97,53 @@ fn an_image_with_a_machine_in_it_starts_as_that() {
     }
 }
 
-/// A machine that comes over the serial line is stored and told of; a reset later the board is that machine.
-#[test]
-fn a_machine_that_was_sent_is_there_after_a_reset() {
-    let machine = machine_file::read(&root().join("examples/machines/corexy.toml")).unwrap().settings;
+/// The lines that send a machine and have it stored.
+fn lines_of(machine: &Settings) -> String {
     let mut record = [0; LONGEST];
-    let length = record_of(&machine, &mut record).unwrap();
+    let length = record_of(machine, &mut record).unwrap();
     let pieces = record[..length].chunks(24).enumerate().map(|(n, piece)| {
         let hex: String = piece.iter().map(|byte| format!("{byte:02x}")).collect();
         format!("MACHINE_PUT AT={} HEX={hex}\n", 24 * n)
     });
-    let text: String = pieces.chain(["MACHINE_STORE\n".to_owned()]).collect();
-    let seen = print_on(&firmware(), &text, &Bench::default());
+    pieces.chain(["MACHINE_STORE\n".to_owned()]).collect()
+}
+
+/// A machine that comes over the serial line is stored and told of; a reset later the board is that machine.
+#[test]
+fn a_machine_that_was_sent_is_there_after_a_reset() {
+    let machine = machine_file::read(&root().join("examples/machines/corexy.toml")).unwrap().settings;
+    let seen = print_on(&firmware(), &lines_of(&machine), &Bench::default());
     assert_eq!((seen.end, &seen.line.failure, seen.line.resends), (End::Done, &None, 0));
     let told = |line: &&String| line.starts_with("echo:machine stored (") && line.ends_with("after the next reset");
     assert_eq!(seen.line.said.iter().filter(told).count(), 1, "{:?}", seen.line.said);
     let motors = [Motor::M8, Motor::M11, Motor::Z1].into_iter().map(MotorSet::of);
     let again = Bench { settings: machine, eeprom: At24c32::holding(seen.eeprom.cells), ..Bench::default() };
     assert_eq!(motors_on(&again), motors.fold(MotorSet::NONE, MotorSet::with));
+}
+
+/// A power cut while a machine that was sent is being stored leaves the old machine or the new one. Every byte is cut on the
+/// host (`tests/storage` of the core); here two runs cost some seconds.
+#[test]
+fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
+    let store = |keepalive_s| {
+        let machine = Settings { keepalive_s, ..Settings::prototype() };
+        lines_of(&machine)
+    };
+    let talk = |eeprom: At24c32, gcode: &str| print_on(&firmware(), gcode, &Bench { eeprom, ..Bench::default() });
+    let old = talk(At24c32::default(), &store(8)).eeprom.cells;
+    let mut kept = Vec::new();
+    for (number, after) in (3..540).step_by(107).enumerate() {
+        let mut eeprom = At24c32::holding(old.clone());
+        eeprom.cut = Some(Cut { after, whole_page: number % 2 == 0 });
+        let cut = talk(eeprom, &store(9));
+        let told = cut.line.said.iter().any(|line| line.starts_with("echo:machine stored"));
+        assert_eq!(told, cut.end == End::Done, "after {after}: {:?}", cut.line.said);
+        let seen = talk(At24c32::holding(cut.eeprom.cells), "M113\n");
+        assert!(seen.line.said.iter().any(|line| line.starts_with("echo:stored settings retrieved")), "after {after}");
+        let [is_old, is_new] =
+            ["echo:M113 S8", "echo:M113 S9"].map(|line| seen.line.said.iter().any(|said| said == line));
+        assert!(is_old != is_new && (is_new || !told), "after {after}: {:?}", seen.line.said);
+        kept.push(is_new);
+    }
+    assert!(kept.contains(&false), "{kept:?}");
 }

@@ -8,7 +8,7 @@ pub const Z: Row = [0, 0, 1, 0];
 pub const E: Row = [0, 0, 0, 1];
 
 /// Motors 1, 4, 8, 11, both of z, and the extruder.
-pub const MACHINES: [(&str, Mechanism); 8] = [
+pub const MACHINES: [(&str, Mechanism); 10] = [
     ("corehbot", Mechanism::corehbot()),
     ("corexy", Mechanism { rows: [NONE, NONE, [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E] }),
     ("corexyz", COREXYZ),
@@ -18,6 +18,8 @@ pub const MACHINES: [(&str, Mechanism); 8] = [
     ("dual y", Mechanism { rows: [[1, 0, 0, 0], [0, 1, 0, 0], [0, -1, 0, 0], NONE, Z, NONE, E] }),
     // No belt goes this way, but the way back is over three.
     ("skew", Mechanism { rows: [NONE, [1, 1, 1, 0], [-1, 1, 0, 0], [-1, 0, 1, 0], NONE, NONE, E] }),
+    ("awd corexy", Mechanism { rows: [[1, -1, 0, 0], [1, 1, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], Z, NONE, E] }),
+    ("corehbot, two drivers", Mechanism { rows: [[-1, 1, 0, 0], [-1, -1, 0, 0], NONE, NONE, Z, Z, E] }),
 ];
 
 /// Carlyle's table: A in slot 11, B in 8, C in 4, D in 1.

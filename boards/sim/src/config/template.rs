@@ -15,7 +15,9 @@ const PROTOTYPE: &str = include_str!("../../../../examples/machines/prototype.to
 #[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
 pub(super) enum Kind {
     Corehbot,
+    CorehbotTwoDrivers,
     Corexy,
+    AwdCorexy,
     Hbot,
     Corexz,
     Corexyz,
@@ -30,7 +32,9 @@ impl Kind {
     const fn example(self) -> &'static str {
         match self {
             Self::Corehbot => PROTOTYPE,
+            Self::CorehbotTwoDrivers => include_str!("../../../../examples/machines/corehbot-two-drivers.toml"),
             Self::Corexy => include_str!("../../../../examples/machines/corexy.toml"),
+            Self::AwdCorexy => include_str!("../../../../examples/machines/awd-corexy.toml"),
             Self::Hbot => include_str!("../../../../examples/machines/hbot.toml"),
             Self::Corexz => include_str!("../../../../examples/machines/corexz.toml"),
             Self::Corexyz => include_str!("../../../../examples/machines/corexyz.toml"),
