@@ -132,7 +132,7 @@ fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
     let talk = |eeprom: At24c32, gcode: &str| print_on(&firmware(), gcode, &Bench { eeprom, ..Bench::default() });
     let old = talk(At24c32::default(), &store(8)).eeprom.cells;
     let mut kept = Vec::new();
-    for (number, after) in (3..540).step_by(107).enumerate() {
+    for (number, after) in (3..540).step_by(160).enumerate() {
         let mut eeprom = At24c32::holding(old.clone());
         eeprom.cut = Some(Cut { after, whole_page: number % 2 == 0 });
         let cut = talk(eeprom, &store(9));
