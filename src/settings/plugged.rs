@@ -1,6 +1,6 @@
 //! Whether a board has what a machine is plugged into.
 
-use super::Settings;
+use super::{Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};
 use crate::motors::Motor;
 use core::fmt::{self, Display};
@@ -30,6 +30,14 @@ pub enum ConnectorError {
 }
 
 impl Settings {
+    /// Names the usual connectors of a board, if those of the prototype are named: so records and files say that know of no
+    /// connectors, on whatever board they are.
+    pub fn name_connectors(&mut self, board: &BoardConnectors) {
+        if self.wiring == Wiring::prototype() {
+            self.wiring = Wiring::usual(board);
+        }
+    }
+
     /// Checks that a board has every connector that the machine is plugged into, each once. Motors and heaters that are not
     /// fitted need none.
     ///

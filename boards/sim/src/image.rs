@@ -10,7 +10,7 @@ use crate::stop::Stop;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use corehbot::connectors::{BoardConnectors, ConnectorName};
-use corehbot::settings::{Settings, Wiring};
+use corehbot::settings::Settings;
 use corehbot::storage::{BLOCK, MARK, Receipt, board_of, put_machine};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -98,10 +98,7 @@ impl Prepared {
 pub fn put(image: &mut [u8], machine: &mut Settings) -> Result<Receipt> {
     let key = board_in(image)?;
     let board = board_called(key.as_str())?;
-    // A file that says nothing of connectors means the usual ones, whatever the board.
-    if machine.wiring == Settings::prototype().wiring {
-        machine.wiring = Wiring::usual(board);
-    }
+    machine.name_connectors(board);
     machine.check_connectors(board)?;
     put_machine(block_in(image)?, machine).context("the machine does not fit")
 }

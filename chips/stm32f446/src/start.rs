@@ -126,10 +126,10 @@ fn machine_at_start(
     if let Ok(made) = machine_of(board.machine()) {
         *machine = made;
     }
-    board.name_connectors(machine);
+    machine.name_connectors(board.connectors);
     // The board's memory answers at once; nothing here waits for anybody else.
     if let Some(mut stored) = block_on(other_machine(storage, machine)) {
-        board.name_connectors(&mut stored);
+        stored.name_connectors(board.connectors);
         *machine = stored;
     }
     match board.plugged(machine) {
@@ -142,7 +142,7 @@ fn machine_at_start(
                 lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
             }
             *machine = Settings::prototype();
-            board.name_connectors(machine);
+            machine.name_connectors(board.connectors);
             (machine, board)
         }
     }

@@ -4,7 +4,7 @@ use core::hint::black_box;
 
 use corehbot::connectors::ConnectorName;
 use corehbot::port::{EndstopSet, Motor, MotorSet};
-use corehbot::settings::{ConnectorError, EndstopPlug, Settings, Wiring};
+use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
 use corehbot::storage::BLOCK;
 
 use super::{Board, Pin, Slot};
@@ -14,14 +14,6 @@ impl Board {
     #[must_use]
     pub fn machine(&self) -> &'static [u8; BLOCK] {
         black_box(self.machine)
-    }
-
-    /// Names the usual connectors in the settings of a machine that has those of the prototype: so records say that did not know of
-    /// connectors, on whatever board they are.
-    pub fn name_connectors(&self, machine: &mut Settings) {
-        if machine.wiring == Settings::prototype().wiring {
-            machine.wiring = Wiring::usual(self.connectors);
-        }
     }
 
     /// The board with each motor of a machine at the driver, and each switch at the input, that it is plugged into. Drivers
