@@ -119,16 +119,18 @@ pub struct EndstopSet(pub u8);
 impl EndstopSet {
     /// No endstop.
     pub const NONE: Self = Self(0);
-    /// The switch at the low end of X.
+    /// The switch of X.
     pub const X: Self = Self(1);
-    /// The switch at the low end of Y.
+    /// The switch of Y.
     pub const Y: Self = Self(2);
-    /// The switch at the low end of Z.
+    /// The switch of Z.
     pub const Z: Self = Self(4);
     /// The Z probe on the tool.
     pub const PROBE: Self = Self(8);
     /// The switches that every machine has.
     pub const SWITCHES: Self = Self(7);
+    /// Everything that a move may watch for.
+    pub const ALL: Self = Self::SWITCHES.with(Self::PROBE);
 
     /// Whether every endstop of `other` is in the set.
     #[must_use]

@@ -3,9 +3,8 @@
 //! It counts the steps of each motor, knows from them where the tool is, and presses endstops. The host
 //! simulator and the QEMU board use the same rig, so a homing move ends at the same step on both. Its heat is [`plant`].
 //!
-//! The switches sit at 0, at the low end of each axis, and stay pressed below it: that is where homing looks for them
-//! (`src/machine/commands/homing.rs`, and `Homing` in `src/settings/axis.rs`). An endstop at the high end would change all
-//! three.
+//! The switches sit where the settings say ([`Endstop`](corehbot::settings::Endstop)) and stay pressed beyond: that is where homing
+//! looks for them (`src/machine/commands/homing.rs`).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -14,20 +13,22 @@ pub mod plant;
 
 use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
-use corehbot::settings::Settings;
+use corehbot::settings::{AxisEnd, Settings};
 use corehbot::units::Mm;
 
 /// Where the tool stands at power-up if nobody says: well inside, and not on a round number.
 pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.4")];
 
-/// The simulated machine. An endstop is pressed while its axis is at or below 0.
+/// The simulated machine. An endstop is pressed while its axis is at its place or beyond.
 pub struct Rig {
     /// Steps of each motor, signed, since power-up.
     counts: [i32; Motor::ALL.len()],
     /// Where they have brought the tool: x, y and z as sums of their counts, ready for the step interrupt.
     weights: [[i32; Motor::ALL.len()]; 3],
-    /// Tool at power-up, in units of these sums.
+    /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
     start: [i64; 3],
+    /// Which end of its axis each switch is at.
+    ends: [AxisEnd; 3],
     /// The switches that there are.
     inputs: EndstopSet,
 }
@@ -38,13 +39,18 @@ impl Rig {
     pub fn new(settings: &Settings, start: Option<[Mm; 3]>) -> Self {
         let a = &settings.axes;
         let pitch = [a.x.steps_per_mm, a.y.steps_per_mm, a.z.steps_per_mm];
+        let s = &settings.endstops;
+        let switches = [s.x, s.y, s.z];
         let mut steps = [0; 3];
-        for ((steps, mm), pitch) in steps.iter_mut().zip(start.unwrap_or(AT_POWER_UP)).zip(pitch) {
-            *steps = ((i128::from(mm.to_bits()) * i128::from(pitch.to_bits())) >> 48) as i32;
+        let places = start.unwrap_or(AT_POWER_UP).into_iter().zip(switches);
+        for ((steps, (mm, switch)), pitch) in steps.iter_mut().zip(places).zip(pitch) {
+            let from_switch = i128::from(mm.to_bits()) - i128::from(switch.position.to_bits());
+            *steps = ((from_switch * i128::from(pitch.to_bits())) >> 48) as i32;
         }
         let back = settings.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
         let (counts, weights) = ([0; Motor::ALL.len()], [[0; Motor::ALL.len()]; 3]);
-        let mut rig = Self { counts, weights, start: [0; 3], inputs: EndstopSet::SWITCHES };
+        let ends = switches.map(|switch| switch.end);
+        let mut rig = Self { counts, weights, start: [0; 3], ends, inputs: EndstopSet::SWITCHES };
         for motor in 0..Motor::ALL.len() {
             let mut one = [0; Motor::ALL.len()];
             one[motor] = 1;
@@ -94,9 +100,16 @@ impl Rig {
     pub fn endstops(&self) -> EndstopSet {
         let switches = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
         let mut pressed = 0;
-        for ((start, weights), switch) in self.start.into_iter().zip(&self.weights).zip(switches) {
+        for ((start, weights), (end, switch)) in
+            self.start.iter().zip(&self.weights).zip(self.ends.iter().zip(switches))
+        {
             let way = weights.iter().zip(&self.counts).map(|(weight, count)| i64::from(*weight) * i64::from(*count));
-            if start + way.sum::<i64>() <= 0 {
+            let from_switch = start + way.sum::<i64>();
+            let is_pressed = match end {
+                AxisEnd::Min => from_switch <= 0,
+                AxisEnd::Max => from_switch >= 0,
+            };
+            if is_pressed {
                 pressed |= switch.0;
             }
         }

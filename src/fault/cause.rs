@@ -9,6 +9,7 @@ use crate::units::Celsius;
 /// Why the machine stopped.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(test, derive(serde::Deserialize))]
 #[repr(u8)]
 pub enum Cause {
     /// The sensor reads an open circuit.
@@ -284,5 +285,8 @@ mod tests {
         }
         let count = Cause::all().count() as u8;
         assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
+        // Decoders know every variant; so no cause is left out of `next`.
+        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::Driver));
+        assert!(postcard::from_bytes::<Cause>(&[count]).is_err());
     }
 }

@@ -79,7 +79,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) targets_before: Option<[Celsius; HEATERS]>,
     /// M302 P1: filament may move at any temperature.
     pub(super) allows_cold: bool,
-    /// When what the filament takes is told next, and what the look-ahead knows of it.
+    /// When heat is looked after next, and when the filament in the look-ahead is told next.
     pub(super) heat_due: Instant,
     pub(super) ahead_due: Instant,
 }
@@ -183,7 +183,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         loop {
             let now = self.ports.clock.now();
             let patience = (u32::from(self.settings.patience_ms), self.activity());
-            // Flash may stop the processor while it is written, so everything rests.
+            // The note of a passed self-test is written at rest: flash may stop the processor while it is written.
             if self.self_tests.has_news() && !self.has_motion() {
                 self.note_self_test().await?;
             }
@@ -234,6 +234,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     async fn carry_out<'a>(&mut self, text: &'a [u8]) -> Result<Answer<'a>, Interrupt> {
         self.clamps.clear();
         match self.execute(&gcode::parse(text)).await {
+            // Why, `power` has told.
             Err(Interrupt::NoPower) => Ok(Answer::Nothing),
             Ok(answer) => self.tell_clamps().await.map(|()| answer),
             Err(interrupt) => Err(interrupt),
@@ -275,7 +276,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(())
     }
 
-    /// Everything that must go on whatever the Console waits for. Bounded by what has arrived.
+    /// Everything that must go on whatever the Console waits for. Bounded by what has arrived. Emergencies are heard first and
+    /// returned last, when all else has had its turn: moves that M112 may still hand on are dropped by the abort that follows.
     pub(super) fn crank(&mut self) -> Result<(), Interrupt> {
         self.link.status().heat().beat_of_console();
         let emergency = self.receive();

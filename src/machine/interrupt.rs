@@ -1,6 +1,6 @@
 //! Why a command ends before it is done, and why the Console does.
 
-/// Why a command ends before it is done.
+/// Why a command ends before it is done. No interrupt of the processor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Interrupt {
     /// M112, or a fault that only a reset ends.

@@ -126,7 +126,7 @@ impl<'m, W: Pend> Link<'m, W> {
         self.pend.pend_stepper();
     }
 
-    /// Begins to count from 0 after an abort; the link is idle.
+    /// After an abort, when the link is idle: no time is queued, and no endstop has triggered.
     pub fn restart(&mut self) {
         self.status.clear_triggered();
         self.left = SubTicks::ZERO;

@@ -72,8 +72,7 @@ impl AxisSettings {
     }
 }
 
-/// How an axis finds its endstop. It sits at the low end, where the position is 0 after homing: `machine/commands/homing.rs`
-/// moves downwards to find it, and the rig of simulator and QEMU (rig/src/lib.rs) presses its switches at 0 and below.
+/// How an axis finds its endstop; where that sits is its [`Endstop`](super::Endstop).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Homing {
     /// Speed of the first approach.

@@ -2,7 +2,7 @@
 //! would not do what the number says.
 
 use super::thermal::{FanSettings, HeaterModel, HeaterSettings, ThermalSettings, Thermistor};
-use super::{AxisSettings, CornerRule, DriverSettings, Homing, Settings, Shaper};
+use super::{AxisEnd, AxisSettings, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper};
 use crate::connectors::Heater;
 use crate::kinematics::MechanismError;
 use crate::units::{
@@ -41,7 +41,7 @@ impl<T: PartialOrd + Copy> Range<T> {
 /// The legal ranges, by kind of quantity.
 pub mod ranges {
     use super::{
-        Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Range, Ratio, Seconds, StepsPerMm, Watts,
+        AxisEnd, Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Range, Ratio, Seconds, StepsPerMm, Watts,
         WattsPerKelvin,
     };
 
@@ -53,6 +53,8 @@ pub mod ranges {
     /// Acceleration: below 1 mm/s2 a move would take minutes to start.
     pub const ACCELERATION: Range<MmPerSec2> =
         Range { least: MmPerSec2::const_from_int(1), most: MmPerSec2::const_from_int(100_000) };
+    /// Seconds between two busy messages; 0 is never. Hosts that wait for longer than a minute give up.
+    pub const KEEPALIVE_S: Range<u8> = Range { least: 0, most: 60 };
     /// Length of an axis.
     pub const AXIS_LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(5000) };
     /// Junction deviation and arc tolerance.
@@ -61,6 +63,19 @@ pub mod ranges {
     pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
     /// How far an axis backs off after the first approach to an endstop.
     pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
+    /// How far outside the reachable space an endstop may sit: as far as an axis may back off.
+    const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
+    /// Where an endstop at that end of an axis of this length may sit: in its half, or a bit outside.
+    #[must_use]
+    pub fn endstop_position(end: AxisEnd, length: Mm) -> Range<Mm> {
+        let half = length / 2;
+        match end {
+            AxisEnd::Min => Range { least: -ENDSTOP_OUTSIDE, most: half },
+            AxisEnd::Max => Range { least: half, most: length.saturating_add(ENDSTOP_OUTSIDE) },
+        }
+    }
+    /// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
+    pub const BAUD: Range<u32> = Range { least: 9600, most: 1_000_000 };
     /// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
     /// at which two pulses of a motor would touch.
     pub const STEP_RATE: u32 = 500_000;
@@ -156,6 +171,8 @@ pub enum SettingsError {
     NoSuchMicrosteps(&'static str),
     /// Two heaters that are fitted share an output or a sensor.
     SharedHeater(&'static str),
+    /// G28 would leave out an axis.
+    HomingOrder,
 }
 
 impl core::fmt::Display for SettingsError {
@@ -167,6 +184,7 @@ impl core::fmt::Display for SettingsError {
             }
             Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
             Self::Mechanism(error) => error.fmt(f),
+            Self::HomingOrder => f.write_str("homing.order names x, y and z once each"),
             Self::SharedHeater(what) => write!(f, "two heaters have the same {what}"),
             Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
@@ -196,6 +214,10 @@ fn homing(h: &Homing, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::SPEED, h.fast, name)?;
     within(ranges::SPEED, h.slow, name)?;
     within(ranges::BACK_OFF, h.back_off, name)
+}
+
+fn endstop(e: Endstop, length: Mm, name: &'static str) -> Result<(), SettingsError> {
+    within(ranges::endstop_position(e.end, length), e.position, name)
 }
 
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
@@ -310,13 +332,18 @@ impl Settings {
         homing(&self.homing.x, "homing.x")?;
         homing(&self.homing.y, "homing.y")?;
         homing(&self.homing.z, "homing.z")?;
+        endstop(self.endstops.x, self.axes.x.length, "homing.x.position")?;
+        endstop(self.endstops.y, self.axes.y.length, "homing.y.position")?;
+        endstop(self.endstops.z, self.axes.z.length, "homing.z.position")?;
+        if !HomedAxis::ALL.iter().all(|axis| self.homing_order.contains(axis)) {
+            return Err(SettingsError::HomingOrder);
+        }
+        within(ranges::BAUD, self.baud, "baud")?;
         let most = ranges::SPEED.most;
         if self.min_feed > most || self.min_travel > most {
             return Err(SettingsError::OutOfRange("min_feed or min_travel"));
         }
-        if self.keepalive_s > 60 {
-            return Err(SettingsError::OutOfRange("keepalive_s"));
-        }
+        within(ranges::KEEPALIVE_S, self.keepalive_s, "keepalive_s")?;
         if self.patience_ms > 0 {
             within(ranges::PATIENCE_MS, self.patience_ms, "patience_ms")?;
         }

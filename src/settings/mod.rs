@@ -5,10 +5,10 @@
 //!
 //! | place | where | what holds it to that |
 //! |---|---|---|
-//! | field and default | here, or `axis`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
+//! | field and default | here, or `axis`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
 //! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (`completed`). A field of a struct inside `Settings` cannot be put behind: `decode` then reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
-//! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
+//! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
 //! | M503 | `machine/answers/setting.rs`; of drivers `say_driver_settings` in `machine/commands/settings/shown.rs` | the same test |
 //! | who reads it | `motion`, `driver` or `machine` | its own tests |
@@ -26,6 +26,7 @@
 mod axis;
 mod check;
 mod drivers;
+mod endstops;
 mod kept;
 mod plugged;
 mod shaping;
@@ -35,6 +36,7 @@ mod wiring;
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
+pub use endstops::{AxisEnd, Endstop, HomedAxis};
 pub use kept::{Kept, sum};
 pub use plugged::{ConnectorError, Plugged};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
@@ -49,7 +51,8 @@ use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
 /// What limits the speed in a corner. `motion::planner::junction` has the law. A machine file chooses a rule by its key
-/// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`).
+/// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`). A new one comes last,
+/// as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {
     /// Junction deviation: how far an arc that rounds the corner may leave it.
@@ -129,6 +132,12 @@ pub struct Settings {
     pub thermal: ThermalSettings,
     /// Where motors and switches are plugged in.
     pub wiring: Wiring,
+    /// Where the switch of each axis sits.
+    pub endstops: Cartesian<Endstop>,
+    /// The order in which G28 homes the axes.
+    pub homing_order: [HomedAxis; 3],
+    /// Rate of the serial lines on headers, in baud. USB has none.
+    pub baud: u32,
 }
 
 impl Settings {
@@ -180,7 +189,16 @@ impl Settings {
             require_homing: false,
             thermal: ThermalSettings::prototype(),
             wiring: Wiring::prototype(),
+            endstops: Cartesian { x: Endstop::at_zero(), y: Endstop::at_zero(), z: Endstop::at_zero() },
+            homing_order: HomedAxis::ALL,
+            baud: 250_000,
         }
+    }
+
+    /// Whether both are put together alike: motors, plugs and serial lines, which a board looks at when it starts.
+    #[must_use]
+    pub fn is_built_as(&self, other: &Self) -> bool {
+        self.mechanism == other.mechanism && self.wiring == other.wiring && self.baud == other.baud
     }
 
     /// Resolution of a motor: that of the axes that it moves, or of the extruder if it moves none.
@@ -194,5 +212,29 @@ impl Settings {
             _ => e,
         };
         axis.steps_per_mm
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::de::DeserializeOwned;
+
+    /// Whether a type has so many variants: decoders know each of them by its number. Zeros are whatever is in it.
+    fn has_variants<T: DeserializeOwned>(count: usize) -> bool {
+        let decodes = |number: usize| {
+            let mut bytes = [0; 64];
+            bytes[0] = number as u8;
+            postcard::take_from_bytes::<T>(&bytes).is_ok()
+        };
+        decodes(count - 1) && !decodes(count)
+    }
+
+    /// Tests that go through `all` look at every variant.
+    #[test]
+    fn no_variant_is_left_out() {
+        assert!(has_variants::<CornerRule>(CornerRule::all().count()), "CornerRule::next");
+        assert!(has_variants::<ShaperKind>(ShaperKind::all().count()), "ShaperKind::next");
+        assert!(has_variants::<Thermistor>(Thermistor::all().count()), "Thermistor::next");
     }
 }

@@ -16,12 +16,15 @@ use crate::checksum::crc32;
 use crate::connectors::HEATERS;
 use crate::kinematics::Mechanism;
 use crate::settings::{
-    Axes, AxisSettings, Cartesian, HeaterModel, Homing, Pid, Settings, SettingsError, Shapers, ThermalSettings, Wiring,
+    Axes, AxisSettings, Cartesian, Endstop, HeaterModel, Homing, Pid, Settings, SettingsError, Shapers, Wiring,
 };
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 8;
+pub const FORMAT: u16 = 9;
+
+/// The format before endstops had places: the same up to [`Settings::endstops`].
+const WITHOUT_ENDSTOPS: u16 = 8;
 
 /// The format before connectors were settings: the same up to [`Settings::wiring`].
 const WITHOUT_WIRING: u16 = 7;
@@ -34,13 +37,14 @@ const MAGIC: [u8; 4] = *b"CHBS";
 pub(super) const HEADER: usize = 16;
 
 /// Bytes of the longest record.
-pub const LONGEST: usize = 1024;
+pub const LONGEST: usize = 1280;
 
 /// The longest payload. Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 10 for i64,
 /// which the mechanism is stored as. `wide` is what has no u16. A plug is a name of eight bytes, before which stands its length, and
 /// a `bool`.
 const LONGEST_PAYLOAD: usize = {
     let wide = size_of::<Axes<AxisSettings>>() + size_of::<Cartesian<Homing>>() + size_of::<Shapers>();
+    let wide = wide + size_of::<Cartesian<Endstop>>() + size_of::<u32>();
     let wide = wide + HEATERS * (size_of::<HeaterModel>() + size_of::<Pid>());
     let rest = size_of::<Settings>() - size_of::<Mechanism>() - size_of::<Wiring>() - wide;
     rest * 3 / 2 + wide * 5 / 4 + 10 + size_of::<Wiring>() * 10 / 9
@@ -154,7 +158,9 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     let mut longer = [0; LONGEST];
     let whole = match header.format {
         FORMAT => payload,
-        WITHOUT_HEAT | WITHOUT_WIRING => completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?,
+        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS => {
+            completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?
+        }
         format => return Err(Rejected::Format(format)),
     };
     match postcard::take_from_bytes::<Settings>(whole) {
@@ -170,12 +176,18 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
 /// A payload of an earlier format as one of today: the encoding has no names and no lengths, so what the format does not know
 /// is put behind it as a new machine has it. An update must not lose what a user has set.
 fn completed<'a>(payload: &[u8], format: u16, whole: &'a mut [u8; LONGEST]) -> Option<&'a [u8]> {
-    let (first, rest) = whole.split_at_mut_checked(payload.len())?;
-    first.copy_from_slice(payload);
-    let is_heat_added = format == WITHOUT_HEAT;
-    let heat = if is_heat_added { postcard::to_slice(&ThermalSettings::prototype(), rest).ok()?.len() } else { 0 };
-    let wiring = postcard::to_slice(&Wiring::prototype(), rest.get_mut(heat..)?).ok()?.len();
-    whole.get(..payload.len() + heat + wiring)
+    let new = Settings::prototype();
+    whole.get_mut(..payload.len())?.copy_from_slice(payload);
+    let mut end = payload.len();
+    if format <= WITHOUT_HEAT {
+        end += postcard::to_slice(&new.thermal, whole.get_mut(end..)?).ok()?.len();
+    }
+    if format <= WITHOUT_WIRING {
+        end += postcard::to_slice(&new.wiring, whole.get_mut(end..)?).ok()?.len();
+    }
+    let places = (new.endstops, new.homing_order, new.baud);
+    end += postcard::to_slice(&places, whole.get_mut(end..)?).ok()?.len();
+    whole.get(..end)
 }
 
 #[cfg(test)]

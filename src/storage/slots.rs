@@ -12,17 +12,21 @@ use crate::settings::Settings;
 /// Transfers never cross a multiple of this: the page of an AT24C32 (datasheet 0336K, page write).
 pub const PAGE: usize = 32;
 
-/// Distance of the slots. Twice the longest record, so that settings can grow without moving them.
-pub const STRIDE: u32 = 1024;
+/// Distance of the slots: settings can grow to half as much again without moving them.
+pub const STRIDE: u32 = 2048;
 
-/// Where the note of the last self-test lies: in a page of its own after the slots.
-pub(super) const SELF_TEST: u32 = 2 * STRIDE;
+/// Where slot B was when the distance was half of this. Records there are still read, or an update would lose what was set. The place
+/// is one inside slot A; so a save leaves it alone as long as it holds the newest settings.
+const EARLIER_B: u32 = 1024;
 
-/// Bytes of storage that are needed: half of an AT24C32, and a page.
-pub const NEEDED: u32 = SELF_TEST + PAGE as u32;
+/// Where the note of the last self-test lies: in the last page.
+pub(super) const SELF_TEST: u32 = NEEDED - PAGE as u32;
 
-const _: () = assert!(LONGEST <= STRIDE as usize && LONGEST.is_multiple_of(PAGE));
-const _: () = assert!(STRIDE.is_multiple_of(PAGE as u32) && NEEDED <= 4096);
+/// Bytes of storage that are needed: all of an AT24C32.
+pub const NEEDED: u32 = 2 * STRIDE;
+
+const _: () = assert!(LONGEST <= (STRIDE as usize) - PAGE && LONGEST.is_multiple_of(PAGE));
+const _: () = assert!(STRIDE.is_multiple_of(PAGE as u32) && EARLIER_B + LONGEST as u32 <= NEEDED && NEEDED <= 4096);
 
 /// One of the two places for a record.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -143,11 +147,23 @@ pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> 
     }
     let mut survey = Survey { newest: None, rejected: [(Slot::A, None), (Slot::B, None)] };
     for (slot, rejected) in &mut survey.rejected {
-        let mut record = [0; LONGEST];
-        let length = read_slot(storage, *slot, &mut record).await?;
-        *rejected = length.and_then(|()| take_newer(&mut survey.newest, *slot, &record)).err();
+        *rejected = look_at(storage, slot.address(), *slot, &mut survey.newest).await?.err();
     }
+    // Whatever else is there is no record.
+    let _ = look_at(storage, EARLIER_B, Slot::A, &mut survey.newest).await?;
     Ok(survey)
+}
+
+/// Takes the record at an address, which belongs to a slot, for the newest, if it is.
+async fn look_at(
+    storage: &mut impl Storage,
+    address: u32,
+    slot: Slot,
+    newest: &mut Option<Stored>,
+) -> Result<Result<(), Rejected>, StorageError> {
+    let mut record = [0; LONGEST];
+    let length = read_record(storage, address, &mut record).await?;
+    Ok(length.and_then(|()| take_newer(newest, slot, &record)))
 }
 
 /// Takes what a slot holds for the newest, if it is. A function of its own: settings are large, and their copies would be on the
@@ -194,21 +210,21 @@ fn pages(record: &Record, slot: Slot) -> impl DoubleEndedIterator<Item = (u32, &
     used.chunks(PAGE).enumerate().map(move |(i, page)| (slot.address() + (i * PAGE) as u32, page))
 }
 
-/// Reads a slot's record, as far as it says that it is one.
-async fn read_slot(
+/// Reads the record at an address, as far as it says that it is one.
+async fn read_record(
     storage: &mut impl Storage,
-    slot: Slot,
+    address: u32,
     record: &mut [u8; LONGEST],
 ) -> Result<Result<(), Rejected>, StorageError> {
     let (head, tail) = record.split_at_mut(PAGE);
-    storage.read(slot.address(), head).await?;
+    storage.read(address, head).await?;
     let length = match length(head) {
         Ok(length) => length,
         Err(why) => return Ok(Err(why)),
     };
     let tail = tail.get_mut(..length.saturating_sub(PAGE)).unwrap_or_default();
     for (i, page) in tail.chunks_mut(PAGE).enumerate() {
-        storage.read(slot.address() + ((i + 1) * PAGE) as u32, page).await?;
+        storage.read(address + ((i + 1) * PAGE) as u32, page).await?;
     }
     Ok(Ok(()))
 }

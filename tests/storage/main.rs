@@ -40,6 +40,12 @@ fn cut_save(eeprom: &mut Eeprom, settings: &Settings, left: usize, torn: Torn, w
     now
 }
 
+/// CRC-32 bit by bit, as an independent check.
+fn crc<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
+    let bit = |sum: u32, _| if sum & 1 == 1 { sum >> 1 ^ 0xEDB8_8320 } else { sum >> 1 };
+    !bytes.fold(!0, |sum, byte| (0..8).fold(sum ^ u32::from(*byte), bit))
+}
+
 /// Bytes that saving this here would write.
 fn size_of_save(eeprom: &Eeprom, settings: &Settings) -> usize {
     let mut eeprom = eeprom.clone();
@@ -117,6 +123,34 @@ fn no_flipped_bit_gives_other_settings() {
     assert_eq!(noticed, 2 * used * 8);
 }
 
+/// Earlier firmware had its slots 1024 bytes apart. An update finds the newer record in either of them, and a cut in the first save
+/// leaves it alone.
+#[test]
+fn an_update_finds_the_slots_of_earlier_firmware() {
+    let record = include_bytes!("../../src/storage/record/format8.bin");
+    // The sequence number is that record's 1, and with a new checksum 2.
+    let mut newer = record.to_vec();
+    newer[8] = 2;
+    let sum = crc(newer[..12].iter().chain(&newer[16..]));
+    newer[12..16].copy_from_slice(&sum.to_le_bytes());
+    for (a, b) in [(&record[..], &newer[..]), (&newer, record), (&[], &newer)] {
+        let mut fresh = Eeprom::blank();
+        fresh.cells[..a.len()].copy_from_slice(a);
+        fresh.cells[1024..1024 + b.len()].copy_from_slice(b);
+        let found = newest(&mut fresh).unwrap();
+        assert_eq!(found.baud, 250_000, "what format 8 does not know is as in a new machine");
+        let size = size_of_save(&fresh, &variant(0));
+        for left in 0..size {
+            let mut cut = fresh.clone();
+            cut_save(&mut cut, &variant(0), left, TORN[left % 6], left % 2 == 0);
+            for n in 1..4 {
+                now(storage::save(&mut cut, &variant(n))).unwrap();
+                assert_eq!(newest(&mut cut), Some(variant(n)), "cut after {left}, save {n}");
+            }
+        }
+    }
+}
+
 #[test]
 fn slots_take_turns_and_unchanged_settings_cost_nothing() {
     let mut eeprom = Eeprom::blank();
@@ -144,11 +178,8 @@ fn a_record_of_another_format_is_left_until_its_turn() {
     eeprom.cells[4..6].copy_from_slice(&next.to_le_bytes());
     assert_eq!(now(storage::survey(&mut eeprom)).unwrap().rejected[0], (Slot::A, Some(Rejected::Damaged)));
     let used = 16 + usize::from(u16::from_le_bytes([eeprom.cells[6], eeprom.cells[7]]));
-    let mut crc = !0u32;
-    for byte in eeprom.cells[..12].iter().chain(&eeprom.cells[16..used]) {
-        crc = (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xEDB8_8320 } else { c >> 1 });
-    }
-    eeprom.cells[12..16].copy_from_slice(&(!crc).to_le_bytes());
+    let sum = crc(eeprom.cells[..12].iter().chain(&eeprom.cells[16..used]));
+    eeprom.cells[12..16].copy_from_slice(&sum.to_le_bytes());
     let survey = now(storage::survey(&mut eeprom)).unwrap();
     assert_eq!((survey.newest, survey.rejected[0].1), (None, Some(Rejected::Format(next))));
     now(storage::save(&mut eeprom, &variant(1))).unwrap();

@@ -22,7 +22,7 @@ use crate::host::{command_of, words};
 use corehbot::gcode::{Command, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups};
 use corehbot::motors::Motor;
-use corehbot::settings::{AxisSettings, CornerRule, Settings, ranges};
+use corehbot::settings::{AxisEnd, AxisSettings, CornerRule, Settings, ranges};
 use std::f64::consts::SQRT_2;
 
 /// What one coordinate may do, in mm and s.
@@ -40,7 +40,7 @@ pub struct Limit {
     pub jump: f64,
     /// Greatest speed at which it may fall when an endstop stops the motion at once; 0 if nothing does.
     pub hard_stop: f64,
-    /// The same if it grows: only where an axis is taken backward, for all endstops are at low ends.
+    /// The same if it grows.
     pub hard_stop_up: f64,
 }
 
@@ -203,13 +203,18 @@ impl Limits {
             ('G', 21.0) => *unit = 1.0,
             ('G', 28.0) => {
                 let homing = [s.homing.x, s.homing.y, s.homing.z].map(|h| h.fast.to_num::<f64>());
-                self.of.iter_mut().zip(homing).for_each(|(l, v)| wide(&mut l.hard_stop, v));
+                let ends = [s.endstops.x, s.endstops.y, s.endstops.z].map(|switch| switch.end);
+                let stop = |limit: &mut Limit, speed: f64, end: AxisEnd| match end {
+                    AxisEnd::Min => wide(&mut limit.hard_stop, speed),
+                    AxisEnd::Max => wide(&mut limit.hard_stop_up, speed),
+                };
+                self.of.iter_mut().zip(homing.into_iter().zip(ends)).for_each(|(l, (v, end))| stop(l, v, end));
                 for (limit, belt) in self.of.iter_mut().skip(4).zip(belts(s)) {
-                    for (times, v) in belt.row.into_iter().zip(homing) {
+                    for (times, (v, end)) in belt.row.into_iter().zip(homing.into_iter().zip(ends)) {
                         match times {
-                            1.. => wide(&mut limit.hard_stop, v),
+                            1.. => stop(limit, v, end),
                             0 => {}
-                            ..0 => wide(&mut limit.hard_stop_up, v),
+                            ..0 => stop(limit, v, end.other()),
                         }
                     }
                 }

@@ -7,6 +7,7 @@
 mod error;
 mod form;
 mod heat;
+mod homing;
 mod place;
 mod plugs;
 mod problems;
@@ -21,15 +22,15 @@ use corehbot::connectors::{BoardConnectors, SIM};
 use corehbot::kinematics::{Mechanism, Row};
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, CornerRule, DriverSettings, Homing, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
+    AxisSettings, CornerRule, DriverSettings, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
 };
 pub use error::MachineFileError;
-use form::{AxisToml, CornerToml, DriverToml, HomingToml, MachineToml, MechanismToml, RowToml, ShaperToml};
+use form::{AxisToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
 pub use place::Place;
 pub use problems::{Problem, problems};
 use quantity::{
-    ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BACK_OFF, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
-    KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SPEED, TOLERANCE, put, put_whole, quantity,
+    ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY, KEEPALIVE,
+    LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SPEED, TOLERANCE, put, put_whole, quantity,
 };
 use resolution::resolution;
 pub use schema::schema;
@@ -107,9 +108,8 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     axis(&mut s.axes.y, "axes.y", &file.axes.y)?;
     axis(&mut s.axes.z, "axes.z", &file.axes.z)?;
     axis(&mut s.axes.e, "axes.e", &file.axes.e)?;
-    homing(&mut s.homing.x, "homing.x", &file.homing.x)?;
-    homing(&mut s.homing.y, "homing.y", &file.homing.y)?;
-    homing(&mut s.homing.z, "homing.z", &file.homing.z)?;
+    homing::homing(&mut s, &file.homing)?;
+    put(&mut s.baud, "baud", file.baud, &BAUD)?;
     driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
     driver(&mut s.drivers.z, "drivers.z", &file.drivers.z)?;
     driver(&mut s.drivers.e, "drivers.e", &file.drivers.e)?;
@@ -165,12 +165,6 @@ fn shaper(s: &mut Shaper, table: &str, file: &ShaperToml) -> Result<(), MachineF
     put(&mut s.damping, &format!("{table}.damping"), file.damping, &DAMPING)?;
     put(&mut s.span, &format!("{table}.span"), file.span, &BELT_SPAN)?;
     put(&mut s.motor_frequency, &format!("{table}.motor_frequency"), file.motor_frequency, &MOTOR_FREQUENCY)
-}
-
-fn homing(h: &mut Homing, table: &str, file: &HomingToml) -> Result<(), MachineFileError> {
-    put(&mut h.fast, &format!("{table}.fast"), file.fast, &SPEED)?;
-    put(&mut h.slow, &format!("{table}.slow"), file.slow, &SPEED)?;
-    put(&mut h.back_off, &format!("{table}.back_off"), file.back_off, &BACK_OFF)
 }
 
 fn driver(d: &mut DriverSettings, table: &str, file: &DriverToml) -> Result<(), MachineFileError> {

@@ -66,6 +66,12 @@ fn file(rule: CornerRule) -> Table {
     file.insert("corner".to_owned(), toml::Value::Table(Table::from_iter([(key.to_owned(), toml::Value::Float(0.5))])));
     let rows = ROWS.map(|(motor, row)| (motor.to_owned(), row.to_vec().into()));
     file.insert("mechanism".to_owned(), toml::Value::Table(Table::from_iter(rows)));
+    // Where a switch of either end may sit, so that the end can be changed alone.
+    for axis in ["x", "y", "z"] {
+        let length = &file["axes"][axis]["length"];
+        let length = length.as_float().or(length.as_integer().map(|mm| mm as f64)).unwrap();
+        file["homing"][axis]["position"] = (length / 2.0).into();
+    }
     for axis in ["x", "y"] {
         file["shaper"][axis]["kind"] = "zv".into();
     }
@@ -104,6 +110,8 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
 /// The place of a setting in a machine file.
 fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
+    let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
+    let path = path.replace("homing_order", "homing.order");
     let path = path.replace("shapers.", "shaper.").replace("wiring.", "");
     let path = CornerRule::all()
         .map(corner)
@@ -124,9 +132,10 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
         *key(&mut file, path)? = value;
         load(&file).ok().filter(|settings| *settings != before)
     };
-    let numbers = [0.05, 0.3, 1.0, 9.0, 0.002, 32.0, 200.0, 900.0].into_iter().map(toml::Value::Float);
-    let names = ["mzv", "he2", "hotend2", "pt1000", "pid", "hotend", "controller"].map(toml::Value::from);
-    [true.into(), false.into()].into_iter().chain(names).chain(numbers).find_map(legal)
+    let numbers = [0.05, 0.3, 1.0, 9.0, 0.002, 32.0, 200.0, 900.0, 115_200.0].into_iter().map(toml::Value::Float);
+    let names = ["mzv", "he2", "hotend2", "pt1000", "pid", "hotend", "controller", "max"].map(toml::Value::from);
+    let order = toml::Value::from(["z", "x", "y"].to_vec());
+    [true.into(), false.into(), order].into_iter().chain(names).chain(numbers).find_map(legal)
 }
 
 /// Settings that M503 does not say: they describe the machine, and no line can change them.
@@ -143,7 +152,18 @@ const NOT_SAID: [&str; 9] = [
 ];
 
 /// Settings that M503 says as a comment, and only a machine file sets.
-const FILE_ONLY: [&str; 6] = ["back_off", "fast", "length", "lookahead_time", "require_homing", "slow"];
+const FILE_ONLY: [&str; 10] = [
+    "back_off",
+    "baud",
+    "end",
+    "fast",
+    "homing_order",
+    "length",
+    "lookahead_time",
+    "position",
+    "require_homing",
+    "slow",
+];
 
 /// Lines that set a setting. A letter in braces is the axis.
 const LINES: [(&str, &str); 21] = [
@@ -193,8 +213,10 @@ fn every_setting_has_a_key_in_the_machine_file_that_sets_it_alone() {
     for (path, mut file) in settings_and_files().into_iter().filter(|(path, _)| path != "mechanism") {
         let before = by_path(&load(&file).unwrap());
         let after = changed(&path, &file);
-        let after =
-            by_path(&after.unwrap_or_else(|| panic!("no value changes {path}: boards/sim/src/machine_file.rs")));
+        let after = after.unwrap_or_else(|| panic!("no value changes {path}: boards/sim/src/machine_file.rs"));
+        let written = machine_file::written(None, &after).unwrap();
+        assert!(machine_file::load(&written).unwrap() == after, "{path}: boards/sim/src/machine_file/written.rs");
+        let after = by_path(&after);
         assert!(key(&mut file, &path).is_some(), "{path} has no key in examples/machines/prototype.toml");
         let other: Vec<_> = before.keys().filter(|name| before[*name] != after[*name]).collect();
         assert_eq!(other, [&path], "the key of {path}");

@@ -13,7 +13,7 @@ pub struct SerialPort {
     pub tx: Pin,
     /// Receiver.
     pub rx: Pin,
-    /// Bits a second.
+    /// Bits a second, until the machine says another rate.
     pub baud: u32,
 }
 
@@ -107,6 +107,7 @@ impl SerialPort {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::settings::ranges;
 
     fn port(usart: Usart, baud: u32) -> SerialPort {
         let (tx, rx) = match usart {
@@ -119,7 +120,8 @@ mod tests {
     #[test]
     fn usual_rates_are_met_to_half_a_percent() {
         for usart in Usart::all() {
-            for baud in [115_200, 230_400, 250_000, 500_000, 1_000_000] {
+            let ends = [ranges::BAUD.least, ranges::BAUD.most];
+            for baud in [115_200, 230_400, 250_000, 500_000].into_iter().chain(ends) {
                 let port = port(usart, baud);
                 let real = f64::from(usart.bus_hz()) / f64::from(port.divisor());
                 assert!((real / f64::from(baud) - 1.0).abs() < 0.005, "{usart:?} {baud}: {real}");

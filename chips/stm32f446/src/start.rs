@@ -7,7 +7,7 @@ use corehbot::fault::{Cause, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
-use corehbot::settings::Settings;
+use corehbot::settings::{ConnectorError, Settings};
 use corehbot::storage::{machine_of, other_machine};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
@@ -26,6 +26,7 @@ use crate::host_serial::HostSerial;
 use crate::memory::Find;
 use crate::port_writes::PortWrites;
 use crate::reset_reason::{self, ResetReason};
+use crate::serial_port::SerialPort;
 use crate::step_pins::StepPins;
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
@@ -86,24 +87,24 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     if let Some(probe) = board.probe {
         ports::make_input(probe.pin, probe.pull_up);
     }
-    let mut lines = open_headers(board);
     if !is_right {
-        refuse(board, lines);
+        refuse(board, open_headers(board, None));
     }
-    report(&mut lines, past.reason.as_ref());
-    let usb = open_usb(board, past.reason).map(|(line, port)| {
-        // A board's table has no more lines than there is room for.
-        let _ = lines.push(HostSerial::Usb(line));
-        port
-    });
     if let Some(record) = past.record.filter(Record::is_series) {
+        // What is stored may be what brings the faults about, so it is not looked at, not even for the rate.
+        let (lines, usb) = open_lines(board, None, past.reason);
         let mut fans = Fans::start(board.fans);
         (0..fans.len()).for_each(|fan| fans.blow(fan, u16::MAX));
         contexts::only_talk(lines, usb, record.fault);
     }
-    let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let mut storage = BoardStorage(find(board));
-    let (settings, board) = machine_at_start(board, &mut storage, &mut lines);
+    let (settings, plugged) = machine_at_start(board, &mut storage);
+    let (mut lines, usb) = open_lines(board, Some(settings.baud), past.reason);
+    let board = plugged.unwrap_or_else(|error| {
+        tell_unused(&mut lines, &error);
+        board
+    });
+    let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
     let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
     let ports = Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage };
@@ -113,13 +114,13 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
 }
 
 /// What the machine is put together with, and the board as that is plugged into it: the machine that is stored, or else that of
-/// the image, or else the prototype in the usual places. One that the board has no connectors for is told of and left alone.
+/// the image, or else the prototype in the usual places. One that the board has no connectors for is left alone: the error says
+/// why, and the machine is the prototype.
 #[inline(never)]
 fn machine_at_start(
     board: &'static Board,
     storage: &mut BoardStorage,
-    lines: &mut [HostSerial],
-) -> (&'static Settings, &'static Board) {
+) -> (&'static Settings, Result<&'static Board, ConnectorError>) {
     static MACHINE: StaticCell<Settings> = StaticCell::new();
     static PLUGGED: StaticCell<Board> = StaticCell::new();
     let machine = MACHINE.init(Settings::prototype());
@@ -133,18 +134,22 @@ fn machine_at_start(
         *machine = stored;
     }
     match board.plugged(machine) {
-        Ok(plugged) => (machine, PLUGGED.init(plugged)),
+        Ok(plugged) => (machine, Ok(PLUGGED.init(plugged))),
         Err(error) => {
-            let mut text = String::<LONGEST_ERROR>::new();
-            // What does not fit is left out.
-            let _ = write!(text, "{error}");
-            for part in ["echo:the machine is not used: ", &text, "\n"] {
-                lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
-            }
             *machine = Settings::prototype();
             machine.name_connectors(board.connectors);
-            (machine, board)
+            (machine, Err(error))
         }
+    }
+}
+
+/// Tells hosts why the machine that is stored, or that of the image, is not used.
+fn tell_unused(lines: &mut [HostSerial], error: &ConnectorError) {
+    let mut text = String::<LONGEST_ERROR>::new();
+    // What does not fit is left out.
+    let _ = write!(text, "{error}");
+    for part in ["echo:the machine is not used: ", &text, "\n"] {
+        lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
     }
 }
 
@@ -159,9 +164,26 @@ fn is_right_board(board: &Board) -> bool {
     is_marked
 }
 
-/// Starts the lines on headers.
-fn open_headers(board: &Board) -> Lines<HostSerial> {
-    board.serial.iter().map(|port| HostSerial::Usart(UsartLine::start(port))).collect()
+/// Starts all lines, and tells of the last reset. Headers have the rate of the machine, if that is known.
+fn open_lines(
+    board: &'static Board,
+    baud: Option<u32>,
+    reason: Option<ResetReason>,
+) -> (Lines<HostSerial>, Option<UsbPort>) {
+    let mut lines = open_headers(board, baud);
+    report(&mut lines, reason.as_ref());
+    let usb = open_usb(board, reason).map(|(line, port)| {
+        // A board's table has no more lines than there is room for.
+        let _ = lines.push(HostSerial::Usb(line));
+        port
+    });
+    (lines, usb)
+}
+
+/// Starts the lines on headers, with that rate or the one of the board's table.
+fn open_headers(board: &Board, baud: Option<u32>) -> Lines<HostSerial> {
+    let ports = board.serial.iter().map(|port| SerialPort { baud: baud.unwrap_or(port.baud), ..*port });
+    ports.map(|port| HostSerial::Usart(UsartLine::start(&port))).collect()
 }
 
 /// Starts USB, if the board has it.

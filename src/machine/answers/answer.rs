@@ -22,7 +22,7 @@ use crate::status::Tuned;
 pub(in crate::machine) enum Answer<'a> {
     /// Nothing, but for the `ok`.
     Nothing,
-    /// The `ok` that ends an answer, unless it stands in the answer itself as in the next six.
+    /// The `ok` that ends an answer, unless it stands in the answer itself (`has_ok`).
     Ok,
     /// M110, with the number that it asked for.
     LineNumber(Option<i32>),

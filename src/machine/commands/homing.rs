@@ -1,7 +1,7 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly.
 //!
-//! The endstops are switches at the low end of their axes, at 0, and stay pressed below it. The rig presses them in the same
-//! way (`rig/src/lib.rs`). Homing therefore goes down, and the place where the switch was met is 0.
+//! The endstops are switches at one end of their axes ([`Endstop`]), and stay pressed beyond the place where they are met. The rig
+//! presses them in the same way (`rig/src/lib.rs`). What position that place has is a setting; so is the order of the axes.
 //!
 //! The Z probe ([`EndstopSet::PROBE`]) takes no part: it is read and reported (M119), but nothing homes by it, and G29,
 //! G30 and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would use `approach`,
@@ -13,7 +13,7 @@
 //! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the rig, and
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
-//! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `zero`
+//! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
 //!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`reports/tell.rs`);
 //! - another word than "Probing" in boards/octopus/README.md, among what is not there.
 
@@ -24,7 +24,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::state::notices::Notice;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::settings::Homing;
+use crate::settings::{Endstop, HomedAxis, Homing};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// How far beyond an axis' length the switch is looked for: the machine may stand a little outside.
@@ -59,7 +59,8 @@ impl From<Interrupt> for HomeError {
 struct Axis {
     index: usize,
     name: char,
-    endstop: EndstopSet,
+    switch: EndstopSet,
+    endstop: Endstop,
     homing: Homing,
     length: Mm,
 }
@@ -68,17 +69,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// G28. Whichever axis fails, the print must not go on: the machine halts.
     pub(in crate::machine) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
         self.finish().await?;
-        // Without power no axis forgets where it is.
+        // Power first: where there is none, nothing is homed and the axes keep their homes.
         self.power(self.real.groups().fitted()).await?;
         let all = !(flags.x || flags.y || flags.z);
-        let (axes, homing) = (self.settings.axes, self.settings.homing);
-        let x = Axis { index: 0, name: 'X', endstop: EndstopSet::X, homing: homing.x, length: axes.x.length };
-        let y = Axis { index: 1, name: 'Y', endstop: EndstopSet::Y, homing: homing.y, length: axes.y.length };
-        let z = Axis { index: 2, name: 'Z', endstop: EndstopSet::Z, homing: homing.z, length: axes.z.length };
-        for (axis, wanted) in [(x, flags.x), (y, flags.y), (z, flags.z)] {
+        for axis in self.settings.homing_order {
+            let wanted = match axis {
+                HomedAxis::X => flags.x,
+                HomedAxis::Y => flags.y,
+                HomedAxis::Z => flags.z,
+            };
             if !(wanted || all) {
                 continue;
             }
+            let axis = self.axis(axis);
             self.homed.begin(axis.index);
             let result = self.home_axis(&axis).await;
             if !matches!(result, Err(HomeError::Interrupted(_))) {
@@ -97,11 +100,23 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(())
     }
 
+    /// What there is to know of an axis.
+    fn axis(&self, axis: HomedAxis) -> Axis {
+        let s = &self.settings;
+        let (switch, endstop, homing, length) = match axis {
+            HomedAxis::X => (EndstopSet::X, s.endstops.x, s.homing.x, s.axes.x.length),
+            HomedAxis::Y => (EndstopSet::Y, s.endstops.y, s.homing.y, s.axes.y.length),
+            HomedAxis::Z => (EndstopSet::Z, s.endstops.z, s.homing.z, s.axes.z.length),
+        };
+        Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, length }
+    }
+
     async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
-        if !self.approach(axis, axis.length + BEYOND, axis.homing.fast).await? {
+        if !self.approach(axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
             return Err(NO_TRIGGER);
         }
-        self.travel(axis, axis.homing.back_off, axis.homing.fast, EndstopSet::NONE).await?;
+        let back = -axis.endstop.towards(axis.homing.back_off);
+        self.travel(axis, back, axis.homing.fast, EndstopSet::NONE).await?;
         // Twice the distance backed off finds any switch that is still there.
         let sought = axis.homing.back_off * 2;
         let before = self.real_steps();
@@ -111,7 +126,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.real_steps() == before {
             return Err(STILL_PRESSED);
         }
-        self.zero(axis.index).await?;
+        self.stand_at_switch(axis).await?;
         self.homed.arrive(axis.index);
         self.modal.forget_origin(axis.index);
         Ok(())
@@ -119,10 +134,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Moves towards the switch; true if it was met.
     async fn approach(&mut self, axis: &Axis, distance: Mm, speed: MmPerSec) -> Result<bool, HomeError> {
-        if !self.link.status().inputs().has(axis.endstop) {
+        if !self.link.status().inputs().has(axis.switch) {
             return Err(NOT_FITTED);
         }
-        self.travel(axis, -distance, speed, axis.endstop).await?;
+        self.travel(axis, axis.endstop.towards(distance), speed, axis.switch).await?;
         let met = !self.link.status().triggered().is_empty();
         self.drop_motion().await?;
         Ok(met)
@@ -144,20 +159,21 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.finish().await
     }
 
-    /// The axis stands at 0. Motors stand on whole steps, so an axis that shares them with this one may lie between two
-    /// steps of its own; it moves to a whole one, 6 um beside.
-    async fn zero(&mut self, index: usize) -> Result<(), Interrupt> {
+    /// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares them
+    /// with this one may lie between two steps of its own; it moves to a whole one, half a step beside.
+    async fn stand_at_switch(&mut self, axis: &Axis) -> Result<(), Interrupt> {
         let mechanism = self.real.groups().mechanism();
         let mut position = self.real_steps();
-        for (axis, at) in position.iter_mut().enumerate() {
-            if axis == index {
-                *at = Steps::ZERO;
-            } else if mechanism.share(axis, index) {
+        let [x, y, z, _] = self.planner.steps([axis.endstop.position; 4]);
+        for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
+            if other == axis.index {
+                *at = switch.wrapping_round();
+            } else if mechanism.share(other, axis.index) {
                 *at = at.wrapping_round();
             }
         }
         self.adopt_position(position).await?;
-        if index == 2 {
+        if axis.index == 2 {
             self.retraction.forget_lift();
         }
         self.modal.position = self.retraction.commanded(self.planner.mm(position));

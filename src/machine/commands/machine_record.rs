@@ -59,7 +59,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(machine)
     }
 
-    /// Stores a machine, and takes it over if it has the motors of this one in the same places. Otherwise the next start does.
+    /// Stores a machine, and takes it over if it is put together as this one. Otherwise the next start does.
     async fn store_machine(
         &mut self,
         machine: &Settings,
@@ -68,7 +68,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Ok(receipt) => receipt,
             Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
         };
-        let counts = machine.mechanism == self.settings.mechanism && machine.wiring == self.settings.wiring;
+        let counts = machine.is_built_as(&self.settings);
         self.machine_pieces.is_stored = !counts;
         if counts {
             self.use_settings(*machine).await?;

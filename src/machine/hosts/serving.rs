@@ -2,6 +2,9 @@
 //!
 //! Commands are carried out one at a time, in turn from the hosts that have one. What a command has to say goes to the
 //! host that sent it.
+//!
+//! A host that waits hears `busy` (`keep_alive`): its text is in `protocol::reply`, its interval `Settings::keepalive_s` (M113). Waits
+//! for heat say temperatures besides, every second (`LINE_MS` in `commands::heating`).
 
 use super::host::{Asked, Host, Text, Urgent};
 use super::schedule::Report;
@@ -116,7 +119,7 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// The number of the line being served, if it has one, and the bytes that its host may send ahead.
-    pub(in crate::machine) fn progress(&self) -> (Option<i32>, usize) {
+    pub(in crate::machine) fn window(&self) -> (Option<i32>, usize) {
         self.hosts.get(self.serving).map_or((None, 0), |host| (host.number, host.receiver.room()))
     }
 

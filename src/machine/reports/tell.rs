@@ -174,7 +174,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
         if !self.settings.advanced_ok {
             return Speaker::new(&mut self.progress, &mut self.hosts).put(&Replies::ok);
         }
-        let (line, bytes) = self.hosts.progress();
+        let (line, bytes) = self.hosts.window();
         let moves = if self.has_room() { self.planner.room() } else { 0 };
         Speaker::new(&mut self.progress, &mut self.hosts).put(&|replies| replies.advanced_ok(line, moves, bytes));
     }

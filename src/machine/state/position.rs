@@ -38,7 +38,7 @@ impl Homed {
         self.set(axis, false);
     }
 
-    /// The axis has met its endstop and stands at 0.
+    /// The axis has met its endstop.
     pub fn arrive(&mut self, axis: usize) {
         self.set(axis, true);
     }

@@ -163,7 +163,7 @@ fn corner(before: &Geometry, after: &Geometry, turn_sq: f32, max_accel: f32, bas
     if size < LONG_CHORD { corner } else { least(corner, size * max_accel * sine / root(turn_sq)) }
 }
 
-/// The lesser of two limits; one over nothing is none.
+/// The lesser of two limits; one that was divided by 0 is infinite, which is none.
 fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }

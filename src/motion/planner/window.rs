@@ -175,26 +175,26 @@ impl<'m> Window<'m> {
     }
 
     /// The index, in the queue of minima, of the least corner that follows the move of that index. The search begins at
-    /// `least`, which must not be beyond it. The queue is in order, so the next move's search begins where this one ended.
+    /// `minimum`, which must not be beyond it. The queue is in order, so the next move's search begins where this one ended.
     #[inline(always)]
-    pub(in crate::motion) fn first_minimum_after(&self, index: usize, mut least: u8) -> u8 {
-        while self.minima.get(least).is_some_and(|slot| self.index(slot) <= index) {
-            least += 1;
+    pub(in crate::motion) fn first_minimum_after(&self, index: usize, mut minimum: u8) -> u8 {
+        while self.minima.get(minimum).is_some_and(|slot| self.index(slot) <= index) {
+            minimum += 1;
         }
-        least
+        minimum
     }
 
     /// The greatest exit speed squared of the move of that index, which is entered with `entry_sq`, and whether it is final;
     /// `None` if no move follows.
-    pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: SpeedSq, least: u8) -> Option<(SpeedSq, bool)> {
+    pub(in crate::motion) fn exit_sq(&self, index: usize, entry_sq: SpeedSq, minimum: u8) -> Option<(SpeedSq, bool)> {
         let (this, next) = (self.get(index)?, self.get(index + 1)?);
-        Some(self.exit_sq_between(this, next, entry_sq, self.minima.get(least)?))
+        Some(self.exit_sq_between(this, next, entry_sq, self.minima.get(minimum)?))
     }
 
     /// The exit speed of `this` towards `next`, given the slot of the least corner that follows `this`.
     #[inline(always)]
-    fn exit_sq_between(&self, this: &Planned, next: &Planned, entry_sq: SpeedSq, least: usize) -> (SpeedSq, bool) {
-        let bound_sq = self.bound_sq(least).wrapping_sub(next.cumulative_gain_sq);
+    fn exit_sq_between(&self, this: &Planned, next: &Planned, entry_sq: SpeedSq, least_slot: usize) -> (SpeedSq, bool) {
+        let bound_sq = self.bound_sq(least_slot).wrapping_sub(next.cumulative_gain_sq);
         let reach = entry_sq.saturating_add(next.cumulative_gain_sq.wrapping_sub(this.cumulative_gain_sq));
         let (known, end) = (bound_sq.min(reach), self.total_gain_sq.wrapping_sub(next.cumulative_gain_sq));
         (known.min(end), known <= end)
@@ -208,11 +208,11 @@ impl<'m> Window<'m> {
         }
         let (this, next) = (self.moves.get(self.first)?, self.moves.get(self.slot(1))?);
         // The first of the minima may be its own corner.
-        let least = match self.minima.get(0)? {
-            least if least == self.first => self.minima.get(1)?,
+        let least_slot = match self.minima.get(0)? {
+            own if own == self.first => self.minima.get(1)?,
             least => least,
         };
-        Some(self.exit_sq_between(this, next, self.front_sq, least))
+        Some(self.exit_sq_between(this, next, self.front_sq, least_slot))
     }
 
     /// Whether the first move may leave.

@@ -17,7 +17,9 @@
 //! that the event wants more than steps; the generator sets it when it makes the event.
 //!
 //! Its length is [`SLOTS`], a power of two and a multiple of `REGULAR` (`steps_in`). Who changes it is led to `app::Memory`, which
-//! asserts its size, to `stepgen`, whose batch must fit in, and to the budget of RAM (`xtask/src/build/contents.rs`, docs/boards.md).
+//! asserts its size, to `stepgen`, whose batch must fit in and which makes events `AHEAD` of time and no farther (a longer queue never
+//! fills unless that grows too), to the budget of RAM (`xtask/src/build/contents.rs`, docs/boards.md) and to `memory.x`, which divides
+//! RAM between variables and stack. `take_back` and M114 look at every event that waits.
 //!
 //! # Who writes which word when
 //!
@@ -66,7 +68,7 @@ pub(in crate::motion) const SLOTS: usize = 512;
 const _: () = assert!(SLOTS.is_power_of_two() && SLOTS.is_multiple_of(REGULAR as usize));
 
 /// Step events between StepGenerator and Stepper. As good as full: the generator waits. Empty: motion rests, or has
-/// starved, which is counted. 511 events are 5 ms at 100,000 events a second.
+/// starved, which is counted. 511 events are 5 ms at 100,000 events a second, and 10 ms at 51,000.
 #[repr(C)]
 pub struct StepQueue {
     /// Events taken out, wrapping. In front, where the step interrupt reaches it with one load.

@@ -10,7 +10,7 @@ const GROUPS: u32 = (1 << MOST_GROUPS) - 1;
 /// words for each set of groups finds them so with one instruction less.)
 const STEPS_AT: usize = 4;
 const FORWARD_AT: usize = STEPS_AT + MOST_GROUPS;
-const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::PROBE.0 == 8);
+const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::ALL.0 < 1 << STEPS_AT);
 
 /// All of an event but its time: the endstops it watches in bits 0 to 3, then the groups, directions above steps, its
 /// epoch from bit 16 on, and what is special about it.
@@ -32,7 +32,7 @@ impl PackedEvent {
 
     pub const STEPS: u32 = GROUPS << STEPS_AT;
     const FORWARD: u32 = GROUPS << FORWARD_AT;
-    const WATCH: u32 = 0xF;
+    const WATCH: u32 = (1 << STEPS_AT) - 1;
 
     /// An event of `epoch` that watches endstops, without steps.
     pub const fn waiting(epoch: u8, watch: EndstopSet) -> Self {

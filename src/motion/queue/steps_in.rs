@@ -13,6 +13,7 @@ use crate::port::GroupSet;
 const LONG: u32 = 1 << 22;
 /// One of so many events is special, however short its interval is. Thus all plain events between two special ones take less
 /// than the 429 s after which a tick of 32 bits wraps: the Stepper counts all bits of motion time at special events alone.
+/// A run of one plain event takes less than [`LONG`], a longer one less than [`LONG`] and [`NEAR`], so runs of two are the worst.
 pub(super) const REGULAR: u32 = 256;
 const _: () = assert!((LONG + NEAR) as u64 * (REGULAR as u64 / 2) < 1 << 32);
 
@@ -113,8 +114,8 @@ impl<'m> StepsIn<'m> {
         Self { queue, made, previous: PackedEvent::NONE, slow: GroupSet::NONE, marked: made }
     }
 
-    /// The groups that a run is made of; steps of others come in between.
-    const LED: u8 = 0b11;
+    /// The first two groups, whose steps make up a run; steps of others come in between.
+    const FIRST_TWO: u8 = 0b11;
 
     /// What a step of a group in a run adds to its event, beyond the first two groups.
     pub(in crate::motion) const fn step_of(&self, group: usize) -> u32 {
@@ -162,7 +163,7 @@ impl<'m> StepsIn<'m> {
         now: &mut u32,
         mut fill: impl FnMut(&mut Run) -> bool,
     ) {
-        let is_special = setting.has_watch() || self.slow.0 & Self::LED != 0;
+        let is_special = setting.has_watch() || self.slow.0 & Self::FIRST_TWO != 0;
         let word = if is_special { setting.special() } else { setting };
         let first = [[AtomicU32::new(0), AtomicU32::new(0)]];
         let mut left = most as usize;

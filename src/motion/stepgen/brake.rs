@@ -11,13 +11,6 @@ use crate::motion::ramps::{fraction, gain_sq, ramp_length, speed_of};
 use crate::motion::trajectory::phase::{Curve, Phase};
 use crate::units::{SpeedSq, SubTicks, TICKS_PER_SECOND, mul_div};
 
-/// Events are made this far ahead, in ticks, and no farther: 10 ms, as long as a full queue lasts at the greatest
-/// speed. What is made cannot be braked any more.
-const AHEAD: u32 = 100_000;
-
-/// So many events are made ahead however long they take.
-const LEAST_AHEAD: usize = 4;
-
 /// Whether motion is to come to rest.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Braking {
@@ -83,16 +76,6 @@ impl PathPoint {
 }
 
 impl StepGenerator<'_> {
-    /// The tick up to which events are to be made.
-    pub(super) fn far_enough(&self) -> u32 {
-        self.status.tick().wrapping_sub(self.base_tick).wrapping_add(AHEAD)
-    }
-
-    /// Whether the events made reach far enough, and are not too few.
-    pub(super) fn is_ahead(&self, enough: u32) -> bool {
-        (self.last_tick as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
-    }
-
     /// The next move begins with this speed squared.
     pub(super) fn continue_brake(&mut self, left_sq: SpeedSq) {
         self.braking = if left_sq > SpeedSq::ZERO { Braking::Slowing(left_sq) } else { Braking::Done };

@@ -60,6 +60,14 @@ use heapless::spsc::Consumer;
 /// the interrupts of the same priority get their turn.
 const BATCH: u32 = 128;
 
+/// In all motion, events are made this far ahead of time, in ticks, and no farther: 10 ms. What is made cannot be braked any more, so
+/// M410 takes as long before it slows down. A full queue of 511 events lasts for 10 ms at 51,000 events a second; one that is longer
+/// never fills unless this grows too.
+const AHEAD: u32 = 100_000;
+
+/// So many events are made ahead however long they take.
+const LEAST_AHEAD: usize = 4;
+
 /// With less room the queue is as good as full: whoever fills up every slot as it gets free never pauses.
 const LEAST_ROOM: usize = 32;
 // A batch finds room in a queue that is not as good as full.
@@ -180,6 +188,16 @@ impl<'m> StepGenerator<'m> {
                 return false;
             }
         }
+    }
+
+    /// The tick up to which events are to be made.
+    fn far_enough(&self) -> u32 {
+        self.status.tick().wrapping_sub(self.base_tick).wrapping_add(AHEAD)
+    }
+
+    /// Whether the events made reach far enough, and are not too few.
+    fn is_ahead(&self, enough: u32) -> bool {
+        (self.last_tick as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
     }
 
     /// Publishes what is made.

@@ -8,7 +8,7 @@
 use crate::units::SubTicks;
 use heapless::Vec;
 
-/// Most copies of an axis; a shaper with two humps has four impulses.
+/// Most copies of an axis. A shaper with two humps has four impulses; a fifth is for one with three (`MOST_IMPULSES` in `shaper`).
 pub const TAPS: usize = 5;
 
 /// A copy of the trajectory.

@@ -5,8 +5,8 @@ extern crate std;
 use super::*;
 use crate::connectors::{ConnectorName, Output, Sensor};
 use crate::settings::{
-    Advance, Control, CornerRule, DriverSettings, EndstopPlug, FanRole, FanSettings, Guards, HeaterModel,
-    HeaterSettings, Heaters, MotorPlug, Shaper, ShaperKind, Thermistor,
+    Advance, AxisEnd, Control, CornerRule, DriverSettings, EndstopPlug, FanRole, FanSettings, Guards, HeaterModel,
+    HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -58,7 +58,11 @@ fn file_of(format: u16) -> std::string::String {
 fn as_of(format: u16) -> Settings {
     match format {
         WITHOUT_HEAT => Settings { thermal: ThermalSettings::prototype(), ..as_of(WITHOUT_WIRING) },
-        WITHOUT_WIRING => Settings { wiring: Wiring::prototype(), ..spelled_out() },
+        WITHOUT_WIRING => Settings { wiring: Wiring::prototype(), ..as_of(WITHOUT_ENDSTOPS) },
+        WITHOUT_ENDSTOPS => {
+            let Settings { endstops, homing_order, baud, .. } = Settings::prototype();
+            Settings { endstops, homing_order, baud, ..spelled_out() }
+        }
         _ => spelled_out(),
     }
 }
@@ -130,7 +134,16 @@ fn spelled_out() -> Settings {
     s.require_homing = true;
     s.thermal = heat();
     s.wiring = wiring();
+    s.endstops = endstops();
+    s.homing_order = [HomedAxis::Z, HomedAxis::X, HomedAxis::Y];
+    s.baud = 115_200;
     s
+}
+
+fn endstops() -> Cartesian<Endstop> {
+    let x = Endstop { end: AxisEnd::Min, position: Mm::lit("-2.5") };
+    let y = Endstop { end: AxisEnd::Max, position: Mm::from_num(405) };
+    Cartesian { x, y, z: Endstop { end: AxisEnd::Min, position: Mm::lit("0.25") } }
 }
 
 fn wiring() -> Wiring {
@@ -218,6 +231,8 @@ fn the_longest_values_fit() {
     s.wiring.motors.fill(MotorPlug { connector: ConnectorName::lit("12345678"), is_reversed: true });
     let endstop = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     (s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z) = (endstop, endstop, endstop);
+    let endstop = Endstop { end: AxisEnd::Max, position: Mm::MIN };
+    (s.endstops.x, s.endstops.y, s.endstops.z, s.baud) = (endstop, endstop, endstop, u32::MAX);
     assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
 }
 

@@ -5,12 +5,13 @@ mod heat;
 mod motion;
 
 use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, SIM};
+use corehbot::settings::ranges::BAUD;
 pub(super) use heat::{
     FanToml, FansToml, GuardsToml, HeaterToml, HeatersToml, ModelToml, PidToml, ThermalToml, ThermistorToml,
 };
 pub(super) use motion::{
-    AdvanceToml, AxesToml, AxisToml, CornerToml, DriverToml, DriversToml, HomingToml, HomingsToml, ShaperToml,
-    ShapersToml,
+    AdvanceToml, AxesToml, AxisToml, CornerToml, DriverToml, DriversToml, EndToml, HomedAxisToml, HomingToml,
+    HomingsToml, ShaperToml, ShapersToml,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -49,6 +50,9 @@ pub(super) struct MachineToml {
     pub arc_tolerance: Option<f64>,
     /// Seconds between two busy messages; 0 is none (M113).
     pub keepalive_s: Option<f64>,
+    /// Rate of the serial lines on the board's headers, in baud; USB has none. It counts after a reset.
+    #[schemars(with = "Option<u32>", range(min = BAUD.least, max = BAUD.most))]
+    pub baud: Option<f64>,
     /// Milliseconds of silence in the middle of numbered lines after which the host is prompted to go on, 100 or more;
     /// 0 is never.
     pub patience_ms: Option<f64>,
@@ -73,7 +77,7 @@ pub(super) struct MachineToml {
     pub advance: AdvanceToml,
     /// Resolution, limits and length of every axis.
     pub axes: AxesToml,
-    /// How each axis finds its endstop, at its low end.
+    /// How each axis finds its endstop, where that is, and in which order.
     pub homing: HomingsToml,
     /// What the motor drivers (TMC2209) are told where they have a UART.
     pub drivers: DriversToml,

@@ -1,7 +1,7 @@
 //! Quantities: a number of the file becomes a value in its legal range, or an error that says what is legal.
 
 use super::MachineFileError;
-use corehbot::settings::{Range, ranges};
+use corehbot::settings::{AxisEnd, Range, ranges};
 use corehbot::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
 };
@@ -23,6 +23,8 @@ pub(super) const ACCELERATION: Kind<MmPerSec2> =
 pub(super) const AXIS_LENGTH: Kind<Mm> = Kind { range: ranges::AXIS_LENGTH, convert: Mm::saturating_from_num::<f64> };
 pub(super) const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..AXIS_LENGTH };
 pub(super) const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..AXIS_LENGTH };
+pub(super) const BAUD: Kind<u32> =
+    Kind { range: ranges::BAUD, convert: |baud| if baud.fract() == 0.0 { baud as u32 } else { 0 } };
 pub(super) const FREQUENCY: Kind<Hertz> = Kind { range: ranges::FREQUENCY, convert: Hertz::saturating_from_num::<f64> };
 pub(super) const BELT_SPAN: Kind<Mm> =
     Kind { range: Range { least: Mm::ZERO, most: ranges::BELT_SPAN.most }, ..AXIS_LENGTH };
@@ -34,7 +36,7 @@ pub(super) const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::ADVANCE_W
 pub(super) const LOOKAHEAD_TIME: Kind<Seconds> = Kind { range: ranges::LOOKAHEAD_TIME, ..ADVANCE };
 pub(super) const PATIENCE: Kind<u16> =
     Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
-pub(super) const KEEPALIVE: Kind<u8> = Kind { range: Range { least: 0, most: 60 }, convert: |s| s as u8 };
+pub(super) const KEEPALIVE: Kind<u8> = Kind { range: ranges::KEEPALIVE_S, convert: |s| s as u8 };
 
 pub(super) const HOTEND: Kind<Celsius> = Kind { range: ranges::HOTEND, convert: Celsius::saturating_from_num::<f64> };
 pub(super) const BED: Kind<Celsius> = Kind { range: ranges::BED, ..HOTEND };
@@ -56,6 +58,11 @@ pub(super) const GAIN: Kind<Ratio> = Kind { range: ranges::GAIN, ..DAMPING };
 pub(super) const HEATING: Kind<Ratio> = Kind { range: ranges::HEATING, ..DAMPING };
 pub(super) const MAX_DUTY: Kind<Ratio> = Kind { range: ranges::MAX_DUTY, ..DAMPING };
 pub(super) const PART: Kind<Ratio> = Kind { range: Range { least: Ratio::ZERO, most: Ratio::ONE }, ..DAMPING };
+
+/// Where a switch at that end of an axis may sit.
+pub(super) fn endstop_position(end: AxisEnd, length: Mm) -> Kind<Mm> {
+    Kind { range: ranges::endstop_position(end, length), ..AXIS_LENGTH }
+}
 
 /// Puts a whole number of the file, if there is one, in the place of the default.
 pub(super) fn put_whole<T: PartialOrd + Copy + Display + Into<f64> + TryFrom<u16>>(

@@ -4,10 +4,10 @@ use super::quantity::{self as q, Kind};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, Control, CornerRule, DriverSettings, FanRole, FanSettings, HeaterSettings, Homing, Settings, Shaper,
-    ShaperKind, Thermistor,
+    AxisEnd, AxisSettings, Control, CornerRule, DriverSettings, Endstop, FanRole, FanSettings, HeaterSettings, Homing,
+    Settings, Shaper, ShaperKind, Thermistor,
 };
-use corehbot::units::Celsius;
+use corehbot::units::{Celsius, Mm};
 use fixed::traits::Fixed;
 use toml::{Table, Value};
 
@@ -41,6 +41,7 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
         ("patience_ms", whole(s.patience_ms)),
         ("lookahead_time", number(s.lookahead_time, &q::LOOKAHEAD_TIME)),
         ("advanced_ok", s.advanced_ok.into()),
+        ("baud", whole(s.baud)),
     ];
     file.extend(numbers.map(|(key, value)| (key.to_owned(), value)));
     file.insert("mechanism".into(), mechanism(s));
@@ -59,8 +60,7 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
     file.insert("advance".into(), table([("time", time), ("window", window)]));
     let a = &s.axes;
     file.insert("axes".into(), table([("x", axis(&a.x)), ("y", axis(&a.y)), ("z", axis(&a.z)), ("e", axis(&a.e))]));
-    let h = &s.homing;
-    file.insert("homing".into(), table([("x", homing(&h.x)), ("y", homing(&h.y)), ("z", homing(&h.z))]));
+    file.insert("homing".into(), homing(s));
     let d = &s.drivers;
     file.insert("drivers".into(), table([("belt", driver(&d.belt)), ("z", driver(&d.z)), ("e", driver(&d.e))]));
     let t = &s.thermal;
@@ -146,11 +146,28 @@ fn axis(a: &AxisSettings) -> Value {
     ])
 }
 
-fn homing(h: &Homing) -> Value {
+fn homing(s: &Settings) -> Value {
+    let order = s.homing_order.map(|axis| axis.letter().to_ascii_lowercase().to_string().into());
+    let (h, e) = (&s.homing, &s.endstops);
+    table([
+        ("order", Value::Array(order.to_vec())),
+        ("x", homed_axis(&h.x, e.x, s.axes.x.length)),
+        ("y", homed_axis(&h.y, e.y, s.axes.y.length)),
+        ("z", homed_axis(&h.z, e.z, s.axes.z.length)),
+    ])
+}
+
+fn homed_axis(h: &Homing, endstop: Endstop, length: Mm) -> Value {
+    let end = match endstop.end {
+        AxisEnd::Min => "min",
+        AxisEnd::Max => "max",
+    };
     table([
         ("fast", number(h.fast, &q::SPEED)),
         ("slow", number(h.slow, &q::SPEED)),
         ("back_off", number(h.back_off, &q::BACK_OFF)),
+        ("end", end.into()),
+        ("position", number(endstop.position, &q::endstop_position(endstop.end, length))),
     ])
 }
 

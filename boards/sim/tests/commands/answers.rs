@@ -78,7 +78,8 @@ fn the_report_of_the_settings_has_the_bed_and_homing() {
     let heard = answers(&["M503"]);
     for told in [
         "echo:; reachable: X390 Y417.6 Z335 mm",
-        "echo:; homing X: 40 mm/s, 5 mm back, 5 mm/s",
+        "echo:; homing X: down to 0 mm, 40 mm/s, 5 mm back, 5 mm/s",
+        "echo:; serial lines: 250000 baud",
         "echo:; homing is not needed before moves",
     ] {
         assert!(heard.contains(&told.to_owned()), "{told}: {heard:?}");

@@ -2,7 +2,7 @@
 
 use super::talk::{keep, talk};
 use corehbot::settings::Settings;
-use corehbot::storage::PAGE;
+use corehbot::storage::{PAGE, STRIDE};
 use corehbot_sim::eeprom::Eeprom;
 
 /// A reply's words without its size and checksum.
@@ -84,7 +84,7 @@ fn damaged_records_are_named_and_not_used() {
     keep(&mut eeprom, &made, &["M113 S7", "M500", "M113 S8", "M500"]);
     let both = eeprom.cells().to_vec();
     // The newer record is in slot B.
-    eeprom.cells()[1024 + 50] ^= 4;
+    eeprom.cells()[STRIDE as usize + 50] ^= 4;
     let (heard, ..) = keep(&mut eeprom, &made, &["M113", "M504"]);
     assert_eq!(
         (heard[0].as_str(), words(&heard[1])),

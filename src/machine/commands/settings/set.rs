@@ -199,6 +199,8 @@ pub(in crate::machine) fn set_keepalive(
     clamps: &mut Clamps,
 ) -> Answer<'static> {
     let Some(seconds) = seconds else { return Answer::Keepalive };
-    s.keepalive_s = clamps.whole(["M113", "S"], seconds, Range { least: 0, most: 60 }) as u8;
+    let Range { least, most } = ranges::KEEPALIVE_S;
+    let legal = Range { least: least.into(), most: most.into() };
+    s.keepalive_s = clamps.whole(["M113", "S"], seconds, legal) as u8;
     Answer::Nothing
 }

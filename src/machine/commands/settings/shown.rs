@@ -9,7 +9,7 @@ use crate::machine::commands::retraction::{say_recovery, say_retraction};
 use crate::machine::commands::shaping::say_shaper;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
-use crate::settings::{CornerRule, Settings};
+use crate::settings::{AxisEnd, CornerRule, HomedAxis, Settings};
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
 pub(in crate::machine) fn say_settings(
@@ -90,11 +90,21 @@ fn say_axes(to: &mut Speaker<'_>, code: &str, values: [Number; 4]) {
 fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     let [x, y, z, _] = s.axes.map(|a| exact(a.length)).to_array();
     to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
-    let homing = s.homing;
-    for (axis, homing) in [('X', homing.x), ('Y', homing.y), ('Z', homing.z)] {
+    for axis in s.homing_order {
+        let (homing, endstop) = match axis {
+            HomedAxis::X => (s.homing.x, s.endstops.x),
+            HomedAxis::Y => (s.homing.y, s.endstops.y),
+            HomedAxis::Z => (s.homing.z, s.endstops.z),
+        };
         let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
-        to.say(format_args!("echo:; homing {axis}: {fast} mm/s, {back} mm back, {slow} mm/s"));
+        let direction = match endstop.end {
+            AxisEnd::Min => "down",
+            AxisEnd::Max => "up",
+        };
+        let (axis, at) = (axis.letter(), exact(endstop.position));
+        to.say(format_args!("echo:; homing {axis}: {direction} to {at} mm, {fast} mm/s, {back} mm back, {slow} mm/s"));
     }
+    to.say(format_args!("echo:; serial lines: {} baud", s.baud));
     let needed = if s.require_homing { "needed before moves" } else { "not needed before moves" };
     to.say(format_args!("echo:; homing is {needed}"));
 }

@@ -109,6 +109,8 @@ pub(in crate::machine_file) struct AxisToml {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(in crate::machine_file) struct HomingsToml {
+    /// The order in which G28 homes the axes, each of them once; x, y, z if left out.
+    pub order: Option<[HomedAxisToml; 3]>,
     /// How x finds its endstop.
     pub x: HomingToml,
     /// How y finds its endstop.
@@ -126,6 +128,28 @@ pub(in crate::machine_file) struct HomingToml {
     pub slow: Option<f64>,
     /// The way back between them, in mm.
     pub back_off: Option<f64>,
+    /// The end of the axis at which the switch sits: min, where positions are small, or max. min if left out.
+    pub end: Option<EndToml>,
+    /// Position at which the switch is met, in mm: in that half of the axis, or up to 50 mm outside. Left out, it is 0 at
+    /// the min end and the length of the axis at the max end.
+    pub position: Option<f64>,
+}
+
+/// An end of an axis.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(in crate::machine_file) enum EndToml {
+    Min,
+    Max,
+}
+
+/// An axis that is homed.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(in crate::machine_file) enum HomedAxisToml {
+    X,
+    Y,
+    Z,
 }
 
 #[derive(Deserialize, JsonSchema, Default)]

@@ -1,0 +1,95 @@
+//! Endstops at either end and anywhere near it: after homing, the tool really is where the machine says.
+
+use super::print::{machines, print};
+use corehbot::motors::MotorSet;
+use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
+use corehbot::units::Mm;
+use corehbot_sim::check::Findings;
+use corehbot_sim::host::FileHost;
+use corehbot_sim::world::{Sink, run};
+
+/// Where the tool stands at power-up (`corehbot_rig::AT_POWER_UP`).
+const START: [f64; 3] = [31.7, 23.3, 12.4];
+
+fn at(end: AxisEnd, position: f64) -> Endstop {
+    Endstop { end, position: Mm::from_num(position) }
+}
+
+/// Some machine with switches elsewhere: all at the far ends; one outside, one inside and one between two steps.
+fn elsewhere(s: &Settings) -> [Settings; 2] {
+    let (mut far, mut odd) = (*s, *s);
+    let lengths = s.axes.map(|axis| axis.length.to_num::<f64>());
+    far.endstops.x = at(AxisEnd::Max, lengths.x);
+    far.endstops.y = at(AxisEnd::Max, lengths.y);
+    far.endstops.z = at(AxisEnd::Max, lengths.z);
+    far.homing_order = [HomedAxis::Z, HomedAxis::Y, HomedAxis::X];
+    odd.endstops.x = at(AxisEnd::Min, -4.5);
+    odd.endstops.y = at(AxisEnd::Max, lengths.y + 3.013);
+    odd.endstops.z = at(AxisEnd::Min, 0.7);
+    odd.homing_order = [HomedAxis::Y, HomedAxis::Z, HomedAxis::X];
+    [far, odd]
+}
+
+#[test]
+fn the_tool_is_where_the_machine_says_wherever_the_switches_are() {
+    let to = [50.0, 60.0, 5.0];
+    for (name, s) in machines() {
+        for s in elsewhere(&s) {
+            s.check_machine().unwrap();
+            let print = print(&s, None, "G28\nG1 X50 Y60 Z5 F3000\nM400\nG28 X Y\nG1 X50 Y60\n");
+            assert_eq!(print.findings, Findings::default(), "{name}");
+            let way = s.mechanism.forward_kinematics().unwrap().fractions(&print.counts);
+            let pitch = s.axes.map(|axis| axis.steps_per_mm.to_num::<f64>()).to_array();
+            for axis in 0..3 {
+                let (sum, over) = way[axis];
+                let mm = sum as f64 / over as f64 / pitch[axis];
+                // A switch closes within a step of its place, which may lie between two.
+                let off = mm - (to[axis] - START[axis]);
+                assert!(off.abs() <= 1.6 / pitch[axis], "{name}: axis {axis} is {off} mm beside");
+            }
+        }
+    }
+}
+
+/// The motors of the first step.
+#[derive(Default)]
+struct First(Option<MotorSet>);
+
+impl Sink for First {
+    fn event(&mut self, _: u64, steps: MotorSet, _: MotorSet) {
+        self.0.get_or_insert(steps);
+    }
+}
+
+#[test]
+fn axes_are_homed_in_the_order_of_the_settings() {
+    for (order, gcode, first) in [
+        ([HomedAxis::X, HomedAxis::Y, HomedAxis::Z], "G28\n", MotorSet::BELT),
+        ([HomedAxis::Z, HomedAxis::X, HomedAxis::Y], "G28\n", MotorSet::Z),
+        ([HomedAxis::Z, HomedAxis::X, HomedAxis::Y], "G28 Y X\n", MotorSet::BELT),
+    ] {
+        let settings = Settings { homing_order: order, ..Settings::prototype() };
+        let mut steps = First::default();
+        run(&settings, None, &mut FileHost::new(gcode), &mut steps).unwrap();
+        assert!(
+            steps.0.is_some_and(|steps| first.with(steps) == first),
+            "{order:?} {gcode}: {steps:?}",
+            steps = steps.0
+        );
+    }
+}
+
+/// A switch belongs to the half of the axis that its end is in, or a bit outside; every axis is homed once.
+#[test]
+fn switches_that_could_not_be_met_are_refused() {
+    let legal = |endstop| {
+        let mut s = Settings::prototype();
+        s.endstops.x = endstop;
+        s.check_machine().is_ok()
+    };
+    assert!(legal(at(AxisEnd::Min, -50.0)) && legal(at(AxisEnd::Min, 195.0)) && legal(at(AxisEnd::Max, 440.0)));
+    assert!(!legal(at(AxisEnd::Min, -50.1)) && !legal(at(AxisEnd::Min, 195.1)));
+    assert!(!legal(at(AxisEnd::Max, 194.9)) && !legal(at(AxisEnd::Max, 440.1)));
+    let twice = [HomedAxis::X, HomedAxis::X, HomedAxis::Z];
+    assert!(Settings { homing_order: twice, ..Settings::prototype() }.check().is_err());
+}

@@ -1,0 +1,99 @@
+//! Endstops: at which end of its axis each switch sits, where that is, and in which order G28 looks for them.
+
+use crate::units::Mm;
+use serde::{Deserialize, Serialize};
+
+/// An end of an axis.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub enum AxisEnd {
+    /// Where positions are small: homing goes down.
+    Min,
+    /// Where positions are great: homing goes up.
+    Max,
+}
+
+impl AxisEnd {
+    /// The end that is opposite.
+    #[must_use]
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Min => Self::Max,
+            Self::Max => Self::Min,
+        }
+    }
+}
+
+/// Where the switch of an axis sits. It stays pressed beyond that place; the rig of simulator and QEMU presses it in the same way.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct Endstop {
+    /// The end of the axis.
+    pub end: AxisEnd,
+    /// The position at which the switch is met. It may lie somewhat outside the reachable space.
+    pub position: Mm,
+}
+
+impl Endstop {
+    /// A switch where positions begin.
+    #[must_use]
+    pub const fn at_zero() -> Self {
+        Self { end: AxisEnd::Min, position: Mm::ZERO }
+    }
+
+    /// A distance towards the switch, with its sign.
+    #[must_use]
+    pub fn towards(self, distance: Mm) -> Mm {
+        match self.end {
+            AxisEnd::Min => -distance,
+            AxisEnd::Max => distance,
+        }
+    }
+
+    /// How far the switch is from the other end of an axis of this length.
+    #[must_use]
+    pub fn longest_way(self, length: Mm) -> Mm {
+        match self.end {
+            AxisEnd::Min => length - self.position,
+            AxisEnd::Max => self.position,
+        }
+    }
+}
+
+/// An axis that has an endstop.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub enum HomedAxis {
+    /// Left to right.
+    X,
+    /// Front to back.
+    Y,
+    /// Bed to nozzle.
+    Z,
+}
+
+impl HomedAxis {
+    /// All of them, in their order.
+    pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
+
+    /// Its letter.
+    #[must_use]
+    pub const fn letter(self) -> char {
+        match self {
+            Self::X => 'X',
+            Self::Y => 'Y',
+            Self::Z => 'Z',
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_switch_lies_down_or_up() {
+        let low = Endstop { end: AxisEnd::Min, position: Mm::from_num(-5) };
+        let high = Endstop { end: AxisEnd::Max, position: Mm::from_num(305) };
+        let (ten, length) = (Mm::from_num(10), Mm::from_num(300));
+        assert_eq!((low.towards(ten), high.towards(ten)), (-ten, ten));
+        assert_eq!((low.longest_way(length), high.longest_way(length)), (Mm::from_num(305), Mm::from_num(305)));
+    }
+}
