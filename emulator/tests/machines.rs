@@ -6,7 +6,7 @@ mod common;
 use common::{Bench, bench_of, firmware, print_on, root};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::{Motor, MotorSet};
-use corehbot::settings::Settings;
+use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
 use corehbot::storage::{LONGEST, record_of};
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::eeprom::{At24c32, Cut};
@@ -81,16 +81,22 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
     assert!(seen.line.said.iter().any(|said| said == told), "{:?}", seen.line.said);
 }
 
-/// `corehbot image` puts a machine into the image, which is all that such a board needs.
+/// `corehbot image` puts a machine into the image, which is all that such a board needs: it has the motors, switches and serial rate
+/// of that machine.
 #[test]
 fn an_image_with_a_machine_in_it_starts_as_that() {
     let mut settings = machine_file::read(&root().join("examples/machines/hbot.toml")).unwrap().settings;
+    // Away from 0, and from behind; the order is another as well.
+    settings.endstops.y = Endstop { end: AxisEnd::Max, position: settings.axes.y.length };
+    settings.homing_order = [HomedAxis::Y, HomedAxis::X, HomedAxis::Z];
+    settings.baud = 115_200;
     let mut firmware = firmware();
     firmware.put_machine(&mut settings).unwrap();
     let bench = Bench { settings, ..Bench::default() };
     let seen = print_on(&firmware, GCODE, &bench);
     assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
     assert!(seen.line.said.iter().any(|line| line.contains("Hardcoded Default Settings")), "{:?}", seen.line.said);
+    assert!((seen.line.baud - 115_200.0).abs() < 600.0, "{}", seen.line.baud);
     let host = scheduled(GCODE, &settings).unwrap();
     if let Some(difference) = difference(&seen.recorder.events, &host) {
         panic!("{difference}");
