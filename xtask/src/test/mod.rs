@@ -48,7 +48,7 @@ struct Step {
 enum Lane {
     /// Before all others.
     First,
-    /// On this computer's own code.
+    /// On this computer's own code, and what real hosts make of it.
     Host,
     /// On images; beside those of [`Lane::Host`].
     Images,
@@ -78,10 +78,10 @@ const STEPS: [Step; 15] = [
     Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
     Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
     Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
+    // Clients wait for most of their time, so the other lane has both processors. By now it has built QEMU's image.
+    Step { name: "clients", lane: Host, heading: "printcore and OctoPrint print on it", run: clients::check },
     Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
     Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },
-    // Clients wait for most of their time, so the other lane has both processors.
-    Step { name: "clients", lane: Images, heading: "printcore and OctoPrint print on it", run: clients::check },
     Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },
     Step { name: "exchange", lane: Images, heading: "QEMU answers hosts as it is written", run: exchanges::check },
     Step { name: "halt", lane: Images, heading: "QEMU stops at M112 within a millisecond", run: halt::check },
