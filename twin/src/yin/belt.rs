@@ -52,18 +52,17 @@ pub(super) fn stiffness(sections: &[f64; 5]) -> Matrix {
     matrix
 }
 
-/// Static condensation: pulleys 3 to 10 are let go to where no force is on them, which takes their rows out of the matrix.
+/// Static condensation: pulleys 3 to 10 go to where no force is left on them, which takes their rows out of the matrix.
 ///
-/// One at a time, by Gaussian elimination. What is left couples x, y and the motors' pulleys with k_e of equation 13.
-pub(super) fn condensed(mut matrix: Matrix) -> Matrix {
+/// One at a time, by Gaussian elimination. What is left couples x, y and the motors' pulleys with k_e of equation 13. A
+/// force on a pulley is handed on to those that hold it, by the same shares.
+pub(super) fn condense(matrix: &mut Matrix, force: &mut [f64; COORDINATES]) {
     for gone in pulley(3)..=pulley(10) {
-        let free = matrix[gone];
-        for row in &mut matrix {
-            let share = row[gone] / free[gone];
-            for (entry, of_free) in row.iter_mut().zip(free) {
-                *entry -= share * of_free;
-            }
+        let (springs, load) = (matrix[gone], force[gone]);
+        for (row, force) in matrix.iter_mut().zip(force.iter_mut()) {
+            let share = row[gone] / springs[gone];
+            row.iter_mut().zip(springs).for_each(|(entry, spring)| *entry -= share * spring);
+            *force -= share * load;
         }
     }
-    matrix
 }

@@ -10,11 +10,13 @@ pub(super) struct Watch {
     last: Option<(f64, f64)>,
     /// m; positive inside the corner (cut short), negative outside (overshot).
     pub error: Option<f64>,
+    /// How far the tool went on along the side into the corner, m; 0 if it never came to the corner's end of it.
+    pub beyond: f64,
 }
 
 impl Watch {
     pub fn new(corner: Corner) -> Watch {
-        Watch { corner, last: None, error: None }
+        Watch { corner, last: None, error: None, beyond: 0.0 }
     }
 
     /// Takes the tool's next place. The first crossing counts; between two places the path is a chord.
@@ -29,6 +31,7 @@ impl Watch {
             let part = before.0 / (before.0 - now.0);
             self.error = Some((before.1 + part * (now.1 - before.1)) * std::f64::consts::SQRT_2);
         }
+        self.beyond = self.beyond.max(along(into));
         self.last = Some(now);
     }
 }

@@ -11,9 +11,12 @@
 //!                                                                    path (the square) ──────────┘
 //! ```
 //!
+//! `damping` says beforehand how an axis behaves as a whole, `fit` finds the trends in results.
+//!
 //! Nothing moves a figure but the input: time steps are fixed ones, chosen from the parameters, and no random number is used.
 mod belt;
 mod corner;
+mod damping;
 mod error;
 pub mod fit;
 mod integrator;
@@ -25,6 +28,7 @@ mod system;
 #[cfg(test)]
 mod tests;
 
+pub use damping::{Axis, axes};
 pub use error::Error;
 pub use integrator::hold;
 pub use model::Model;

@@ -77,6 +77,6 @@ fn four(mut mechanics: Mechanics) -> Mechanics {
         mechanics.coulomb[leader] += mechanics.coulomb[idler];
     }
     mechanics.coordinates.retain(|&coordinate| coordinate <= pulley(2));
-    mechanics.stiffness = belt::condensed(mechanics.stiffness);
+    belt::condense(&mut mechanics.stiffness, &mut [0.0; COORDINATES]);
     mechanics
 }

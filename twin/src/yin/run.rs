@@ -51,6 +51,9 @@ pub struct Corners {
     pub x_to_y_mm: f64,
     /// Turning from y to x, the second corner, mm.
     pub y_to_x_mm: f64,
+    /// How far the tool goes beyond a corner in the direction in which it came, at the worst of the three, mm. Equation 17
+    /// does not see this: a lightly damped tool overshoots without cutting the corner.
+    pub overshoot_mm: f64,
 }
 
 /// Simulates a case on the assumed rig ([`NOMINAL`]).
@@ -104,5 +107,6 @@ pub(super) fn round_the_square(system: &System, sides: &[Vec<Piece>], longest: f
         }
     }
     let error_mm = |i: usize| corners[i].error.map(|error| error * 1e3).ok_or(Error::NotTurned(i + 1));
-    Ok(Corners { x_to_y_mm: (error_mm(0)? + error_mm(2)?) / 2.0, y_to_x_mm: error_mm(1)? })
+    let beyond = corners.iter().map(|corner| corner.beyond).fold(0.0, f64::max);
+    Ok(Corners { x_to_y_mm: (error_mm(0)? + error_mm(2)?) / 2.0, y_to_x_mm: error_mm(1)?, overshoot_mm: beyond * 1e3 })
 }

@@ -1,6 +1,7 @@
 //! The equations of motion of the paper, put right and written out, against those that the room derives from equation 6.
 
 use super::super::belt::{X, Y, pulley};
+use super::super::damping::following;
 use super::super::*;
 
 const MOTOR: DcMotor = DcMotor { torque_per_volt: 0.02, back_torque: 1e-3 };
@@ -12,19 +13,6 @@ fn some_state() -> State {
     for i in 0..state.place.len() {
         state.place[i] = 1e-3 * (1.7 * i as f64 + 0.3).sin();
         state.speed[i] = 2e-3 * (2.9 * i as f64 + 1.1).cos();
-    }
-    state
-}
-
-/// A state where all of the machine has followed the motors and no belt is stretched.
-fn rigid_state([x, y]: [f64; 2]) -> State {
-    let mut state = State::REST;
-    (state.place[X], state.place[Y]) = (x, y);
-    for (numbers, travel) in [([1, 8, 9], x + y), ([2, 7, 10], x - y)] {
-        numbers.into_iter().for_each(|number| state.place[pulley(number)] = travel);
-    }
-    for (numbers, travel) in [([3, 4], -x), ([5, 6], x)] {
-        numbers.into_iter().for_each(|number| state.place[pulley(number)] = travel);
     }
     state
 }
@@ -163,7 +151,7 @@ fn printed(number: usize, state: &State) -> f64 {
 
 #[test]
 fn a_machine_that_follows_rigidly_feels_no_force_but_by_equation_8_as_printed_it_would() {
-    let state = rigid_state([0.003, 0.007]);
+    let state = State { place: following([0.003, 0.007]), ..State::REST };
     let idle = DcMotor { torque_per_volt: 0.0, back_torque: 0.0 };
     for model in [Model::Full, Model::FourDof] {
         let change = System::dc(model, &NOMINAL, idle).derivative(&state, [0.0; 2]);

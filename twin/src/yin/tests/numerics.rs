@@ -58,14 +58,26 @@ fn lag(model: Model, rig: &Parameters, [x, y]: [f64; 2], speed: f64) -> f64 {
 #[test]
 fn the_four_dof_model_has_no_idler_friction_along_y() {
     let viscous = Parameters { guide_coulomb: [0.0; 2], pulley_coulomb: 0.0, ..NOMINAL };
-    let stiffness = 2.0 * 4747.47;
     // N s/m, by the share of each idler's friction that reaches the tool.
     let expected = [(Model::Full, [159.67, 96.29]), (Model::FourDof, [110.0 + 4.0 * 10.0861, 75.0])];
-    for (model, [along_x, along_y]) in expected {
-        let damping = |direction| lag(model, &viscous, direction, 0.05) * stiffness / 0.05;
-        assert_close(damping([1.0, 0.0]), along_x, 1e-4, "x");
-        assert_close(damping([0.0, 1.0]), along_y, 1e-4, "y");
+    for (model, damping) in expected {
+        for (i, direction) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
+            let axis = axes(model, &viscous)[i];
+            assert_close(axis.stiffness, 2.0 * 4747.47, 1e-5, "2 k_e");
+            assert_close(axis.viscous, damping[i], 1e-4, "damping");
+            let lag = lag(model, &viscous, direction, 0.05);
+            assert_close(lag, axis.viscous * 0.05 / axis.stiffness, 1e-4, "lag");
+        }
     }
+}
+
+#[test]
+fn the_assumed_rig_is_overdamped() {
+    let [x, y] = axes(Model::Full, &NOMINAL);
+    assert_close(x.damping_ratio(), 2.47, 0.01, "x");
+    assert_close(y.damping_ratio(), 1.07, 0.01, "y");
+    assert_close(x.coulomb, 0.781, 0.001, "x, N");
+    assert_close(y.coulomb, 0.463, 0.001, "y, N");
 }
 
 #[test]
@@ -81,4 +93,26 @@ fn two_dc_motors_bring_the_tool_to_the_speed_at_which_friction_takes_their_torqu
         assert_close(state.speed[0], drive / damping, 1e-3, "speed along x");
         assert!(state.speed[1].abs() < 1e-6, "speed along y: {}", state.speed[1]);
     }
+}
+
+/// How far a mass on a spring swings beyond the place where its lagging support stops, m.
+fn swing(axis: &Axis, speed: f64) -> f64 {
+    let (omega, zeta) = (axis.frequency(), axis.damping_ratio());
+    let decay = zeta * omega;
+    let swinging = omega * (1.0 - zeta * zeta).sqrt();
+    let lag = -2.0 * zeta * speed / omega;
+    let place = |t: f64| {
+        let (sin, cos) = (swinging * t).sin_cos();
+        (-decay * t).exp() * (lag * cos + (speed + decay * lag) / swinging * sin)
+    };
+    (0..1000).map(|i| place(f64::from(i) * 0.01 / omega)).fold(0.0, f64::max)
+}
+
+#[test]
+fn a_lightly_damped_tool_overshoots_as_a_mass_on_a_spring_does() {
+    let rig = Parameters { guide_coulomb: [0.0; 2], pulley_coulomb: 0.0, ..NOMINAL }.scaled(0.1, 1.0, 1.0);
+    let corners = run_on(&rig, &Case::at(0.079)).unwrap();
+    let [x, y] = axes(Model::Full, &rig).map(|axis| 1e3 * swing(&axis, 0.079));
+    assert_close(corners.overshoot_mm, x.max(y), 0.02, "overshoot, mm");
+    assert!(corners.y_to_x_mm.abs() < 0.05 * y, "equation 17 sees {} of {y} mm", corners.y_to_x_mm);
 }
