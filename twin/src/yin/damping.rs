@@ -56,6 +56,7 @@ fn at_tool(mechanics: &Mechanics, tool: usize, of: impl Fn(usize) -> f64) -> (f6
     let mut force = [0.0; COORDINATES];
     mechanics.coordinates.iter().for_each(|&i| force[i] = of(i));
     let mut stiffness = mechanics.stiffness;
+    // The 4-DoF model is condensed already.
     if mechanics.coordinates.len() == COORDINATES {
         belt::condense(&mut stiffness, &mut force);
     }
