@@ -6,3 +6,5 @@
 //! Lengths are in mm, angles in rad, forces in N, masses in kg, times in s, unless a name says otherwise; x, y are those of
 //! the CoreH-bot paper: the tool's place seen from motor 1's axis, x to the right and y away from the front.
 #![forbid(unsafe_code)]
+
+pub mod yin;

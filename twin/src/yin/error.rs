@@ -1,0 +1,36 @@
+//! Why a case gives no corner errors.
+
+use std::fmt;
+
+/// What the caller can change so that the next case runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Error {
+    /// The speed is outside [`SPEEDS`](super::SPEEDS), m/s.
+    Speed(f64),
+    /// The factor of this name is outside [`FACTORS`](super::FACTORS).
+    Factor(&'static str, f64),
+    /// The rig has an illegal value of this name.
+    Parameter(&'static str),
+    /// The stiff springs or the friction ask for more than this many time steps: less of them, or more speed.
+    TooManySteps(usize),
+    /// The tool did not come round this corner (1 is the first) before the next one was half way: less speed or friction.
+    NotTurned(usize),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Speed(v) => write!(f, "a speed of {v} m/s is outside {:?} m/s", super::SPEEDS),
+            Error::Factor(name, value) => {
+                write!(f, "the factor of {name}, {value}, is outside {:?}", super::FACTORS)
+            }
+            Error::Parameter(name) => write!(f, "the rig has an illegal {name}"),
+            Error::TooManySteps(most) => write!(f, "more than {most} time steps: raise the speed or the mass"),
+            Error::NotTurned(corner) => {
+                write!(f, "the tool lags so much that it never turns corner {corner}: less speed or friction")
+            }
+        }
+    }
+}
+
+impl std::error::Error for Error {}

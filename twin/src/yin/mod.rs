@@ -1,0 +1,38 @@
+//! A belt-driven CoreXY as Yin et al. model it: how far it rounds the corners of a square, and what that depends on.
+//!
+//! M. Yin, Y. Chen, K.-H. Lee, D. K. C. Fu, Z. T. H. Tse, K.-W. Kwok, "Dynamic Modeling and Characterization of the Core-XY
+//! Cartesian Motion System". Equation numbers here are those of that paper; some equations are misprinted there, and
+//! `docs/twin-yin.md` has them as they must be. This room derives all of them from the potential energy, equation 6.
+//!
+//! Units in this room are SI (m, kg, s, N), as in the paper; what is in mm says so in its name.
+//!
+//! ```text
+//! parameters ─▶ belt (springs) ─▶ model (full or 4 DoF) ─▶ system (steppers or DC motors) ─▶ integrator ─▶ corner
+//!                                                                    path (the square) ──────────┘
+//! ```
+//!
+//! `damping` says beforehand how an axis behaves as a whole, `fit` finds the trends in results.
+//!
+//! Nothing moves a figure but the input: time steps are fixed ones, chosen from the parameters, and no random number is used.
+mod belt;
+mod corner;
+mod damping;
+mod error;
+pub mod fit;
+mod integrator;
+mod model;
+mod parameters;
+mod path;
+mod run;
+mod system;
+#[cfg(test)]
+mod tests;
+
+pub use damping::{Axis, axes};
+pub use error::Error;
+pub use integrator::hold;
+pub use model::Model;
+pub use parameters::{NOMINAL, Parameters};
+pub use path::Command;
+pub use run::{Case, Corners, FACTORS, SPEEDS, run, run_on};
+pub use system::{DcMotor, State, System};

@@ -1,0 +1,137 @@
+//! The equations of motion of a driven model: forces of springs, friction and drive, divided by masses.
+//!
+//! Equation 2 for every free coordinate q: m q'' = -K q - c q' - f sgn(q') + B u. A stepper holds its pulley where the
+//! pulses say, so u is the belt travel of pulleys 1 and 2, and B their springs (equations 8 and 15). A DC motor turns with
+//! the torque K1 V - K2 phi' (equation 7), so u is the voltage, and the pulleys are free (equations 10 and 16).
+
+use super::belt::{COORDINATES, X, Y, pulley};
+use super::model::{Mechanics, Model};
+use super::parameters::Parameters;
+
+/// Where sgn(v) is smoothed to tanh(v / `SMOOTH_SPEED`), m/s: far below the running speeds, so that only rest is blurred.
+const SMOOTH_SPEED: f64 = 1e-3;
+
+/// A DC motor on each driving pulley: tau = K1 V - K2 phi' (equation 7).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DcMotor {
+    /// K1, N m/V.
+    pub torque_per_volt: f64,
+    /// K2, N m s.
+    pub back_torque: f64,
+}
+
+/// Places and speeds of the coordinates, m and m/s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// x, y and the belt travel r phi of pulleys 1 to 10, as far as they are free.
+    pub place: [f64; COORDINATES],
+    /// Their derivatives.
+    pub speed: [f64; COORDINATES],
+}
+
+impl State {
+    /// Everything at rest at the origin, belts without stretch.
+    pub const REST: State = State { place: [0.0; COORDINATES], speed: [0.0; COORDINATES] };
+
+    /// The end-effector, m.
+    #[must_use]
+    pub fn effector(&self) -> [f64; 2] {
+        [self.place[X], self.place[Y]]
+    }
+}
+
+/// One free coordinate.
+#[derive(Debug, Clone)]
+struct Row {
+    coordinate: usize,
+    mass: f64,
+    viscous: f64,
+    coulomb: f64,
+    /// Free coordinates and their stiffness to this one.
+    springs: Vec<(usize, f64)>,
+    /// Force per unit of each input.
+    drive: [f64; 2],
+}
+
+/// A model with its drive.
+#[derive(Debug, Clone)]
+pub struct System {
+    rows: Vec<Row>,
+}
+
+impl System {
+    /// Driven by steppers: the inputs are the belt travels of pulleys 1 and 2, m.
+    #[must_use]
+    pub fn stepper(model: Model, parameters: &Parameters) -> System {
+        let mechanics = Mechanics::new(model, parameters);
+        let motors = [pulley(1), pulley(2)];
+        let is_free = |coordinate: &usize| !motors.contains(coordinate);
+        let rows = rows(&mechanics, is_free, |coordinate| motors.map(|m| -mechanics.stiffness[coordinate][m]));
+        System { rows }
+    }
+
+    /// Driven by DC motors: the inputs are the voltages of motors 1 and 2.
+    #[must_use]
+    pub fn dc(model: Model, parameters: &Parameters, motor: DcMotor) -> System {
+        let mut mechanics = Mechanics::new(model, parameters);
+        let r = parameters.pulley_radius;
+        let motors = [pulley(1), pulley(2)];
+        for m in motors {
+            mechanics.viscous[m] += motor.back_torque / (r * r);
+        }
+        let force = motor.torque_per_volt / r;
+        let rows = rows(&mechanics, |_| true, |c| motors.map(|m| if m == c { force } else { 0.0 }));
+        System { rows }
+    }
+
+    /// Speeds and accelerations at a state: what an integrator asks for.
+    #[must_use]
+    pub fn derivative(&self, state: &State, input: [f64; 2]) -> State {
+        let mut change = State::REST;
+        for row in &self.rows {
+            let speed = state.speed[row.coordinate];
+            let springs: f64 = row.springs.iter().map(|&(other, k)| k * state.place[other]).sum();
+            let drive = row.drive[0] * input[0] + row.drive[1] * input[1];
+            let friction = row.viscous * speed + row.coulomb * (speed / SMOOTH_SPEED).tanh();
+            change.place[row.coordinate] = speed;
+            change.speed[row.coordinate] = (drive - springs - friction) / row.mass;
+        }
+        change
+    }
+
+    /// Kinetic energy, and that of the belts while the inputs are 0, J.
+    #[must_use]
+    pub fn energy(&self, state: &State) -> f64 {
+        let of = |row: &Row| {
+            let springs: f64 = row.springs.iter().map(|&(other, k)| k * state.place[other]).sum();
+            row.mass * state.speed[row.coordinate].powi(2) / 2.0 + springs * state.place[row.coordinate] / 2.0
+        };
+        self.rows.iter().map(of).sum()
+    }
+
+    /// Upper bounds of the fastest decay and of the fastest oscillation without it, 1/s (Gershgorin's circles).
+    #[must_use]
+    pub fn rates(&self) -> (f64, f64) {
+        let decay = |row: &Row| (row.viscous + row.coulomb / SMOOTH_SPEED) / row.mass;
+        let square = |row: &Row| row.springs.iter().map(|(_, k)| k.abs()).sum::<f64>() / row.mass;
+        let most = |of: &dyn Fn(&Row) -> f64| self.rows.iter().map(of).fold(0.0, f64::max);
+        (most(&decay), most(&square).sqrt())
+    }
+}
+
+fn rows(mechanics: &Mechanics, is_free: impl Fn(&usize) -> bool, drive: impl Fn(usize) -> [f64; 2]) -> Vec<Row> {
+    let free: Vec<usize> = mechanics.coordinates.iter().copied().filter(is_free).collect();
+    let row = |&coordinate: &usize| Row {
+        coordinate,
+        mass: mechanics.mass[coordinate],
+        viscous: mechanics.viscous[coordinate],
+        coulomb: mechanics.coulomb[coordinate],
+        springs: free
+            .iter()
+            .map(|&other| (other, mechanics.stiffness[coordinate][other]))
+            .filter(|&(_, k)| k != 0.0)
+            .collect(),
+        drive: drive(coordinate),
+    };
+    free.iter().map(row).collect()
+}

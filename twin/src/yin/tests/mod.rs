@@ -1,0 +1,20 @@
+//! The room against figures that were computed independently of it (symbolic derivation, another solver), against the
+//! equations of the paper, and against what physics asks of any model.
+mod equations;
+mod numerics;
+mod refusals;
+mod table;
+mod trends;
+
+use super::*;
+
+/// The corner errors of a case that must run: x to y, then y to x, mm.
+fn errors(case: Case) -> [f64; 2] {
+    let corners = run(&case).unwrap_or_else(|error| panic!("{case:?}: {error}"));
+    [corners.x_to_y_mm, corners.y_to_x_mm]
+}
+
+/// Fails unless `value` is within a part of what is expected.
+fn assert_close(value: f64, expected: f64, part: f64, what: &str) {
+    assert!((value / expected - 1.0).abs() <= part, "{what}: {value}, expected {expected} within {part}");
+}
