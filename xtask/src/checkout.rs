@@ -51,8 +51,50 @@ pub fn boards() -> Result<Vec<String>> {
 
 /// Builds the image of a board and says where it is.
 pub fn build_image(package: &str) -> Result<PathBuf> {
-    run(cargo(["build", "--profile", FIRMWARE, "--target", TARGET, "--package", package]))?;
+    let mut build = for_boards("build")?;
+    build.args(["--package", package]);
+    run(build)?;
     image(package)
+}
+
+/// Cargo's `task` for images.
+pub fn for_boards(task: &str) -> Result<Command> {
+    let mut command = cargo([task, "--profile", FIRMWARE, "--target", TARGET]);
+    command.env(FLAGS, path_flags()?);
+    Ok(command)
+}
+
+/// The variable that hands flags on to the compiler; paths in them may have spaces.
+pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
+
+/// Flags, as [`FLAGS`] takes them, by which nothing that is built says where it was built: the same source gives the same bytes
+/// in every folder, and images are tested as they are released.
+pub fn path_flags() -> Result<String> {
+    let home = cargo_home()?;
+    let places = [
+        (home.join("registry/src"), "registry"),
+        (home.join("git/checkouts"), "git"),
+        (target_dir()?, "target"),
+        (root().to_owned(), "."),
+    ];
+    let flags = places.map(|(path, name)| format!("--remap-path-prefix={}={name}", path.display()));
+    // The last one that fits counts, so the root goes first.
+    Ok(flags.into_iter().rev().collect::<Vec<_>>().join("\x1f"))
+}
+
+/// Where cargo keeps what it has fetched.
+pub fn cargo_home() -> Result<PathBuf> {
+    let set = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    set.or_else(|| std::env::home_dir().map(|home| home.join(".cargo"))).context("cannot find cargo's folder")
+}
+
+/// This computer, as the compiler calls it.
+pub fn host() -> Result<String> {
+    let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    rustc.arg("-vV").current_dir(root());
+    let said = command_output(rustc)?;
+    let host = said.lines().find_map(|line| line.strip_prefix("host: "));
+    Ok(host.context("rustc does not say what computer this is")?.to_owned())
 }
 
 /// The compiler's name and version.
@@ -76,6 +118,15 @@ pub fn run(mut command: Command) -> Result<()> {
         bail!("{} failed: {status}", words(&command));
     }
     Ok(())
+}
+
+/// What a command that has to succeed says.
+pub fn command_output(mut command: Command) -> Result<String> {
+    let output = command.output().with_context(|| format!("cannot run {}", words(&command)))?;
+    if !output.status.success() {
+        bail!("{} failed: {}", words(&command), String::from_utf8_lossy(&output.stderr).trim());
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// The command as one would type it.

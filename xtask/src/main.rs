@@ -4,6 +4,7 @@ mod bench;
 mod build;
 mod checkout;
 mod clients;
+mod dist;
 mod emulate;
 mod flash;
 mod mutants;
@@ -30,6 +31,8 @@ enum Task {
     Build(build::Args),
     /// Has Printrun and OctoPrint print on the firmware, on clean lines and bad ones.
     Clients,
+    /// Builds what is released: the command, the images of all boards, examples, licences and checksums, as one archive.
+    Dist(dist::Args),
     /// Prints a G-code file on the image of a controller board, in an emulator of its processor.
     Emulate(emulate::Args),
     /// Prints a G-code file in the simulator, in QEMU and on the Octopus's image, and compares the steps.
@@ -51,6 +54,7 @@ fn main() -> ExitCode {
         Task::Bench(args) => bench::main(&args),
         Task::Build(args) => build::main(&args),
         Task::Clients => clients::main(),
+        Task::Dist(args) => dist::main(&args),
         Task::Emulate(args) => emulate::main(&args),
         Task::Equal(args) => emulate::equal(&args),
         Task::Flash(args) => flash::main(&args),

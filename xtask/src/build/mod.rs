@@ -33,7 +33,8 @@ pub enum Board {
 }
 
 impl Board {
-    const fn name(self) -> &'static str {
+    /// Its key, as machine files have it.
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Octopus => "octopus",
             Self::Nucleo => "nucleo",

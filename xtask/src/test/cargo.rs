@@ -1,7 +1,7 @@
 //! The steps that are calls of cargo.
 
 use super::{Verdict, processes};
-use crate::checkout::{self, FIRMWARE, TARGET, cargo, run, words};
+use crate::checkout::{self, cargo, run, words};
 use crate::emulate;
 use anyhow::{Context as _, Result, bail, ensure};
 use std::io::{BufRead, BufReader};
@@ -113,7 +113,8 @@ fn count(line: &str, word: &str) -> u32 {
 
 /// Cargo's `task` for the core and every board.
 fn for_boards(task: &str) -> Result<Command> {
-    let mut command = cargo([task, "--profile", FIRMWARE, "--target", TARGET, "--package", "corehbot"]);
+    let mut command = checkout::for_boards(task)?;
+    command.args(["--package", "corehbot"]);
     for board in checkout::boards()? {
         command.args(["--package", &board]);
     }

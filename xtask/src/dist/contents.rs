@@ -1,0 +1,69 @@
+//! What is in the archive.
+
+use super::archive::File;
+use super::git;
+use crate::build::{self, Board};
+use crate::checkout::{self, cargo, command_output, run};
+use anyhow::{Context as _, Result, ensure};
+use clap::ValueEnum as _;
+use std::path::Path;
+
+/// The profile of the command: as in `release`, without what only a debugger reads.
+const PROFILE: &str = "dist";
+
+/// What comes from the checkout as it is: for who prints, not for who builds.
+const PLAIN: [&str; 7] =
+    ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT", "docs", "examples", "boards/*/README.md"];
+
+/// Builds what has to be built, and gathers all files.
+pub(super) fn contents() -> Result<Vec<File>> {
+    let mut files = plain()?;
+    let command = command()?;
+    let name = command.file_name().context("the command has no name")?.to_string_lossy().into_owned();
+    files.push(File { path: name, bytes: read(&command)?, is_program: true });
+    for board in Board::value_variants() {
+        let bytes = read(&build::image(*board)?.binary)?;
+        files.push(File { path: format!("images/{}.bin", board.name()), bytes, is_program: false });
+    }
+    for file in &files {
+        ensure_nothing_of_here(file)?;
+    }
+    Ok(files)
+}
+
+/// Files of the checkout, by git, which knows which belong to it.
+fn plain() -> Result<Vec<File>> {
+    let mut list = git(["ls-files", "--"]);
+    list.args(PLAIN);
+    let list = command_output(list)?;
+    let files = list.lines().map(|path| {
+        let bytes = read(&checkout::root().join(path))?;
+        Ok(File { path: path.to_owned(), bytes, is_program: false })
+    });
+    files.collect()
+}
+
+/// Builds the command.
+fn command() -> Result<std::path::PathBuf> {
+    let mut build = cargo(["build", "--package", "corehbot-sim", "--bin", "corehbot", "--profile", PROFILE]);
+    // The target is named so that build scripts do not get the flags.
+    let host = checkout::host()?;
+    build.args(["--target", &host]).env(checkout::FLAGS, checkout::path_flags()?);
+    run(build)?;
+    let folder = checkout::target_dir()?.join(host).join(PROFILE);
+    Ok(folder.join("corehbot").with_extension(std::env::consts::EXE_EXTENSION))
+}
+
+/// What is built must not say where it was built: it would be another elsewhere.
+fn ensure_nothing_of_here(file: &File) -> Result<()> {
+    for path in [checkout::root().to_owned(), checkout::cargo_home()?] {
+        let path = path.to_string_lossy();
+        let is_in = file.bytes.windows(path.len()).any(|bytes| bytes == path.as_bytes());
+        ensure!(!is_in, "{} names {path}", file.path);
+    }
+    Ok(())
+}
+
+fn read(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).with_context(|| format!("cannot open {}", path.display()))
+}
