@@ -6,7 +6,7 @@
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core allows.
 
 use corehbot::connectors::OCTOPUS;
-use corehbot::port::{EndstopSet, MotorSet, Output, Sensor};
+use corehbot::port::{Output, Sensor};
 use corehbot::storage::{BLOCK, blank_block};
 use corehbot_stm32f446::wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
@@ -22,28 +22,24 @@ pub static BOARD: Board = Board {
     connectors: &OCTOPUS,
     machine: &MACHINE,
     crystal: Crystal::Oscillator12MHz,
-    slots: [
-        // Motor 1 in slot M0.
+    sockets: &[
+        // M0: motor 1.
         slot((Port::F, 13), (Port::F, 12), (Port::F, 14), (Port::C, 4)),
-        // Motor 4 in slot M1.
+        // M1: motor 4.
         slot((Port::G, 0), (Port::G, 1), (Port::F, 15), (Port::D, 11)),
-        // Motor 8 in slot M4.
+        // M4: motor 8.
         slot((Port::F, 9), (Port::F, 10), (Port::G, 2), (Port::F, 2)),
-        // Motor 11 in slot M3.
+        // M3: motor 11.
         slot((Port::G, 4), (Port::C, 1), (Port::A, 0), (Port::C, 7)),
-        // Left screw in slot M2.
+        // M2: left screw.
         slot((Port::F, 11), (Port::G, 3), (Port::G, 5), (Port::C, 6)),
-        // Right screw in slot M5.
+        // M5: right screw.
         slot((Port::C, 13), (Port::F, 0), (Port::F, 1), (Port::E, 4)),
-        // Extruder in slot M6.
+        // M6: extruder.
         slot((Port::E, 2), (Port::E, 3), (Port::D, 4), (Port::E, 1)),
     ],
-    reversed: MotorSet::NONE,
-    // The right screw, on PC13.
-    slow: MotorSet(1 << 5),
     // X-STOP, Y-STOP, Z-STOP.
-    endstops: [Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
-    normally_open: EndstopSet::NONE,
+    inputs: &[Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
     // The PROBE header, and that of the BLTouch, whose signal is high for a moment when the pin is pushed in.
     probe: Some(Probe { pin: Pin::new(Port::B, 7), is_high: true, pull_up: false }),
     // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
@@ -96,13 +92,13 @@ pub static BOARD: Board = Board {
     marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
 };
 
-const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Option<Slot> {
-    Some(Slot {
+const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Slot {
+    Slot {
         step: Pin::new(step.0, step.1),
         dir: Pin::new(dir.0, dir.1),
         enable: Pin::new(enable.0, enable.1),
         uart: Some(Pin::new(uart.0, uart.1)),
-    })
+    }
 }
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).
@@ -125,7 +121,7 @@ mod tests {
     use super::*;
     use corehbot::connectors::ConnectorName;
     use corehbot::kinematics::{Groups, Mechanism};
-    use corehbot::port::{GroupSet, Motor};
+    use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet};
     use corehbot::settings::Settings;
     use corehbot_stm32f446::port_writes::PortWrites;
 
@@ -142,16 +138,14 @@ mod tests {
             .map(|line| line.split('|').map(str::trim).collect())
             .collect();
         let pin = |pin: Pin| format!("P{:?}{}", pin.port, pin.number());
-        assert_eq!(OCTOPUS.sockets.len(), BOARD.slots.len());
-        for (name, slot) in OCTOPUS.sockets.iter().zip(BOARD.slots.iter().flatten()) {
+        for (name, slot) in OCTOPUS.sockets.iter().zip(BOARD.sockets) {
             let is_it = |row: &&Vec<&str>| row.len() == 9 && row[3].split(' ').next() == Some(name.as_str());
             let row = readme.iter().find(is_it).unwrap();
             let pins = [slot.step, slot.dir, slot.enable, slot.uart.unwrap()].map(pin);
             assert_eq!(row[4..8], pins, "{name}");
         }
-        assert_eq!(OCTOPUS.endstops.len(), BOARD.endstops.len());
-        for (name, input) in OCTOPUS.endstops.iter().zip(BOARD.endstops) {
-            assert!(readme.iter().any(|row| row.get(2..4) == Some(&[name.as_str(), &pin(input)])), "{name}");
+        for (name, input) in OCTOPUS.endstops.iter().zip(BOARD.inputs) {
+            assert!(readme.iter().any(|row| row.get(2..4) == Some(&[name.as_str(), &pin(*input)])), "{name}");
         }
     }
 
@@ -164,13 +158,14 @@ mod tests {
 
     #[test]
     fn every_driver_can_be_talked_to() {
-        assert_eq!(BOARD.uarts(), MotorSet::ALL);
+        assert_eq!(BOARD.usual().uarts(), MotorSet::ALL);
     }
 
     #[test]
     fn each_pair_steps_by_one_store() {
         let machine = Groups::new(&Mechanism::corehbot());
-        let writes = PortWrites::pulses(BOARD.step_pins(), BOARD.slow, &machine);
+        let usual = BOARD.usual();
+        let writes = PortWrites::pulses(usual.step_pins(), usual.slow(), &machine);
         for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
             let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
             let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
@@ -184,14 +179,16 @@ mod tests {
     #[test]
     fn all_but_the_screws_step_quickly() {
         let machine = Groups::new(&Mechanism::corehbot());
-        let writes = PortWrites::pulses(BOARD.step_pins(), BOARD.slow, &machine);
+        let usual = BOARD.usual();
+        let writes = PortWrites::pulses(usual.step_pins(), usual.slow(), &machine);
         let slow = machine.motors(writes.beyond_quick());
-        assert_eq!(slow.0, BOARD.slow.0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
+        assert_eq!(slow.0, usual.slow().0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
     }
 
     #[test]
     fn all_four_belt_motors_get_power_by_three_stores() {
-        let stores = Port::ALL.into_iter().filter(|port| BOARD.enable_lines(MotorSet::BELT, *port) != 0);
+        let usual = BOARD.usual();
+        let stores = Port::ALL.into_iter().filter(|port| usual.enable_lines(MotorSet::BELT, *port) != 0);
         assert_eq!(stores.collect::<Vec<_>>(), [Port::A, Port::F, Port::G]);
     }
 
@@ -214,9 +211,10 @@ mod tests {
     #[test]
     fn a_machine_is_plugged_in_where_it_says() {
         let mut machine = Settings::prototype();
-        let usual = BOARD.plugged(&machine).unwrap();
-        assert_eq!((usual.slots, usual.reversed, usual.slow), (BOARD.slots, BOARD.reversed, BOARD.slow));
-        assert_eq!((usual.endstops, usual.normally_open), (BOARD.endstops, EndstopSet::NONE));
+        let (plugged, usual) = (BOARD.plugged(&machine).unwrap(), BOARD.usual());
+        assert_eq!((plugged.slots, plugged.reversed, plugged.slow()), (usual.slots, MotorSet::NONE, usual.slow()));
+        assert_eq!(usual.slow(), MotorSet::of(Motor::Z2), "on PC13");
+        assert_eq!((plugged.endstops, plugged.normally_open), (usual.endstops, EndstopSet::NONE));
         // Motors 1 and z2 change places, and the switches of x and z; z1 is not fitted.
         let [m1, _, _, _, z1, z2, _] = &mut machine.wiring.motors;
         std::mem::swap(m1, z2);
@@ -224,14 +222,12 @@ mod tests {
         std::mem::swap(&mut machine.wiring.endstops.x, &mut machine.wiring.endstops.z);
         machine.wiring.endstops.x.is_normally_open = true;
         machine.mechanism.rows[Motor::Z1 as usize] = [0; 4];
-        let board = BOARD.plugged(&machine).unwrap();
-        let [m1, m4, m8, m11, z1, z2, e0] = BOARD.slots;
-        assert_eq!(board.slots, [z2, m4, m8, m11, None, m1, e0]);
-        assert!(z1.is_some());
-        assert_eq!((board.reversed, board.slow), (MotorSet::of(Motor::M1), MotorSet::of(Motor::M1)));
-        let [x, y, z] = BOARD.endstops;
-        assert_eq!((board.endstops, board.normally_open), ([z, y, x], EndstopSet::X));
-        assert_eq!(board.problem(), None);
+        let plugged = BOARD.plugged(&machine).unwrap();
+        let [m1, m4, m8, m11, _, z2, e0] = usual.slots;
+        assert_eq!(plugged.slots, [z2, m4, m8, m11, None, m1, e0]);
+        assert_eq!((plugged.reversed, plugged.slow()), (MotorSet::of(Motor::M1), MotorSet::of(Motor::M1)));
+        let [x, y, z] = usual.endstops;
+        assert_eq!((plugged.endstops, plugged.normally_open), ([z, y, x], EndstopSet::X));
         machine.wiring.motors[0].connector = ConnectorName::lit("M7");
         let error = BOARD.plugged(&machine).map(|_| ()).unwrap_err();
         let text = "motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";

@@ -24,9 +24,9 @@ pub struct PortWrites {
 impl PortWrites {
     /// Whether all of `pins` are on ports that there is room for.
     #[must_use]
-    pub fn can_hold(pins: &[Option<Pin>; Motor::ALL.len()]) -> bool {
-        let ports = Ports::of(pins);
-        pins.iter().flatten().all(|pin| ports.ports[..ports.used].contains(&pin.port))
+    pub fn can_hold(pins: impl Iterator<Item = Pin> + Clone) -> bool {
+        let ports = Ports::of(pins.clone());
+        pins.into_iter().all(|pin| ports.ports[..ports.used].contains(&pin.port))
     }
 
     /// What sets the step pins of the motors of the groups and leaves the others. Pins beyond [`PORTS`] ports have
@@ -35,7 +35,7 @@ impl PortWrites {
     pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, groups: &Groups) -> Self {
         let of = |are_slow| {
             let motors = pins.iter().enumerate();
-            motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).map(|(_, pin)| pin)
+            motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).filter_map(|(_, pin)| *pin)
         };
         let ports = Ports::of(of(false).chain(of(true)));
         Self::new(pins, ports, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
@@ -53,7 +53,7 @@ impl PortWrites {
     #[must_use]
     pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, groups: &Groups) -> Self {
         let high = |set| MotorSet(groups.forward_motors(set).0 ^ reversed.0);
-        let ports = Ports::of(&pins);
+        let ports = Ports::of(pins.into_iter().flatten());
         Self::new(pins, ports, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
     }
 
@@ -97,9 +97,9 @@ struct Ports {
 
 impl Ports {
     /// Those of `pins`, as far as there is room.
-    fn of<'p>(pins: impl IntoIterator<Item = &'p Option<Pin>>) -> Self {
+    fn of(pins: impl Iterator<Item = Pin>) -> Self {
         let (mut ports, mut used) = ([Port::A; PORTS], 0);
-        for pin in pins.into_iter().flatten() {
+        for pin in pins {
             if !ports[..used].contains(&pin.port) && used < PORTS {
                 ports[used] = pin.port;
                 used += 1;

@@ -30,7 +30,7 @@ use crate::step_pins::StepPins;
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
-use crate::wiring::Board;
+use crate::wiring::{Board, Plugged};
 use crate::{
     after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
 };
@@ -80,8 +80,8 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     }
     clocks::start(board.crystal, priorities::LINK);
     supply::watch();
-    for pin in board.endstops {
-        ports::make_input(pin, true);
+    for pin in board.inputs {
+        ports::make_input(*pin, true);
     }
     if let Some(probe) = board.probe {
         ports::make_input(probe.pin, probe.pull_up);
@@ -103,12 +103,12 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     }
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let mut storage = BoardStorage(find(board));
-    let (settings, board) = machine_at_start(board, &mut storage, &mut lines);
+    let (settings, plugged) = machine_at_start(board, &mut storage, &mut lines);
     let groups = Groups::new(&settings.mechanism);
-    let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
-    let ports = Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage };
+    let dirs = DIR_WRITES.init_with(|| PortWrites::levels(plugged.dir_pins(), plugged.reversed, &groups));
+    let ports = Ports { serial: lines, drivers: Drivers::start(plugged), clock: BoardClock, storage };
     let heat = BoardHeat::start(board);
-    let step_ports = StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer };
+    let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &groups), clock: timer };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }
 
@@ -119,9 +119,9 @@ fn machine_at_start(
     board: &'static Board,
     storage: &mut BoardStorage,
     lines: &mut [HostSerial],
-) -> (&'static Settings, &'static Board) {
+) -> (&'static Settings, &'static Plugged) {
     static MACHINE: StaticCell<Settings> = StaticCell::new();
-    static PLUGGED: StaticCell<Board> = StaticCell::new();
+    static PLUGGED: StaticCell<Plugged> = StaticCell::new();
     let machine = MACHINE.init(Settings::prototype());
     if let Ok(made) = machine_of(board.machine()) {
         *machine = made;
@@ -143,7 +143,7 @@ fn machine_at_start(
             }
             *machine = Settings::prototype();
             machine.name_connectors(board.connectors);
-            (machine, board)
+            (machine, PLUGGED.init(board.usual()))
         }
     }
 }

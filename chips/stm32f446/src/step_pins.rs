@@ -1,9 +1,9 @@
 //! The step port: which edges the Stepper's events make on the pins, and how long a pulse is.
 //!
 //! Nobody waits for the end of a pulse: it lasts as long as the Stepper takes to fetch the next event and set its alarm.
-//! [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors in `slow` of the board's
-//! table are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS` (`src/port.rs` of the core);
-//! then either its motors are named in `slow`, or [`StepPins::fall_quick`] has to wait. Two steps of a motor must be far enough
+//! [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors on slow pins
+//! (`Plugged::slow`) are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS` (`src/port.rs` of
+//! the core); then either its motors are made slow ones, or [`StepPins::fall_quick`] has to wait. Two steps of a motor must be far enough
 //! apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are late and follow each other at once
 //! (`motion/stepper.rs` of the core, docs/time.md).
 //!
@@ -21,14 +21,13 @@ use corehbot::units::TICKS_PER_MS;
 
 use crate::port_writes::{PORTS, PortWrites, QUICK};
 use crate::ports::{self, Registers};
-use crate::wiring::{Board, Pin};
+use crate::wiring::{Pin, Plugged};
 
 /// A step pulse has to be high for so many cycles of 180 MHz. What the Stepper does meanwhile takes longer; the bench counts
 /// these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
 const PULSE: u32 = (STEP_PULSE_NS * CYCLES_PER_US).div_ceil(1000);
 
-/// What a pulse on a step pin on PC13, PC14 or PC15 takes beyond that, which is good for 2 MHz (STM32F446 datasheet, pin
-/// definitions, note on the power switch): 300 ns altogether.
+/// What a pulse on a slow step pin takes beyond that (`Pin::is_slow`: good for 2 MHz): 300 ns altogether.
 const SLOW_REST: u32 = 54 - PULSE;
 
 /// Cycles of 180 MHz.
@@ -62,9 +61,10 @@ struct Quick {
 }
 
 impl StepPins {
-    /// The pins of `board`, which are outputs already, for these groups of motors.
-    pub fn new(board: &Board, dirs: &'static PortWrites, groups: &Groups) -> Self {
-        let steps = PortWrites::pulses(board.step_pins(), board.slow, groups);
+    /// The pins of the motors, which are outputs already, for these groups of motors.
+    pub fn new(plugged: &Plugged, dirs: &'static PortWrites, groups: &Groups) -> Self {
+        let slow = plugged.slow();
+        let steps = PortWrites::pulses(plugged.step_pins(), slow, groups);
         let low = steps.of(ALL).map(|word| word << 16);
         let quick = |port: usize| Quick { port: ports::registers(steps.ports[port]), low: low[port] };
         Self {
@@ -72,10 +72,10 @@ impl StepPins {
             step_ports: steps.ports.map(ports::registers),
             low,
             steps,
-            held: groups_of(board.slow, groups),
+            held: groups_of(slow, groups),
             dirs,
             dir_ports: dirs.ports.map(ports::registers),
-            endstops: Endstops::new(board),
+            endstops: Endstops::new(plugged),
         }
     }
 }
@@ -168,17 +168,17 @@ struct Input {
 struct Endstops([Input; 4]);
 
 impl Endstops {
-    fn new(board: &Board) -> Self {
+    fn new(plugged: &Plugged) -> Self {
         let input = |pin: Pin, is_high: bool| {
             let mask = pin.mask();
             Input { port: ports::registers(pin.port), mask, triggered: if is_high { mask } else { 0 } }
         };
-        let [x, y, z] = board.endstops;
-        let switch = |pin, endstop| input(pin, !board.normally_open.has(endstop));
+        let [x, y, z] = plugged.endstops;
+        let switch = |pin, endstop| input(pin, !plugged.normally_open.has(endstop));
         let (x, y, z) = (switch(x, EndstopSet::X), switch(y, EndstopSet::Y), switch(z, EndstopSet::Z));
         // An input of no bits that would have to read 1 never triggers.
         let none = Input { mask: 0, triggered: 1, ..x };
-        Self([x, y, z, board.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
+        Self([x, y, z, plugged.board.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
     }
 
     /// A function of its own, to keep the step path below a KiB.

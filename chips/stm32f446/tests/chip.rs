@@ -59,18 +59,17 @@ fn streams() -> Vec<Channel> {
 /// Every pin that the table names, with what it is for.
 fn pins(board: &Board) -> Vec<(Pin, String)> {
     let mut pins = Vec::new();
-    for (n, slot) in board.slots.iter().enumerate() {
-        let Some(slot) = slot else { continue };
+    for (n, slot) in board.sockets.iter().enumerate() {
         pins.extend([(slot.step, "step"), (slot.dir, "dir")].map(|(pin, what)| (pin, format!("{what} {n}"))));
         pins.extend(slot.uart.map(|pin| (pin, format!("uart {n}"))));
     }
     // One line may enable several drivers.
-    for slot in board.slots.iter().flatten() {
+    for slot in board.sockets {
         if !pins.iter().any(|(pin, what)| *pin == slot.enable && what == "enable") {
             pins.push((slot.enable, "enable".into()));
         }
     }
-    pins.extend(board.endstops.map(|pin| (pin, "endstop".into())));
+    pins.extend(board.inputs.iter().map(|pin| (*pin, "input".into())));
     pins.extend(board.probe.map(|probe| (probe.pin, "probe".into())));
     pins.extend(board.thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
     pins.extend(board.loads.iter().map(|pin| (*pin, "load".into())));
@@ -158,15 +157,15 @@ fn a_table_that_errs_is_found_out() {
     let eeprom = good.eeprom.map(|[clock, data]| [data, clock]);
     let heater = [HeaterPin { channel: 3, ..good.heaters[0] }];
     let fan = [FanPin { timer: FanTimer::Four, ..good.fans[0] }];
-    let mut slots = good.slots;
-    slots[0] = slots[0].map(|slot| corehbot_stm32f446::wiring::Slot { dir: Pin::new(Port::G, 6), ..slot });
+    let mut sockets = good.sockets.to_vec();
+    sockets[0].dir = Pin::new(Port::G, 6);
     assert_eq!(wrong(Board { serial: Box::leak(Box::new(swapped)), ..good }), 2);
     assert_eq!(wrong(Board { serial: Box::leak(Box::new(elsewhere)), ..good }), 2);
     assert_eq!(wrong(Board { thermistors: Box::leak(Box::new(channel)), ..good }), 1);
     assert_eq!(wrong(Board { heaters: Box::leak(Box::new(heater)), ..good }), 1);
     assert_eq!(wrong(Board { fans: Box::leak(Box::new(fan)), ..good }), 1);
     assert_eq!(wrong(Board { eeprom, ..good }), 2);
-    assert_eq!(wrong(Board { slots, ..good }), 1, "a direction line on the X switch");
+    assert_eq!(wrong(Board { sockets: sockets.leak(), ..good }), 1, "a direction line on the X switch");
     assert!(problems(&good, has_lqfp64).len() > 20, "most pins of the Octopus are not in the small package");
 }
 
