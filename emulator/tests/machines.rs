@@ -9,9 +9,10 @@ use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::storage::{LONGEST, record_of};
 use corehbot_emulator::compare::{difference, scheduled};
+use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::{At24c32, Cut};
 use corehbot_emulator::watch::End;
-use corehbot_emulator::wiring::OCTOPUS;
+use corehbot_emulator::wiring::{OCTOPUS, Pin};
 use corehbot_sim::machine_file;
 
 /// Both belts and the screw, and an arc.
@@ -23,6 +24,11 @@ fn motors_of(name: &str) -> MotorSet {
 }
 
 fn motors_on(bench: &Bench<'_>) -> MotorSet {
+    motors_and_debug_pins(bench).0
+}
+
+/// Also which pins of the debug port (SWDIO, SWCLK) are its own at the end.
+fn motors_and_debug_pins(bench: &Bench<'_>) -> (MotorSet, u16) {
     let settings = bench.settings;
     let seen = print_on(&firmware(), GCODE, bench);
     assert_eq!((seen.end, seen.resets.len(), &seen.line.failure), (End::Done, 0, &None));
@@ -33,7 +39,7 @@ fn motors_on(bench: &Bench<'_>) -> MotorSet {
     assert!(seen.safety.dangers.is_empty() && seen.recorder.unpowered == 0);
     let stored: Vec<_> = seen.line.said.iter().filter(|line| line.contains("stored settings retrieved")).collect();
     assert_eq!(stored.len(), 1, "{:?}", seen.line.said);
-    host.iter().fold(MotorSet::NONE, |all, event| all.with(event.steps))
+    (host.iter().fold(MotorSet::NONE, |all, event| all.with(event.steps)), seen.debug_pins)
 }
 
 #[test]
@@ -74,10 +80,10 @@ fn a_normally_open_switch_reads_the_other_way_round() {
 #[test]
 fn a_machine_for_another_board_is_told_of_and_not_used() {
     let mut settings = Settings::prototype();
-    settings.wiring.motors[0].connector = ConnectorName::lit("M7");
+    settings.wiring.motors[0].connector = ConnectorName::lit("M8");
     let seen = print_on(&firmware(), "G28 Z\nM114\n", &bench_of(settings));
     assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
-    let told = "echo:the machine is not used: motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";
+    let told = "echo:the machine is not used: motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
     assert!(seen.line.said.iter().any(|said| said == told), "{:?}", seen.line.said);
 }
 
@@ -146,4 +152,21 @@ fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
         kept.push(is_new);
     }
     assert!(kept.contains(&false), "{kept:?}");
+}
+
+/// Slot M7, whose direction line is the debug port's clock, and an input that no switch of the prototype has.
+#[test]
+fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
+    let file = "board = \"octopus\"\n[motors]\nm8 = \"M7\"\n[endstops]\ny = \"E3DET\"\n";
+    let mut wiring = OCTOPUS;
+    let slot = &mut wiring.slots[Motor::M8 as usize];
+    (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('A', 14));
+    (slot.enable, slot.uart) = (Pin::new('E', 0), Pin::new('D', 3));
+    wiring.endstops[1].1 = Pin::new('G', 15);
+    let wiring: &'static _ = Box::leak(Box::new(wiring));
+    let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(machine_file::load(file).unwrap()) };
+    let seen = motors_and_debug_pins(&bench);
+    assert_eq!(seen, (MotorSet::ALL.without(MotorSet::of(Motor::E0)), 0b01), "SWDIO is the port's, SWCLK is not");
+    let usual = print_on(&firmware(), "M119\n", &Bench::default());
+    assert_eq!(usual.debug_pins, 0b11, "without a motor there the port has its clock");
 }

@@ -1,7 +1,7 @@
 //! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1.
 //!
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
-//! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
+//! by one store. The direction pin of slot M7 is the debug port's clock, until a machine has a motor there.
 //!
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core allows.
 
@@ -37,9 +37,20 @@ pub static BOARD: Board = Board {
         slot((Port::C, 13), (Port::F, 0), (Port::F, 1), (Port::E, 4)),
         // M6: extruder.
         slot((Port::E, 2), (Port::E, 3), (Port::D, 4), (Port::E, 1)),
+        // M7.
+        slot((Port::E, 6), (Port::A, 14), (Port::E, 0), (Port::D, 3)),
     ],
-    // X-STOP, Y-STOP, Z-STOP.
-    inputs: &[Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
+    // X-STOP, Y-STOP, Z-STOP, Z2-STOP, E0DET to E3DET: 10 kOhm to 3.3 V, 100 nF to ground.
+    inputs: &[
+        Pin::new(Port::G, 6),
+        Pin::new(Port::G, 9),
+        Pin::new(Port::G, 10),
+        Pin::new(Port::G, 11),
+        Pin::new(Port::G, 12),
+        Pin::new(Port::G, 13),
+        Pin::new(Port::G, 14),
+        Pin::new(Port::G, 15),
+    ],
     // The PROBE header, and that of the BLTouch, whose signal is high for a moment when the pin is pushed in.
     probe: Some(Probe { pin: Pin::new(Port::B, 7), is_high: true, pull_up: false }),
     // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
@@ -123,7 +134,7 @@ mod tests {
     use corehbot::kinematics::{Groups, Mechanism};
     use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet};
     use corehbot::settings::Settings;
-    use corehbot_stm32f446::port_writes::PortWrites;
+    use corehbot_stm32f446::port_writes::StepWrites;
 
     #[test]
     fn the_table_is_sound() {
@@ -165,7 +176,7 @@ mod tests {
     fn each_pair_steps_by_one_store() {
         let machine = Groups::new(&Mechanism::corehbot());
         let usual = BOARD.usual();
-        let writes = PortWrites::pulses(usual.step_pins(), usual.slow(), &machine);
+        let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
         for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
             let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
             let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
@@ -180,7 +191,7 @@ mod tests {
     fn all_but_the_screws_step_quickly() {
         let machine = Groups::new(&Mechanism::corehbot());
         let usual = BOARD.usual();
-        let writes = PortWrites::pulses(usual.step_pins(), usual.slow(), &machine);
+        let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
         let slow = machine.motors(writes.beyond_quick());
         assert_eq!(slow.0, usual.slow().0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
     }
@@ -195,7 +206,7 @@ mod tests {
     #[test]
     fn at_rest_heaters_are_low_and_drivers_off() {
         let on_a = BOARD.safe_levels(Port::A);
-        assert_eq!(on_a >> 16, 1 << 1 | 1 << 2 | 1 << 3 | 1 << 8, "bed, HE0, HE1, FAN0 low");
+        assert_eq!(on_a >> 16, 1 << 1 | 1 << 2 | 1 << 3 | 1 << 8 | 1 << 14, "bed, HE0, HE1, FAN0, direction of M7 low");
         assert_eq!(on_a & 0xFFFF, 1, "driver M3 off");
         assert_eq!(BOARD.safe_levels(Port::F) & 0xFFFF, 1 << 14 | 1 << 15 | 1 << 1);
     }
@@ -229,8 +240,12 @@ mod tests {
         let [x, y, z] = usual.endstops;
         assert_eq!((plugged.endstops, plugged.normally_open), ([z, y, x], EndstopSet::X));
         machine.wiring.motors[0].connector = ConnectorName::lit("M7");
+        assert_eq!(BOARD.plugged(&machine).unwrap().slots[0], Some(BOARD.sockets[7]));
+        machine.wiring.endstops.y.connector = ConnectorName::lit("E3DET");
+        assert_eq!(BOARD.plugged(&machine).unwrap().endstops[1], Pin::new(Port::G, 15));
+        machine.wiring.motors[0].connector = ConnectorName::lit("M8");
         let error = BOARD.plugged(&machine).map(|_| ()).unwrap_err();
-        let text = "motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";
+        let text = "motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
         assert_eq!(error.to_string(), text);
     }
 }

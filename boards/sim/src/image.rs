@@ -176,8 +176,8 @@ mod tests {
         let mut machine = fine;
         machine.wiring.motors[1] = machine.wiring.motors[0];
         assert_eq!(wrong(image("octopus"), machine), "motor m1 and motor m4 have the same connector, M0");
-        machine.wiring.motors[1].connector = ConnectorName::lit("M7");
-        let text = "motor m4: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";
+        machine.wiring.motors[1].connector = ConnectorName::lit("M8");
+        let text = "motor m4: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
         assert_eq!(wrong(image("octopus"), machine), text);
     }
 }

@@ -3,7 +3,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::ports::{self, Speed};
-use crate::wiring::{Board, HEATER_PORT, Port};
+use crate::wiring::{Board, HEATER_PORT, Plugged, Port, Slot};
 
 /// The words for BSRR. Until a board is known they are 0, and its pins are inputs, which its resistors make safe.
 static WORDS: [AtomicU32; Port::ALL.len()] = [const { AtomicU32::new(0) }; Port::ALL.len()];
@@ -26,7 +26,17 @@ pub fn adopt(board: &Board) {
     for slot in board.sockets {
         ports::make_output(slot.enable);
     }
-    for pin in board.sockets.iter().flat_map(|slot| [slot.step, slot.dir]) {
+    board.sockets.iter().filter(|slot| !slot.is_of_debug_port()).for_each(drive);
+}
+
+/// Takes the debug port's pins if a motor of the machine needs one. From then on no probe is heard, until the next reset.
+pub fn take_debug_pins(plugged: &Plugged) {
+    plugged.slots.iter().flatten().filter(|slot| slot.is_of_debug_port()).for_each(drive);
+}
+
+/// Makes outputs of a driver's step and direction pins, whose levels have been chosen.
+fn drive(slot: &Slot) {
+    for pin in [slot.step, slot.dir] {
         if !pin.is_slow() {
             ports::speed_up(pin, Speed::Medium);
         }

@@ -24,9 +24,8 @@ use crate::fans::Fans;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
 use crate::memory::Find;
-use crate::port_writes::PortWrites;
 use crate::reset_reason::{self, ResetReason};
-use crate::step_pins::StepPins;
+use crate::step_pins::{Dirs, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
@@ -37,14 +36,14 @@ use crate::{
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
-static DIR_WRITES: StaticCell<PortWrites> = StaticCell::new();
+static DIRS: StaticCell<Dirs> = StaticCell::new();
 
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
 const SETTLE: u32 = 10_000;
 
 /// Longest text about a connector: a motor, a name of 8 letters, a board, and the names of all its connectors.
-const LONGEST_ERROR: usize = 128;
+const LONGEST_ERROR: usize = 160;
 
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
@@ -104,8 +103,9 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let mut storage = BoardStorage(find(board));
     let (settings, plugged) = machine_at_start(board, &mut storage, &mut lines);
+    safe_levels::take_debug_pins(plugged);
     let groups = Groups::new(&settings.mechanism);
-    let dirs = DIR_WRITES.init_with(|| PortWrites::levels(plugged.dir_pins(), plugged.reversed, &groups));
+    let dirs = DIRS.init_with(|| Dirs::new(plugged, &groups));
     let ports = Ports { serial: lines, drivers: Drivers::start(plugged), clock: BoardClock, storage };
     let heat = BoardHeat::start(board);
     let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &groups), clock: timer };

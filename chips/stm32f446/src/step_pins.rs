@@ -7,7 +7,7 @@
 //! apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are late and follow each other at once
 //! (`motion/stepper.rs` of the core, docs/time.md).
 //!
-//! A table gives the words for all ports at once, in RAM (see [`PortWrites`]). Computing them instead takes an
+//! A table gives the words for all ports at once, in RAM (see [`StepWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
@@ -19,7 +19,7 @@ use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, STEP_PULSE_NS, StepPort};
 use corehbot::units::TICKS_PER_MS;
 
-use crate::port_writes::{PORTS, PortWrites, QUICK};
+use crate::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
 use crate::ports::{self, Registers};
 use crate::wiring::{Pin, Plugged};
 
@@ -42,15 +42,30 @@ const _: () =
 #[repr(C)]
 pub struct StepPins {
     quick: [Quick; QUICK],
-    steps: PortWrites,
-    step_ports: [Registers; PORTS],
+    steps: StepWrites,
+    step_ports: [Registers; STEP_PORTS],
     /// What lowers all step lines. Most are low, but sorting them out would take longer.
-    low: [u32; PORTS],
+    low: [u32; STEP_PORTS],
     /// Groups with a motor whose step pin is slow.
     held: GroupSet,
-    dirs: &'static PortWrites,
-    dir_ports: [Registers; PORTS],
+    dirs: &'static Dirs,
     endstops: Endstops,
+}
+
+/// Direction pins: their ports, and what is stored there.
+// In this order: both are within reach of short instructions.
+#[repr(C)]
+pub struct Dirs {
+    ports: [Registers; DIR_PORTS],
+    writes: DirWrites,
+}
+
+impl Dirs {
+    /// The direction pins of the motors, for these groups of motors.
+    pub fn new(plugged: &Plugged, groups: &Groups) -> Self {
+        let writes = DirWrites::levels(plugged.dir_pins(), plugged.reversed, groups);
+        Self { ports: writes.ports.map(ports::registers), writes }
+    }
 }
 
 /// A port of quick steps, and what lowers its step lines.
@@ -62,9 +77,9 @@ struct Quick {
 
 impl StepPins {
     /// The pins of the motors, which are outputs already, for these groups of motors.
-    pub fn new(plugged: &Plugged, dirs: &'static PortWrites, groups: &Groups) -> Self {
+    pub fn new(plugged: &Plugged, dirs: &'static Dirs, groups: &Groups) -> Self {
         let slow = plugged.slow();
-        let steps = PortWrites::pulses(plugged.step_pins(), slow, groups);
+        let steps = StepWrites::pulses(plugged.step_pins(), slow, groups);
         let low = steps.of(ALL).map(|word| word << 16);
         let quick = |port: usize| Quick { port: ports::registers(steps.ports[port]), low: low[port] };
         Self {
@@ -74,7 +89,6 @@ impl StepPins {
             steps,
             held: groups_of(slow, groups),
             dirs,
-            dir_ports: dirs.ports.map(ports::registers),
             endstops: Endstops::new(plugged),
         }
     }
@@ -85,14 +99,14 @@ const ALL: GroupSet = GroupSet((1 << MOST_GROUPS) - 1);
 
 /// One store a port. Short rather than fast: directions and slow steps are rare.
 #[inline(never)]
-fn store(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
+fn store(ports: &[Registers; STEP_PORTS], words: &[u32; STEP_PORTS]) {
     ports.iter().zip(words).for_each(|(port, word)| ports::store(*port, *word));
 }
 
 /// The same for quick steps, however the compiler feels about loops. Each port and its word are loaded when it is their
 /// turn, for all at once would take longer up to the first store. The second port is 5 cycles later than the first, 28 ns.
 #[inline(always)]
-fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; PORTS]) {
+fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; STEP_PORTS]) {
     ports::store(a.port, *x);
     compiler_fence(AcqRel);
     ports::store(b.port, *y);
@@ -108,10 +122,18 @@ fn groups_of(slow: MotorSet, groups: &Groups) -> GroupSet {
 }
 
 impl StepPort for StepPins {
-    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted.
+    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted. The second pass stores to three ports
+    /// again, which changes nothing but gives these, 150 ns more, the time for a slow direction pin.
     #[inline]
     fn dir(&mut self, forward: GroupSet) {
-        store(&self.dir_ports, self.dirs.of(forward));
+        let Dirs { ports, writes } = self.dirs;
+        let words = writes.of(forward);
+        if let (Some(ports), Some(words)) = (ports.first_chunk(), words.first_chunk()) {
+            store(ports, words);
+        }
+        if let (Some(ports), Some(words)) = (ports.last_chunk(), words.last_chunk()) {
+            store(ports, words);
+        }
     }
 
     #[inline(always)]

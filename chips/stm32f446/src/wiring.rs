@@ -65,6 +65,12 @@ impl Pin {
         1 << self.number
     }
 
+    /// Whether it is SWDIO or SWCLK.
+    #[must_use]
+    pub fn is_of_debug_port(self) -> bool {
+        DEBUG.contains(&self)
+    }
+
     /// Whether it is supplied by the power switch (PC13 to PC15), good for 2 MHz and 3 mA (STM32F446 datasheet, pin
     /// definitions).
     #[must_use]
@@ -84,6 +90,14 @@ pub struct Slot {
     pub enable: Pin,
     /// The driver's UART, if it is connected; a driver without runs as its jumpers say.
     pub uart: Option<Pin>,
+}
+
+impl Slot {
+    /// Whether a line of it is one of the debug port: it is left to that port until a machine has a motor here.
+    #[must_use]
+    pub fn is_of_debug_port(&self) -> bool {
+        self.step.is_of_debug_port() || self.dir.is_of_debug_port()
+    }
 }
 
 /// A level that tells boards apart: what `pin` reads against its internal resistor.

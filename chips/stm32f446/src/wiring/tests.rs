@@ -6,7 +6,7 @@ use corehbot::port::{Motor, MotorSet};
 use corehbot::storage::blank_block;
 
 const NAMES: BoardConnectors =
-    BoardConnectors { sockets: NUCLEO.sockets.split_at(1).0, endstops: NUCLEO.endstops, ..SIM };
+    BoardConnectors { sockets: NUCLEO.sockets.split_at(1).0, endstops: NUCLEO.endstops, debug_sockets: &[], ..SIM };
 
 fn board(uart: Option<Pin>) -> Board {
     let pin = |number| Pin::new(Port::B, number);
@@ -50,6 +50,17 @@ fn there_is_a_name_for_every_socket_and_input() {
     let good = board(None);
     assert!(Board { connectors: &SIM, ..good }.problem().is_some());
     assert!(Board { inputs: good.inputs.split_at(2).0, ..good }.problem().is_some());
+}
+
+#[test]
+fn the_debug_port_is_taken_by_sockets_that_say_so_alone() {
+    fn with(dir: Pin) -> Board {
+        let good = board(None);
+        Board { sockets: vec![Slot { dir, ..good.sockets[0] }].leak(), ..good }
+    }
+    assert!(with(DEBUG[1]).problem().is_some_and(|text| text.contains("without being asked")), "not the prototype's");
+    assert!(Board { loads: const { &[Pin::new(Port::A, 13)] }, ..board(None) }.problem().is_some());
+    assert_eq!(with(Pin::new(Port::A, 12)).problem(), None);
 }
 
 #[test]
