@@ -153,6 +153,11 @@ pub trait DriverBus {
         &SIM
     }
 
+    /// Why no motor may have power, whatever its driver says: the board has no machine, or one for another board.
+    fn refusal(&self) -> Option<&'static str> {
+        None
+    }
+
     /// What M122 has to say of how this board keeps its outputs safe, if something is amiss.
     fn warning(&self) -> Option<&'static str> {
         None

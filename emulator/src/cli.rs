@@ -38,8 +38,7 @@ struct Cli {
     elf: PathBuf,
     /// G-code file to print.
     file: PathBuf,
-    /// The machine: stored in the EEPROM of the board, where it stands over the settings of the image. The mechanism is the
-    /// image's.
+    /// The machine, stored in the EEPROM of the board. Without it the image gets the CoreH-bot prototype put in.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins: ticks are real time in 0.1 us since reset.
@@ -99,7 +98,11 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         }
         None => made,
     };
-    let firmware = Firmware::read(&cli.elf)?;
+    let mut firmware = Firmware::read(&cli.elf)?;
+    if cli.settings.is_none() {
+        // A board without a machine gives no motor power.
+        firmware.put_machine(&mut Settings::prototype())?;
+    }
     let gcode = input::read(&cli.file)?;
     let inputs = [Some(&cli.elf), Some(&cli.file), cli.settings.as_ref()];
     let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());

@@ -3,15 +3,18 @@
 
 mod common;
 
-use common::{Bench, bench_of, firmware, print_on, root};
+use common::{Bench, bench_of, firmware, plain_firmware, print_on, root};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
 use corehbot::storage::{LONGEST, record_of};
 use corehbot_emulator::compare::{difference, scheduled};
+use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::{At24c32, Cut};
+use corehbot_emulator::firmware::Firmware;
+use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
-use corehbot_emulator::wiring::OCTOPUS;
+use corehbot_emulator::wiring::{OCTOPUS, Pin, SPIDER, Wiring};
 use corehbot_sim::machine_file;
 
 /// Both belts and the screw, and an arc.
@@ -70,15 +73,38 @@ fn a_normally_open_switch_reads_the_other_way_round() {
     }
 }
 
-/// What the board has no connector for is told, and it starts as if nothing were stored.
+/// What the board has no connector for is told, and no motor gets power.
 #[test]
 fn a_machine_for_another_board_is_told_of_and_not_used() {
     let mut settings = Settings::prototype();
-    settings.wiring.motors[0].connector = ConnectorName::lit("M7");
+    settings.wiring.motors[0].connector = ConnectorName::lit("M8");
     let seen = print_on(&firmware(), "G28 Z\nM114\n", &bench_of(settings));
-    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
-    let told = "echo:the machine is not used: motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";
+    assert_eq!((seen.end, seen.recorder.events.len(), seen.recorder.unpowered), (End::Done, 0, 0));
+    let refused = "Error:its machine is not for this board; no motor was given power";
+    assert!(seen.line.said.iter().any(|said| said == refused), "{:?}", seen.line.said);
+    let told = "echo:the machine is not used: motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
     assert!(seen.line.said.iter().any(|said| said == told), "{:?}", seen.line.said);
+}
+
+/// A board that nobody has given a machine talks and reports. It moves nothing, heats nothing, and does not take the prototype for its
+/// machine by an M500. One that is sent is stored, and counts after a reset.
+#[test]
+fn a_board_without_a_machine_says_so_and_moves_nothing() {
+    let machine = Settings { keepalive_s: 9, ..Settings::prototype() };
+    // A host that hears an error prints no further.
+    let gcode = format!("M115\nM105\nM104 S200\nM500\nM114\n{}G28\n", lines_of(&machine));
+    let seen = print_on(&plain_firmware(), &gcode, &Bench::default());
+    assert_eq!((seen.end, seen.resets.len(), seen.recorder.events.len()), (End::Done, 0, 0));
+    assert!(seen.safety.dangers.is_empty() && seen.recorder.unpowered == 0);
+    let said = |text: &str| seen.line.said.iter().filter(|line| line.contains(text)).count();
+    assert_eq!(said("echo:this board has no machine, so no motor gets power: send one"), 1, "{:?}", seen.line.said);
+    assert_eq!(said("Error:this board has no machine; no motor was given power"), 1, "{:?}", seen.line.said);
+    assert_eq!(said("echo:Settings not stored: this board has no machine"), 1, "{:?}", seen.line.said);
+    assert_eq!((said("FIRMWARE_NAME:"), said("it counts after the next reset")), (1, 1), "{:?}", seen.line.said);
+    let again = Bench { settings: machine, eeprom: At24c32::holding(seen.eeprom.cells), ..Bench::default() };
+    let seen = print_on(&plain_firmware(), "G28 Z\n", &again);
+    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
+    assert!(!seen.recorder.events.is_empty());
 }
 
 /// `corehbot image` puts a machine into the image, which is all that such a board needs: it has the motors, switches and serial rate
@@ -152,4 +178,65 @@ fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
         kept.push(is_new);
     }
     assert!(kept.contains(&false), "{kept:?}");
+}
+
+/// Prints some moves from where the machine is, compares the steps with the simulator's, and says what else was seen. All
+/// switches are open, and each is looked at in its own input.
+fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
+    let wiring: &'static _ = Box::leak(Box::new(wiring));
+    let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(machine_file::load(file).unwrap()) };
+    let gcode = "M119\nG92 X0 Y0 Z0\nG1 X8 Y4 Z.5 E1 F12000\nG1 X4\nG2 X6 Y6 I2 J0\n";
+    let seen = print_on(firmware, gcode, &bench);
+    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
+    assert_eq!(difference(&seen.recorder.events, &scheduled(gcode, &bench.settings).unwrap()), None);
+    assert_eq!((&seen.safety.dangers, &seen.gaps.found, seen.recorder.unpowered), (&vec![], &vec![], 0));
+    for line in ["x_min: open", "y_min: open", "z_min: open"] {
+        assert!(seen.line.said.iter().any(|said| said == line), "{:?}", seen.line.said);
+    }
+    seen
+}
+
+/// Slot M7, whose direction line is the debug port's clock, and an input that no switch of the prototype has.
+#[test]
+fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
+    let mut wiring = OCTOPUS;
+    let slot = &mut wiring.slots[Motor::M8 as usize];
+    (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('A', 14));
+    (slot.enable, slot.uart) = (Pin::new('E', 0), Pin::new('D', 3));
+    wiring.endstops[1].1 = Pin::new('G', 15);
+    let file = "board = \"octopus\"\n[motors]\nm8 = \"M7\"\n[endstops]\ny = \"E3DET\"\n";
+    assert_eq!(moves_on(&firmware(), file, wiring).debug_pins, 0b01, "SWDIO is the port's, SWCLK is not");
+    let usual = print_on(&firmware(), "M119\n", &Bench::default());
+    assert_eq!(usual.debug_pins, 0b11, "without a motor there the port has its clock");
+}
+
+/// An image that several boards share starts on each as that.
+#[test]
+fn an_image_may_be_on_another_of_its_boards() {
+    let mut firmware = firmware();
+    firmware.set_board("octopus-pro").unwrap();
+    let mut elsewhere = Settings::prototype();
+    elsewhere.wiring.motors[0].connector = ConnectorName::lit("A");
+    let seen = print_on(&firmware, "M114\n", &bench_of(elsewhere));
+    let told = "echo:the machine is not used: motor m1: the BTT Octopus Pro V1.0 has no connector A; it has M0, ";
+    assert!(seen.line.said.iter().any(|said| said.starts_with(told)), "{:?}", seen.line.said);
+    assert!(firmware.set_board("nucleo").is_err());
+}
+
+/// The Spider steps as the simulator does. The direction pin of E1-MOT (PC13) rises within 100 ns (STM32F446 datasheet, I/O AC
+/// characteristics at the lowest speed), and the driver wants it 20 ns before a step.
+#[test]
+fn the_image_steps_on_a_spider() {
+    let mut firmware = firmware();
+    firmware.set_board("spider").unwrap();
+    let mut wiring = SPIDER;
+    let slot = &mut wiring.slots[Motor::M4 as usize];
+    (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('C', 13));
+    (slot.enable, slot.uart) = (Pin::new('E', 5), Pin::new('C', 14));
+    wiring.endstops[0].1 = Pin::new('A', 1);
+    let file = "board = \"spider\"\n[motors]\nm4 = \"E1-MOT\"\n[endstops]\nx = \"X-MAX\"\n";
+    let seen = moves_on(&firmware, file, wiring);
+    println!("dir to step {} ns", seen.recorder.pulse.set_up);
+    assert!(seen.recorder.pulse.set_up >= 120, "{:?}", seen.recorder.pulse);
+    assert_eq!(seen.debug_pins, 0b11);
 }

@@ -9,10 +9,12 @@ pub struct BoardConnectors {
     pub key: &'static str,
     /// What it is called in messages.
     pub name: &'static str,
-    /// Sockets of motor drivers, in the order of the board's table of pins: that of the prototype's motors.
+    /// Sockets of motor drivers, in the order of the board's table of pins: those of the prototype's motors, then others.
     pub sockets: &'static [ConnectorName],
-    /// Inputs for switches, in the order of the board's table of pins: x, y and z of the prototype.
+    /// Inputs for switches, in the order of the board's table of pins: x, y and z of the prototype, then others.
     pub endstops: &'static [ConnectorName],
+    /// Sockets with a line of the debug port: while a machine uses one, no probe can talk to the processor.
+    pub debug_sockets: &'static [ConnectorName],
     /// Heater outputs that may heat.
     pub outputs: OutputSet,
     /// Inputs for temperature sensors.
@@ -27,18 +29,38 @@ pub struct BoardConnectors {
     pub is_simulated: bool,
 }
 
-/// BTT Octopus V1.0 and V1.1 (BTT's schematic). M2 is one driver with two plugs. Left out, though printed:
-/// - M7, whose direction line (PA14) is the clock of the debug port;
-/// - heater outputs HE2 and HE3, whose pulses no timer can end (`boards/octopus/src/wiring.rs`);
-/// - the inputs Z2-STOP and E0DET to E3DET, which no axis needs beside the three.
+/// BTT Octopus V1.0 and V1.1 (BTT's schematic). M2 is one driver with two plugs. The direction line of M7 (PA14) is the clock of
+/// the debug port. Left out, though printed: heater outputs HE2 and HE3, whose pulses no timer can end
+/// (`boards/octopus/src/wiring.rs`).
 pub const OCTOPUS: BoardConnectors = BoardConnectors {
     key: "octopus",
     name: "BTT Octopus",
-    sockets: &names(["M0", "M1", "M4", "M3", "M2", "M5", "M6"]),
-    endstops: &names(["X-STOP", "Y-STOP", "Z-STOP"]),
+    sockets: &names(["M0", "M1", "M4", "M3", "M2", "M5", "M6", "M7"]),
+    endstops: &names(["X-STOP", "Y-STOP", "Z-STOP", "Z2-STOP", "E0DET", "E1DET", "E2DET", "E3DET"]),
+    debug_sockets: &names(["M7"]),
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
     fans: FANS,
+    has_probe: true,
+    is_bench: false,
+    is_simulated: false,
+};
+
+/// BTT Octopus Pro V1.0 with an STM32F446: connectors and pins of the Octopus, as far as they are used (`boards/octopus-pro`).
+pub const OCTOPUS_PRO: BoardConnectors =
+    BoardConnectors { key: "octopus-pro", name: "BTT Octopus Pro V1.0", ..OCTOPUS };
+
+/// Fysetc Spider V1.x and V2.x with an STM32F446 (Fysetc's README). Left out, though printed: heater outputs, whose pulses no timer
+/// of ours can end, and fans; Z-MAX is the probe's (`boards/spider/wiring.rs`).
+pub const SPIDER: BoardConnectors = BoardConnectors {
+    key: "spider",
+    name: "Fysetc Spider",
+    sockets: &names(["X-MOT", "Y-MOT", "E2-MOT", "Z-MOT", "E3-MOT", "E4-MOT", "E0-MOT", "E1-MOT"]),
+    endstops: &names(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX"]),
+    debug_sockets: &[],
+    outputs: OutputSet::NONE,
+    sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
+    fans: 0,
     has_probe: true,
     is_bench: false,
     is_simulated: false,
@@ -50,6 +72,7 @@ pub const NUCLEO: BoardConnectors = BoardConnectors {
     name: "CNC shield",
     sockets: &names(["X", "Y", "A", "Z"]),
     endstops: &names(["X", "Y", "Z"]),
+    debug_sockets: &[],
     outputs: OutputSet::NONE,
     sensors: &[],
     fans: 0,
@@ -59,12 +82,18 @@ pub const NUCLEO: BoardConnectors = BoardConnectors {
 };
 
 /// The simulator: as an Octopus, with any other name as well.
-pub const SIM: BoardConnectors =
-    BoardConnectors { key: "sim", name: "simulator", is_bench: true, is_simulated: true, ..OCTOPUS };
+pub const SIM: BoardConnectors = BoardConnectors {
+    key: "sim",
+    name: "simulator",
+    debug_sockets: &[],
+    is_bench: true,
+    is_simulated: true,
+    ..OCTOPUS
+};
 
 impl BoardConnectors {
     /// Every board.
-    pub const ALL: [&'static Self; 3] = [&OCTOPUS, &NUCLEO, &SIM];
+    pub const ALL: [&'static Self; 5] = [&OCTOPUS, &OCTOPUS_PRO, &SPIDER, &NUCLEO, &SIM];
 }
 
 const fn names<const N: usize>(texts: [&'static str; N]) -> [ConnectorName; N] {
@@ -84,6 +113,7 @@ mod tests {
     #[test]
     fn no_board_has_a_name_twice() {
         for board in BoardConnectors::ALL {
+            assert!(board.debug_sockets.iter().all(|name| board.sockets.contains(name)));
             for names in [board.sockets, board.endstops] {
                 assert!(names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1));
                 assert!(!names.contains(&ConnectorName::NONE));

@@ -5,7 +5,7 @@ use crate::fault::{self, Cause};
 use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::port::{Clock, Motor, MotorSet, Pend};
+use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
 
 /// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so
 /// bad that the first proofs are too old when the last ones come is not one to print with.
@@ -21,6 +21,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     ///
     /// Talking to drivers takes up to a second and happens before anything is planned, so it changes no step.
     pub(super) async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
+        if let Some(why) = self.ports.drivers.refusal() {
+            self.tell(Answer::NoMachine(why)).await?;
+            return Err(Interrupt::NoPower);
+        }
         let mut proofs = 0;
         while !self.has_power(motors) {
             let now = self.ports.clock.now();

@@ -5,12 +5,10 @@ use super::slots::survey;
 use crate::port::Storage;
 use crate::settings::Settings;
 
-/// The newest settings that are stored, if they are those of a machine that is put together in another way than `made`
-/// ([`Settings::is_built_as`]): a board is then started as that machine. All else in them is for the Console, which looks again, and tells what
-/// it finds.
-pub async fn other_machine(storage: &mut impl Storage, made: &Settings) -> Option<Settings> {
+/// The machine that is stored, if there is one.
+pub async fn stored_machine(storage: &mut impl Storage) -> Option<Settings> {
     let stored = survey(storage).await.ok()?.newest?.settings;
-    (!stored.is_built_as(made) && stored.check_machine().is_ok()).then_some(stored)
+    stored.check_machine().is_ok().then_some(stored)
 }
 
 /// The machine in a record.

@@ -4,20 +4,14 @@
 //! power to all. The host is on USART2, which the ST-LINK has as a USB serial port.
 
 use corehbot::connectors::NUCLEO;
-use corehbot::port::{EndstopSet, MotorSet};
-use corehbot::storage::{BLOCK, blank_block};
 use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
-
-/// The place for a machine in the image.
-static MACHINE: [u8; BLOCK] = blank_block(NUCLEO.key);
 
 /// The board.
 pub static BOARD: Board = Board {
     name: "Nucleo-F446RE",
     connectors: &NUCLEO,
-    machine: &MACHINE,
     crystal: Crystal::Clock8MHz,
-    slots: [
+    sockets: &[
         // Motor 1 in socket X: D2, D5.
         slot((Port::A, 10), (Port::B, 4)),
         // Motor 4 in socket Y: D3, D6.
@@ -26,15 +20,9 @@ pub static BOARD: Board = Board {
         slot((Port::A, 6), (Port::A, 5)),
         // Motor 11 in socket Z: D4, D7.
         slot((Port::B, 5), (Port::A, 8)),
-        None,
-        None,
-        None,
     ],
-    reversed: MotorSet::NONE,
-    slow: MotorSet::NONE,
     // X, Y and Z limits: D9, D10, D11.
-    endstops: [Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
-    normally_open: EndstopSet::NONE,
+    inputs: &[Pin::new(Port::C, 7), Pin::new(Port::B, 6), Pin::new(Port::A, 7)],
     probe: None,
     thermistors: &[],
     loads: &[],
@@ -50,20 +38,20 @@ pub static BOARD: Board = Board {
 };
 
 /// A socket; D8 enables all of them, and the shield has no line to a driver's UART.
-const fn slot(step: (Port, u8), dir: (Port, u8)) -> Option<Slot> {
+const fn slot(step: (Port, u8), dir: (Port, u8)) -> Slot {
     let (step, dir) = (Pin::new(step.0, step.1), Pin::new(dir.0, dir.1));
-    Some(Slot { step, dir, enable: Pin::new(Port::A, 9), uart: None })
+    Slot { step, dir, enable: Pin::new(Port::A, 9), uart: None }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot::port::Motor;
+    use corehbot::port::{Motor, MotorSet};
 
     #[test]
     fn the_table_is_sound() {
         assert_eq!(BOARD.problem(), None);
-        assert_eq!(BOARD.uarts(), MotorSet::NONE);
+        assert_eq!(BOARD.usual().uarts(), MotorSet::NONE);
     }
 
     #[test]
@@ -74,20 +62,16 @@ mod tests {
             .map(|line| line.split('|').map(str::trim).collect())
             .collect();
         let pin = |pin: Pin| format!("P{:?}{}", pin.port, pin.number());
-        assert_eq!(NUCLEO.sockets.len(), BOARD.slots.iter().flatten().count());
-        for (name, slot) in NUCLEO.sockets.iter().zip(BOARD.slots.iter().flatten()) {
+        for (name, slot) in NUCLEO.sockets.iter().zip(BOARD.sockets) {
             let row = readme.iter().find(|row| row.len() == 7 && row[3] == name.as_str()).unwrap();
             assert!(row[4].ends_with(&pin(slot.step)) && row[5].ends_with(&pin(slot.dir)), "{name}");
         }
-        assert_eq!(NUCLEO.endstops.len(), BOARD.endstops.len());
-        for (name, input) in NUCLEO.endstops.iter().zip(BOARD.endstops) {
+        for (name, input) in NUCLEO.endstops.iter().zip(BOARD.inputs) {
             let limits =
                 include_str!("../README.md").lines().find(|line| line.starts_with("Limit switches: ")).unwrap();
-            assert!(
-                limits.split(',').any(|part| {
-                    part.contains(&format!("{name} on D")) && part.contains(&format!("({})", pin(input)))
-                })
-            );
+            assert!(limits.split(',').any(|part| {
+                part.contains(&format!("{name} on D")) && part.contains(&format!("({})", pin(*input)))
+            }));
         }
     }
 
@@ -99,9 +83,10 @@ mod tests {
 
     #[test]
     fn one_line_gives_power_to_all_motors_if_any_wants_it() {
+        let usual = BOARD.usual();
         for motors in [MotorSet::of(Motor::M4), MotorSet::BELT] {
-            assert_eq!(BOARD.enable_lines(motors, Port::A), 1 << 9);
+            assert_eq!(usual.enable_lines(motors, Port::A), 1 << 9);
         }
-        assert_eq!(BOARD.enable_lines(MotorSet::NONE, Port::A), 0);
+        assert_eq!(usual.enable_lines(MotorSet::NONE, Port::A), 0);
     }
 }

@@ -1,49 +1,51 @@
-//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1.
+//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1, and that of the Octopus Pro V1.0, which is the same.
 //!
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
-//! by one store. Slot M7 is left free: its direction pin is the debug port's clock.
+//! by one store. The direction pin of slot M7 is the debug port's clock, until a machine has a motor there.
 //!
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core allows.
 
-use corehbot::connectors::OCTOPUS;
-use corehbot::port::{EndstopSet, MotorSet, Output, Sensor};
-use corehbot::storage::{BLOCK, blank_block};
+use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
+use corehbot::port::{Output, Sensor};
 use corehbot_stm32f446::wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
     Usart,
 };
 
-/// The place for a machine in the image.
-static MACHINE: [u8; BLOCK] = blank_block(OCTOPUS.key);
-
 /// The board.
 pub static BOARD: Board = Board {
     name: "BTT Octopus V1.0 or V1.1",
     connectors: &OCTOPUS,
-    machine: &MACHINE,
     crystal: Crystal::Oscillator12MHz,
-    slots: [
-        // Motor 1 in slot M0.
-        slot((Port::F, 13), (Port::F, 12), (Port::F, 14), (Port::C, 4)),
-        // Motor 4 in slot M1.
-        slot((Port::G, 0), (Port::G, 1), (Port::F, 15), (Port::D, 11)),
-        // Motor 8 in slot M4.
-        slot((Port::F, 9), (Port::F, 10), (Port::G, 2), (Port::F, 2)),
-        // Motor 11 in slot M3.
-        slot((Port::G, 4), (Port::C, 1), (Port::A, 0), (Port::C, 7)),
-        // Left screw in slot M2.
-        slot((Port::F, 11), (Port::G, 3), (Port::G, 5), (Port::C, 6)),
-        // Right screw in slot M5.
-        slot((Port::C, 13), (Port::F, 0), (Port::F, 1), (Port::E, 4)),
-        // Extruder in slot M6.
-        slot((Port::E, 2), (Port::E, 3), (Port::D, 4), (Port::E, 1)),
+    sockets: &[
+        // M0: motor 1.
+        Slot::new((Port::F, 13), (Port::F, 12), (Port::F, 14), (Port::C, 4)),
+        // M1: motor 4.
+        Slot::new((Port::G, 0), (Port::G, 1), (Port::F, 15), (Port::D, 11)),
+        // M4: motor 8.
+        Slot::new((Port::F, 9), (Port::F, 10), (Port::G, 2), (Port::F, 2)),
+        // M3: motor 11.
+        Slot::new((Port::G, 4), (Port::C, 1), (Port::A, 0), (Port::C, 7)),
+        // M2: left screw.
+        Slot::new((Port::F, 11), (Port::G, 3), (Port::G, 5), (Port::C, 6)),
+        // M5: right screw.
+        Slot::new((Port::C, 13), (Port::F, 0), (Port::F, 1), (Port::E, 4)),
+        // M6: extruder.
+        Slot::new((Port::E, 2), (Port::E, 3), (Port::D, 4), (Port::E, 1)),
+        // M7.
+        Slot::new((Port::E, 6), (Port::A, 14), (Port::E, 0), (Port::D, 3)),
     ],
-    reversed: MotorSet::NONE,
-    // The right screw, on PC13.
-    slow: MotorSet(1 << 5),
-    // X-STOP, Y-STOP, Z-STOP.
-    endstops: [Pin::new(Port::G, 6), Pin::new(Port::G, 9), Pin::new(Port::G, 10)],
-    normally_open: EndstopSet::NONE,
+    // X-STOP, Y-STOP, Z-STOP, Z2-STOP, E0DET to E3DET: 10 kOhm to 3.3 V, 100 nF to ground.
+    inputs: &[
+        Pin::new(Port::G, 6),
+        Pin::new(Port::G, 9),
+        Pin::new(Port::G, 10),
+        Pin::new(Port::G, 11),
+        Pin::new(Port::G, 12),
+        Pin::new(Port::G, 13),
+        Pin::new(Port::G, 14),
+        Pin::new(Port::G, 15),
+    ],
     // The PROBE header, and that of the BLTouch, whose signal is high for a moment when the pin is pushed in.
     probe: Some(Probe { pin: Pin::new(Port::B, 7), is_high: true, pull_up: false }),
     // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
@@ -96,14 +98,9 @@ pub static BOARD: Board = Board {
     marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
 };
 
-const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Option<Slot> {
-    Some(Slot {
-        step: Pin::new(step.0, step.1),
-        dir: Pin::new(dir.0, dir.1),
-        enable: Pin::new(enable.0, enable.1),
-        uart: Some(Pin::new(uart.0, uart.1)),
-    })
-}
+/// The Octopus Pro V1.0: the same pins (BTT's README of the Octopus Pro; Klipper's generic-bigtreetech-octopus-pro-v1.0.cfg).
+/// Its PROBE header alone is elsewhere, on PC5, and not in use; PB7 is that of the BLTouch.
+pub static PRO: Board = Board { name: "BTT Octopus Pro V1.0", connectors: &OCTOPUS_PRO, ..BOARD };
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).
 const fn heater(output: Output, pin: u8) -> HeaterPin {
@@ -118,123 +115,4 @@ const fn fan_on_d(channel: u8) -> FanPin {
 /// A thermistor on port F.
 const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
     ThermistorPin { sensor, pin: Pin::new(Port::F, pin), channel }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use corehbot::connectors::ConnectorName;
-    use corehbot::kinematics::{Groups, Mechanism};
-    use corehbot::port::{GroupSet, Motor};
-    use corehbot::settings::Settings;
-    use corehbot_stm32f446::port_writes::PortWrites;
-
-    #[test]
-    fn the_table_is_sound() {
-        assert_eq!(BOARD.problem(), None);
-    }
-
-    #[test]
-    fn names_and_pins_are_those_of_the_readme() {
-        let readme: Vec<Vec<_>> = include_str!("../README.md")
-            .lines()
-            .filter(|line| line.starts_with('|'))
-            .map(|line| line.split('|').map(str::trim).collect())
-            .collect();
-        let pin = |pin: Pin| format!("P{:?}{}", pin.port, pin.number());
-        assert_eq!(OCTOPUS.sockets.len(), BOARD.slots.len());
-        for (name, slot) in OCTOPUS.sockets.iter().zip(BOARD.slots.iter().flatten()) {
-            let is_it = |row: &&Vec<&str>| row.len() == 9 && row[3].split(' ').next() == Some(name.as_str());
-            let row = readme.iter().find(is_it).unwrap();
-            let pins = [slot.step, slot.dir, slot.enable, slot.uart.unwrap()].map(pin);
-            assert_eq!(row[4..8], pins, "{name}");
-        }
-        assert_eq!(OCTOPUS.endstops.len(), BOARD.endstops.len());
-        for (name, input) in OCTOPUS.endstops.iter().zip(BOARD.endstops) {
-            assert!(readme.iter().any(|row| row.get(2..4) == Some(&[name.as_str(), &pin(input)])), "{name}");
-        }
-    }
-
-    #[test]
-    fn the_core_knows_what_is_offered() {
-        assert_eq!(OCTOPUS.outputs, BOARD.outputs());
-        assert!(OCTOPUS.sensors.iter().eq(BOARD.thermistors.iter().map(|thermistor| &thermistor.sensor)));
-        assert_eq!((OCTOPUS.fans, OCTOPUS.has_probe), (BOARD.fans.len(), BOARD.probe.is_some()));
-    }
-
-    #[test]
-    fn every_driver_can_be_talked_to() {
-        assert_eq!(BOARD.uarts(), MotorSet::ALL);
-    }
-
-    #[test]
-    fn each_pair_steps_by_one_store() {
-        let machine = Groups::new(&Mechanism::corehbot());
-        let writes = PortWrites::pulses(BOARD.step_pins(), BOARD.slow, &machine);
-        for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
-            let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
-            let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
-            let values = writes.of(groups.unwrap());
-            let used: Vec<_> = writes.ports.iter().zip(values).filter(|(_, value)| **value != 0).collect();
-            assert_eq!(used.len(), 1);
-            assert_eq!((*used[0].0, used[0].1.count_ones()), (port, 2));
-        }
-    }
-
-    #[test]
-    fn all_but_the_screws_step_quickly() {
-        let machine = Groups::new(&Mechanism::corehbot());
-        let writes = PortWrites::pulses(BOARD.step_pins(), BOARD.slow, &machine);
-        let slow = machine.motors(writes.beyond_quick());
-        assert_eq!(slow.0, BOARD.slow.0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
-    }
-
-    #[test]
-    fn all_four_belt_motors_get_power_by_three_stores() {
-        let stores = Port::ALL.into_iter().filter(|port| BOARD.enable_lines(MotorSet::BELT, *port) != 0);
-        assert_eq!(stores.collect::<Vec<_>>(), [Port::A, Port::F, Port::G]);
-    }
-
-    #[test]
-    fn at_rest_heaters_are_low_and_drivers_off() {
-        let on_a = BOARD.safe_levels(Port::A);
-        assert_eq!(on_a >> 16, 1 << 1 | 1 << 2 | 1 << 3 | 1 << 8, "bed, HE0, HE1, FAN0 low");
-        assert_eq!(on_a & 0xFFFF, 1, "driver M3 off");
-        assert_eq!(BOARD.safe_levels(Port::F) & 0xFFFF, 1 << 14 | 1 << 15 | 1 << 1);
-    }
-
-    #[test]
-    fn he2_and_he3_are_not_offered() {
-        let offered = BOARD.outputs();
-        let has = [Output::Bed, Output::He0, Output::He1, Output::He2, Output::He3].map(|output| offered.has(output));
-        assert_eq!(has, [true, true, true, false, false]);
-        assert_eq!(BOARD.safe_levels(Port::B) >> 16, 1 << 10 | 1 << 11, "but they have a safe level");
-    }
-
-    #[test]
-    fn a_machine_is_plugged_in_where_it_says() {
-        let mut machine = Settings::prototype();
-        let usual = BOARD.plugged(&machine).unwrap();
-        assert_eq!((usual.slots, usual.reversed, usual.slow), (BOARD.slots, BOARD.reversed, BOARD.slow));
-        assert_eq!((usual.endstops, usual.normally_open), (BOARD.endstops, EndstopSet::NONE));
-        // Motors 1 and z2 change places, and the switches of x and z; z1 is not fitted.
-        let [m1, _, _, _, z1, z2, _] = &mut machine.wiring.motors;
-        std::mem::swap(m1, z2);
-        (m1.is_reversed, *z1) = (true, *m1);
-        std::mem::swap(&mut machine.wiring.endstops.x, &mut machine.wiring.endstops.z);
-        machine.wiring.endstops.x.is_normally_open = true;
-        machine.mechanism.rows[Motor::Z1 as usize] = [0; 4];
-        let board = BOARD.plugged(&machine).unwrap();
-        let [m1, m4, m8, m11, z1, z2, e0] = BOARD.slots;
-        assert_eq!(board.slots, [z2, m4, m8, m11, None, m1, e0]);
-        assert!(z1.is_some());
-        assert_eq!((board.reversed, board.slow), (MotorSet::of(Motor::M1), MotorSet::of(Motor::M1)));
-        let [x, y, z] = BOARD.endstops;
-        assert_eq!((board.endstops, board.normally_open), ([z, y, x], EndstopSet::X));
-        assert_eq!(board.problem(), None);
-        machine.wiring.motors[0].connector = ConnectorName::lit("M7");
-        let error = BOARD.plugged(&machine).map(|_| ()).unwrap_err();
-        let text = "motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6";
-        assert_eq!(error.to_string(), text);
-    }
 }

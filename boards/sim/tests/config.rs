@@ -158,10 +158,10 @@ fn a_file_with_errors_is_no_machine() {
 
 #[test]
 fn a_connector_that_the_board_has_not_is_an_error() {
-    let path = file("connector", "board = \"octopus\"\n[motors]\nm1 = \"M7\"\n");
+    let path = file("connector", "board = \"octopus\"\n[motors]\nm1 = \"M8\"\n");
     let check = config(&["check", path.to_str().unwrap()]);
     assert_eq!(check.status.code(), Some(1));
-    let text = "3:6: error: motor m1: the BTT Octopus has no connector M7; it has M0, M1, M2, M3, M4, M5, M6\n";
+    let text = "3:6: error: motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7\n";
     assert!(out(&check).contains(text), "{}", out(&check));
 }
 

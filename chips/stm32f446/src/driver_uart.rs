@@ -59,7 +59,7 @@ impl DriverUart {
         // Only the counter's own end is an update that counts, not a restart by software.
         TIM8.cr1().write(|w| w.set_urs(Urs::COUNTER_ONLY));
         TIM8.dier().write(|w| w.set_uie(true));
-        for pin in board.slots.iter().flatten().filter_map(|slot| slot.uart) {
+        for pin in board.sockets.iter().filter_map(|slot| slot.uart) {
             ports::make_input(pin, true);
         }
         ENGINE.fill(Engine { exchange: Exchange::new(), wire: None });

@@ -6,18 +6,20 @@ use corehbot::port::{BusError, DriverBus, Frame, Motor, MotorSet};
 use crate::driver_uart::DriverUart;
 use crate::ports;
 use crate::supply;
-use crate::wiring::{Board, Port};
+use crate::wiring::{Plugged, Port};
 
 /// Switches drivers on and off, and talks to those that have a UART.
 pub struct Drivers {
-    board: &'static Board,
+    plugged: &'static Plugged,
+    /// Why no motor gets power.
+    refusal: Option<&'static str>,
     uart: DriverUart,
 }
 
 impl Drivers {
-    /// The drivers of `board`, whose enable lines are outputs already.
-    pub fn start(board: &'static Board) -> Self {
-        Self { board, uart: DriverUart::start(board) }
+    /// The drivers of a board, whose enable lines are outputs already; `refusal` says why they must stay off, if they must.
+    pub fn start(plugged: &'static Plugged, refusal: Option<&'static str>) -> Self {
+        Self { plugged, refusal, uart: DriverUart::start(plugged.board) }
     }
 }
 
@@ -26,8 +28,8 @@ impl DriverBus for Drivers {
     /// get their power within a microsecond or two.
     fn enable(&mut self, on: MotorSet) {
         let words = Port::ALL.map(|port| {
-            let low = self.board.enable_lines(on, port);
-            let high = self.board.enable_lines(MotorSet::ALL, port) & !low;
+            let low = self.plugged.enable_lines(on, port);
+            let high = self.plugged.enable_lines(MotorSet::ALL, port) & !low;
             high | low << 16
         });
         critical_section::with(|_| {
@@ -38,11 +40,11 @@ impl DriverBus for Drivers {
     }
 
     fn lines(&self) -> MotorSet {
-        self.board.uarts()
+        self.plugged.uarts()
     }
 
     fn begin(&mut self, motor: Motor, request: &Frame, reply: usize) {
-        self.uart.begin(self.board.uart(motor), request, reply);
+        self.uart.begin(self.plugged.uart(motor), request, reply);
     }
 
     fn outcome(&mut self) -> Option<Result<Frame, BusError>> {
@@ -50,7 +52,11 @@ impl DriverBus for Drivers {
     }
 
     fn connectors(&self) -> &'static BoardConnectors {
-        self.board.connectors
+        self.plugged.board.connectors
+    }
+
+    fn refusal(&self) -> Option<&'static str> {
+        self.refusal
     }
 
     fn warning(&self) -> Option<&'static str> {

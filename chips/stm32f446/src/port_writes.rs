@@ -6,36 +6,45 @@ use corehbot::port::{GroupSet, Motor, MotorSet};
 
 use crate::wiring::{Pin, Port};
 
-/// Ports that the step pins, or the direction pins, of all motors may be spread over.
-pub const PORTS: usize = 4;
+/// Ports that the step pins of all motors may be spread over.
+pub const STEP_PORTS: usize = 4;
+
+/// Ports that the direction pins of all motors may be spread over: on the Octopus, with its eighth socket, five.
+pub const DIR_PORTS: usize = 5;
 
 /// Ports that a quick step is stored to, the first of them.
 pub const QUICK: usize = 3;
 
 /// For every set of groups, what is written to each port's BSRR: one load of neighbouring values and one store a
 /// port, however many motors there are. Lies in RAM, where no flash wait state delays it.
-pub struct PortWrites {
+pub struct PortWrites<const PORTS: usize> {
     /// The ports; those not needed repeat the first, and their values are 0.
     pub ports: [Port; PORTS],
     /// Values of BSRR by set of groups and port.
     values: [[u32; PORTS]; SETS],
 }
 
-impl PortWrites {
+/// What makes steps.
+pub type StepWrites = PortWrites<STEP_PORTS>;
+
+/// What sets directions.
+pub type DirWrites = PortWrites<DIR_PORTS>;
+
+impl<const PORTS: usize> PortWrites<PORTS> {
     /// Whether all of `pins` are on ports that there is room for.
     #[must_use]
-    pub fn can_hold(pins: &[Option<Pin>; Motor::ALL.len()]) -> bool {
-        let ports = Ports::of(pins);
-        pins.iter().flatten().all(|pin| ports.ports[..ports.used].contains(&pin.port))
+    pub fn can_hold(pins: impl Iterator<Item = Pin> + Clone) -> bool {
+        let ports = Ports::<PORTS>::of(pins.clone());
+        pins.into_iter().all(|pin| ports.ports[..ports.used].contains(&pin.port))
     }
 
-    /// What sets the step pins of the motors of the groups and leaves the others. Pins beyond [`PORTS`] ports have
-    /// none, which [`can_hold`](Self::can_hold) says. The ports of motors that are not `slow` come first.
+    /// What sets the step pins of the motors of the groups and leaves the others. Pins on one port too many have none,
+    /// which [`can_hold`](Self::can_hold) says. The ports of motors that are not `slow` come first.
     #[must_use]
     pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, groups: &Groups) -> Self {
         let of = |are_slow| {
             let motors = pins.iter().enumerate();
-            motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).map(|(_, pin)| pin)
+            motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).filter_map(|(_, pin)| *pin)
         };
         let ports = Ports::of(of(false).chain(of(true)));
         Self::new(pins, ports, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
@@ -53,13 +62,13 @@ impl PortWrites {
     #[must_use]
     pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, groups: &Groups) -> Self {
         let high = |set| MotorSet(groups.forward_motors(set).0 ^ reversed.0);
-        let ports = Ports::of(&pins);
+        let ports = Ports::of(pins.into_iter().flatten());
         Self::new(pins, ports, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
     }
 
     fn new(
         pins: [Option<Pin>; Motor::ALL.len()],
-        ports: Ports,
+        ports: Ports<PORTS>,
         motors: impl Fn(GroupSet) -> MotorSet,
         value: impl Fn(Pin, bool) -> u32,
     ) -> Self {
@@ -90,16 +99,16 @@ impl PortWrites {
 }
 
 /// Ports in the order in which they were met.
-struct Ports {
+struct Ports<const PORTS: usize> {
     ports: [Port; PORTS],
     used: usize,
 }
 
-impl Ports {
+impl<const PORTS: usize> Ports<PORTS> {
     /// Those of `pins`, as far as there is room.
-    fn of<'p>(pins: impl IntoIterator<Item = &'p Option<Pin>>) -> Self {
+    fn of(pins: impl Iterator<Item = Pin>) -> Self {
         let (mut ports, mut used) = ([Port::A; PORTS], 0);
-        for pin in pins.into_iter().flatten() {
+        for pin in pins {
             if !ports[..used].contains(&pin.port) && used < PORTS {
                 ports[used] = pin.port;
                 used += 1;
@@ -123,11 +132,11 @@ mod tests {
         let reversed = MotorSet::of(Motor::M4);
         let machine = Groups::new(&Mechanism::corehbot());
         let pins_of = pins.map(Some);
-        let (pulses, levels) =
-            (PortWrites::pulses(pins_of, MotorSet::NONE, &machine), PortWrites::levels(pins_of, reversed, &machine));
+        let pulses = StepWrites::pulses(pins_of, MotorSet::NONE, &machine);
+        let levels = StepWrites::levels(pins_of, reversed, &machine);
         for groups in (0..SETS).map(|set| GroupSet(set as u8)) {
             for port in Port::ALL {
-                let written = |writes: &PortWrites| -> u32 {
+                let written = |writes: &StepWrites| -> u32 {
                     let values = writes.ports.iter().zip(writes.of(groups));
                     values.filter(|(p, _)| **p == port).map(|(_, value)| value).sum()
                 };
@@ -146,8 +155,8 @@ mod tests {
     fn ports_without_a_motor_get_no_bits() {
         let mut pins = [None; 7];
         pins[0] = Some(Pin::new(Port::B, 3));
-        let writes = PortWrites::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()));
-        assert_eq!(writes.ports, [Port::B; PORTS]);
+        let writes = StepWrites::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()));
+        assert_eq!(writes.ports, [Port::B; STEP_PORTS]);
         assert_eq!(writes.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
     }
 }

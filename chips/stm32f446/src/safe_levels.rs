@@ -3,7 +3,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use crate::ports::{self, Speed};
-use crate::wiring::{Board, HEATER_PORT, Pin, Port};
+use crate::wiring::{Board, HEATER_PORT, Plugged, Port, Slot};
 
 /// The words for BSRR. Until a board is known they are 0, and its pins are inputs, which its resistors make safe.
 static WORDS: [AtomicU32; Port::ALL.len()] = [const { AtomicU32::new(0) }; Port::ALL.len()];
@@ -20,24 +20,28 @@ pub fn adopt(board: &Board) {
         place.store(word, Ordering::Relaxed);
     }
     assume();
-    let slots = || board.slots.iter().flatten();
     for pin in board.loads {
         ports::make_output(*pin);
     }
-    for pin in slots().map(|slot| slot.enable) {
-        ports::make_output(pin);
+    for slot in board.sockets {
+        ports::make_output(slot.enable);
     }
-    for pin in slots().flat_map(|slot| [slot.step, slot.dir]) {
-        // The pins supplied by the power switch (PC13 to PC15) drive only slow edges (STM32F446 datasheet, pin definitions).
-        if !is_weak(pin) {
+    board.sockets.iter().filter(|slot| !slot.is_of_debug_port()).for_each(drive);
+}
+
+/// Takes the debug port's pins if a motor of the machine needs one. From then on no probe is heard, until the next reset.
+pub fn take_debug_pins(plugged: &Plugged) {
+    plugged.slots.iter().flatten().filter(|slot| slot.is_of_debug_port()).for_each(drive);
+}
+
+/// Makes outputs of a driver's step and direction pins, whose levels have been chosen.
+fn drive(slot: &Slot) {
+    for pin in [slot.step, slot.dir] {
+        if !pin.is_slow() {
             ports::speed_up(pin, Speed::Medium);
         }
         ports::make_output(pin);
     }
-}
-
-fn is_weak(pin: Pin) -> bool {
-    pin.port == Port::C && pin.number() >= 13
 }
 
 /// Has the heaters' pins low, whatever their timer does: the level first, then the pins are taken from the timer. A dozen

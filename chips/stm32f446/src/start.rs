@@ -7,11 +7,8 @@ use corehbot::fault::{Cause, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, Serial as _};
-use corehbot::settings::{ConnectorError, Settings};
-use corehbot::storage::{machine_of, other_machine};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
-use embassy_futures::block_on;
 use embassy_time::{Duration, Instant, block_for};
 use heapless::String;
 use static_cell::StaticCell;
@@ -23,44 +20,46 @@ use crate::drivers::Drivers;
 use crate::fans::Fans;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
+use crate::machine_at_start::{Lack, Start, machine_at_start};
 use crate::memory::Find;
-use crate::port_writes::PortWrites;
 use crate::reset_reason::{self, ResetReason};
 use crate::serial_port::SerialPort;
-use crate::step_pins::StepPins;
+use crate::step_pins::{Dirs, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
-use crate::wiring::Board;
+use crate::wiring::{Board, Image};
 use crate::{
     after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
 };
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
-static DIR_WRITES: StaticCell<PortWrites> = StaticCell::new();
+static DIRS: StaticCell<Dirs> = StaticCell::new();
 
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
 const SETTLE: u32 = 10_000;
 
-/// Longest text about a connector: a motor, a name of 8 letters, a board, and the names of all its connectors.
-const LONGEST_ERROR: usize = 128;
+/// Longest text about a machine that is not used: a motor, a name of 8 letters, a board, and the names of all its connectors.
+const LONGEST_ERROR: usize = 160;
 
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
 
-/// Runs the firmware on `board`, with the memory for settings that `find` finds there.
-pub fn run(board: &'static Board, find: Find) -> ! {
-    let (handles, usb, counts_asleep) = make_ready(board, find);
+/// Runs the firmware on the board that the image is on, with the memory for settings that `find` finds there.
+pub fn run(image: &'static Image, find: Find) -> ! {
+    let (handles, usb, counts_asleep) = make_ready(image, find);
     contexts::start(handles, usb, !counts_asleep)
 }
 
 /// Everything before the contexts begin. A function of its own, so that its 3 KiB of the stack are free afterwards.
 #[inline(never)]
-fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, bool) {
+fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, bool) {
     let Some(mut peripherals) = Peripherals::take() else { fault::give_up(Cause::Panic, "start-up runs once") };
     stack_guard::start(&mut peripherals.MPU, &mut peripherals.SCB);
+    // Without a board no pin is driven.
+    let Some(board) = image.board() else { fault::give_up(Cause::Panic, "the image does not know its board") };
     ports::switch_on();
     ports::release_debug_port();
     // Before any output is driven: a level that is safe here may switch a heater on elsewhere.
@@ -81,8 +80,8 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     }
     clocks::start(board.crystal, priorities::LINK);
     supply::watch();
-    for pin in board.endstops {
-        ports::make_input(pin, true);
+    for pin in board.inputs {
+        ports::make_input(*pin, true);
     }
     if let Some(probe) = board.probe {
         ports::make_input(probe.pin, probe.pull_up);
@@ -98,57 +97,33 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
         contexts::only_talk(lines, usb, record.fault);
     }
     let mut storage = BoardStorage(find(board));
-    let (settings, plugged) = machine_at_start(board, &mut storage);
-    let (mut lines, usb) = open_lines(board, Some(settings.baud), past.reason);
-    let board = plugged.unwrap_or_else(|error| {
-        tell_unused(&mut lines, &error);
-        board
-    });
+    let start = machine_at_start(image, board, &mut storage);
+    let (mut lines, usb) = open_lines(board, Some(start.settings.baud), past.reason);
+    let Start { settings, plugged, lack } = start;
+    if let Some(lack) = &lack {
+        tell(&mut lines, lack);
+    }
+    safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
-    let dirs = DIR_WRITES.init_with(|| PortWrites::levels(board.dir_pins(), board.reversed, &groups));
-    let ports = Ports { serial: lines, drivers: Drivers::start(board), clock: BoardClock, storage };
+    let dirs = DIRS.init_with(|| Dirs::new(plugged, &groups));
+    let ports = Ports {
+        serial: lines,
+        drivers: Drivers::start(plugged, lack.map(|lack| lack.reason())),
+        clock: BoardClock,
+        storage,
+    };
     let heat = BoardHeat::start(board);
-    let step_ports = StepPorts { pins: StepPins::new(board, dirs, &groups), clock: timer };
+    let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &groups), clock: timer };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }
 
-/// What the machine is put together with, and the board as that is plugged into it: the machine that is stored, or else that of
-/// the image, or else the prototype in the usual places. One that the board has no connectors for is left alone: the error says
-/// why, and the machine is the prototype.
-#[inline(never)]
-fn machine_at_start(
-    board: &'static Board,
-    storage: &mut BoardStorage,
-) -> (&'static Settings, Result<&'static Board, ConnectorError>) {
-    static MACHINE: StaticCell<Settings> = StaticCell::new();
-    static PLUGGED: StaticCell<Board> = StaticCell::new();
-    let machine = MACHINE.init(Settings::prototype());
-    if let Ok(made) = machine_of(board.machine()) {
-        *machine = made;
-    }
-    machine.name_connectors(board.connectors);
-    // The board's memory answers at once; nothing here waits for anybody else.
-    if let Some(mut stored) = block_on(other_machine(storage, machine)) {
-        stored.name_connectors(board.connectors);
-        *machine = stored;
-    }
-    match board.plugged(machine) {
-        Ok(plugged) => (machine, Ok(PLUGGED.init(plugged))),
-        Err(error) => {
-            *machine = Settings::prototype();
-            machine.name_connectors(board.connectors);
-            (machine, Err(error))
-        }
-    }
-}
-
-/// Tells hosts why the machine that is stored, or that of the image, is not used.
-fn tell_unused(lines: &mut [HostSerial], error: &ConnectorError) {
+/// Tells hosts why the board has no machine.
+fn tell(lines: &mut [HostSerial], lack: &Lack) {
     let mut text = String::<LONGEST_ERROR>::new();
     // What does not fit is left out.
-    let _ = write!(text, "{error}");
-    for part in ["echo:the machine is not used: ", &text, "\n"] {
+    let _ = write!(text, "{lack}");
+    for part in [&text, "\n"] {
         lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
     }
 }

@@ -1,13 +1,13 @@
 //! The step port: which edges the Stepper's events make on the pins, and how long a pulse is.
 //!
 //! Nobody waits for the end of a pulse: it lasts as long as the Stepper takes to fetch the next event and set its alarm.
-//! [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors in `slow` of the board's
-//! table are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS` (`src/port.rs` of the core);
-//! then either its motors are named in `slow`, or [`StepPins::fall_quick`] has to wait. Two steps of a motor must be far enough
+//! [`PULSE`] says how short that may be, and `cargo xtask bench` counts it in the image. Only motors on slow pins
+//! (`Plugged::slow`) are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS` (`src/port.rs` of
+//! the core); then either its motors are made slow ones, or [`StepPins::fall_quick`] has to wait. Two steps of a motor must be far enough
 //! apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are late and follow each other at once
 //! (`motion/stepper.rs` of the core, docs/time.md).
 //!
-//! A table gives the words for all ports at once, in RAM (see [`PortWrites`]). Computing them instead takes an
+//! A table gives the words for all ports at once, in RAM (see [`StepWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
@@ -19,16 +19,15 @@ use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, STEP_PULSE_NS, StepPort};
 use corehbot::units::TICKS_PER_MS;
 
-use crate::port_writes::{PORTS, PortWrites, QUICK};
+use crate::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
 use crate::ports::{self, Registers};
-use crate::wiring::{Board, Pin};
+use crate::wiring::{Pin, Plugged};
 
 /// A step pulse has to be high for so many cycles of 180 MHz. What the Stepper does meanwhile takes longer; the bench counts
 /// these cycles in the image (`octopus_step_pulse_cycles`), and fails if they are fewer.
 const PULSE: u32 = (STEP_PULSE_NS * CYCLES_PER_US).div_ceil(1000);
 
-/// What a pulse on a step pin on PC13, PC14 or PC15 takes beyond that, which is good for 2 MHz (STM32F446 datasheet, pin
-/// definitions, note on the power switch): 300 ns altogether.
+/// What a pulse on a slow step pin takes beyond that (`Pin::is_slow`: good for 2 MHz): 300 ns altogether.
 const SLOW_REST: u32 = 54 - PULSE;
 
 /// Cycles of 180 MHz.
@@ -43,15 +42,30 @@ const _: () =
 #[repr(C)]
 pub struct StepPins {
     quick: [Quick; QUICK],
-    steps: PortWrites,
-    step_ports: [Registers; PORTS],
+    steps: StepWrites,
+    step_ports: [Registers; STEP_PORTS],
     /// What lowers all step lines. Most are low, but sorting them out would take longer.
-    low: [u32; PORTS],
+    low: [u32; STEP_PORTS],
     /// Groups with a motor whose step pin is slow.
     held: GroupSet,
-    dirs: &'static PortWrites,
-    dir_ports: [Registers; PORTS],
+    dirs: &'static Dirs,
     endstops: Endstops,
+}
+
+/// Direction pins: their ports, and what is stored there.
+// In this order: both are within reach of short instructions.
+#[repr(C)]
+pub struct Dirs {
+    ports: [Registers; DIR_PORTS],
+    writes: DirWrites,
+}
+
+impl Dirs {
+    /// The direction pins of the motors, for these groups of motors.
+    pub fn new(plugged: &Plugged, groups: &Groups) -> Self {
+        let writes = DirWrites::levels(plugged.dir_pins(), plugged.reversed, groups);
+        Self { ports: writes.ports.map(ports::registers), writes }
+    }
 }
 
 /// A port of quick steps, and what lowers its step lines.
@@ -62,9 +76,10 @@ struct Quick {
 }
 
 impl StepPins {
-    /// The pins of `board`, which are outputs already, for these groups of motors.
-    pub fn new(board: &Board, dirs: &'static PortWrites, groups: &Groups) -> Self {
-        let steps = PortWrites::pulses(board.step_pins(), board.slow, groups);
+    /// The pins of the motors, which are outputs already, for these groups of motors.
+    pub fn new(plugged: &Plugged, dirs: &'static Dirs, groups: &Groups) -> Self {
+        let slow = plugged.slow();
+        let steps = StepWrites::pulses(plugged.step_pins(), slow, groups);
         let low = steps.of(ALL).map(|word| word << 16);
         let quick = |port: usize| Quick { port: ports::registers(steps.ports[port]), low: low[port] };
         Self {
@@ -72,10 +87,9 @@ impl StepPins {
             step_ports: steps.ports.map(ports::registers),
             low,
             steps,
-            held: groups_of(board.slow, groups),
+            held: groups_of(slow, groups),
             dirs,
-            dir_ports: dirs.ports.map(ports::registers),
-            endstops: Endstops::new(board),
+            endstops: Endstops::new(plugged),
         }
     }
 }
@@ -85,14 +99,14 @@ const ALL: GroupSet = GroupSet((1 << MOST_GROUPS) - 1);
 
 /// One store a port. Short rather than fast: directions and slow steps are rare.
 #[inline(never)]
-fn store(ports: &[Registers; PORTS], words: &[u32; PORTS]) {
+fn store(ports: &[Registers; STEP_PORTS], words: &[u32; STEP_PORTS]) {
     ports.iter().zip(words).for_each(|(port, word)| ports::store(*port, *word));
 }
 
 /// The same for quick steps, however the compiler feels about loops. Each port and its word are loaded when it is their
 /// turn, for all at once would take longer up to the first store. The second port is 5 cycles later than the first, 28 ns.
 #[inline(always)]
-fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; PORTS]) {
+fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; STEP_PORTS]) {
     ports::store(a.port, *x);
     compiler_fence(AcqRel);
     ports::store(b.port, *y);
@@ -108,10 +122,18 @@ fn groups_of(slow: MotorSet, groups: &Groups) -> GroupSet {
 }
 
 impl StepPort for StepPins {
-    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted.
+    /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted. The second pass stores to three ports
+    /// again, which changes nothing but gives these, 150 ns more, the time for a slow direction pin.
     #[inline]
     fn dir(&mut self, forward: GroupSet) {
-        store(&self.dir_ports, self.dirs.of(forward));
+        let Dirs { ports, writes } = self.dirs;
+        let words = writes.of(forward);
+        if let (Some(ports), Some(words)) = (ports.first_chunk(), words.first_chunk()) {
+            store(ports, words);
+        }
+        if let (Some(ports), Some(words)) = (ports.last_chunk(), words.last_chunk()) {
+            store(ports, words);
+        }
     }
 
     #[inline(always)]
@@ -168,17 +190,17 @@ struct Input {
 struct Endstops([Input; 4]);
 
 impl Endstops {
-    fn new(board: &Board) -> Self {
+    fn new(plugged: &Plugged) -> Self {
         let input = |pin: Pin, is_high: bool| {
             let mask = pin.mask();
             Input { port: ports::registers(pin.port), mask, triggered: if is_high { mask } else { 0 } }
         };
-        let [x, y, z] = board.endstops;
-        let switch = |pin, endstop| input(pin, !board.normally_open.has(endstop));
+        let [x, y, z] = plugged.endstops;
+        let switch = |pin, endstop| input(pin, !plugged.normally_open.has(endstop));
         let (x, y, z) = (switch(x, EndstopSet::X), switch(y, EndstopSet::Y), switch(z, EndstopSet::Z));
         // An input of no bits that would have to read 1 never triggers.
         let none = Input { mask: 0, triggered: 1, ..x };
-        Self([x, y, z, board.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
+        Self([x, y, z, plugged.board.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
     }
 
     /// A function of its own, to keep the step path below a KiB.

@@ -1,15 +1,13 @@
-//! The wiring of a board: which pin does what, as data.
+//! The wiring of a board: which pin does what, as data. A [`Board`] is a table; [`Plugged`] is the board with a machine plugged into it.
 //!
 //! Nothing here needs the processor, so a board's table is tested on the host.
 //!
-//! What a board may have is capped: [`LINES`] to hosts (`src/port.rs` of the core; a kind of UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
+//! What a board may have is capped: [`LINES`](corehbot::port::LINES) to hosts (`src/port.rs` of the core; a kind of UART is a [`Usart`]), [`MOST_THERMISTORS`] of the [`Sensor`]s, [`USB`] on its pins.
 //! [`Board::problem`] says what a table has too much of.
 
 use corehbot::connectors::BoardConnectors;
-use corehbot::port::{EndstopSet, FANS, LINES, Motor, MotorSet, Output, OutputSet, Sensor};
-use corehbot::storage::BLOCK;
+use corehbot::port::{Output, OutputSet, Sensor};
 
-use crate::port_writes::PortWrites;
 pub use crate::serial_port::{SerialPort, Usart};
 
 /// A GPIO port.
@@ -65,6 +63,19 @@ impl Pin {
     pub const fn mask(self) -> u32 {
         1 << self.number
     }
+
+    /// Whether it is SWDIO or SWCLK.
+    #[must_use]
+    pub fn is_of_debug_port(self) -> bool {
+        DEBUG.contains(&self)
+    }
+
+    /// Whether it is supplied by the power switch (PC13 to PC15), good for 2 MHz and 3 mA (STM32F446 datasheet, pin
+    /// definitions).
+    #[must_use]
+    pub const fn is_slow(self) -> bool {
+        matches!(self.port, Port::C) && self.number >= 13
+    }
 }
 
 /// The pins of a motor driver.
@@ -74,10 +85,25 @@ pub struct Slot {
     pub step: Pin,
     /// High is forward, unless the board says otherwise.
     pub dir: Pin,
-    /// Low is on.
+    /// Low is on; one line may be that of several drivers.
     pub enable: Pin,
     /// The driver's UART, if it is connected; a driver without runs as its jumpers say.
     pub uart: Option<Pin>,
+}
+
+impl Slot {
+    /// The slot with these pins, each a port and a number, of a driver that has a UART.
+    #[must_use]
+    pub const fn new(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Self {
+        let (step, dir) = (Pin::new(step.0, step.1), Pin::new(dir.0, dir.1));
+        Self { step, dir, enable: Pin::new(enable.0, enable.1), uart: Some(Pin::new(uart.0, uart.1)) }
+    }
+
+    /// Whether a line of it is one of the debug port: it is left to that port until a machine has a motor here.
+    #[must_use]
+    pub fn is_of_debug_port(&self) -> bool {
+        self.step.is_of_debug_port() || self.dir.is_of_debug_port()
+    }
 }
 
 /// A level that tells boards apart: what `pin` reads against its internal resistor.
@@ -162,22 +188,14 @@ pub const MOST_THERMISTORS: usize = 5;
 pub struct Board {
     /// What the board is called in messages.
     pub name: &'static str,
-    /// The names of its connectors: sockets of drivers in the order of `slots`, inputs in that of `endstops`.
+    /// The names of its connectors: sockets of drivers in the order of `sockets`, inputs in that of `inputs`.
     pub connectors: &'static BoardConnectors,
-    /// The machine that is put into the image, if one is (`corehbot image`).
-    pub machine: &'static [u8; BLOCK],
     /// Rate of the clock at the crystal's pins.
     pub crystal: Crystal,
-    /// The drivers by motor; a motor without one is counted, but does not turn.
-    pub slots: [Option<Slot>; Motor::ALL.len()],
-    /// Motors whose direction line is low for forward.
-    pub reversed: MotorSet,
-    /// Motors whose step pin is slow and needs a longer pulse.
-    pub slow: MotorSet,
-    /// Switches of x, y and z, to ground with a pull-up: closed at rest, so that a broken wire reads as pressed.
-    pub endstops: [Pin; 3],
-    /// Those that are open at rest.
-    pub normally_open: EndstopSet,
+    /// The sockets of drivers: first those of the prototype's motors, in the order of [`Motor::ALL`](corehbot::port::Motor::ALL).
+    pub sockets: &'static [Slot],
+    /// Inputs for switches to ground, with a pull-up: first those of the prototype's x, y and z.
+    pub inputs: &'static [Pin],
     /// The Z probe.
     pub probe: Option<Probe>,
     /// The thermistors.
@@ -219,24 +237,12 @@ pub enum Crystal {
 }
 
 impl Board {
-    /// Step pins by motor.
-    #[must_use]
-    pub fn step_pins(&self) -> [Option<Pin>; Motor::ALL.len()] {
-        self.slots.map(|slot| slot.map(|slot| slot.step))
-    }
-
-    /// Direction pins by motor.
-    #[must_use]
-    pub fn dir_pins(&self) -> [Option<Pin>; Motor::ALL.len()] {
-        self.slots.map(|slot| slot.map(|slot| slot.dir))
-    }
-
     /// The outputs of `port` and the levels at which nothing moves and nothing heats, as a word for BSRR.
     #[must_use]
     pub fn safe_levels(&self, port: Port) -> u32 {
-        let slots = || self.slots.iter().flatten();
-        let high = slots().map(|slot| slot.enable);
-        let low = slots().flat_map(|slot| [slot.step, slot.dir]).chain(self.loads.iter().copied());
+        let sockets = || self.sockets.iter();
+        let high = sockets().map(|slot| slot.enable);
+        let low = sockets().flat_map(|slot| [slot.step, slot.dir]).chain(self.loads.iter().copied());
         bits(high, port) | bits(low, port) << 16
     }
 
@@ -254,80 +260,6 @@ impl Board {
         let outputs = self.heaters.iter().fold(0, |word, heater| word | pair(heater));
         [outputs * 0b11, outputs]
     }
-
-    /// The enable lines of `motors` in `port`.
-    #[must_use]
-    pub fn enable_lines(&self, motors: MotorSet, port: Port) -> u32 {
-        let slots = Motor::ALL.into_iter().zip(self.slots).filter(|(motor, _)| motors.has(*motor));
-        bits(slots.filter_map(|(_, slot)| slot).map(|slot| slot.enable), port)
-    }
-
-    /// The UART of `motor`'s driver.
-    #[must_use]
-    pub fn uart(&self, motor: Motor) -> Option<Pin> {
-        self.slots[motor as usize].and_then(|slot| slot.uart)
-    }
-
-    /// Motors whose driver has a UART.
-    #[must_use]
-    pub fn uarts(&self) -> MotorSet {
-        let motors = Motor::ALL.into_iter().filter(|motor| self.uart(*motor).is_some());
-        motors.fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
-    }
-
-    /// What is wrong with the table, if anything: to be asked by a test.
-    #[must_use]
-    pub fn problem(&self) -> Option<&'static str> {
-        if !PortWrites::can_hold(&self.step_pins()) || !PortWrites::can_hold(&self.dir_pins()) {
-            return Some("step or direction pins are on too many ports");
-        }
-        let slots = || self.slots.iter().flatten();
-        let single = slots().flat_map(|slot| [slot.step, slot.dir]).chain(slots().filter_map(|slot| slot.uart));
-        let single = single.chain(self.loads.iter().copied()).chain(self.endstops);
-        let single = single.chain(self.serial.iter().flat_map(|port| [port.tx, port.rx]));
-        let single = single.chain(USB.into_iter().filter(|_| self.has_usb));
-        let single = single.chain(self.eeprom.into_iter().flatten()).chain(self.probe.map(|probe| probe.pin));
-        let single = single.chain(self.thermistors.iter().map(|thermistor| thermistor.pin));
-        let single = single.chain(self.supply_switch.map(|switch| switch.pin));
-        let is_twice = |pin: Pin| single.clone().filter(|other| *other == pin).count() > 1;
-        if single.clone().any(is_twice) || slots().any(|slot| single.clone().any(|pin| pin == slot.enable)) {
-            return Some("a pin has two jobs");
-        }
-        if single.clone().chain(slots().map(|slot| slot.enable)).any(|pin| DEBUG.contains(&pin)) {
-            return Some("a pin of the debug port has a job");
-        }
-        let is_usart_twice = |port: &SerialPort| self.serial.iter().filter(|p| p.usart == port.usart).count() > 1;
-        if self.serial.iter().any(is_usart_twice) || self.serial.len() + usize::from(self.has_usb) > LINES {
-            return Some("there are more lines to hosts than can be served");
-        }
-        if self.thermistors.len() > MOST_THERMISTORS {
-            return Some("there are too many thermistors");
-        }
-        self.load_problem().or_else(|| self.serial.iter().find_map(SerialPort::problem))
-    }
-
-    /// What is wrong with heaters and fans.
-    fn load_problem(&self) -> Option<&'static str> {
-        let heaters = || self.heaters.iter();
-        let fans = || self.fans.iter();
-        if heaters().map(|heater| heater.pin).chain(fans().map(|fan| fan.pin)).any(|pin| !self.loads.contains(&pin)) {
-            return Some("a heater or a fan has no safe level");
-        }
-        let is_twice = |one: &HeaterPin| {
-            heaters().filter(|other| other.output == one.output || other.channel == one.channel).count() > 1
-        };
-        if heaters().any(is_twice) || heaters().any(|heater| !(1..=4).contains(&heater.channel)) {
-            return Some("two heaters share an output or a channel, or there is no such channel");
-        }
-        if heaters().any(|heater| heater.pin.port != HEATER_PORT) {
-            return Some("a heater is on a port that faults do not look at first");
-        }
-        let is_shared = |one: &FanPin| fans().filter(|o| (o.timer, o.channel) == (one.timer, one.channel)).count() > 1;
-        if fans().any(is_shared) || self.fans.len() > FANS {
-            return Some("two fans share a channel, or there are too many");
-        }
-        None
-    }
 }
 
 /// The bits of those `pins` that are in `port`.
@@ -335,7 +267,12 @@ pub(crate) fn bits(pins: impl Iterator<Item = Pin>, port: Port) -> u32 {
     pins.filter(|pin| pin.port == port).fold(0, |bits, pin| bits | pin.mask())
 }
 
+mod image;
 mod plugged;
+mod problem;
+
+pub use image::Image;
+pub use plugged::Plugged;
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 //! The boards' tables and the crate's own against what stm32-metapac knows of the chip: pins, alternate functions, channels of
 //! the converter, DMA streams, timers and interrupts.
 //!
-//! stm32-metapac describes one chip in a build, so that of the Octopus stands for both: they are one die in two packages.
+//! stm32-metapac describes one chip in a build, so that of the Octopus stands for all: they are one die in three packages.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -17,6 +17,13 @@ mod nucleo;
 #[allow(dead_code, reason = "its own tests run with the board")]
 #[path = "../../../boards/octopus/src/wiring.rs"]
 mod octopus;
+
+#[path = "../../../boards/spider/wiring.rs"]
+mod spider;
+
+/// Pins of the package with 100 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP100; stm32-metapac 21.0.0 has
+/// the same for stm32f446ve).
+const LQFP100: [(char, u16); 5] = [('A', 0xFFFF), ('B', 0xF7FF), ('C', 0xFFFF), ('D', 0xFFFF), ('E', 0xFFFF)];
 
 /// Pins of the package with 64 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP64; stm32-metapac 21.0.0 has
 /// the same for stm32f446re).
@@ -59,18 +66,17 @@ fn streams() -> Vec<Channel> {
 /// Every pin that the table names, with what it is for.
 fn pins(board: &Board) -> Vec<(Pin, String)> {
     let mut pins = Vec::new();
-    for (n, slot) in board.slots.iter().enumerate() {
-        let Some(slot) = slot else { continue };
+    for (n, slot) in board.sockets.iter().enumerate() {
         pins.extend([(slot.step, "step"), (slot.dir, "dir")].map(|(pin, what)| (pin, format!("{what} {n}"))));
         pins.extend(slot.uart.map(|pin| (pin, format!("uart {n}"))));
     }
     // One line may enable several drivers.
-    for slot in board.slots.iter().flatten() {
+    for slot in board.sockets {
         if !pins.iter().any(|(pin, what)| *pin == slot.enable && what == "enable") {
             pins.push((slot.enable, "enable".into()));
         }
     }
-    pins.extend(board.endstops.map(|pin| (pin, "endstop".into())));
+    pins.extend(board.inputs.iter().map(|pin| (*pin, "input".into())));
     pins.extend(board.probe.map(|probe| (probe.pin, "probe".into())));
     pins.extend(board.thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
     pins.extend(board.loads.iter().map(|pin| (*pin, "load".into())));
@@ -129,18 +135,34 @@ fn has_lqfp144(pin: Pin) -> bool {
     METADATA.pins.iter().any(|p| p.name == name(pin))
 }
 
+fn has_lqfp100(pin: Pin) -> bool {
+    is_in(&LQFP100, pin)
+}
+
 fn has_lqfp64(pin: Pin) -> bool {
-    LQFP64.iter().any(|(port, bits)| format!("{:?}", pin.port) == port.to_string() && bits >> pin.number() & 1 != 0)
+    is_in(&LQFP64, pin)
+}
+
+fn is_in(package: &[(char, u16)], pin: Pin) -> bool {
+    package.iter().any(|(port, bits)| format!("{:?}", pin.port) == port.to_string() && bits >> pin.number() & 1 != 0)
 }
 
 #[test]
 fn the_octopus_uses_pins_as_the_chip_has_them() {
-    assert_eq!(problems(&octopus::BOARD, has_lqfp144), Vec::<String>::new());
+    for board in [&octopus::BOARD, &octopus::PRO] {
+        assert_eq!(problems(board, has_lqfp144), Vec::<String>::new(), "{}", board.name);
+    }
+}
+
+#[test]
+fn the_spider_uses_pins_as_the_chip_has_them() {
+    assert_eq!(problems(&spider::BOARD, has_lqfp100), Vec::<String>::new());
+    assert!(problems(&octopus::BOARD, has_lqfp100).len() > 10, "ports F and G are not in that package");
 }
 
 #[test]
 fn the_nucleo_uses_pins_as_the_chip_has_them() {
-    assert!(LQFP64.iter().all(|(port, bits)| {
+    assert!(LQFP64.iter().chain(&LQFP100).all(|(port, bits)| {
         let all = (0..16).filter(|n| bits >> n & 1 != 0);
         all.into_iter().all(|n| METADATA.pins.iter().any(|p| p.name == format!("P{port}{n}")))
     }));
@@ -158,15 +180,15 @@ fn a_table_that_errs_is_found_out() {
     let eeprom = good.eeprom.map(|[clock, data]| [data, clock]);
     let heater = [HeaterPin { channel: 3, ..good.heaters[0] }];
     let fan = [FanPin { timer: FanTimer::Four, ..good.fans[0] }];
-    let mut slots = good.slots;
-    slots[0] = slots[0].map(|slot| corehbot_stm32f446::wiring::Slot { dir: Pin::new(Port::G, 6), ..slot });
+    let mut sockets = good.sockets.to_vec();
+    sockets[0].dir = Pin::new(Port::G, 6);
     assert_eq!(wrong(Board { serial: Box::leak(Box::new(swapped)), ..good }), 2);
     assert_eq!(wrong(Board { serial: Box::leak(Box::new(elsewhere)), ..good }), 2);
     assert_eq!(wrong(Board { thermistors: Box::leak(Box::new(channel)), ..good }), 1);
     assert_eq!(wrong(Board { heaters: Box::leak(Box::new(heater)), ..good }), 1);
     assert_eq!(wrong(Board { fans: Box::leak(Box::new(fan)), ..good }), 1);
     assert_eq!(wrong(Board { eeprom, ..good }), 2);
-    assert_eq!(wrong(Board { slots, ..good }), 1, "a direction line on the X switch");
+    assert_eq!(wrong(Board { sockets: sockets.leak(), ..good }), 1, "a direction line on the X switch");
     assert!(problems(&good, has_lqfp64).len() > 20, "most pins of the Octopus are not in the small package");
 }
 

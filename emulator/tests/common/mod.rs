@@ -20,8 +20,15 @@ use std::path::{Path, PathBuf};
 /// A virtual millisecond in ns.
 pub const MS: u64 = 1_000_000;
 
-/// The image that `COREHBOT_ELF` names, or the one in the checkout's own target directory.
+/// The image with the prototype in it.
 pub fn firmware() -> Firmware {
+    let mut firmware = plain_firmware();
+    firmware.put_machine(&mut Settings::prototype()).expect("the image has a place for a machine");
+    firmware
+}
+
+/// The image as it is built, without a machine: that `COREHBOT_ELF` names, or the one in the checkout's own target directory.
+pub fn plain_firmware() -> Firmware {
     let default = || root().join("target/thumbv7em-none-eabihf/firmware/corehbot-octopus");
     let path = std::env::var_os("COREHBOT_ELF").map_or_else(default, PathBuf::from);
     Firmware::read(&path).unwrap_or_else(|e| panic!("build the image first or set COREHBOT_ELF: {e:#}"))

@@ -96,6 +96,8 @@ pub(in crate::machine) enum Answer<'a> {
     Machine(MachineAnswer),
     /// Why motors have no power.
     NoPower(Fault),
+    /// Motors get no power for this reason, whatever their drivers say.
+    NoMachine(&'static str),
     HomingFailed {
         axis: char,
         why: &'static str,

@@ -15,6 +15,8 @@ pub(in crate::machine) enum StorageNews {
     NotSaved(SaveError),
     /// M500 did not, for another machine was stored that counts after the next reset.
     MachineWaits,
+    /// M500 did not, for the board has no machine, and why.
+    NoMachine(&'static str),
     /// M501 found no storage.
     Unchanged(StorageError),
     /// M504 found none.

@@ -68,7 +68,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Ok(receipt) => receipt,
             Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
         };
-        let counts = machine.is_built_as(&self.settings);
+        let counts = machine.is_built_as(&self.settings) && self.ports.drivers.refusal().is_none();
         self.machine_pieces.is_stored = !counts;
         if counts {
             self.use_settings(*machine).await?;

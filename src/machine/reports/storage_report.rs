@@ -8,6 +8,7 @@ use crate::storage::Rejected;
 pub(in crate::machine) fn say_storage(to: &mut Speaker<'_>, news: &StorageNews) {
     match *news {
         StorageNews::Saved(receipt) => to.say(format_args!("echo:Settings Stored {receipt}")),
+        StorageNews::NoMachine(why) => to.say(format_args!("echo:Settings not stored: {why}")),
         StorageNews::NotSaved(error) => to.say(format_args!("echo:Settings not stored: {error}")),
         StorageNews::MachineWaits => {
             to.say(format_args!("echo:Settings not stored: another machine is, which counts after the next reset"));

@@ -164,6 +164,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             }
             Answer::Driver(motor, reading) => say_driver(to, (motor, reading), drivers, s),
             Answer::Storage(news) => say_storage(to, &news),
+            Answer::NoMachine(why) => to.say(format_args!("Error:{why}; no motor was given power")),
             Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor was given power")),
             Answer::HomingFailed { axis, why } => to.say(format_args!("Error:Homing failed: {axis} endstop {why}")),
         }

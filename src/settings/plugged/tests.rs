@@ -9,6 +9,8 @@ use crate::settings::Wiring;
 use std::format;
 use std::string::{String, ToString};
 
+const INPUTS: &str = "E0DET, E1DET, E2DET, E3DET, X-STOP, Y-STOP, Z-STOP, Z2-STOP";
+
 fn error(settings: &Settings, board: &'static BoardConnectors) -> String {
     settings.check_connectors(board).unwrap_err().to_string()
 }
@@ -32,15 +34,15 @@ fn the_prototype_is_an_octopus() {
 
 #[test]
 fn a_board_has_no_other_connectors_than_its_own() {
-    let has = "it has M0, M1, M2, M3, M4, M5, M6";
+    let has = "it has M0, M1, M2, M3, M4, M5, M6, M7";
     assert_eq!(
-        error(&plugged(Motor::M1, "M7"), &OCTOPUS),
-        format!("motor m1: the BTT Octopus has no connector M7; {has}")
+        error(&plugged(Motor::M1, "M8"), &OCTOPUS),
+        format!("motor m1: the BTT Octopus has no connector M8; {has}")
     );
-    assert_eq!(plugged(Motor::M1, "M7").check_connectors(&SIM), Ok(()), "the simulator has any");
+    assert_eq!(plugged(Motor::M1, "M8").check_connectors(&SIM), Ok(()), "the simulator has any");
     let mut s = Settings::prototype();
     s.wiring.endstops.y.connector = ConnectorName::lit("J27");
-    let has = "it has X-STOP, Y-STOP, Z-STOP";
+    let has = format!("it has {INPUTS}");
     assert_eq!(error(&s, &OCTOPUS), format!("endstop of y: the BTT Octopus has no connector J27; {has}"));
     s.thermal.heaters.hotend.is_fitted = true;
     s.wiring = Wiring::usual(&OCTOPUS);
@@ -72,7 +74,7 @@ fn nothing_is_plugged_in_twice() {
 
 #[test]
 fn what_is_fitted_is_plugged_in_and_what_is_not_need_not_be() {
-    let has = "the BTT Octopus has M0, M1, M2, M3, M4, M5, M6";
+    let has = "the BTT Octopus has M0, M1, M2, M3, M4, M5, M6, M7";
     assert_eq!(error(&plugged(Motor::Z2, ""), &OCTOPUS), format!("motor z2: it has no connector; {has}"));
     let mut s = plugged(Motor::Z2, "");
     s.mechanism = Mechanism { rows: s.mechanism.rows.map(|row| if row == [0, 0, 1, 0] { [0; 4] } else { row }) };
@@ -82,7 +84,7 @@ fn what_is_fitted_is_plugged_in_and_what_is_not_need_not_be() {
     s.wiring.motors[Motor::Z2 as usize].connector = ConnectorName::lit("M0");
     assert_eq!(s.check_connectors(&OCTOPUS), Ok(()));
     s.wiring.endstops.x.connector = ConnectorName::NONE;
-    assert_eq!(error(&s, &OCTOPUS), "endstop of x: it has no connector; the BTT Octopus has X-STOP, Y-STOP, Z-STOP");
+    assert_eq!(error(&s, &OCTOPUS), format!("endstop of x: it has no connector; the BTT Octopus has {INPUTS}"));
 }
 
 #[test]
@@ -90,5 +92,8 @@ fn a_bench_has_sockets_for_some() {
     let s = Settings { wiring: Wiring::usual(&NUCLEO), ..Settings::prototype() };
     assert_eq!(s.check_connectors(&NUCLEO), Ok(()));
     assert_eq!([Motor::M8, Motor::Z1].map(|motor| s.wiring.of(motor).connector.to_string()), ["A", ""]);
-    assert_eq!(error(&s, &OCTOPUS), "motor m1: the BTT Octopus has no connector X; it has M0, M1, M2, M3, M4, M5, M6");
+    assert_eq!(
+        error(&s, &OCTOPUS),
+        "motor m1: the BTT Octopus has no connector X; it has M0, M1, M2, M3, M4, M5, M6, M7"
+    );
 }

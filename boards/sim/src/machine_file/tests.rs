@@ -106,8 +106,8 @@ fn a_file_with_a_board_is_held_to_it() {
         let error = load(&text).unwrap_err();
         format!("{}: {error}", error.place(&text).unwrap())
     };
-    let has = "it has M0, M1, M2, M3, M4, M5, M6";
-    assert_eq!(error("[motors]\nm1 = \"M7\""), format!("3:6: motor m1: the BTT Octopus has no connector M7; {has}"));
+    let has = "it has M0, M1, M2, M3, M4, M5, M6, M7";
+    assert_eq!(error("[motors]\nm1 = \"M8\""), format!("3:6: motor m1: the BTT Octopus has no connector M8; {has}"));
     assert!(error("[motors]\nm1 = \"\"").starts_with("3:6: motor m1: it has no connector; the BTT Octopus has M0"));
     assert!(error("[endstops]\nz = \"J27\"").starts_with("3:5: endstop of z"));
     let hotend = "[heaters.hotend]\nis_fitted = true\noutput = \"he2\"";

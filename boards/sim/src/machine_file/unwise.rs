@@ -43,11 +43,16 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
         }
     }
     for motor in Motor::ALL.into_iter().filter(|motor| s.mechanism.fitted().has(*motor)) {
-        if s.wiring.of(motor).connector.is_none() {
-            warn(
-                &format!("motors.{}", motor.name()),
-                format!("motor {} has no connector and will not turn", motor.name()),
+        let (key, connector) = (format!("motors.{}", motor.name()), s.wiring.of(motor).connector);
+        if connector.is_none() {
+            warn(&key, format!("motor {} has no connector and will not turn", motor.name()));
+        }
+        if machine.board.is_some_and(|board| board.debug_sockets.contains(&connector)) {
+            let text = format!(
+                "{key}: {connector} has a line of the debug port; once the board runs as this machine, a probe gets in only \
+                 while it holds the processor in reset, and there is no log"
             );
+            warn(&key, text);
         }
     }
     if s.thermal.heaters.hotend.is_fitted && !s.thermal.fans.iter().any(|fan| fan.role == FanRole::Hotend) {
@@ -113,6 +118,8 @@ mod tests {
     fn switches_that_close_motors_without_a_socket_and_a_hotend_without_a_fan_are_told() {
         assert_eq!(keys("[endstops]\ny = \"!Y-STOP\""), ["endstops.y"]);
         assert_eq!(keys("board = \"nucleo\""), ["motors.z1", "motors.z2", "motors.e0"]);
+        let last = "[motors]\ne0 = \"M7\"";
+        assert_eq!((keys(&format!("board = \"octopus\"\n{last}")), keys(last)), (vec!["motors.e0".into()], vec![]));
         let hot = "[heaters.hotend]\nis_fitted = true\n[fans.fan1]\nrole = \"commanded\"";
         assert_eq!(keys(hot), ["heaters.hotend.is_fitted"]);
     }

@@ -1,63 +1,116 @@
-//! A board as one machine is plugged into it.
-
-use core::hint::black_box;
+//! A board with a machine plugged into it.
 
 use corehbot::connectors::ConnectorName;
 use corehbot::port::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
-use corehbot::storage::BLOCK;
 
-use super::{Board, Pin, Slot};
+use super::{Board, Pin, Port, Slot, bits};
+
+/// A board with each motor of a machine at a driver and each switch at an input. Drivers without a motor are left off.
+#[derive(Clone, Copy, Debug)]
+pub struct Plugged {
+    /// The board.
+    pub board: &'static Board,
+    /// The drivers by motor; a motor without one is counted, but does not turn.
+    pub slots: [Option<Slot>; Motor::ALL.len()],
+    /// Motors whose direction line is low for forward.
+    pub reversed: MotorSet,
+    /// Switches of x, y and z: closed at rest, so that a broken wire reads as pressed.
+    pub endstops: [Pin; 3],
+    /// Those that are open at rest.
+    pub normally_open: EndstopSet,
+}
 
 impl Board {
-    /// The machine block of the image. The compiler must not take what it compiles for what is there when it runs.
+    /// The board with the prototype plugged in, each motor and each switch in its place of the table.
     #[must_use]
-    pub fn machine(&self) -> &'static [u8; BLOCK] {
-        black_box(self.machine)
+    pub fn usual(&'static self) -> Plugged {
+        let mut slots = [None; Motor::ALL.len()];
+        slots.iter_mut().zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
+        let mut endstops = [Pin::new(Port::A, 0); 3];
+        endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = *input);
+        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, normally_open: EndstopSet::NONE }
     }
 
-    /// The board with each motor of a machine at the driver, and each switch at the input, that it is plugged into. Drivers
-    /// without a motor are left off.
+    /// The board with a machine plugged in.
     ///
     /// # Errors
     /// What is plugged in where the board has nothing for it.
-    pub fn plugged(&self, machine: &Settings) -> Result<Self, ConnectorError> {
+    pub fn plugged(&'static self, machine: &Settings) -> Result<Plugged, ConnectorError> {
         machine.check_connectors(self.connectors)?;
-        let mut board = *self;
-        (board.slots, board.reversed, board.slow) = ([None; Motor::ALL.len()], MotorSet::NONE, MotorSet::NONE);
+        let mut plugged = Plugged { slots: [None; Motor::ALL.len()], ..self.usual() };
         let fitted = machine.mechanism.fitted();
-        for (motor, place) in Motor::ALL.into_iter().zip(&mut board.slots).filter(|(motor, _)| fitted.has(*motor)) {
+        for (motor, place) in Motor::ALL.into_iter().zip(&mut plugged.slots).filter(|(motor, _)| fitted.has(*motor)) {
             let plug = machine.wiring.of(motor);
-            let Some((usual, slot)) = self.socket(plug.connector) else { continue };
-            let own = MotorSet::of(motor);
-            *place = Some(slot);
-            if plug.is_reversed != self.reversed.has(usual) {
-                board.reversed = board.reversed.with(own);
-            }
-            if self.slow.has(usual) {
-                board.slow = board.slow.with(own);
+            *place = self.socket(plug.connector);
+            if plug.is_reversed {
+                plugged.reversed = plugged.reversed.with(MotorSet::of(motor));
             }
         }
         let switches = &machine.wiring.endstops;
         let switches = [(EndstopSet::X, switches.x), (EndstopSet::Y, switches.y), (EndstopSet::Z, switches.z)];
-        for ((endstop, plug), pin) in switches.into_iter().zip(&mut board.endstops) {
+        for ((endstop, plug), pin) in switches.into_iter().zip(&mut plugged.endstops) {
             *pin = self.input(plug).unwrap_or(*pin);
             if plug.is_normally_open {
-                board.normally_open = board.normally_open.with(endstop);
+                plugged.normally_open = plugged.normally_open.with(endstop);
             }
         }
-        Ok(board)
+        Ok(plugged)
     }
 
-    /// The driver in the socket of that name, and the motor that is usually there.
-    fn socket(&self, name: ConnectorName) -> Option<(Motor, Slot)> {
-        let usual = Motor::ALL.into_iter().zip(self.slots).filter_map(|(motor, slot)| Some((motor, slot?)));
-        self.connectors.sockets.iter().zip(usual).find_map(|(socket, found)| (*socket == name).then_some(found))
+    /// The driver in the socket of that name.
+    fn socket(&self, name: ConnectorName) -> Option<Slot> {
+        let mut sockets = self.connectors.sockets.iter().zip(self.sockets);
+        sockets.find_map(|(socket, slot)| (*socket == name).then_some(*slot))
     }
 
     /// The pin of the input that a switch is plugged into.
     fn input(&self, plug: EndstopPlug) -> Option<Pin> {
-        let mut inputs = self.connectors.endstops.iter().zip(self.endstops);
-        inputs.find_map(|(input, pin)| (*input == plug.connector).then_some(pin))
+        let mut inputs = self.connectors.endstops.iter().zip(self.inputs);
+        inputs.find_map(|(input, pin)| (*input == plug.connector).then_some(*pin))
     }
+}
+
+impl Plugged {
+    /// Step pins by motor.
+    #[must_use]
+    pub fn step_pins(&self) -> [Option<Pin>; Motor::ALL.len()] {
+        self.slots.map(|slot| slot.map(|slot| slot.step))
+    }
+
+    /// Direction pins by motor.
+    #[must_use]
+    pub fn dir_pins(&self) -> [Option<Pin>; Motor::ALL.len()] {
+        self.slots.map(|slot| slot.map(|slot| slot.dir))
+    }
+
+    /// Motors whose step pin is slow and needs a longer pulse.
+    #[must_use]
+    pub fn slow(&self) -> MotorSet {
+        motors(|motor| self.slots[motor as usize].is_some_and(|slot| slot.step.is_slow()))
+    }
+
+    /// The enable lines of `motors` in `port`.
+    #[must_use]
+    pub fn enable_lines(&self, motors: MotorSet, port: Port) -> u32 {
+        let slots = Motor::ALL.into_iter().zip(self.slots).filter(|(motor, _)| motors.has(*motor));
+        bits(slots.filter_map(|(_, slot)| slot).map(|slot| slot.enable), port)
+    }
+
+    /// The UART of `motor`'s driver.
+    #[must_use]
+    pub fn uart(&self, motor: Motor) -> Option<Pin> {
+        self.slots[motor as usize].and_then(|slot| slot.uart)
+    }
+
+    /// Motors whose driver has a UART.
+    #[must_use]
+    pub fn uarts(&self) -> MotorSet {
+        motors(|motor| self.uart(motor).is_some())
+    }
+}
+
+fn motors(is_in: impl Fn(Motor) -> bool) -> MotorSet {
+    let motors = Motor::ALL.into_iter().filter(|motor| is_in(*motor));
+    motors.fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
 }

@@ -1,24 +1,21 @@
 //! Tests of wiring.
 
 use super::*;
-use corehbot::connectors::SIM;
-use corehbot::storage::blank_block;
+use corehbot::connectors::{BoardConnectors, NUCLEO, SIM};
+use corehbot::port::{Motor, MotorSet};
+
+const NAMES: BoardConnectors =
+    BoardConnectors { sockets: NUCLEO.sockets.split_at(1).0, endstops: NUCLEO.endstops, debug_sockets: &[], ..SIM };
 
 fn board(uart: Option<Pin>) -> Board {
     let pin = |number| Pin::new(Port::B, number);
     let slot = Slot { step: pin(0), dir: pin(1), enable: pin(2), uart };
-    let mut slots = [None; Motor::ALL.len()];
-    slots[Motor::M8 as usize] = Some(slot);
     Board {
         name: "",
-        connectors: &SIM,
-        machine: const { &blank_block("") },
+        connectors: &NAMES,
         crystal: Crystal::Clock8MHz,
-        slots,
-        reversed: MotorSet::NONE,
-        slow: MotorSet::NONE,
-        endstops: [pin(3), pin(4), pin(5)],
-        normally_open: EndstopSet::NONE,
+        sockets: vec![slot].leak(),
+        inputs: const { &[Pin::new(Port::B, 3), Pin::new(Port::B, 4), Pin::new(Port::B, 5)] },
         probe: None,
         thermistors: &[],
         loads: &[],
@@ -34,13 +31,34 @@ fn board(uart: Option<Pin>) -> Board {
 
 #[test]
 fn a_uart_pin_has_no_other_job() {
-    assert_eq!((board(None).problem(), board(None).uarts()), (None, MotorSet::NONE));
-    let free = board(Some(Pin::new(Port::B, 8)));
-    assert_eq!((free.problem(), free.uarts()), (None, MotorSet::of(Motor::M8)));
+    let uarts = |uart| {
+        let board: &'static Board = Box::leak(Box::new(board(uart)));
+        (board.problem(), board.usual().uarts())
+    };
+    assert_eq!(uarts(None), (None, MotorSet::NONE));
+    assert_eq!(uarts(Some(Pin::new(Port::B, 8))), (None, MotorSet::of(Motor::M1)));
     for taken in [1, 2, 5] {
         assert_eq!(board(Some(Pin::new(Port::B, taken))).problem(), Some("a pin has two jobs"));
     }
     assert!(board(Some(Pin::new(Port::A, 14))).problem().is_some());
+}
+
+#[test]
+fn there_is_a_name_for_every_socket_and_input() {
+    let good = board(None);
+    assert!(Board { connectors: &SIM, ..good }.problem().is_some());
+    assert!(Board { inputs: good.inputs.split_at(2).0, ..good }.problem().is_some());
+}
+
+#[test]
+fn the_debug_port_is_taken_by_sockets_that_say_so_alone() {
+    fn with(dir: Pin) -> Board {
+        let good = board(None);
+        Board { sockets: vec![Slot { dir, ..good.sockets[0] }].leak(), ..good }
+    }
+    assert!(with(DEBUG[1]).problem().is_some_and(|text| text.contains("without being asked")), "not the prototype's");
+    assert!(Board { loads: const { &[Pin::new(Port::A, 13)] }, ..board(None) }.problem().is_some());
+    assert_eq!(with(Pin::new(Port::A, 12)).problem(), None);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::storage_news::StorageNews;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
-use crate::port::{Pend, Storage, StorageError};
+use crate::port::{DriverBus, Pend, Storage, StorageError};
 use crate::settings::Settings;
 use crate::storage::{self, Receipt, SaveError, Survey};
 
@@ -100,10 +100,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         paced.into_result()
     }
 
-    /// M500. Another machine that waits for the next reset is not written over.
+    /// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not become one.
     pub(in crate::machine) async fn save_settings(&mut self) -> Result<StorageNews, Interrupt> {
         if self.machine_pieces.is_stored {
             return Ok(StorageNews::MachineWaits);
+        }
+        if let Some(why) = self.ports.drivers.refusal() {
+            return Ok(StorageNews::NoMachine(why));
         }
         let settings = *self.settings;
         Ok(self.save(&settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))

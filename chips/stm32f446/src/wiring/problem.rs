@@ -1,0 +1,90 @@
+//! What is wrong with a board's table, to be asked by a test.
+
+use corehbot::port::{FANS, LINES, Motor};
+
+use super::{Board, FanPin, HEATER_PORT, HeaterPin, MOST_THERMISTORS, Pin, SerialPort, Slot, USB};
+use crate::port_writes::{DirWrites, StepWrites};
+
+impl Board {
+    /// What is wrong with the table, if anything.
+    #[must_use]
+    pub fn problem(&self) -> Option<&'static str> {
+        let sockets = || self.sockets.iter();
+        if !StepWrites::can_hold(sockets().map(|slot| slot.step))
+            || !DirWrites::can_hold(sockets().map(|slot| slot.dir))
+        {
+            return Some("step or direction pins are on too many ports");
+        }
+        if sockets().any(|slot| slot.dir.is_slow()) && !StepWrites::can_hold(sockets().map(|slot| slot.dir)) {
+            return Some("a direction pin is slow, and there is no time for it (StepPins::dir)");
+        }
+        let single = || self.pins_of_one_job();
+        let enables = || sockets().map(|slot| slot.enable);
+        let is_twice = |pin: Pin| single().filter(|other| *other == pin).count() > 1;
+        if single().any(is_twice) || enables().any(|enable| single().any(|pin| pin == enable)) {
+            return Some("a pin has two jobs");
+        }
+        let uarts = sockets().filter_map(|slot| slot.uart);
+        if self.pins_beside_drivers().chain(uarts).chain(enables()).any(Pin::is_of_debug_port) {
+            return Some("a pin of the debug port has a job");
+        }
+        if self.connectors.sockets.len() != self.sockets.len() || self.connectors.endstops.len() != self.inputs.len() {
+            return Some("there are more or fewer names than sockets or inputs");
+        }
+        let told = self.connectors.sockets.iter().map(|name| self.connectors.debug_sockets.contains(name));
+        if sockets().take(Motor::ALL.len()).any(Slot::is_of_debug_port)
+            || !sockets().map(Slot::is_of_debug_port).eq(told)
+        {
+            return Some("a socket takes the debug port without being asked or without its connectors saying so");
+        }
+        let is_usart_twice = |port: &SerialPort| self.serial.iter().filter(|p| p.usart == port.usart).count() > 1;
+        if self.serial.iter().any(is_usart_twice) || self.serial.len() + usize::from(self.has_usb) > LINES {
+            return Some("there are more lines to hosts than can be served");
+        }
+        if self.thermistors.len() > MOST_THERMISTORS {
+            return Some("there are too many thermistors");
+        }
+        self.load_problem().or_else(|| self.serial.iter().find_map(SerialPort::problem))
+    }
+
+    /// Every pin but the enable lines, which drivers may share.
+    fn pins_of_one_job(&self) -> impl Iterator<Item = Pin> {
+        let sockets = self.sockets.iter();
+        let uarts = sockets.clone().filter_map(|slot| slot.uart);
+        sockets.flat_map(|slot| [slot.step, slot.dir]).chain(uarts).chain(self.pins_beside_drivers())
+    }
+
+    /// Every pin that leads to no socket.
+    fn pins_beside_drivers(&self) -> impl Iterator<Item = Pin> {
+        let pins = self.loads.iter().chain(self.inputs).copied();
+        pins.chain(self.serial.iter().flat_map(|port| [port.tx, port.rx]))
+            .chain(USB.into_iter().filter(|_| self.has_usb))
+            .chain(self.eeprom.into_iter().flatten())
+            .chain(self.probe.map(|probe| probe.pin))
+            .chain(self.thermistors.iter().map(|thermistor| thermistor.pin))
+            .chain(self.supply_switch.map(|switch| switch.pin))
+    }
+
+    /// What is wrong with heaters and fans.
+    fn load_problem(&self) -> Option<&'static str> {
+        let heaters = || self.heaters.iter();
+        let fans = || self.fans.iter();
+        if heaters().map(|heater| heater.pin).chain(fans().map(|fan| fan.pin)).any(|pin| !self.loads.contains(&pin)) {
+            return Some("a heater or a fan has no safe level");
+        }
+        let is_twice = |one: &HeaterPin| {
+            heaters().filter(|other| other.output == one.output || other.channel == one.channel).count() > 1
+        };
+        if heaters().any(is_twice) || heaters().any(|heater| !(1..=4).contains(&heater.channel)) {
+            return Some("two heaters share an output or a channel, or there is no such channel");
+        }
+        if heaters().any(|heater| heater.pin.port != HEATER_PORT) {
+            return Some("a heater is on a port that faults do not look at first");
+        }
+        let is_shared = |one: &FanPin| fans().filter(|o| (o.timer, o.channel) == (one.timer, one.channel)).count() > 1;
+        if fans().any(is_shared) || self.fans.len() > FANS {
+            return Some("two fans share a channel, or there are too many");
+        }
+        None
+    }
+}
