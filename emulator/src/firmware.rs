@@ -114,6 +114,14 @@ impl Firmware {
         image::put(&mut self.bytes, machine).map(|_| ())
     }
 
+    /// Puts the image on another of its boards, as `corehbot image --board` does.
+    ///
+    /// # Errors
+    /// If it may not be on that board.
+    pub fn set_board(&mut self, key: &str) -> Result<()> {
+        image::set_board(&mut self.bytes, key)
+    }
+
     /// Puts `bytes` into flash beside the image.
     pub fn add(&mut self, address: u32, bytes: Vec<u8>) {
         self.extra.push((address, bytes));

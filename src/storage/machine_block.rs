@@ -1,34 +1,69 @@
 //! The machine block: a place in every image that holds a machine, so that an image is made for a machine without a compiler.
 //!
+//! Boards that differ in pins alone share an image, so the block also says on which of them it is.
+//!
 //! | bytes | what |
 //! |---|---|
 //! | 0..16 | [`MARK`], which stands nowhere else in an image |
-//! | 16..24 | the key of the board that the image is for |
-//! | 24.. | a [record](super::record), or 0xFF throughout: no machine |
+//! | 16..32 | the key of the board that the image is on, with zeros behind it |
+//! | 32..96 | the keys of all boards that it may be on, with a blank after each and zeros behind them |
+//! | 96.. | a [record](super::record), or 0xFF throughout: no machine |
 
 use super::machine::machine_in;
 use super::record::{LONGEST, Receipt, Rejected, encode};
-use crate::connectors::ConnectorName;
+use crate::connectors::BoardConnectors;
 use crate::settings::Settings;
 
 /// What a block begins with.
 pub const MARK: [u8; 16] = *b"corehbot machine";
 
+/// Bytes of the key of a board.
+const KEY: usize = 16;
+
+/// Bytes of the keys of all boards.
+const KEYS: usize = 64;
+
 /// Where the record begins.
-const HEAD: usize = MARK.len() + ConnectorName::LONGEST;
+const HEAD: usize = MARK.len() + KEY + KEYS;
 
 /// Bytes of a block.
 pub const BLOCK: usize = HEAD + LONGEST;
 
-/// A block without a machine, in an image for the board of that key.
+/// A block without a machine, in an image that may be on any of these boards, and is on the first. One that the block has no room
+/// for does not compile in a `const`.
 #[must_use]
-pub const fn blank_block(board: &str) -> [u8; BLOCK] {
+pub const fn blank_block(boards: &[&BoardConnectors]) -> [u8; BLOCK] {
     let mut block = [0xFF; BLOCK];
     let (head, _) = block.split_at_mut(HEAD);
-    let (mark, key) = head.split_at_mut(MARK.len());
+    let (mark, head) = head.split_at_mut(MARK.len());
     mark.copy_from_slice(&MARK);
-    key.copy_from_slice(ConnectorName::lit(board).as_bytes());
+    let (key, mut keys) = head.split_at_mut(KEY);
+    if let [first, ..] = boards {
+        put_text(key, first.key);
+    }
+    let mut boards = boards;
+    while let [board, others @ ..] = boards {
+        keys = put_text(keys, board.key);
+        assert!(!keys.is_empty(), "too many boards");
+        let (blank, after) = keys.split_at_mut(1);
+        blank.copy_from_slice(b" ");
+        (boards, keys) = (others, after);
+    }
+    put_text(keys, "");
     block
+}
+
+/// Puts a text and zeros behind it into `place`; what is behind the text.
+const fn put_text<'p>(place: &'p mut [u8], text: &str) -> &'p mut [u8] {
+    assert!(text.len() <= place.len(), "no room for the key of a board");
+    let (text_place, mut zeros) = place.split_at_mut(text.len());
+    text_place.copy_from_slice(text.as_bytes());
+    while let [zero, others @ ..] = zeros {
+        *zero = 0;
+        zeros = others;
+    }
+    let (_, behind) = place.split_at_mut(text.len());
+    behind
 }
 
 /// The machine in a block.
@@ -40,11 +75,30 @@ pub fn machine_of(block: &[u8; BLOCK]) -> Result<Settings, Rejected> {
     machine_in(record)
 }
 
-/// The key of the board that the image of a block is for, or `None` if the bytes are no block.
+/// The key of the board that the image of a block is on, if it is one of those that it may be on.
+// The mark is not looked at: that would put it into images a second time.
 #[must_use]
-pub fn board_of(block: &[u8; BLOCK]) -> Option<ConnectorName> {
-    let key = block.strip_prefix(&MARK)?.first_chunk()?;
-    ConnectorName::from_bytes(*key)
+pub fn board_of(block: &[u8; BLOCK]) -> Option<&str> {
+    let key = block.get(MARK.len()..MARK.len() + KEY)?.split(|byte| *byte == 0).next()?;
+    core::str::from_utf8(key).ok().filter(|key| boards_of(block).any(|board| board == *key))
+}
+
+/// The keys of the boards that the image of a block may be on.
+pub fn boards_of(block: &[u8; BLOCK]) -> impl Iterator<Item = &str> {
+    let keys = block.get(MARK.len() + KEY..HEAD).unwrap_or_default();
+    let keys = keys.split(|byte| *byte == b' ').filter(|key| !key.contains(&0));
+    keys.filter_map(|key| core::str::from_utf8(key).ok())
+}
+
+/// Says on which board the image of a block is. False if it knows no such board; then nothing has changed.
+#[must_use]
+pub fn choose_board(block: &mut [u8; BLOCK], key: &str) -> bool {
+    let is_known = boards_of(block).any(|board| board == key);
+    let place = block.get_mut(MARK.len()..MARK.len() + KEY).filter(|place| is_known && key.len() <= place.len());
+    let Some(place) = place else { return false };
+    let key = key.bytes().chain(core::iter::repeat(0));
+    place.iter_mut().zip(key).for_each(|(to, byte)| *to = byte);
+    true
 }
 
 /// Puts a machine into a block; `None` if it does not fit, which a compile-time check of records excludes.
@@ -59,32 +113,51 @@ pub fn put_machine(block: &mut [u8; BLOCK], machine: &Settings) -> Option<Receip
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use crate::connectors::{NUCLEO, OCTOPUS};
+    use std::vec::Vec;
+
+    #[test]
+    fn an_image_is_on_one_of_its_boards() {
+        let mut block = blank_block(&[&OCTOPUS, &NUCLEO]);
+        assert_eq!(boards_of(&block).collect::<Vec<_>>(), ["octopus", "nucleo"]);
+        assert_eq!(board_of(&block), Some("octopus"));
+        let before = block;
+        assert!(!choose_board(&mut block, "sim") && !choose_board(&mut block, "") && block == before);
+        assert!(choose_board(&mut block, "nucleo"));
+        assert_eq!((board_of(&block), machine_of(&block)), (Some("nucleo"), Err(Rejected::Blank)));
+        assert!(choose_board(&mut block, "octopus") && block == before);
+        for (at, byte) in [(MARK.len(), b'O'), (MARK.len() + KEY, b'O'), (MARK.len(), 0xFF)] {
+            let mut spoilt = before;
+            spoilt[at] = byte;
+            assert_eq!(board_of(&spoilt), None, "{at}");
+        }
+    }
 
     #[test]
     fn a_block_gives_back_the_machine_that_was_put_in() {
-        let mut block = blank_block("octopus");
+        let mut block = blank_block(&[&OCTOPUS]);
         assert_eq!(machine_of(&block), Err(Rejected::Blank));
-        assert_eq!(board_of(&block), ConnectorName::new("octopus"));
+        assert_eq!(board_of(&block), Some("octopus"));
         let machine = Settings::prototype();
         let receipt = put_machine(&mut block, &machine).unwrap();
         assert_eq!(machine_of(&block), Ok(machine));
-        assert_eq!(board_of(&block), ConnectorName::new("octopus"));
+        assert_eq!(board_of(&block), Some("octopus"));
         // Every bit counts.
         for at in 0..receipt.bytes {
             block[HEAD + at] ^= 1 << (at % 8);
             assert!(machine_of(&block).is_err(), "{at}");
             block[HEAD + at] ^= 1 << (at % 8);
         }
-        block[0] = 0;
-        assert_eq!(board_of(&block), None);
     }
 
     #[test]
     fn what_is_no_machine_is_refused() {
         let mut loose = Settings::prototype();
         loose.mechanism.rows = Default::default();
-        let mut block = blank_block("octopus");
+        let mut block = blank_block(&[&OCTOPUS]);
         put_machine(&mut block, &loose).unwrap();
         assert!(matches!(machine_of(&block), Err(Rejected::Illegal(_))));
     }

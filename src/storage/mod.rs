@@ -15,7 +15,7 @@ mod self_test;
 mod slots;
 
 pub use machine::{machine_in, other_machine, record_of};
-pub use machine_block::{BLOCK, MARK, blank_block, board_of, machine_of, put_machine};
+pub use machine_block::{BLOCK, MARK, blank_block, board_of, boards_of, choose_board, machine_of, put_machine};
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
 pub use slots::{NEEDED, PAGE, STRIDE, SaveError, Slot, Stored, Survey, is_present, save, survey};

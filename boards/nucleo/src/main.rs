@@ -5,10 +5,17 @@
 
 mod wiring;
 
+/// The image.
+#[cfg(target_os = "none")]
+static IMAGE: corehbot_stm32f446::wiring::Image = corehbot_stm32f446::wiring::Image {
+    boards: &[&wiring::BOARD],
+    block: const { &corehbot::storage::blank_block(&[&corehbot::connectors::NUCLEO]) },
+};
+
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    corehbot_stm32f446::run(&wiring::BOARD, corehbot_stm32f446::flash)
+    corehbot_stm32f446::run(&IMAGE, corehbot_stm32f446::flash)
 }
 
 #[cfg(not(target_os = "none"))]

@@ -4,17 +4,12 @@
 //! power to all. The host is on USART2, which the ST-LINK has as a USB serial port.
 
 use corehbot::connectors::NUCLEO;
-use corehbot::storage::{BLOCK, blank_block};
 use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, Usart};
-
-/// The place for a machine in the image.
-static MACHINE: [u8; BLOCK] = blank_block(NUCLEO.key);
 
 /// The board.
 pub static BOARD: Board = Board {
     name: "Nucleo-F446RE",
     connectors: &NUCLEO,
-    machine: &MACHINE,
     crystal: Crystal::Clock8MHz,
     sockets: &[
         // Motor 1 in socket X: D2, D5.

@@ -7,20 +7,15 @@
 
 use corehbot::connectors::OCTOPUS;
 use corehbot::port::{Output, Sensor};
-use corehbot::storage::{BLOCK, blank_block};
 use corehbot_stm32f446::wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
     Usart,
 };
 
-/// The place for a machine in the image.
-static MACHINE: [u8; BLOCK] = blank_block(OCTOPUS.key);
-
 /// The board.
 pub static BOARD: Board = Board {
     name: "BTT Octopus V1.0 or V1.1",
     connectors: &OCTOPUS,
-    machine: &MACHINE,
     crystal: Crystal::Oscillator12MHz,
     sockets: &[
         // M0: motor 1.
@@ -125,127 +120,4 @@ const fn fan_on_d(channel: u8) -> FanPin {
 /// A thermistor on port F.
 const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
     ThermistorPin { sensor, pin: Pin::new(Port::F, pin), channel }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use corehbot::connectors::ConnectorName;
-    use corehbot::kinematics::{Groups, Mechanism};
-    use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet};
-    use corehbot::settings::Settings;
-    use corehbot_stm32f446::port_writes::StepWrites;
-
-    #[test]
-    fn the_table_is_sound() {
-        assert_eq!(BOARD.problem(), None);
-    }
-
-    #[test]
-    fn names_and_pins_are_those_of_the_readme() {
-        let readme: Vec<Vec<_>> = include_str!("../README.md")
-            .lines()
-            .filter(|line| line.starts_with('|'))
-            .map(|line| line.split('|').map(str::trim).collect())
-            .collect();
-        let pin = |pin: Pin| format!("P{:?}{}", pin.port, pin.number());
-        for (name, slot) in OCTOPUS.sockets.iter().zip(BOARD.sockets) {
-            let is_it = |row: &&Vec<&str>| row.len() == 9 && row[3].split(' ').next() == Some(name.as_str());
-            let row = readme.iter().find(is_it).unwrap();
-            let pins = [slot.step, slot.dir, slot.enable, slot.uart.unwrap()].map(pin);
-            assert_eq!(row[4..8], pins, "{name}");
-        }
-        for (name, input) in OCTOPUS.endstops.iter().zip(BOARD.inputs) {
-            assert!(readme.iter().any(|row| row.get(2..4) == Some(&[name.as_str(), &pin(*input)])), "{name}");
-        }
-    }
-
-    #[test]
-    fn the_core_knows_what_is_offered() {
-        assert_eq!(OCTOPUS.outputs, BOARD.outputs());
-        assert!(OCTOPUS.sensors.iter().eq(BOARD.thermistors.iter().map(|thermistor| &thermistor.sensor)));
-        assert_eq!((OCTOPUS.fans, OCTOPUS.has_probe), (BOARD.fans.len(), BOARD.probe.is_some()));
-    }
-
-    #[test]
-    fn every_driver_can_be_talked_to() {
-        assert_eq!(BOARD.usual().uarts(), MotorSet::ALL);
-    }
-
-    #[test]
-    fn each_pair_steps_by_one_store() {
-        let machine = Groups::new(&Mechanism::corehbot());
-        let usual = BOARD.usual();
-        let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
-        for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
-            let wanted = pair.map(|m| 1 << m as u8).iter().sum::<u8>();
-            let groups = (0..32).map(GroupSet).find(|groups| machine.motors(*groups).0 == wanted);
-            let values = writes.of(groups.unwrap());
-            let used: Vec<_> = writes.ports.iter().zip(values).filter(|(_, value)| **value != 0).collect();
-            assert_eq!(used.len(), 1);
-            assert_eq!((*used[0].0, used[0].1.count_ones()), (port, 2));
-        }
-    }
-
-    #[test]
-    fn all_but_the_screws_step_quickly() {
-        let machine = Groups::new(&Mechanism::corehbot());
-        let usual = BOARD.usual();
-        let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
-        let slow = machine.motors(writes.beyond_quick());
-        assert_eq!(slow.0, usual.slow().0 | 1 << Motor::Z1 as u8, "the right screw takes the left one along");
-    }
-
-    #[test]
-    fn all_four_belt_motors_get_power_by_three_stores() {
-        let usual = BOARD.usual();
-        let stores = Port::ALL.into_iter().filter(|port| usual.enable_lines(MotorSet::BELT, *port) != 0);
-        assert_eq!(stores.collect::<Vec<_>>(), [Port::A, Port::F, Port::G]);
-    }
-
-    #[test]
-    fn at_rest_heaters_are_low_and_drivers_off() {
-        let on_a = BOARD.safe_levels(Port::A);
-        assert_eq!(on_a >> 16, 1 << 1 | 1 << 2 | 1 << 3 | 1 << 8 | 1 << 14, "bed, HE0, HE1, FAN0, direction of M7 low");
-        assert_eq!(on_a & 0xFFFF, 1, "driver M3 off");
-        assert_eq!(BOARD.safe_levels(Port::F) & 0xFFFF, 1 << 14 | 1 << 15 | 1 << 1);
-    }
-
-    #[test]
-    fn he2_and_he3_are_not_offered() {
-        let offered = BOARD.outputs();
-        let has = [Output::Bed, Output::He0, Output::He1, Output::He2, Output::He3].map(|output| offered.has(output));
-        assert_eq!(has, [true, true, true, false, false]);
-        assert_eq!(BOARD.safe_levels(Port::B) >> 16, 1 << 10 | 1 << 11, "but they have a safe level");
-    }
-
-    #[test]
-    fn a_machine_is_plugged_in_where_it_says() {
-        let mut machine = Settings::prototype();
-        let (plugged, usual) = (BOARD.plugged(&machine).unwrap(), BOARD.usual());
-        assert_eq!((plugged.slots, plugged.reversed, plugged.slow()), (usual.slots, MotorSet::NONE, usual.slow()));
-        assert_eq!(usual.slow(), MotorSet::of(Motor::Z2), "on PC13");
-        assert_eq!((plugged.endstops, plugged.normally_open), (usual.endstops, EndstopSet::NONE));
-        // Motors 1 and z2 change places, and the switches of x and z; z1 is not fitted.
-        let [m1, _, _, _, z1, z2, _] = &mut machine.wiring.motors;
-        std::mem::swap(m1, z2);
-        (m1.is_reversed, *z1) = (true, *m1);
-        std::mem::swap(&mut machine.wiring.endstops.x, &mut machine.wiring.endstops.z);
-        machine.wiring.endstops.x.is_normally_open = true;
-        machine.mechanism.rows[Motor::Z1 as usize] = [0; 4];
-        let plugged = BOARD.plugged(&machine).unwrap();
-        let [m1, m4, m8, m11, _, z2, e0] = usual.slots;
-        assert_eq!(plugged.slots, [z2, m4, m8, m11, None, m1, e0]);
-        assert_eq!((plugged.reversed, plugged.slow()), (MotorSet::of(Motor::M1), MotorSet::of(Motor::M1)));
-        let [x, y, z] = usual.endstops;
-        assert_eq!((plugged.endstops, plugged.normally_open), ([z, y, x], EndstopSet::X));
-        machine.wiring.motors[0].connector = ConnectorName::lit("M7");
-        assert_eq!(BOARD.plugged(&machine).unwrap().slots[0], Some(BOARD.sockets[7]));
-        machine.wiring.endstops.y.connector = ConnectorName::lit("E3DET");
-        assert_eq!(BOARD.plugged(&machine).unwrap().endstops[1], Pin::new(Port::G, 15));
-        machine.wiring.motors[0].connector = ConnectorName::lit("M8");
-        let error = BOARD.plugged(&machine).map(|_| ()).unwrap_err();
-        let text = "motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
-        assert_eq!(error.to_string(), text);
-    }
 }

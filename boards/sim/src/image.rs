@@ -1,7 +1,7 @@
 //! `corehbot image`: an image for a board, with the machine of a file in it.
 //!
 //! Images are built without a machine. Each has a block for one ([`corehbot::storage::put_machine`]), so nobody needs a
-//! compiler to have the image of a machine.
+//! compiler to have the image of a machine. Boards that differ in pins alone share an image, and its block says which it is on.
 
 use crate::cli::DONE;
 use crate::machine_file::{self, Machine};
@@ -9,11 +9,11 @@ use crate::output::Outputs;
 use crate::stop::Stop;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
-use corehbot::connectors::{BoardConnectors, ConnectorName};
+use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
-use corehbot::storage::{BLOCK, MARK, Receipt, board_of, put_machine};
+use corehbot::storage::{BLOCK, MARK, Receipt, board_of, boards_of, choose_board, put_machine};
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Where images lie that came with the program, beside it or beside its folder.
 const IMAGES: &str = "images";
@@ -21,7 +21,7 @@ const IMAGES: &str = "images";
 /// Whose image to make.
 #[derive(Args)]
 pub(crate) struct Image {
-    /// The board: octopus or nucleo. Its image is looked for in `images`, beside this program.
+    /// The board: octopus, nucleo or another. Without --from its image is looked for in `images`, beside this program.
     #[arg(long, required_unless_present = "from")]
     board: Option<String>,
     /// Takes this image: one that `cargo xtask build` has made, or another machine's.
@@ -38,7 +38,7 @@ pub(crate) struct Image {
 /// An image that can be written.
 pub(crate) struct Prepared {
     bytes: Vec<u8>,
-    board: ConnectorName,
+    board: &'static BoardConnectors,
     machine: Option<(Machine, Receipt)>,
     inputs: Vec<PathBuf>,
 }
@@ -53,15 +53,10 @@ impl Prepared {
             (None, None) => bail!("say which: --board or --from"),
         };
         let mut bytes = std::fs::read(&path).with_context(|| format!("cannot open {}", path.display()))?;
-        let board = board_in(&mut bytes).with_context(|| path.display().to_string())?;
         if let Some(wanted) = wanted {
-            ensure!(
-                board.as_str() == wanted.key,
-                "{} is for the board {board}, not for {}",
-                path.display(),
-                wanted.key
-            );
+            set_board(&mut bytes, wanted.key).with_context(|| path.display().to_string())?;
         }
+        let board = board_in(&mut bytes).with_context(|| path.display().to_string())?;
         let mut inputs = vec![path];
         let machine = match &args.machine {
             Some(file) => {
@@ -86,7 +81,7 @@ impl Prepared {
             Some((machine, receipt)) => format!("{} {receipt}", machine.name.as_deref().unwrap_or("a machine")),
             None => "no machine of its own: it starts as a CoreH-bot prototype".to_owned(),
         };
-        println!("{}: {} bytes for the board {}, {machine}", args.output.display(), self.bytes.len(), self.board);
+        println!("{}: {} bytes for the board {}, {machine}", args.output.display(), self.bytes.len(), self.board.key);
         Ok(DONE)
     }
 }
@@ -96,16 +91,27 @@ impl Prepared {
 /// # Errors
 /// If these are no image, or the board has not the connectors that the machine is plugged into.
 pub fn put(image: &mut [u8], machine: &mut Settings) -> Result<Receipt> {
-    let key = board_in(image)?;
-    let board = board_called(key.as_str())?;
+    let board = board_in(image)?;
     machine.name_connectors(board);
     machine.check_connectors(board)?;
     put_machine(block_in(image)?, machine).context("the machine does not fit")
 }
 
-/// The board that an image is for.
-fn board_in(image: &mut [u8]) -> Result<ConnectorName> {
-    board_of(block_in(image)?).context("the image does not say which board it is for")
+/// Puts an image on the board of that key.
+///
+/// # Errors
+/// If these are no image, or one that may not be on that board.
+pub fn set_board(image: &mut [u8], key: &str) -> Result<()> {
+    let block = block_in(image)?;
+    let is_known = choose_board(block, key);
+    let boards = || boards_of(block).collect::<Vec<_>>().join(", ");
+    ensure!(is_known, "an image for {}, not for {key}", boards());
+    Ok(())
+}
+
+/// The board that an image is on.
+fn board_in(image: &mut [u8]) -> Result<&'static BoardConnectors> {
+    board_called(board_of(block_in(image)?).context("the image does not say which board it is for")?)
 }
 
 /// The machine block of an image.
@@ -123,35 +129,49 @@ fn board_called(key: &str) -> Result<&'static BoardConnectors> {
     found.with_context(|| format!("no board is called {key}: {}", real().map(|b| b.key).collect::<Vec<_>>().join(", ")))
 }
 
-/// The image for `board` that came with this program.
+/// The image for `board` that came with this program: one that may be on it.
 fn prebuilt(board: &BoardConnectors) -> Result<PathBuf> {
     let program = std::env::current_exe().context("cannot find this program's own path")?;
-    let name = Path::new(IMAGES).join(format!("{}.bin", board.key));
-    let folders: Vec<_> = program.ancestors().skip(1).take(2).collect();
-    let found = folders.iter().map(|folder| folder.join(&name)).find(|path| path.is_file());
-    found.with_context(|| {
-        let places = folders.iter().map(|folder| folder.join(&name).display().to_string()).collect::<Vec<_>>();
-        format!("there is no {}; name an image with --from", places.join(" and no "))
+    let folders: Vec<_> = program.ancestors().skip(1).take(2).map(|folder| folder.join(IMAGES)).collect();
+    let files = folders.iter().filter_map(|folder| folder.read_dir().ok()).flatten();
+    let mut paths: Vec<_> = files.filter_map(|file| Some(file.ok()?.path())).collect();
+    paths.sort();
+    let is_for_it =
+        |path: &PathBuf| std::fs::read(path).is_ok_and(|mut bytes| set_board(&mut bytes, board.key).is_ok());
+    paths.into_iter().find(is_for_it).with_context(|| {
+        let places = folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>();
+        format!("no image for {} lies in {}; name an image with --from", board.key, places.join(" or "))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::connectors::{ConnectorName, NUCLEO, OCTOPUS};
     use corehbot::storage::{blank_block, machine_of};
 
     /// Something before and after a block.
-    fn image(board: &str) -> Vec<u8> {
-        [&[7; 100][..], &blank_block(board), &[9; 50]].concat()
+    fn image(board: &BoardConnectors) -> Vec<u8> {
+        [&[7; 100][..], &blank_block(&[board]), &[9; 50]].concat()
+    }
+
+    #[test]
+    fn an_image_that_boards_share_is_put_on_one() {
+        let mut bytes = [&[7; 100][..], &blank_block(&[&OCTOPUS, &NUCLEO]), &[9; 50]].concat();
+        assert_eq!(board_in(&mut bytes).unwrap(), &OCTOPUS);
+        set_board(&mut bytes, "nucleo").unwrap();
+        assert_eq!(board_in(&mut bytes).unwrap(), &NUCLEO);
+        let error = set_board(&mut bytes, "sim").unwrap_err();
+        assert_eq!(error.to_string(), "an image for octopus, nucleo, not for sim");
     }
 
     #[test]
     fn a_machine_changes_its_block_alone() {
-        let mut bytes = image("octopus");
+        let mut bytes = image(&OCTOPUS);
         let mut machine = Settings::prototype();
         machine.keepalive_s = 7;
         put(&mut bytes, &mut machine).unwrap();
-        assert!(bytes[..124] == image("octopus")[..124] && bytes[100 + BLOCK..] == [9; 50]);
+        assert!(bytes[..196] == image(&OCTOPUS)[..196] && bytes[100 + BLOCK..] == [9; 50]);
         assert_eq!(machine_of(block_in(&mut bytes).unwrap()), Ok(machine));
         // Another one takes its place.
         put(&mut bytes, &mut Settings::prototype()).unwrap();
@@ -160,7 +180,7 @@ mod tests {
 
     #[test]
     fn a_file_without_connectors_means_those_of_the_board() {
-        let (mut bytes, mut machine) = (image("nucleo"), Settings::prototype());
+        let (mut bytes, mut machine) = (image(&NUCLEO), Settings::prototype());
         put(&mut bytes, &mut machine).unwrap();
         assert_eq!(machine.wiring.motors.map(|plug| plug.connector.to_string()), ["X", "Y", "A", "Z", "", "", ""]);
     }
@@ -171,13 +191,14 @@ mod tests {
             |mut bytes: Vec<u8>, mut machine: Settings| format!("{:#}", put(&mut bytes, &mut machine).unwrap_err());
         let fine = Settings::prototype();
         assert_eq!(wrong(vec![0; 5000], fine), "no image of this firmware: it has no place for a machine");
-        assert_eq!(wrong([image("octopus"), image("octopus")].concat(), fine), wrong(vec![], fine));
-        assert_eq!(wrong(image("printer"), fine), "no board is called printer: octopus, nucleo");
+        assert_eq!(wrong([image(&OCTOPUS), image(&OCTOPUS)].concat(), fine), wrong(vec![], fine));
+        let printer = image(&BoardConnectors { key: "printer", ..OCTOPUS });
+        assert_eq!(wrong(printer, fine), "no board is called printer: octopus, nucleo");
         let mut machine = fine;
         machine.wiring.motors[1] = machine.wiring.motors[0];
-        assert_eq!(wrong(image("octopus"), machine), "motor m1 and motor m4 have the same connector, M0");
+        assert_eq!(wrong(image(&OCTOPUS), machine), "motor m1 and motor m4 have the same connector, M0");
         machine.wiring.motors[1].connector = ConnectorName::lit("M8");
         let text = "motor m4: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
-        assert_eq!(wrong(image("octopus"), machine), text);
+        assert_eq!(wrong(image(&OCTOPUS), machine), text);
     }
 }

@@ -2,6 +2,7 @@
 // Clippy sees no test in the helpers here.
 #![allow(clippy::unwrap_used)]
 
+use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS};
 use corehbot::storage::{BLOCK, blank_block, machine_of};
 use corehbot_sim::machine_file;
 use std::io::Write;
@@ -192,16 +193,16 @@ fn what_cannot_be_printed_is_status_2_and_says_why() {
 }
 
 /// An image as a build leaves it: something round a block that says which board it is for.
-fn blank_image(place: &Path, board: &str) -> PathBuf {
-    let path = place.join(format!("{board}.bin"));
-    std::fs::write(&path, [&[7; 300][..], &blank_block(board), &[9; 100]].concat()).unwrap();
+fn blank_image(place: &Path, board: &BoardConnectors) -> PathBuf {
+    let path = place.join(format!("{}.bin", board.key));
+    std::fs::write(&path, [&[7; 300][..], &blank_block(&[board]), &[9; 100]].concat()).unwrap();
     path
 }
 
 #[test]
 fn an_image_gets_the_machine_of_a_file() {
     let place = scratch("image");
-    let (blank, made) = (blank_image(&place, "octopus"), place.join("firmware.bin"));
+    let (blank, made) = (blank_image(&place, &OCTOPUS), place.join("firmware.bin"));
     let machine = example("machines/corexy.toml");
     let run = |args: &[&Path]| {
         let output = corehbot().arg("image").args(args).output().unwrap();
@@ -214,7 +215,7 @@ fn an_image_gets_the_machine_of_a_file() {
     assert_eq!(before.len(), after.len());
     let block = after[300..300 + BLOCK].try_into().unwrap();
     assert_eq!(machine_of(block), Ok(machine_file::read(&machine).unwrap().settings));
-    assert!(before[..324] == after[..324] && before[300 + BLOCK..] == after[300 + BLOCK..]);
+    assert!(before[..396] == after[..396] && before[300 + BLOCK..] == after[300 + BLOCK..]);
     // An image that has a machine may get another one, and one without a machine is a copy.
     let again = place.join("again.bin");
     assert_eq!(run(&[from, &made, with, &example("machines/hbot.toml"), to, &again]).0, 0);
@@ -225,7 +226,7 @@ fn an_image_gets_the_machine_of_a_file() {
 #[test]
 fn no_image_is_made_of_what_is_none() {
     let place = scratch("no-image");
-    let (blank, made) = (blank_image(&place, "nucleo"), place.join("firmware.bin"));
+    let (blank, made) = (blank_image(&place, &NUCLEO), place.join("firmware.bin"));
     let wrong = |args: &[&str]| {
         let output = corehbot().arg("image").args(args).args(["-o", made.to_str().unwrap()]).output().unwrap();
         assert_eq!(output.status.code(), Some(2));
@@ -238,7 +239,7 @@ fn no_image_is_made_of_what_is_none() {
     let file = file.to_str().unwrap();
     for (args, told) in [
         (&["--from", blank, "--machine", file][..], "motor m1: the CNC shield has no connector M3"),
-        (&["--from", blank, "--board", "octopus"], "is for the board nucleo, not for octopus"),
+        (&["--from", blank, "--board", "octopus"], "an image for nucleo, not for octopus"),
         (&["--from", file], "no image of this firmware"),
         (&["--board", "printer"], "no board is called printer: octopus, nucleo"),
         (&["--board", "nucleo"], "name an image with --from"),

@@ -29,7 +29,7 @@ use crate::step_pins::{Dirs, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
-use crate::wiring::{Board, Plugged};
+use crate::wiring::{Board, Image, Plugged};
 use crate::{
     after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, stack_guard, supply, watchdog,
 };
@@ -48,17 +48,19 @@ const LONGEST_ERROR: usize = 160;
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
 
-/// Runs the firmware on `board`, with the memory for settings that `find` finds there.
-pub fn run(board: &'static Board, find: Find) -> ! {
-    let (handles, usb, counts_asleep) = make_ready(board, find);
+/// Runs the firmware on the board that the image is on, with the memory for settings that `find` finds there.
+pub fn run(image: &'static Image, find: Find) -> ! {
+    let (handles, usb, counts_asleep) = make_ready(image, find);
     contexts::start(handles, usb, !counts_asleep)
 }
 
 /// Everything before the contexts begin. A function of its own, so that its 3 KiB of the stack are free afterwards.
 #[inline(never)]
-fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, bool) {
+fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, bool) {
     let Some(mut peripherals) = Peripherals::take() else { fault::give_up(Cause::Panic, "start-up runs once") };
     stack_guard::start(&mut peripherals.MPU, &mut peripherals.SCB);
+    // Without a board no pin is driven.
+    let Some(board) = image.board() else { fault::give_up(Cause::Panic, "the image does not know its board") };
     ports::switch_on();
     ports::release_debug_port();
     // Before any output is driven: a level that is safe here may switch a heater on elsewhere.
@@ -102,7 +104,7 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
     }
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let mut storage = BoardStorage(find(board));
-    let (settings, plugged) = machine_at_start(board, &mut storage, &mut lines);
+    let (settings, plugged) = machine_at_start(image, board, &mut storage, &mut lines);
     safe_levels::take_debug_pins(plugged);
     let groups = Groups::new(&settings.mechanism);
     let dirs = DIRS.init_with(|| Dirs::new(plugged, &groups));
@@ -116,6 +118,7 @@ fn make_ready(board: &'static Board, find: Find) -> (Handles, Option<UsbPort>, b
 /// the image, or else the prototype in the usual places. One that the board has no connectors for is told of and left alone.
 #[inline(never)]
 fn machine_at_start(
+    image: &Image,
     board: &'static Board,
     storage: &mut BoardStorage,
     lines: &mut [HostSerial],
@@ -123,7 +126,7 @@ fn machine_at_start(
     static MACHINE: StaticCell<Settings> = StaticCell::new();
     static PLUGGED: StaticCell<Plugged> = StaticCell::new();
     let machine = MACHINE.init(Settings::prototype());
-    if let Ok(made) = machine_of(board.machine()) {
+    if let Ok(made) = machine_of(image.block()) {
         *machine = made;
     }
     machine.name_connectors(board.connectors);

@@ -7,7 +7,6 @@
 
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::{Output, OutputSet, Sensor};
-use corehbot::storage::BLOCK;
 
 pub use crate::serial_port::{SerialPort, Usart};
 
@@ -184,8 +183,6 @@ pub struct Board {
     pub name: &'static str,
     /// The names of its connectors: sockets of drivers in the order of `sockets`, inputs in that of `inputs`.
     pub connectors: &'static BoardConnectors,
-    /// The machine that is put into the image, if one is (`corehbot image`).
-    pub machine: &'static [u8; BLOCK],
     /// Rate of the clock at the crystal's pins.
     pub crystal: Crystal,
     /// The sockets of drivers: first those of the prototype's motors, in the order of [`Motor::ALL`](corehbot::port::Motor::ALL).
@@ -263,9 +260,11 @@ pub(crate) fn bits(pins: impl Iterator<Item = Pin>, port: Port) -> u32 {
     pins.filter(|pin| pin.port == port).fold(0, |bits, pin| bits | pin.mask())
 }
 
+mod image;
 mod plugged;
 mod problem;
 
+pub use image::Image;
 pub use plugged::Plugged;
 
 #[cfg(test)]

@@ -1,11 +1,8 @@
 //! A board with a machine plugged into it.
 
-use core::hint::black_box;
-
 use corehbot::connectors::ConnectorName;
 use corehbot::port::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
-use corehbot::storage::BLOCK;
 
 use super::{Board, Pin, Port, Slot, bits};
 
@@ -25,12 +22,6 @@ pub struct Plugged {
 }
 
 impl Board {
-    /// The machine block of the image. The compiler must not take what it compiles for what is there when it runs.
-    #[must_use]
-    pub fn machine(&self) -> &'static [u8; BLOCK] {
-        black_box(self.machine)
-    }
-
     /// The board with the prototype plugged in, each motor and each switch in its place of the table.
     #[must_use]
     pub fn usual(&'static self) -> Plugged {

@@ -3,7 +3,6 @@
 use super::*;
 use corehbot::connectors::{BoardConnectors, NUCLEO, SIM};
 use corehbot::port::{Motor, MotorSet};
-use corehbot::storage::blank_block;
 
 const NAMES: BoardConnectors =
     BoardConnectors { sockets: NUCLEO.sockets.split_at(1).0, endstops: NUCLEO.endstops, debug_sockets: &[], ..SIM };
@@ -14,7 +13,6 @@ fn board(uart: Option<Pin>) -> Board {
     Board {
         name: "",
         connectors: &NAMES,
-        machine: const { &blank_block("") },
         crystal: Crystal::Clock8MHz,
         sockets: vec![slot].leak(),
         inputs: const { &[Pin::new(Port::B, 3), Pin::new(Port::B, 4), Pin::new(Port::B, 5)] },
