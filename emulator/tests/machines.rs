@@ -170,3 +170,23 @@ fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
     let usual = print_on(&firmware(), "M119\n", &Bench::default());
     assert_eq!(usual.debug_pins, 0b11, "without a motor there the port has its clock");
 }
+
+/// Boards that share the image: it starts on each as that, and steps as the simulator does.
+#[test]
+fn an_image_may_be_on_another_of_its_boards() {
+    let gcode = "G92 X0 Y0 Z0\nG1 X20 Y10 Z1 E1 F6000\nG2 X30 Y20 I10 J0\nM114\n";
+    for (key, name, wiring) in [("octopus-pro", "BTT Octopus Pro V1.0", &OCTOPUS)] {
+        let mut firmware = firmware();
+        firmware.set_board(key).unwrap();
+        let mut elsewhere = Settings::prototype();
+        elsewhere.wiring.motors[0].connector = ConnectorName::lit("A");
+        let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(elsewhere) };
+        let seen = print_on(&firmware, gcode, &bench);
+        assert_eq!((seen.end, &seen.line.failure), (End::Done, &None), "{key}");
+        let told = format!("echo:the machine is not used: motor m1: the {name} has no connector A; it has ");
+        assert!(seen.line.said.iter().any(|said| said.starts_with(&told)), "{key}: {:?}", seen.line.said);
+        let host = scheduled(gcode, &Settings::prototype()).unwrap();
+        assert_eq!(difference(&seen.recorder.events, &host), None, "{key}");
+        assert!(seen.safety.dangers.is_empty() && seen.recorder.unpowered == 0, "{key}");
+    }
+}

@@ -46,6 +46,10 @@ pub const OCTOPUS: BoardConnectors = BoardConnectors {
     is_simulated: false,
 };
 
+/// BTT Octopus Pro V1.0 with an STM32F446: connectors and pins of the Octopus, as far as they are used (`boards/octopus-pro`).
+pub const OCTOPUS_PRO: BoardConnectors =
+    BoardConnectors { key: "octopus-pro", name: "BTT Octopus Pro V1.0", ..OCTOPUS };
+
 /// Nucleo-F446RE with a CNC shield v3: the sockets and limit inputs of the shield.
 pub const NUCLEO: BoardConnectors = BoardConnectors {
     key: "nucleo",
@@ -73,7 +77,7 @@ pub const SIM: BoardConnectors = BoardConnectors {
 
 impl BoardConnectors {
     /// Every board.
-    pub const ALL: [&'static Self; 3] = [&OCTOPUS, &NUCLEO, &SIM];
+    pub const ALL: [&'static Self; 4] = [&OCTOPUS, &OCTOPUS_PRO, &NUCLEO, &SIM];
 }
 
 const fn names<const N: usize>(texts: [&'static str; N]) -> [ConnectorName; N] {

@@ -97,7 +97,12 @@ fn probe_commands(board: Board, image: &Image) -> [Command; 2] {
         command
     };
     let mut download = command("download");
-    download.arg(&image.elf);
+    if board.has_elf() {
+        download.arg(&image.elf);
+    } else {
+        download.args(["--binary-format", "bin", "--base-address", &format!("{:#010x}", image.start)]);
+        download.arg(&image.binary);
+    }
     [download, command("reset")]
 }
 
@@ -202,6 +207,14 @@ mod tests {
             ];
             assert_eq!(texts, wanted);
         }
+    }
+
+    #[test]
+    fn a_board_that_shares_its_image_gets_the_binary_that_is_for_it() {
+        let [download, _] = probe_commands(Board::OctopusPro, &image()).map(|command| words(&command));
+        let wanted = "probe-rs download --chip STM32F446ZETx --connect-under-reset --binary-format bin \
+                      --base-address 0x08008000 firmware.bin";
+        assert_eq!(download, wanted);
     }
 
     #[test]

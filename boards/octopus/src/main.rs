@@ -1,18 +1,21 @@
-//! The firmware for the BTT Octopus V1.0 and V1.1.
+//! The firmware for the BTT Octopus V1.0 and V1.1, and for boards that differ from it in pins alone: the Octopus Pro V1.0. One
+//! image serves all of them; its machine block says on which it is.
 //!
-//! `cargo xtask build octopus` makes the image, and README.md says how to wire and flash it.
+//! `cargo xtask build octopus` (or `octopus-pro`) makes the image, and the README.md of each board says how to wire and flash it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
+
+use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
+use corehbot_stm32f446::wiring::Image;
 
 mod wiring;
 
 #[cfg(test)]
 mod tests;
 
-/// The image.
-#[cfg(target_os = "none")]
-static IMAGE: corehbot_stm32f446::wiring::Image = corehbot_stm32f446::wiring::Image {
-    boards: &[&wiring::BOARD],
-    block: const { &corehbot::storage::blank_block(&[&corehbot::connectors::OCTOPUS]) },
+/// The image, which is on the first of its boards unless `corehbot image` says otherwise.
+static IMAGE: Image = Image {
+    boards: &[&wiring::BOARD, &wiring::PRO],
+    block: const { &corehbot::storage::blank_block(&[&OCTOPUS, &OCTOPUS_PRO]) },
 };
 
 #[cfg(target_os = "none")]
@@ -23,5 +26,8 @@ fn main() -> ! {
 
 #[cfg(not(target_os = "none"))]
 fn main() {
-    eprintln!("this crate makes an image for the {}: run `cargo xtask build octopus`", wiring::BOARD.name);
+    for board in IMAGE.boards {
+        let key = board.connectors.key;
+        eprintln!("this crate makes an image for the {}: run `cargo xtask build {key}`", board.name);
+    }
 }

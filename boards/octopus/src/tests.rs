@@ -1,16 +1,44 @@
-//! The table of the Octopus.
+//! The image and its boards, and the table of the Octopus.
 
-use crate::wiring::BOARD;
+use crate::IMAGE;
+use crate::wiring::{BOARD, PRO};
 use corehbot::connectors::{ConnectorName, OCTOPUS};
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet, Output};
 use corehbot::settings::Settings;
+use corehbot::storage::{boards_of, choose_board};
 use corehbot_stm32f446::port_writes::StepWrites;
-use corehbot_stm32f446::wiring::{Pin, Port};
+use corehbot_stm32f446::wiring::{Image, Pin, Port};
 
 #[test]
-fn the_table_is_sound() {
-    assert_eq!(BOARD.problem(), None);
+fn every_table_is_sound() {
+    for board in IMAGE.boards {
+        assert_eq!(board.problem(), None, "{}", board.name);
+    }
+}
+
+#[test]
+fn the_image_has_a_table_for_every_board_that_it_names() {
+    let mut block = *IMAGE.block;
+    assert!(boards_of(IMAGE.block).eq(IMAGE.boards.iter().map(|board| board.connectors.key)));
+    assert_eq!(IMAGE.board().map(|board| board.name), Some(BOARD.name));
+    for board in IMAGE.boards {
+        assert!(choose_board(&mut block, board.connectors.key));
+        let image = Image { block: Box::leak(Box::new(block)), ..IMAGE };
+        assert_eq!(image.board().map(|board| board.name), Some(board.name));
+    }
+    let elsewhere = Image { boards: const { &[&PRO] }, ..IMAGE };
+    assert!(elsewhere.board().is_none());
+}
+
+#[test]
+fn the_core_knows_what_every_board_offers() {
+    for board in IMAGE.boards {
+        let connectors = board.connectors;
+        assert_eq!(connectors.outputs, board.outputs());
+        assert!(connectors.sensors.iter().eq(board.thermistors.iter().map(|thermistor| &thermistor.sensor)));
+        assert_eq!((connectors.fans, connectors.has_probe), (board.fans.len(), board.probe.is_some()));
+    }
 }
 
 #[test]
@@ -30,13 +58,6 @@ fn names_and_pins_are_those_of_the_readme() {
     for (name, input) in OCTOPUS.endstops.iter().zip(BOARD.inputs) {
         assert!(readme.iter().any(|row| row.get(2..4) == Some(&[name.as_str(), &pin(*input)])), "{name}");
     }
-}
-
-#[test]
-fn the_core_knows_what_is_offered() {
-    assert_eq!(OCTOPUS.outputs, BOARD.outputs());
-    assert!(OCTOPUS.sensors.iter().eq(BOARD.thermistors.iter().map(|thermistor| &thermistor.sensor)));
-    assert_eq!((OCTOPUS.fans, OCTOPUS.has_probe), (BOARD.fans.len(), BOARD.probe.is_some()));
 }
 
 #[test]

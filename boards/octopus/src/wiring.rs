@@ -1,11 +1,11 @@
-//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1.
+//! The wiring of the Octopus, from BTT's schematic of V1.0 and V1.1, and that of the Octopus Pro V1.0, which is the same.
 //!
 //! Motors 1 and 8 have step and direction pins on GPIOF, motors 4 and 11 step pins on GPIOG, so each pair steps
 //! by one store. The direction pin of slot M7 is the debug port's clock, until a machine has a motor there.
 //!
 //! Hosts: USART2 on the Raspberry Pi header, USART1 on the TFT header, and USB, which is as many as `LINES` of the core allows.
 
-use corehbot::connectors::OCTOPUS;
+use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
 use corehbot::port::{Output, Sensor};
 use corehbot_stm32f446::wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
@@ -97,6 +97,10 @@ pub static BOARD: Board = Board {
     // V1.1).
     marks: &[Mark { pin: Pin::new(Port::A, 0), is_high: true }, Mark { pin: Pin::new(Port::A, 2), is_high: false }],
 };
+
+/// The Octopus Pro V1.0: the same pins (BTT's README of the Octopus Pro; Klipper's generic-bigtreetech-octopus-pro-v1.0.cfg).
+/// Its PROBE header alone is elsewhere, on PC5, and not in use; PB7 is that of the BLTouch.
+pub static PRO: Board = Board { name: "BTT Octopus Pro V1.0", connectors: &OCTOPUS_PRO, ..BOARD };
 
 const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Slot {
     Slot {

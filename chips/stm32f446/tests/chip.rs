@@ -134,7 +134,9 @@ fn has_lqfp64(pin: Pin) -> bool {
 
 #[test]
 fn the_octopus_uses_pins_as_the_chip_has_them() {
-    assert_eq!(problems(&octopus::BOARD, has_lqfp144), Vec::<String>::new());
+    for board in [&octopus::BOARD, &octopus::PRO] {
+        assert_eq!(problems(board, has_lqfp144), Vec::<String>::new(), "{}", board.name);
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod step_path;
 
 use crate::checkout;
 use anyhow::{Context as _, Result, bail, ensure};
+use corehbot_sim::image::set_board;
 use object::Endianness;
 use object::elf::FileHeader32;
 use object::read::elf::ElfFile;
@@ -28,6 +29,8 @@ pub struct Args {
 pub enum Board {
     /// BTT Octopus V1.0 or V1.1.
     Octopus,
+    /// BTT Octopus Pro V1.0 with an STM32F446.
+    OctopusPro,
     /// Nucleo-F446RE with a CNC shield.
     Nucleo,
 }
@@ -36,14 +39,29 @@ impl Board {
     const fn name(self) -> &'static str {
         match self {
             Self::Octopus => "octopus",
+            Self::OctopusPro => "octopus-pro",
             Self::Nucleo => "nucleo",
         }
+    }
+
+    /// The package that makes its image.
+    const fn package(self) -> &'static str {
+        match self {
+            Self::Octopus | Self::OctopusPro => "corehbot-octopus",
+            Self::Nucleo => "corehbot-nucleo",
+        }
+    }
+
+    /// Whether the ELF file is for it: one that boards share is for the first of them, and `firmware.bin` alone for another.
+    pub const fn has_elf(self) -> bool {
+        !matches!(self, Self::OctopusPro)
     }
 
     /// What people call it.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Octopus => "BTT Octopus",
+            Self::OctopusPro => "BTT Octopus Pro",
             Self::Nucleo => "Nucleo-F446RE",
         }
     }
@@ -51,25 +69,25 @@ impl Board {
     /// The processor as probe-rs names it.
     pub const fn chip(self) -> &'static str {
         match self {
-            Self::Octopus => "STM32F446ZETx",
+            Self::Octopus | Self::OctopusPro => "STM32F446ZETx",
             Self::Nucleo => "STM32F446RETx",
         }
     }
 
     /// Whether USB leads to the processor, and not to a debug probe.
     pub const fn has_usb(self) -> bool {
-        matches!(self, Self::Octopus)
+        !matches!(self, Self::Nucleo)
     }
 
     /// Whether its bootloader reads a card.
     pub const fn has_card_slot(self) -> bool {
-        matches!(self, Self::Octopus)
+        !matches!(self, Self::Nucleo)
     }
 
     /// Bytes that the image may leave free in one place.
     const fn largest_gap(self) -> u32 {
         match self {
-            Self::Octopus => binary::LARGEST_GAP,
+            Self::Octopus | Self::OctopusPro => binary::LARGEST_GAP,
             // Sectors 0 to 2 hold the vectors and the settings; the code begins behind them.
             Self::Nucleo => 0xC000,
         }
@@ -94,11 +112,12 @@ pub fn main(args: &Args) -> Result<()> {
 /// Builds, weighs and examines an image, and says where it is.
 pub fn image(board: Board) -> Result<Image> {
     let name = board.name();
-    let elf_path = checkout::build_image(&format!("corehbot-{name}"))?;
+    let elf_path = checkout::build_image(board.package())?;
     let data = read(&elf_path)?;
     let elf = Elf::parse(&*data)?;
     examine(&elf, true)?;
-    let (start, binary) = binary::extract(&elf, board.largest_gap())?;
+    let (start, mut binary) = binary::extract(&elf, board.largest_gap())?;
+    set_board(&mut binary, name)?;
     let binary_path = write(&binary, name)?;
     println!("ELF     {}", elf_path.display());
     println!("binary  {} ({} bytes, at {start:#010x})", binary_path.display(), binary.len());

@@ -4,7 +4,7 @@
 mod heat;
 mod motion;
 
-use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, SIM};
+use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM};
 pub(super) use heat::{
     FanToml, FansToml, GuardsToml, HeaterToml, HeatersToml, ModelToml, PidToml, ThermalToml, ThermistorToml,
 };
@@ -87,9 +87,10 @@ pub(super) struct MachineToml {
 
 /// Boards by their names in `connectors`.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum BoardToml {
     Octopus,
+    OctopusPro,
     Nucleo,
     Sim,
 }
@@ -98,6 +99,7 @@ impl From<BoardToml> for &'static BoardConnectors {
     fn from(board: BoardToml) -> Self {
         match board {
             BoardToml::Octopus => &OCTOPUS,
+            BoardToml::OctopusPro => &OCTOPUS_PRO,
             BoardToml::Nucleo => &NUCLEO,
             BoardToml::Sim => &SIM,
         }
