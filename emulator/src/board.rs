@@ -40,6 +40,10 @@ const REFERENCE: usize = 0;
 /// What a conversion makes of its reference: the inputs of ADC3 are given in these steps.
 const FULL_SCALE: u32 = 4095;
 
+/// JTDO and NJTRST, which are the debug port's after a reset: driven by nobody unless a JTAG probe is there, the second pulled up by
+/// the chip (RM0390 rev 6, section 7.3.1).
+const JTAG: [Pin; 2] = [Pin::new('B', 3), Pin::new('B', 4)];
+
 /// The board's rail in mV.
 pub const RAIL: u32 = 3300;
 
@@ -99,7 +103,8 @@ impl Emulated {
         }
         mcu.i2c[0].attach(eeprom);
         let mut board = Self { mcu, wiring };
-        board.heat(&wiring.thermistors.map(|(_, channel)| (channel, ROOM)))?;
+        let cold: Vec<_> = wiring.thermistors.iter().map(|(_, channel)| (*channel, ROOM)).collect();
+        board.heat(&cold)?;
         for &(pin, high) in wiring.resistors {
             board.drive(VirtualNanos(0), pin, high);
         }
@@ -148,10 +153,14 @@ impl Emulated {
             }
         }
         port.live = port.alternate;
-        for (_, Load { pin, timer }) in self.wiring.heaters.into_iter().filter(|(_, load)| load.pin.port == n) {
-            let Some((Timer::Five, channel)) = timer else { continue };
-            let is_on_timer = port.alternate & pin.mask() != 0 && self.function(pin) == Timer::Five.function();
-            if is_on_timer && self.pulse(channel).is_none() {
+        for &(_, Load { pin, timer }) in self.wiring.heaters.iter().filter(|(_, load)| load.pin.port == n) {
+            let function = self.function(pin);
+            let is_idle = match timer {
+                _ if function == 0 => JTAG.contains(&pin),
+                Some((Timer::Five, channel)) if function == Timer::Five.function() => self.pulse(channel).is_none(),
+                _ => false,
+            };
+            if port.alternate & pin.mask() != 0 && is_idle {
                 port.live &= !pin.mask();
             }
         }

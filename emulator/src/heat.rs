@@ -115,14 +115,14 @@ pub fn fitted(settings: &Settings) -> OutputSet {
 }
 
 impl HeatWatch {
-    /// The heat of a machine of `settings`, whose supply is off.
+    /// The heat of a machine of `settings`, whose supply is off if the board can switch it.
     #[must_use]
     pub fn new(wiring: &'static Wiring, settings: &Settings, climate: &Climate) -> Self {
         let mut heat = match climate.start {
             Some([hotend, bed]) => Heat::hot(settings, hotend, bed),
             None => Heat::new(settings),
         };
-        heat.switch_supply(false);
+        heat.switch_supply(wiring.supply_switch.is_none());
         Self {
             wiring,
             heat,
@@ -152,19 +152,19 @@ impl HeatWatch {
             return;
         }
         let now = VirtualNanos(at);
-        for (output, load) in self.wiring.heaters {
+        for &(output, load) in self.wiring.heaters {
             let level = board.drives(now, load);
             if self.heaters[output as usize].set(at, level) {
                 self.edges.push(Edge { at, output, is_high: level > 0.0 });
             }
         }
-        for (meter, load) in self.fans.iter_mut().zip(self.wiring.fans) {
+        for (meter, load) in self.fans.iter_mut().zip(self.wiring.fans.iter().copied()) {
             meter.set(at, board.drives(now, load));
         }
         if at >= self.begun + STEP_NS {
             self.step(board, at, extruded);
         }
-        for (sensor, channel) in self.wiring.thermistors {
+        for &(sensor, channel) in self.wiring.thermistors {
             if let Some(reading) = self.heat.convert(sensor) {
                 board.show(channel, reading.into());
             }

@@ -39,7 +39,7 @@ impl Safety {
         for slot in &wiring.slots {
             masks[slot.enable.port] |= slot.enable.mask();
         }
-        for (_, load) in wiring.heaters {
+        for &(_, load) in wiring.heaters {
             heaters[load.pin.port] |= load.pin.mask();
         }
         Self {
@@ -60,7 +60,7 @@ impl Safety {
         let new = hot & !self.hot[n];
         self.hot[n] = hot;
         if new != 0 {
-            for (output, load) in self.wiring.heaters {
+            for &(output, load) in self.wiring.heaters {
                 let is_new = load.pin.port == n && new & load.pin.mask() != 0;
                 if is_new && !(greeted && self.fitted.has(output)) {
                     self.dangers.push((at, Danger::HeaterLive(output)));

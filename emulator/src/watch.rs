@@ -140,8 +140,8 @@ impl Watch {
     ) {
         let port = session.board_mut().port(n);
         self.safety.store(at.0, n, port, self.greeted);
-        if n == self.wiring.supply_switch.port {
-            self.heat.switch(at.0, port.low() & self.wiring.supply_switch.mask() != 0);
+        if let Some(switch) = self.wiring.supply_switch.filter(|switch| switch.port == n) {
+            self.heat.switch(at.0, port.low() & switch.mask() != 0);
         }
         self.drivers.store(at.0, n, port, |pin| session.board_mut().is_pulled_up(pin));
         let (steps, forward) = self.recorder.store(at.0, n, port, self.safety.powered);
@@ -207,7 +207,7 @@ impl Driver<Emulated> for Watch {
             self.resets = session.resets().len();
             let at = session.resets().last().map_or(0, |r| r.at.0);
             self.safety.reset(at);
-            self.heat.switch(at, false);
+            self.heat.switch(at, self.wiring.supply_switch.is_none());
             self.release(host);
             self.clock_rules.reset();
             for n in 0..PORTS {

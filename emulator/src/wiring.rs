@@ -3,7 +3,7 @@
 //! It is written down from the board's schematic, not taken from the firmware: an image that has mixed up
 //! two pins must not find the same mistake here.
 
-use corehbot::connectors::{FANS, OUTPUTS, Output, Sensor};
+use corehbot::connectors::{Output, Sensor};
 use corehbot::motors::{EndstopSet, Motor};
 
 /// Ports of the chip, GPIOA to GPIOH.
@@ -119,15 +119,15 @@ pub struct Wiring {
     /// the machine.
     pub endstops: [(EndstopSet, Pin); 3],
     /// Outputs that heat when they are high, and their timer.
-    pub heaters: [(Output, Load); OUTPUTS],
+    pub heaters: &'static [(Output, Load)],
     /// FAN0 and so on.
-    pub fans: [Load; FANS],
-    /// The power supply of heaters, fans and motors is on while this is driven low (PS_ON).
-    pub supply_switch: Pin,
+    pub fans: &'static [Load],
+    /// The power supply of heaters, fans and motors is on while this is driven low (PS_ON); without it, always.
+    pub supply_switch: Option<Pin>,
     /// Levels that resistors on the board give to pins that nothing drives.
     pub resistors: &'static [(Pin, bool)],
     /// Thermistors, and their channels of ADC3.
-    pub thermistors: [(Sensor, u8); 5],
+    pub thermistors: &'static [(Sensor, u8)],
     /// Where the firmware begins; what lies before is the bootloader.
     pub application: u32,
     /// Serial ports for hosts.
@@ -161,14 +161,14 @@ pub static OCTOPUS: Wiring = Wiring {
         (EndstopSet::Y, Pin::new('G', 9)),
         (EndstopSet::Z, Pin::new('G', 10)),
     ],
-    heaters: [
+    heaters: &[
         (Output::Bed, Load::new('A', 1, Timer::Five, 2)),
         (Output::He0, Load::new('A', 2, Timer::Five, 3)),
         (Output::He1, Load::new('A', 3, Timer::Five, 4)),
         (Output::He2, Load { pin: Pin::new('B', 10), timer: None }),
         (Output::He3, Load { pin: Pin::new('B', 11), timer: None }),
     ],
-    fans: [
+    fans: &[
         Load::new('A', 8, Timer::One, 1),
         Load::new('E', 5, Timer::Nine, 1),
         Load::new('D', 12, Timer::Four, 1),
@@ -177,7 +177,7 @@ pub static OCTOPUS: Wiring = Wiring {
         Load::new('D', 15, Timer::Four, 4),
     ],
     // 10 kOhm to 3.3 V.
-    supply_switch: Pin::new('E', 11),
+    supply_switch: Some(Pin::new('E', 11)),
     // Enable lines have 10 kOhm to 3.3 V and heaters 10 kOhm to ground: what the check for the right
     // board looks at.
     resistors: &[
@@ -188,7 +188,7 @@ pub static OCTOPUS: Wiring = Wiring {
         (Pin::new('B', 10), false),
         (Pin::new('B', 11), false),
     ],
-    thermistors: [
+    thermistors: &[
         (Sensor::Bed, 9),
         (Sensor::Hotend0, 14),
         (Sensor::Hotend1, 15),
@@ -203,25 +203,60 @@ pub static OCTOPUS: Wiring = Wiring {
     crystal: 12_000_000,
 };
 
+/// Fysetc Spider V1.x and V2.x with motors 1, 8, 4, 11 in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and E4-MOT and the
+/// extruder in E0-MOT; the Raspberry Pi header is USART1 (Fysetc's README, pin definition). Which resistors it has is not known.
+pub static SPIDER: Wiring = Wiring {
+    name: "spider",
+    slots: [
+        slot(Motor::M1, Pin::new('E', 11), Pin::new('E', 10), Pin::new('E', 9), Pin::new('E', 7)),
+        slot(Motor::M4, Pin::new('D', 8), Pin::new('B', 12), Pin::new('D', 9), Pin::new('E', 15)),
+        slot(Motor::M8, Pin::new('E', 2), Pin::new('E', 4), Pin::new('E', 3), Pin::new('C', 15)),
+        slot(Motor::M11, Pin::new('D', 14), Pin::new('D', 13), Pin::new('D', 15), Pin::new('D', 10)),
+        slot(Motor::Z1, Pin::new('D', 12), Pin::new('C', 4), Pin::new('E', 8), Pin::new('A', 15)),
+        slot(Motor::Z2, Pin::new('E', 1), Pin::new('E', 0), Pin::new('C', 5), Pin::new('D', 11)),
+        slot(Motor::E0, Pin::new('D', 5), Pin::new('D', 6), Pin::new('D', 4), Pin::new('D', 7)),
+    ],
+    endstops: [
+        (EndstopSet::X, Pin::new('B', 14)),
+        (EndstopSet::Y, Pin::new('B', 13)),
+        (EndstopSet::Z, Pin::new('A', 0)),
+    ],
+    heaters: &[
+        (Output::Bed, Load { pin: Pin::new('B', 4), timer: None }),
+        (Output::He0, Load { pin: Pin::new('B', 15), timer: None }),
+        (Output::He1, Load { pin: Pin::new('C', 8), timer: None }),
+        (Output::He2, Load { pin: Pin::new('B', 3), timer: None }),
+    ],
+    fans: &[],
+    supply_switch: None,
+    resistors: &[],
+    thermistors: &[(Sensor::Bed, 13), (Sensor::Hotend0, 10), (Sensor::Hotend1, 11), (Sensor::Hotend2, 12)],
+    application: 0x0800_8000,
+    host_ports: &[HostPort { place: 0, base: 0x4001_1000, is_on_apb2: true }],
+    crystal: 12_000_000,
+};
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn no_two_functions_share_a_pin() {
-        let mut pins: Vec<Pin> = OCTOPUS.slots.iter().flat_map(|s| [s.step, s.dir, s.enable, s.uart]).collect();
-        pins.extend(OCTOPUS.endstops.map(|(_, pin)| pin));
-        pins.extend(OCTOPUS.heaters.iter().map(|(_, load)| load.pin));
-        pins.extend(OCTOPUS.fans.iter().map(|load| load.pin));
-        pins.push(OCTOPUS.supply_switch);
-        for (i, a) in pins.iter().enumerate() {
-            assert!(!pins[i + 1..].contains(a), "{a} twice");
+        for (board, first) in [(OCTOPUS, "PF13"), (SPIDER, "PE11")] {
+            let mut pins: Vec<Pin> = board.slots.iter().flat_map(|s| [s.step, s.dir, s.enable, s.uart]).collect();
+            pins.extend(board.endstops.map(|(_, pin)| pin));
+            pins.extend(board.heaters.iter().map(|(_, load)| load.pin));
+            pins.extend(board.fans.iter().map(|load| load.pin));
+            pins.extend(board.supply_switch);
+            for (i, a) in pins.iter().enumerate() {
+                assert!(!pins[i + 1..].contains(a), "{a} twice");
+            }
+            assert_eq!(pins[0].to_string(), first);
         }
-        assert_eq!(pins[0].to_string(), "PF13");
     }
 
     #[test]
     fn slots_stand_in_the_order_of_the_motors() {
-        assert_eq!(OCTOPUS.slots.map(|s| s.motor), Motor::ALL);
+        assert!([OCTOPUS, SPIDER].iter().all(|board| board.slots.map(|s| s.motor) == Motor::ALL));
     }
 }

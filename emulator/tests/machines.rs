@@ -11,8 +11,10 @@ use corehbot::storage::{LONGEST, record_of};
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::{At24c32, Cut};
+use corehbot_emulator::firmware::Firmware;
+use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
-use corehbot_emulator::wiring::{OCTOPUS, Pin};
+use corehbot_emulator::wiring::{OCTOPUS, Pin, SPIDER, Wiring};
 use corehbot_sim::machine_file;
 
 /// Both belts and the screw, and an arc.
@@ -24,11 +26,6 @@ fn motors_of(name: &str) -> MotorSet {
 }
 
 fn motors_on(bench: &Bench<'_>) -> MotorSet {
-    motors_and_debug_pins(bench).0
-}
-
-/// Also which pins of the debug port (SWDIO, SWCLK) are its own at the end.
-fn motors_and_debug_pins(bench: &Bench<'_>) -> (MotorSet, u16) {
     let settings = bench.settings;
     let seen = print_on(&firmware(), GCODE, bench);
     assert_eq!((seen.end, seen.resets.len(), &seen.line.failure), (End::Done, 0, &None));
@@ -39,7 +36,7 @@ fn motors_and_debug_pins(bench: &Bench<'_>) -> (MotorSet, u16) {
     assert!(seen.safety.dangers.is_empty() && seen.recorder.unpowered == 0);
     let stored: Vec<_> = seen.line.said.iter().filter(|line| line.contains("stored settings retrieved")).collect();
     assert_eq!(stored.len(), 1, "{:?}", seen.line.said);
-    (host.iter().fold(MotorSet::NONE, |all, event| all.with(event.steps)), seen.debug_pins)
+    host.iter().fold(MotorSet::NONE, |all, event| all.with(event.steps))
 }
 
 #[test]
@@ -154,39 +151,63 @@ fn a_power_cut_while_a_machine_is_stored_leaves_the_old_or_the_new() {
     assert!(kept.contains(&false), "{kept:?}");
 }
 
+/// Prints some moves from where the machine is, compares the steps with the simulator's, and says what else was seen. All
+/// switches are open, and each is looked at in its own input.
+fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
+    let wiring: &'static _ = Box::leak(Box::new(wiring));
+    let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(machine_file::load(file).unwrap()) };
+    let gcode = "M119\nG92 X0 Y0 Z0\nG1 X8 Y4 Z.5 E1 F12000\nG1 X4\nG2 X6 Y6 I2 J0\n";
+    let seen = print_on(firmware, gcode, &bench);
+    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
+    assert_eq!(difference(&seen.recorder.events, &scheduled(gcode, &bench.settings).unwrap()), None);
+    assert_eq!((&seen.safety.dangers, &seen.gaps.found, seen.recorder.unpowered), (&vec![], &vec![], 0));
+    for line in ["x_min: open", "y_min: open", "z_min: open"] {
+        assert!(seen.line.said.iter().any(|said| said == line), "{:?}", seen.line.said);
+    }
+    seen
+}
+
 /// Slot M7, whose direction line is the debug port's clock, and an input that no switch of the prototype has.
 #[test]
 fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
-    let file = "board = \"octopus\"\n[motors]\nm8 = \"M7\"\n[endstops]\ny = \"E3DET\"\n";
     let mut wiring = OCTOPUS;
     let slot = &mut wiring.slots[Motor::M8 as usize];
     (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('A', 14));
     (slot.enable, slot.uart) = (Pin::new('E', 0), Pin::new('D', 3));
     wiring.endstops[1].1 = Pin::new('G', 15);
-    let wiring: &'static _ = Box::leak(Box::new(wiring));
-    let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(machine_file::load(file).unwrap()) };
-    let seen = motors_and_debug_pins(&bench);
-    assert_eq!(seen, (MotorSet::ALL.without(MotorSet::of(Motor::E0)), 0b01), "SWDIO is the port's, SWCLK is not");
+    let file = "board = \"octopus\"\n[motors]\nm8 = \"M7\"\n[endstops]\ny = \"E3DET\"\n";
+    assert_eq!(moves_on(&firmware(), file, wiring).debug_pins, 0b01, "SWDIO is the port's, SWCLK is not");
     let usual = print_on(&firmware(), "M119\n", &Bench::default());
     assert_eq!(usual.debug_pins, 0b11, "without a motor there the port has its clock");
 }
 
-/// Boards that share the image: it starts on each as that, and steps as the simulator does.
+/// An image that several boards share starts on each as that.
 #[test]
 fn an_image_may_be_on_another_of_its_boards() {
-    let gcode = "G92 X0 Y0 Z0\nG1 X20 Y10 Z1 E1 F6000\nG2 X30 Y20 I10 J0\nM114\n";
-    for (key, name, wiring) in [("octopus-pro", "BTT Octopus Pro V1.0", &OCTOPUS)] {
-        let mut firmware = firmware();
-        firmware.set_board(key).unwrap();
-        let mut elsewhere = Settings::prototype();
-        elsewhere.wiring.motors[0].connector = ConnectorName::lit("A");
-        let bench = Bench { wiring, drivers: DriverLines::new(wiring), ..bench_of(elsewhere) };
-        let seen = print_on(&firmware, gcode, &bench);
-        assert_eq!((seen.end, &seen.line.failure), (End::Done, &None), "{key}");
-        let told = format!("echo:the machine is not used: motor m1: the {name} has no connector A; it has ");
-        assert!(seen.line.said.iter().any(|said| said.starts_with(&told)), "{key}: {:?}", seen.line.said);
-        let host = scheduled(gcode, &Settings::prototype()).unwrap();
-        assert_eq!(difference(&seen.recorder.events, &host), None, "{key}");
-        assert!(seen.safety.dangers.is_empty() && seen.recorder.unpowered == 0, "{key}");
-    }
+    let mut firmware = firmware();
+    firmware.set_board("octopus-pro").unwrap();
+    let mut elsewhere = Settings::prototype();
+    elsewhere.wiring.motors[0].connector = ConnectorName::lit("A");
+    let seen = print_on(&firmware, "M114\n", &bench_of(elsewhere));
+    let told = "echo:the machine is not used: motor m1: the BTT Octopus Pro V1.0 has no connector A; it has M0, ";
+    assert!(seen.line.said.iter().any(|said| said.starts_with(told)), "{:?}", seen.line.said);
+    assert!(firmware.set_board("nucleo").is_err());
+}
+
+/// The Spider steps as the simulator does. The direction pin of E1-MOT (PC13) rises within 100 ns (STM32F446 datasheet, I/O AC
+/// characteristics at the lowest speed), and the driver wants it 20 ns before a step.
+#[test]
+fn the_image_steps_on_a_spider() {
+    let mut firmware = firmware();
+    firmware.set_board("spider").unwrap();
+    let mut wiring = SPIDER;
+    let slot = &mut wiring.slots[Motor::M4 as usize];
+    (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('C', 13));
+    (slot.enable, slot.uart) = (Pin::new('E', 5), Pin::new('C', 14));
+    wiring.endstops[0].1 = Pin::new('A', 1);
+    let file = "board = \"spider\"\n[motors]\nm4 = \"E1-MOT\"\n[endstops]\nx = \"X-MAX\"\n";
+    let seen = moves_on(&firmware, file, wiring);
+    println!("dir to step {} ns", seen.recorder.pulse.set_up);
+    assert!(seen.recorder.pulse.set_up >= 120, "{:?}", seen.recorder.pulse);
+    assert_eq!(seen.debug_pins, 0b11);
 }

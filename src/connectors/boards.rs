@@ -50,6 +50,22 @@ pub const OCTOPUS: BoardConnectors = BoardConnectors {
 pub const OCTOPUS_PRO: BoardConnectors =
     BoardConnectors { key: "octopus-pro", name: "BTT Octopus Pro V1.0", ..OCTOPUS };
 
+/// Fysetc Spider V1.x and V2.x with an STM32F446 (Fysetc's README). Left out, though printed: heater outputs, whose pulses no timer
+/// of ours can end, and fans; Z-MAX is the probe's (`boards/spider/wiring.rs`).
+pub const SPIDER: BoardConnectors = BoardConnectors {
+    key: "spider",
+    name: "Fysetc Spider",
+    sockets: &names(["X-MOT", "Y-MOT", "E2-MOT", "Z-MOT", "E3-MOT", "E4-MOT", "E0-MOT", "E1-MOT"]),
+    endstops: &names(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX"]),
+    debug_sockets: &[],
+    outputs: OutputSet::NONE,
+    sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
+    fans: 0,
+    has_probe: true,
+    is_bench: false,
+    is_simulated: false,
+};
+
 /// Nucleo-F446RE with a CNC shield v3: the sockets and limit inputs of the shield.
 pub const NUCLEO: BoardConnectors = BoardConnectors {
     key: "nucleo",
@@ -77,7 +93,7 @@ pub const SIM: BoardConnectors = BoardConnectors {
 
 impl BoardConnectors {
     /// Every board.
-    pub const ALL: [&'static Self; 4] = [&OCTOPUS, &OCTOPUS_PRO, &NUCLEO, &SIM];
+    pub const ALL: [&'static Self; 5] = [&OCTOPUS, &OCTOPUS_PRO, &SPIDER, &NUCLEO, &SIM];
 }
 
 const fn names<const N: usize>(texts: [&'static str; N]) -> [ConnectorName; N] {

@@ -6,7 +6,7 @@
 mod boards;
 mod name;
 
-pub use boards::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM};
+pub use boards::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
 pub use name::ConnectorName;
 
 use serde::{Deserialize, Serialize};

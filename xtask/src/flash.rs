@@ -42,6 +42,16 @@ const BEFORE_DFU: &str = "\
 before you set the BOOT0 jumper: unplug HE2 and HE3, for the chip's bootloader pulls their gates (PB10, PB11) up;
 BOOT1 (PB2, on EXP2) has to be low: unplug a display there, and if no bootloader shows up, bridge PB2 to ground";
 
+/// The same for the Spider, of which only the pins are known.
+const BEFORE_DFU_SPIDER: &str = "\
+before you set the BT0 jumper: unplug the bed and all heaters, for nobody has looked what the chip's bootloader does to
+their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloader shows up, bridge PB2 to ground";
+
+/// What to do before the chip's own bootloader runs on a board.
+const fn before_dfu(board: Board) -> &'static str {
+    if matches!(board, Board::Spider) { BEFORE_DFU_SPIDER } else { BEFORE_DFU }
+}
+
 /// What dfu-util 0.11 says when everything has arrived.
 const DOWNLOADED: &str = "File downloaded successfully";
 
@@ -63,7 +73,7 @@ pub fn main(args: &Args) -> Result<()> {
     } else if way.dfu {
         ensure!(board.has_usb(), "the {} has no USB socket of its own: use --probe", board.title());
         DFU_UTIL.find()?;
-        println!("{BEFORE_DFU}");
+        println!("{}", before_dfu(board));
     } else if let Some(card) = &way.sd {
         ensure!(board.has_card_slot(), "the {} has no card slot: use --probe", board.title());
         ensure!(card.is_dir(), "{} is no folder: where is the card mounted?", card.display());
@@ -220,7 +230,10 @@ mod tests {
     #[test]
     fn whoever_flashes_by_usb_is_warned_of_the_heaters_and_of_both_boot_pins() {
         for word in ["HE2", "HE3", "PB10", "PB11", "BOOT0", "BOOT1", "PB2"] {
-            assert!(BEFORE_DFU.contains(word), "{word}");
+            assert!(before_dfu(Board::Octopus).contains(word), "{word}");
+        }
+        for word in ["bed", "all heaters", "PB4", "PB15", "PC8", "PB3", "BT0", "BOOT1", "PB2"] {
+            assert!(before_dfu(Board::Spider).contains(word), "{word}");
         }
     }
 

@@ -1,21 +1,25 @@
-//! The firmware for the BTT Octopus V1.0 and V1.1, and for boards that differ from it in pins alone: the Octopus Pro V1.0. One
-//! image serves all of them; its machine block says on which it is.
+//! The firmware for the BTT Octopus V1.0 and V1.1, and for boards that differ from it in pins alone: the Octopus Pro V1.0 and the
+//! Fysetc Spider. One image serves all of them; its machine block says on which it is.
 //!
-//! `cargo xtask build octopus` (or `octopus-pro`) makes the image, and the README.md of each board says how to wire and flash it.
+//! `cargo xtask build octopus` (or `octopus-pro`, `spider`) makes the image, and the README.md of each board says how to wire and flash it.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
+use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO, SPIDER};
 use corehbot_stm32f446::wiring::Image;
 
+#[path = "../../spider/wiring.rs"]
+mod spider;
 mod wiring;
 
+#[cfg(test)]
+mod spider_tests;
 #[cfg(test)]
 mod tests;
 
 /// The image, which is on the first of its boards unless `corehbot image` says otherwise.
 static IMAGE: Image = Image {
-    boards: &[&wiring::BOARD, &wiring::PRO],
-    block: const { &corehbot::storage::blank_block(&[&OCTOPUS, &OCTOPUS_PRO]) },
+    boards: &[&wiring::BOARD, &wiring::PRO, &spider::BOARD],
+    block: const { &corehbot::storage::blank_block(&[&OCTOPUS, &OCTOPUS_PRO, &SPIDER]) },
 };
 
 #[cfg(target_os = "none")]

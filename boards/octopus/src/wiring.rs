@@ -19,21 +19,21 @@ pub static BOARD: Board = Board {
     crystal: Crystal::Oscillator12MHz,
     sockets: &[
         // M0: motor 1.
-        slot((Port::F, 13), (Port::F, 12), (Port::F, 14), (Port::C, 4)),
+        Slot::new((Port::F, 13), (Port::F, 12), (Port::F, 14), (Port::C, 4)),
         // M1: motor 4.
-        slot((Port::G, 0), (Port::G, 1), (Port::F, 15), (Port::D, 11)),
+        Slot::new((Port::G, 0), (Port::G, 1), (Port::F, 15), (Port::D, 11)),
         // M4: motor 8.
-        slot((Port::F, 9), (Port::F, 10), (Port::G, 2), (Port::F, 2)),
+        Slot::new((Port::F, 9), (Port::F, 10), (Port::G, 2), (Port::F, 2)),
         // M3: motor 11.
-        slot((Port::G, 4), (Port::C, 1), (Port::A, 0), (Port::C, 7)),
+        Slot::new((Port::G, 4), (Port::C, 1), (Port::A, 0), (Port::C, 7)),
         // M2: left screw.
-        slot((Port::F, 11), (Port::G, 3), (Port::G, 5), (Port::C, 6)),
+        Slot::new((Port::F, 11), (Port::G, 3), (Port::G, 5), (Port::C, 6)),
         // M5: right screw.
-        slot((Port::C, 13), (Port::F, 0), (Port::F, 1), (Port::E, 4)),
+        Slot::new((Port::C, 13), (Port::F, 0), (Port::F, 1), (Port::E, 4)),
         // M6: extruder.
-        slot((Port::E, 2), (Port::E, 3), (Port::D, 4), (Port::E, 1)),
+        Slot::new((Port::E, 2), (Port::E, 3), (Port::D, 4), (Port::E, 1)),
         // M7.
-        slot((Port::E, 6), (Port::A, 14), (Port::E, 0), (Port::D, 3)),
+        Slot::new((Port::E, 6), (Port::A, 14), (Port::E, 0), (Port::D, 3)),
     ],
     // X-STOP, Y-STOP, Z-STOP, Z2-STOP, E0DET to E3DET: 10 kOhm to 3.3 V, 100 nF to ground.
     inputs: &[
@@ -101,15 +101,6 @@ pub static BOARD: Board = Board {
 /// The Octopus Pro V1.0: the same pins (BTT's README of the Octopus Pro; Klipper's generic-bigtreetech-octopus-pro-v1.0.cfg).
 /// Its PROBE header alone is elsewhere, on PC5, and not in use; PB7 is that of the BLTouch.
 pub static PRO: Board = Board { name: "BTT Octopus Pro V1.0", connectors: &OCTOPUS_PRO, ..BOARD };
-
-const fn slot(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Slot {
-    Slot {
-        step: Pin::new(step.0, step.1),
-        dir: Pin::new(dir.0, dir.1),
-        enable: Pin::new(enable.0, enable.1),
-        uart: Some(Pin::new(uart.0, uart.1)),
-    }
-}
 
 /// A heater on port A, where pin n is channel n + 1 of TIM5 (STM32F446 datasheet, table of alternate functions).
 const fn heater(output: Output, pin: u8) -> HeaterPin {

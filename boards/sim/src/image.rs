@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(wrong(vec![0; 5000], fine), "no image of this firmware: it has no place for a machine");
         assert_eq!(wrong([image(&OCTOPUS), image(&OCTOPUS)].concat(), fine), wrong(vec![], fine));
         let printer = image(&BoardConnectors { key: "printer", ..OCTOPUS });
-        assert_eq!(wrong(printer, fine), "no board is called printer: octopus, octopus-pro, nucleo");
+        assert_eq!(wrong(printer, fine), "no board is called printer: octopus, octopus-pro, spider, nucleo");
         let mut machine = fine;
         machine.wiring.motors[1] = machine.wiring.motors[0];
         assert_eq!(wrong(image(&OCTOPUS), machine), "motor m1 and motor m4 have the same connector, M0");

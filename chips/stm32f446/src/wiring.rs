@@ -92,6 +92,13 @@ pub struct Slot {
 }
 
 impl Slot {
+    /// The slot with these pins, each a port and a number, of a driver that has a UART.
+    #[must_use]
+    pub const fn new(step: (Port, u8), dir: (Port, u8), enable: (Port, u8), uart: (Port, u8)) -> Self {
+        let (step, dir) = (Pin::new(step.0, step.1), Pin::new(dir.0, dir.1));
+        Self { step, dir, enable: Pin::new(enable.0, enable.1), uart: Some(Pin::new(uart.0, uart.1)) }
+    }
+
     /// Whether a line of it is one of the debug port: it is left to that port until a machine has a motor here.
     #[must_use]
     pub fn is_of_debug_port(&self) -> bool {

@@ -1,7 +1,7 @@
 //! The boards' tables and the crate's own against what stm32-metapac knows of the chip: pins, alternate functions, channels of
 //! the converter, DMA streams, timers and interrupts.
 //!
-//! stm32-metapac describes one chip in a build, so that of the Octopus stands for both: they are one die in two packages.
+//! stm32-metapac describes one chip in a build, so that of the Octopus stands for all: they are one die in three packages.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -17,6 +17,13 @@ mod nucleo;
 #[allow(dead_code, reason = "its own tests run with the board")]
 #[path = "../../../boards/octopus/src/wiring.rs"]
 mod octopus;
+
+#[path = "../../../boards/spider/wiring.rs"]
+mod spider;
+
+/// Pins of the package with 100 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP100; stm32-metapac 21.0.0 has
+/// the same for stm32f446ve).
+const LQFP100: [(char, u16); 5] = [('A', 0xFFFF), ('B', 0xF7FF), ('C', 0xFFFF), ('D', 0xFFFF), ('E', 0xFFFF)];
 
 /// Pins of the package with 64 pins by port, a bit for each (STM32F446 datasheet, pin definitions, LQFP64; stm32-metapac 21.0.0 has
 /// the same for stm32f446re).
@@ -128,8 +135,16 @@ fn has_lqfp144(pin: Pin) -> bool {
     METADATA.pins.iter().any(|p| p.name == name(pin))
 }
 
+fn has_lqfp100(pin: Pin) -> bool {
+    is_in(&LQFP100, pin)
+}
+
 fn has_lqfp64(pin: Pin) -> bool {
-    LQFP64.iter().any(|(port, bits)| format!("{:?}", pin.port) == port.to_string() && bits >> pin.number() & 1 != 0)
+    is_in(&LQFP64, pin)
+}
+
+fn is_in(package: &[(char, u16)], pin: Pin) -> bool {
+    package.iter().any(|(port, bits)| format!("{:?}", pin.port) == port.to_string() && bits >> pin.number() & 1 != 0)
 }
 
 #[test]
@@ -140,8 +155,14 @@ fn the_octopus_uses_pins_as_the_chip_has_them() {
 }
 
 #[test]
+fn the_spider_uses_pins_as_the_chip_has_them() {
+    assert_eq!(problems(&spider::BOARD, has_lqfp100), Vec::<String>::new());
+    assert!(problems(&octopus::BOARD, has_lqfp100).len() > 10, "ports F and G are not in that package");
+}
+
+#[test]
 fn the_nucleo_uses_pins_as_the_chip_has_them() {
-    assert!(LQFP64.iter().all(|(port, bits)| {
+    assert!(LQFP64.iter().chain(&LQFP100).all(|(port, bits)| {
         let all = (0..16).filter(|n| bits >> n & 1 != 0);
         all.into_iter().all(|n| METADATA.pins.iter().any(|p| p.name == format!("P{port}{n}")))
     }));

@@ -31,6 +31,8 @@ pub enum Board {
     Octopus,
     /// BTT Octopus Pro V1.0 with an STM32F446.
     OctopusPro,
+    /// Fysetc Spider V1.x or V2.x with an STM32F446.
+    Spider,
     /// Nucleo-F446RE with a CNC shield.
     Nucleo,
 }
@@ -40,6 +42,7 @@ impl Board {
         match self {
             Self::Octopus => "octopus",
             Self::OctopusPro => "octopus-pro",
+            Self::Spider => "spider",
             Self::Nucleo => "nucleo",
         }
     }
@@ -47,14 +50,14 @@ impl Board {
     /// The package that makes its image.
     const fn package(self) -> &'static str {
         match self {
-            Self::Octopus | Self::OctopusPro => "corehbot-octopus",
+            Self::Octopus | Self::OctopusPro | Self::Spider => "corehbot-octopus",
             Self::Nucleo => "corehbot-nucleo",
         }
     }
 
     /// Whether the ELF file is for it: one that boards share is for the first of them, and `firmware.bin` alone for another.
     pub const fn has_elf(self) -> bool {
-        !matches!(self, Self::OctopusPro)
+        !matches!(self, Self::OctopusPro | Self::Spider)
     }
 
     /// What people call it.
@@ -62,6 +65,7 @@ impl Board {
         match self {
             Self::Octopus => "BTT Octopus",
             Self::OctopusPro => "BTT Octopus Pro",
+            Self::Spider => "Fysetc Spider",
             Self::Nucleo => "Nucleo-F446RE",
         }
     }
@@ -70,6 +74,7 @@ impl Board {
     pub const fn chip(self) -> &'static str {
         match self {
             Self::Octopus | Self::OctopusPro => "STM32F446ZETx",
+            Self::Spider => "STM32F446VETx",
             Self::Nucleo => "STM32F446RETx",
         }
     }
@@ -87,7 +92,7 @@ impl Board {
     /// Bytes that the image may leave free in one place.
     const fn largest_gap(self) -> u32 {
         match self {
-            Self::Octopus | Self::OctopusPro => binary::LARGEST_GAP,
+            Self::Octopus | Self::OctopusPro | Self::Spider => binary::LARGEST_GAP,
             // Sectors 0 to 2 hold the vectors and the settings; the code begins behind them.
             Self::Nucleo => 0xC000,
         }

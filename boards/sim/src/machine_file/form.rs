@@ -4,7 +4,7 @@
 mod heat;
 mod motion;
 
-use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM};
+use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
 pub(super) use heat::{
     FanToml, FansToml, GuardsToml, HeaterToml, HeatersToml, ModelToml, PidToml, ThermalToml, ThermistorToml,
 };
@@ -91,6 +91,7 @@ pub(super) struct MachineToml {
 pub(super) enum BoardToml {
     Octopus,
     OctopusPro,
+    Spider,
     Nucleo,
     Sim,
 }
@@ -100,6 +101,7 @@ impl From<BoardToml> for &'static BoardConnectors {
         match board {
             BoardToml::Octopus => &OCTOPUS,
             BoardToml::OctopusPro => &OCTOPUS_PRO,
+            BoardToml::Spider => &SPIDER,
             BoardToml::Nucleo => &NUCLEO,
             BoardToml::Sim => &SIM,
         }

@@ -1,0 +1,77 @@
+//! The wiring of the Fysetc Spider V1.x and V2.x with an STM32F446VET6 (LQFP100), as far as all of these are the same.
+//!
+//! From Fysetc's README (github.com/FYSETC/FYSETC-SPIDER), Klipper's generic-fysetc-spider.cfg, Marlin's pins_FYSETC_SPIDER.h and
+//! the RepRapFirmware that Fysetc adapted (FYSETC.h), which agree. Nobody has read the schematic.
+//!
+//! Motors 1 and 8 have step pins on GPIOE, motors 4 and 11 on GPIOD, so each pair steps by one store. The host is on USART1, on the
+//! header for a Raspberry Pi, or on USB.
+
+use corehbot::connectors::SPIDER;
+use corehbot::port::Sensor;
+use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, Probe, SerialPort, Slot, ThermistorPin, Usart};
+
+/// The board.
+pub static BOARD: Board = Board {
+    name: "Fysetc Spider",
+    connectors: &SPIDER,
+    crystal: Crystal::Oscillator12MHz,
+    sockets: &[
+        // X-MOT: motor 1.
+        Slot::new((Port::E, 11), (Port::E, 10), (Port::E, 9), (Port::E, 7)),
+        // Y-MOT: motor 4.
+        Slot::new((Port::D, 8), (Port::B, 12), (Port::D, 9), (Port::E, 15)),
+        // E2-MOT: motor 8.
+        Slot::new((Port::E, 2), (Port::E, 4), (Port::E, 3), (Port::C, 15)),
+        // Z-MOT: motor 11.
+        Slot::new((Port::D, 14), (Port::D, 13), (Port::D, 15), (Port::D, 10)),
+        // E3-MOT: left screw.
+        Slot::new((Port::D, 12), (Port::C, 4), (Port::E, 8), (Port::A, 15)),
+        // E4-MOT: right screw.
+        Slot::new((Port::E, 1), (Port::E, 0), (Port::C, 5), (Port::D, 11)),
+        // E0-MOT: extruder.
+        Slot::new((Port::D, 5), (Port::D, 6), (Port::D, 4), (Port::D, 7)),
+        // E1-MOT, whose direction pin is slow.
+        Slot::new((Port::E, 6), (Port::C, 13), (Port::E, 5), (Port::C, 14)),
+    ],
+    // X-MIN, Y-MIN, Z-MIN, X-MAX, Y-MAX.
+    inputs: &[
+        Pin::new(Port::B, 14),
+        Pin::new(Port::B, 13),
+        Pin::new(Port::A, 0),
+        Pin::new(Port::A, 1),
+        Pin::new(Port::A, 2),
+    ],
+    // Z-MAX: an inductive sensor that pulls it down when it sees the bed (Fysetc's printer.cfg, [probe]).
+    probe: Some(Probe { pin: Pin::new(Port::A, 3), is_high: false, pull_up: true }),
+    // Under 4.7 kOhm to 3.3 V. TB of V1.x is TE3 of V2.2 and V2.3; their TB and TE4 (PB0, PB1) are not on ADC3.
+    thermistors: &[
+        thermistor(Sensor::Bed, 3, 13),
+        thermistor(Sensor::Hotend0, 0, 10),
+        thermistor(Sensor::Hotend1, 1, 11),
+        thermistor(Sensor::Hotend2, 2, 12),
+    ],
+    // E0, E1, E2 and the bed, FAN2, and the strips' R, G and B. FAN0 and FAN1 of V1.x (PB0, PB1) are inputs of thermistors in V2.2.
+    loads: &[
+        Pin::new(Port::B, 15),
+        Pin::new(Port::C, 8),
+        Pin::new(Port::B, 3),
+        Pin::new(Port::B, 4),
+        Pin::new(Port::B, 2),
+        Pin::new(Port::B, 6),
+        Pin::new(Port::B, 5),
+        Pin::new(Port::B, 7),
+    ],
+    // None of their pins is on TIM5, which would end their pulses: they stay low.
+    heaters: &[],
+    fans: &[],
+    supply_switch: None,
+    serial: &[SerialPort { usart: Usart::One, tx: Pin::new(Port::A, 9), rx: Pin::new(Port::A, 10), baud: 250_000 }],
+    has_usb: true,
+    eeprom: Some([Pin::new(Port::B, 8), Pin::new(Port::B, 9)]),
+    marks: &[],
+};
+
+/// A thermistor on port C.
+const fn thermistor(sensor: Sensor, pin: u8, channel: u8) -> ThermistorPin {
+    ThermistorPin { sensor, pin: Pin::new(Port::C, pin), channel }
+}
