@@ -1,6 +1,6 @@
 //! The machine in numbers: dimensions, masses and stiffnesses, each with its source.
 //!
-//! \[H\] is the CoreH-bot paper (Idà, Nanetti, Mottola, Machines 2022). What it does not say is marked *assumed*: the
+//! \[H\] is the paper that introduced the CoreH-bot (Machines, 2022). What it does not say is marked *assumed*: the
 //! prototype's masses, guides, friction and damping are not published. Frequencies go with the root of stiffness over mass.
 
 use serde::{Deserialize, Serialize};

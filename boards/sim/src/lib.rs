@@ -33,5 +33,6 @@ pub mod summary;
 pub mod tally;
 pub mod tmc2209;
 pub mod trace;
+mod twin;
 pub mod vcd;
 pub mod world;

@@ -1,0 +1,39 @@
+//! `corehbot twin`: what the belt makes of commanded steps, computed by the crate `corehbot-twin`.
+//!
+//! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for programs.
+
+mod answer;
+mod point;
+mod setup;
+
+use anyhow::Result;
+use clap::Subcommand;
+
+/// What the belt makes of commanded steps: stiffness, modes, slips.
+#[derive(Subcommand)]
+pub(crate) enum Twin {
+    /// Where the belt runs: segments, wraps, lengths and reach.
+    Geometry(point::Geometry),
+    /// How stiffly the tool is held.
+    Stiffness(point::Stiffness),
+    /// At which frequencies the machine vibrates.
+    Modes(point::Modes),
+    /// What a force on the tool does.
+    Push(point::Push),
+    /// What a motor that slipped does.
+    Slip(point::Slip),
+}
+
+/// Answers, and says the exit status.
+///
+/// # Errors
+/// What is asked for is not there, or an output cannot be written.
+pub(crate) fn run(twin: &Twin) -> Result<u8> {
+    match twin {
+        Twin::Geometry(args) => args.answer(),
+        Twin::Stiffness(args) => args.answer(),
+        Twin::Modes(args) => args.answer(),
+        Twin::Push(args) => args.answer(),
+        Twin::Slip(args) => args.answer(),
+    }
+}

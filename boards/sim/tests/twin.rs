@@ -1,0 +1,98 @@
+//! `corehbot twin` as a user meets it: questions in, tables and JSON out, and the exit status.
+// Clippy sees no test in the helpers here.
+#![allow(clippy::unwrap_used)]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn twin(words: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("twin").args(words.split_whitespace()).output().unwrap()
+}
+
+/// The JSON that a question is answered with on standard output.
+fn json(words: &str) -> Value {
+    let output = twin(&format!("{words} --json -"));
+    assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The one line that a question fails with.
+fn complaint(words: &str) -> String {
+    let output = twin(words);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(text.lines().count(), 1, "{text}");
+    text
+}
+
+fn file(test: &str, text: &str) -> PathBuf {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("twin");
+    std::fs::create_dir_all(&place).unwrap();
+    let path = place.join(test);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn near(value: &Value, expected: f64, part: f64) -> bool {
+    (value.as_f64().unwrap() - expected).abs() <= part * expected.abs().max(1e-3)
+}
+
+#[test]
+fn points_are_answered_with_units_in_the_keys() {
+    let k = json("stiffness --at 150,180");
+    assert!(near(&k["Kxx_N_per_mm"], 300.010, 1e-3) && near(&k["Kyy_N_per_mm"], 282.963, 1e-3), "{k}");
+    assert!(k["Kxy_N_per_mm"].as_f64().unwrap().abs() < 1e-6, "{k}");
+    let modes = json("modes --model rotors");
+    let frequencies = &modes["frequencies_Hz"];
+    assert!(near(&frequencies[0], 57.64, 5e-3) && near(&frequencies[1], 101.38, 5e-3), "{modes}");
+    let slip = json("slip --motor 1 --at 235,235");
+    assert!(near(&slip["dx_mm"], -0.19949, 5e-3) && near(&slip["residual_mm"], 0.79797, 5e-3), "{slip}");
+    assert!(near(&slip["tension_change_N"]["up"], -13.88, 5e-3), "{slip}");
+    assert!(near(&slip["motor_torque_mNm"][3], -179.2, 5e-3), "{slip}");
+    let push = json("push --force 5,-5 --machine corexy --at 147.5,339.4");
+    assert!(push["dx_mm"].as_f64().unwrap() > 0.0 && push["residual_mm"].is_null(), "{push}");
+    let geometry = json("geometry");
+    assert!(near(&geometry["belt_lengths_mm"][0], 3593.091, 1e-6), "{geometry}");
+    assert_eq!(geometry["segments"].as_array().unwrap().len(), 14);
+}
+
+#[test]
+fn a_free_motor_and_other_numbers_are_taken() {
+    let free = json("stiffness --free-motor 4");
+    assert!(near(&free["Kxy_N_per_mm"], -70.721, 1e-4), "{free}");
+    let stiff = file("stiff.toml", "belt_EA_N = 60000\n");
+    let k = json(&format!("stiffness --at 235,235 --params {}", stiff.display()));
+    assert!(near(&k["Kxx_N_per_mm"], 2.0 * 287.563, 1e-3), "{k}");
+}
+
+#[test]
+fn a_place_of_g_code_is_counted_from_the_corner_of_the_reach() {
+    let [paper, gcode] = ["stiffness --at 60,31.2", "stiffness --gcode-frame --at 20,5"].map(json);
+    assert!(near(&gcode["x_mm"], 60.0, 1e-9) && near(&gcode["Kxx_N_per_mm"], 348.927, 1e-3), "{gcode}");
+    assert!(near(&gcode["Kyy_N_per_mm"], paper["Kyy_N_per_mm"].as_f64().unwrap(), 1e-9), "{gcode}");
+}
+
+#[test]
+fn people_get_tables() {
+    let text = String::from_utf8(twin("slip --motor 8 --at 100,100").stdout).unwrap();
+    assert!(text.contains("motor 8 slipped by 4 full steps") && text.contains("residual"), "{text}");
+    let both = twin("stiffness --json -");
+    assert!(String::from_utf8(both.stderr).unwrap().contains("Kxx"));
+}
+
+#[test]
+fn what_is_not_there_is_told_in_one_line() {
+    assert!(complaint("stiffness --at 10,10").contains("x 40.00 to 430.00"));
+    assert!(complaint("stiffness --gcode-frame --at 400,10").contains("x 0.00 to 390.00"));
+    assert!(complaint("modes --machine hbot --free-motor 8").contains("no motor 8"));
+    assert!(complaint("slip --motor 3").contains("has 1, 4, 8, 11"));
+    assert!(complaint("modes --machine hbot --at 45,100").contains("52.70"));
+    let bad = [("typo.toml", "belt_EA = 1\n", "line 1"), ("negative.toml", "preload_N = -1\n", "preload_N")];
+    for (name, text, word) in bad {
+        let path = file(name, text);
+        let told = complaint(&format!("stiffness --params {}", path.display()));
+        assert!(told.contains(name) && told.contains(word), "{told}");
+    }
+    assert!(complaint("stiffness --params nowhere.toml").contains("cannot open"));
+}
