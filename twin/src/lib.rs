@@ -17,13 +17,21 @@
 //! | [`model`] | the segment law, and what follows from it: ways, strains, stiffness, mass |
 //! | [`solve`] | equilibria and modes of a model |
 //! | [`queries`] | answers about one place of the tool, ready to be printed |
+//! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
+//! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
+//! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
+//! | [`run`] | a trace played, and what there is to say of it |
 //!
 //! What the papers printed, what is right and what was corrected: docs/twin.md.
 #![forbid(unsafe_code)]
 
+pub mod contour;
+pub mod dynamics;
 pub mod geometry;
 pub mod model;
 pub mod params;
 pub mod queries;
 pub mod routing;
+pub mod run;
 pub mod solve;
+pub mod steps;
