@@ -16,7 +16,8 @@
 //! | [`geometry`] | straight segments, wraps and reach, from the routing and a place of the tool |
 //! | [`model`] | the segment law, and what follows from it: ways, strains, stiffness, mass |
 //! | [`solve`] | equilibria and modes of a model |
-//! | [`queries`] | answers about one place of the tool, ready to be printed |
+//! | [`shaping`] | input shapers for an axis that rings within a band |
+//! | [`queries`] | answers ready to be printed |
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
 //! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
 //! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
@@ -33,5 +34,6 @@ pub mod params;
 pub mod queries;
 pub mod routing;
 pub mod run;
+pub mod shaping;
 pub mod solve;
 pub mod steps;

@@ -35,4 +35,5 @@ pub mod tmc2209;
 pub mod trace;
 mod twin;
 pub mod vcd;
+mod watched;
 pub mod world;

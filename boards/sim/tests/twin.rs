@@ -74,6 +74,60 @@ fn a_place_of_g_code_is_counted_from_the_corner_of_the_reach() {
 }
 
 #[test]
+fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
+    let gcode = file("corner.gcode", "G1 X100 Y100 F6000\nG1 X130 F12000\nG1 Y130\nM400\n");
+    let trace = gcode.with_file_name("corner.csv");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    run.arg("run").arg(&gcode).arg("--trace").arg(&trace).args(["--assume-homed", "100,100,0"]);
+    assert!(run.output().unwrap().status.success());
+    let played = |path: &Path| json(&format!("run {} --model rotors --assume-homed 100,100,0", path.display()));
+    let [a, b] = [gcode.as_path(), trace.as_path()].map(played);
+    assert_eq!(a["contour"], b["contour"], "{a} {b}");
+    assert_eq!(a["motors"], b["motors"]);
+    assert!(a["contour"]["max_mm"].as_f64().unwrap() > 0.005 && a["contour"]["max_mm"].as_f64().unwrap() < 0.2, "{a}");
+    // The corner is where G-code's (130, 100) is.
+    assert!(near(&a["corners"][0]["x_mm"], 170.0, 1e-3) && near(&a["corners"][0]["y_mm"], 126.2, 1e-3), "{a}");
+    assert_eq!(a["corners_total"], 1);
+    assert_eq!(a["motors"].as_array().unwrap().len(), 4);
+    assert!(a["motors"].as_array().unwrap().iter().all(|motor| motor["slips"] == 0));
+    assert!(a["tension_N"]["lo"][0].as_f64().unwrap() > 30.0, "{a}");
+    assert!(a["times_real_time"].as_f64().unwrap() > 0.0);
+    let hbot = json(&format!("run {} --machine hbot --assume-homed 100,100,0", trace.display()));
+    assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn what_cannot_be_played_is_told_in_one_line() {
+    let path = file("far.gcode", "G1 X380 F12000\nM400\n");
+    let far = complaint(&format!("run {} --machine hbot --assume-homed 100,100,0", path.display()));
+    assert!(far.contains("far.gcode") && far.contains("reaches x 52.7"), "{far}");
+    let cut = file(
+        "cut.csv",
+        "# corehbot-trace v1 tick_hz=10000000 kinematics=corehbot steps_per_mm=80/800/400\n\
+        tick,m1,m4,m8,m11,z1,z2,e0\n5,1,0\n",
+    );
+    assert!(complaint(&format!("run {}", cut.display())).contains("cut.csv: line 3"));
+    assert!(complaint("run nothing.gcode").contains("cannot open"));
+}
+
+#[test]
+fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
+    let told = json("resonance --grid 3x4");
+    assert_eq!(told["x"]["frequencies_Hz"].as_array().unwrap().len(), 4);
+    assert_eq!(told["x"]["frequencies_Hz"][0].as_array().unwrap().len(), 3);
+    assert!(told["y"]["line"].as_str().unwrap().starts_with("M593 Y F6"), "{told}");
+    assert!(told["y"]["suggestion"]["worst_residual"].as_f64().unwrap() < 0.05, "{told}");
+    assert_eq!(told["x"]["suggestion"]["type"], "MZV");
+    // The firmware takes the lines.
+    let lines = ["x", "y"].map(|axis| told[axis]["line"].as_str().unwrap().to_owned()).join("\n");
+    let gcode = file("shapers.gcode", &format!("{lines}\nG1 X110 F6000\nM400\n"));
+    let run = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("run").arg(&gcode).output().unwrap();
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(run.status.success() && !text.contains("ignored"), "{text}");
+    assert_eq!(twin("resonance --grid 1x4").status.code(), Some(2));
+}
+
+#[test]
 fn people_get_tables() {
     let text = String::from_utf8(twin("slip --motor 8 --at 100,100").stdout).unwrap();
     assert!(text.contains("motor 8 slipped by 4 full steps") && text.contains("residual"), "{text}");

@@ -58,9 +58,23 @@ pub struct Plant {
     count: usize,
     are_rotors: bool,
     springs: Vec<Spring>,
-    /// Names of the spans, and which springs belong to each.
+    /// Names of the spans, and the first spring of each.
     spans: Vec<(&'static str, usize)>,
+    /// Longest step of an integration, in s.
+    longest_step_s: f64,
 }
+
+/// Longest step of an integration in any case, in s: a 145th of a period of the fastest rotor mode.
+const LONGEST_STEP_S: f64 = 20e-6;
+
+/// The same with idlers, which ring at 1.5 kHz in the middle of the machine.
+const LONGEST_STEP_OF_IDLERS_S: f64 = 8e-6;
+
+/// A step is no longer than so many radians of the fastest vibration; Runge and Kutta's method bears 2.8.
+const MOST_RADIANS: f64 = 0.5;
+
+/// Nor than so many times the time in which the belt's damping settles; the method bears 2.7.
+const MOST_SETTLING: f64 = 1.5;
 
 impl Plant {
     /// A machine at rest with its tool at `start`.
@@ -90,7 +104,7 @@ impl Plant {
                 spans.push((link.span, i));
             }
         }
-        Self {
+        let mut plant = Self {
             params: params.clone(),
             start,
             mobility: masses.map(|kg| MM_PER_M / kg).collect(),
@@ -98,8 +112,11 @@ impl Plant {
             are_rotors: detail.rotors,
             springs: elastic.links.links.iter().map(spring).collect(),
             spans,
+            longest_step_s: LONGEST_STEP_S,
             ways,
-        }
+        };
+        plant.send(&vec![0.0; plant.ways.motors.len()]);
+        plant
     }
 
     /// Coordinates: x, y, idlers, motors.
@@ -151,6 +168,33 @@ impl Plant {
             let length = spring.length_mm + spring.grows[0] * x + spring.grows[1] * y;
             spring.stiffness = self.params.belt_ea_n / length.max(SHORTEST_FREE_MM);
         }
+        self.longest_step_s = self.stable_step_s();
+    }
+
+    /// Longest step of an integration, in s.
+    #[must_use]
+    pub const fn longest_step_s(&self) -> f64 {
+        self.longest_step_s
+    }
+
+    /// A step that any vibration here bears. The square of the fastest one's angular frequency is at most the greatest sum
+    /// of a row of stiffness over mass (Gershgorin).
+    fn stable_step_s(&self) -> f64 {
+        let field = if self.are_rotors { self.params.field_stiffness_n_per_mm() } else { 0.0 };
+        let mut fastest = 0.0_f64;
+        for (coordinate, mobility) in self.mobility.iter().enumerate() {
+            let mut sum = if coordinate >= self.first_motor() { field } else { 0.0 };
+            for spring in &self.springs {
+                let own: f64 = spring.row.iter().filter(|(i, _)| *i == coordinate).map(|(_, c)| c.abs()).sum();
+                if own > 0.0 {
+                    sum += own * spring.stiffness * spring.row.iter().map(|(_, c)| c.abs()).sum::<f64>();
+                }
+            }
+            fastest = fastest.max(sum * mobility);
+        }
+        let most = if self.has_idlers() { LONGEST_STEP_OF_IDLERS_S } else { LONGEST_STEP_S };
+        let settling = MOST_SETTLING / (self.params.belt_damping_s * fastest).max(f64::MIN_POSITIVE);
+        most.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
     }
 
     /// What a held motor's step does to the speeds of all that moves: the belt's damping passes an instant's turn on as a

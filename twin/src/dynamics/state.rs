@@ -1,16 +1,9 @@
 //! State: where everything is, how fast, and where the motors were sent.
 //!
 //! Steps of the motors are exact: time is cut at each. In between, the classical Runge-Kutta method of fourth order goes in
-//! steps of 20 us at most, a 145th of a period of the fastest rotor mode. Idlers ring at 1.5 kHz in the middle of the machine
-//! and at 9 kHz where a segment ends; with them steps are 8 us, which is stable to 55 kHz.
+//! steps of 20 us at most, 8 us with idlers, and shorter where a segment comes to its end and is stiff.
 
 use super::plant::Plant;
-
-/// Longest step of the integration without idlers, in s.
-const LONGEST_STEP_S: f64 = 20e-6;
-
-/// The same with idlers.
-const LONGEST_STEP_OF_IDLERS_S: f64 = 8e-6;
 
 /// A machine in motion.
 #[derive(Clone, Debug)]
@@ -21,8 +14,8 @@ pub struct State {
     pub speeds: Vec<f64>,
     /// Where each motor was sent, in mm of belt since the start.
     pub sent_mm: Vec<f64>,
-    /// Longest step of the integration, in s.
-    pub longest_step_s: f64,
+    /// How many times shorter the steps of the integration are than the plant asks for.
+    pub refinement: f64,
     scratch: Scratch,
 }
 
@@ -45,13 +38,12 @@ impl State {
         let scratch =
             Scratch { at: vec![0.0; count], speeds: zeros(), slope: zeros(), sum_speeds: zeros(), sum_slopes: zeros() };
         let sent_mm = vec![0.0; plant.ways.motors.len()];
-        let longest_step_s = if plant.has_idlers() { LONGEST_STEP_OF_IDLERS_S } else { LONGEST_STEP_S };
-        Self { at: vec![0.0; count], speeds: zeros(), sent_mm, longest_step_s, scratch }
+        Self { at: vec![0.0; count], speeds: zeros(), sent_mm, refinement: 1.0, scratch }
     }
 
-    /// Sends a motor (by its place among the motors) to so much belt from the start, at once.
-    pub fn step(&mut self, plant: &Plant, motor: usize, to_mm: f64) {
-        let Some(sent) = self.sent_mm.get_mut(motor) else { return };
+    /// Sends a motor (by its place among the motors) to so much belt from the start, at once. Says whether it was elsewhere.
+    pub fn step(&mut self, plant: &Plant, motor: usize, to_mm: f64) -> bool {
+        let Some(sent) = self.sent_mm.get_mut(motor).filter(|sent| **sent != to_mm) else { return false };
         let way = to_mm - *sent;
         *sent = to_mm;
         if !plant.are_rotors() {
@@ -61,6 +53,7 @@ impl State {
             }
             plant.strike(coordinate, way, &self.at, &mut self.speeds);
         }
+        true
     }
 
     /// Moves on by a time without steps.
@@ -68,11 +61,17 @@ impl State {
         if seconds <= 0.0 {
             return;
         }
-        let steps = (seconds / self.longest_step_s).ceil().max(1.0);
+        let steps = (seconds * self.refinement / plant.longest_step_s()).ceil().max(1.0);
         let step = seconds / steps;
         for _ in 0..steps as u64 {
             self.runge_kutta(plant, step);
         }
+    }
+
+    /// Whether all places are numbers.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.at.iter().all(|at| at.is_finite())
     }
 
     /// Accelerations now, in mm/s^2.

@@ -49,6 +49,8 @@ pub struct Elastic {
     pub stiffness: DMatrix<f64>,
     /// kg; kg mm for what is between y and the yaw, kg mm^2 for the yaw.
     pub mass: DMatrix<f64>,
+    /// Viscous friction of belts, guides and rotors in N s/mm, by coordinates as the others. Dry friction is not in it.
+    pub damping: DMatrix<f64>,
 }
 
 /// N mm in an N m.
@@ -64,7 +66,8 @@ impl Elastic {
         let held_by: Vec<f64> = links.coordinates.iter().map(|c| held_by(*c, params, freedom)).collect();
         let stiffness = stiffness(&links, &held_by, params);
         let mass = mass(&links.coordinates, params, tool);
-        Self { machine, links, parts, held_by, stiffness, mass }
+        let damping = damping(&links, &held_by, &stiffness, params);
+        Self { machine, links, parts, held_by, stiffness, mass, damping }
     }
 
     /// The coordinates that take part in this way.
@@ -102,6 +105,21 @@ fn stiffness(links: &Links, held_by: &[f64], params: &Params) -> DMatrix<f64> {
     for link in &links.links {
         let row = nalgebra::DVector::from_column_slice(&link.row);
         sum += &row * row.transpose() * link.stiffness(params);
+    }
+    sum
+}
+
+/// Belts damp in proportion to their stiffness, fields do not.
+fn damping(links: &Links, held_by: &[f64], stiffness: &DMatrix<f64>, params: &Params) -> DMatrix<f64> {
+    let mut sum = stiffness * params.belt_damping_s;
+    for (i, (coordinate, held)) in links.coordinates.iter().zip(held_by).enumerate() {
+        sum[(i, i)] -= held * params.belt_damping_s;
+        sum[(i, i)] += match coordinate {
+            Coordinate::X => params.guide_x_n_s_per_m / MM_PER_M,
+            Coordinate::Y => params.guide_y_n_s_per_m / MM_PER_M,
+            Coordinate::Motor(_) => params.rotor_damping_n_s_per_mm(),
+            Coordinate::Yaw | Coordinate::Idler(_) => 0.0,
+        };
     }
     sum
 }

@@ -1,10 +1,12 @@
-//! Queries: answers about one place of the tool, as tables for people and figures with units in their names for programs.
+//! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
-//! Each file is one question: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`].
+//! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`]. About
+//! the whole reach: [`resonance`].
 
 pub mod geometry;
 pub mod modes;
 pub mod push;
+pub mod resonance;
 pub mod slip;
 pub mod stiffness;
 mod strain;

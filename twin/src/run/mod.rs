@@ -43,6 +43,8 @@ pub enum RunError {
         /// What there is.
         reach: Workspace,
     },
+    /// Numbers grew beyond bounds, after so many s: no machine has these.
+    Diverged(f64),
     /// It was interrupted.
     Interrupted,
 }
@@ -57,6 +59,7 @@ impl std::fmt::Display for RunError {
                 write!(f, "the path takes x {a:.1} to {b:.1}, y {c:.1} to {d:.1} mm; ")?;
                 write!(f, "the tool reaches x {k:.1} to {l:.1}, y {m:.1} to {n:.1}")
             }
+            Self::Diverged(seconds) => write!(f, "the machine's numbers grow beyond bounds after {seconds:.3} s"),
             Self::Interrupted => f.write_str("interrupted"),
         }
     }
@@ -126,7 +129,7 @@ impl<'t> Run<'t> {
     /// Integrates in steps so many times shorter.
     #[must_use]
     pub fn refined(mut self, times: f64) -> Self {
-        self.state.longest_step_s /= times;
+        self.state.refinement = times;
         self
     }
 
@@ -141,14 +144,21 @@ impl<'t> Run<'t> {
             if index % TOLD == 0 && !go_on(index as f64 / events) {
                 return Err(RunError::Interrupted);
             }
-            self.advance(tick);
-            for (motor, sent) in sent_mm(&self.drives, &counts, self.trace.step_mm).into_iter().enumerate() {
-                self.state.step(&self.plant, motor, sent);
+            if index % TOLD == 0 && !self.state.is_finite() {
+                return Err(RunError::Diverged(self.tick as f64 / TICKS_PER_SECOND));
             }
-            self.plant.send(&self.state.sent_mm);
+            self.advance(tick);
+            let mut has_stepped = false;
+            for motor in 0..self.drives.len() {
+                let to = self.drives.get(motor).map_or(0.0, |drive| sent(drive, &counts, self.trace.step_mm));
+                has_stepped |= self.state.step(&self.plant, motor, to);
+            }
+            if has_stepped {
+                self.plant.send(&self.state.sent_mm);
+            }
         }
         self.advance(self.tick + RING_OUT);
-        Ok(self.watch)
+        if self.state.is_finite() { Ok(self.watch) } else { Err(RunError::Diverged(self.trace.duration_s())) }
     }
 
     /// Moves on to a time, with a look at every so many ticks.
@@ -170,11 +180,13 @@ impl<'t> Run<'t> {
     }
 }
 
-/// Where the motors are sent for these counts, in mm of belt.
+/// Where a motor is sent for these counts, in mm of belt.
+fn sent(drive: &Drive, counts: &[i64; 8], step_mm: f64) -> f64 {
+    let count = counts.get(drive.column).copied().unwrap_or(0);
+    (count * i64::from(drive.sense)) as f64 * step_mm
+}
+
+/// Where all of them are.
 fn sent_mm(drives: &[Drive], counts: &[i64; 8], step_mm: f64) -> Vec<f64> {
-    let sent = |drive: &Drive| {
-        let count = counts.get(drive.column).copied().unwrap_or(0);
-        (count * i64::from(drive.sense)) as f64 * step_mm
-    };
-    drives.iter().map(sent).collect()
+    drives.iter().map(|drive| sent(drive, counts, step_mm)).collect()
 }

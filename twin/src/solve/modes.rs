@@ -16,9 +16,17 @@ pub struct Mode {
     pub frequency_hz: f64,
     /// What moves, and what part of the kinetic energy it has, of 1; where masses couple, shares may be below 0.
     pub shares: Vec<(Coordinate, f64)>,
+    /// Viscous damping as a part of the critical one, from the shape without damping.
+    pub damping_ratio: f64,
 }
 
 impl Mode {
+    /// The part of the energy that a coordinate has.
+    #[must_use]
+    pub fn share(&self, coordinate: Coordinate) -> f64 {
+        self.shares.iter().filter(|(c, _)| *c == coordinate).map(|(_, share)| share).sum()
+    }
+
     /// What has most of the energy. Idlers count together.
     #[must_use]
     pub fn of(&self) -> String {
@@ -45,6 +53,7 @@ pub fn modes(elastic: &Elastic) -> Result<Vec<Mode>, NotHeld> {
     let moving = elastic.with_part(Part::Moves);
     let stiffness = condensed(elastic, &moving)?;
     let mass = submatrix(&elastic.mass, &moving, &moving);
+    let damping = submatrix(&elastic.damping, &moving, &moving);
     let root = mass.clone().cholesky().ok_or(NotHeld)?.l();
     let half = root.solve_lower_triangular(&stiffness).ok_or(NotHeld)?;
     let symmetric = root.solve_lower_triangular(&half.transpose()).ok_or(NotHeld)?;
@@ -56,7 +65,11 @@ pub fn modes(elastic: &Elastic) -> Result<Vec<Mode>, NotHeld> {
         let shape = root.tr_solve_lower_triangular(&vector.into_owned()).ok_or(NotHeld)?;
         let momentum = &mass * &shape;
         let shares = coordinates.iter().zip(shape.iter().zip(momentum.iter())).map(|(c, (q, p))| (*c, q * p)).collect();
-        modes.push(Mode { frequency_hz: (square.max(0.0) * MM_PER_M).sqrt() / TAU, shares });
+        let omega = (square.max(0.0) * MM_PER_M).sqrt();
+        // The shape's mass is 1 kg.
+        let friction = shape.dot(&(&damping * &shape)) * MM_PER_M;
+        let damping_ratio = if omega > 0.0 { friction / (2.0 * omega) } else { 0.0 };
+        modes.push(Mode { frequency_hz: omega / TAU, shares, damping_ratio });
     }
     modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     Ok(modes)

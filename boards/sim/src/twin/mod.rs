@@ -3,8 +3,11 @@
 //! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for programs.
 
 mod answer;
+mod play;
 mod point;
+mod resonance;
 mod setup;
+mod source;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -22,6 +25,10 @@ pub(crate) enum Twin {
     Push(point::Push),
     /// What a motor that slipped does.
     Slip(point::Slip),
+    /// At which frequencies each axis rings over the reach, which shapers fit, and which speeds to stay away from.
+    Resonance(resonance::Resonance),
+    /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
+    Run(play::Play),
 }
 
 /// Answers, and says the exit status.
@@ -35,5 +42,7 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Modes(args) => args.answer(),
         Twin::Push(args) => args.answer(),
         Twin::Slip(args) => args.answer(),
+        Twin::Resonance(args) => args.answer(),
+        Twin::Run(args) => args.answer(),
     }
 }

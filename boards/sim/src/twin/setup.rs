@@ -44,6 +44,18 @@ pub(super) enum ModelArg {
     Rotors,
 }
 
+impl ModelArg {
+    /// What that is.
+    pub(super) fn freedom(self) -> Freedom {
+        let (idlers, rotors) = match self {
+            Self::Reduced => (false, false),
+            Self::Full => (true, false),
+            Self::Rotors => (true, true),
+        };
+        Freedom { idlers, rotors, ..Freedom::default() }
+    }
+}
+
 /// The machine and its numbers.
 #[derive(Args)]
 pub(super) struct MachineArgs {
@@ -117,12 +129,7 @@ impl SetupArgs {
             let known = motors.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
             ensure!(motors.contains(&motor), "there is no motor {motor}; the {} has {known}", machine.name());
         }
-        let (idlers, rotors) = match self.model {
-            ModelArg::Reduced => (false, false),
-            ModelArg::Full => (true, false),
-            ModelArg::Rotors => (true, true),
-        };
-        let freedom = Freedom { idlers, rotors, yaw: self.yaw, free_motor: self.free_motor };
+        let freedom = Freedom { yaw: self.yaw, free_motor: self.free_motor, ..self.model.freedom() };
         Ok(Setup { machine, params, tool, freedom })
     }
 

@@ -1,0 +1,115 @@
+//! `twin run`: steps are played on the machine.
+
+use super::answer::Json;
+use super::setup::{MachineArgs, parse_pair};
+use super::source::Source;
+use crate::cli::Printer;
+use crate::stop::Stop;
+use crate::watched::progress_bar;
+use anyhow::{Context as _, Result};
+use clap::{Args, ValueEnum};
+use corehbot_twin::dynamics::plant::Detail;
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::params::Params;
+use corehbot_twin::routing::{Machine, Place};
+use corehbot_twin::run::Run;
+use corehbot_twin::run::report::Report;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Parts of a progress bar.
+const PARTS: f64 = 1000.0;
+
+/// What moves besides the tool.
+#[derive(Clone, Copy, ValueEnum)]
+enum RunModel {
+    /// Nothing: motors are where they were sent, idlers have no mass.
+    Reduced,
+    /// Idlers, each with its inertia.
+    Full,
+    /// Rotors in the sine of their fields, which may slip; idlers have no mass.
+    Rotors,
+}
+
+impl RunModel {
+    const fn detail(self) -> Detail {
+        match self {
+            Self::Reduced => Detail { idlers: false, rotors: false },
+            Self::Full => Detail { idlers: true, rotors: false },
+            Self::Rotors => Detail { idlers: false, rotors: true },
+        }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Reduced => "reduced",
+            Self::Full => "full",
+            Self::Rotors => "rotors",
+        }
+    }
+}
+
+/// What to play, and what on.
+#[derive(Args)]
+pub(crate) struct Play {
+    /// G-code, which goes through the firmware first, or a step trace (corehbot run --trace).
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// What moves besides the tool.
+    #[arg(long, value_enum, default_value = "reduced")]
+    model: RunModel,
+    /// Where the tool is at the begin, in mm from motor 1's axis; without it, where the firmware is told to be.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    #[command(flatten)]
+    printer: Printer,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Play {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let (machine, params) = (Machine::from(self.machine.machine), self.machine.params()?);
+        let stop = Stop::at_signals()?;
+        let played = Source::read(&self.file, &self.printer, &stop)
+            .and_then(|source| self.play(machine, &params, &source, &stop));
+        match (played, stop.status()) {
+            (_, Some(status)) => {
+                eprintln!("corehbot: interrupted");
+                Ok(status)
+            }
+            (played, None) => {
+                let files = self.machine.files().chain(self.printer.files()).chain([self.file.as_path()]);
+                self.json.give(&played?, files)
+            }
+        }
+    }
+
+    fn play(&self, machine: Machine, params: &Params, source: &Source, stop: &Stop) -> Result<Report> {
+        let start = self.start(machine, params, source.begin);
+        let file = || self.file.display().to_string();
+        let begin = Instant::now();
+        let run = Run::new(machine, params, start, self.model.detail(), &source.steps).with_context(file)?;
+        let bar = progress_bar(PARTS as u64, "thousandths");
+        let go_on = |part: f64| {
+            bar.set_position((part * PARTS) as u64);
+            !stop.is_set()
+        };
+        let watch = run.play(go_on);
+        bar.finish_and_clear();
+        let watch = watch.with_context(file)?;
+        let trace = (source.steps.duration_s(), source.steps.events.len());
+        Ok(Report::new(machine, self.model.name(), params, &watch, trace, begin.elapsed().as_secs_f64()))
+    }
+
+    /// The firmware's place is one of G-code.
+    fn start(&self, machine: Machine, params: &Params, begin: [f64; 2]) -> Place {
+        let origin = workspace(machine, params).origin();
+        match self.at {
+            Some([x, y]) => Place { x, y },
+            None => Place { x: origin.x + begin[0], y: origin.y + begin[1] },
+        }
+    }
+}
