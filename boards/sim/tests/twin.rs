@@ -128,6 +128,32 @@ fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
 }
 
 #[test]
+fn mechanisms_are_compared_on_an_area_and_on_a_file() {
+    let plain = json("compare --grid 5x5");
+    let machines = plain["machines"].as_array().unwrap();
+    let deflections: Vec<f64> = machines.iter().map(|m| m["deflection_um"].as_f64().unwrap()).collect();
+    assert!(deflections[0] < deflections[1] && deflections[0] < deflections[2], "{plain}");
+    assert!(plain.get("runs").is_none());
+    let gcode = file("side.gcode", "G1 X130 F12000\nG1 Y130\nM400\n");
+    let played = json(&format!("compare {} --grid 3x3 --assume-homed 100,100,0", gcode.display()));
+    let errors: Vec<f64> =
+        played["runs"].as_array().unwrap().iter().map(|r| r["contour"]["max_mm"].as_f64().unwrap()).collect();
+    assert!(errors.len() == 3 && errors.iter().all(|e| *e > 0.001 && *e < 0.2), "{errors:?}");
+    assert!(complaint(&format!("compare {} --assume-homed 1,1,0", gcode.display())).contains("H-bot: the path takes"));
+}
+
+#[test]
+fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
+    let told = json("limits --model reduced --error 0.05");
+    assert!(near(&told["x"]["speed_jump_mm_s"], 2.0 * 17.307, 1e-3), "{told}");
+    let half = json("limits --torque 0.25");
+    let whole = json("limits --torque 0.5");
+    let accelerations = [half, whole].map(|told| told["y"]["torque_acceleration_mm_s2"].as_f64().unwrap());
+    assert!((accelerations[1] / accelerations[0] - 2.0).abs() < 1e-9);
+    assert_eq!(twin("limits --torque 2").status.code(), Some(2));
+}
+
+#[test]
 fn people_get_tables() {
     let text = String::from_utf8(twin("slip --motor 8 --at 100,100").stdout).unwrap();
     assert!(text.contains("motor 8 slipped by 4 full steps") && text.contains("residual"), "{text}");

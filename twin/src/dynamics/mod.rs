@@ -10,7 +10,9 @@
 //! | file | what |
 //! |---|---|
 //! | [`plant`] | forces and masses |
+//! | `bears` | what belts, motors and guides take |
 //! | [`state`] | where everything is, and the classical Runge-Kutta step that moves it |
 
+mod bears;
 pub mod plant;
 pub mod state;

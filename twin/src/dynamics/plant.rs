@@ -12,7 +12,6 @@ use crate::model::links::Link;
 use crate::model::ways::Ways;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
-use std::f64::consts::TAU;
 
 /// N over kg in mm/s^2.
 const MM_PER_M: f64 = 1000.0;
@@ -31,17 +30,17 @@ pub struct Detail {
 
 /// A link with what changes at steps.
 #[derive(Clone, Debug)]
-struct Spring {
+pub(super) struct Spring {
     /// Free length at the start, in mm.
     length_mm: f64,
     /// What it grows by for a millimetre of the tool in x and y.
-    grows: [f64; 2],
+    pub(super) grows: [f64; 2],
     /// Coordinates that stretch it, and by how much.
-    row: Vec<(usize, f64)>,
+    pub(super) row: Vec<(usize, f64)>,
     /// The same for a radian of the bar's yaw.
-    yaw_mm: f64,
+    pub(super) yaw_mm: f64,
     /// Now, in N/mm.
-    stiffness: f64,
+    pub(super) stiffness: f64,
 }
 
 /// Forces and masses.
@@ -53,13 +52,13 @@ pub struct Plant {
     pub ways: Ways,
     start: Place,
     /// mm/s^2 for a newton, of each coordinate that moves.
-    mobility: Vec<f64>,
+    pub(super) mobility: Vec<f64>,
     /// Coordinates: x, y, idlers, motors.
     count: usize,
     are_rotors: bool,
-    springs: Vec<Spring>,
+    pub(super) springs: Vec<Spring>,
     /// Names of the spans, and the first spring of each.
-    spans: Vec<(&'static str, usize)>,
+    pub(super) spans: Vec<(&'static str, usize)>,
     /// Longest step of an integration, in s.
     longest_step_s: f64,
 }
@@ -215,7 +214,7 @@ impl Plant {
     }
 
     /// Elastic tension of a spring; 0 where it is slack.
-    fn tension(&self, spring: &Spring, at: &[f64]) -> f64 {
+    pub(super) fn tension(&self, spring: &Spring, at: &[f64]) -> f64 {
         (self.params.preload_n + spring.stiffness * sum(&spring.row, at)).max(0.0)
     }
 
@@ -226,15 +225,6 @@ impl Plant {
             return 0.0;
         }
         tension + self.params.belt_damping_s * spring.stiffness * sum(&spring.row, speeds)
-    }
-
-    /// Elastic tension of each span in N.
-    ///
-    /// Without damping, here and in what else is looked at: between two steps a held motor stands, so the damping of the
-    /// belt's whole speed would show, while what the steps pass on is in their blows.
-    pub fn tensions<'a>(&'a self, at: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        let springs = self.spans.iter().filter_map(|(_, first)| self.springs.get(*first));
-        springs.map(|spring| self.tension(spring, at))
     }
 
     /// Accelerations of all that moves, with motors sent so far.
@@ -258,7 +248,7 @@ impl Plant {
     }
 
     /// Guides: viscous and dry friction.
-    fn rub(&self, speeds: &[f64], forces: &mut [f64]) {
+    pub(super) fn rub(&self, speeds: &[f64], forces: &mut [f64]) {
         let p = &self.params;
         let guides = [(p.guide_x_n_s_per_m, p.dry_friction_x_n), (p.guide_y_n_s_per_m, p.dry_friction_y_n)];
         for ((viscous, dry), (speed, force)) in guides.into_iter().zip(speeds.iter().zip(forces)) {
@@ -290,63 +280,9 @@ impl Plant {
         // Four detents an electrical turn: one a full step.
         field - self.params.detent_force_n() * (4.0 * at_mm / radian).sin()
     }
-
-    /// How many electrical turns a rotor is from where it was sent: how often it has slipped.
-    #[must_use]
-    pub fn slips(&self, at_mm: f64, sent_mm: f64) -> f64 {
-        ((at_mm - sent_mm) / (TAU * self.params.electrical_radian_mm())).round()
-    }
-
-    /// Force at the belt that each motor takes, in N.
-    pub fn motor_forces<'a>(&'a self, at: &'a [f64], sent_mm: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
-        let first = self.first_motor();
-        sent_mm.iter().enumerate().map(move |(motor, sent)| {
-            if self.are_rotors {
-                return at.get(first + motor).map_or(0.0, |at| self.field_n(*at, *sent));
-            }
-            let pull = |spring: &Spring| {
-                let c: f64 = spring.row.iter().filter(|(i, _)| *i == first + motor).map(|(_, c)| c).sum();
-                c * self.tension(spring, at)
-            };
-            self.springs.iter().map(pull).sum()
-        })
-    }
-
-    /// Torque in N mm that the guides must take to keep the bar square: of the belts, and of the head's inertia beside the
-    /// middle.
-    #[must_use]
-    pub fn yaw_torque_n_mm(&self, at: &[f64], speeds: &[f64]) -> f64 {
-        let (mut belts, mut force_y) = (0.0, 0.0);
-        for spring in &self.springs {
-            let tension = self.tension(spring, at);
-            belts += spring.yaw_mm * tension;
-            // Free lengths grow with the tool as the belt does with it.
-            force_y -= spring.grows[1] * tension;
-        }
-        let mut forces = [0.0, force_y];
-        self.rub(speeds, &mut forces);
-        let arm = self.start.x + at.first().copied().unwrap_or(0.0) - self.params.width_mm / 2.0;
-        let mass = self.params.head_mass_kg + self.params.bar_mass_kg;
-        belts + self.params.head_mass_kg / mass * forces[1] * arm
-    }
-
-    /// Energy in N mm that is not heat, beyond that of the preload at rest: motion, belts, fields.
-    #[must_use]
-    pub fn energy_n_mm(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64]) -> f64 {
-        let motion: f64 = speeds.iter().zip(&self.mobility).map(|(v, mobility)| v * v / mobility / 2.0).sum();
-        let stored = |spring: &Spring| spring.stiffness * sum(&spring.row, at).powi(2) / 2.0;
-        let belts: f64 = self.springs.iter().map(stored).sum();
-        if !self.are_rotors {
-            return motion + belts;
-        }
-        let radian = self.params.electrical_radian_mm();
-        let rotors = at.iter().skip(self.first_motor()).zip(sent_mm);
-        let fields: f64 = rotors.map(|(at, sent)| 1.0 - ((sent - at) / radian).cos()).sum();
-        motion + belts + fields * self.params.holding_force_n() * radian
-    }
 }
 
 /// Sum of a row's coordinates; those that are not there (speeds of what is held) are 0.
-fn sum(row: &[(usize, f64)], of: &[f64]) -> f64 {
+pub(super) fn sum(row: &[(usize, f64)], of: &[f64]) -> f64 {
     row.iter().map(|(i, c)| c * of.get(*i).copied().unwrap_or(0.0)).sum()
 }

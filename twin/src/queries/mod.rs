@@ -1,9 +1,11 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`]. About
-//! the whole reach: [`resonance`].
+//! the whole reach: [`resonance`], [`compare`], [`limits`].
 
+pub mod compare;
 pub mod geometry;
+pub mod limits;
 pub mod modes;
 pub mod push;
 pub mod resonance;

@@ -3,6 +3,8 @@
 //! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for programs.
 
 mod answer;
+mod compare;
+mod limits;
 mod play;
 mod point;
 mod resonance;
@@ -27,6 +29,10 @@ pub(crate) enum Twin {
     Slip(point::Slip),
     /// At which frequencies each axis rings over the reach, which shapers fit, and which speeds to stay away from.
     Resonance(resonance::Resonance),
+    /// How hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
+    Limits(limits::Limits),
+    /// CoreH-bot, H-bot and CoreXY of one size side by side, over one area and, if a file is given, on it.
+    Compare(compare::Compare),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
     Run(play::Play),
 }
@@ -43,6 +49,8 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Push(args) => args.answer(),
         Twin::Slip(args) => args.answer(),
         Twin::Resonance(args) => args.answer(),
+        Twin::Limits(args) => args.answer(),
+        Twin::Compare(args) => args.answer(),
         Twin::Run(args) => args.answer(),
     }
 }

@@ -22,7 +22,7 @@ const PARTS: f64 = 1000.0;
 
 /// What moves besides the tool.
 #[derive(Clone, Copy, ValueEnum)]
-enum RunModel {
+pub(super) enum RunModel {
     /// Nothing: motors are where they were sent, idlers have no mass.
     Reduced,
     /// Idlers, each with its inertia.
@@ -32,7 +32,7 @@ enum RunModel {
 }
 
 impl RunModel {
-    const fn detail(self) -> Detail {
+    pub(super) const fn detail(self) -> Detail {
         match self {
             Self::Reduced => Detail { idlers: false, rotors: false },
             Self::Full => Detail { idlers: true, rotors: false },
@@ -40,7 +40,7 @@ impl RunModel {
         }
     }
 
-    const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Reduced => "reduced",
             Self::Full => "full",
@@ -71,10 +71,12 @@ pub(crate) struct Play {
 
 impl Play {
     pub(super) fn answer(&self) -> Result<u8> {
-        let (machine, params) = (Machine::from(self.machine.machine), self.machine.params()?);
+        let (machine, params) = self.machine.read()?;
         let stop = Stop::at_signals()?;
-        let played = Source::read(&self.file, &self.printer, &stop)
-            .and_then(|source| self.play(machine, &params, &source, &stop));
+        let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
+            let start = self.start(machine, &params, source.begin);
+            play(machine, &params, start, self.model, &source, &stop).with_context(|| self.file.display().to_string())
+        });
         match (played, stop.status()) {
             (_, Some(status)) => {
                 eprintln!("corehbot: interrupted");
@@ -87,23 +89,6 @@ impl Play {
         }
     }
 
-    fn play(&self, machine: Machine, params: &Params, source: &Source, stop: &Stop) -> Result<Report> {
-        let start = self.start(machine, params, source.begin);
-        let file = || self.file.display().to_string();
-        let begin = Instant::now();
-        let run = Run::new(machine, params, start, self.model.detail(), &source.steps).with_context(file)?;
-        let bar = progress_bar(PARTS as u64, "thousandths");
-        let go_on = |part: f64| {
-            bar.set_position((part * PARTS) as u64);
-            !stop.is_set()
-        };
-        let watch = run.play(go_on);
-        bar.finish_and_clear();
-        let watch = watch.with_context(file)?;
-        let trace = (source.steps.duration_s(), source.steps.events.len());
-        Ok(Report::new(machine, self.model.name(), params, &watch, trace, begin.elapsed().as_secs_f64()))
-    }
-
     /// The firmware's place is one of G-code.
     fn start(&self, machine: Machine, params: &Params, begin: [f64; 2]) -> Place {
         let origin = workspace(machine, params).origin();
@@ -112,4 +97,25 @@ impl Play {
             None => Place { x: origin.x + begin[0], y: origin.y + begin[1] },
         }
     }
+}
+
+/// Plays steps on a machine, with a bar.
+pub(super) fn play(
+    machine: Machine,
+    params: &Params,
+    start: Place,
+    model: RunModel,
+    source: &Source,
+    stop: &Stop,
+) -> Result<Report> {
+    let begin = Instant::now();
+    let run = Run::new(machine, params, start, model.detail(), &source.steps)?;
+    let bar = progress_bar(PARTS as u64, "thousandths");
+    let watch = run.play(|part| {
+        bar.set_position((part * PARTS) as u64);
+        !stop.is_set()
+    });
+    bar.finish_and_clear();
+    let trace = (source.steps.duration_s(), source.steps.events.len());
+    Ok(Report::new(machine, model.name(), params, &watch?, trace, begin.elapsed().as_secs_f64()))
 }

@@ -7,7 +7,6 @@ use clap::Args;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::resonance::Resonance as Answer;
-use corehbot_twin::routing::Machine;
 
 /// Most columns or rows of a grid: some seconds.
 const MOST: usize = 200;
@@ -29,7 +28,7 @@ pub(crate) struct Resonance {
 
 impl Resonance {
     pub(super) fn answer(&self) -> Result<u8> {
-        let (machine, params) = (Machine::from(self.machine.machine), self.machine.params()?);
+        let (machine, params) = self.machine.read()?;
         let tool = workspace(machine, &params).centre();
         let freedom = self.model.freedom();
         let [columns, rows] = self.grid;

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// A machine by its word on the command line.
 #[derive(Clone, Copy, ValueEnum)]
-pub(super) enum MachineArg {
+enum MachineArg {
     /// One closed belt, four motors.
     Corehbot,
     /// One belt, two motors.
@@ -56,34 +56,56 @@ impl ModelArg {
     }
 }
 
-/// The machine and its numbers.
+/// The machine's numbers.
 #[derive(Args)]
-pub(super) struct MachineArgs {
-    /// The machine.
-    #[arg(long, value_enum, default_value = "corehbot")]
-    pub machine: MachineArg,
+pub(super) struct ParamsArgs {
     /// Other numbers than the nominal ones (docs/twin.md has the keys).
     #[arg(long, value_name = "P.toml")]
     params: Option<PathBuf>,
 }
 
-impl MachineArgs {
-    /// The files that it is made of.
+impl ParamsArgs {
+    /// The files that they are made of.
     pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         self.params.as_deref().into_iter()
     }
 
-    /// The machine's numbers.
-    pub(super) fn params(&self) -> Result<Params> {
+    /// The numbers, if the tool of these machines has room with them.
+    pub(super) fn read(&self, machines: &[Machine]) -> Result<Params> {
         let Some(path) = &self.params else { return Ok(Params::default()) };
         let file = path.display();
         let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
         let params: Params = toml::from_str(&text).map_err(|error| syntax(&text, &error)).context(file.to_string())?;
         params.check().with_context(|| file.to_string())?;
-        let reach = workspace(self.machine.into(), &params);
-        let has_room = reach.x[0] < reach.x[1] && reach.y[0] < reach.y[1];
-        ensure!(has_room, "{file}: these pulleys leave the tool no room");
+        let has_room = |machine: &Machine| {
+            let reach = workspace(*machine, &params);
+            reach.x[0] < reach.x[1] && reach.y[0] < reach.y[1]
+        };
+        ensure!(machines.iter().all(has_room), "{file}: these pulleys leave the tool no room");
         Ok(params)
+    }
+}
+
+/// The machine and its numbers.
+#[derive(Args)]
+pub(super) struct MachineArgs {
+    /// The machine.
+    #[arg(long, value_enum, default_value = "corehbot")]
+    machine: MachineArg,
+    #[command(flatten)]
+    params: ParamsArgs,
+}
+
+impl MachineArgs {
+    /// The files that it is made of.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.params.files()
+    }
+
+    /// The machine and its numbers.
+    pub(super) fn read(&self) -> Result<(Machine, Params)> {
+        let machine = self.machine.into();
+        Ok((machine, self.params.read(&[machine])?))
     }
 }
 
@@ -122,7 +144,7 @@ impl SetupArgs {
     /// # Errors
     /// No such file, motor or place.
     pub(super) fn read(&self) -> Result<Setup> {
-        let (machine, params) = (Machine::from(self.machine.machine), self.machine.params()?);
+        let (machine, params) = self.machine.read()?;
         let tool = self.tool(machine, &params)?;
         if let Some(motor) = self.free_motor {
             let motors = machine.motors();
