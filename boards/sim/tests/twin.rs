@@ -97,6 +97,22 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
 }
 
 #[test]
+fn a_page_shows_the_path_with_its_errors_and_needs_no_network() {
+    let gcode = file("page.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
+    let page = gcode.with_file_name("page.html");
+    let words = format!("run {} --assume-homed 100,100,0 --report {}", gcode.display(), page.display());
+    assert!(twin(&words).status.success());
+    let text = std::fs::read_to_string(page).unwrap();
+    assert!(!text.contains("http://") && !text.contains("https://") && !text.contains("/*STYLE*/"));
+    let data = text.split_once("const D = ").unwrap().1.split_once(";\n").unwrap().0;
+    let data: Value = serde_json::from_str(data).unwrap();
+    let [lines, errors] = ["x", "error_um"].map(|key| data["path"][key].as_array().unwrap().len());
+    assert!(lines == errors && (3..10).contains(&lines), "{data}");
+    assert_eq!(data["spans"].as_array().unwrap().len(), 4);
+    assert!(data["error"].as_array().unwrap().iter().any(|mm| mm.as_f64().unwrap() > 0.001));
+}
+
+#[test]
 fn what_cannot_be_played_is_told_in_one_line() {
     let path = file("far.gcode", "G1 X380 F12000\nM400\n");
     let far = complaint(&format!("run {} --machine hbot --assume-homed 100,100,0", path.display()));

@@ -55,7 +55,10 @@ impl Corner {
 /// Errors of a tool that follows a line.
 #[derive(Clone, Debug)]
 pub struct ContourError {
-    vertices: Vec<Vertex>,
+    /// The line.
+    pub vertices: Vec<Vertex>,
+    /// Greatest distance while each vertex was the end of the nearest part of the line, in mm.
+    pub errors_mm: Vec<f32>,
     /// Length of the line before each vertex.
     along_mm: Vec<f64>,
     /// Corners in the order of the line.
@@ -82,7 +85,8 @@ impl ContourError {
         });
         let along_mm: Vec<f64> = std::iter::once(0.0).chain(ends).collect();
         let corners = corners(&vertices, &along_mm);
-        Self { vertices, along_mm, corners, first: 0, greatest_mm: 0.0, squares: 0.0, samples: 0 }
+        let errors_mm = vec![0.0; vertices.len()];
+        Self { vertices, errors_mm, along_mm, corners, first: 0, greatest_mm: 0.0, squares: 0.0, samples: 0 }
     }
 
     /// Root of the mean square of all distances, in mm.
@@ -91,17 +95,26 @@ impl ContourError {
         if self.samples == 0 { 0.0 } else { (self.squares / self.samples as f64).sqrt() }
     }
 
-    /// The tool is here at a time.
-    pub fn sample(&mut self, tick: u64, tool: [f64; 2]) {
+    /// The tool is here at a time; says how far from the line, in mm.
+    pub fn sample(&mut self, tick: u64, tool: [f64; 2]) -> f64 {
         while self.vertices.get(self.first + 1).is_some_and(|end| end.tick + LATE < tick)
             && self.first + 2 < self.vertices.len()
         {
             self.first += 1;
         }
-        let Some((line, way, distance)) = self.nearest_line(tick, tool) else { return };
+        let Some((line, way, distance)) = self.nearest_line(tick, tool) else { return 0.0 };
         self.greatest_mm = self.greatest_mm.max(distance);
         self.squares += distance * distance;
         self.samples += 1;
+        if let Some(error) = self.errors_mm.get_mut(line + 1) {
+            *error = error.max(distance as f32);
+        }
+        self.put_down(line, way, distance, tool);
+        distance
+    }
+
+    /// Puts an error at a part of the line (0 at its begin, 1 at its end) down to a corner, if one is near.
+    fn put_down(&mut self, line: usize, way: f64, distance: f64, tool: [f64; 2]) {
         let (Some(a), Some(b)) = (self.vertices.get(line), self.vertices.get(line + 1)) else { return };
         let (Some(begin), Some(end)) = (self.along_mm.get(line), self.along_mm.get(line + 1)) else { return };
         let along = begin + way * (end - begin);
@@ -128,7 +141,7 @@ impl ContourError {
         best
     }
 
-    /// Puts an error down to the nearest corner, if one is near.
+    /// Puts an error so far along the line down to the nearest corner, if one is near.
     fn note(&mut self, along: f64, distance: f64, left: Option<f64>) {
         let next = self.corners.partition_point(|corner| corner.along_mm < along);
         let near = [next.checked_sub(1), Some(next)].into_iter().flatten();

@@ -1,10 +1,11 @@
 //! Run: a trace played on the plant, and what there is to say of it.
 //!
 //! [`Run`] sends the motors as the trace says and moves everything in between. Ten thousand times a second, which is 90 times
-//! a period of the faster axis, it looks where the tool is and what belts and motors bear ([`watch`]); [`report`] is what
-//! people and programs get of that.
+//! a period of the faster axis, it looks where the tool is and what belts and motors bear ([`watch`]); [`series`] has that
+//! over time, [`report`] is what people and programs get of it.
 
 pub mod report;
+pub mod series;
 pub mod watch;
 
 use crate::contour::error::ContourError;

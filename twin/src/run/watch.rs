@@ -1,5 +1,6 @@
 //! Watch: what a machine bears while a trace is played.
 
+use super::series::{Bin, Series};
 use crate::contour::error::ContourError;
 use crate::dynamics::plant::Plant;
 use crate::dynamics::state::State;
@@ -62,6 +63,10 @@ pub struct Watch {
     pub residual_mm: f64,
     /// Greatest torque that the guides took to keep the bar square.
     pub yaw_torque_n_mm: f64,
+    /// What happened when.
+    pub series: Series,
+    /// What is seen now, kept so that nothing is allocated at each look.
+    now: Bin,
 }
 
 impl Watch {
@@ -78,6 +83,8 @@ impl Watch {
             commanded_residual_mm,
             residual_mm: 0.0,
             yaw_torque_n_mm: 0.0,
+            series: Series::default(),
+            now: Bin::default(),
         }
     }
 
@@ -87,21 +94,26 @@ impl Watch {
         let is_at_rest = is_slow && state.accelerations(plant).iter().all(|a| a.abs() < STILL_MM_S2);
         let State { at, speeds, sent_mm, .. } = state;
         let [x, y] = [at.first(), at.get(1)].map(|v| v.copied().unwrap_or(0.0));
-        self.contour.sample(tick, [plant.start().x + x, plant.start().y + y]);
+        self.now.error_mm = self.contour.sample(tick, [plant.start().x + x, plant.start().y + y]);
+        self.now.tensions_n.clear();
+        self.now.forces_n.clear();
         let spans = self.tensions_n.iter_mut().zip(&mut self.is_slack);
         for (tension, (range, is_slack)) in plant.tensions(at).zip(spans) {
             range.take(tension);
+            self.now.tensions_n.push([tension; 2]);
             self.slack += u32::from(tension <= 0.0 && !*is_slack);
             *is_slack = tension <= 0.0;
         }
         for (force, motor) in plant.motor_forces(at, sent_mm).zip(&mut self.motors) {
             motor.greatest_force_n = motor.greatest_force_n.max(force.abs());
+            self.now.forces_n.push(force.abs());
         }
         if plant.are_rotors() {
             self.look_at_rotors(plant, at, sent_mm);
         } else {
             self.residual_mm = self.commanded_residual_mm;
         }
+        self.series.add(tick, &self.now);
         self.yaw_torque_n_mm = self.yaw_torque_n_mm.max(plant.yaw_torque_n_mm(at, speeds).abs());
         is_at_rest
     }

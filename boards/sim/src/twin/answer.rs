@@ -29,12 +29,26 @@ impl Json {
         answer: &(impl Serialize + Display),
         inputs: impl IntoIterator<Item = &'p Path>,
     ) -> Result<u8> {
+        self.give_with(answer, inputs, |_| Ok(()))
+    }
+
+    /// The same with other outputs beside it.
+    ///
+    /// # Errors
+    /// An output cannot be written.
+    pub(super) fn give_with<'p>(
+        &self,
+        answer: &(impl Serialize + Display),
+        inputs: impl IntoIterator<Item = &'p Path>,
+        others: impl FnOnce(&mut Outputs) -> Result<()>,
+    ) -> Result<u8> {
         let mut outputs = Outputs::new(inputs, Stop::default());
         if let Some(path) = &self.json {
             let mut out = outputs.open(path)?;
             let text = serde_json::to_string_pretty(answer)?;
             writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write the JSON")?;
         }
+        others(&mut outputs)?;
         say(&answer.to_string(), outputs.is_standard_taken())?;
         outputs.keep()?;
         Ok(DONE)

@@ -73,6 +73,7 @@ impl Compare {
         let start = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
         let run = |machine: Machine| {
             play(machine, &params, start, self.run_model, &source, stop)
+                .map(|(report, _)| report)
                 .with_context(|| format!("{}, {}", file.display(), machine.name()))
         };
         COMPARED.into_iter().map(run).collect()

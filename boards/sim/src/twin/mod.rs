@@ -5,6 +5,7 @@
 mod answer;
 mod compare;
 mod limits;
+mod page;
 mod play;
 mod point;
 mod resonance;

@@ -1,6 +1,7 @@
 //! `twin run`: steps are played on the machine.
 
 use super::answer::Json;
+use super::page;
 use super::setup::{MachineArgs, parse_pair};
 use super::source::Source;
 use crate::cli::Printer;
@@ -14,7 +15,8 @@ use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::run::Run;
 use corehbot_twin::run::report::Report;
-use std::path::PathBuf;
+use corehbot_twin::run::watch::Watch;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Parts of a progress bar.
@@ -65,6 +67,9 @@ pub(crate) struct Play {
     at: Option<[f64; 2]>,
     #[command(flatten)]
     printer: Printer,
+    /// Writes a page with the error along the path, tensions and torques over time, and the resonance of the machine.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
@@ -83,8 +88,14 @@ impl Play {
                 Ok(status)
             }
             (played, None) => {
-                let files = self.machine.files().chain(self.printer.files()).chain([self.file.as_path()]);
-                self.json.give(&played?, files)
+                let (report, watch) = played?;
+                let files: Vec<&Path> =
+                    self.machine.files().chain(self.printer.files()).chain([self.file.as_path()]).collect();
+                self.json.give_with(&report, files, |outputs| {
+                    let Some(path) = &self.report else { return Ok(()) };
+                    let file = self.file.display().to_string();
+                    page::write(&mut outputs.open(path)?, &file, (machine, &params), &report, &watch)
+                })
             }
         }
     }
@@ -107,7 +118,7 @@ pub(super) fn play(
     model: RunModel,
     source: &Source,
     stop: &Stop,
-) -> Result<Report> {
+) -> Result<(Report, Watch)> {
     let begin = Instant::now();
     let run = Run::new(machine, params, start, model.detail(), &source.steps)?;
     let bar = progress_bar(PARTS as u64, "thousandths");
@@ -117,5 +128,7 @@ pub(super) fn play(
     });
     bar.finish_and_clear();
     let trace = (source.steps.duration_s(), source.steps.events.len());
-    Ok(Report::new(machine, model.name(), params, &watch?, trace, begin.elapsed().as_secs_f64()))
+    let watch = watch?;
+    let report = Report::new(machine, model.name(), params, &watch, trace, begin.elapsed().as_secs_f64());
+    Ok((report, watch))
 }
