@@ -170,6 +170,33 @@ fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
 }
 
 #[test]
+fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
+    let swept = json("sweep --vary belt_EA_N=20000:60000:3");
+    let rows = swept["rows"].as_array().unwrap();
+    assert!(rows.len() == 3 && near(&rows[2]["Kxx_N_per_mm"], 3.0 * rows[0]["Kxx_N_per_mm"].as_f64().unwrap(), 1e-9));
+    let gcode = file("swept.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
+    let words = format!("sweep {} --vary head_mass_kg=0.4:0.8:2 --assume-homed 100,100,0", gcode.display());
+    let played = json(&words);
+    let [light, heavy] = [0, 1].map(|i| played["rows"][i]["contour_max_mm"].as_f64().unwrap());
+    assert!(light < heavy, "{played}");
+    assert!(complaint("sweep --vary belt_EA=1:2:3").contains("belt_EA_N"));
+    assert_eq!(twin("sweep --vary belt_EA_N=1:2").status.code(), Some(2));
+    // What the model itself rings at, to a hundredth of a hertz, is what its own numbers are found from.
+    let rung = [[235.0, 235.0], [60.0, 50.0]].map(|[x, y]| {
+        let modes = json(&format!("modes --model rotors --at {x},{y}"));
+        let hz = |i: usize| modes["frequencies_Hz"][i].as_f64().unwrap();
+        format!("--measured {x},{y},{:.2},{:.2}", hz(1), hz(0))
+    });
+    let found = json(&format!("fit {}", rung.join(" ")));
+    assert!(near(&found["belt_EA_N"], 30_000.0, 0.01) && near(&found["holding_torque_Nm"], 0.4, 0.02), "{found}");
+    assert!(near(&found["x"]["frequency_Hz"], 101.4, 1e-3) && near(&found["y"]["span_mm"], 862.2, 1e-9), "{found}");
+    let one = json("fit --measured 235,235,101.4,57.6");
+    assert!(one["x"].is_null() && one["belt_EA_N"].as_f64().unwrap() > 0.0, "{one}");
+    assert!(complaint("fit --measured 235,235,100,-").contains("two frequencies"));
+    assert!(complaint("fit --measured 5,5,100,60").contains("outside"));
+}
+
+#[test]
 fn people_get_tables() {
     let text = String::from_utf8(twin("slip --motor 8 --at 100,100").stdout).unwrap();
     assert!(text.contains("motor 8 slipped by 4 full steps") && text.contains("residual"), "{text}");

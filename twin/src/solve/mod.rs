@@ -1,6 +1,7 @@
-//! Solve: equilibria and modes of a model.
+//! Solve: equilibria and modes of a model, and the model from its modes.
 
 pub mod balance;
+pub mod identify;
 pub mod modes;
 
 /// The machine is not held: something can move without any force, so there is no answer.

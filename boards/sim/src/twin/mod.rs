@@ -4,6 +4,7 @@
 
 mod answer;
 mod compare;
+mod fit;
 mod limits;
 mod page;
 mod play;
@@ -11,6 +12,7 @@ mod point;
 mod resonance;
 mod setup;
 mod source;
+mod sweep;
 
 use anyhow::Result;
 use clap::Subcommand;
@@ -34,6 +36,10 @@ pub(crate) enum Twin {
     Limits(limits::Limits),
     /// CoreH-bot, H-bot and CoreXY of one size side by side, over one area and, if a file is given, on it.
     Compare(compare::Compare),
+    /// One number of the machine is varied: stiffness, frequencies, and what becomes of a file.
+    Sweep(sweep::Sweep),
+    /// Belts and motors of a CoreH-bot from frequencies that were measured.
+    Fit(fit::Fit),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
     Run(play::Play),
 }
@@ -52,6 +58,8 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Resonance(args) => args.answer(),
         Twin::Limits(args) => args.answer(),
         Twin::Compare(args) => args.answer(),
+        Twin::Sweep(args) => args.answer(),
+        Twin::Fit(args) => args.answer(),
         Twin::Run(args) => args.answer(),
     }
 }
