@@ -211,6 +211,23 @@ fn only_the_corexys_belts_resist_yaw() {
     }
 }
 
+/// On guides of 2,000 N m/rad. The head beside the middle adds to what yaws; on the others x and yaw couple.
+#[test]
+fn the_bar_yaws_on_its_guides() {
+    let yaw = Freedom { yaw: true, ..IDLERS };
+    let table = [
+        (Machine::CoreHBot, 235.0, "yaw of the bar", 44.6),
+        (Machine::CoreHBot, 60.0, "yaw of the bar", 33.1),
+        (Machine::HBot, 235.0, "x", 29.2),
+        (Machine::CoreXy, 235.0, "x", 70.8),
+    ];
+    for (machine, x, of, expected) in table {
+        let found = Modes::new(&with(&Setup::nominal(machine, x, 235.0), yaw)).unwrap();
+        let index = found.of.iter().position(|name| name == of).unwrap();
+        assert!(agree(found.frequencies_hz[index], expected, 5e-3), "{machine:?}: {found:?}");
+    }
+}
+
 #[test]
 fn a_motor_that_is_not_there_is_an_error() {
     let error = Slip::new(&Setup::nominal(Machine::HBot, 235.0, 235.0), 8, A_SLIP).unwrap_err();

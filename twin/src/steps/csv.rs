@@ -9,6 +9,9 @@ const MAGIC: &str = "# corehbot-trace v1 ";
 /// Columns that a trace may have: a bit each.
 const MOST_COLUMNS: usize = 8;
 
+/// Ticks that no trace has: 115 days.
+const TOO_LATE: u64 = 100_000_000_000_000;
+
 /// Rows of the CoreH-bot's motors over x and y, which a trace calls by one word.
 const COREHBOT: [(&str, [i8; 2]); 4] = [("m1", [-1, 1]), ("m4", [-1, -1]), ("m8", [1, -1]), ("m11", [1, 1])];
 
@@ -118,7 +121,7 @@ fn rows(kinematics: &str) -> Option<Vec<(String, [i8; 2])>> {
 /// The tick, the columns that step, and those that step forward.
 fn row(line: &str, columns: usize) -> Option<(u64, u8, u8)> {
     let mut fields = line.split(',');
-    let tick = fields.next()?.parse().ok()?;
+    let tick = fields.next()?.parse().ok().filter(|tick| *tick < TOO_LATE)?;
     let (mut steps, mut forward) = (0, 0);
     for column in 0..columns {
         match fields.next()? {
@@ -166,5 +169,22 @@ mod tests {
         assert!(wrong(&format!("{HEAD}5,2,0,0,0,0,0,0\n")).contains("line 3"));
         assert!(wrong(&format!("{HEAD}5,1,0,0,0,0,0,0\n4,1,0,0,0,0,0,0\n")).contains("earlier"));
         assert!(wrong(&HEAD.replace("10000000", "1000")).contains("10 MHz"));
+    }
+
+    /// Bytes of a trace replaced, left out and doubled in every place: it is read or refused, and what is read has an end.
+    #[test]
+    fn no_bytes_do_harm() {
+        let text = format!("{HEAD}5,-1,-1,1,1,0,0,0\n99999999999999,0,0,0,0,0,0,1\n").into_bytes();
+        for at in 0..text.len() {
+            for byte in [0, b'\n', b',', b'-', b'0', b'9', 0xFF] {
+                let (mut replaced, mut added) = (text.clone(), text.clone());
+                replaced[at] = byte;
+                added.insert(at, byte);
+                for bytes in [replaced, added] {
+                    let events = read(bytes.as_slice()).map_or(0, |trace| trace.events.len());
+                    assert!(events < 100_000, "{}", String::from_utf8_lossy(&bytes));
+                }
+            }
+        }
     }
 }
