@@ -41,8 +41,8 @@ pub struct Params {
     pub holding_torque_nm: f64,
     /// Pole pairs of a motor: 50 for steps of 1.8 degrees, \[H\] section 4.
     pub pole_pairs: f64,
-    /// Detent torque of a motor. Assumed: 0.0, as stiffness and holding torque say all of a motor under current; a data
-    /// sheet of a small one (Mosaic 42BYG228) gives up to 0.022.
+    /// Detent torque of a motor. Assumed: 0, which leaves it out; the data sheet of a small one (42BYG228, by Mosaic
+    /// Industries) gives up to 0.022.
     #[serde(rename = "detent_torque_Nm")]
     pub detent_torque_nm: f64,
     /// Viscous friction of a rotor, N m per rad/s. Assumed: 2e-4, drag of bearings and eddy currents.

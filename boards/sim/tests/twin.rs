@@ -155,7 +155,8 @@ fn mechanisms_are_compared_on_an_area_and_on_a_file() {
     let errors: Vec<f64> =
         played["runs"].as_array().unwrap().iter().map(|r| r["contour"]["max_mm"].as_f64().unwrap()).collect();
     assert!(errors.len() == 3 && errors.iter().all(|e| *e > 0.001 && *e < 0.2), "{errors:?}");
-    assert!(complaint(&format!("compare {} --assume-homed 1,1,0", gcode.display())).contains("H-bot: the path takes"));
+    let wide = file("wide.gcode", "G1 X385 F12000\nM400\n");
+    assert!(complaint(&format!("compare {}", wide.display())).contains("H-bot: the path takes"));
 }
 
 #[test]
@@ -194,6 +195,19 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     assert!(one["x"].is_null() && one["belt_EA_N"].as_f64().unwrap() > 0.0, "{one}");
     assert!(complaint("fit --measured 235,235,100,-").contains("two frequencies"));
     assert!(complaint("fit --measured 5,5,100,60").contains("outside"));
+}
+
+#[test]
+fn the_keys_of_parameter_files_stand_in_the_documentation() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/twin.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    let nominal = serde_json::to_value(corehbot_twin::params::Params::default()).unwrap();
+    for (key, value) in nominal.as_object().unwrap() {
+        let row =
+            docs.lines().find(|line| line.starts_with(&format!("| `{key}` |"))).unwrap_or_else(|| panic!("{key}"));
+        let told: f64 = row.split('|').nth(2).unwrap().trim().parse().unwrap();
+        assert!(near(value, told, 1e-12), "{row}");
+    }
 }
 
 #[test]

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// `twin compare`.
 #[derive(Args)]
 pub(crate) struct Compare {
-    /// G-code or a step trace that each of them plays, all at the place where a CoreH-bot has it.
+    /// G-code or a step trace that each of them plays, in its own G-code coordinates.
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     #[command(flatten)]
@@ -69,9 +69,9 @@ impl Compare {
         let Some(file) = &self.file else { return Ok(Vec::new()) };
         let params = self.params.read(&COMPARED)?;
         let source = Source::read(file, &self.printer, stop)?;
-        let origin = workspace(Machine::CoreHBot, &params).origin();
-        let start = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
         let run = |machine: Machine| {
+            let origin = workspace(machine, &params).origin();
+            let start = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
             play(machine, &params, start, self.run_model, &source, stop)
                 .map(|(report, _)| report)
                 .with_context(|| format!("{}, {}", file.display(), machine.name()))
