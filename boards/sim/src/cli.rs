@@ -11,6 +11,7 @@ use crate::printable;
 use crate::run::{self, Run};
 #[cfg(unix)]
 use crate::serve::{self, Serve};
+use crate::twin::{self, Twin};
 use anyhow::Result;
 use clap::{Args, Parser, Subcommand};
 use corehbot::settings::Settings;
@@ -47,6 +48,9 @@ enum Command {
     /// Begins, checks and describes machine files, sends them to boards and gets them back.
     #[command(subcommand)]
     Config(Config),
+    /// What the belt makes of commanded steps: stiffness, modes, slips.
+    #[command(subcommand)]
+    Twin(Twin),
 }
 
 /// Runs the command that the process was called with.
@@ -58,6 +62,7 @@ pub fn main() -> ExitCode {
         Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
         Command::Image(args) => end(image::Prepared::new(&args), |prepared| prepared.write(&args)),
         Command::Config(config) => end(config::run(&config), Ok),
+        Command::Twin(question) => end(Ok(question), |question| twin::run(&question)),
     }
 }
 

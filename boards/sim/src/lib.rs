@@ -33,5 +33,7 @@ pub mod summary;
 pub mod tally;
 pub mod tmc2209;
 pub mod trace;
+mod twin;
 pub mod vcd;
+mod watched;
 pub mod world;

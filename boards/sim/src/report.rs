@@ -24,8 +24,11 @@ const TEMPLATE: &str = include_str!("report.html");
 /// Its script that draws heat.
 const HEAT: &str = include_str!("report/heat.js");
 
-/// Where the path goes, the data and that script.
-const MARKS: [&str; 3] = ["<!--PATH-->", "/*DATA*/", "/*HEAT*/"];
+/// How pages look.
+pub(crate) const STYLE: &str = include_str!("report/page.css");
+
+/// Where the style goes, the path, the data and that script.
+const MARKS: [&str; 4] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*HEAT*/"];
 
 /// What a page shows.
 #[derive(Clone, Copy, Debug)]
@@ -95,12 +98,15 @@ impl Page<'_> {
     /// What `out` or the file of the path reported.
     pub fn write(&self, stored: Stored, out: &mut impl Write) -> io::Result<()> {
         let cut = |text: &'static str, mark| text.split_once(mark).ok_or(io::ErrorKind::InvalidData);
-        let (head, rest) = cut(TEMPLATE, MARKS[0])?;
-        let (middle, rest) = cut(rest, MARKS[1])?;
-        let (curves, end) = cut(rest, MARKS[2])?;
+        let (begin, rest) = cut(TEMPLATE, MARKS[0])?;
+        let (head, rest) = cut(rest, MARKS[1])?;
+        let (middle, rest) = cut(rest, MARKS[2])?;
+        let (curves, end) = cut(rest, MARKS[3])?;
         // A file name with "</script>" in it must not end the script.
         let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
-        out.write_all(head.as_bytes())?;
+        for text in [begin, STYLE, head] {
+            out.write_all(text.as_bytes())?;
+        }
         write_path(stored, out)?;
         for text in [middle, &json, curves, HEAT, end] {
             out.write_all(text.as_bytes())?;

@@ -17,13 +17,13 @@ use crate::summary::{Names, Summary};
 use crate::tally::{Figures, Tally};
 use crate::trace::TraceWriter;
 use crate::vcd::VcdWriter;
-use crate::world::{self, HeatPeriod, Host, Outcome, Sink};
+use crate::watched::Watched;
+use crate::world::{self, HeatPeriod, Outcome, Sink};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use corehbot::motors::MotorSet;
 use corehbot::units::Mm;
-use indicatif::{ProgressBar, ProgressStyle};
-use std::io::{BufWriter, IsTerminal, Write};
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -101,10 +101,7 @@ impl Prepared {
     pub fn run(self, args: &Run) -> Result<u8> {
         let Self { name, host, limits, machine, mut eeprom, stop, outputs, trace, vcd, json, report } = self;
         let settings = &machine.settings;
-        let mut host = Watched { host, bar: ProgressBar::hidden(), stop: &stop };
-        if std::io::stderr().is_terminal() {
-            host.bar = progress_bar(host.host.commands());
-        }
+        let mut host = Watched::new(host, &stop);
         let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
         let path = report.is_some().then(|| ToolPath::new(settings, begin)).transpose();
         let mut sinks = Sinks {
@@ -120,18 +117,18 @@ impl Prepared {
             Some(eeprom) => world::run_with(settings, args.printer.assume_homed, eeprom, &mut [&mut host], &mut sinks),
             None => world::run(settings, args.printer.assume_homed, &mut host, &mut sinks),
         };
-        host.bar.finish_and_clear();
+        let host = host.finish();
         let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
         let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
         let heat = std::mem::take(&mut sinks.heat);
-        let (mut summary, figures, path) = sinks.finish(names, &host.host, &outcome)?;
+        let (mut summary, figures, path) = sinks.finish(names, &host, &outcome)?;
         if !limits.is_judged {
             summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
             summary.warnings_total += 1;
         }
         let interrupted = stop.status();
         if interrupted.is_some() {
-            let (answered, commands) = (host.host.answered(), host.host.commands());
+            let (answered, commands) = (host.answered(), host.commands());
             summary.ok = false;
             summary.failure = Some(format!("{name}: interrupted after {answered} of {commands} commands"));
         }
@@ -140,7 +137,7 @@ impl Prepared {
             write_all(json, &summary.to_json()?).context("cannot write the JSON")?;
         }
         if let (Some(mut report), Some(path)) = (report, path) {
-            let heat_waits = host.host.heat_waits();
+            let heat_waits = host.heat_waits();
             let page = report::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, settings };
             page.write(path, &mut report).context("cannot write the report")?;
         }
@@ -169,48 +166,6 @@ fn say(summary: &Summary, is_standard_taken: bool) -> Result<()> {
         // Whoever read it has read enough.
         Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
         written => written.context("cannot write the summary"),
-    }
-}
-
-fn progress_bar(commands: u64) -> ProgressBar {
-    let bar = ProgressBar::new(commands);
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} commands, {eta} left") {
-        bar.set_style(style);
-    }
-    bar
-}
-
-/// A host whose progress is shown, and that can be stopped.
-struct Watched<'s> {
-    host: FileHost,
-    bar: ProgressBar,
-    stop: &'s Stop,
-}
-
-impl Host for Watched<'_> {
-    fn send(&mut self, out: &mut Vec<u8>) {
-        self.host.send(out);
-        let answered = self.host.answered();
-        // A position a command would cost more than the command.
-        if answered.is_multiple_of(64) {
-            self.bar.set_position(answered);
-        }
-    }
-
-    fn clock(&mut self, tick: u64) {
-        self.host.clock(tick);
-    }
-
-    fn interject(&mut self, out: &mut Vec<u8>) {
-        self.host.interject(out);
-    }
-
-    fn hear(&mut self, line: &str) {
-        self.host.hear(line);
-    }
-
-    fn is_done(&self) -> bool {
-        self.host.is_done() || self.stop.is_set()
     }
 }
 

@@ -1,0 +1,156 @@
+//! Page: one file that shows what became of a path, without any network; of one family with `corehbot run --report`.
+
+use super::setup::ModelArg;
+use crate::report::STYLE;
+use anyhow::{Context as _, Result};
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::params::Params;
+use corehbot_twin::queries::Setup;
+use corehbot_twin::queries::resonance::Resonance;
+use corehbot_twin::routing::Machine;
+use corehbot_twin::run::report::Report;
+use corehbot_twin::run::watch::Watch;
+use corehbot_twin::steps::TICKS_PER_SECOND;
+use serde::Serialize;
+use std::io::Write;
+
+/// The page.
+const TEMPLATE: &str = include_str!("page.html");
+
+/// Where the style goes, and the data.
+const MARKS: [&str; 2] = ["/*STYLE*/\n", "/*DATA*/"];
+
+/// Lines that are drawn; of a longer path neighbours are drawn as one.
+const MOST_LINES: usize = 200_000;
+
+/// Columns and rows of the maps.
+const GRID: usize = 9;
+
+#[derive(Serialize)]
+struct Data<'a> {
+    file: &'a str,
+    machine: &'static str,
+    report: &'a Report,
+    reach_x: [f64; 2],
+    reach_y: [f64; 2],
+    /// Seconds a bin of the curves.
+    bin_s: f64,
+    /// Greatest error of each bin in mm.
+    error: Vec<f64>,
+    spans: Vec<Curve>,
+    torques: Vec<Curve>,
+    path: Path,
+    resonance: Resonance,
+}
+
+/// The least (if it is told) and the greatest of something in each bin.
+#[derive(Serialize)]
+struct Curve {
+    name: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+/// Ends of lines in mm, and the greatest error on each.
+#[derive(Serialize)]
+struct Path {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    error_um: Vec<f64>,
+}
+
+/// Writes the page.
+///
+/// # Errors
+/// What `out` reports, or nothing holds the machine.
+pub(super) fn write(
+    out: &mut impl Write,
+    file: &str,
+    (machine, params): (Machine, &Params),
+    report: &Report,
+    watch: &Watch,
+) -> Result<()> {
+    let reach = workspace(machine, params);
+    let setup = Setup { machine, params: params.clone(), tool: reach.centre(), freedom: ModelArg::Rotors.freedom() };
+    let bins = &watch.series.bins;
+    let span = |(i, name): (usize, &str)| Curve {
+        name: name.to_owned(),
+        low: bins
+            .iter()
+            .map(|bin| bin.tensions_n.get(i).map_or(params.preload_n, |range| range[0]))
+            .map(fine)
+            .collect(),
+        high: bins
+            .iter()
+            .map(|bin| bin.tensions_n.get(i).map_or(params.preload_n, |range| range[1]))
+            .map(fine)
+            .collect(),
+    };
+    let torque = |(i, motor): (usize, u8)| Curve {
+        name: motor.to_string(),
+        low: Vec::new(),
+        high: bins
+            .iter()
+            .map(|bin| bin.forces_n.get(i).map_or(0.0, |f| f * params.pulley_radius_mm))
+            .map(fine)
+            .collect(),
+    };
+    let spans = machine.belts().iter().flat_map(|belt| belt.spans).copied().enumerate();
+    let data = Data {
+        file,
+        machine: machine.name(),
+        report,
+        reach_x: reach.x,
+        reach_y: reach.y,
+        bin_s: watch.series.bin_ticks as f64 / TICKS_PER_SECOND,
+        error: bins.iter().map(|bin| (bin.error_mm * 1e5).round() / 1e5).collect(),
+        spans: spans.map(span).collect(),
+        torques: machine.motors().into_iter().enumerate().map(torque).collect(),
+        path: path(watch),
+        resonance: Resonance::new(&setup, GRID, GRID)?,
+    };
+    fill(out, &data).context("cannot write the report")
+}
+
+fn fill(out: &mut impl Write, data: &Data<'_>) -> Result<()> {
+    let cut = |text: &'static str, mark| text.split_once(mark).context("the page has no place for its data");
+    let (head, rest) = cut(TEMPLATE, MARKS[0])?;
+    let (middle, end) = cut(rest, MARKS[1])?;
+    // A file name with "</script>" in it must not end the script.
+    let json = serde_json::to_string(data)?.replace('<', "\\u003c");
+    for text in [head, STYLE, middle, &json, end] {
+        out.write_all(text.as_bytes())?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Two decimals.
+fn fine(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+fn path(watch: &Watch) -> Path {
+    let (vertices, errors) = (&watch.contour.vertices, &watch.contour.errors_mm);
+    let together = vertices.len().div_ceil(MOST_LINES).max(1);
+    let mut path = Path { x: Vec::new(), y: Vec::new(), error_um: Vec::new() };
+    for (some, errors) in vertices.chunks(together).zip(errors.chunks(together)) {
+        let Some(last) = some.last() else { continue };
+        path.x.push((last.at[0] * 1000.0).round() / 1000.0);
+        path.y.push((last.at[1] * 1000.0).round() / 1000.0);
+        let worst = errors.iter().copied().fold(0.0_f32, f32::max);
+        path.error_um.push((f64::from(worst) * 1e4).round() / 10.0);
+    }
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_template_has_places_for_style_and_data_and_needs_no_network() {
+        assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
+        assert!(!TEMPLATE.contains("http://") && !TEMPLATE.contains("https://"));
+    }
+}

@@ -1,0 +1,134 @@
+//! `twin run`: steps are played on the machine.
+
+use super::answer::Json;
+use super::page;
+use super::setup::{MachineArgs, parse_pair};
+use super::source::Source;
+use crate::cli::Printer;
+use crate::stop::Stop;
+use crate::watched::progress_bar;
+use anyhow::{Context as _, Result};
+use clap::{Args, ValueEnum};
+use corehbot_twin::dynamics::plant::Detail;
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::params::Params;
+use corehbot_twin::routing::{Machine, Place};
+use corehbot_twin::run::Run;
+use corehbot_twin::run::report::Report;
+use corehbot_twin::run::watch::Watch;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Parts of a progress bar.
+const PARTS: f64 = 1000.0;
+
+/// What moves besides the tool.
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum RunModel {
+    /// Nothing: motors are where they were sent, idlers have no mass.
+    Reduced,
+    /// Idlers, each with its inertia.
+    Full,
+    /// Rotors in the sine of their fields, which may slip; idlers have no mass.
+    Rotors,
+}
+
+impl RunModel {
+    pub(super) const fn detail(self) -> Detail {
+        match self {
+            Self::Reduced => Detail { idlers: false, rotors: false },
+            Self::Full => Detail { idlers: true, rotors: false },
+            Self::Rotors => Detail { idlers: false, rotors: true },
+        }
+    }
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Reduced => "reduced",
+            Self::Full => "full",
+            Self::Rotors => "rotors",
+        }
+    }
+}
+
+/// What to play, and what on.
+#[derive(Args)]
+pub(crate) struct Play {
+    /// G-code, which goes through the firmware first, or a step trace (corehbot run --trace).
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// What moves besides the tool.
+    #[arg(long, value_enum, default_value = "reduced")]
+    model: RunModel,
+    /// Where the tool is at the begin, in mm from motor 1's axis; without it, where the firmware is told to be.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    #[command(flatten)]
+    printer: Printer,
+    /// Writes a page with the error along the path, tensions and torques over time, and the resonance of the machine.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Play {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let (machine, params) = self.machine.read()?;
+        let stop = Stop::at_signals()?;
+        let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
+            let start = self.start(machine, &params, source.begin);
+            play(machine, &params, start, self.model, &source, &stop).with_context(|| self.file.display().to_string())
+        });
+        match (played, stop.status()) {
+            (_, Some(status)) => {
+                eprintln!("corehbot: interrupted");
+                Ok(status)
+            }
+            (played, None) => {
+                let (report, watch) = played?;
+                let files: Vec<&Path> =
+                    self.machine.files().chain(self.printer.files()).chain([self.file.as_path()]).collect();
+                self.json.give_with(&report, files, |outputs| {
+                    let Some(path) = &self.report else { return Ok(()) };
+                    let file = self.file.display().to_string();
+                    page::write(&mut outputs.open(path)?, &file, (machine, &params), &report, &watch)
+                })
+            }
+        }
+    }
+
+    /// The firmware's place is one of G-code.
+    fn start(&self, machine: Machine, params: &Params, begin: [f64; 2]) -> Place {
+        let origin = workspace(machine, params).origin();
+        match self.at {
+            Some([x, y]) => Place { x, y },
+            None => Place { x: origin.x + begin[0], y: origin.y + begin[1] },
+        }
+    }
+}
+
+/// Plays steps on a machine, with a bar.
+pub(super) fn play(
+    machine: Machine,
+    params: &Params,
+    start: Place,
+    model: RunModel,
+    source: &Source,
+    stop: &Stop,
+) -> Result<(Report, Watch)> {
+    let begin = Instant::now();
+    let run = Run::new(machine, params, start, model.detail(), &source.steps)?;
+    let bar = progress_bar(PARTS as u64, "thousandths");
+    let watch = run.play(|part| {
+        bar.set_position((part * PARTS) as u64);
+        !stop.is_set()
+    });
+    bar.finish_and_clear();
+    let trace = (source.steps.duration_s(), source.steps.events.len());
+    let watch = watch?;
+    let report = Report::new(machine, model.name(), params, &watch, trace, begin.elapsed().as_secs_f64());
+    Ok((report, watch))
+}

@@ -1,0 +1,96 @@
+//! Questions about one place of the tool.
+
+use super::answer::Json;
+use super::setup::{SetupArgs, parse_pair};
+use anyhow::Result;
+use clap::Args;
+use corehbot_twin::queries::{geometry, modes, push, slip, stiffness};
+
+/// `twin geometry`.
+#[derive(Args)]
+pub(crate) struct Geometry {
+    #[command(flatten)]
+    setup: SetupArgs,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Geometry {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let answer = geometry::Geometry::new(&self.setup.read()?);
+        self.json.give(&answer, self.setup.machine.files())
+    }
+}
+
+/// `twin stiffness`.
+#[derive(Args)]
+pub(crate) struct Stiffness {
+    #[command(flatten)]
+    setup: SetupArgs,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Stiffness {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let answer = stiffness::Stiffness::new(&self.setup.read()?)?;
+        self.json.give(&answer, self.setup.machine.files())
+    }
+}
+
+/// `twin modes`.
+#[derive(Args)]
+pub(crate) struct Modes {
+    #[command(flatten)]
+    setup: SetupArgs,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Modes {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let answer = modes::Modes::new(&self.setup.read()?)?;
+        self.json.give(&answer, self.setup.machine.files())
+    }
+}
+
+/// `twin push`.
+#[derive(Args)]
+pub(crate) struct Push {
+    #[command(flatten)]
+    setup: SetupArgs,
+    /// The force on the tool in N, to the right and away from the front.
+    #[arg(long, value_name = "FX,FY", value_parser = parse_pair, allow_hyphen_values = true)]
+    force: [f64; 2],
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Push {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let answer = push::Push::new(&self.setup.read()?, self.force)?;
+        self.json.give(&answer, self.setup.machine.files())
+    }
+}
+
+/// `twin slip`.
+#[derive(Args)]
+pub(crate) struct Slip {
+    #[command(flatten)]
+    setup: SetupArgs,
+    /// The motor that slipped.
+    #[arg(long, value_name = "N")]
+    motor: u8,
+    /// By how many full steps, counter-clockwise; a rotor that slips does so by four, an electrical turn.
+    #[arg(long, value_name = "K", default_value_t = slip::A_SLIP, allow_hyphen_values = true)]
+    full_steps: f64,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Slip {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let answer = slip::Slip::new(&self.setup.read()?, self.motor, self.full_steps)?;
+        self.json.give(&answer, self.setup.machine.files())
+    }
+}

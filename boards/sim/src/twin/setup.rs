@@ -1,0 +1,183 @@
+//! Setup: which machine is asked about, and where its tool is.
+
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use clap::{Args, ValueEnum};
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::model::elastic::Freedom;
+use corehbot_twin::params::Params;
+use corehbot_twin::queries::Setup;
+use corehbot_twin::routing::{Machine, Place};
+use std::path::{Path, PathBuf};
+
+/// A machine by its word on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+enum MachineArg {
+    /// One closed belt, four motors.
+    Corehbot,
+    /// One belt, two motors.
+    Hbot,
+    /// Two belts, two motors.
+    Corexy,
+    /// Two belts, four motors.
+    AwdCorexy,
+}
+
+impl From<MachineArg> for Machine {
+    fn from(machine: MachineArg) -> Self {
+        match machine {
+            MachineArg::Corehbot => Self::CoreHBot,
+            MachineArg::Hbot => Self::HBot,
+            MachineArg::Corexy => Self::CoreXy,
+            MachineArg::AwdCorexy => Self::AwdCoreXy,
+        }
+    }
+}
+
+/// What may move besides the tool.
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum ModelArg {
+    /// Nothing: motors hold, idlers have no mass.
+    Reduced,
+    /// Idlers, each with its inertia.
+    Full,
+    /// Idlers, and rotors in the spring of their fields.
+    Rotors,
+}
+
+impl ModelArg {
+    /// What that is.
+    pub(super) fn freedom(self) -> Freedom {
+        let (idlers, rotors) = match self {
+            Self::Reduced => (false, false),
+            Self::Full => (true, false),
+            Self::Rotors => (true, true),
+        };
+        Freedom { idlers, rotors, ..Freedom::default() }
+    }
+}
+
+/// The machine's numbers.
+#[derive(Args)]
+pub(super) struct ParamsArgs {
+    /// Other numbers than the nominal ones (docs/twin.md has the keys).
+    #[arg(long, value_name = "P.toml")]
+    params: Option<PathBuf>,
+}
+
+impl ParamsArgs {
+    /// The files that they are made of.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.params.as_deref().into_iter()
+    }
+
+    /// The numbers, if the tool of these machines has room with them.
+    pub(super) fn read(&self, machines: &[Machine]) -> Result<Params> {
+        let Some(path) = &self.params else { return Ok(Params::default()) };
+        let file = path.display();
+        let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
+        let params: Params = toml::from_str(&text).map_err(|error| syntax(&text, &error)).context(file.to_string())?;
+        params.check().with_context(|| file.to_string())?;
+        let has_room = |machine: &Machine| {
+            let reach = workspace(*machine, &params);
+            reach.x[0] < reach.x[1] && reach.y[0] < reach.y[1]
+        };
+        ensure!(machines.iter().all(has_room), "{file}: these pulleys leave the tool no room");
+        Ok(params)
+    }
+}
+
+/// The machine and its numbers.
+#[derive(Args)]
+pub(super) struct MachineArgs {
+    /// The machine.
+    #[arg(long, value_enum, default_value = "corehbot")]
+    machine: MachineArg,
+    #[command(flatten)]
+    params: ParamsArgs,
+}
+
+impl MachineArgs {
+    /// The files that it is made of.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.params.files()
+    }
+
+    /// The machine and its numbers.
+    pub(super) fn read(&self) -> Result<(Machine, Params)> {
+        let machine = self.machine.into();
+        Ok((machine, self.params.read(&[machine])?))
+    }
+}
+
+/// What is wrong with a file, in one line.
+fn syntax(text: &str, error: &toml::de::Error) -> anyhow::Error {
+    let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
+    let line = before.matches('\n').count() + 1;
+    anyhow!("line {line}: {}", error.message().replace('\n', " "))
+}
+
+/// The machine with its tool at a place.
+#[derive(Args)]
+pub(super) struct SetupArgs {
+    #[command(flatten)]
+    pub machine: MachineArgs,
+    /// Where the tool is, in mm from motor 1's axis; the middle of its reach without it.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    /// The place is one of G-code, whose X0 Y0 is the lower left corner of the reach.
+    #[arg(long, requires = "at")]
+    gcode_frame: bool,
+    /// What may move besides the tool.
+    #[arg(long, value_enum, default_value = "reduced")]
+    model: ModelArg,
+    /// A motor without power.
+    #[arg(long, value_name = "N")]
+    free_motor: Option<u8>,
+    /// The bar may yaw on its guides.
+    #[arg(long)]
+    yaw: bool,
+}
+
+impl SetupArgs {
+    /// What the twin is asked about.
+    ///
+    /// # Errors
+    /// No such file, motor or place.
+    pub(super) fn read(&self) -> Result<Setup> {
+        let (machine, params) = self.machine.read()?;
+        let tool = self.tool(machine, &params)?;
+        if let Some(motor) = self.free_motor {
+            let motors = machine.motors();
+            let known = motors.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+            ensure!(motors.contains(&motor), "there is no motor {motor}; the {} has {known}", machine.name());
+        }
+        let freedom = Freedom { yaw: self.yaw, free_motor: self.free_motor, ..self.model.freedom() };
+        Ok(Setup { machine, params, tool, freedom })
+    }
+
+    fn tool(&self, machine: Machine, params: &Params) -> Result<Place> {
+        let reach = workspace(machine, params);
+        let Some([x, y]) = self.at else { return Ok(reach.centre()) };
+        let origin = if self.gcode_frame { reach.origin() } else { Place { x: 0.0, y: 0.0 } };
+        let tool = Place { x: origin.x + x, y: origin.y + y };
+        if !reach.has(tool) {
+            let [x0, x1] = reach.x.map(|v| v - origin.x);
+            let [y0, y1] = reach.y.map(|v| v - origin.y);
+            let name = machine.name();
+            bail!("({x}, {y}) is outside what the {name}'s tool reaches: x {x0:.2} to {x1:.2}, y {y0:.2} to {y1:.2}");
+        }
+        Ok(tool)
+    }
+}
+
+/// Two finite numbers.
+pub(super) fn parse_pair(text: &str) -> Result<[f64; 2], String> {
+    let number = |part: &str| match part.trim().parse::<f64>() {
+        Ok(v) if v.is_finite() => Ok(v),
+        _ => Err(format!("`{part}` is no number")),
+    };
+    match text.split(',').collect::<Vec<_>>()[..] {
+        [x, y] => Ok([number(x)?, number(y)?]),
+        _ => Err("two numbers are wanted: X,Y".to_owned()),
+    }
+}

@@ -1,0 +1,240 @@
+//! `corehbot twin` as a user meets it: questions in, tables and JSON out, and the exit status.
+// Clippy sees no test in the helpers here.
+#![allow(clippy::unwrap_used)]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn twin(words: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("twin").args(words.split_whitespace()).output().unwrap()
+}
+
+/// The JSON that a question is answered with on standard output.
+fn json(words: &str) -> Value {
+    let output = twin(&format!("{words} --json -"));
+    assert!(output.status.success(), "{words}: {}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// The one line that a question fails with.
+fn complaint(words: &str) -> String {
+    let output = twin(words);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(text.lines().count(), 1, "{text}");
+    text
+}
+
+fn file(test: &str, text: &str) -> PathBuf {
+    let place = Path::new(env!("CARGO_TARGET_TMPDIR")).join("twin");
+    std::fs::create_dir_all(&place).unwrap();
+    let path = place.join(test);
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn near(value: &Value, expected: f64, part: f64) -> bool {
+    (value.as_f64().unwrap() - expected).abs() <= part * expected.abs().max(1e-3)
+}
+
+#[test]
+fn points_are_answered_with_units_in_the_keys() {
+    let k = json("stiffness --at 150,180");
+    assert!(near(&k["Kxx_N_per_mm"], 300.010, 1e-3) && near(&k["Kyy_N_per_mm"], 282.963, 1e-3), "{k}");
+    assert!(k["Kxy_N_per_mm"].as_f64().unwrap().abs() < 1e-6, "{k}");
+    let modes = json("modes --model rotors");
+    let frequencies = &modes["frequencies_Hz"];
+    assert!(near(&frequencies[0], 57.64, 5e-3) && near(&frequencies[1], 101.38, 5e-3), "{modes}");
+    let slip = json("slip --motor 1 --at 235,235");
+    assert!(near(&slip["dx_mm"], -0.19949, 5e-3) && near(&slip["residual_mm"], 0.79797, 5e-3), "{slip}");
+    assert!(near(&slip["tension_change_N"]["up"], -13.88, 5e-3), "{slip}");
+    assert!(near(&slip["motor_torque_mNm"][3], -179.2, 5e-3), "{slip}");
+    let half = json("slip --motor 1 --at 235,235 --full-steps 2");
+    assert!(near(&half["dx_mm"], -0.09975, 5e-3), "{half}");
+    let yin = json("yin --speed 0.079 --model 4dof");
+    assert!(near(&yin["x_to_y_mm"], 0.7690, 5e-3) && near(&yin["y_to_x_mm"], 0.1962, 5e-3), "{yin}");
+    assert!(complaint("yin --speed 7").contains("speed"));
+    let push = json("push --force 5,-5 --machine corexy --at 147.5,339.4");
+    assert!(push["dx_mm"].as_f64().unwrap() > 0.0 && push["residual_mm"].is_null(), "{push}");
+    let geometry = json("geometry");
+    assert!(near(&geometry["belt_lengths_mm"][0], 3593.091, 1e-6), "{geometry}");
+    assert_eq!(geometry["segments"].as_array().unwrap().len(), 14);
+}
+
+#[test]
+fn a_free_motor_and_other_numbers_are_taken() {
+    let free = json("stiffness --free-motor 4");
+    assert!(near(&free["Kxy_N_per_mm"], -70.721, 1e-4), "{free}");
+    let stiff = file("stiff.toml", "belt_EA_N = 60000\n");
+    let k = json(&format!("stiffness --at 235,235 --params {}", stiff.display()));
+    assert!(near(&k["Kxx_N_per_mm"], 2.0 * 287.563, 1e-3), "{k}");
+}
+
+#[test]
+fn a_place_of_g_code_is_counted_from_the_corner_of_the_reach() {
+    let [paper, gcode] = ["stiffness --at 60,31.2", "stiffness --gcode-frame --at 20,5"].map(json);
+    assert!(near(&gcode["x_mm"], 60.0, 1e-9) && near(&gcode["Kxx_N_per_mm"], 348.927, 1e-3), "{gcode}");
+    assert!(near(&gcode["Kyy_N_per_mm"], paper["Kyy_N_per_mm"].as_f64().unwrap(), 1e-9), "{gcode}");
+}
+
+#[test]
+fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
+    let gcode = file("corner.gcode", "G1 X100 Y100 F6000\nG1 X130 F12000\nG1 Y130\nM400\n");
+    let trace = gcode.with_file_name("corner.csv");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    run.arg("run").arg(&gcode).arg("--trace").arg(&trace).args(["--assume-homed", "100,100,0"]);
+    assert!(run.output().unwrap().status.success());
+    let played = |path: &Path| json(&format!("run {} --model rotors --assume-homed 100,100,0", path.display()));
+    let [a, b] = [gcode.as_path(), trace.as_path()].map(played);
+    assert_eq!(a["contour"], b["contour"], "{a} {b}");
+    assert_eq!(a["motors"], b["motors"]);
+    assert!(a["contour"]["max_mm"].as_f64().unwrap() > 0.005 && a["contour"]["max_mm"].as_f64().unwrap() < 0.2, "{a}");
+    // The corner is where G-code's (130, 100) is.
+    assert!(near(&a["corners"][0]["x_mm"], 170.0, 1e-3) && near(&a["corners"][0]["y_mm"], 126.2, 1e-3), "{a}");
+    assert_eq!(a["corners_total"], 1);
+    assert_eq!(a["motors"].as_array().unwrap().len(), 4);
+    assert!(a["motors"].as_array().unwrap().iter().all(|motor| motor["slips"] == 0));
+    assert!(a["tension_N"]["lo"][0].as_f64().unwrap() > 30.0, "{a}");
+    assert!(a["times_real_time"].as_f64().unwrap() > 0.0);
+    let hbot = json(&format!("run {} --machine hbot --assume-homed 100,100,0", trace.display()));
+    assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn a_page_shows_the_path_with_its_errors_and_needs_no_network() {
+    let gcode = file("page.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
+    let page = gcode.with_file_name("page.html");
+    let words = format!("run {} --assume-homed 100,100,0 --report {}", gcode.display(), page.display());
+    assert!(twin(&words).status.success());
+    let text = std::fs::read_to_string(page).unwrap();
+    assert!(!text.contains("http://") && !text.contains("https://") && !text.contains("/*STYLE*/"));
+    let data = text.split_once("const D = ").unwrap().1.split_once(";\n").unwrap().0;
+    let data: Value = serde_json::from_str(data).unwrap();
+    let [lines, errors] = ["x", "error_um"].map(|key| data["path"][key].as_array().unwrap().len());
+    assert!(lines == errors && (3..10).contains(&lines), "{data}");
+    assert_eq!(data["spans"].as_array().unwrap().len(), 4);
+    assert!(data["error"].as_array().unwrap().iter().any(|mm| mm.as_f64().unwrap() > 0.001));
+}
+
+#[test]
+fn what_cannot_be_played_is_told_in_one_line() {
+    let path = file("far.gcode", "G1 X380 F12000\nM400\n");
+    let far = complaint(&format!("run {} --machine hbot --assume-homed 100,100,0", path.display()));
+    assert!(far.contains("far.gcode") && far.contains("reaches x 52.7"), "{far}");
+    let cut = file(
+        "cut.csv",
+        "# corehbot-trace v1 tick_hz=10000000 kinematics=corehbot steps_per_mm=80/800/400\n\
+        tick,m1,m4,m8,m11,z1,z2,e0\n5,1,0\n",
+    );
+    assert!(complaint(&format!("run {}", cut.display())).contains("cut.csv: line 3"));
+    assert!(complaint("run nothing.gcode").contains("cannot open"));
+}
+
+#[test]
+fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
+    let told = json("resonance --grid 3x4");
+    assert_eq!(told["x"]["frequencies_Hz"].as_array().unwrap().len(), 4);
+    assert_eq!(told["x"]["frequencies_Hz"][0].as_array().unwrap().len(), 3);
+    assert!(told["y"]["line"].as_str().unwrap().starts_with("M593 Y F6"), "{told}");
+    assert!(told["y"]["suggestion"]["worst_residual"].as_f64().unwrap() < 0.05, "{told}");
+    assert_eq!(told["x"]["suggestion"]["type"], "MZV");
+    // The firmware takes the lines.
+    let lines = ["x", "y"].map(|axis| told[axis]["line"].as_str().unwrap().to_owned()).join("\n");
+    let gcode = file("shapers.gcode", &format!("{lines}\nG1 X110 F6000\nM400\n"));
+    let run = Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("run").arg(&gcode).output().unwrap();
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(run.status.success() && !text.contains("ignored"), "{text}");
+    assert_eq!(twin("resonance --grid 1x4").status.code(), Some(2));
+}
+
+#[test]
+fn mechanisms_are_compared_on_an_area_and_on_a_file() {
+    let plain = json("compare --grid 5x5");
+    let machines = plain["machines"].as_array().unwrap();
+    let deflections: Vec<f64> = machines.iter().map(|m| m["deflection_um"].as_f64().unwrap()).collect();
+    assert!(deflections[0] < deflections[1] && deflections[0] < deflections[2], "{plain}");
+    assert!(plain.get("runs").is_none());
+    let gcode = file("side.gcode", "G1 X130 F12000\nG1 Y130\nM400\n");
+    let played = json(&format!("compare {} --grid 3x3 --assume-homed 100,100,0", gcode.display()));
+    let errors: Vec<f64> =
+        played["runs"].as_array().unwrap().iter().map(|r| r["contour"]["max_mm"].as_f64().unwrap()).collect();
+    assert!(errors.len() == 3 && errors.iter().all(|e| *e > 0.001 && *e < 0.2), "{errors:?}");
+    let wide = file("wide.gcode", "G1 X385 F12000\nM400\n");
+    assert!(complaint(&format!("compare {}", wide.display())).contains("H-bot: the path takes"));
+}
+
+#[test]
+fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
+    let told = json("limits --model reduced --error 0.05");
+    assert!(near(&told["x"]["speed_jump_mm_s"], 2.0 * 17.307, 1e-3), "{told}");
+    let half = json("limits --torque 0.25");
+    let whole = json("limits --torque 0.5");
+    let accelerations = [half, whole].map(|told| told["y"]["torque_acceleration_mm_s2"].as_f64().unwrap());
+    assert!((accelerations[1] / accelerations[0] - 2.0).abs() < 1e-9);
+    assert_eq!(twin("limits --torque 2").status.code(), Some(2));
+}
+
+#[test]
+fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
+    let swept = json("sweep --vary belt_EA_N=20000:60000:3");
+    let rows = swept["rows"].as_array().unwrap();
+    assert!(rows.len() == 3 && near(&rows[2]["Kxx_N_per_mm"], 3.0 * rows[0]["Kxx_N_per_mm"].as_f64().unwrap(), 1e-9));
+    let gcode = file("swept.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
+    let words = format!("sweep {} --vary head_mass_kg=0.4:0.8:2 --assume-homed 100,100,0", gcode.display());
+    let played = json(&words);
+    let [light, heavy] = [0, 1].map(|i| played["rows"][i]["contour_max_mm"].as_f64().unwrap());
+    assert!(light < heavy, "{played}");
+    assert!(complaint("sweep --vary belt_EA=1:2:3").contains("belt_EA_N"));
+    assert_eq!(twin("sweep --vary belt_EA_N=1:2").status.code(), Some(2));
+    // What the model itself rings at, to a hundredth of a hertz, is what its own numbers are found from.
+    let rung = [[235.0, 235.0], [60.0, 50.0]].map(|[x, y]| {
+        let modes = json(&format!("modes --model rotors --at {x},{y}"));
+        let hz = |i: usize| modes["frequencies_Hz"][i].as_f64().unwrap();
+        format!("--measured {x},{y},{:.2},{:.2}", hz(1), hz(0))
+    });
+    let found = json(&format!("fit {}", rung.join(" ")));
+    assert!(near(&found["belt_EA_N"], 30_000.0, 0.01) && near(&found["holding_torque_Nm"], 0.4, 0.02), "{found}");
+    assert!(near(&found["x"]["frequency_Hz"], 101.4, 1e-3) && near(&found["y"]["span_mm"], 862.2, 1e-9), "{found}");
+    let one = json("fit --measured 235,235,101.4,57.6");
+    assert!(one["x"].is_null() && one["belt_EA_N"].as_f64().unwrap() > 0.0, "{one}");
+    assert!(complaint("fit --measured 235,235,100,-").contains("two frequencies"));
+    assert!(complaint("fit --measured 5,5,100,60").contains("outside"));
+}
+
+#[test]
+fn the_keys_of_parameter_files_stand_in_the_documentation() {
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/twin.md");
+    let docs = std::fs::read_to_string(docs).unwrap();
+    let nominal = serde_json::to_value(corehbot_twin::params::Params::default()).unwrap();
+    for (key, value) in nominal.as_object().unwrap() {
+        let row =
+            docs.lines().find(|line| line.starts_with(&format!("| `{key}` |"))).unwrap_or_else(|| panic!("{key}"));
+        let told: f64 = row.split('|').nth(2).unwrap().trim().parse().unwrap();
+        assert!(near(value, told, 1e-12), "{row}");
+    }
+}
+
+#[test]
+fn people_get_tables() {
+    let text = String::from_utf8(twin("slip --motor 8 --at 100,100").stdout).unwrap();
+    assert!(text.contains("motor 8 slipped by 4 full steps") && text.contains("residual"), "{text}");
+    let both = twin("stiffness --json -");
+    assert!(String::from_utf8(both.stderr).unwrap().contains("Kxx"));
+}
+
+#[test]
+fn what_is_not_there_is_told_in_one_line() {
+    assert!(complaint("stiffness --at 10,10").contains("x 40.00 to 430.00"));
+    assert!(complaint("stiffness --gcode-frame --at 400,10").contains("x 0.00 to 390.00"));
+    assert!(complaint("modes --machine hbot --free-motor 8").contains("no motor 8"));
+    assert!(complaint("slip --motor 3").contains("has 1, 4, 8, 11"));
+    assert!(complaint("modes --machine hbot --at 45,100").contains("52.70"));
+    let bad = [("typo.toml", "belt_EA = 1\n", "line 1"), ("negative.toml", "preload_N = -1\n", "preload_N")];
+    for (name, text, word) in bad {
+        let path = file(name, text);
+        let told = complaint(&format!("stiffness --params {}", path.display()));
+        assert!(told.contains(name) && told.contains(word), "{told}");
+    }
+    assert!(complaint("stiffness --params nowhere.toml").contains("cannot open"));
+}

@@ -1,0 +1,122 @@
+//! Path: the line along which steps send the tool, cut where it is furthest from its chord until nothing is further than the
+//! tolerance (Douglas and Peucker, 1973).
+
+/// A corner of the line, or its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// In mm.
+    pub at: [f64; 2],
+    /// When the tool was sent there, in ticks.
+    pub tick: u64,
+}
+
+/// Places that are looked at together.
+const BLOCK: usize = 1024;
+
+/// A line in the making.
+#[derive(Clone, Debug)]
+pub struct PathBuilder {
+    tolerance_mm: f64,
+    vertices: Vec<Vertex>,
+    /// Since the last vertex, which is the first.
+    places: Vec<Vertex>,
+}
+
+impl PathBuilder {
+    /// A line from a place on, which passes every place at this distance or nearer.
+    #[must_use]
+    pub fn new(at: [f64; 2], tolerance_mm: f64) -> Self {
+        let begin = Vertex { at, tick: 0 };
+        Self { tolerance_mm, vertices: vec![begin], places: vec![begin] }
+    }
+
+    /// The tool is sent to a place.
+    pub fn add(&mut self, at: [f64; 2], tick: u64) {
+        self.places.push(Vertex { at, tick });
+        if self.places.len() >= BLOCK {
+            self.cut(false);
+        }
+    }
+
+    /// The whole line.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<Vertex> {
+        self.cut(true);
+        self.vertices
+    }
+
+    /// Makes vertices; the last line may still grow unless it is the end, or would be looked at again and again.
+    fn cut(&mut self, is_end: bool) {
+        let last = self.places.len() - 1;
+        let mut begin = 0;
+        for end in self.ends() {
+            if end == last && !is_end && last - begin <= BLOCK / 2 {
+                break;
+            }
+            self.vertices.extend(self.places.get(end));
+            begin = end;
+        }
+        self.places.drain(..begin);
+    }
+
+    /// The places that end lines, in order.
+    fn ends(&self) -> Vec<usize> {
+        let mut ends = Vec::new();
+        let mut pending = vec![(0, self.places.len() - 1)];
+        while let Some((begin, end)) = pending.pop() {
+            match self.furthest(begin, end) {
+                Some(between) => pending.extend([(between, end), (begin, between)]),
+                None if end > begin => ends.push(end),
+                None => {}
+            }
+        }
+        ends
+    }
+
+    /// The place between two others that is furthest from the line between them, if it is too far.
+    fn furthest(&self, begin: usize, end: usize) -> Option<usize> {
+        let (a, b) = (self.places.get(begin)?, self.places.get(end)?);
+        let mut found = (self.tolerance_mm, None);
+        for (index, place) in self.places.iter().enumerate().take(end).skip(begin + 1) {
+            let (_, distance) = nearest(a.at, b.at, place.at);
+            if distance > found.0 {
+                found = (distance, Some(index));
+            }
+        }
+        found.1
+    }
+}
+
+/// Where on a line (0 at its begin, 1 at its end) the nearest point is, and how far.
+pub(super) fn nearest(a: [f64; 2], b: [f64; 2], point: [f64; 2]) -> (f64, f64) {
+    let (along, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
+    let square = along[0] * along[0] + along[1] * along[1];
+    let way = if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (way, (to[0] - way * along[0]).hypot(to[1] - way * along[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rectangle_of_steps_has_four_corners_exactly() {
+        let mut path = PathBuilder::new([0.0, 0.0], 0.0125);
+        let mut tick = 0;
+        let mut go = |from: [f64; 2], to: [f64; 2]| {
+            for step in 1..=2400 {
+                tick += 100;
+                let part = f64::from(step) / 2400.0;
+                path.add([0, 1].map(|i| from[i] + part * (to[i] - from[i])), tick);
+            }
+        };
+        let corners = [[0.0, 0.0], [30.0, 0.0], [30.0, 30.0], [0.0, 30.0], [0.0, 0.0]];
+        for pair in corners.windows(2) {
+            go(pair[0], pair[1]);
+        }
+        let at: Vec<[f64; 2]> = path.finish().into_iter().map(|vertex| vertex.at).collect();
+        for corner in corners {
+            assert!(at.contains(&corner), "{corner:?} is not among {at:?}");
+        }
+    }
+}

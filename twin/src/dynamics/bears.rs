@@ -1,0 +1,69 @@
+//! Bears: what belts, motors and guides take, read off a plant in motion.
+//!
+//! Tensions are elastic ones, without damping: between two steps a held motor stands, so the damping of the belt's whole
+//! speed would show, while what the steps pass on is in their blows.
+
+use super::plant::{Plant, Spring, sum};
+use std::f64::consts::TAU;
+
+impl Plant {
+    /// Elastic tension of each span in N.
+    pub fn tensions<'a>(&'a self, at: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let springs = self.spans.iter().filter_map(|(_, first)| self.springs.get(*first));
+        springs.map(|spring| self.tension(spring, at))
+    }
+
+    /// How many electrical turns a rotor is from where it was sent: how often it has slipped.
+    #[must_use]
+    pub fn slips(&self, at_mm: f64, sent_mm: f64) -> f64 {
+        ((at_mm - sent_mm) / (TAU * self.params.electrical_radian_mm())).round()
+    }
+
+    /// Force at the belt that each motor takes, in N.
+    pub fn motor_forces<'a>(&'a self, at: &'a [f64], sent_mm: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let first = self.first_motor();
+        sent_mm.iter().enumerate().map(move |(motor, sent)| {
+            if self.are_rotors() {
+                return at.get(first + motor).map_or(0.0, |at| self.field_n(*at, *sent));
+            }
+            let pull = |spring: &Spring| {
+                let c: f64 = spring.row.iter().filter(|(i, _)| *i == first + motor).map(|(_, c)| c).sum();
+                c * self.tension(spring, at)
+            };
+            self.springs.iter().map(pull).sum()
+        })
+    }
+
+    /// Torque in N mm that the guides must take to keep the bar square: of the belts, and of the head's inertia beside the
+    /// middle.
+    #[must_use]
+    pub fn yaw_torque_n_mm(&self, at: &[f64], speeds: &[f64]) -> f64 {
+        let (mut belts, mut force_y) = (0.0, 0.0);
+        for spring in &self.springs {
+            let tension = self.tension(spring, at);
+            belts += spring.yaw_mm * tension;
+            // Free lengths grow with the tool as the belt does with it.
+            force_y -= spring.grows[1] * tension;
+        }
+        let mut forces = [0.0, force_y];
+        self.rub(speeds, &mut forces);
+        let arm = self.start().x + at.first().copied().unwrap_or(0.0) - self.params.width_mm / 2.0;
+        let mass = self.params.head_mass_kg + self.params.bar_mass_kg;
+        belts + self.params.head_mass_kg / mass * forces[1] * arm
+    }
+
+    /// Energy in N mm that is not heat, beyond that of the preload at rest: motion, belts, fields.
+    #[must_use]
+    pub fn energy_n_mm(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64]) -> f64 {
+        let motion: f64 = speeds.iter().zip(&self.mobility).map(|(v, mobility)| v * v / mobility / 2.0).sum();
+        let stored = |spring: &Spring| spring.stiffness * sum(&spring.row, at).powi(2) / 2.0;
+        let belts: f64 = self.springs.iter().map(stored).sum();
+        if !self.are_rotors() {
+            return motion + belts;
+        }
+        let radian = self.params.electrical_radian_mm();
+        let rotors = at.iter().skip(self.first_motor()).zip(sent_mm);
+        let fields: f64 = rotors.map(|(at, sent)| 1.0 - ((sent - at) / radian).cos()).sum();
+        motion + belts + fields * self.params.holding_force_n() * radian
+    }
+}

@@ -1,0 +1,288 @@
+//! Plant: the forces on all that moves, for a place that the motors were sent to.
+//!
+//! Coordinates are changes from the start: x, y, idlers, then motors. Motors either stand where they were sent (they are
+//! *held*), or are rotors that their fields pull there. A segment's stiffness is that of its free length where the motors
+//! were sent: what a segment has of belt changes by motors that turn, not by the belt that stretches. So between two steps
+//! it is constant, and energy is kept.
+
+use crate::model::SHORTEST_FREE_MM;
+use crate::model::coordinate::Coordinate;
+use crate::model::elastic::{Elastic, Freedom};
+use crate::model::links::Link;
+use crate::model::ways::Ways;
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+
+/// N over kg in mm/s^2.
+const MM_PER_M: f64 = 1000.0;
+
+/// Dry friction changes its sign over this speed, in mm/s.
+const CREEP: f64 = 1.0;
+
+/// What moves besides the tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Detail {
+    /// Idlers, each with its inertia.
+    pub idlers: bool,
+    /// Rotors, pulled by their fields.
+    pub rotors: bool,
+}
+
+/// A link with what changes at steps.
+#[derive(Clone, Debug)]
+pub(super) struct Spring {
+    /// Free length at the start, in mm.
+    length_mm: f64,
+    /// What it grows by for a millimetre of the tool in x and y.
+    pub(super) grows: [f64; 2],
+    /// Coordinates that stretch it, and by how much.
+    pub(super) row: Vec<(usize, f64)>,
+    /// The same for a radian of the bar's yaw.
+    pub(super) yaw_mm: f64,
+    /// Now, in N/mm.
+    pub(super) stiffness: f64,
+}
+
+/// Forces and masses.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    /// The machine's numbers.
+    pub params: Params,
+    /// The motors and their ways.
+    pub ways: Ways,
+    start: Place,
+    /// mm/s^2 for a newton, of each coordinate that moves.
+    pub(super) mobility: Vec<f64>,
+    /// Coordinates: x, y, idlers, motors.
+    count: usize,
+    are_rotors: bool,
+    pub(super) springs: Vec<Spring>,
+    /// Names of the spans, and the first spring of each.
+    pub(super) spans: Vec<(&'static str, usize)>,
+    /// Longest step of an integration, in s.
+    longest_step_s: f64,
+}
+
+/// Longest step of an integration in any case, in s: a 145th of a period of the fastest rotor mode.
+const LONGEST_STEP_S: f64 = 20e-6;
+
+/// The same with idlers, which ring at 1.5 kHz in the middle of the machine.
+const LONGEST_STEP_OF_IDLERS_S: f64 = 8e-6;
+
+/// A step is no longer than so many radians of the fastest vibration; Runge and Kutta's method bears 2.8.
+const MOST_RADIANS: f64 = 0.5;
+
+/// Nor than so many times the time in which the belt's damping settles; the method bears 2.7.
+const MOST_SETTLING: f64 = 1.5;
+
+impl Plant {
+    /// A machine at rest with its tool at `start`.
+    #[must_use]
+    pub fn new(machine: Machine, params: &Params, start: Place, detail: Detail) -> Self {
+        let freedom = Freedom { idlers: detail.idlers, rotors: detail.rotors, yaw: false, free_motor: None };
+        let elastic = Elastic::new(machine, params, start, freedom);
+        let ways = Ways::new(machine, params);
+        let is_idler = |c: &&Coordinate| matches!(c, Coordinate::Idler(_));
+        let idlers = elastic.links.coordinates.iter().filter(is_idler).copied();
+        let motors = ways.motors.iter().map(|number| Coordinate::Motor(*number));
+        let order: Vec<Coordinate> = [Coordinate::X, Coordinate::Y].into_iter().chain(idlers).chain(motors).collect();
+        let index = |c: &Coordinate| elastic.links.index(*c);
+        let entry = |link: &Link, c: &Coordinate| index(c).and_then(|i| link.row.get(i)).copied().unwrap_or(0.0);
+        let moving = order.len() - if detail.rotors { 0 } else { ways.motors.len() };
+        let masses = order.iter().take(moving).filter_map(index).map(|i| elastic.mass[(i, i)]);
+        let spring = |link: &Link| Spring {
+            length_mm: link.length_mm,
+            grows: [entry(link, &Coordinate::X), entry(link, &Coordinate::Y)],
+            row: order.iter().enumerate().map(|(i, c)| (i, entry(link, c))).filter(|(_, v)| v.abs() > 0.5).collect(),
+            yaw_mm: entry(link, &Coordinate::Yaw),
+            stiffness: link.stiffness(params),
+        };
+        let mut spans: Vec<(&'static str, usize)> = Vec::new();
+        for (i, link) in elastic.links.links.iter().enumerate() {
+            if spans.last().is_none_or(|(name, _)| *name != link.span) {
+                spans.push((link.span, i));
+            }
+        }
+        let mut plant = Self {
+            params: params.clone(),
+            start,
+            mobility: masses.map(|kg| MM_PER_M / kg).collect(),
+            count: order.len(),
+            are_rotors: detail.rotors,
+            springs: elastic.links.links.iter().map(spring).collect(),
+            spans,
+            longest_step_s: LONGEST_STEP_S,
+            ways,
+        };
+        plant.send(&vec![0.0; plant.ways.motors.len()]);
+        plant
+    }
+
+    /// Coordinates: x, y, idlers, motors.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Those that move.
+    #[must_use]
+    pub const fn moving(&self) -> usize {
+        self.mobility.len()
+    }
+
+    /// Where the motors' coordinates begin.
+    #[must_use]
+    pub const fn first_motor(&self) -> usize {
+        self.count - self.ways.motors.len()
+    }
+
+    /// Whether idlers move by themselves.
+    #[must_use]
+    pub const fn has_idlers(&self) -> bool {
+        // x and y come first.
+        self.first_motor() > 2
+    }
+
+    /// Whether motors are rotors in their fields.
+    #[must_use]
+    pub const fn are_rotors(&self) -> bool {
+        self.are_rotors
+    }
+
+    /// Names of the spans.
+    pub fn span_names(&self) -> impl Iterator<Item = &'static str> {
+        self.spans.iter().map(|(name, _)| *name)
+    }
+
+    /// Where the tool was at the start.
+    #[must_use]
+    pub const fn start(&self) -> Place {
+        self.start
+    }
+
+    /// Takes the free lengths of the place that the motors were sent to.
+    pub fn send(&mut self, sent_mm: &[f64]) {
+        let [x, y] = self.ways.tool(sent_mm);
+        for spring in &mut self.springs {
+            let length = spring.length_mm + spring.grows[0] * x + spring.grows[1] * y;
+            spring.stiffness = self.params.belt_ea_n / length.max(SHORTEST_FREE_MM);
+        }
+        self.longest_step_s = self.stable_step_s();
+    }
+
+    /// Longest step of an integration, in s.
+    #[must_use]
+    pub const fn longest_step_s(&self) -> f64 {
+        self.longest_step_s
+    }
+
+    /// A step that any vibration here bears. The square of the fastest one's angular frequency is at most the greatest sum
+    /// of a row of stiffness over mass (Gershgorin).
+    fn stable_step_s(&self) -> f64 {
+        let field = if self.are_rotors { self.params.field_stiffness_n_per_mm() } else { 0.0 };
+        let mut fastest = 0.0_f64;
+        for (coordinate, mobility) in self.mobility.iter().enumerate() {
+            let mut sum = if coordinate >= self.first_motor() { field } else { 0.0 };
+            for spring in &self.springs {
+                let own: f64 = spring.row.iter().filter(|(i, _)| *i == coordinate).map(|(_, c)| c.abs()).sum();
+                if own > 0.0 {
+                    sum += own * spring.stiffness * spring.row.iter().map(|(_, c)| c.abs()).sum::<f64>();
+                }
+            }
+            fastest = fastest.max(sum * mobility);
+        }
+        let most = if self.has_idlers() { LONGEST_STEP_OF_IDLERS_S } else { LONGEST_STEP_S };
+        let settling = MOST_SETTLING / (self.params.belt_damping_s * fastest).max(f64::MIN_POSITIVE);
+        most.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
+    }
+
+    /// What a held motor's step does to the speeds of all that moves: the belt's damping passes an instant's turn on as a
+    /// blow.
+    pub fn strike(&self, coordinate: usize, step_mm: f64, at: &[f64], speeds: &mut [f64]) {
+        for spring in &self.springs {
+            if self.tension(spring, at) <= 0.0 {
+                continue;
+            }
+            let stretch: f64 = spring.row.iter().filter(|(i, _)| *i == coordinate).map(|(_, c)| c * step_mm).sum();
+            let blow = self.params.belt_damping_s * spring.stiffness * stretch;
+            for (i, c) in &spring.row {
+                if let (Some(speed), Some(mobility)) = (speeds.get_mut(*i), self.mobility.get(*i)) {
+                    *speed -= c * blow * mobility;
+                }
+            }
+        }
+    }
+
+    /// Elastic tension of a spring; 0 where it is slack.
+    pub(super) fn tension(&self, spring: &Spring, at: &[f64]) -> f64 {
+        (self.params.preload_n + spring.stiffness * sum(&spring.row, at)).max(0.0)
+    }
+
+    /// What a spring pulls with: its tension, and its damping unless it is slack.
+    fn pull_of(&self, spring: &Spring, at: &[f64], speeds: &[f64]) -> f64 {
+        let tension = self.tension(spring, at);
+        if tension <= 0.0 {
+            return 0.0;
+        }
+        tension + self.params.belt_damping_s * spring.stiffness * sum(&spring.row, speeds)
+    }
+
+    /// Accelerations of all that moves, with motors sent so far.
+    pub fn accelerate(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64], accelerations: &mut [f64]) {
+        accelerations.fill(0.0);
+        for spring in &self.springs {
+            let tension = self.pull_of(spring, at, speeds);
+            for (i, c) in &spring.row {
+                if let Some(force) = accelerations.get_mut(*i) {
+                    *force -= c * tension;
+                }
+            }
+        }
+        self.rub(speeds, accelerations);
+        if self.are_rotors {
+            self.pull(at, speeds, sent_mm, accelerations);
+        }
+        for (acceleration, mobility) in accelerations.iter_mut().zip(&self.mobility) {
+            *acceleration *= mobility;
+        }
+    }
+
+    /// Guides: viscous and dry friction.
+    pub(super) fn rub(&self, speeds: &[f64], forces: &mut [f64]) {
+        let p = &self.params;
+        let guides = [(p.guide_x_n_s_per_m, p.dry_friction_x_n), (p.guide_y_n_s_per_m, p.dry_friction_y_n)];
+        for ((viscous, dry), (speed, force)) in guides.into_iter().zip(speeds.iter().zip(forces)) {
+            *force -= viscous / MM_PER_M * speed;
+            if dry > 0.0 {
+                *force -= dry * (speed / CREEP).tanh();
+            }
+        }
+    }
+
+    /// Fields, detents and friction of the rotors.
+    fn pull(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64], forces: &mut [f64]) {
+        let damping = self.params.rotor_damping_n_s_per_mm();
+        let first = self.first_motor();
+        let rotors = at.iter().zip(speeds).skip(first).zip(forces.iter_mut().skip(first));
+        for (((at, speed), force), sent) in rotors.zip(sent_mm) {
+            *force += self.field_n(*at, *sent) - damping * speed;
+        }
+    }
+
+    /// What field and detent pull a rotor with, in N at the belt.
+    #[must_use]
+    pub fn field_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
+        let radian = self.params.electrical_radian_mm();
+        let field = self.params.holding_force_n() * ((sent_mm - at_mm) / radian).sin();
+        if self.params.detent_torque_nm == 0.0 {
+            return field;
+        }
+        // Four detents an electrical turn: one a full step.
+        field - self.params.detent_force_n() * (4.0 * at_mm / radian).sin()
+    }
+}
+
+/// Sum of a row's coordinates; those that are not there (speeds of what is held) are 0.
+pub(super) fn sum(row: &[(usize, f64)], of: &[f64]) -> f64 {
+    row.iter().map(|(i, c)| c * of.get(*i).copied().unwrap_or(0.0)).sum()
+}

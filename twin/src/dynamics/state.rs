@@ -1,0 +1,112 @@
+//! State: where everything is, how fast, and where the motors were sent.
+//!
+//! Steps of the motors are exact: time is cut at each. In between, the classical Runge-Kutta method of fourth order goes in
+//! steps of 20 us at most, 8 us with idlers, and shorter where a segment comes to its end and is stiff.
+
+use super::plant::Plant;
+
+/// A machine in motion.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Changes of all coordinates since the start, in mm.
+    pub at: Vec<f64>,
+    /// Speeds of those that move, in mm/s.
+    pub speeds: Vec<f64>,
+    /// Where each motor was sent, in mm of belt since the start.
+    pub sent_mm: Vec<f64>,
+    /// How many times shorter the steps of the integration are than the plant asks for.
+    pub refinement: f64,
+    scratch: Scratch,
+}
+
+/// Places, speeds and accelerations of the four stages, kept so that nothing is allocated on the way.
+#[derive(Clone, Debug, Default)]
+struct Scratch {
+    at: Vec<f64>,
+    speeds: Vec<f64>,
+    slope: Vec<f64>,
+    sum_speeds: Vec<f64>,
+    sum_slopes: Vec<f64>,
+}
+
+impl State {
+    /// Everything at rest.
+    #[must_use]
+    pub fn at_rest(plant: &Plant) -> Self {
+        let (count, moving) = (plant.count(), plant.moving());
+        let zeros = || vec![0.0; moving];
+        let scratch =
+            Scratch { at: vec![0.0; count], speeds: zeros(), slope: zeros(), sum_speeds: zeros(), sum_slopes: zeros() };
+        let sent_mm = vec![0.0; plant.ways.motors.len()];
+        Self { at: vec![0.0; count], speeds: zeros(), sent_mm, refinement: 1.0, scratch }
+    }
+
+    /// Sends a motor (by its place among the motors) to so much belt from the start, at once. Says whether it was elsewhere.
+    pub fn step(&mut self, plant: &Plant, motor: usize, to_mm: f64) -> bool {
+        let Some(sent) = self.sent_mm.get_mut(motor).filter(|sent| **sent != to_mm) else { return false };
+        let way = to_mm - *sent;
+        *sent = to_mm;
+        if !plant.are_rotors() {
+            let coordinate = plant.first_motor() + motor;
+            if let Some(at) = self.at.get_mut(coordinate) {
+                *at = to_mm;
+            }
+            plant.strike(coordinate, way, &self.at, &mut self.speeds);
+        }
+        true
+    }
+
+    /// Moves on by a time without steps.
+    pub fn advance(&mut self, plant: &Plant, seconds: f64) {
+        if seconds <= 0.0 {
+            return;
+        }
+        let steps = (seconds * self.refinement / plant.longest_step_s()).ceil().max(1.0);
+        let step = seconds / steps;
+        for _ in 0..steps as u64 {
+            self.runge_kutta(plant, step);
+        }
+    }
+
+    /// Whether all places are numbers.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.at.iter().all(|at| at.is_finite())
+    }
+
+    /// Accelerations now, in mm/s^2.
+    pub fn accelerations(&mut self, plant: &Plant) -> &[f64] {
+        plant.accelerate(&self.at, &self.speeds, &self.sent_mm, &mut self.scratch.slope);
+        &self.scratch.slope
+    }
+
+    fn runge_kutta(&mut self, plant: &Plant, h: f64) {
+        let Self { at, speeds, sent_mm, scratch: s, .. } = self;
+        s.at.copy_from_slice(at);
+        s.speeds.copy_from_slice(speeds);
+        s.sum_speeds.fill(0.0);
+        s.sum_slopes.fill(0.0);
+        for (weight, ahead) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
+            plant.accelerate(&s.at, &s.speeds, sent_mm, &mut s.slope);
+            for (sum, v) in s.sum_speeds.iter_mut().zip(&s.speeds) {
+                *sum += weight * v;
+            }
+            for (sum, a) in s.sum_slopes.iter_mut().zip(&s.slope) {
+                *sum += weight * a;
+            }
+            // The next stage starts from here by this stage's slopes.
+            for (stage, (q, v)) in s.at.iter_mut().zip(at.iter().zip(&s.speeds)) {
+                *stage = q + ahead * h * v;
+            }
+            for (stage, (v, a)) in s.speeds.iter_mut().zip(speeds.iter().zip(&s.slope)) {
+                *stage = v + ahead * h * a;
+            }
+        }
+        for (q, sum) in at.iter_mut().zip(&s.sum_speeds) {
+            *q += h / 6.0 * sum;
+        }
+        for (v, sum) in speeds.iter_mut().zip(&s.sum_slopes) {
+            *v += h / 6.0 * sum;
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Segment: the line that touches two circles, each on the side where the belt passes, and the arc between two of them.
+
+use crate::params::Params;
+use crate::routing::{Place, Stop};
+use std::f64::consts::TAU;
+
+/// A straight part of the belt between two stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Segment {
+    /// Index of the stop that it leaves, among all stops of the machine.
+    pub from: usize,
+    /// Index of the stop that it reaches.
+    pub to: usize,
+    /// Where it leaves the first stop, in mm.
+    pub begin: [f64; 2],
+    /// The direction of travel, of length 1.
+    pub heading: [f64; 2],
+    /// Free length in mm; not a number where the stops overlap so far that there is no such line.
+    pub length_mm: f64,
+}
+
+/// The part of the belt that lies on a pulley.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wrap {
+    /// Index of the pulley among all stops of the machine.
+    pub stop: usize,
+    /// How far the belt turns on it, in rad.
+    pub angle_rad: f64,
+}
+
+/// An arc below this is none: what rounding makes of two lines in one direction.
+const NO_ARC: f64 = 1e-9;
+
+/// Parts of a square that rounding may be off by.
+const ROUNDING: f64 = 1e-12;
+
+/// The line from one stop to the next.
+///
+/// On a stop with sign s the belt touches at s r n, where n is the heading turned right. With d from centre to centre, as a
+/// complex number, d = (L + i (s2 - s1) r) heading, since n = -i heading.
+pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params, tool: Place) -> Segment {
+    let (a, b) = (from.1.centre(params, tool), to.1.centre(params, tool));
+    let radius = params.pulley_radius_mm;
+    let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+    let across = (to.1.sign() - from.1.sign()) * radius;
+    let square = dx * dx + dy * dy;
+    // Rounding must not take the square of a segment at its very end below 0.
+    let left = square - across * across;
+    let length_mm = if left.abs() < ROUNDING * square { 0.0 } else { left.sqrt() };
+    let heading = [(dx * length_mm + dy * across) / square, (dy * length_mm - dx * across) / square];
+    let offset = from.1.sign() * radius;
+    let begin = [a[0] + offset * heading[1], a[1] - offset * heading[0]];
+    Segment { from: from.0, to: to.0, begin, heading, length_mm }
+}
+
+/// The arc between two segments on a pulley of this sign.
+pub(super) fn wrap(into: &Segment, out: &Segment, sign: f64) -> Wrap {
+    let turned = out.heading[1].atan2(out.heading[0]) - into.heading[1].atan2(into.heading[0]);
+    let angle = (sign * turned).rem_euclid(TAU);
+    Wrap { stop: into.to, angle_rad: if TAU - angle < NO_ARC { 0.0 } else { angle } }
+}

@@ -1,0 +1,83 @@
+//! Workspace: where the tool can be so that no segment is shorter than nothing (the condition of the paper's equation 20).
+//!
+//! On these machines every segment is along x or y and grows or shrinks with the tool's x or y by so much a millimetre, so
+//! the reach along each axis is where the first segment comes to its end.
+
+use super::layout;
+use crate::params::Params;
+use crate::routing::{Block, Machine, Place, Stop};
+
+/// A rectangle of tool places, in mm from motor 1's axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Workspace {
+    /// Leftmost and rightmost.
+    pub x: [f64; 2],
+    /// Foremost and backmost.
+    pub y: [f64; 2],
+}
+
+impl Workspace {
+    /// Whether the tool can be there, up to rounding.
+    #[must_use]
+    pub fn has(&self, tool: Place) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let within = |v: f64, [low, high]: [f64; 2]| v >= low - ROUNDING && v <= high + ROUNDING;
+        within(tool.x, self.x) && within(tool.y, self.y)
+    }
+
+    /// G-code's X0 Y0.
+    #[must_use]
+    pub const fn origin(&self) -> Place {
+        Place { x: self.x[0], y: self.y[0] }
+    }
+
+    /// The middle.
+    #[must_use]
+    pub const fn centre(&self) -> Place {
+        Place { x: (self.x[0] + self.x[1]) / 2.0, y: (self.y[0] + self.y[1]) / 2.0 }
+    }
+}
+
+/// The reach of a machine; empty (first bounds above second ones) if its pulleys have no room.
+#[must_use]
+pub fn workspace(machine: Machine, params: &Params) -> Workspace {
+    let middle = Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 };
+    let stops: Vec<&Stop> = machine.stops().collect();
+    let mut reach = Workspace { x: [f64::NEG_INFINITY, f64::INFINITY], y: [f64::NEG_INFINITY, f64::INFINITY] };
+    for segment in layout(machine, params, middle).segments {
+        let (Some(from), Some(to)) = (stops.get(segment.from), stops.get(segment.to)) else { continue };
+        if segment.length_mm.is_nan() {
+            return Workspace { x: [middle.x, 0.0], y: [middle.y, 0.0] };
+        }
+        let [along_x, along_y] = segment.heading;
+        // What the segment grows by for a millimetre of the tool.
+        let grows_x = along_x * (follows_x(to) - follows_x(from));
+        let grows_y = along_y * (follows_y(to) - follows_y(from));
+        narrow(&mut reach.x, middle.x, grows_x, segment.length_mm);
+        narrow(&mut reach.y, middle.y, grows_y, segment.length_mm);
+    }
+    reach
+}
+
+/// How far a stop goes in x for a millimetre of the tool.
+pub(crate) fn follows_x(stop: &Stop) -> f64 {
+    f64::from(u8::from(stop.block() == Block::Head))
+}
+
+/// How far a stop goes in y for a millimetre of the tool.
+pub(crate) fn follows_y(stop: &Stop) -> f64 {
+    f64::from(u8::from(stop.block() != Block::Frame))
+}
+
+/// Ends a range where a segment that grows so much a millimetre would have nothing left.
+fn narrow(range: &mut [f64; 2], at: f64, grows: f64, length: f64) {
+    if grows.abs() < 0.5 {
+        return;
+    }
+    let end = at - length / grows;
+    if grows > 0.0 {
+        range[0] = range[0].max(end);
+    } else {
+        range[1] = range[1].min(end);
+    }
+}

@@ -1,0 +1,145 @@
+//! Elastic: stiffness and mass of the machine about a place of the tool.
+//!
+//! What is asked for decides what may move. *Reduced*: the tool alone; idlers follow without mass. *Full*: idlers too, each
+//! with its inertia. *Rotors*: motors too, each held by its field as by a spring. The bar may yaw on its guides as well.
+//! A motor without power is held by nothing.
+
+use super::coordinate::Coordinate;
+use super::links::Links;
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use nalgebra::DMatrix;
+
+/// What may move besides the tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Freedom {
+    /// Idlers, each with its inertia.
+    pub idlers: bool,
+    /// Rotors, held by their fields.
+    pub rotors: bool,
+    /// The bar, on its guides.
+    pub yaw: bool,
+    /// A motor without power.
+    pub free_motor: Option<u8>,
+}
+
+/// How a coordinate takes part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// It moves and has mass.
+    Moves,
+    /// It gives way, and has no mass that counts.
+    GivesWay,
+    /// It is where it was put.
+    Held,
+}
+
+/// Stiffness and mass over all coordinates of the links.
+#[derive(Clone, Debug)]
+pub struct Elastic {
+    /// The machine.
+    pub machine: Machine,
+    /// What stretches.
+    pub links: Links,
+    /// How each coordinate takes part.
+    pub parts: Vec<Part>,
+    /// Stiffness of each coordinate by itself, without the belt, in N/mm: a field, or the guides.
+    pub held_by: Vec<f64>,
+    /// N/mm; N for what is between x or y and the yaw, N mm/rad for the yaw.
+    pub stiffness: DMatrix<f64>,
+    /// kg; kg mm for what is between y and the yaw, kg mm^2 for the yaw.
+    pub mass: DMatrix<f64>,
+    /// Viscous friction of belts, guides and rotors in N s/mm, by coordinates as the others. Dry friction is not in it.
+    pub damping: DMatrix<f64>,
+}
+
+/// N mm in an N m.
+const MM_PER_M: f64 = 1000.0;
+
+impl Elastic {
+    /// The machine with its tool at a place.
+    #[must_use]
+    pub fn new(machine: Machine, params: &Params, tool: Place, freedom: Freedom) -> Self {
+        let links =
+            if freedom.idlers { Links::segments(machine, params, tool) } else { Links::spans(machine, params, tool) };
+        let parts = links.coordinates.iter().map(|c| part(*c, freedom)).collect();
+        let held_by: Vec<f64> = links.coordinates.iter().map(|c| held_by(*c, params, freedom)).collect();
+        let stiffness = stiffness(&links, &held_by, params);
+        let mass = mass(&links.coordinates, params, tool);
+        let damping = damping(&links, &held_by, &stiffness, params);
+        Self { machine, links, parts, held_by, stiffness, mass, damping }
+    }
+
+    /// The coordinates that take part in this way.
+    #[must_use]
+    pub fn with_part(&self, part: Part) -> Vec<usize> {
+        (0..self.parts.len()).filter(|i| self.parts.get(*i) == Some(&part)).collect()
+    }
+}
+
+fn part(coordinate: Coordinate, freedom: Freedom) -> Part {
+    match coordinate {
+        Coordinate::X | Coordinate::Y => Part::Moves,
+        Coordinate::Yaw if freedom.yaw => Part::Moves,
+        Coordinate::Yaw => Part::Held,
+        // Spans have none.
+        Coordinate::Idler(_) => Part::Moves,
+        Coordinate::Motor(_) if freedom.rotors => Part::Moves,
+        Coordinate::Motor(number) if freedom.free_motor == Some(number) => Part::GivesWay,
+        Coordinate::Motor(_) => Part::Held,
+    }
+}
+
+fn held_by(coordinate: Coordinate, params: &Params, freedom: Freedom) -> f64 {
+    match coordinate {
+        Coordinate::Yaw => params.bar_yaw_stiffness_nm_per_rad * MM_PER_M,
+        Coordinate::Motor(number) if freedom.rotors && freedom.free_motor != Some(number) => {
+            params.field_stiffness_n_per_mm()
+        }
+        _ => 0.0,
+    }
+}
+
+fn stiffness(links: &Links, held_by: &[f64], params: &Params) -> DMatrix<f64> {
+    let mut sum = DMatrix::from_diagonal(&nalgebra::DVector::from_column_slice(held_by));
+    for link in &links.links {
+        let row = nalgebra::DVector::from_column_slice(&link.row);
+        sum += &row * row.transpose() * link.stiffness(params);
+    }
+    sum
+}
+
+/// Belts damp in proportion to their stiffness, fields do not.
+fn damping(links: &Links, held_by: &[f64], stiffness: &DMatrix<f64>, params: &Params) -> DMatrix<f64> {
+    let mut sum = stiffness * params.belt_damping_s;
+    for (i, (coordinate, held)) in links.coordinates.iter().zip(held_by).enumerate() {
+        sum[(i, i)] -= held * params.belt_damping_s;
+        sum[(i, i)] += match coordinate {
+            Coordinate::X => params.guide_x_n_s_per_m / MM_PER_M,
+            Coordinate::Y => params.guide_y_n_s_per_m / MM_PER_M,
+            Coordinate::Motor(_) => params.rotor_damping_n_s_per_mm(),
+            Coordinate::Yaw | Coordinate::Idler(_) => 0.0,
+        };
+    }
+    sum
+}
+
+/// The head rides on the bar: where the bar yaws about its middle, the head goes along by its distance from there.
+fn mass(coordinates: &[Coordinate], params: &Params, tool: Place) -> DMatrix<f64> {
+    let arm = tool.x - params.width_mm / 2.0;
+    let (head, bar) = (params.head_mass_kg, params.bar_mass_kg);
+    let entry = |a: Coordinate, b: Coordinate| match (a, b) {
+        (Coordinate::X, Coordinate::X) => head,
+        (Coordinate::Y, Coordinate::Y) => head + bar,
+        (Coordinate::Y, Coordinate::Yaw) | (Coordinate::Yaw, Coordinate::Y) => head * arm,
+        // A slender bar as wide as the machine.
+        (Coordinate::Yaw, Coordinate::Yaw) => bar * params.width_mm.powi(2) / 12.0 + head * arm * arm,
+        (Coordinate::Idler(i), Coordinate::Idler(j)) if i == j => params.idler_mass_kg(),
+        (Coordinate::Motor(i), Coordinate::Motor(j)) if i == j => params.rotor_mass_kg(),
+        _ => 0.0,
+    };
+    DMatrix::from_fn(coordinates.len(), coordinates.len(), |i, j| match (coordinates.get(i), coordinates.get(j)) {
+        (Some(a), Some(b)) => entry(*a, *b),
+        _ => 0.0,
+    })
+}

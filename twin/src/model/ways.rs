@@ -1,0 +1,80 @@
+//! Ways: how far each motor turns for a millimetre of the tool, with a belt that does not stretch.
+//!
+//! Spans keep their lengths if A p + B u = 0, with p the tool's way and u the motors'. Of all u that do, the smallest is
+//! taken: a closed belt that runs round through its motors moves nothing else.
+
+use super::coordinate::Coordinate;
+use super::links::Links;
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use nalgebra::{DMatrix, DVector};
+
+/// Singular values below this are none: entries are -2 to 2, and the others of these machines above 1.
+const NO_WAY: f64 = 1e-6;
+
+/// The motors' ways of a machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ways {
+    /// Numbers of the motors, ascending.
+    pub motors: Vec<u8>,
+    /// Belt in mm for a millimetre of x and of y, motor by motor.
+    pub rows: Vec<[f64; 2]>,
+}
+
+impl Ways {
+    /// From the routing; the same for every place of the tool.
+    #[must_use]
+    pub fn new(machine: Machine, params: &Params) -> Self {
+        let middle = Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 };
+        let spans = Links::spans(machine, params, middle);
+        let motors = machine.motors();
+        let column = |coordinate: Coordinate| {
+            let index = spans.index(coordinate);
+            let entry = |link: &super::links::Link| index.and_then(|i| link.row.get(i)).copied().unwrap_or(0.0);
+            DVector::from_iterator(spans.links.len(), spans.links.iter().map(entry))
+        };
+        let turns: Vec<_> = motors.iter().map(|number| column(Coordinate::Motor(*number))).collect();
+        let inverse = DMatrix::from_columns(&turns).pseudo_inverse(NO_WAY).unwrap_or_default();
+        let [x, y] = [Coordinate::X, Coordinate::Y].map(|axis| -(&inverse * column(axis)));
+        let rows = x.iter().zip(&y).map(|(x, y)| [*x, *y]).collect();
+        Self { motors, rows }
+    }
+
+    /// Where motors that have turned so far have taken the tool: the nearest place to all of them.
+    #[must_use]
+    pub fn tool(&self, turned_mm: &[f64]) -> [f64; 2] {
+        // The two columns are orthogonal on these machines, so each is projected by itself.
+        [0, 1].map(|axis| {
+            let square: f64 = self.rows.iter().map(|row| row[axis] * row[axis]).sum();
+            self.rows.iter().zip(turned_mm).map(|(row, turned)| row[axis] * turned).sum::<f64>() / square
+        })
+    }
+
+    /// The paper's bound of the tool's error for an angular error of every motor (equations 22 to 25), in mm: the greatest
+    /// over all signs of it that a rigid belt allows.
+    #[must_use]
+    pub fn greatest_error_mm(&self, machine: Machine, params: &Params, error_rad: f64) -> f64 {
+        let belt = params.pulley_radius_mm * error_rad;
+        let signs = 0..1_u32 << self.motors.len();
+        let errors = signs.map(|signs| -> Vec<f64> {
+            (0..self.motors.len()).map(|i| if signs >> i & 1 == 1 { belt } else { -belt }).collect()
+        });
+        let is_legal = |turned: &Vec<f64>| {
+            let residual = |pattern: &&[f64]| pattern.iter().zip(turned).map(|(p, t)| p * t).sum::<f64>();
+            machine.residuals().iter().all(|pattern| residual(pattern).abs() < NO_WAY)
+        };
+        let far = |turned: Vec<f64>| {
+            let [x, y] = self.tool(&turned);
+            x.hypot(y)
+        };
+        errors.filter(is_legal).map(far).fold(0.0, f64::max)
+    }
+}
+
+/// The residual of motors that have turned so far: how much of it a rigid belt cannot follow, in mm. `None` where there is
+/// no such way; the greater one where there are two.
+#[must_use]
+pub fn residual_mm(machine: Machine, turned_mm: &[f64]) -> Option<f64> {
+    let residual = |pattern: &&[f64]| pattern.iter().zip(turned_mm).map(|(p, t)| p * t).sum::<f64>();
+    machine.residuals().iter().map(residual).max_by(|a, b| a.abs().total_cmp(&b.abs()))
+}

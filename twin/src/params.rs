@@ -1,0 +1,239 @@
+//! The machine in numbers: dimensions, masses and stiffnesses, each with its source.
+//!
+//! \[H\] is the paper that introduced the CoreH-bot (Machines, 2022). What it does not say is marked *assumed*: the
+//! prototype's masses, guides, friction and damping are not published. Frequencies go with the root of stiffness over mass.
+
+use serde::{Deserialize, Serialize};
+
+/// Every number that the twin knows of a machine. The default is the prototype as far as it is known, the rest assumed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Params {
+    /// Width W between the axes of motors 1 and 4. \[H\] table 2: 470.
+    pub width_mm: f64,
+    /// Depth D between the axes of motors 1 and 11. \[H\] table 2: 470.
+    pub depth_mm: f64,
+    /// Radius r of the belt's pitch line on every pulley. \[H\] table 2: 6.35. (20 teeth of 2 mm have 6.366.)
+    pub pulley_radius_mm: f64,
+    /// Distance d of the bar's front and back pulleys. \[H\] table 2: 52.4.
+    pub bar_pulleys_mm: f64,
+    /// Distance e of the head's pulleys, or of the belt's clamps on it. \[H\] table 2: 80.
+    pub head_pulleys_mm: f64,
+    /// Tensile stiffness of the belt (modulus times section), N per unit of strain. Assumed: 30,000 for 9 mm of GT2 with
+    /// glass cords; one published pull of 169 N on 500 mm gave 29,100, steel cords 56,000. Credible: 20,000 to 56,000.
+    #[serde(rename = "belt_EA_N")]
+    pub belt_ea_n: f64,
+    /// Tension at rest. Assumed: 40, from Gates' 6 to 8 lbf for 6 mm of GT2, taken to 9 mm.
+    #[serde(rename = "preload_N")]
+    pub preload_n: f64,
+    /// Damping of the belt over its stiffness, in s. Assumed: 2e-4, which damps y by 4 % and x by 7 % at the centre.
+    pub belt_damping_s: f64,
+    /// What moves in x. Assumed: 0.60.
+    pub head_mass_kg: f64,
+    /// What moves in y besides the head: bar, carriages and eight pulleys. Assumed: 1.20.
+    pub bar_mass_kg: f64,
+    /// Inertia of an idler. Assumed: 2.5e-7.
+    pub idler_inertia_kg_m2: f64,
+    /// Inertia of a motor's rotor with its pulley. Assumed: 5.4e-6, a NEMA 17 of 40 mm.
+    pub rotor_inertia_kg_m2: f64,
+    /// Torque that a motor holds, at the current that it is run with. Assumed: 0.40, a NEMA 17 of 40 mm.
+    #[serde(rename = "holding_torque_Nm")]
+    pub holding_torque_nm: f64,
+    /// Pole pairs of a motor: 50 for steps of 1.8 degrees, \[H\] section 4.
+    pub pole_pairs: f64,
+    /// Detent torque of a motor. Assumed: 0, which leaves it out; the data sheet of a small one (42BYG228, by Mosaic
+    /// Industries) gives up to 0.022.
+    #[serde(rename = "detent_torque_Nm")]
+    pub detent_torque_nm: f64,
+    /// Viscous friction of a rotor, N m per rad/s. Assumed: 2e-4, drag of bearings and eddy currents.
+    #[serde(rename = "rotor_damping_Nm_s")]
+    pub rotor_damping_nm_s: f64,
+    /// Viscous friction of the guide in x. Assumed: 2.
+    #[serde(rename = "guide_x_N_s_per_m")]
+    pub guide_x_n_s_per_m: f64,
+    /// Viscous friction of the guides in y. Assumed: 4.
+    #[serde(rename = "guide_y_N_s_per_m")]
+    pub guide_y_n_s_per_m: f64,
+    /// Dry friction of the guide in x. Assumed: 0.5.
+    #[serde(rename = "dry_friction_x_N")]
+    pub dry_friction_x_n: f64,
+    /// Dry friction of the guides in y. Assumed: 1.0.
+    #[serde(rename = "dry_friction_y_N")]
+    pub dry_friction_y_n: f64,
+    /// Stiffness with which the guides hold the bar square. Assumed: 2,000.
+    #[serde(rename = "bar_yaw_stiffness_Nm_per_rad")]
+    pub bar_yaw_stiffness_nm_per_rad: f64,
+}
+
+impl Default for Params {
+    fn default() -> Self {
+        Self {
+            width_mm: 470.0,
+            depth_mm: 470.0,
+            pulley_radius_mm: 6.35,
+            bar_pulleys_mm: 52.4,
+            head_pulleys_mm: 80.0,
+            belt_ea_n: 30_000.0,
+            preload_n: 40.0,
+            belt_damping_s: 2e-4,
+            head_mass_kg: 0.60,
+            bar_mass_kg: 1.20,
+            idler_inertia_kg_m2: 2.5e-7,
+            rotor_inertia_kg_m2: 5.4e-6,
+            holding_torque_nm: 0.40,
+            pole_pairs: 50.0,
+            detent_torque_nm: 0.0,
+            rotor_damping_nm_s: 2e-4,
+            guide_x_n_s_per_m: 2.0,
+            guide_y_n_s_per_m: 4.0,
+            dry_friction_x_n: 0.5,
+            dry_friction_y_n: 1.0,
+            bar_yaw_stiffness_nm_per_rad: 2000.0,
+        }
+    }
+}
+
+/// Millimetres in a metre.
+const MM_PER_M: f64 = 1000.0;
+
+impl Params {
+    /// The same without anything that takes energy away.
+    #[must_use]
+    pub fn undamped(self) -> Self {
+        Self {
+            belt_damping_s: 0.0,
+            rotor_damping_nm_s: 0.0,
+            guide_x_n_s_per_m: 0.0,
+            guide_y_n_s_per_m: 0.0,
+            dry_friction_x_n: 0.0,
+            dry_friction_y_n: 0.0,
+            ..self
+        }
+    }
+
+    /// What an idler weighs at the belt: its inertia over the square of its radius, in kg.
+    #[must_use]
+    pub fn idler_mass_kg(&self) -> f64 {
+        self.idler_inertia_kg_m2 * (MM_PER_M / self.pulley_radius_mm).powi(2)
+    }
+
+    /// What a rotor weighs at the belt, in kg.
+    #[must_use]
+    pub fn rotor_mass_kg(&self) -> f64 {
+        self.rotor_inertia_kg_m2 * (MM_PER_M / self.pulley_radius_mm).powi(2)
+    }
+
+    /// What a motor's field holds at the belt at most, in N.
+    #[must_use]
+    pub fn holding_force_n(&self) -> f64 {
+        self.holding_torque_nm * MM_PER_M / self.pulley_radius_mm
+    }
+
+    /// What the detent holds at the belt at most, in N.
+    #[must_use]
+    pub fn detent_force_n(&self) -> f64 {
+        self.detent_torque_nm * MM_PER_M / self.pulley_radius_mm
+    }
+
+    /// Belt in mm for an electrical radian of a motor.
+    #[must_use]
+    pub fn electrical_radian_mm(&self) -> f64 {
+        self.pulley_radius_mm / self.pole_pairs
+    }
+
+    /// Stiffness of a motor's field at the belt about its rest, in N/mm: the slope of a sine.
+    #[must_use]
+    pub fn field_stiffness_n_per_mm(&self) -> f64 {
+        self.holding_force_n() / self.electrical_radian_mm()
+    }
+
+    /// Viscous friction of a rotor at the belt, in N s/mm.
+    #[must_use]
+    pub fn rotor_damping_n_s_per_mm(&self) -> f64 {
+        self.rotor_damping_nm_s * MM_PER_M / self.pulley_radius_mm.powi(2)
+    }
+
+    /// Belt in mm for a full step of a motor: a quarter of an electrical turn.
+    #[must_use]
+    pub fn full_step_mm(&self) -> f64 {
+        std::f64::consts::FRAC_PI_2 * self.electrical_radian_mm()
+    }
+
+    /// What is not a machine, if anything.
+    ///
+    /// # Errors
+    /// The first number that cannot be, by its key.
+    pub fn check(&self) -> Result<(), ParamsError> {
+        let positive = [
+            ("width_mm", self.width_mm),
+            ("depth_mm", self.depth_mm),
+            ("pulley_radius_mm", self.pulley_radius_mm),
+            ("belt_EA_N", self.belt_ea_n),
+            ("head_mass_kg", self.head_mass_kg),
+            ("idler_inertia_kg_m2", self.idler_inertia_kg_m2),
+            ("rotor_inertia_kg_m2", self.rotor_inertia_kg_m2),
+            ("holding_torque_Nm", self.holding_torque_nm),
+            ("pole_pairs", self.pole_pairs),
+        ];
+        let not_negative = [
+            ("bar_pulleys_mm", self.bar_pulleys_mm),
+            ("head_pulleys_mm", self.head_pulleys_mm),
+            ("preload_N", self.preload_n),
+            ("belt_damping_s", self.belt_damping_s),
+            ("bar_mass_kg", self.bar_mass_kg),
+            ("detent_torque_Nm", self.detent_torque_nm),
+            ("rotor_damping_Nm_s", self.rotor_damping_nm_s),
+            ("guide_x_N_s_per_m", self.guide_x_n_s_per_m),
+            ("guide_y_N_s_per_m", self.guide_y_n_s_per_m),
+            ("dry_friction_x_N", self.dry_friction_x_n),
+            ("dry_friction_y_N", self.dry_friction_y_n),
+            ("bar_yaw_stiffness_Nm_per_rad", self.bar_yaw_stiffness_nm_per_rad),
+        ];
+        // Written so that what is no number fails too.
+        let bad = positive.into_iter().find(|(_, v)| !(v.is_finite() && *v > 0.0));
+        if let Some((key, value)) = bad {
+            return Err(ParamsError { key, value, wanted: "must be above 0" });
+        }
+        let bad = not_negative.into_iter().find(|(_, v)| !(v.is_finite() && *v >= 0.0));
+        bad.map_or(Ok(()), |(key, value)| Err(ParamsError { key, value, wanted: "must not be below 0" }))
+    }
+}
+
+/// A number that no machine has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParamsError {
+    /// Its key.
+    pub key: &'static str,
+    /// What was given.
+    pub value: f64,
+    /// What is legal.
+    pub wanted: &'static str,
+}
+
+impl std::fmt::Display for ParamsError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} = {} {}", self.key, self.value, self.wanted)
+    }
+}
+
+impl std::error::Error for ParamsError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nominal_machine_is_one_and_no_number_may_be_missing() {
+        assert_eq!(Params::default().check(), Ok(()));
+        let bad = Params { belt_ea_n: f64::NAN, ..Params::default() }.check().unwrap_err();
+        assert_eq!(bad.key, "belt_EA_N");
+        assert!(Params { preload_n: -1.0, ..Params::default() }.check().is_err());
+    }
+
+    #[test]
+    fn a_motor_of_0_4_nm_is_a_spring_of_496_n_per_mm_at_the_belt() {
+        let params = Params::default();
+        assert!((params.field_stiffness_n_per_mm() - 496.0).abs() < 0.05);
+        assert!((4.0 * params.full_step_mm() - 0.797_97).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,75 @@
+//! Queries: answers as tables for people, and as figures with units in their names for programs.
+//!
+//! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`]. About
+//! the whole reach: [`resonance`], [`compare`], [`limits`].
+
+pub mod compare;
+pub mod geometry;
+pub mod limits;
+pub mod modes;
+pub mod push;
+pub mod resonance;
+pub mod slip;
+pub mod stiffness;
+mod strain;
+
+use crate::model::elastic::{Elastic, Freedom};
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use serde::Serialize;
+
+/// Which machine is asked about, where its tool is, and what of it may move.
+#[derive(Clone, Debug)]
+pub struct Setup {
+    /// The machine.
+    pub machine: Machine,
+    /// Its numbers.
+    pub params: Params,
+    /// Where the tool is.
+    pub tool: Place,
+    /// What may move besides the tool.
+    pub freedom: Freedom,
+}
+
+impl Setup {
+    /// The nominal machine with fixed motors and idlers without mass.
+    #[must_use]
+    pub fn nominal(machine: Machine, x: f64, y: f64) -> Self {
+        Self { machine, params: Params::default(), tool: Place { x, y }, freedom: Freedom::default() }
+    }
+
+    pub(crate) fn elastic(&self) -> Elastic {
+        Elastic::new(self.machine, &self.params, self.tool, self.freedom)
+    }
+
+    pub(crate) const fn at(&self) -> At {
+        At { machine: self.machine.key(), x_mm: self.tool.x, y_mm: self.tool.y }
+    }
+}
+
+/// What an answer is about.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct At {
+    /// The machine.
+    pub machine: &'static str,
+    /// Where the tool is, from motor 1's axis.
+    pub x_mm: f64,
+    /// The same away from the front.
+    pub y_mm: f64,
+}
+
+impl std::fmt::Display for At {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = Machine::ALL.into_iter().find(|m| m.key() == self.machine).map_or(self.machine, Machine::name);
+        write!(f, "{name} with the tool at ({:.1}, {:.1}) mm", self.x_mm, self.y_mm)
+    }
+}
+
+/// A number as people read it: no -0.
+pub(crate) fn shown(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        _ => text,
+    }
+}

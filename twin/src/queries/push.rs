@@ -1,0 +1,40 @@
+//! What a force on the tool does.
+
+use super::strain::Strain;
+use super::{At, Setup};
+use crate::solve::NotHeld;
+use crate::solve::balance::balance;
+use serde::Serialize;
+
+/// What a force on the tool does.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Push {
+    /// What it is about.
+    #[serde(flatten)]
+    pub at: At,
+    /// The force to the right and away from the front.
+    #[serde(rename = "force_N")]
+    pub force_n: [f64; 2],
+    /// What it does.
+    #[serde(flatten)]
+    pub strain: Strain,
+}
+
+impl Push {
+    /// What it does.
+    ///
+    /// # Errors
+    /// Nothing holds the machine.
+    pub fn new(setup: &Setup, force_n: [f64; 2]) -> Result<Self, NotHeld> {
+        let elastic = setup.elastic();
+        let balance = balance(&elastic, &setup.params, force_n, &[])?;
+        Ok(Self { at: setup.at(), force_n, strain: Strain::new(setup, &elastic, &balance) })
+    }
+}
+
+impl std::fmt::Display for Push {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [x, y] = self.force_n;
+        write!(f, "{}, pushed by ({x}, {y}) N\n{}", self.at, self.strain)
+    }
+}

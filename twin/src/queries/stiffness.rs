@@ -1,0 +1,57 @@
+//! How stiffly the tool is held: the 2x2 matrix of N a millimetre, and its softest direction.
+
+use super::{At, Setup, shown};
+use crate::solve::NotHeld;
+use crate::solve::balance::condensed;
+use serde::Serialize;
+
+/// Stiffness at the tool.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Stiffness {
+    /// What it is about.
+    #[serde(flatten)]
+    pub at: At,
+    /// Force in x for a millimetre of x.
+    #[serde(rename = "Kxx_N_per_mm")]
+    pub kxx: f64,
+    /// Force in y for a millimetre of y.
+    #[serde(rename = "Kyy_N_per_mm")]
+    pub kyy: f64,
+    /// Force in y for a millimetre of x.
+    #[serde(rename = "Kxy_N_per_mm")]
+    pub kxy: f64,
+    /// Along the direction that gives way most.
+    #[serde(rename = "softest_N_per_mm")]
+    pub softest: f64,
+    /// That direction, from x towards y, -90 to 90.
+    pub softest_direction_deg: f64,
+}
+
+impl Stiffness {
+    /// What it is.
+    ///
+    /// # Errors
+    /// Nothing holds the machine.
+    pub fn new(setup: &Setup) -> Result<Self, NotHeld> {
+        // x and y are the first two coordinates of all links.
+        let k = condensed(&setup.elastic(), &[0, 1])?;
+        let (kxx, kyy, kxy) = (k[(0, 0)], k[(1, 1)], k[(0, 1)]);
+        let (mean, half) = ((kxx + kyy) / 2.0, (kxx - kyy) / 2.0);
+        let turned = half.hypot(kxy);
+        // The stiffest direction is at half the angle of (half, kxy), the softest across it.
+        let stiffest = kxy.atan2(half).to_degrees() / 2.0;
+        let softest_direction_deg = if stiffest > 0.0 { stiffest - 90.0 } else { stiffest + 90.0 };
+        Ok(Self { at: setup.at(), kxx, kyy, kxy, softest: mean - turned, softest_direction_deg })
+    }
+}
+
+impl std::fmt::Display for Stiffness {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "{}", self.at)?;
+        writeln!(f, "  Kxx {:>9} N/mm", shown(self.kxx, 3))?;
+        writeln!(f, "  Kyy {:>9} N/mm", shown(self.kyy, 3))?;
+        writeln!(f, "  Kxy {:>9} N/mm", shown(self.kxy, 3))?;
+        let direction = shown(self.softest_direction_deg, 1);
+        writeln!(f, "  softest {:>5} N/mm, at {direction} degrees from x", shown(self.softest, 3))
+    }
+}

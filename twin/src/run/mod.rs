@@ -1,0 +1,193 @@
+//! Run: a trace played on the plant, and what there is to say of it.
+//!
+//! [`Run`] sends the motors as the trace says and moves everything in between. Ten thousand times a second, which is 90 times
+//! a period of the faster axis, it looks where the tool is and what belts and motors bear ([`watch`]); [`series`] has that
+//! over time, [`report`] is what people and programs get of it.
+
+pub mod report;
+pub mod series;
+pub mod watch;
+
+use crate::contour::error::ContourError;
+use crate::contour::path::PathBuilder;
+use crate::dynamics::plant::{Detail, Plant};
+use crate::dynamics::state::State;
+use crate::geometry::{Workspace, workspace};
+use crate::model::ways::residual_mm as residual_steps;
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use crate::steps::drive::{Drive, NoColumn, drives};
+use crate::steps::{StepTrace, TICKS_PER_SECOND};
+use watch::Watch;
+
+/// Ticks between two looks.
+const LOOK: u64 = 1000;
+
+/// How long everything is let ring after the last step, in ticks.
+const RING_OUT: u64 = 2_000_000;
+
+/// The path of a trace may leave the reach by so much, in mm: a switch is pressed a little beyond it.
+const BEYOND_MM: f64 = 2.0;
+
+/// Events between two calls of who is told of the progress.
+const TOLD: usize = 4096;
+
+/// Why a trace cannot be played.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RunError {
+    /// It has no column for a motor.
+    NoColumn(NoColumn),
+    /// The path leaves the reach of the machine.
+    OutOfReach {
+        /// What the path takes.
+        path: Workspace,
+        /// What there is.
+        reach: Workspace,
+    },
+    /// Numbers grew beyond bounds, after so many s: no machine has these.
+    Diverged(f64),
+    /// It was interrupted.
+    Interrupted,
+}
+
+impl std::fmt::Display for RunError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NoColumn(error) => error.fmt(f),
+            Self::OutOfReach { path, reach } => {
+                let ([a, b], [c, d]) = (path.x, path.y);
+                let ([k, l], [m, n]) = (reach.x, reach.y);
+                write!(f, "the path takes x {a:.1} to {b:.1}, y {c:.1} to {d:.1} mm; ")?;
+                write!(f, "the tool reaches x {k:.1} to {l:.1}, y {m:.1} to {n:.1}")
+            }
+            Self::Diverged(seconds) => write!(f, "the machine's numbers grow beyond bounds after {seconds:.3} s"),
+            Self::Interrupted => f.write_str("interrupted"),
+        }
+    }
+}
+
+impl std::error::Error for RunError {}
+
+/// A trace on a plant.
+#[derive(Debug)]
+pub struct Run<'t> {
+    trace: &'t StepTrace,
+    drives: Vec<Drive>,
+    plant: Plant,
+    state: State,
+    watch: Watch,
+    tick: u64,
+    next_look: u64,
+}
+
+impl<'t> Run<'t> {
+    /// A machine at rest with its tool at `start`, before a trace.
+    ///
+    /// # Errors
+    /// The trace is of another kind of machine, or leaves its reach.
+    pub fn new(
+        machine: Machine,
+        params: &Params,
+        start: Place,
+        detail: Detail,
+        trace: &'t StepTrace,
+    ) -> Result<Self, RunError> {
+        let plant = Plant::new(machine, params, start, detail);
+        let drives = drives(trace, &plant.ways).map_err(RunError::NoColumn)?;
+        let mut path = PathBuilder::new([start.x, start.y], trace.step_mm);
+        let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
+        let mut residual_mm = 0.0_f64;
+        let mut before = None;
+        for (tick, counts) in trace.counted() {
+            let sent = sent_mm(&drives, &counts, trace.step_mm);
+            if before.as_ref() == Some(&sent) {
+                continue;
+            }
+            let [x, y] = plant.ways.tool(&sent);
+            let at = [start.x + x, start.y + y];
+            taken.x = [taken.x[0].min(at[0]), taken.x[1].max(at[0])];
+            taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
+            path.add(at, tick);
+            // Of whole steps, so that a residual of none is 0 to the last bit.
+            let steps = sent_mm(&drives, &counts, 1.0);
+            let strain = residual_steps(machine, &steps).unwrap_or(0.0).abs() * trace.step_mm;
+            residual_mm = residual_mm.max(strain);
+            before = Some(sent);
+        }
+        let reach = workspace(machine, params);
+        let is_inside = taken.x[0] >= reach.x[0] - BEYOND_MM
+            && taken.x[1] <= reach.x[1] + BEYOND_MM
+            && taken.y[0] >= reach.y[0] - BEYOND_MM
+            && taken.y[1] <= reach.y[1] + BEYOND_MM;
+        if !is_inside {
+            return Err(RunError::OutOfReach { path: taken, reach });
+        }
+        let watch = Watch::new(machine, &plant, ContourError::new(path.finish()), residual_mm);
+        let state = State::at_rest(&plant);
+        Ok(Self { trace, drives, plant, state, watch, tick: 0, next_look: 0 })
+    }
+
+    /// Integrates in steps so many times shorter.
+    #[must_use]
+    pub fn refined(mut self, times: f64) -> Self {
+        self.state.refinement = times;
+        self
+    }
+
+    /// Plays the whole trace and lets the machine ring out. `go_on` is told how much was played, of 1, and says whether to
+    /// go on.
+    ///
+    /// # Errors
+    /// It was not to go on.
+    pub fn play(mut self, mut go_on: impl FnMut(f64) -> bool) -> Result<Watch, RunError> {
+        let events = self.trace.events.len().max(1) as f64;
+        for (index, (tick, counts)) in self.trace.counted().enumerate() {
+            if index % TOLD == 0 && !go_on(index as f64 / events) {
+                return Err(RunError::Interrupted);
+            }
+            if index % TOLD == 0 && !self.state.is_finite() {
+                return Err(RunError::Diverged(self.tick as f64 / TICKS_PER_SECOND));
+            }
+            self.advance(tick);
+            let mut has_stepped = false;
+            for motor in 0..self.drives.len() {
+                let to = self.drives.get(motor).map_or(0.0, |drive| sent(drive, &counts, self.trace.step_mm));
+                has_stepped |= self.state.step(&self.plant, motor, to);
+            }
+            if has_stepped {
+                self.plant.send(&self.state.sent_mm);
+            }
+        }
+        self.advance(self.tick + RING_OUT);
+        if self.state.is_finite() { Ok(self.watch) } else { Err(RunError::Diverged(self.trace.duration_s())) }
+    }
+
+    /// Moves on to a time, with a look at every so many ticks.
+    fn advance(&mut self, tick: u64) {
+        while self.tick < tick {
+            let until = tick.min(self.next_look);
+            self.state.advance(&self.plant, (until - self.tick) as f64 / TICKS_PER_SECOND);
+            self.tick = until;
+            if until == self.next_look {
+                self.next_look += LOOK;
+                let is_at_rest = self.watch.look(until, &self.plant, &mut self.state);
+                if is_at_rest && tick > self.next_look {
+                    // Nothing will happen before the next step.
+                    self.next_look = tick;
+                    self.tick = tick;
+                }
+            }
+        }
+    }
+}
+
+/// Where a motor is sent for these counts, in mm of belt.
+fn sent(drive: &Drive, counts: &[i64; 8], step_mm: f64) -> f64 {
+    let count = counts.get(drive.column).copied().unwrap_or(0);
+    (count * i64::from(drive.sense)) as f64 * step_mm
+}
+
+/// Where all of them are.
+fn sent_mm(drives: &[Drive], counts: &[i64; 8], step_mm: f64) -> Vec<f64> {
+    drives.iter().map(|drive| sent(drive, counts, step_mm)).collect()
+}

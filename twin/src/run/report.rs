@@ -1,0 +1,193 @@
+//! Report: what there is to say of a trace that was played.
+
+use super::watch::Watch;
+use crate::contour::error::Corner;
+use crate::params::Params;
+use crate::routing::Machine;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Corners that are listed.
+const LISTED: usize = 20;
+
+/// What there is to say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The machine.
+    pub machine: &'static str,
+    /// What moved besides the tool.
+    pub model: &'static str,
+    /// How long the trace is.
+    pub duration_s: f64,
+    /// Its instants.
+    pub events: usize,
+    /// Errors of the tool.
+    pub contour: ContourFigures,
+    /// Corners of the line, all of them.
+    pub corners_total: usize,
+    /// The worst of them first.
+    pub corners: Vec<CornerFigures>,
+    /// Least and greatest tension of each span.
+    #[serde(rename = "tension_N")]
+    pub tension_n: BTreeMap<&'static str, [f64; 2]>,
+    /// How often a span became slack.
+    pub slack_events: u32,
+    /// The motors.
+    pub motors: Vec<MotorFigures>,
+    /// Greatest residual of the steps as they were commanded; 0 where belts follow any.
+    pub commanded_residual_mm: f64,
+    /// The same of the motors as they stood.
+    pub residual_mm: f64,
+    /// Greatest torque that the guides took to keep the bar square.
+    #[serde(rename = "yaw_torque_Nm")]
+    pub yaw_torque_nm: f64,
+    /// How long it took to compute.
+    pub wall_time_s: f64,
+    /// How many times faster than the machine would be.
+    pub times_real_time: f64,
+}
+
+/// Distances of the tool from its line.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ContourFigures {
+    /// Greatest.
+    pub max_mm: f64,
+    /// Root of the mean square over time.
+    pub rms_mm: f64,
+    /// Greatest on the inside of corners.
+    pub rounding_max_mm: f64,
+    /// Greatest on the outside of corners.
+    pub overshoot_max_mm: f64,
+}
+
+/// A corner.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CornerFigures {
+    /// Where it is, from motor 1's axis.
+    pub x_mm: f64,
+    /// The same away from the front.
+    pub y_mm: f64,
+    /// When the tool was sent there.
+    pub time_s: f64,
+    /// By how much the line turns, to the left positive.
+    pub turn_deg: f64,
+    /// Greatest error on its inside.
+    pub rounding_mm: f64,
+    /// Greatest error on its outside.
+    pub overshoot_mm: f64,
+}
+
+/// A motor.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MotorFigures {
+    /// Its number.
+    pub motor: u8,
+    /// Greatest torque.
+    #[serde(rename = "torque_max_mNm")]
+    pub torque_max_mnm: f64,
+    /// What is left of the holding torque, of 1.
+    pub margin: f64,
+    /// How often it slipped by an electrical turn.
+    pub slips: u32,
+    /// By how many full steps it is off at the end.
+    pub full_steps_off: f64,
+}
+
+impl Report {
+    /// What there is to say of a trace of this length, computed in this time.
+    #[must_use]
+    pub fn new(
+        machine: Machine,
+        model: &'static str,
+        params: &Params,
+        watch: &Watch,
+        (duration_s, events): (f64, usize),
+        wall_time_s: f64,
+    ) -> Self {
+        let names = machine.belts().iter().flat_map(|belt| belt.spans).copied();
+        let mut corners: Vec<Corner> = watch.contour.corners.clone();
+        corners.sort_by(|a, b| b.worst_mm().total_cmp(&a.worst_mm()));
+        let worst = |error: fn(&Corner) -> f64| corners.iter().map(error).fold(0.0, f64::max);
+        let contour = ContourFigures {
+            max_mm: watch.contour.greatest_mm,
+            rms_mm: watch.contour.rms_mm(),
+            rounding_max_mm: worst(|corner| corner.rounding_mm),
+            overshoot_max_mm: worst(|corner| corner.overshoot_mm),
+        };
+        let motor = |(motor, watch): (u8, &super::watch::MotorWatch)| MotorFigures {
+            motor,
+            torque_max_mnm: watch.greatest_force_n * params.pulley_radius_mm,
+            margin: 1.0 - watch.greatest_force_n / params.holding_force_n(),
+            slips: watch.slips,
+            full_steps_off: 4.0 * watch.turns_off,
+        };
+        Self {
+            machine: machine.key(),
+            model,
+            duration_s,
+            events,
+            contour,
+            corners_total: corners.len(),
+            corners: corners.iter().take(LISTED).map(figures).collect(),
+            tension_n: names.zip(&watch.tensions_n).map(|(name, r)| (name, [r.least, r.greatest])).collect(),
+            slack_events: watch.slack,
+            motors: machine.motors().into_iter().zip(&watch.motors).map(motor).collect(),
+            commanded_residual_mm: watch.commanded_residual_mm,
+            residual_mm: watch.residual_mm,
+            yaw_torque_nm: watch.yaw_torque_n_mm / 1000.0,
+            wall_time_s,
+            times_real_time: duration_s / wall_time_s.max(1e-9),
+        }
+    }
+}
+
+fn figures(corner: &Corner) -> CornerFigures {
+    CornerFigures {
+        x_mm: corner.at[0],
+        y_mm: corner.at[1],
+        time_s: corner.time_s(),
+        turn_deg: corner.turn_rad.to_degrees(),
+        rounding_mm: corner.rounding_mm,
+        overshoot_mm: corner.overshoot_mm,
+    }
+}
+
+/// Corners that people are shown.
+const SHOWN: usize = 8;
+
+impl std::fmt::Display for Report {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = Machine::ALL.into_iter().find(|m| m.key() == self.machine).map_or(self.machine, Machine::name);
+        let Self { model, duration_s, events, wall_time_s, times_real_time, .. } = self;
+        writeln!(f, "{name}, {model}: {duration_s:.2} s, {events} instants of steps")?;
+        writeln!(f, "  computed in {wall_time_s:.2} s, {times_real_time:.1} times as fast as the machine")?;
+        let ContourFigures { max_mm, rms_mm, rounding_max_mm, overshoot_max_mm } = self.contour;
+        writeln!(f, "  contour error   max {max_mm:.4} mm, RMS {rms_mm:.4} mm")?;
+        writeln!(
+            f,
+            "  at {} corners   inside {rounding_max_mm:.4} mm, outside {overshoot_max_mm:.4} mm",
+            self.corners_total
+        )?;
+        for c in self.corners.iter().take(SHOWN) {
+            let (x, y, turn, time) = (c.x_mm, c.y_mm, c.turn_deg, c.time_s);
+            write!(f, "    ({x:.2}, {y:.2}) at {time:.3} s, turning {turn:.0} degrees: ")?;
+            writeln!(f, "inside {:.4}, outside {:.4} mm", c.rounding_mm, c.overshoot_mm)?;
+        }
+        for (span, [least, greatest]) in &self.tension_n {
+            writeln!(f, "  span {span:<8} {least:>7.2} to {greatest:.2} N")?;
+        }
+        if self.slack_events > 0 {
+            writeln!(f, "  a span became slack {} times", self.slack_events)?;
+        }
+        for motor in &self.motors {
+            let MotorFigures { motor, torque_max_mnm, margin, slips, full_steps_off } = motor;
+            write!(f, "  motor {motor:<7} {torque_max_mnm:>7.1} mN m at most, {:.0} % left", 100.0 * margin)?;
+            if *slips > 0 {
+                write!(f, "; slipped {slips} times, {full_steps_off} full steps off")?;
+            }
+            writeln!(f)?;
+        }
+        writeln!(f, "  belt residual   {:.4} mm commanded, {:.4} mm", self.commanded_residual_mm, self.residual_mm)?;
+        writeln!(f, "  yaw torque      {:.3} N m at most", self.yaw_torque_nm)
+    }
+}

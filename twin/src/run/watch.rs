@@ -1,0 +1,132 @@
+//! Watch: what a machine bears while a trace is played.
+
+use super::series::{Bin, Series};
+use crate::contour::error::ContourError;
+use crate::dynamics::plant::Plant;
+use crate::dynamics::state::State;
+use crate::model::ways::residual_mm;
+use crate::routing::Machine;
+
+/// Slower than this in mm/s, and no more than [`STILL_MM_S2`] of acceleration, is at rest.
+const STILL_MM_S: f64 = 1e-4;
+
+/// See [`STILL_MM_S`].
+const STILL_MM_S2: f64 = 0.1;
+
+/// The least and the greatest of something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Least.
+    pub least: f64,
+    /// Greatest.
+    pub greatest: f64,
+}
+
+impl Range {
+    const fn at(value: f64) -> Self {
+        Self { least: value, greatest: value }
+    }
+
+    const fn take(&mut self, value: f64) {
+        self.least = self.least.min(value);
+        self.greatest = self.greatest.max(value);
+    }
+}
+
+/// What a motor bore.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorWatch {
+    /// Greatest force at the belt, in N.
+    pub greatest_force_n: f64,
+    /// How often it lost or won an electrical turn.
+    pub slips: u32,
+    /// Electrical turns by which it is off.
+    pub turns_off: f64,
+}
+
+/// What a machine bore so far.
+#[derive(Clone, Debug)]
+pub struct Watch {
+    machine: Machine,
+    /// Errors of the tool.
+    pub contour: ContourError,
+    /// Tension of each span in N.
+    pub tensions_n: Vec<Range>,
+    /// How often a span became slack.
+    pub slack: u32,
+    is_slack: Vec<bool>,
+    /// The motors, ascending.
+    pub motors: Vec<MotorWatch>,
+    /// Greatest residual of the ways that were commanded.
+    pub commanded_residual_mm: f64,
+    /// Greatest residual of the motors as they stood.
+    pub residual_mm: f64,
+    /// Greatest torque that the guides took to keep the bar square.
+    pub yaw_torque_n_mm: f64,
+    /// What happened when.
+    pub series: Series,
+    /// What is seen now, kept so that nothing is allocated at each look.
+    now: Bin,
+}
+
+impl Watch {
+    /// A machine at rest.
+    pub(super) fn new(machine: Machine, plant: &Plant, contour: ContourError, commanded_residual_mm: f64) -> Self {
+        let spans = plant.span_names().count();
+        Self {
+            machine,
+            contour,
+            tensions_n: vec![Range::at(plant.params.preload_n); spans],
+            slack: 0,
+            is_slack: vec![false; spans],
+            motors: vec![MotorWatch::default(); plant.ways.motors.len()],
+            commanded_residual_mm,
+            residual_mm: 0.0,
+            yaw_torque_n_mm: 0.0,
+            series: Series::default(),
+            now: Bin::default(),
+        }
+    }
+
+    /// Looks at the machine, and says whether it is at rest.
+    pub(super) fn look(&mut self, tick: u64, plant: &Plant, state: &mut State) -> bool {
+        let is_slow = state.speeds.iter().all(|v| v.abs() < STILL_MM_S);
+        let is_at_rest = is_slow && state.accelerations(plant).iter().all(|a| a.abs() < STILL_MM_S2);
+        let State { at, speeds, sent_mm, .. } = state;
+        let [x, y] = [at.first(), at.get(1)].map(|v| v.copied().unwrap_or(0.0));
+        self.now.error_mm = self.contour.sample(tick, [plant.start().x + x, plant.start().y + y]);
+        self.now.tensions_n.clear();
+        self.now.forces_n.clear();
+        let spans = self.tensions_n.iter_mut().zip(&mut self.is_slack);
+        for (tension, (range, is_slack)) in plant.tensions(at).zip(spans) {
+            range.take(tension);
+            self.now.tensions_n.push([tension; 2]);
+            self.slack += u32::from(tension <= 0.0 && !*is_slack);
+            *is_slack = tension <= 0.0;
+        }
+        for (force, motor) in plant.motor_forces(at, sent_mm).zip(&mut self.motors) {
+            motor.greatest_force_n = motor.greatest_force_n.max(force.abs());
+            self.now.forces_n.push(force.abs());
+        }
+        if plant.are_rotors() {
+            self.look_at_rotors(plant, at, sent_mm);
+        } else {
+            self.residual_mm = self.commanded_residual_mm;
+        }
+        self.series.add(tick, &self.now);
+        self.yaw_torque_n_mm = self.yaw_torque_n_mm.max(plant.yaw_torque_n_mm(at, speeds).abs());
+        is_at_rest
+    }
+
+    fn look_at_rotors(&mut self, plant: &Plant, at: &[f64], sent_mm: &[f64]) {
+        let rotors = at.get(plant.first_motor()..).unwrap_or_default();
+        for ((at, sent), motor) in rotors.iter().zip(sent_mm).zip(&mut self.motors) {
+            let turns = plant.slips(*at, *sent);
+            if turns != motor.turns_off {
+                motor.slips += 1;
+                motor.turns_off = turns;
+            }
+        }
+        self.residual_mm = self.residual_mm.max(residual_mm(self.machine, rotors).unwrap_or(0.0).abs());
+    }
+}

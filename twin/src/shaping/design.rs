@@ -1,0 +1,90 @@
+//! Design: the shaper for an axis that rings at different frequencies in different places.
+//!
+//! One shaper is given for all places. It is made for the frequency at which the worst place of the band is best, and of the
+//! kinds the one is suggested that rounds least while it leaves no more than 5 %.
+
+use super::shaper::{Kind, impulses, residual, smoothing_mm};
+use serde::Serialize;
+
+/// What a suggested shaper may leave, of 1.
+pub const TOLERABLE: f64 = 0.05;
+
+/// Places of a band at which a shaper is looked at.
+const LOOKS: usize = 41;
+
+/// A frequency is sought in this many steps, then once more around the best.
+const STEPS: usize = 200;
+
+/// A shaper for a band.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Design {
+    /// Which.
+    #[serde(rename = "type")]
+    pub kind: Kind,
+    /// What it is made for.
+    #[serde(rename = "frequency_Hz")]
+    pub frequency_hz: f64,
+    /// What it leaves of a vibration at the worst place of the band, of 1.
+    pub worst_residual: f64,
+    /// By how much it rounds corners at 5 m/s^2.
+    pub smoothing_mm: f64,
+}
+
+/// The best shaper of a kind for a band of frequencies in Hz.
+#[must_use]
+pub fn design(kind: Kind, band_hz: [f64; 2], damping: f64) -> Design {
+    let [low, high] = band_hz;
+    let worst = |frequency: f64| {
+        let impulses = impulses(kind, frequency, damping);
+        let place = |i: usize| low + (high - low) * i as f64 / (LOOKS - 1) as f64;
+        (0..LOOKS).map(|i| residual(&impulses, place(i), damping)).fold(0.0, f64::max)
+    };
+    let best = |from: f64, to: f64| {
+        let frequency = |i: usize| from + (to - from) * i as f64 / STEPS as f64;
+        let tried = (0..=STEPS).map(|i| (frequency(i), worst(frequency(i))));
+        tried.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((low, 1.0))
+    };
+    let (from, to) = (0.8 * low, 1.5 * high);
+    let (coarse, _) = best(from, to);
+    let width = (to - from) / STEPS as f64;
+    let (frequency_hz, worst_residual) = best(coarse - width, coarse + width);
+    let smoothing_mm = smoothing_mm(&impulses(kind, frequency_hz, damping));
+    Design { kind, frequency_hz, worst_residual, smoothing_mm }
+}
+
+/// The best of every kind, and which of them is suggested.
+#[must_use]
+pub fn designs(band_hz: [f64; 2], damping: f64) -> (Vec<Design>, Option<Design>) {
+    let all: Vec<Design> = Kind::ALL.into_iter().map(|kind| design(kind, band_hz, damping)).collect();
+    let enough = all.iter().filter(|design| design.worst_residual <= TOLERABLE);
+    let gentlest = enough.min_by(|a, b| a.smoothing_mm.total_cmp(&b.smoothing_mm));
+    let calmest = || all.iter().min_by(|a, b| a.worst_residual.total_cmp(&b.worst_residual));
+    let suggested = gentlest.or_else(calmest).copied();
+    (all, suggested)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frequencies rise by 13.1 % along x and 14.3 % along y from the middle of a CoreH-bot; damping 0.05.
+    #[test]
+    fn a_band_leaves_what_was_computed_elsewhere() {
+        for (kind, x, y) in [(Kind::Zv, 0.090, 0.097), (Kind::Mzv, 0.053, 0.057)] {
+            for (band, known) in [(1.131, x), (1.143, y)] {
+                let found = design(kind, [60.0, 60.0 * band], 0.05);
+                assert!((found.worst_residual - known).abs() < 0.0015, "{found:?}");
+                assert!((found.frequency_hz / 60.0 - 1.065).abs() < 0.008, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_gentlest_that_is_good_enough_is_suggested() {
+        let (all, suggested) = designs([60.0, 63.0], 0.05);
+        assert_eq!(all.len(), Kind::ALL.len());
+        assert_eq!(suggested.map(|design| design.kind), Some(Kind::Zv));
+        let (_, wide) = designs([60.0, 90.0], 0.05);
+        assert!(wide.is_some_and(|design| design.kind == Kind::TwoHumpEi || design.kind == Kind::Ei));
+    }
+}

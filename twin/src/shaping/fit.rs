@@ -1,0 +1,183 @@
+//! Fit: how the frequency of a CoreH-bot's axis depends on the place, from frequencies that were measured.
+//!
+//! Away from the middle an axis rings faster, for belts get stiffer, but motors do not. The firmware knows that by this law
+//! (docs/shaping.md), whose numbers this finds:
+//!
+//! ```text
+//! 1/f^2 = a (1 - (2 d / L)^2) + b,    a = 1/f_belt^2,  b = 1/f_motor^2
+//! ```
+//!
+//! with d the distance from the middle of the axis and L the free length of its belts, both sides together. That is linear in
+//! a and b: least squares over all places. The law is that of springs in a row, which belts and motors are in the middle
+//! alone; beside it motors give way more. So f_motor is what fits, and below that of the motors by themselves:
+//! [`crate::solve::identify`] finds belts and motors.
+
+use crate::params::Params;
+use serde::Serialize;
+
+/// A frequency that was measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// The tool's place along the axis, from motor 1's axis.
+    pub place_mm: f64,
+    /// What the axis rang at.
+    pub frequency_hz: f64,
+}
+
+/// An axis of a CoreH-bot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// To the right.
+    X,
+    /// Away from the front.
+    Y,
+}
+
+/// What a fit finds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Fit {
+    /// Frequency in the middle of the axis.
+    #[serde(rename = "frequency_Hz")]
+    pub frequency_hz: f64,
+    /// The same with motors that do not give way.
+    #[serde(rename = "belt_frequency_Hz")]
+    pub belt_frequency_hz: f64,
+    /// With belts that do not give way; none if motors do not.
+    #[serde(rename = "motor_frequency_Hz")]
+    pub motor_frequency_hz: Option<f64>,
+    /// Free length of the belts, both sides together.
+    pub span_mm: f64,
+    /// Greatest difference between what was measured and what the fit says, of 1.
+    pub worst_difference: f64,
+}
+
+/// Places with less of a difference in `(2 d / L)^2` than this tell nothing of belts and motors apart.
+const LEAST_SPREAD: f64 = 0.05;
+
+/// Why there is no fit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FitError {
+    /// Fewer than two places, or too near to each other.
+    TooAlike,
+    /// It rings no faster away from the middle.
+    NotStiffer,
+}
+
+impl std::fmt::Display for FitError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::TooAlike => "two places are wanted, one near the middle of the axis and one near its end",
+            Self::NotStiffer => "it rings no faster away from the middle, so belts cannot be what gives way",
+        })
+    }
+}
+
+impl std::error::Error for FitError {}
+
+/// Belts and motors of an axis.
+///
+/// # Errors
+/// Too little was measured, or belts do not explain it.
+pub fn fit(axis: Axis, measured: &[Measured], params: &Params) -> Result<Fit, FitError> {
+    let p = params;
+    let (length, distance) = match axis {
+        Axis::X => (p.width_mm, p.head_pulleys_mm),
+        Axis::Y => (p.depth_mm, p.bar_pulleys_mm),
+    };
+    let span_mm = p.width_mm + p.depth_mm - 4.0 * p.pulley_radius_mm - distance;
+    let softer = |place: f64| 1.0 - (2.0 * (place - length / 2.0) / span_mm).powi(2);
+    let points: Vec<(f64, f64)> = measured.iter().map(|m| (softer(m.place_mm), m.frequency_hz.powi(-2))).collect();
+    let (mut a, mut b) = line(&points).ok_or(FitError::TooAlike)?;
+    if a <= 0.0 {
+        return Err(FitError::NotStiffer);
+    }
+    if b < 0.0 {
+        // Motors do not give way less than not at all: the line goes through 0.
+        let (over, under) = points.iter().fold((0.0, 0.0), |(o, u), (x, y)| (o + x * y, u + x * x));
+        (a, b) = (over / under, 0.0);
+    }
+    let says = |place: f64| (a * softer(place) + b).powf(-0.5);
+    let differences = measured.iter().map(|m| (says(m.place_mm) / m.frequency_hz - 1.0).abs());
+    Ok(Fit {
+        frequency_hz: (a + b).powf(-0.5),
+        belt_frequency_hz: a.powf(-0.5),
+        motor_frequency_hz: (b > 0.0).then(|| b.powf(-0.5)),
+        span_mm,
+        worst_difference: differences.fold(0.0, f64::max),
+    })
+}
+
+/// Slope and intercept of the line with the least squares.
+fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    let count = points.len() as f64;
+    let least = points.iter().map(|(x, _)| *x).fold(f64::INFINITY, f64::min);
+    let greatest = points.iter().map(|(x, _)| *x).fold(f64::NEG_INFINITY, f64::max);
+    if points.len() < 2 || greatest - least < LEAST_SPREAD {
+        return None;
+    }
+    let (mean_x, mean_y) = points.iter().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x / count, sy + y / count));
+    let (over, under) =
+        points.iter().fold((0.0, 0.0), |(o, u), (x, y)| (o + (x - mean_x) * (y - mean_y), u + (x - mean_x).powi(2)));
+    let slope = over / under;
+    Some((slope, mean_y - slope * mean_x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::elastic::Freedom;
+    use crate::queries::Setup;
+    use crate::queries::modes::Modes;
+    use crate::routing::Machine;
+
+    /// Frequencies of the model, by its own numbers, as if they were measured.
+    fn measure(freedom: Freedom, params: &Params, places: &[[f64; 2]]) -> [Vec<Measured>; 2] {
+        let modes = places.iter().map(|[x, y]| {
+            let setup = Setup { params: params.clone(), freedom, ..Setup::nominal(Machine::CoreHBot, *x, *y) };
+            (*x, *y, Modes::new(&setup).unwrap())
+        });
+        let modes: Vec<(f64, f64, Modes)> = modes.collect();
+        let of = |axis: usize| {
+            let one = |(x, y, modes): &(f64, f64, Modes)| Measured {
+                place_mm: [*x, *y][axis],
+                frequency_hz: modes.frequencies_hz[1 - axis],
+            };
+            modes.iter().map(one).collect()
+        };
+        [of(0), of(1)]
+    }
+
+    #[test]
+    fn with_motors_that_hold_the_law_is_exact() {
+        let [x, y] = measure(Freedom::default(), &Params::default(), &[[235.0, 235.0], [60.0, 50.0], [130.0, 150.0]]);
+        for (axis, measured, middle) in [(Axis::X, x, 110.182), (Axis::Y, y, 62.587)] {
+            let found = fit(axis, &measured, &Params::default()).unwrap();
+            assert!((found.frequency_hz / middle - 1.0).abs() < 1e-4, "{found:?}");
+            assert!(found.motor_frequency_hz.is_none_or(|hz| hz > 1e4) && found.worst_difference < 1e-6, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn with_motors_that_give_way_the_law_is_within_a_thousandth_all_along() {
+        let rotors = Freedom { idlers: true, rotors: true, ..Freedom::default() };
+        let places = [[235.0, 235.0], [50.0, 40.0], [100.0, 90.0], [150.0, 140.0], [200.0, 190.0]];
+        let [x, _] = measure(rotors, &Params::default(), &places.map(|[x, _]| [x, 235.0]));
+        let [_, y] = measure(rotors, &Params::default(), &places.map(|[_, y]| [235.0, y]));
+        for (axis, measured, alone_hz) in [(Axis::X, x, 289.0), (Axis::Y, y, 167.0)] {
+            let found = fit(axis, &measured[..2], &Params::default()).unwrap();
+            let all = fit(axis, &measured, &Params::default()).unwrap();
+            assert!((found.frequency_hz / all.frequency_hz - 1.0).abs() < 1e-3, "{found:?} {all:?}");
+            assert!(all.worst_difference < 1e-3, "{all:?}");
+            assert!(all.motor_frequency_hz.is_some_and(|hz| hz < alone_hz), "{all:?}");
+        }
+    }
+
+    #[test]
+    fn too_little_is_told() {
+        let at = |place_mm, frequency_hz| Measured { place_mm, frequency_hz };
+        let params = Params::default();
+        assert_eq!(fit(Axis::X, &[at(235.0, 100.0)], &params), Err(FitError::TooAlike));
+        assert_eq!(fit(Axis::X, &[at(235.0, 100.0), at(240.0, 101.0)], &params), Err(FitError::TooAlike));
+        assert_eq!(fit(Axis::X, &[at(235.0, 100.0), at(60.0, 99.0)], &params), Err(FitError::NotStiffer));
+    }
+}

@@ -1,0 +1,104 @@
+//! Balance: where everything comes to rest under a force on the tool, or with motors that have turned.
+//!
+//! The stiffness falls apart into what is free and what is held: `K_ff q_f = F - K_fh q_h`. A motor that its field holds is
+//! free, and pulled towards where it was sent. [`condensed`] is the same for a force on few coordinates: what of the
+//! stiffness remains when all others have given way (Schur's complement; Guyan, AIAA Journal 3, 1965).
+
+use super::NotHeld;
+use crate::model::coordinate::Coordinate;
+use crate::model::elastic::{Elastic, Part};
+use crate::params::Params;
+use nalgebra::{DMatrix, DVector};
+
+/// A machine at rest under load, in changes from the machine at rest without.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Balance {
+    /// How far each coordinate of the links has moved.
+    pub moved: Vec<f64>,
+    /// By how much the tension of each link has changed, in N.
+    pub tensions_n: Vec<f64>,
+    /// Torque that each motor (ascending numbers) adds, counter-clockwise, in mN m.
+    pub torques_mnm: Vec<f64>,
+}
+
+impl Balance {
+    /// How far a coordinate has moved.
+    #[must_use]
+    pub fn of(&self, elastic: &Elastic, coordinate: Coordinate) -> f64 {
+        elastic.links.index(coordinate).and_then(|i| self.moved.get(i)).copied().unwrap_or(0.0)
+    }
+}
+
+/// Where everything comes to rest with this force on the tool in N, and motors sent so far in mm of belt.
+///
+/// # Errors
+/// Nothing holds the machine.
+pub fn balance(
+    elastic: &Elastic,
+    params: &Params,
+    force_n: [f64; 2],
+    sent_mm: &[(u8, f64)],
+) -> Result<Balance, NotHeld> {
+    let count = elastic.parts.len();
+    let mut force = DVector::<f64>::zeros(count);
+    let mut moved = DVector::<f64>::zeros(count);
+    for (coordinate, f) in [Coordinate::X, Coordinate::Y].into_iter().zip(force_n) {
+        if let Some(at) = elastic.links.index(coordinate) {
+            force[at] += f;
+        }
+    }
+    for (number, sent) in sent_mm {
+        let Some(at) = elastic.links.index(Coordinate::Motor(*number)) else { continue };
+        match elastic.parts.get(at) {
+            Some(Part::Held) => moved[at] = *sent,
+            _ => force[at] += elastic.held_by.get(at).copied().unwrap_or(0.0) * sent,
+        }
+    }
+    let free: Vec<usize> = (0..count).filter(|i| elastic.parts.get(*i) != Some(&Part::Held)).collect();
+    let pull = force - &elastic.stiffness * &moved;
+    let pull = DVector::from_iterator(free.len(), free.iter().map(|i| pull[*i]));
+    let gives = submatrix(&elastic.stiffness, &free, &free).cholesky().ok_or(NotHeld)?.solve(&pull);
+    for (at, way) in free.iter().zip(gives.iter()) {
+        moved[*at] = *way;
+    }
+    let moved: Vec<f64> = moved.iter().copied().collect();
+    let tensions_n: Vec<f64> =
+        elastic.links.links.iter().map(|link| link.stiffness(params) * link.stretch(&moved)).collect();
+    let torques_mnm = torques(elastic, params, &tensions_n);
+    Ok(Balance { moved, tensions_n, torques_mnm })
+}
+
+/// What motors must add against the belt, in mN m.
+fn torques(elastic: &Elastic, params: &Params, tensions_n: &[f64]) -> Vec<f64> {
+    let torque = |number: u8| {
+        let at = elastic.links.index(Coordinate::Motor(number))?;
+        let pulls = elastic.links.links.iter().zip(tensions_n);
+        let force: f64 = pulls.map(|(link, tension)| link.row.get(at).copied().unwrap_or(0.0) * tension).sum();
+        Some(force * params.pulley_radius_mm)
+    };
+    elastic.machine.motors().into_iter().map(|number| torque(number).unwrap_or(0.0)).collect()
+}
+
+/// The stiffness that the `kept` coordinates see when all others that are not held give way.
+///
+/// # Errors
+/// Nothing holds the others.
+pub fn condensed(elastic: &Elastic, kept: &[usize]) -> Result<DMatrix<f64>, NotHeld> {
+    let gives = |i: &usize| elastic.parts.get(*i) != Some(&Part::Held) && !kept.contains(i);
+    let others: Vec<usize> = (0..elastic.parts.len()).filter(gives).collect();
+    let own = submatrix(&elastic.stiffness, kept, kept);
+    if others.is_empty() {
+        return Ok(own);
+    }
+    let between = submatrix(&elastic.stiffness, &others, kept);
+    let solved = submatrix(&elastic.stiffness, &others, &others).cholesky().ok_or(NotHeld)?.solve(&between);
+    Ok(own - between.transpose() * solved)
+}
+
+/// Some rows and columns of a matrix.
+pub(super) fn submatrix(matrix: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len(), columns.len(), |i, j| match (rows.get(i), columns.get(j)) {
+        (Some(row), Some(column)) => matrix[(*row, *column)],
+        _ => 0.0,
+    })
+}

@@ -1,0 +1,17 @@
+//! Solve: equilibria and modes of a model, and the model from its modes.
+
+pub mod balance;
+pub mod identify;
+pub mod modes;
+
+/// The machine is not held: something can move without any force, so there is no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotHeld;
+
+impl std::fmt::Display for NotHeld {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("nothing holds the belt: too many motors are without power")
+    }
+}
+
+impl std::error::Error for NotHeld {}

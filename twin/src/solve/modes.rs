@@ -1,0 +1,76 @@
+//! Modes: natural frequencies and shapes.
+//!
+//! `(K - w^2 M) q = 0` for what moves; what only gives way is condensed first. With M = C C^T this is a symmetric problem,
+//! `C^-1 K C^-T v = w^2 v`.
+
+use super::NotHeld;
+use super::balance::{condensed, submatrix};
+use crate::model::coordinate::Coordinate;
+use crate::model::elastic::{Elastic, Part};
+use std::f64::consts::TAU;
+
+/// A natural vibration without damping.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mode {
+    /// In Hz.
+    pub frequency_hz: f64,
+    /// What moves, and what part of the kinetic energy it has, of 1; where masses couple, shares may be below 0.
+    pub shares: Vec<(Coordinate, f64)>,
+    /// Viscous damping as a part of the critical one, from the shape without damping.
+    pub damping_ratio: f64,
+}
+
+impl Mode {
+    /// The part of the energy that a coordinate has.
+    #[must_use]
+    pub fn share(&self, coordinate: Coordinate) -> f64 {
+        self.shares.iter().filter(|(c, _)| *c == coordinate).map(|(_, share)| share).sum()
+    }
+
+    /// What has most of the energy. Idlers count together.
+    #[must_use]
+    pub fn of(&self) -> String {
+        let mut sums: Vec<(String, f64)> = Vec::new();
+        for (coordinate, share) in &self.shares {
+            let name = coordinate.to_string();
+            match sums.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, sum)) => *sum += share,
+                None => sums.push((name, *share)),
+            }
+        }
+        sums.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or_else(String::new, |(name, _)| name)
+    }
+}
+
+/// N/mm over kg, in 1/s^2: 1 N moves 1 kg by 1000 mm/s^2.
+const MM_PER_M: f64 = 1000.0;
+
+/// All modes, the slowest first.
+///
+/// # Errors
+/// Nothing holds the machine.
+pub fn modes(elastic: &Elastic) -> Result<Vec<Mode>, NotHeld> {
+    let moving = elastic.with_part(Part::Moves);
+    let stiffness = condensed(elastic, &moving)?;
+    let mass = submatrix(&elastic.mass, &moving, &moving);
+    let damping = submatrix(&elastic.damping, &moving, &moving);
+    let root = mass.clone().cholesky().ok_or(NotHeld)?.l();
+    let half = root.solve_lower_triangular(&stiffness).ok_or(NotHeld)?;
+    let symmetric = root.solve_lower_triangular(&half.transpose()).ok_or(NotHeld)?;
+    let solved = symmetric.symmetric_eigen();
+    let coordinates: Vec<Coordinate> =
+        moving.iter().filter_map(|i| elastic.links.coordinates.get(*i)).copied().collect();
+    let mut modes = Vec::new();
+    for (square, vector) in solved.eigenvalues.iter().zip(solved.eigenvectors.column_iter()) {
+        let shape = root.tr_solve_lower_triangular(&vector.into_owned()).ok_or(NotHeld)?;
+        let momentum = &mass * &shape;
+        let shares = coordinates.iter().zip(shape.iter().zip(momentum.iter())).map(|(c, (q, p))| (*c, q * p)).collect();
+        let omega = (square.max(0.0) * MM_PER_M).sqrt();
+        // The shape's mass is 1 kg.
+        let friction = shape.dot(&(&damping * &shape)) * MM_PER_M;
+        let damping_ratio = if omega > 0.0 { friction / (2.0 * omega) } else { 0.0 };
+        modes.push(Mode { frequency_hz: omega / TAU, shares, damping_ratio });
+    }
+    modes.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    Ok(modes)
+}

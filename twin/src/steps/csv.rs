@@ -1,0 +1,190 @@
+//! CSV: a trace as `corehbot run --trace` writes it (docs/trace.md).
+
+use super::{Column, StepTrace};
+use std::io::BufRead;
+
+/// What a trace begins with.
+const MAGIC: &str = "# corehbot-trace v1 ";
+
+/// Columns that a trace may have: a bit each.
+const MOST_COLUMNS: usize = 8;
+
+/// Ticks that no trace has: 115 days.
+const TOO_LATE: u64 = 100_000_000_000_000;
+
+/// Rows of the CoreH-bot's motors over x and y, which a trace calls by one word.
+const COREHBOT: [(&str, [i8; 2]); 4] = [("m1", [-1, 1]), ("m4", [-1, -1]), ("m8", [1, -1]), ("m11", [1, 1])];
+
+/// Why a file is no trace.
+#[derive(Debug)]
+pub enum TraceError {
+    /// It cannot be read.
+    Io(std::io::Error),
+    /// It is not a trace of version 1.
+    NotATrace,
+    /// Its head does not say what a step is, or of which motor.
+    Head(&'static str),
+    /// A line that is no instant, counted from 1.
+    Row(u64),
+    /// A line whose tick is before that of the line before.
+    Backward(u64),
+}
+
+impl std::fmt::Display for TraceError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Io(error) => write!(f, "cannot be read: {error}"),
+            Self::NotATrace => f.write_str("is no step trace of version 1"),
+            Self::Head(what) => write!(f, "its head {what}"),
+            Self::Row(line) => write!(f, "line {line} is no tick with steps of -1, 0 or 1"),
+            Self::Backward(line) => write!(f, "line {line} is earlier than the line before"),
+        }
+    }
+}
+
+impl std::error::Error for TraceError {}
+
+/// Reads a trace.
+///
+/// # Errors
+/// What is wrong with it, by its line.
+pub fn read(mut from: impl BufRead) -> Result<StepTrace, TraceError> {
+    let mut line = String::new();
+    let mut comment = String::new();
+    let mut number = 0;
+    let header = loop {
+        line.clear();
+        number += 1;
+        if from.read_line(&mut line).map_err(TraceError::Io)? == 0 {
+            return Err(TraceError::NotATrace);
+        }
+        match line.strip_prefix(MAGIC) {
+            Some(rest) => rest.trim().clone_into(&mut comment),
+            None if !line.starts_with('#') => break line.trim().to_owned(),
+            None => {}
+        }
+    };
+    if comment.is_empty() {
+        return Err(TraceError::NotATrace);
+    }
+    let mut trace = head(&comment, &header)?;
+    let columns = trace.columns.len();
+    let mut last = 0;
+    loop {
+        line.clear();
+        number += 1;
+        if from.read_line(&mut line).map_err(TraceError::Io)? == 0 {
+            return Ok(trace);
+        }
+        let (tick, steps, forward) = row(line.trim_end(), columns).ok_or(TraceError::Row(number))?;
+        if tick < last {
+            return Err(TraceError::Backward(number));
+        }
+        last = tick;
+        trace.add(tick, steps, forward);
+    }
+}
+
+/// A trace without instants, from the first comment and the header row.
+fn head(comment: &str, header: &str) -> Result<StepTrace, TraceError> {
+    let field = |key: &str| comment.split(' ').find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
+    if field("tick_hz") != Some("10000000") {
+        return Err(TraceError::Head("has other ticks than 10 MHz"));
+    }
+    let kinematics = field("kinematics").ok_or(TraceError::Head("does not name the kinematics"))?;
+    let steps: Option<f64> = field("steps_per_mm").and_then(|list| list.split('/').next()?.parse().ok());
+    let steps = steps.filter(|v| v.is_finite() && *v > 0.0).ok_or(TraceError::Head("does not give steps a mm"))?;
+    let names = header.strip_prefix("tick,").ok_or(TraceError::Head("has no row of names"))?;
+    let rows = rows(kinematics).ok_or(TraceError::Head("has kinematics that are none"))?;
+    let row_of = |name: &str| rows.iter().find(|(motor, _)| motor == name).map_or([0, 0], |(_, row)| *row);
+    let columns: Vec<Column> =
+        names.split(',').map(|name| Column { name: name.to_owned(), row: row_of(name) }).collect();
+    if columns.len() > MOST_COLUMNS {
+        return Err(TraceError::Head("has more than eight motors"));
+    }
+    Ok(StepTrace::new(columns, 1.0 / steps))
+}
+
+/// Motors and their rows over x and y: `corehbot`, or `m8(1,-1,0,0);m11(1,1,0,0)`.
+fn rows(kinematics: &str) -> Option<Vec<(String, [i8; 2])>> {
+    if kinematics == "corehbot" {
+        return Some(COREHBOT.map(|(name, row)| (name.to_owned(), row)).to_vec());
+    }
+    let motor = |text: &str| {
+        let (name, row) = text.strip_suffix(')')?.split_once('(')?;
+        let mut entries = row.split(',').map(|entry| entry.parse().ok());
+        Some((name.to_owned(), [entries.next()??, entries.next()??]))
+    };
+    kinematics.split(';').map(motor).collect()
+}
+
+/// The tick, the columns that step, and those that step forward.
+fn row(line: &str, columns: usize) -> Option<(u64, u8, u8)> {
+    let mut fields = line.split(',');
+    let tick = fields.next()?.parse().ok().filter(|tick| *tick < TOO_LATE)?;
+    let (mut steps, mut forward) = (0, 0);
+    for column in 0..columns {
+        match fields.next()? {
+            "0" => {}
+            "1" => (steps, forward) = (steps | 1 << column, forward | 1 << column),
+            "-1" => steps |= 1 << column,
+            _ => return None,
+        }
+    }
+    fields.next().is_none().then_some((tick, steps, forward))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "# corehbot-trace v1 tick_hz=10000000 kinematics=corehbot steps_per_mm=80/800/400\n\
+                        tick,m1,m4,m8,m11,z1,z2,e0\n";
+
+    #[test]
+    fn a_trace_is_read_with_its_motors() {
+        let trace = read(format!("{HEAD}5,-1,-1,1,1,0,0,0\n9,0,0,0,0,0,0,1\n").as_bytes()).unwrap();
+        assert!((trace.step_mm - 0.0125).abs() < 1e-15);
+        assert_eq!(trace.columns[2].row, [1, -1]);
+        assert_eq!(trace.columns[6].row, [0, 0]);
+        let counted: Vec<_> = trace.counted().collect();
+        assert_eq!(counted, [(5, [-1, -1, 1, 1, 0, 0, 0, 0]), (9, [-1, -1, 1, 1, 0, 0, 1, 0])]);
+    }
+
+    #[test]
+    fn other_machines_say_their_rows() {
+        let head = "# corehbot-trace v1 tick_hz=10000000 kinematics=m8(1,-1,0,0);m11(1,1,0,0) steps_per_mm=100/100/400/400\n\
+                    tick,m1,m4,m8,m11,z1,z2,e0\n";
+        let trace = read(head.as_bytes()).unwrap();
+        assert_eq!((trace.columns[2].row, trace.columns[3].row), ([1, -1], [1, 1]));
+        assert_eq!(trace.columns[0].row, [0, 0]);
+    }
+
+    #[test]
+    fn what_is_no_trace_is_named_by_its_line() {
+        let wrong = |text: &str| read(text.as_bytes()).unwrap_err().to_string();
+        assert!(wrong("").contains("no step trace"));
+        assert!(wrong("G28\n").contains("no step trace"));
+        assert!(wrong(&format!("{HEAD}5,1,0,0\n")).contains("line 3"));
+        assert!(wrong(&format!("{HEAD}5,2,0,0,0,0,0,0\n")).contains("line 3"));
+        assert!(wrong(&format!("{HEAD}5,1,0,0,0,0,0,0\n4,1,0,0,0,0,0,0\n")).contains("earlier"));
+        assert!(wrong(&HEAD.replace("10000000", "1000")).contains("10 MHz"));
+    }
+
+    /// Bytes of a trace replaced, left out and doubled in every place: it is read or refused, and what is read has an end.
+    #[test]
+    fn no_bytes_do_harm() {
+        let text = format!("{HEAD}5,-1,-1,1,1,0,0,0\n99999999999999,0,0,0,0,0,0,1\n").into_bytes();
+        for at in 0..text.len() {
+            for byte in [0, b'\n', b',', b'-', b'0', b'9', 0xFF] {
+                let (mut replaced, mut added) = (text.clone(), text.clone());
+                replaced[at] = byte;
+                added.insert(at, byte);
+                for bytes in [replaced, added] {
+                    let events = read(bytes.as_slice()).map_or(0, |trace| trace.events.len());
+                    assert!(events < 100_000, "{}", String::from_utf8_lossy(&bytes));
+                }
+            }
+        }
+    }
+}

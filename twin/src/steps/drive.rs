@@ -1,0 +1,90 @@
+//! Drive: which column of a trace turns which motor of the twin.
+//!
+//! A motor takes the steps of a column that turns for x and y as it does, or the other way round (a pair in series, or a
+//! motor that is mounted the other way up). Each column is taken once before any is taken twice, so a trace of four drivers
+//! turns four motors, and one of two drivers, or of another machine with the same pairs, does too.
+
+use super::StepTrace;
+use crate::model::ways::Ways;
+
+/// A motor's column and its sense.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Drive {
+    /// Index of the column.
+    pub column: usize,
+    /// 1 or -1.
+    pub sense: i8,
+}
+
+/// No column of the trace turns as this motor would have to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NoColumn {
+    /// The motor.
+    pub motor: u8,
+    /// Its steps for a step of x and of y.
+    pub row: [i8; 2],
+}
+
+impl std::fmt::Display for NoColumn {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { motor, row: [x, y] } = self;
+        write!(f, "the trace has no motor that turns ({x}, {y}) for x and y, as motor {motor} must")
+    }
+}
+
+impl std::error::Error for NoColumn {}
+
+/// The drives of all motors.
+///
+/// # Errors
+/// A motor for which the trace has no column.
+pub fn drives(trace: &StepTrace, ways: &Ways) -> Result<Vec<Drive>, NoColumn> {
+    let mut taken = vec![0_u32; trace.columns.len()];
+    let mut drives = Vec::new();
+    for (motor, row) in ways.motors.iter().zip(&ways.rows) {
+        let row = row.map(|entry| entry.round() as i8);
+        let sense = |column: [i8; 2]| match column {
+            same if same == row => Some(1),
+            other if other == row.map(|entry| -entry) => Some(-1),
+            _ => None,
+        };
+        let fits = trace.columns.iter().enumerate().filter_map(|(i, c)| Some((i, sense(c.row)?)));
+        let best = fits.min_by_key(|(i, sense)| (taken.get(*i).copied(), -sense));
+        let (column, sense) = best.ok_or(NoColumn { motor: *motor, row })?;
+        if let Some(taken) = taken.get_mut(column) {
+            *taken += 1;
+        }
+        drives.push(Drive { column, sense });
+    }
+    Ok(drives)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::params::Params;
+    use crate::routing::Machine;
+    use crate::steps::Column;
+
+    fn trace(rows: &[[i8; 2]]) -> StepTrace {
+        let columns = rows.iter().map(|row| Column { name: String::new(), row: *row }).collect();
+        StepTrace::new(columns, 0.0125)
+    }
+
+    #[test]
+    fn motors_find_their_columns() {
+        let four = trace(&[[-1, 1], [-1, -1], [1, -1], [1, 1]]);
+        let found = |machine, trace: &StepTrace| {
+            let drives = drives(trace, &Ways::new(machine, &Params::default())).unwrap();
+            drives.into_iter().map(|d| (d.column, d.sense)).collect::<Vec<_>>()
+        };
+        assert_eq!(found(Machine::CoreHBot, &four), [(0, 1), (1, 1), (2, 1), (3, 1)]);
+        assert_eq!(found(Machine::CoreXy, &four), [(3, 1), (2, 1)]);
+        // A pair in series: motors 1 and 4 turn backward.
+        let two = trace(&[[1, 1], [1, -1]]);
+        assert_eq!(found(Machine::CoreHBot, &two), [(1, -1), (0, -1), (1, 1), (0, 1)]);
+        let cartesian = trace(&[[1, 0], [0, 1]]);
+        let error = drives(&cartesian, &Ways::new(Machine::HBot, &Params::default())).unwrap_err();
+        assert_eq!(error, NoColumn { motor: 1, row: [1, 1] });
+    }
+}

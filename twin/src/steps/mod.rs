@@ -1,0 +1,96 @@
+//! Steps: what the firmware commanded, as a row of instants in which motors step.
+//!
+//! [`csv`] reads the trace that `corehbot run --trace` writes (docs/trace.md); a simulator may also hand its steps over as
+//! they come. [`drive`] says which column of a trace turns which motor of the twin.
+
+pub mod csv;
+pub mod drive;
+
+/// Ticks of a trace in a second.
+pub const TICKS_PER_SECOND: f64 = 1e7;
+
+/// A column of a trace: a motor of the machine that was traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name.
+    pub name: String,
+    /// Steps for a step of x and of y.
+    pub row: [i8; 2],
+}
+
+/// An instant in which motors step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// Ticks since the event before. A longer time is split by events without steps.
+    pub gap: u32,
+    /// The columns that step, a bit each.
+    pub steps: u8,
+    /// Those that step forward.
+    pub forward: u8,
+}
+
+/// A row of instants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepTrace {
+    /// Its columns, at most eight.
+    pub columns: Vec<Column>,
+    /// Belt for a step, in mm.
+    pub step_mm: f64,
+    /// The instants, in order.
+    pub events: Vec<Event>,
+    last: u64,
+}
+
+impl StepTrace {
+    /// A trace without steps.
+    #[must_use]
+    pub const fn new(columns: Vec<Column>, step_mm: f64) -> Self {
+        Self { columns, step_mm, events: Vec::new(), last: 0 }
+    }
+
+    /// Adds an instant; one before the last counts as the last.
+    pub fn add(&mut self, tick: u64, steps: u8, forward: u8) {
+        let mut gap = tick.saturating_sub(self.last);
+        while gap > u64::from(u32::MAX) {
+            self.events.push(Event { gap: u32::MAX, steps: 0, forward: 0 });
+            gap -= u64::from(u32::MAX);
+        }
+        self.events.push(Event { gap: gap as u32, steps, forward });
+        self.last = self.last.max(tick);
+    }
+
+    /// Its length in s.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        self.last as f64 / TICKS_PER_SECOND
+    }
+
+    /// Its events with the columns' counts after each, and when.
+    pub fn counted(&self) -> impl Iterator<Item = (u64, [i64; 8])> + '_ {
+        let start = (0_u64, [0_i64; 8]);
+        self.events.iter().scan(start, |(tick, counts), event| {
+            *tick += u64::from(event.gap);
+            for (column, count) in counts.iter_mut().enumerate() {
+                let steps = i64::from(event.steps >> column & 1);
+                *count += steps * (2 * i64::from(event.forward >> column & 1) - 1);
+            }
+            Some((*tick, *counts))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pause_of_any_length_is_kept() {
+        let mut trace = StepTrace::new(Vec::new(), 0.0125);
+        trace.add(10, 1, 1);
+        trace.add(20_000_000_000, 3, 1);
+        let counted: Vec<_> = trace.counted().collect();
+        assert_eq!(counted.first(), Some(&(10, [1, 0, 0, 0, 0, 0, 0, 0])));
+        assert_eq!(counted.last(), Some(&(20_000_000_000, [2, -1, 0, 0, 0, 0, 0, 0])));
+        assert!((trace.duration_s() - 2000.0).abs() < 1e-9);
+    }
+}

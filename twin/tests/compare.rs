@@ -1,0 +1,60 @@
+//! Mechanisms side by side, and limits, against figures that were computed independently.
+
+use corehbot_twin::geometry::Workspace;
+use corehbot_twin::model::elastic::Freedom;
+use corehbot_twin::params::Params;
+use corehbot_twin::queries::Setup;
+use corehbot_twin::queries::compare::{Compare, common};
+use corehbot_twin::queries::limits::Limits;
+use corehbot_twin::routing::Machine;
+
+const AREA: Workspace = Workspace { x: [60.0, 410.0], y: [31.0, 439.0] };
+
+fn agree(found: f64, expected: f64, part: f64) -> bool {
+    (found - expected).abs() <= part * expected.abs()
+}
+
+#[test]
+fn the_corehbot_is_stiffest_and_most_even() {
+    let params = Params::default();
+    let idlers = Freedom { idlers: true, ..Freedom::default() };
+    let fixed = Compare::new(&params, idlers, Some(AREA), [9, 9], 5.0).unwrap();
+    // The stiffest places of the others are corners where a segment nearly ends; their figures hang on the grid.
+    for (machine, (softest, mode)) in fixed.machines.iter().zip([(279.6, 62.0), (99.5, 49.7), (140.1, 46.3)]) {
+        assert!(agree(machine.softest_n_per_mm[0], softest, 5e-3), "{machine:?}");
+        assert!(agree(machine.first_mode_hz[0], mode, 5e-3), "{machine:?}");
+    }
+    let rise = |[low, high]: [f64; 2]| high / low;
+    let rises: Vec<f64> = fixed.machines.iter().map(|machine| rise(machine.first_mode_hz)).collect();
+    assert!(agree(rises[0], 1.13, 5e-3) && rises[1] > 1.44 && rises[2] > 1.5, "{rises:?}");
+    let rotors = Freedom { idlers: true, rotors: true, ..Freedom::default() };
+    let rotors = Compare::new(&params, rotors, Some(AREA), [5, 5], 5.0).unwrap();
+    for (machine, mode) in rotors.machines.iter().zip([57.7, 45.9, 43.0]) {
+        assert!(agree(machine.first_mode_hz[0], mode, 5e-3), "{machine:?}");
+    }
+    for (machine, um) in fixed.machines.iter().zip([17.9, 50.2, 35.7]) {
+        assert!(agree(machine.deflection_um, um, 0.005), "{machine:?}");
+    }
+    let yaw: Vec<f64> = fixed.machines.iter().map(|m| m.belt_yaw_stiffness_nm_per_rad).collect();
+    assert!(yaw[0].abs() < 1e-6 && yaw[1].abs() < 1e-3 && agree(yaw[2], 7640.0, 2e-3), "{yaw:?}");
+}
+
+#[test]
+fn the_common_area_is_that_of_the_narrowest() {
+    let area = common(&Params::default());
+    assert!(agree(area.x[0], 52.7, 1e-9) && agree(area.x[1], 417.3, 1e-9));
+}
+
+#[test]
+fn limits_are_those_of_newton_and_of_the_spring() {
+    let found = Limits::new(&Setup::nominal(Machine::CoreHBot, 235.0, 235.0), 0.025, 1.0).unwrap();
+    // Four motors of 63 N each on 0.6 or 1.8 kg, and four rotors of 0.134 kg.
+    let force = 4.0 * 400.0 / 6.35;
+    assert!(agree(found.x.torque_acceleration_mm_s2, force / (0.6 + 0.5357) * 1e3, 1e-3), "{found:?}");
+    assert!(agree(found.y.torque_acceleration_mm_s2, force / (1.8 + 0.5357) * 1e3, 1e-3), "{found:?}");
+    // 25 um by the slowest frequencies, 110.18 and 62.59 Hz.
+    assert!(agree(found.x.speed_jump_mm_s, 17.3, 2e-3) && agree(found.y.speed_jump_mm_s, 9.83, 2e-3), "{found:?}");
+    // A quarter of the force on each span in the middle, up to 0.38 of it in a corner.
+    assert!(found.x.slack_acceleration_mm_s2 > 150e3 && found.x.slack_acceleration_mm_s2 < 267e3, "{found:?}");
+    assert!(agree(found.yaw_error_um_per_m_s2, 0.6 * 0.195 * 0.195 / 2000.0 * 1e6, 1e-9), "{found:?}");
+}

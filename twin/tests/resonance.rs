@@ -1,0 +1,85 @@
+//! Frequencies over the reach, and zig-zag of motors that step one after the other.
+
+use corehbot_twin::model::elastic::Freedom;
+use corehbot_twin::model::ways::{Ways, residual_mm};
+use corehbot_twin::params::Params;
+use corehbot_twin::queries::Setup;
+use corehbot_twin::queries::resonance::Resonance;
+use corehbot_twin::routing::Machine;
+
+/// With fixed motors x rings by x alone and y by y alone: 13.1 and 14.3 % faster at the ends than in the middle.
+#[test]
+fn axes_of_a_corehbot_ring_by_their_own_place_alone() {
+    let found = Resonance::new(&Setup::nominal(Machine::CoreHBot, 235.0, 235.0), 5, 5).unwrap();
+    let rise = |[low, high]: [f64; 2]| high / low - 1.0;
+    assert!((rise(found.x.band_hz) - 0.131).abs() < 1e-3, "{:?}", found.x.band_hz);
+    assert!((rise(found.y.band_hz) - 0.143).abs() < 1e-3, "{:?}", found.y.band_hz);
+    assert!(found.x.coupling.abs() < 1e-9 && found.y.coupling.abs() < 1e-9);
+    for row in &found.x.frequencies_hz {
+        assert!(row.iter().zip(&found.x.frequencies_hz[0]).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+    // Belt damping 2e-4 s and guides of 2 and 4 N s/m.
+    assert!((found.y.damping_ratio - (0.039_33 + 0.002_83)).abs() < 1e-4, "{}", found.y.damping_ratio);
+    assert!((found.x.damping_ratio - (0.069_23 + 0.002_41)).abs() < 1e-4, "{}", found.x.damping_ratio);
+    assert!(found.y.line.starts_with("M593 Y F"), "{}", found.y.line);
+}
+
+#[test]
+fn speeds_that_excite_an_axis_are_its_frequency_times_what_repeats() {
+    let rotors = Freedom { idlers: true, rotors: true, ..Freedom::default() };
+    let setup = Setup { freedom: rotors, ..Setup::nominal(Machine::CoreHBot, 235.0, 235.0) };
+    let found = Resonance::new(&setup, 3, 3).unwrap();
+    let rise = |[low, high]: [f64; 2]| high / low - 1.0;
+    // Motors that give way flatten the rise to 7 to 11 %.
+    assert!(rise(found.x.band_hz) < 0.115 && rise(found.y.band_hz) < 0.12);
+    // So a shaper of 3/4 of a period is enough everywhere.
+    assert!(found.x.line.ends_with("T2") && found.y.line.ends_with("T2"), "{} {}", found.x.line, found.y.line);
+    assert!((found.y.resonant_speeds.tooth_mm_s - 2.0 * 57.64).abs() < 0.6, "{:?}", found.y.resonant_speeds);
+    assert!((found.y.resonant_speeds.full_step_mm_s - 0.1995 * 57.64).abs() < 0.06);
+}
+
+/// One step of an axis, made by motors one after the other in this order: the tool's greatest way aside, and the greatest
+/// residual, in steps.
+fn zigzag(machine: Machine, axis: usize, order: &[usize]) -> (f64, f64) {
+    let ways = Ways::new(machine, &Params::default());
+    let mut turned = vec![0.0; ways.motors.len()];
+    let (mut aside, mut strain) = (0.0_f64, 0.0_f64);
+    for motor in order {
+        turned[*motor] += ways.rows[*motor][axis];
+        aside = aside.max(ways.tool(&turned)[1 - axis].abs());
+        strain = strain.max(residual_mm(machine, &turned).unwrap_or(0.0).abs());
+    }
+    (aside, strain)
+}
+
+/// All orders of four.
+fn orders() -> Vec<Vec<usize>> {
+    let mut orders = Vec::new();
+    for code in 0..256_usize {
+        let order: Vec<usize> = (0..4).map(|i| code >> (2 * i) & 3).collect();
+        if (0..4).all(|motor| order.contains(&motor)) {
+            orders.push(order);
+        }
+    }
+    orders
+}
+
+/// Motors that step one after the other take the tool aside: by half a step on a CoreXY, by a quarter on a CoreH-bot whose
+/// pairs follow each other, by half in the worst order; together by nothing.
+#[test]
+fn motors_one_after_the_other_zig_zag() {
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+    for axis in [0, 1] {
+        assert!(near(zigzag(Machine::CoreXy, axis, &[0, 1]).0, 0.5));
+        assert!(near(zigzag(Machine::CoreXy, axis, &[1, 0]).0, 0.5));
+        let all: Vec<(f64, f64)> = orders().iter().map(|order| zigzag(Machine::CoreHBot, axis, order)).collect();
+        assert_eq!(all.len(), 24);
+        assert!(near(all.iter().map(|(aside, _)| *aside).fold(0.0, f64::max), 0.5));
+        assert!(near(all.iter().map(|(aside, _)| *aside).fold(1.0, f64::min), 0.25));
+    }
+    // +x by the order 1, 4, 8, 11; +y by 1, 11, 4, 8.
+    for (axis, order) in [(0, [0, 1, 2, 3]), (1, [0, 3, 1, 2])] {
+        let (aside, strain) = zigzag(Machine::CoreHBot, axis, &order);
+        assert!(near(aside, 0.25) && near(strain, 1.0), "{aside} {strain}");
+    }
+}
