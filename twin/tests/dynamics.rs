@@ -140,8 +140,8 @@ fn without_damping_no_energy_is_lost_or_won() {
         state.speeds[1] = -60.0;
         plant.send(&state.sent_mm);
         let begin = plant.energy_n_mm(&state.at, &state.speeds, &state.sent_mm);
-        for _ in 0..20 {
-            state.advance(&plant, 0.05);
+        for _ in 0..10 {
+            state.advance(&plant, 0.1);
             let now = plant.energy_n_mm(&state.at, &state.speeds, &state.sent_mm);
             assert!(agree(now, begin, part), "{detail:?}: {begin} became {now}");
         }
@@ -189,6 +189,35 @@ fn motors_slip_where_the_torque_does_not_suffice_and_are_counted() {
     let weak = Params { holding_torque_nm: 0.06, ..Params::default() };
     let weak = play(ROTORS, &weak, &trace, 1.0);
     assert!(weak.motors.iter().any(|motor| motor.slips > 0 && motor.turns_off != 0.0), "{:?}", weak.motors);
+}
+
+/// A detent draws a rotor to its full steps: between two of them it rests where field and detent balance.
+#[test]
+fn a_detent_pulls_rotors_towards_full_steps_and_keeps_energy() {
+    let params = Params { detent_torque_nm: 0.02, belt_damping_s: 2e-3, ..Params::default() };
+    let mut plant = Plant::new(Machine::CoreHBot, &params, CENTRE, ROTORS);
+    let mut state = State::at_rest(&plant);
+    // A quarter of a full step: where the detent pulls back most.
+    let sent = params.full_step_mm() / 4.0;
+    for (motor, sign) in [-1.0, -1.0, 1.0, 1.0].into_iter().enumerate() {
+        state.step(&plant, motor, sign * sent);
+    }
+    plant.send(&state.sent_mm);
+    state.advance(&plant, 1.0);
+    let (mut low, mut high) = (0.0, sent);
+    for _ in 0..60 {
+        let middle = (low + high) / 2.0;
+        if plant.field_n(middle, sent) > 0.0 { low = middle } else { high = middle }
+    }
+    let found = state.at[plant.first_motor() + 3];
+    assert!(agree(found, low, 1e-3) && low < 0.97 * sent, "{found} {low} {sent}");
+    let params = Params { detent_torque_nm: 0.02, ..frictionless(0.0) };
+    let plant = Plant::new(Machine::CoreHBot, &params, CENTRE, ROTORS);
+    let mut state = State::at_rest(&plant);
+    state.speeds[1] = 50.0;
+    let begin = plant.energy_n_mm(&state.at, &state.speeds, &state.sent_mm);
+    state.advance(&plant, 0.2);
+    assert!(agree(plant.energy_n_mm(&state.at, &state.speeds, &state.sent_mm), begin, 1e-6));
 }
 
 /// Newton: what accelerates the tool is what the motors give, and what yaws the bar is the head beside the middle.

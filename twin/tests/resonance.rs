@@ -24,6 +24,21 @@ fn axes_of_a_corehbot_ring_by_their_own_place_alone() {
     assert!(found.y.line.starts_with("M593 Y F"), "{}", found.y.line);
 }
 
+/// Where segments end or pulleys lie above each other too.
+#[test]
+fn every_machine_rings_at_every_place_up_to_the_ends_of_its_reach() {
+    for machine in Machine::ALL {
+        for freedom in [Freedom::default(), Freedom { idlers: true, rotors: true, ..Freedom::default() }] {
+            let setup = Setup { freedom, ..Setup::nominal(machine, 235.0, 235.0) };
+            let found = Resonance::new(&setup, 3, 3).unwrap();
+            for axis in [&found.x, &found.y] {
+                let all = axis.frequencies_hz.iter().flatten();
+                assert!(all.clone().all(|hz| (40.0..1000.0).contains(hz)), "{machine:?}: {axis:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn speeds_that_excite_an_axis_are_its_frequency_times_what_repeats() {
     let rotors = Freedom { idlers: true, rotors: true, ..Freedom::default() };

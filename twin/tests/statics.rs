@@ -69,6 +69,22 @@ fn the_closed_form_of_the_corehbot_holds_everywhere() {
     }
 }
 
+/// `kA = EA/L_front + EA/L_right`, `kB = EA/L_front' + EA/L_left`: what is between a belt's two motors holds nothing.
+#[test]
+fn a_second_motor_on_each_belt_makes_it_stiffer() {
+    let p = Params::default();
+    for (x, y) in [(235.0, 235.0), (147.5, 339.4), (300.0, 90.0)] {
+        let (r, half_bar, half_head) = (p.pulley_radius_mm, p.bar_pulleys_mm / 2.0, p.head_pulleys_mm / 2.0);
+        let (front, back) = (y - half_bar, p.depth_mm - y - half_bar);
+        let (left, right) = (x - half_head, p.width_mm - x - half_head);
+        let a = p.belt_ea_n * (1.0 / (front + left - 2.0 * r) + 1.0 / (back + right));
+        let b = p.belt_ea_n * (1.0 / (front + right - 2.0 * r) + 1.0 / (back + left));
+        let found = Stiffness::new(&Setup::nominal(Machine::AwdCoreXy, x, y)).unwrap();
+        assert!(agree(found.kxx, a + b, 1e-9) && agree(found.kyy, a + b, 1e-9), "{found:?}");
+        assert!(agree(found.kxy, a - b, 1e-9), "{found:?}");
+    }
+}
+
 #[test]
 fn motors_that_give_way_make_it_softer() {
     for (machine, kxx, kyy) in

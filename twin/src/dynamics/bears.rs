@@ -63,7 +63,10 @@ impl Plant {
         }
         let radian = self.params.electrical_radian_mm();
         let rotors = at.iter().skip(self.first_motor()).zip(sent_mm);
-        let fields: f64 = rotors.map(|(at, sent)| 1.0 - ((sent - at) / radian).cos()).sum();
-        motion + belts + fields * self.params.holding_force_n() * radian
+        let (holding, detent) = (self.params.holding_force_n() * radian, self.params.detent_force_n() * radian / 4.0);
+        let stored = |(at, sent): (&f64, &f64)| {
+            holding * (1.0 - ((sent - at) / radian).cos()) + detent * (1.0 - (4.0 * at / radian).cos())
+        };
+        motion + belts + rotors.map(stored).sum::<f64>()
     }
 }

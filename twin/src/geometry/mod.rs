@@ -2,7 +2,7 @@
 //!
 //! Between two stops the belt is the straight line that touches both circles on the sides where it passes; on a pulley it
 //! wraps from one such line to the next. Nothing here assumes lines along x or y; that machines have these is what tests
-//! find. [`workspace`] is the reach that follows.
+//! find. [`workspace()`] is the reach that follows.
 
 mod segment;
 mod workspace;

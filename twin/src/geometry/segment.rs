@@ -31,6 +31,9 @@ pub struct Wrap {
 /// An arc below this is none: what rounding makes of two lines in one direction.
 const NO_ARC: f64 = 1e-9;
 
+/// Stops that are nearer to each other than this are at one place.
+const SAME_PLACE_MM: f64 = 1e-6;
+
 /// Parts of a square that rounding may be off by.
 const ROUNDING: f64 = 1e-12;
 
@@ -39,10 +42,21 @@ const ROUNDING: f64 = 1e-12;
 /// On a stop with sign s the belt touches at s r n, where n is the heading turned right. With d from centre to centre, as a
 /// complex number, d = (L + i (s2 - s1) r) heading, since n = -i heading.
 pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params, tool: Place) -> Segment {
-    let (a, b) = (from.1.centre(params, tool), to.1.centre(params, tool));
     let radius = params.pulley_radius_mm;
-    let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     let across = (to.1.sign() - from.1.sign()) * radius;
+    let apart = |tool| {
+        let (a, b) = (from.1.centre(params, tool), to.1.centre(params, tool));
+        [b[0] - a[0], b[1] - a[1]]
+    };
+    let (a, [dx, dy]) = (from.1.centre(params, tool), apart(tool));
+    if dx.hypot(dy) < SAME_PLACE_MM && across == 0.0 {
+        // At the end of the reach one pulley lies above the other; the belt still goes as it does elsewhere.
+        let [dx, dy] = apart(Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 });
+        let heading = [dx / dx.hypot(dy), dy / dx.hypot(dy)];
+        let offset = from.1.sign() * radius;
+        let begin = [a[0] + offset * heading[1], a[1] - offset * heading[0]];
+        return Segment { from: from.0, to: to.0, begin, heading, length_mm: 0.0 };
+    }
     let square = dx * dx + dy * dy;
     // Rounding must not take the square of a segment at its very end below 0.
     let left = square - across * across;

@@ -5,7 +5,7 @@
 //! and what a stop moves with follows from its place: with the head if its x follows the tool, with the bar if only its y
 //! does, with nothing otherwise.
 //!
-//! Tables: [`corehbot`] (figures 5 and 6c of the CoreH-bot paper), [`hbot`] (figure 6a), [`corexy`] (figure 6b, and the same
+//! Tables: `corehbot` (figures 5 and 6c of the CoreH-bot paper), `hbot` (figure 6a), `corexy` (figure 6b, and the same
 //! with a motor at each end of its belts).
 
 mod corehbot;

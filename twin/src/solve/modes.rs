@@ -62,6 +62,9 @@ pub fn modes(elastic: &Elastic) -> Result<Vec<Mode>, NotHeld> {
         moving.iter().filter_map(|i| elastic.links.coordinates.get(*i)).copied().collect();
     let mut modes = Vec::new();
     for (square, vector) in solved.eigenvalues.iter().zip(solved.eigenvectors.column_iter()) {
+        if square.is_nan() {
+            return Err(NotHeld);
+        }
         let shape = root.tr_solve_lower_triangular(&vector.into_owned()).ok_or(NotHeld)?;
         let momentum = &mass * &shape;
         let shares = coordinates.iter().zip(shape.iter().zip(momentum.iter())).map(|(c, (q, p))| (*c, q * p)).collect();
