@@ -298,23 +298,25 @@ fn a_cut_note_of_a_self_test_is_the_old_one_or_none_and_never_costs_settings() {
     }
 }
 
-/// A board is put together as the machine that is stored, if its motors are others and make a machine.
+/// A board is put together as the machine that is stored, if its motors make one.
 #[test]
-fn a_machine_with_other_motors_is_started_as_that() {
-    let made = Settings::prototype();
+fn a_board_is_started_as_the_machine_that_is_stored() {
     let stored = |settings: &Settings| {
         let mut eeprom = Eeprom::blank();
         now(storage::save(&mut eeprom, settings)).unwrap();
-        now(storage::other_machine(&mut eeprom, &made))
+        now(storage::stored_machine(&mut eeprom))
     };
+    let made = Settings::prototype();
     let mut other = variant(7);
-    assert_eq!(stored(&other), None, "the same motors with other settings are the Console's business");
+    assert_eq!(stored(&other), Some(other));
+    assert!(other.is_built_as(&made), "the same motors with other settings");
     other.mechanism.rows.swap(0, 1);
     assert_eq!(stored(&other), Some(other));
+    assert!(!other.is_built_as(&made) && !Settings { baud: 9600, ..made }.is_built_as(&made));
     other.mechanism.rows = [[0; 4]; 7];
     assert_eq!(stored(&other), None, "nothing moves: no machine");
-    assert_eq!(now(storage::other_machine(&mut Eeprom::blank(), &made)), None);
-    assert_eq!(now(storage::other_machine(&mut NoStorage, &made)), None);
+    assert_eq!(now(storage::stored_machine(&mut Eeprom::blank())), None);
+    assert_eq!(now(storage::stored_machine(&mut NoStorage)), None);
 }
 
 /// Both slots and the note have places of their own, and all of them are within what is said to be needed.
