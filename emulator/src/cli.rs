@@ -38,7 +38,7 @@ struct Cli {
     elf: PathBuf,
     /// G-code file to print.
     file: PathBuf,
-    /// The machine, stored in the EEPROM of the board. Without it the image gets the CoreH-bot prototype put in.
+    /// The machine, stored in the EEPROM of the board; without it, that is the CoreH-bot prototype.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins: ticks are real time in 0.1 us since reset.
@@ -89,20 +89,13 @@ fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
 
 fn prepare(cli: &Cli) -> Result<Prepared> {
     let mut eeprom = Eeprom::blank();
-    let made = Settings::prototype();
+    // A board without a machine gives no motor power.
     let settings = match &cli.settings {
-        Some(path) => {
-            let settings = machine_file::read(path)?.settings;
-            eeprom.save(&settings)?;
-            settings
-        }
-        None => made,
+        Some(path) => machine_file::read(path)?.settings,
+        None => Settings::prototype(),
     };
-    let mut firmware = Firmware::read(&cli.elf)?;
-    if cli.settings.is_none() {
-        // A board without a machine gives no motor power.
-        firmware.put_machine(&mut Settings::prototype())?;
-    }
+    eeprom.save(&settings)?;
+    let firmware = Firmware::read(&cli.elf)?;
     let gcode = input::read(&cli.file)?;
     let inputs = [Some(&cli.elf), Some(&cli.file), cli.settings.as_ref()];
     let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Bench, bench_of, firmware, plain_firmware, print_on, root};
-use corehbot::connectors::ConnectorName;
+use corehbot::connectors::{ConnectorName, Heater};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
 use corehbot::storage::{LONGEST, record_of};
@@ -78,12 +78,21 @@ fn a_normally_open_switch_reads_the_other_way_round() {
 fn a_machine_for_another_board_is_told_of_and_not_used() {
     let mut settings = Settings::prototype();
     settings.wiring.motors[0].connector = ConnectorName::lit("M8");
-    let seen = print_on(&firmware(), "G28 Z\nM114\n", &bench_of(settings));
+    settings.thermal.heater_mut(Heater::Hotend).is_fitted = true;
+    let seen = print_on(&firmware(), "M104 S200\nM501\nM104 S200\nG4 P500\nM105\nG28 Z\n", &bench_of(settings));
     assert_eq!((seen.end, seen.recorder.events.len(), seen.recorder.unpowered), (End::Done, 0, 0));
-    let refused = "Error:its machine is not for this board; no motor was given power";
-    assert!(seen.line.said.iter().any(|said| said == refused), "{:?}", seen.line.said);
-    let told = "echo:the machine is not used: motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
-    assert!(seen.line.said.iter().any(|said| said == told), "{:?}", seen.line.said);
+    // No target of 200 degrees was taken.
+    assert!(seen.line.said.iter().all(|line| !line.contains("/200")), "{:?}", seen.line.said);
+    assert!(seen.safety.dangers.is_empty());
+    let why =
+        "the machine is not used: motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7";
+    for told in [
+        format!("echo:{why}; no motor gets power"),
+        format!("echo:Settings unchanged: {why}"),
+        format!("Error:{why}; no motor was given power"),
+    ] {
+        assert!(seen.line.said.contains(&told), "{:?}", seen.line.said);
+    }
 }
 
 /// A board that nobody has given a machine talks and reports. It moves nothing, heats nothing, and does not take the prototype for its
@@ -92,19 +101,26 @@ fn a_machine_for_another_board_is_told_of_and_not_used() {
 fn a_board_without_a_machine_says_so_and_moves_nothing() {
     let machine = Settings { keepalive_s: 9, ..Settings::prototype() };
     // A host that hears an error prints no further.
-    let gcode = format!("M115\nM105\nM104 S200\nM500\nM114\n{}G28\n", lines_of(&machine));
+    let gcode = format!("M115\nM105\nM104 S200\nM500\nMACHINE_GET\nM114\n{}G28\n", lines_of(&machine));
     let seen = print_on(&plain_firmware(), &gcode, &Bench::default());
     assert_eq!((seen.end, seen.resets.len(), seen.recorder.events.len()), (End::Done, 0, 0));
     assert!(seen.safety.dangers.is_empty() && seen.recorder.unpowered == 0);
     let said = |text: &str| seen.line.said.iter().filter(|line| line.contains(text)).count();
-    assert_eq!(said("echo:this board has no machine, so no motor gets power: send one"), 1, "{:?}", seen.line.said);
-    assert_eq!(said("Error:this board has no machine; no motor was given power"), 1, "{:?}", seen.line.said);
-    assert_eq!(said("echo:Settings not stored: this board has no machine"), 1, "{:?}", seen.line.said);
+    let why = "this board has no machine: send one (corehbot config send) or flash an image with one";
+    for told in [
+        format!("echo:{why}; no motor gets power"),
+        format!("echo:Settings not stored: {why}"),
+        format!("echo:machine not stored: {why}"),
+        format!("Error:{why}; no motor was given power"),
+    ] {
+        assert_eq!(said(&told), 1, "{told}: {:?}", seen.line.said);
+    }
     assert_eq!((said("FIRMWARE_NAME:"), said("it counts after the next reset")), (1, 1), "{:?}", seen.line.said);
     let again = Bench { settings: machine, eeprom: At24c32::holding(seen.eeprom.cells), ..Bench::default() };
-    let seen = print_on(&plain_firmware(), "G28 Z\n", &again);
+    // What M502 goes back to is that machine too, for the image has none.
+    let seen = print_on(&plain_firmware(), "G28 Z\nM113 S3\nM502\nM113\n", &again);
     assert_eq!((seen.end, &seen.line.failure), (End::Done, &None));
-    assert!(!seen.recorder.events.is_empty());
+    assert!(!seen.recorder.events.is_empty() && seen.line.said.contains(&"echo:M113 S9".to_owned()));
 }
 
 /// `corehbot image` puts a machine into the image, which is all that such a board needs: it has the motors, switches and serial rate

@@ -46,7 +46,8 @@ pub const OCTOPUS: BoardConnectors = BoardConnectors {
     is_simulated: false,
 };
 
-/// BTT Octopus Pro V1.0 with an STM32F446: connectors and pins of the Octopus, as far as they are used (`boards/octopus-pro`).
+/// BTT Octopus Pro V1.0 with an STM32F446: connectors and pins of the Octopus, as far as they are used (`boards/octopus-pro`). A
+/// field that is new counts for it, and for [`SIM`], as it does for the Octopus.
 pub const OCTOPUS_PRO: BoardConnectors =
     BoardConnectors { key: "octopus-pro", name: "BTT Octopus Pro V1.0", ..OCTOPUS };
 

@@ -167,6 +167,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             for host in 0..self.hosts.len() {
                 self.hosts.turn_to(host);
                 self.tell(Answer::Start).await?;
+                if let Some(why) = self.ports.drivers.refusal() {
+                    self.tell(Answer::NoMachine(why)).await?;
+                }
                 self.tell(found).await?;
             }
         }

@@ -22,7 +22,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Talking to drivers takes up to a second and happens before anything is planned, so it changes no step.
     pub(super) async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         if let Some(why) = self.ports.drivers.refusal() {
-            self.tell(Answer::NoMachine(why)).await?;
+            self.tell(Answer::Refused(why)).await?;
             return Err(Interrupt::NoPower);
         }
         let mut proofs = 0;

@@ -10,7 +10,8 @@
 //! On a line that has lost something the next line is asked for, as long as the machine moves. docs/host-protocol.md says
 //! what each host makes of either, in each of its states.
 //!
-//! Either of them is a **prompt**. The request for the next line is the **question**: `Resend:` and `ok`, without an error.
+//! Either of them is a **prompt**. The request for the next line is the **question**: `Resend:` and `ok`, without an error (`question`
+//! in `reply.rs`). The `ok` is that of any line (`Incoming::Acknowledge`); another text for it would be a variant of its own.
 //!
 //! | the machine | nothing was ever damaged | something was |
 //! |---|---|---|

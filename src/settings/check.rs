@@ -1,5 +1,6 @@
 //! The ranges in which every setting must lie; outside of them the planner's arithmetic or the machine
-//! would not do what the number says.
+//! would not do what the number says. They hold on every board; what one board bears less or more of is a field of
+//! `BoardConnectors`, asked in `plugged.rs`.
 
 use super::thermal::{FanSettings, HeaterModel, HeaterSettings, ThermalSettings, Thermistor};
 use super::{AxisEnd, AxisSettings, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper};

@@ -48,6 +48,17 @@ impl Endstop {
         }
     }
 
+    /// How far the axis may be behind the switch, where it stays pressed: what lies between the switch and the end of an axis of this
+    /// length.
+    #[must_use]
+    pub fn depth(self, length: Mm) -> Mm {
+        let depth = match self.end {
+            AxisEnd::Min => self.position,
+            AxisEnd::Max => length - self.position,
+        };
+        depth.max(Mm::ZERO)
+    }
+
     /// How far the switch is from the other end of an axis of this length.
     #[must_use]
     pub fn longest_way(self, length: Mm) -> Mm {
@@ -94,6 +105,9 @@ mod tests {
         let high = Endstop { end: AxisEnd::Max, position: Mm::from_num(305) };
         let (ten, length) = (Mm::from_num(10), Mm::from_num(300));
         assert_eq!((low.towards(ten), high.towards(ten)), (-ten, ten));
+        assert_eq!([low, high].map(|switch| switch.depth(length)), [Mm::ZERO; 2]);
+        let (inside, far) = (Endstop { position: ten, ..low }, Endstop { position: Mm::from_num(280), ..high });
+        assert_eq!((inside.depth(length), far.depth(length)), (ten, Mm::from_num(20)));
         assert_eq!((low.longest_way(length), high.longest_way(length)), (Mm::from_num(305), Mm::from_num(305)));
     }
 }

@@ -1,4 +1,5 @@
-//! Whether a board has what a machine is plugged into.
+//! Whether a board has what a machine is plugged into. Asked of machine files and images, by MACHINE_STORE and when a board starts;
+//! not of each M-code, none of which changes a plug.
 
 use super::{Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, Heater, Output, Sensor};

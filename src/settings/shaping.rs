@@ -97,7 +97,7 @@ impl Shapers {
 }
 
 impl Advance {
-    /// Off; a window as Klipper's (pressure_advance_smooth_time).
+    /// Off; a window as long as Klipper's (pressure_advance_smooth_time), but even (`taps` in `motion::trajectory`).
     #[must_use]
     pub const fn prototype() -> Self {
         Self { time: Seconds::ZERO, window: const { Seconds::lit("0.04") } }

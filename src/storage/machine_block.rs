@@ -101,6 +101,11 @@ pub fn choose_board(block: &mut [u8; BLOCK], key: &str) -> bool {
     true
 }
 
+/// Takes the machine out of a block.
+pub fn clear_machine(block: &mut [u8; BLOCK]) {
+    block.split_at_mut(HEAD).1.fill(0xFF);
+}
+
 /// Puts a machine into a block; `None` if it does not fit, which a compile-time check of records excludes.
 pub fn put_machine(block: &mut [u8; BLOCK], machine: &Settings) -> Option<Receipt> {
     let record = encode(machine, 0)?;

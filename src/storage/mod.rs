@@ -6,7 +6,7 @@
 //!
 //! An image has a place for a record of its own ([`machine_of`]), for the machine that a board is until another one is stored.
 //!
-//! After the slots lies one page more, which notes the last self-test of the heaters that was passed.
+//! The last page notes the last self-test of the heaters that was passed.
 
 mod machine;
 mod machine_block;
@@ -15,7 +15,9 @@ mod self_test;
 mod slots;
 
 pub use machine::{machine_in, record_of, stored_machine};
-pub use machine_block::{BLOCK, MARK, blank_block, board_of, boards_of, choose_board, machine_of, put_machine};
+pub use machine_block::{
+    BLOCK, MARK, blank_block, board_of, boards_of, choose_board, clear_machine, machine_of, put_machine,
+};
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use self_test::{note_passed_test, passed_test};
 pub use slots::{NEEDED, PAGE, STRIDE, SaveError, Slot, Stored, Survey, is_present, save, survey};

@@ -1,4 +1,4 @@
-//! The note of the last self-test that was passed, in a page after the slots: heaters need none before the next update.
+//! The note of the last self-test that was passed, in the last page: heaters need none before the next update.
 //!
 //! | bytes | what |
 //! |---|---|

@@ -70,6 +70,8 @@ pub struct Stored {
     /// Size and checksum of their record.
     pub receipt: Receipt,
     slot: Slot,
+    /// It lies where slot B of earlier firmware was.
+    is_earlier: bool,
     sequence: u32,
 }
 
@@ -95,7 +97,7 @@ impl Survey {
     #[must_use]
     pub fn on(mut self, mechanism: &Mechanism) -> Self {
         if let Some(other) = self.newest.take_if(|newest| newest.settings.mechanism != *mechanism) {
-            for (_, why) in self.rejected.iter_mut().filter(|(slot, _)| *slot == other.slot) {
+            for (_, why) in self.rejected.iter_mut().filter(|(slot, _)| *slot == other.slot && !other.is_earlier) {
                 *why = Some(Rejected::Mechanism);
             }
         }
@@ -163,15 +165,15 @@ async fn look_at(
 ) -> Result<Result<(), Rejected>, StorageError> {
     let mut record = [0; LONGEST];
     let length = read_record(storage, address, &mut record).await?;
-    Ok(length.and_then(|()| take_newer(newest, slot, &record)))
+    Ok(length.and_then(|()| take_newer(newest, slot, address == EARLIER_B, &record)))
 }
 
 /// Takes what a slot holds for the newest, if it is. A function of its own: settings are large, and their copies would be on the
 /// stack while the storage is waited for, below all that goes on meanwhile.
 #[inline(never)]
-fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {
+fn take_newer(newest: &mut Option<Stored>, slot: Slot, is_earlier: bool, record: &[u8]) -> Result<(), Rejected> {
     let (settings, sequence, receipt) = decode(record)?;
-    let found = Stored { settings, receipt, slot, sequence };
+    let found = Stored { settings, receipt, slot, is_earlier, sequence };
     if newest.as_ref().is_none_or(|newest| found.is_newer_than(newest)) {
         *newest = Some(found);
     }
@@ -236,7 +238,8 @@ mod tests {
     #[test]
     fn the_newer_record_is_found_across_the_wrap() {
         let receipt = Receipt { bytes: 0, crc: 0 };
-        let at = |sequence| Stored { settings: Settings::prototype(), receipt, slot: Slot::A, sequence };
+        let at =
+            |sequence| Stored { settings: Settings::prototype(), receipt, slot: Slot::A, is_earlier: false, sequence };
         assert!(at(2).is_newer_than(&at(1)) && !at(1).is_newer_than(&at(2)));
         assert!(at(0).is_newer_than(&at(u32::MAX)) && !at(u32::MAX).is_newer_than(&at(0)));
         assert!(!at(5).is_newer_than(&at(5)));
@@ -247,7 +250,8 @@ mod tests {
         let mut settings = Settings::prototype();
         let own = settings.mechanism;
         settings.mechanism.rows.swap(0, 1);
-        let stored = Stored { settings, receipt: Receipt { bytes: 0, crc: 0 }, slot: Slot::B, sequence: 1 };
+        let stored =
+            Stored { settings, receipt: Receipt { bytes: 0, crc: 0 }, slot: Slot::B, is_earlier: false, sequence: 1 };
         let survey = Survey { newest: Some(stored), rejected: [(Slot::A, Some(Rejected::Blank)), (Slot::B, None)] };
         assert_ne!(settings.mechanism, own);
         assert_eq!(survey.on(&settings.mechanism), survey);

@@ -1,4 +1,5 @@
-//! Fans: who decides on each, and what its motor needs to start.
+//! Fans: who decides on each, and what its motor needs to start. How a commanded speed (M106) becomes a duty from one control period to
+//! the next is [`Fan::period`]; M303 goes past it (`blow` in `control.rs`).
 
 use super::fixed_point::PERIOD_MS;
 use crate::settings::{FanRole, FanSettings};

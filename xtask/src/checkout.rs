@@ -1,6 +1,6 @@
 //! The checkout: where things are, and how cargo is called for them.
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -41,7 +41,13 @@ pub fn boards() -> Result<Vec<String>> {
     let mut boards = Vec::new();
     for entry in std::fs::read_dir(&dir).with_context(|| format!("cannot list {}", dir.display()))? {
         let entry = entry?;
-        if entry.path().join(".cargo/config.toml").exists() {
+        let [has_target, is_linked] = [".cargo/config.toml", "build.rs"].map(|file| entry.path().join(file).exists());
+        ensure!(
+            has_target || !is_linked,
+            "{} has no .cargo/config.toml, which names its processor",
+            entry.path().display()
+        );
+        if has_target {
             boards.push(format!("corehbot-{}", entry.file_name().to_string_lossy()));
         }
     }

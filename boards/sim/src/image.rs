@@ -11,7 +11,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
-use corehbot::storage::{BLOCK, MARK, Receipt, board_of, boards_of, choose_board, put_machine};
+use corehbot::storage::{BLOCK, MARK, Receipt, board_of, boards_of, choose_board, clear_machine, put_machine};
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -65,7 +65,10 @@ impl Prepared {
                 let receipt = put(&mut bytes, &mut machine.settings).with_context(|| file.display().to_string())?;
                 Some((machine, receipt))
             }
-            None => None,
+            None => {
+                clear_machine(block_in(&mut bytes)?);
+                None
+            }
         };
         Ok(Self { bytes, board, machine, inputs })
     }
@@ -104,8 +107,9 @@ pub fn put(image: &mut [u8], machine: &mut Settings) -> Result<Receipt> {
 pub fn set_board(image: &mut [u8], key: &str) -> Result<()> {
     let block = block_in(image)?;
     let is_known = choose_board(block, key);
-    let boards = || boards_of(block).collect::<Vec<_>>().join(", ");
-    ensure!(is_known, "an image for {}, not for {key}", boards());
+    let boards = boards_of(block).collect::<Vec<_>>().join(", ");
+    ensure!(!boards.is_empty(), "an image of earlier firmware, which does not say which boards it is for");
+    ensure!(is_known, "an image for {boards}, not for {key}");
     Ok(())
 }
 

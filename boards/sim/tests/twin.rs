@@ -38,6 +38,13 @@ fn near(value: &Value, expected: f64, part: f64) -> bool {
     (value.as_f64().unwrap() - expected).abs() <= part * expected.abs().max(1e-3)
 }
 
+/// The twin suggests the firmware's shapers and no others.
+#[test]
+fn the_twin_knows_every_shaper() {
+    let kinds = corehbot::settings::ShaperKind::all().filter(|kind| *kind != corehbot::settings::ShaperKind::None);
+    assert_eq!(corehbot_twin::shaping::shaper::Kind::ALL.len(), kinds.count(), "twin/src/shaping/shaper.rs");
+}
+
 #[test]
 fn points_are_answered_with_units_in_the_keys() {
     let k = json("stiffness --at 150,180");

@@ -1,7 +1,7 @@
 //! Pages of settings in the processor's flash, which erases 16 KiB at a time.
 //!
 //! The crate `sequential-storage` keeps each page as the value of its number in a log that goes round the sectors, so
-//! a save costs no erasing but one in some seventy, and a power cut in any operation leaves a page old or new. It costs
+//! a save costs no erasing but one in some twenty, and a power cut in any operation leaves a page old or new. It costs
 //! 18 KiB of flash, which this board has to spare. Our own version would be a few hundred lines that fewer people test.
 //! Two copies in turns, as the core keeps them, make up for what is left: a log that is damaged beyond repair.
 

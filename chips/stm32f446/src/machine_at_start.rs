@@ -1,17 +1,22 @@
 //! The machine to start as, and the board as that is plugged into it.
 //!
 //! It is the one that is stored, or else that of the image. A board that has neither, or not the connectors of its machine, still
-//! talks and reports, put together as the prototype in the usual places; but no motor gets power, and what it says is why.
+//! talks and reports, put together as the prototype in the usual places; but no motor gets power, nothing that is stored counts, and
+//! what it says is why.
 
-use core::fmt;
+use core::fmt::Write as _;
 
-use corehbot::settings::{ConnectorError, Settings};
+use corehbot::settings::Settings;
 use corehbot::storage::{machine_of, stored_machine};
 use embassy_futures::block_on;
+use heapless::String;
 use static_cell::StaticCell;
 
 use crate::board_storage::BoardStorage;
 use crate::wiring::{Board, Image, Plugged};
+
+/// Longest text about a machine that is not used: a motor or switch, a name of 8 letters, a board, and the names of all its inputs.
+const LONGEST_REASON: usize = 192;
 
 /// What a board starts as.
 pub struct Start {
@@ -20,39 +25,11 @@ pub struct Start {
     /// The board with the machine plugged in.
     pub plugged: &'static Plugged,
     /// Why it is no machine.
-    pub lack: Option<Lack>,
+    pub refusal: Option<&'static str>,
 }
 
-/// Why a board has no machine.
-#[derive(Clone, Copy)]
-pub enum Lack {
-    /// None is stored, and the image has none.
-    Nothing,
-    /// The board has not what the machine is plugged into.
-    Connector(ConnectorError),
-}
-
-impl Lack {
-    /// Why no motor gets power.
-    #[must_use]
-    pub const fn reason(&self) -> &'static str {
-        match self {
-            Self::Nothing => "this board has no machine",
-            Self::Connector(_) => "its machine is not for this board",
-        }
-    }
-}
-
-impl fmt::Display for Lack {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Nothing => f.write_str(
-                "echo:this board has no machine, so no motor gets power: send one (corehbot config send) or flash an image with one",
-            ),
-            Self::Connector(error) => write!(f, "echo:the machine is not used: {error}"),
-        }
-    }
-}
+/// Why a board without a machine gives no motor power.
+const NO_MACHINE: &str = "this board has no machine: send one (corehbot config send) or flash an image with one";
 
 /// Finds the machine. A function that is not inlined, so that its settings are on the stack for as long as it runs.
 #[inline(never)]
@@ -66,20 +43,28 @@ pub fn machine_at_start(image: &Image, board: &'static Board, storage: &mut Boar
     }
     machine.name_connectors(board.connectors);
     // The board's memory answers at once; nothing here waits for anybody else.
-    let stored = block_on(stored_machine(storage));
-    let nothing = (made.is_err() && stored.is_none()).then_some(Lack::Nothing);
-    // Whatever else is stored is for the Console, which looks again, and tells what it finds.
-    if let Some(mut stored) = stored.filter(|stored| !stored.is_built_as(machine)) {
+    let mut stored = block_on(stored_machine(storage));
+    let has_none = made.is_err() && stored.is_none();
+    if let Some(stored) = &mut stored {
         stored.name_connectors(board.connectors);
-        *machine = stored;
+        // What M502 goes back to is the machine of the image, if the stored one is built as that.
+        if made.is_err() || !stored.is_built_as(machine) {
+            *machine = *stored;
+        }
     }
-    let (plugged, lack) = match board.plugged(machine) {
-        Ok(plugged) => (plugged, nothing),
+    // What is stored counts in any case, by the Console, which looks again and tells what it finds.
+    let is_fit = stored.map_or(Ok(()), |stored| stored.check_connectors(board.connectors));
+    let (plugged, refusal) = match is_fit.and_then(|()| board.plugged(machine)) {
+        Ok(plugged) => (plugged, has_none.then_some(NO_MACHINE)),
         Err(error) => {
+            static REASON: StaticCell<String<LONGEST_REASON>> = StaticCell::new();
+            let reason = REASON.init(String::new());
+            // What does not fit is left out.
+            let _ = write!(reason, "the machine is not used: {error}");
             *machine = Settings::prototype();
             machine.name_connectors(board.connectors);
-            (board.usual(), Some(Lack::Connector(error)))
+            (board.usual(), Some(reason.as_str()))
         }
     };
-    Start { settings: machine, plugged: PLUGGED.init(plugged), lack }
+    Start { settings: machine, plugged: PLUGGED.init(plugged), refusal }
 }

@@ -1,7 +1,5 @@
 //! Start-up: safe levels first, then clocks, then the core.
 
-use core::fmt::Write as _;
-
 use corehbot::app::StepPorts;
 use corehbot::fault::{Cause, Record};
 use corehbot::kinematics::Groups;
@@ -10,7 +8,6 @@ use corehbot::port::{Lines, Serial as _};
 use cortex_m::Peripherals;
 use defmt_rtt as _;
 use embassy_time::{Duration, Instant, block_for};
-use heapless::String;
 use static_cell::StaticCell;
 
 use crate::assembly::{Handles, assemble};
@@ -20,7 +17,7 @@ use crate::drivers::Drivers;
 use crate::fans::Fans;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
-use crate::machine_at_start::{Lack, Start, machine_at_start};
+use crate::machine_at_start::{Start, machine_at_start};
 use crate::memory::Find;
 use crate::reset_reason::{self, ResetReason};
 use crate::serial_port::SerialPort;
@@ -40,9 +37,6 @@ static DIRS: StaticCell<Dirs> = StaticCell::new();
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
 const SETTLE: u32 = 10_000;
-
-/// Longest text about a machine that is not used: a motor, a name of 8 letters, a board, and the names of all its connectors.
-const LONGEST_ERROR: usize = 160;
 
 /// Between two messages of a board that is not the one we are for.
 const REPEAT: Duration = Duration::from_secs(2);
@@ -97,35 +91,16 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         contexts::only_talk(lines, usb, record.fault);
     }
     let mut storage = BoardStorage(find(board));
-    let start = machine_at_start(image, board, &mut storage);
-    let (mut lines, usb) = open_lines(board, Some(start.settings.baud), past.reason);
-    let Start { settings, plugged, lack } = start;
-    if let Some(lack) = &lack {
-        tell(&mut lines, lack);
-    }
+    let Start { settings, plugged, refusal } = machine_at_start(image, board, &mut storage);
+    let (lines, usb) = open_lines(board, Some(settings.baud), past.reason);
     safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
     let dirs = DIRS.init_with(|| Dirs::new(plugged, &groups));
-    let ports = Ports {
-        serial: lines,
-        drivers: Drivers::start(plugged, lack.map(|lack| lack.reason())),
-        clock: BoardClock,
-        storage,
-    };
+    let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal), clock: BoardClock, storage };
     let heat = BoardHeat::start(board);
     let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &groups), clock: timer };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
-}
-
-/// Tells hosts why the board has no machine.
-fn tell(lines: &mut [HostSerial], lack: &Lack) {
-    let mut text = String::<LONGEST_ERROR>::new();
-    // What does not fit is left out.
-    let _ = write!(text, "{lack}");
-    for part in [&text, "\n"] {
-        lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
-    }
 }
 
 /// Whether the board has the resistors that we know it by. Leaves the pins inputs.

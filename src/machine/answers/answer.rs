@@ -97,6 +97,8 @@ pub(in crate::machine) enum Answer<'a> {
     /// Why motors have no power.
     NoPower(Fault),
     /// Motors get no power for this reason, whatever their drivers say.
+    Refused(&'static str),
+    /// The same, told at the start.
     NoMachine(&'static str),
     HomingFailed {
         axis: char,

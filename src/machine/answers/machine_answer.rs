@@ -27,6 +27,8 @@ pub(in crate::machine) enum MachineRefusal {
     Connectors(ConnectorError),
     /// The storage.
     Storage(SaveError),
+    /// MACHINE_GET: the board is no machine, and why.
+    NoMachine(&'static str),
 }
 
 impl fmt::Display for MachineRefusal {
@@ -38,6 +40,7 @@ impl fmt::Display for MachineRefusal {
             Self::Record(why) => why.fmt(f),
             Self::Connectors(error) => error.fmt(f),
             Self::Storage(error) => error.fmt(f),
+            Self::NoMachine(why) => f.write_str(why),
         }
     }
 }

@@ -17,6 +17,8 @@ pub(in crate::machine) enum StorageNews {
     MachineWaits,
     /// M500 did not, for the board has no machine, and why.
     NoMachine(&'static str),
+    /// M501 did not, for the board has no machine, and why.
+    NotLoaded(&'static str),
     /// M501 found no storage.
     Unchanged(StorageError),
     /// M504 found none.

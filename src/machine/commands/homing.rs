@@ -16,6 +16,10 @@
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
 //!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`reports/tell.rs`);
 //! - another word than "Probing" in boards/octopus/README.md, among what is not there.
+//!
+//! To home Z by the probe instead: a setting that gives `switch` in `axis`; `Settings::check_connectors` must ask `has_probe` of the board,
+//! which nobody does yet, and no switch of z; its level must come from the machine file, for with that of the Octopus a cut wire reads as
+//! not triggered; and the tool has to stand over the bed first.
 
 use crate::gcode::AxisFlags;
 use crate::machine::answers::answer::Answer;
@@ -112,13 +116,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
+        let start = self.real_steps();
         if !self.approach(axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
             return Err(NO_TRIGGER);
         }
-        let back = -axis.endstop.towards(axis.homing.back_off);
-        self.travel(axis, back, axis.homing.fast, EndstopSet::NONE).await?;
+        // Who did not move stood at the switch already, or anywhere behind it.
+        let depth = if self.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
+        let back_off = axis.homing.back_off + depth;
+        self.travel(axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
         // Twice the distance backed off finds any switch that is still there.
-        let sought = axis.homing.back_off * 2;
+        let sought = back_off * 2;
         let before = self.real_steps();
         if !self.approach(axis, sought, axis.homing.slow).await? {
             return Err(NO_TRIGGER);

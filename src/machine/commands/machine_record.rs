@@ -22,7 +22,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         order: MachineRecord<'_>,
     ) -> Result<Answer<'static>, Interrupt> {
         Ok(Answer::Machine(match order {
-            MachineRecord::Get => self.say_pieces().await?,
+            MachineRecord::Get => match self.ports.drivers.refusal() {
+                Some(why) => MachineAnswer::Refused(MachineRefusal::NoMachine(why)),
+                None => self.say_pieces().await?,
+            },
             MachineRecord::Put { at, hex } => match self.machine_pieces.put(at.into(), hex) {
                 Ok(()) => return Ok(Answer::Nothing),
                 Err(error) => MachineAnswer::Refused(MachineRefusal::Piece(error)),

@@ -8,7 +8,7 @@ use crate::machine::state::modal::Modal;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;
 use crate::port::EndstopSet;
-use crate::settings::Settings;
+use crate::settings::{AxisEnd, Cartesian, Endstop, Settings};
 use crate::status::{Late, Overload};
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
@@ -88,12 +88,23 @@ pub(in crate::machine) fn say_firmware(to: &mut Speaker<'_>, has_storage: bool) 
 }
 
 /// M119: which endstops are pressed, of the inputs that there are.
-pub(in crate::machine) fn say_endstops(to: &mut Speaker<'_>, pressed: EndstopSet, inputs: EndstopSet) {
+pub(in crate::machine) fn say_endstops(
+    to: &mut Speaker<'_>,
+    pressed: EndstopSet,
+    inputs: EndstopSet,
+    endstops: &Cartesian<Endstop>,
+) {
     let state = |e: EndstopSet| if pressed.has(e) { "TRIGGERED" } else { "open" };
     to.say(format_args!("Reporting endstop status"));
-    to.say(format_args!("x_min: {}", state(EndstopSet::X)));
-    to.say(format_args!("y_min: {}", state(EndstopSet::Y)));
-    to.say(format_args!("z_min: {}", state(EndstopSet::Z)));
+    let of_axis =
+        [('x', endstops.x, EndstopSet::X), ('y', endstops.y, EndstopSet::Y), ('z', endstops.z, EndstopSet::Z)];
+    for (axis, endstop, switch) in of_axis {
+        let end = match endstop.end {
+            AxisEnd::Min => "min",
+            AxisEnd::Max => "max",
+        };
+        to.say(format_args!("{axis}_{end}: {}", state(switch)));
+    }
     if inputs.has(EndstopSet::PROBE) {
         to.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));
     }

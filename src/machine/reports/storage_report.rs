@@ -13,6 +13,7 @@ pub(in crate::machine) fn say_storage(to: &mut Speaker<'_>, news: &StorageNews) 
         StorageNews::MachineWaits => {
             to.say(format_args!("echo:Settings not stored: another machine is, which counts after the next reset"));
         }
+        StorageNews::NotLoaded(why) => to.say(format_args!("echo:Settings unchanged: {why}")),
         StorageNews::Unchanged(error) => to.say(format_args!("echo:Settings unchanged: {error}")),
         StorageNews::Unanswered(error) => to.say(format_args!("echo:{error}")),
         StorageNews::Unreadable(error) => {

@@ -131,7 +131,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             Answer::Keepalive => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
             Answer::InvalidTool(number) => to.say(format_args!("echo:T{number} Invalid extruder")),
             Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage)),
-            Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs()),
+            Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs(), &self.settings.endstops),
             Answer::SoftEndstops => say_soft_endstops(to, s, *homed),
             Answer::Heat => say_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
             Answer::Overload => {
@@ -164,7 +164,8 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             }
             Answer::Driver(motor, reading) => say_driver(to, (motor, reading), drivers, s),
             Answer::Storage(news) => say_storage(to, &news),
-            Answer::NoMachine(why) => to.say(format_args!("Error:{why}; no motor was given power")),
+            Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor was given power")),
+            Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),
             Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor was given power")),
             Answer::HomingFailed { axis, why } => to.say(format_args!("Error:Homing failed: {axis} endstop {why}")),
         }

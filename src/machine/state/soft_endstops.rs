@@ -5,16 +5,16 @@ use crate::settings::Settings;
 use crate::units::Mm;
 
 /// `position` inside the reachable space, and whether it had to be moved. An axis that was not homed has no
-/// known edges.
-pub(in crate::machine) fn clamp(position: [Mm; 4], homed: Homed, s: &Settings) -> ([Mm; 4], bool) {
+/// known edges. One that comes `from` outside, where its switch may be, may stay there or come in.
+pub(in crate::machine) fn clamp(position: [Mm; 4], from: [Mm; 4], homed: Homed, s: &Settings) -> ([Mm; 4], bool) {
     if !s.soft_endstops {
         return (position, false);
     }
     let mut inside = position;
     let most = [s.axes.x.length, s.axes.y.length, s.axes.z.length];
-    for ((at, most), homed) in inside.iter_mut().zip(most).zip(homed.axes()) {
+    for (((at, from), most), homed) in inside.iter_mut().zip(from).zip(most).zip(homed.axes()) {
         if homed {
-            *at = (*at).clamp(Mm::ZERO, most);
+            *at = (*at).clamp(from.min(Mm::ZERO), from.max(most));
         }
     }
     (inside, inside != position)
@@ -28,10 +28,15 @@ mod tests {
     fn the_edge_holds_where_the_position_is_known() {
         let s = Settings::prototype();
         let out = [Mm::from_num(-5), Mm::from_num(500), Mm::from_num(-1), Mm::from_num(-9)];
-        let (at, moved) = clamp(out, Homed::new([true, true, false]), &s);
+        let (at, moved) = clamp(out, [Mm::ZERO; 4], Homed::new([true, true, false]), &s);
         assert!(moved);
         assert_eq!(at, [Mm::ZERO, Mm::from_num(417.6), Mm::from_num(-1), Mm::from_num(-9)]);
         let off = Settings { soft_endstops: false, ..s };
-        assert_eq!(clamp(out, Homed::new([true; 3]), &off), (out, false));
+        assert_eq!(clamp(out, [Mm::ZERO; 4], Homed::new([true; 3]), &off), (out, false));
+        // From where the switch is: it may stay or come in, and goes no farther.
+        let there = [Mm::from_num(-3), Mm::from_num(10), Mm::ZERO, Mm::ZERO];
+        let x = |x: i32| [Mm::from_num(x), there[1], there[2], there[3]];
+        let ends = [-3, -1, -9].map(|to| clamp(x(to), there, Homed::new([true; 3]), &s));
+        assert_eq!(ends, [(x(-3), false), (x(-1), false), (x(-3), true)]);
     }
 }

@@ -20,7 +20,7 @@ fn bounded(position: [Mm; 4]) -> [Mm; 4] {
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Plans a move within the reachable space and takes it as the commanded position.
     pub(in crate::machine) async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
-        let (inside, moved) = clamp(bounded(position), self.homed, &self.settings);
+        let (inside, moved) = clamp(bounded(position), self.modal.position, self.homed, &self.settings);
         if moved {
             self.tell_of_edge().await?;
         }

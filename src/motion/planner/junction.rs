@@ -125,6 +125,8 @@ fn bend(
         return most;
     }
     let max_accel = if is_straight { accel_limits.acceleration } else { accel_limits.along(change, root(change_sq)) };
+    // A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number needs a
+    // `corner` and laws for bends of its own.
     let base = match s.corner {
         CornerRule::JunctionDeviation(d) => max_accel * from_bits(d.to_bits().unsigned_abs()),
         CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),

@@ -3,7 +3,8 @@
 //! An input shaper is such a sum (N. Singer, W. Seering, "Preshaping Command Inputs to Reduce System Vibration", 1990),
 //! and so is a smoothed pressure advance: the mean speed over a window is the way through it divided by its length.
 //! A sum of copies of something that is quadratic piece by piece is itself quadratic piece by piece, so nothing has
-//! to be sampled, and where nothing changes nothing is computed.
+//! to be sampled, and where nothing changes nothing is computed. A window may be any staircase, a tap at each stair; one with slopes
+//! would make cubics, which the solver of step times does not take. The weights of the advance sum to 0, those of a shaper to 1.
 
 use crate::units::SubTicks;
 use heapless::Vec;

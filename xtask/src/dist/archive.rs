@@ -27,6 +27,8 @@ pub(super) fn archive(folder: &str, time: u64, files: &[File]) -> Result<Vec<u8>
         header.set_size(file.bytes.len() as u64);
         header.set_mode(if file.is_program { 0o755 } else { 0o644 });
         header.set_mtime(time);
+        header.set_uid(0);
+        header.set_gid(0);
         archive.append_data(&mut header, format!("{folder}/{}", file.path), &*file.bytes)?;
     }
     Ok(archive.into_inner()?.finish()?)

@@ -1,7 +1,7 @@
 //! Questions about one place of the tool.
 
 use super::answer::Json;
-use super::setup::{SetupArgs, parse_pair};
+use super::setup::{SetupArgs, parse_finite, parse_pair};
 use anyhow::Result;
 use clap::Args;
 use corehbot_twin::queries::{geometry, modes, push, slip, stiffness};
@@ -82,7 +82,7 @@ pub(crate) struct Slip {
     #[arg(long, value_name = "N")]
     motor: u8,
     /// By how many full steps, counter-clockwise; a rotor that slips does so by four, an electrical turn.
-    #[arg(long, value_name = "K", default_value_t = slip::A_SLIP, allow_hyphen_values = true)]
+    #[arg(long, value_name = "K", default_value_t = slip::A_SLIP, value_parser = parse_finite, allow_hyphen_values = true)]
     full_steps: f64,
     #[command(flatten)]
     json: Json,

@@ -171,6 +171,12 @@ impl SetupArgs {
 }
 
 /// Two finite numbers.
+/// A number that is finite.
+pub(super) fn parse_finite(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| format!("{text} is no number"))
+}
+
 pub(super) fn parse_pair(text: &str) -> Result<[f64; 2], String> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(v),

@@ -75,6 +75,6 @@ impl fmt::Display for Answer {
         let Self { x_to_y_mm, y_to_x_mm, overshoot_mm } = self;
         writeln!(f, "from x to y  {x_to_y_mm:8.4} mm, contour error by equation 17")?;
         writeln!(f, "from y to x  {y_to_x_mm:8.4} mm")?;
-        write!(f, "overshoot    {overshoot_mm:8.4} mm")
+        writeln!(f, "overshoot    {overshoot_mm:8.4} mm")
     }
 }

@@ -8,7 +8,7 @@ use corehbot::units::Mm;
 use corehbot_sim::eeprom::Eeprom;
 
 /// The lines that put a machine together and store it.
-fn lines_of(machine: &Settings) -> Vec<String> {
+pub fn lines_of(machine: &Settings) -> Vec<String> {
     let mut record = [0; LONGEST];
     let length = record_of(machine, &mut record).unwrap();
     let mut lines: Vec<_> = record[..length]

@@ -3,6 +3,7 @@
 
 mod homing;
 mod lines;
+mod machine_accidents;
 mod machine_record;
 mod positions;
 mod reports;

@@ -30,24 +30,49 @@ fn elsewhere(s: &Settings) -> [Settings; 2] {
     [far, odd]
 }
 
+/// Where the tool ends, by the steps of its motors.
+fn tool_is_at(to: [f64; 3], s: &Settings, gcode: &str, name: &str) {
+    let print = print(s, None, gcode);
+    assert_eq!(print.findings, Findings::default(), "{name}: {gcode}");
+    let way = s.mechanism.forward_kinematics().unwrap().fractions(&print.counts);
+    let pitch = s.axes.map(|axis| axis.steps_per_mm.to_num::<f64>()).to_array();
+    for axis in 0..3 {
+        let (sum, over) = way[axis];
+        let mm = sum as f64 / over as f64 / pitch[axis];
+        // A switch closes within a step of its place, which may lie between two.
+        let off = mm - (to[axis] - START[axis]);
+        assert!(off.abs() <= 1.6 / pitch[axis], "{name}: axis {axis} is {off} mm beside after {gcode}");
+    }
+}
+
 #[test]
 fn the_tool_is_where_the_machine_says_wherever_the_switches_are() {
-    let to = [50.0, 60.0, 5.0];
     for (name, s) in machines() {
         for s in elsewhere(&s) {
             s.check_machine().unwrap();
-            let print = print(&s, None, "G28\nG1 X50 Y60 Z5 F3000\nM400\nG28 X Y\nG1 X50 Y60\n");
-            assert_eq!(print.findings, Findings::default(), "{name}");
-            let way = s.mechanism.forward_kinematics().unwrap().fractions(&print.counts);
-            let pitch = s.axes.map(|axis| axis.steps_per_mm.to_num::<f64>()).to_array();
-            for axis in 0..3 {
-                let (sum, over) = way[axis];
-                let mm = sum as f64 / over as f64 / pitch[axis];
-                // A switch closes within a step of its place, which may lie between two.
-                let off = mm - (to[axis] - START[axis]);
-                assert!(off.abs() <= 1.6 / pitch[axis], "{name}: axis {axis} is {off} mm beside");
-            }
+            tool_is_at([50.0, 60.0, 5.0], &s, "G28\nG1 X50 Y60 Z5 F3000\nM400\nG28 X Y\nG1 X50 Y60\n", &name);
         }
+    }
+}
+
+/// A switch inside the axis stays pressed behind it: homing finds it from there as well, at power-up and again from the end of the
+/// axis. And one that is outside is left only by who is asked to.
+#[test]
+fn a_switch_is_found_from_behind_and_left_only_on_command() {
+    for (name, s) in machines() {
+        let mut inside = s;
+        let length = s.axes.y.length.to_num::<f64>();
+        inside.endstops.x = at(AxisEnd::Min, 42.0);
+        inside.endstops.y = at(AxisEnd::Max, length - 12.0);
+        inside.homing.x.back_off = Mm::from_num(1);
+        inside.check_machine().unwrap();
+        let gcode = format!("G28\nG1 X0 Y{length} F6000\nG28\nG1 X50 Y60 Z5 F3000\n");
+        tool_is_at([50.0, 60.0, 5.0], &inside, &gcode, &name);
+        let mut outside = s;
+        outside.endstops.x = at(AxisEnd::Min, -7.0);
+        tool_is_at([-7.0, 60.0, 5.0], &outside, "G28\nG1 Y60 F6000\nG1 Z5\n", &name);
+        tool_is_at([-5.0, 0.0, 0.0], &outside, "G28\nG91\nG1 X2 F6000\n", &name);
+        tool_is_at([0.0, 0.0, 0.0], &outside, "G28\nG1 X3 F6000\nG1 X-4\n", &name);
     }
 }
 

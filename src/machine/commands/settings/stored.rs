@@ -74,13 +74,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
-    /// host listens only then. A machine without storage has nothing to tell.
+    /// host listens only then. A machine without storage has nothing to tell, and on a board that is no machine nothing stored counts.
     pub(in crate::machine) async fn load_at_start(&mut self) -> Result<Answer<'static>, Interrupt> {
         let survey = match self.survey().await? {
             Ok(survey) => survey,
             Err(StorageError::Absent) => return Ok(Answer::Nothing),
             Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
         };
+        if self.ports.drivers.refusal().is_some() {
+            return Ok(Answer::Nothing);
+        }
         if let Some(stored) = survey.newest {
             self.use_settings(stored.settings).await?;
         }
@@ -124,8 +127,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(saved)
     }
 
-    /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing.
+    /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a board without
+    /// a machine.
     pub(in crate::machine) async fn load_settings(&mut self) -> Result<StorageNews, Interrupt> {
+        if let Some(why) = self.ports.drivers.refusal() {
+            return Ok(StorageNews::NotLoaded(why));
+        }
         self.finish().await?;
         let survey = match self.survey().await? {
             Ok(survey) => survey,

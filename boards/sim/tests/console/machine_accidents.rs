@@ -1,0 +1,121 @@
+//! A machine that is sent while things go wrong: the power is cut in any byte that is stored, or the lines are any lines at all.
+
+use super::machine_record::lines_of;
+use super::talk::{Steps, Talk};
+use corehbot::connectors::SIM;
+use corehbot::port::{Storage, StorageError};
+use corehbot::settings::Settings;
+use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::world::run_with;
+use proptest::prelude::*;
+
+/// An EEPROM whose power goes after so many bytes; the byte in which it goes holds nothing of use.
+struct Cut<'e> {
+    eeprom: &'e mut Eeprom,
+    left: usize,
+}
+
+impl Storage for Cut<'_> {
+    fn capacity(&self) -> u32 {
+        corehbot_sim::eeprom::SIZE as u32
+    }
+
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        let mut eeprom = &mut *self.eeprom;
+        if self.left == 0 { Err(StorageError::Failed) } else { eeprom.read(at, into).await }
+    }
+
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        let mut eeprom = &mut *self.eeprom;
+        if bytes.len() < self.left {
+            self.left -= bytes.len();
+            return eeprom.write(at, bytes).await;
+        }
+        if let Some((torn, before)) = bytes.get(..self.left).and_then(<[u8]>::split_last) {
+            eeprom.write(at, before).await?;
+            eeprom.write(at + before.len() as u32, &[torn ^ 0x5A]).await?;
+        }
+        self.left = 0;
+        Err(StorageError::Failed)
+    }
+}
+
+/// What a machine with that storage says to these lines.
+fn say(storage: impl Storage, lines: &[String]) -> Vec<String> {
+    let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
+    let mut host = Talk::new(&lines);
+    let outcome = run_with(&Settings::prototype(), None, storage, &mut [&mut host], &mut Steps::default()).unwrap();
+    assert!(!outcome.halted, "{:?}", host.heard);
+    host.heard
+}
+
+/// Cuts at 200 bytes, some of them within the first page that is written and some after the last: the board then is the old machine or
+/// the new one, and takes the new one again.
+#[test]
+fn a_power_cut_at_any_byte_leaves_the_old_machine_or_the_new() {
+    let mut old = Settings::prototype();
+    old.wiring.motors.swap(0, 1);
+    let mut new = Settings::prototype();
+    new.wiring.motors.swap(1, 2);
+    new.keepalive_s = 9;
+    let lines = lines_of(&new);
+    let mut before = Eeprom::blank();
+    before.save(&old).unwrap();
+    let mut kept = [0; 2];
+    for cut in 0..200 {
+        let mut eeprom = Eeprom::blank();
+        eeprom.cells().copy_from_slice(before.cells());
+        // Spread over some 700 bytes, in no order that pages have.
+        let left = 1 + cut * 389 % 701;
+        let heard = say(Cut { eeprom: &mut eeprom, left }, &lines);
+        let is_new = match eeprom.settings() {
+            Some(machine) if machine == new => true,
+            Some(machine) if machine == old => false,
+            found => panic!("cut after {left}: {found:?}"),
+        };
+        let is_told = heard.iter().any(|line| line.starts_with("echo:machine stored ("));
+        assert!(is_new || !is_told, "cut after {left}: {heard:?}");
+        kept[usize::from(is_new)] += 1;
+        say(&mut eeprom, &lines);
+        assert_eq!(eeprom.settings(), Some(new), "cut after {left}");
+    }
+    assert!(kept[0] > 50 && kept[1] > 10, "{kept:?}");
+}
+
+/// A line of the dialogue, right or wrong.
+fn line(lines: Vec<String>) -> impl Strategy<Value = String> {
+    let piece = proptest::sample::select(lines);
+    prop_oneof![
+        8 => piece.clone(),
+        1 => (piece.clone(), any::<prop::sample::Index>(), "[0-9A-Fa-fxG -]").prop_map(|(mut line, at, new)| {
+            let at = at.index(line.len());
+            line.replace_range(at..=at, &new);
+            line
+        }),
+        1 => (0..3000_u16, "[0-9A-F]{0,60}").prop_map(|(at, hex)| format!("MACHINE_PUT AT={at} HEX={hex}")),
+        1 => Just("MACHINE_STORE".to_owned()),
+        1 => Just("MACHINE_GET".to_owned()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever a host sends: the board answers each line, stays on, and stores a machine that it can be, or none.
+    #[test]
+    fn any_dialogue_stores_a_legal_machine_or_none(
+        lines in {
+            let right = lines_of(&Settings { keepalive_s: 9, ..Settings::prototype() });
+            let begin = right.clone();
+            (0..right.len(), proptest::collection::vec(line(right), 0..30))
+                .prop_map(move |(upto, rest)| [&begin[..upto], &rest].concat())
+        },
+    ) {
+        let mut eeprom = Eeprom::blank();
+        let heard = say(&mut eeprom, &lines);
+        prop_assert_eq!(heard.iter().filter(|line| line.starts_with("ok")).count(), lines.len());
+        if let Some(machine) = eeprom.settings() {
+            prop_assert!(machine.check_machine().is_ok() && machine.check_connectors(&SIM).is_ok());
+        }
+    }
+}
