@@ -23,12 +23,11 @@ pub const AT_POWER_UP: [Mm; 3] = [Mm::lit("31.7"), Mm::lit("23.3"), Mm::lit("12.
 pub struct Rig {
     /// Steps of each motor, signed, since power-up.
     counts: [i32; Motor::ALL.len()],
-    /// Where they have brought the tool: x, y and z as sums of their counts, ready for the step interrupt.
+    /// Where they have brought the tool: x, y and z as sums of their counts, ready for the step interrupt. Sums grow away from the
+    /// switches.
     weights: [[i32; Motor::ALL.len()]; 3],
     /// Tool at power-up, in units of these sums, seen from the switches: 0 is where they are met.
     start: [i64; 3],
-    /// Which end of its axis each switch is at.
-    ends: [AxisEnd; 3],
     /// The switches that there are.
     inputs: EndstopSet,
 }
@@ -49,15 +48,19 @@ impl Rig {
         }
         let back = settings.mechanism.forward_kinematics().unwrap_or(ForwardKinematics::NONE);
         let (counts, weights) = ([0; Motor::ALL.len()], [[0; Motor::ALL.len()]; 3]);
-        let ends = switches.map(|switch| switch.end);
-        let mut rig = Self { counts, weights, start: [0; 3], ends, inputs: EndstopSet::SWITCHES };
+        let away = switches.map(|switch| match switch.end {
+            AxisEnd::Min => 1,
+            AxisEnd::Max => -1,
+        });
+        let mut rig = Self { counts, weights, start: [0; 3], inputs: EndstopSet::SWITCHES };
         for motor in 0..Motor::ALL.len() {
             let mut one = [0; Motor::ALL.len()];
             one[motor] = 1;
-            for ((weights, start), ((weight, over), steps)) in
-                rig.weights.iter_mut().zip(&mut rig.start).zip(back.fractions(&one).into_iter().zip(steps))
+            let axes = back.fractions(&one).into_iter().zip(steps).zip(away);
+            for ((weights, start), (((weight, over), steps), away)) in
+                rig.weights.iter_mut().zip(&mut rig.start).zip(axes)
             {
-                (weights[motor], *start) = (weight as i32, over * i64::from(steps));
+                (weights[motor], *start) = (weight as i32 * away, over * i64::from(steps * away));
             }
         }
         rig
@@ -100,16 +103,9 @@ impl Rig {
     pub fn endstops(&self) -> EndstopSet {
         let switches = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
         let mut pressed = 0;
-        for ((start, weights), (end, switch)) in
-            self.start.iter().zip(&self.weights).zip(self.ends.iter().zip(switches))
-        {
+        for ((start, weights), switch) in self.start.into_iter().zip(&self.weights).zip(switches) {
             let way = weights.iter().zip(&self.counts).map(|(weight, count)| i64::from(*weight) * i64::from(*count));
-            let from_switch = start + way.sum::<i64>();
-            let is_pressed = match end {
-                AxisEnd::Min => from_switch <= 0,
-                AxisEnd::Max => from_switch >= 0,
-            };
-            if is_pressed {
+            if start + way.sum::<i64>() <= 0 {
                 pressed |= switch.0;
             }
         }

@@ -35,9 +35,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Hands on the orders for which there is room.
     pub(super) fn send_orders(&mut self) {
-        let period = self.link.status().heat().periods();
+        let (heat, thermal) = (self.link.status().heat(), &self.settings.thermal);
+        let (period, fitted) = (heat.periods(), |heater: &Heater| thermal.heater(*heater).is_fitted);
+        let are_read = Heater::ALL.into_iter().filter(fitted).all(|heater| heat.measured(heater).is_some());
         while self.orders.ready()
-            && let Some(order) = self.heat_orders.next(&self.settings.thermal, period)
+            && let Some(order) = self.heat_orders.next(thermal, period, are_read)
         {
             let _ = self.orders.enqueue(order);
         }

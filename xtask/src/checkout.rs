@@ -74,18 +74,13 @@ pub fn for_boards(task: &str) -> Result<Command> {
 pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
 
 /// Flags, as [`FLAGS`] takes them, by which nothing that is built says where it was built: the same source gives the same bytes
-/// in every folder, and images are tested as they are released.
+/// in every folder, and images are tested as they are released. Paths of our own files are relative to the root by themselves.
 pub fn path_flags() -> Result<String> {
     let home = cargo_home()?;
-    let places = [
-        (home.join("registry/src"), "registry"),
-        (home.join("git/checkouts"), "git"),
-        (target_dir()?, "target"),
-        (root().to_owned(), "."),
-    ];
+    let places =
+        [(home.join("registry/src"), "registry"), (home.join("git/checkouts"), "git"), (target_dir()?, "target")];
     let flags = places.map(|(path, name)| format!("--remap-path-prefix={}={name}", path.display()));
-    // The last one that fits counts, so the root goes first.
-    Ok(flags.into_iter().rev().collect::<Vec<_>>().join("\x1f"))
+    Ok(flags.join("\x1f"))
 }
 
 /// Where cargo keeps what it has fetched.

@@ -23,11 +23,16 @@ enum Target {
     Left(Celsius, u32),
 }
 
+/// Control periods after which every sensor that is well has been read: 1 s, of which a median of readings takes a tenth.
+const READINGS: u32 = 50;
+
 /// What is yet to be told to the thermal context.
 pub(in crate::machine) struct HeatOrders {
     is_off: bool,
     targets: [Target; HEATERS],
     is_test_waiting: bool,
+    /// The control period since which the test waits for readings.
+    test_since: Option<u32>,
     tuning: Option<(Heater, Celsius, u8)>,
     fans: [Option<u16>; FANS],
     motors: Option<bool>,
@@ -44,6 +49,7 @@ impl HeatOrders {
             is_off: false,
             targets: [Target::Known; HEATERS],
             is_test_waiting: false,
+            test_since: None,
             tuning: None,
             fans: [None; FANS],
             motors: None,
@@ -69,7 +75,7 @@ impl HeatOrders {
     pub const fn switch_off(&mut self) {
         self.targets = [Target::Known; HEATERS];
         self.fans = [None; FANS];
-        (self.tuning, self.is_test_waiting, self.is_off) = (None, false, true);
+        (self.tuning, self.is_test_waiting, self.test_since, self.is_off) = (None, false, None, true);
     }
 
     /// Find out whether each heater warms its own sensor, before anything that is ordered later.
@@ -118,15 +124,21 @@ impl HeatOrders {
         is_silent && !matches!(a, Target::Waits(_)) && !matches!(b, Target::Waits(_)) && !matches!(c, Target::Waits(_))
     }
 
-    /// The next order, which leaves in that control period. There is room for it.
-    pub fn next(&mut self, settings: &ThermalSettings, period: u32) -> Option<Order> {
+    /// The next order, which leaves in that control period. There is room for it. A self-test, and what comes after it, waits a while
+    /// until all heaters have a reading (`are_read`): just after the start there is none yet.
+    pub fn next(&mut self, settings: &ThermalSettings, period: u32, are_read: bool) -> Option<Order> {
         if core::mem::replace(&mut self.is_off, false) {
             return Some(Order::Off);
         }
         if let Some(order) = self.next_settings(settings) {
             return Some(order);
         }
-        if core::mem::take(&mut self.is_test_waiting) {
+        if self.is_test_waiting {
+            let since = *self.test_since.get_or_insert(period);
+            if !are_read && period.wrapping_sub(since) < READINGS {
+                return None;
+            }
+            (self.is_test_waiting, self.test_since) = (false, None);
             return Some(Order::SelfTest);
         }
         for heater in Heater::ALL {
@@ -180,7 +192,27 @@ mod tests {
     use std::vec::Vec;
 
     fn all(orders: &mut HeatOrders, settings: &ThermalSettings) -> Vec<Order> {
-        core::iter::from_fn(|| orders.next(settings, 0)).collect()
+        core::iter::from_fn(|| orders.next(settings, 0, true)).collect()
+    }
+
+    #[test]
+    fn a_self_test_and_what_follows_wait_a_while_for_readings() {
+        let settings = ThermalSettings::prototype();
+        let mut orders = HeatOrders::new(&settings);
+        orders.test();
+        orders.heat(Heater::Bed, Celsius::from_num(60));
+        assert!(orders.next(&settings, 7, false).is_none() && orders.is_test_waiting());
+        assert!(matches!(orders.next(&settings, 8, true), Some(Order::SelfTest)));
+        assert!(matches!(orders.next(&settings, 8, true), Some(Order::Target(Heater::Bed, _))));
+        // A sensor that never answers does not hold it for ever, and all goes off at once.
+        orders.test();
+        assert!(
+            orders.next(&settings, 9, false).is_none() && orders.next(&settings, 9 + READINGS - 1, false).is_none()
+        );
+        assert!(matches!(orders.next(&settings, 9 + READINGS, false), Some(Order::SelfTest)));
+        orders.test();
+        orders.switch_off();
+        assert!(matches!(orders.next(&settings, 90, false), Some(Order::Off)));
     }
 
     #[test]
@@ -229,7 +261,7 @@ mod tests {
         let mut orders = HeatOrders::new(&settings);
         orders.heat(Heater::Bed, Celsius::const_from_int(60));
         assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
-        assert!(orders.next(&settings, 0).is_some());
+        assert!(orders.next(&settings, 0, true).is_some());
         assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
         status.heat().count_period();
         status.heat().count_period();

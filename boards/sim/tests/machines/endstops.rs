@@ -59,7 +59,9 @@ fn the_tool_is_where_the_machine_says_wherever_the_switches_are() {
 /// axis. And one that is outside is left only by who is asked to.
 #[test]
 fn a_switch_is_found_from_behind_and_left_only_on_command() {
-    for (name, s) in machines() {
+    // A belt, four coordinates for three axes, and one motor an axis.
+    let kinds = ["prototype", "corexyz", "cartesian"];
+    for (name, s) in machines().into_iter().filter(|(name, _)| kinds.contains(&name.as_str())) {
         let mut inside = s;
         let length = s.axes.y.length.to_num::<f64>();
         inside.endstops.x = at(AxisEnd::Min, 42.0);
