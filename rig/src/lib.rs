@@ -38,8 +38,7 @@ impl Rig {
     pub fn new(settings: &Settings, start: Option<[Mm; 3]>) -> Self {
         let a = &settings.axes;
         let pitch = [a.x.steps_per_mm, a.y.steps_per_mm, a.z.steps_per_mm];
-        let s = &settings.endstops;
-        let switches = [s.x, s.y, s.z];
+        let switches = settings.endstops.to_array();
         let mut steps = [0; 3];
         let places = start.unwrap_or(AT_POWER_UP).into_iter().zip(switches);
         for ((steps, (mm, switch)), pitch) in steps.iter_mut().zip(places).zip(pitch) {

@@ -7,9 +7,8 @@ use crate::connectors::Heater;
 use crate::units::Celsius;
 
 /// Why the machine stopped.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[cfg_attr(test, derive(serde::Deserialize))]
 #[repr(u8)]
 pub enum Cause {
     /// The sensor reads an open circuit.

@@ -37,7 +37,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) fn send_orders(&mut self) {
         let (heat, thermal) = (self.link.status().heat(), &self.settings.thermal);
         let (period, fitted) = (heat.periods(), |heater: &Heater| thermal.heater(*heater).is_fitted);
-        let are_read = Heater::ALL.into_iter().filter(fitted).all(|heater| heat.measured(heater).is_some());
+        let are_read = || Heater::ALL.into_iter().filter(fitted).all(|heater| heat.measured(heater).is_some());
         while self.orders.ready()
             && let Some(order) = self.heat_orders.next(thermal, period, are_read)
         {

@@ -1,5 +1,6 @@
 //! Axes: one value per axis, and what an axis is.
 
+use super::HomedAxis;
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +46,24 @@ pub struct Cartesian<T> {
     pub y: T,
     /// Bed to nozzle.
     pub z: T,
+}
+
+impl<T: Copy> Cartesian<T> {
+    /// The values in the order x, y, z.
+    #[must_use]
+    pub const fn to_array(self) -> [T; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// The value of an axis.
+    #[must_use]
+    pub const fn of(self, axis: HomedAxis) -> T {
+        match axis {
+            HomedAxis::X => self.x,
+            HomedAxis::Y => self.y,
+            HomedAxis::Z => self.z,
+        }
+    }
 }
 
 /// Resolution, limits and length of one axis.

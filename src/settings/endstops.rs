@@ -13,6 +13,15 @@ pub enum AxisEnd {
 }
 
 impl AxisEnd {
+    /// Its name in machine files and M119.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Min => "min",
+            Self::Max => "max",
+        }
+    }
+
     /// The end that is opposite.
     #[must_use]
     pub const fn other(self) -> Self {

@@ -202,8 +202,8 @@ impl Limits {
             ('G', 20.0) => *unit = 25.4,
             ('G', 21.0) => *unit = 1.0,
             ('G', 28.0) => {
-                let homing = [s.homing.x, s.homing.y, s.homing.z].map(|h| h.fast.to_num::<f64>());
-                let ends = [s.endstops.x, s.endstops.y, s.endstops.z].map(|switch| switch.end);
+                let homing = s.homing.to_array().map(|h| h.fast.to_num::<f64>());
+                let ends = s.endstops.to_array().map(|switch| switch.end);
                 let stop = |limit: &mut Limit, speed: f64, end: AxisEnd| match end {
                     AxisEnd::Min => wide(&mut limit.hard_stop, speed),
                     AxisEnd::Max => wide(&mut limit.hard_stop_up, speed),

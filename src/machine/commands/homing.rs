@@ -107,11 +107,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// What there is to know of an axis.
     fn axis(&self, axis: HomedAxis) -> Axis {
         let s = &self.settings;
-        let (switch, endstop, homing, length) = match axis {
-            HomedAxis::X => (EndstopSet::X, s.endstops.x, s.homing.x, s.axes.x.length),
-            HomedAxis::Y => (EndstopSet::Y, s.endstops.y, s.homing.y, s.axes.y.length),
-            HomedAxis::Z => (EndstopSet::Z, s.endstops.z, s.homing.z, s.axes.z.length),
+        let (switch, length) = match axis {
+            HomedAxis::X => (EndstopSet::X, s.axes.x.length),
+            HomedAxis::Y => (EndstopSet::Y, s.axes.y.length),
+            HomedAxis::Z => (EndstopSet::Z, s.axes.z.length),
         };
+        let (endstop, homing) = (s.endstops.of(axis), s.homing.of(axis));
         Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, length }
     }
 

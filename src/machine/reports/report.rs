@@ -8,7 +8,7 @@ use crate::machine::state::modal::Modal;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;
 use crate::port::EndstopSet;
-use crate::settings::{AxisEnd, Cartesian, Endstop, Settings};
+use crate::settings::{Cartesian, Endstop, Settings};
 use crate::status::{Late, Overload};
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
@@ -99,11 +99,7 @@ pub(in crate::machine) fn say_endstops(
     let of_axis =
         [('x', endstops.x, EndstopSet::X), ('y', endstops.y, EndstopSet::Y), ('z', endstops.z, EndstopSet::Z)];
     for (axis, endstop, switch) in of_axis {
-        let end = match endstop.end {
-            AxisEnd::Min => "min",
-            AxisEnd::Max => "max",
-        };
-        to.say(format_args!("{axis}_{end}: {}", state(switch)));
+        to.say(format_args!("{axis}_{}: {}", endstop.end.name(), state(switch)));
     }
     if inputs.has(EndstopSet::PROBE) {
         to.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));

@@ -126,7 +126,7 @@ impl HeatOrders {
 
     /// The next order, which leaves in that control period. There is room for it. A self-test, and what comes after it, waits a while
     /// until all heaters have a reading (`are_read`): just after the start there is none yet.
-    pub fn next(&mut self, settings: &ThermalSettings, period: u32, are_read: bool) -> Option<Order> {
+    pub fn next(&mut self, settings: &ThermalSettings, period: u32, are_read: impl Fn() -> bool) -> Option<Order> {
         if core::mem::replace(&mut self.is_off, false) {
             return Some(Order::Off);
         }
@@ -135,7 +135,7 @@ impl HeatOrders {
         }
         if self.is_test_waiting {
             let since = *self.test_since.get_or_insert(period);
-            if !are_read && period.wrapping_sub(since) < READINGS {
+            if !are_read() && period.wrapping_sub(since) < READINGS {
                 return None;
             }
             (self.is_test_waiting, self.test_since) = (false, None);
@@ -192,7 +192,7 @@ mod tests {
     use std::vec::Vec;
 
     fn all(orders: &mut HeatOrders, settings: &ThermalSettings) -> Vec<Order> {
-        core::iter::from_fn(|| orders.next(settings, 0, true)).collect()
+        core::iter::from_fn(|| orders.next(settings, 0, || true)).collect()
     }
 
     #[test]
@@ -201,18 +201,19 @@ mod tests {
         let mut orders = HeatOrders::new(&settings);
         orders.test();
         orders.heat(Heater::Bed, Celsius::from_num(60));
-        assert!(orders.next(&settings, 7, false).is_none() && orders.is_test_waiting());
-        assert!(matches!(orders.next(&settings, 8, true), Some(Order::SelfTest)));
-        assert!(matches!(orders.next(&settings, 8, true), Some(Order::Target(Heater::Bed, _))));
+        assert!(orders.next(&settings, 7, || false).is_none() && orders.is_test_waiting());
+        assert!(matches!(orders.next(&settings, 8, || true), Some(Order::SelfTest)));
+        assert!(matches!(orders.next(&settings, 8, || true), Some(Order::Target(Heater::Bed, _))));
         // A sensor that never answers does not hold it for ever, and all goes off at once.
         orders.test();
         assert!(
-            orders.next(&settings, 9, false).is_none() && orders.next(&settings, 9 + READINGS - 1, false).is_none()
+            orders.next(&settings, 9, || false).is_none()
+                && orders.next(&settings, 9 + READINGS - 1, || false).is_none()
         );
-        assert!(matches!(orders.next(&settings, 9 + READINGS, false), Some(Order::SelfTest)));
+        assert!(matches!(orders.next(&settings, 9 + READINGS, || false), Some(Order::SelfTest)));
         orders.test();
         orders.switch_off();
-        assert!(matches!(orders.next(&settings, 90, false), Some(Order::Off)));
+        assert!(matches!(orders.next(&settings, 90, || false), Some(Order::Off)));
     }
 
     #[test]
@@ -261,7 +262,7 @@ mod tests {
         let mut orders = HeatOrders::new(&settings);
         orders.heat(Heater::Bed, Celsius::const_from_int(60));
         assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
-        assert!(orders.next(&settings, 0, true).is_some());
+        assert!(orders.next(&settings, 0, || true).is_some());
         assert_eq!(orders.target(Heater::Bed, status.heat()), 60);
         status.heat().count_period();
         status.heat().count_period();

@@ -4,8 +4,8 @@ use super::quantity::{self as q, Kind};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisEnd, AxisSettings, Control, CornerRule, DriverSettings, Endstop, FanRole, FanSettings, HeaterSettings, Homing,
-    Settings, Shaper, ShaperKind, Thermistor,
+    AxisSettings, Control, CornerRule, DriverSettings, Endstop, FanRole, FanSettings, HeaterSettings, Homing, Settings,
+    Shaper, ShaperKind, Thermistor,
 };
 use corehbot::units::{Celsius, Mm};
 use fixed::traits::Fixed;
@@ -158,15 +158,11 @@ fn homing(s: &Settings) -> Value {
 }
 
 fn homed_axis(h: &Homing, endstop: Endstop, length: Mm) -> Value {
-    let end = match endstop.end {
-        AxisEnd::Min => "min",
-        AxisEnd::Max => "max",
-    };
     table([
         ("fast", number(h.fast, &q::SPEED)),
         ("slow", number(h.slow, &q::SPEED)),
         ("back_off", number(h.back_off, &q::BACK_OFF)),
-        ("end", end.into()),
+        ("end", endstop.end.name().into()),
         ("position", number(endstop.position, &q::endstop_position(endstop.end, length))),
     ])
 }

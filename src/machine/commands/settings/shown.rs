@@ -9,7 +9,7 @@ use crate::machine::commands::retraction::{say_recovery, say_retraction};
 use crate::machine::commands::shaping::say_shaper;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
-use crate::settings::{AxisEnd, CornerRule, HomedAxis, Settings};
+use crate::settings::{AxisEnd, CornerRule, Settings};
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
 pub(in crate::machine) fn say_settings(
@@ -91,11 +91,7 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     let [x, y, z, _] = s.axes.map(|a| exact(a.length)).to_array();
     to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
     for axis in s.homing_order {
-        let (homing, endstop) = match axis {
-            HomedAxis::X => (s.homing.x, s.endstops.x),
-            HomedAxis::Y => (s.homing.y, s.endstops.y),
-            HomedAxis::Z => (s.homing.z, s.endstops.z),
-        };
+        let (homing, endstop) = (s.homing.of(axis), s.endstops.of(axis));
         let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
         let direction = match endstop.end {
             AxisEnd::Min => "down",
