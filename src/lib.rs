@@ -10,9 +10,16 @@
 //!                                        +--orders--> thermal --duties--> heaters, fans
 //! ```
 //!
-//! A **room** is a folder or file directly in `src`, with one job. A room may use only the rooms to its left in
-//! `{units, text, checksum} <- {motors, connectors <- fault} <- status <- port <- {protocol, gcode, kinematics <- settings} <- {motion, driver, storage, thermal} <- machine <- app`;
-//! `tests/layers.rs` holds every `use` to that. `<-` may be read as "is used by"; a group in braces uses everything left of it.
+//! A **room** is a folder or file directly in `src`, with one job. A room may use only rooms of the lines above its own, to which
+//! `tests/layers.rs` holds every `use`:
+//!
+//! 1. `units`, `text`, `checksum`
+//! 2. `motors`, `connectors`, and `fault`, which uses `connectors`
+//! 3. `status`, and `port`
+//! 4. `protocol`, `gcode`, `kinematics`, and `settings`, which uses `kinematics`
+//! 5. `motion`, `driver`, `storage`, `thermal`
+//! 6. `machine`
+//! 7. `app`
 //!
 //! **The paper** is the one that describes the CoreH-bot (README.md); **the prototype** is the machine in it, with an 80 mm head:
 //! [`settings::Settings::prototype`]. Each room explains its other words at its head.

@@ -20,7 +20,7 @@ const ARROWS: [(&str, &[&str]); 18] = [
     ("gcode", &["units", "text", "connectors"]),
     ("kinematics", &["units", "motors"]),
     ("settings", &["units", "motors", "connectors", "kinematics"]),
-    ("motion", &["units", "motors", "status", "port", "settings", "kinematics"]),
+    ("motion", &["units", "motors", "fault", "status", "port", "settings", "kinematics"]),
     ("driver", &["units", "motors", "port", "settings"]),
     ("storage", &["units", "checksum", "connectors", "port", "kinematics", "settings"]),
     ("thermal", &["units", "connectors", "fault", "status", "port", "settings"]),

@@ -1,6 +1,7 @@
 //! The printer's words: what they are, and that they mean nothing else to any host.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+use corehbot::fault::{Cause, Fault};
 use corehbot::protocol::{NoRoom, Replies, ResendReason};
 
 /// As the replies have it.
@@ -153,6 +154,7 @@ fn our_words_mean_nothing_else_to_any_host() {
         reply(Replies::ok),
     ]
     .concat();
+    let fixed = Cause::all().fold(fixed, |lines, cause| format!("{lines}{}\n", Fault::plain(cause)));
     let is_meant =
         |line: &str| ["ok", "start"].contains(&line) || line.starts_with("Resend: ") || line.starts_with("Error:");
     for line in fixed.lines() {

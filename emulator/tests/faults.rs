@@ -8,6 +8,7 @@ use corehbot_emulator::firmware::branch;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::trap::Trap;
 use corehbot_emulator::watch::{End, Injection};
+use corehbot_emulator::wiring::{OCTOPUS, Pin};
 
 const GCODE: &str = "G28\nG1 X60 Y60 F6000\nM400\n";
 
@@ -84,6 +85,19 @@ fn a_panic_in_the_step_interrupt_switches_the_motors_off_and_is_reported() {
 #[test]
 fn a_step_interrupt_that_hangs_is_ended_by_the_watchdog() {
     assert!(fall_into(Trap::Hang).0 < WATCHDOG_NS);
+}
+
+#[test]
+fn f40_a_bit_that_flips_among_the_words_of_the_step_pins_ends_motion_and_heat_within_a_second() {
+    let on_port_f = OCTOPUS.slots.iter().filter(|slot| slot.step.port == Pin::new('F', 0).port);
+    // What lowers the step lines of a port, in the set/reset register (RM0390 rev 6, section 7.4.7).
+    let word = on_port_f.map(|slot| u32::from(slot.step.mask()) << 16).sum();
+    let gcode = "G92 X0 Y0 Z0\nG1 X200 Y50 F1500\nM400\n";
+    let seen = print(&firmware(), gcode, Some(Injection::Flip { after: 1000, word }));
+    let off = off_after(&seen);
+    println!("motors off {off} ns after the flip");
+    assert!(off < 1000 * MS);
+    assert!(seen.line.said.iter().any(|line| line.contains("[E15]")), "{:?}", seen.line.said);
 }
 
 /// The lowest KiB of RAM is a region of the MPU that nothing may touch, and so is what lies below. The handler takes a

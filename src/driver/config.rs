@@ -1,4 +1,4 @@
-//! Configuration: what a driver's registers must hold, given the settings.
+//! Configuration: what a driver's registers must hold, given the settings. Which of them are read back is `AFTER` in `run`.
 
 use super::registers::{Register, chopconf, gconf, gstat};
 use crate::motors::{Motor, MotorSet};
@@ -109,7 +109,10 @@ impl Config {
             Register::Pwmconf => PWMCONF,
             // A 1 clears a flag.
             Register::Gstat => gstat::ALL,
-            _ => 0,
+            // No motion of the driver's own, no coolStep, no delay of replies.
+            Register::Vactual | Register::Coolconf | Register::Slaveconf => 0,
+            // Counted or measured by the driver.
+            Register::Ifcnt | Register::Ioin | Register::SgResult | Register::DrvStatus => 0,
         }
     }
 

@@ -1,7 +1,8 @@
 //! What can go wrong, each with a number that stays what it is: it is kept over resets and told to people, as `[E04]`.
 //!
 //! A new cause gets the next number at the end. The matches below have no wildcard, so the compiler asks for the rest: its
-//! place in [`Cause::all`], whether only the power supply can end it, its text, and what its numbers are.
+//! place in [`Cause::all`], whether only the power supply can end it, its text, and what its numbers are. Hosts read the text, so
+//! `tests/replies.rs` looks for words that they take for something else.
 
 use crate::connectors::Heater;
 use crate::units::Celsius;
@@ -246,6 +247,14 @@ pub struct Fault {
     pub value: i32,
     /// What would have been right, in the same unit.
     pub limit: i32,
+}
+
+impl Fault {
+    /// A cause that has no numbers.
+    #[must_use]
+    pub const fn plain(cause: Cause) -> Self {
+        Self { cause, subject: 0, value: 0, limit: 0 }
+    }
 }
 
 impl core::fmt::Display for Fault {

@@ -14,11 +14,9 @@ use crate::connectors::Heater;
 
 /// The command of an M-code, or `None` if it is not understood.
 pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
-    if is_silent(code) {
-        return Some(Command::Silent);
-    }
+    let otherwise = is_silent(code).then_some(Command::Silent);
     if code.letter != b'M' || code.subcode != 0 {
-        return None;
+        return otherwise;
     }
     Some(match code.number {
         0 | 1 | 600 | 601 => await_user(text, code.number == 600),
@@ -95,7 +93,7 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
         999 => Command::Restart,
-        _ => return None,
+        _ => return otherwise,
     })
 }
 

@@ -47,11 +47,23 @@ const SILENT: [u16; 22] = [
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
+    use crate::gcode::{Command, parse};
 
     #[test]
     fn the_table_is_in_order() {
         assert!(SILENT.is_sorted_by(|a, b| a < b));
+    }
+
+    /// A code that has got a meaning is no quiet one any more: take it out of here.
+    #[test]
+    fn nothing_else_answers_a_quiet_code() {
+        for number in SILENT.into_iter().chain([CHECKS]) {
+            let line = std::format!("M{number}");
+            assert_eq!(parse(line.as_bytes()), Command::Silent, "{line}");
+        }
+        assert_eq!(parse(b"G12"), Command::Silent);
     }
 
     #[test]

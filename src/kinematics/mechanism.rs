@@ -1,6 +1,6 @@
 //! The mechanism as data: how far each motor turns for a step of x, y, z and e.
 //!
-//! One row of small integers a motor, over (x, y, z, e). A machine of belts or screws is nothing but such rows: what
+//! One row of -1, 0 and 1 a motor, over (x, y, z, e); how far a step goes is the axis's resolution. A machine of belts or screws is nothing but such rows: what
 //! its motors must do is rows times position, and everything else follows from the rows ([`Groups`](super::Groups)).
 //! A row of zeros is a motor that is not fitted.
 //!

@@ -19,7 +19,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         self.scrub_due = now.after_ms(EVERY_MS);
         if !self.is_whole() {
-            self.link.status().fault().set(Fault { cause: Cause::SettingsDamaged, subject: 0, value: 0, limit: 0 });
+            self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
         }
     }
 

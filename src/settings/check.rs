@@ -138,9 +138,8 @@ pub mod ranges {
     pub const OHMS: Range<u32> = Range { least: 1000, most: 2_000_000 };
     /// B of an NTC, in K.
     pub const BETA: Range<u16> = Range { least: 2000, most: 6000 };
-    /// Least temperature at which filament moves: wax at one end.
-    pub const MIN_EXTRUDE: Range<Celsius> =
-        Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(400) };
+    /// Least temperature at which filament moves; 0 for any, as Marlin's M302 S0.
+    pub const MIN_EXTRUDE: Range<Celsius> = Range { least: Celsius::ZERO, most: Celsius::const_from_int(400) };
     /// From here on a hotend's cold end needs air: PLA softens at 55 to 60 C.
     pub const COLD_END: Range<Celsius> =
         Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(60) };

@@ -7,17 +7,18 @@
 //! |---|---|---|
 //! | field and default | here, or `axis`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
 //! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
-//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`; the formats before go on being read, what they do not know is put behind them (`completed`). A field of a struct inside `Settings` cannot be put behind: `decode` then reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
+//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`. Records of the formats before are still read: `completed` appends the default of the new field. That works only for a field of [`Settings`] itself; with a new field in a struct inside it, `decode` reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
 //! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
-//! | M503 | `machine/answers/setting.rs`; of drivers `say_driver_settings` in `machine/commands/settings/shown.rs` | the same test |
-//! | who reads it | `motion`, `driver` or `machine` | its own tests |
+//! | M503 | the words in `machine/commands/settings/shown.rs` (`say_setting`, `say_settings`, `say_driver_settings`); a line of its own also in `machine/answers/setting.rs` | the same test |
+//! | who reads it | `motion` (limits of a move by what it is for: `purpose` and `Limits` in `motion::planner`), `driver` or `machine` | its own tests; a limit of motion also in `tests/motion/model.rs` and, if a line may loosen it, `boards/sim/src/limits.rs` |
+//! | whether it counts at once | a setting that a board reads only when it starts: [`Settings::is_built_as`] | compiler |
 //! | its sum in RAM | `kept`, by `Hash` | compiler |
 //! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |
 //!
 //! A new [`ShaperKind`] is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
 //! (`gcode::shaping`), the two functions that translate between kind and number, with M593's text (`machine/commands/shaping.rs`),
-//! and `KindToml` (the machine file). The compiler asks for impulses and `name_of`, the same test for the rest, and
+//! `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses and `name_of`, the same test for the rest, and
 //! `tests/motion/shapers.rs` for figures from the literature. By hand: `FREQUENCY` in `check` if it lasts longer than the others,
 //! docs/shaping.md, M593 in docs/host-protocol.md, README.md, the comment in `examples/machines/prototype.toml`.
 //!
@@ -50,7 +51,7 @@ use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
-/// What limits the speed in a corner. `motion::planner::junction` has the law. A machine file chooses a rule by its key
+/// What limits the speed in a corner; a rule has one value. `motion::planner::junction` has the law. A machine file chooses a rule by its key
 /// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`). A new one comes last,
 /// as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -198,7 +199,38 @@ impl Settings {
     /// Whether both are put together alike: motors, plugs and serial lines, which a board looks at when it starts.
     #[must_use]
     pub fn is_built_as(&self, other: &Self) -> bool {
-        self.mechanism == other.mechanism && self.wiring == other.wiring && self.baud == other.baud
+        // All of them by name: whoever adds one says here whether a board reads it only when it starts.
+        let Self {
+            mechanism,
+            wiring,
+            baud,
+            axes: _,
+            motor_max_speed: _,
+            motor_max_acceleration: _,
+            print_acceleration: _,
+            retract_acceleration: _,
+            travel_acceleration: _,
+            corner: _,
+            extruder_jerk: _,
+            min_feed: _,
+            min_travel: _,
+            shapers: _,
+            advance: _,
+            homing: _,
+            soft_endstops: _,
+            arc_tolerance: _,
+            keepalive_s: _,
+            patience_ms: _,
+            lookahead_time: _,
+            advanced_ok: _,
+            drivers: _,
+            minimum_cruise_ratio: _,
+            require_homing: _,
+            thermal: _,
+            endstops: _,
+            homing_order: _,
+        } = *self;
+        mechanism == other.mechanism && wiring == other.wiring && baud == other.baud
     }
 
     /// Resolution of a motor: that of the axes that it moves, or of the extruder if it moves none.

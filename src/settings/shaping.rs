@@ -1,4 +1,5 @@
-//! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag.
+//! Shaping: what is done to the trajectory so that the tool does not ring and the nozzle does not lag: input shapers, and pressure
+//! advance ([`Advance`]: its time, and the window over which the speed is averaged).
 
 use crate::units::{Hertz, Mm, Ratio, Seconds};
 use serde::{Deserialize, Serialize};

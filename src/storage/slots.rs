@@ -7,7 +7,7 @@
 use super::record::{LONGEST, Receipt, Record, Rejected, decode, encode, length};
 use crate::kinematics::Mechanism;
 use crate::port::{Storage, StorageError};
-use crate::settings::Settings;
+use crate::settings::{Settings, SettingsError};
 
 /// Transfers never cross a multiple of this: the page of an AT24C32 (datasheet 0336K, page write).
 pub const PAGE: usize = 32;
@@ -114,6 +114,8 @@ pub enum SaveError {
     NotKept,
     /// The settings do not fit into a slot, which a compile-time check excludes.
     TooLong,
+    /// The settings would be refused when they are read, and all others with them.
+    Illegal(SettingsError),
 }
 
 impl core::fmt::Display for SaveError {
@@ -122,6 +124,7 @@ impl core::fmt::Display for SaveError {
             Self::Storage(error) => error.fmt(f),
             Self::NotKept => f.write_str("storage does not keep what is written"),
             Self::TooLong => f.write_str("the settings are too long"),
+            Self::Illegal(why) => why.fmt(f),
         }
     }
 }
@@ -185,6 +188,7 @@ fn take_newer(newest: &mut Option<Stored>, slot: Slot, is_earlier: bool, record:
 /// # Errors
 /// If they are not safely stored; then those stored before still are.
 pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Receipt, SaveError> {
+    settings.check().map_err(SaveError::Illegal)?;
     let (slot, sequence) = match survey(storage).await?.newest {
         Some(newest) if newest.settings == *settings => return Ok(newest.receipt),
         Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1)),
@@ -268,5 +272,7 @@ mod tests {
         let errors = [SaveError::Storage(StorageError::Failed), SaveError::NotKept, SaveError::TooLong];
         let texts = ["storage does not answer", "storage does not keep what is written", "the settings are too long"];
         assert_eq!(errors.map(|error| error.to_string()), texts);
+        let illegal = SaveError::Illegal(SettingsError::OutOfRange("filament"));
+        assert_eq!(illegal.to_string(), "filament is outside its legal range");
     }
 }

@@ -237,7 +237,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         if self.scrub_in == 0 {
             self.scrub_in = SCRUB;
             if self.sum() != self.settings_sum {
-                self.status.fault().set(Fault { cause: Cause::SettingsDamaged, subject: 0, value: 0, limit: 0 });
+                self.status.fault().set(Fault::plain(Cause::SettingsDamaged));
             }
         }
     }

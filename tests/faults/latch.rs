@@ -27,7 +27,7 @@ fn a_fault_that_somebody_else_sets_ends_the_heat_within_a_period() {
 
 #[test]
 fn f39_faults_that_come_one_after_the_other_are_a_series() {
-    let fault = Fault { cause: Cause::SensorOpen, subject: 0, value: 0, limit: 0 };
+    let fault = Fault::plain(Cause::SensorOpen);
     let mut words = None;
     for (uptime, is_series) in [(2, false), (3, false), (2, true)] {
         let before = words.and_then(|words| Record::from_words(&words));

@@ -49,7 +49,12 @@ their pins (PB4, PB15, PC8, PB3); BOOT1 (PB2, FAN2) has to be low: if no bootloa
 
 /// What to do before the chip's own bootloader runs on a board.
 const fn before_dfu(board: Board) -> &'static str {
-    if matches!(board, Board::Spider) { BEFORE_DFU_SPIDER } else { BEFORE_DFU }
+    match board {
+        Board::Octopus | Board::OctopusPro => BEFORE_DFU,
+        Board::Spider => BEFORE_DFU_SPIDER,
+        // It has no USB of its own.
+        Board::Nucleo => "",
+    }
 }
 
 /// What dfu-util 0.11 says when everything has arrived.

@@ -5,6 +5,7 @@
 #[path = "common/json_schema.rs"]
 mod json_schema;
 
+use corehbot::connectors::BoardConnectors;
 use json_schema::is_of;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -174,6 +175,35 @@ fn what_is_unwise_is_a_warning_and_still_a_machine() {
     assert!(said.contains(":2:14: warning: drivers.z.current_ma = 1500: above 1414 mA"), "{said}");
     assert!(said.contains(":4:5: warning: endstops.z: a switch that closes"), "{said}");
     assert!(said.ends_with(": a machine of 7 motors for any board; no errors, 2 warnings\n"), "{said}");
+}
+
+/// docs/machines.md has every board and every kind of machine.
+#[test]
+fn the_document_names_every_board_and_every_kind_of_machine() {
+    let document = include_str!("../../../docs/machines.md");
+    let rows = document.lines().filter(|line| line.starts_with("| `")).collect::<Vec<_>>();
+    for board in BoardConnectors::ALL {
+        let name = format!("`{}`", board.key);
+        let is_named = |row: &&str| row.split('|').nth(1).is_some_and(|cell| cell.contains(&name));
+        assert!(rows.iter().any(is_named), "the table of connectors has no {name}");
+        assert!(
+            rows.iter().any(|row| row.starts_with("| `board`") && row.contains(&name)),
+            "the key board has no {name}"
+        );
+    }
+    for path in examples() {
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let kind = if name == "prototype" { "corehbot" } else { name };
+        assert!(document.contains(&format!("`{kind}`")), "{kind}");
+        assert_eq!(config(&["new", "--machine", kind]).status.code(), Some(0), "`config new` does not know {kind}");
+    }
+}
+
+#[test]
+fn a_host_that_may_be_silent_for_longer_than_the_look_ahead_lasts_is_a_warning() {
+    let path = file("patience", "patience_ms = 2000\nlookahead_time = 2\n");
+    let said = out(&config(&["check", path.to_str().unwrap()]));
+    assert!(said.contains(":1:15: warning: patience_ms = 2000: not below lookahead_time = 2 s"), "{said}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ use crate::host_serial::HostSerial;
 use crate::step_pins::StepPins;
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usb::{self, UsbPort};
-use crate::{fault, heater_timer, priorities, reset_reason, watchdog};
+use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, watchdog};
 
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
@@ -66,6 +66,7 @@ pub fn start(handles: Handles, usb: Option<UsbPort>, awake: bool) -> ! {
     EXECUTOR.init(Executor::new()).run(|spawner| {
         spawn(spawner, run_console(console));
         spawn(spawner, keep_time());
+        spawn(spawner, pin_scrub::run(status));
         if let Some(port) = usb {
             spawn(spawner, usb::serve(port));
         }
@@ -169,6 +170,15 @@ fn SysTick() {
     //   Console, the StepGenerator and ThermalControl all begin later;
     // - nobody else uses the place, and an exception does not interrupt itself.
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
+}
+
+/// Looks at the step pins' words while nothing interrupts. For the thread alone, which never interrupts the Stepper.
+pub fn with_step_pins<R>(look: impl FnOnce(&StepPins) -> R) -> R {
+    cortex_m::interrupt::free(|_| {
+        // SAFETY: [`start`] is called after `give_stepper`, and nobody runs but the thread, which does not work with the
+        // Stepper otherwise.
+        unsafe { STEPPER.with_alone(|stepper| look(stepper.port())) }
+    })
 }
 
 /// Software has a move to turn into steps, or room for steps.

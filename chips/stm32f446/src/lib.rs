@@ -74,6 +74,8 @@ mod machine_at_start;
 #[cfg(target_os = "none")]
 mod otg;
 #[cfg(target_os = "none")]
+mod pin_scrub;
+#[cfg(target_os = "none")]
 mod plain_serial;
 #[cfg(target_os = "none")]
 mod ports;

@@ -153,7 +153,7 @@ pub fn take() -> Past {
     }
     let was_recorded = is_fresh();
     if has_bitten && !was_recorded {
-        note(Fault { cause: Cause::Watchdog, subject: 0, value: 0, limit: 0 });
+        note(Fault::plain(Cause::Watchdog));
     }
     KEPT.is_fresh.store(0, Ordering::Relaxed);
     KEPT.uptime.store(0, Ordering::Relaxed);

@@ -11,9 +11,10 @@
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
+use core::hash::{Hash, Hasher};
 use core::sync::atomic::{Ordering::AcqRel, compiler_fence};
 
-use corehbot::kinematics::Groups;
+use corehbot::kinematics::{Groups, SETS};
 use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::motors::MOST_GROUPS;
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, STEP_PULSE_NS, StepPort};
@@ -92,6 +93,49 @@ impl StepPins {
             endstops: Endstops::new(plugged),
         }
     }
+}
+
+/// A few words, so few that they are copied in less time than a step may be late.
+pub type Row = [u32; 4];
+
+impl StepPins {
+    /// The words that edges are made of and inputs are read by, row by row; `None` after the last. The levels of direction pins
+    /// are not among them: anybody may read them ([`Self::dirs`]).
+    #[must_use]
+    pub fn row(&self, number: usize) -> Option<Row> {
+        let Some(number) = number.checked_sub(SETS) else {
+            return Some(*self.steps.of(GroupSet(number as u8)));
+        };
+        let [a, b, c] = &self.quick;
+        Some(match number {
+            0 => self.low,
+            1 => self.step_ports.map(address),
+            2 => [address(a.port), address(b.port), address(c.port), self.held.0.into()],
+            3 => [a.low, b.low, c.low, 0],
+            _ => {
+                let input = self.endstops.0.get(number - 4)?;
+                [address(input.port), input.mask, input.triggered, 0]
+            }
+        })
+    }
+
+    /// The direction pins.
+    #[must_use]
+    pub const fn dirs(&self) -> &'static Dirs {
+        self.dirs
+    }
+}
+
+impl Hash for Dirs {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.ports.map(address).hash(state);
+        (0..SETS).for_each(|set| self.writes.of(GroupSet(set as u8)).hash(state));
+    }
+}
+
+/// Where a port's registers are.
+fn address(port: Registers) -> u32 {
+    port.as_ptr() as u32
 }
 
 /// All groups.

@@ -65,25 +65,43 @@ fn streams() -> Vec<Channel> {
 
 /// Every pin that the table names, with what it is for.
 fn pins(board: &Board) -> Vec<(Pin, String)> {
+    // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the loads.
+    let Board {
+        name: _,
+        connectors: _,
+        crystal: _,
+        sockets,
+        inputs,
+        probe,
+        thermistors,
+        loads,
+        heaters: _,
+        fans: _,
+        supply_switch,
+        serial,
+        has_usb,
+        eeprom,
+        marks: _,
+    } = *board;
     let mut pins = Vec::new();
-    for (n, slot) in board.sockets.iter().enumerate() {
+    for (n, slot) in sockets.iter().enumerate() {
         pins.extend([(slot.step, "step"), (slot.dir, "dir")].map(|(pin, what)| (pin, format!("{what} {n}"))));
         pins.extend(slot.uart.map(|pin| (pin, format!("uart {n}"))));
     }
     // One line may enable several drivers.
-    for slot in board.sockets {
+    for slot in sockets {
         if !pins.iter().any(|(pin, what)| *pin == slot.enable && what == "enable") {
             pins.push((slot.enable, "enable".into()));
         }
     }
-    pins.extend(board.inputs.iter().map(|pin| (*pin, "input".into())));
-    pins.extend(board.probe.map(|probe| (probe.pin, "probe".into())));
-    pins.extend(board.thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
-    pins.extend(board.loads.iter().map(|pin| (*pin, "load".into())));
-    pins.extend(board.supply_switch.map(|switch| (switch.pin, "supply switch".into())));
-    pins.extend(board.serial.iter().flat_map(|port| [(port.tx, "tx".into()), (port.rx, "rx".into())]));
-    pins.extend(board.eeprom.into_iter().flatten().map(|pin| (pin, "eeprom".into())));
-    pins.extend(USB.into_iter().filter(|_| board.has_usb).map(|pin| (pin, "usb".into())));
+    pins.extend(inputs.iter().map(|pin| (*pin, "input".into())));
+    pins.extend(probe.map(|probe| (probe.pin, "probe".into())));
+    pins.extend(thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
+    pins.extend(loads.iter().map(|pin| (*pin, "load".into())));
+    pins.extend(supply_switch.map(|switch| (switch.pin, "supply switch".into())));
+    pins.extend(serial.iter().flat_map(|port| [(port.tx, "tx".into()), (port.rx, "rx".into())]));
+    pins.extend(eeprom.into_iter().flatten().map(|pin| (pin, "eeprom".into())));
+    pins.extend(USB.into_iter().filter(|_| has_usb).map(|pin| (pin, "usb".into())));
     pins
 }
 

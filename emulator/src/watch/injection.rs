@@ -24,6 +24,9 @@ const DETECTOR: [(u64, u64); 3] = [(0x4000_7004, 1 << 2), (0x4001_3C00, 1 << 16)
 const RCC_CR: u64 = 0x4002_3800;
 const PLLON: u64 = 1 << 24;
 
+/// More bytes than a Stepper has.
+const STEPPER_SIZE: u64 = 4096;
+
 /// A fault that the world does to the chip.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Injection {
@@ -52,6 +55,13 @@ pub enum Injection {
         address: u64,
         /// What.
         value: u64,
+    },
+    /// After so many step events, a bit of the first of these words flips in the Stepper's memory.
+    Flip {
+        /// Events before it.
+        after: usize,
+        /// What the word is before.
+        word: u32,
     },
     /// After so many step events, the trap in the image springs (see [`crate::trap`]).
     Trap {
@@ -111,6 +121,7 @@ impl Watch {
                 Motor::ALL.into_iter().for_each(|motor| self.drivers.of(motor).chip.power_off());
             }
             Some(Injection::Trap { after }) if events >= after => self.spring(session, host),
+            Some(Injection::Flip { after, word }) if events >= after => self.flip(host, word),
             Some(Injection::SupplyFalls { after }) if events >= after => self.drop_supply(session, host, at),
             _ => return,
         }
@@ -142,6 +153,15 @@ impl Watch {
         }
         self.injection = None;
         self.injected = Some(at.0);
+    }
+
+    /// Flips the lowest bit of the first such word in the Stepper's memory.
+    fn flip(&mut self, host: &mut dyn rigless::emulator::Host, word: u32) {
+        let words = (0..STEPPER_SIZE).step_by(4).map(|offset| u64::from(self.stepper) + offset);
+        let mut is_it = |address: &u64| host.read(*address, Width::W32).is_ok_and(|found| found == u64::from(word));
+        let found = words.into_iter().find(&mut is_it);
+        self.is_injectable =
+            found.is_some_and(|address| host.write(address, Width::W32, u64::from(word ^ 1)).is_ok());
     }
 
     /// A context has fallen into the trap.

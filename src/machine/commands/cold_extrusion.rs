@@ -7,7 +7,7 @@ use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::state::notices::Notice;
 use crate::port::Pend;
-use crate::settings::Range;
+use crate::settings::{Range, ranges};
 use crate::units::Celsius;
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
@@ -30,7 +30,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Answer::ColdExtrusion;
         }
         if let Some(least) = least {
-            let range = Range { least: Celsius::ZERO, most: hotend.most };
+            let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };
             self.settings.thermal.min_extrude = self.clamps.near(["M302", "S"], least, range);
             self.allows_cold = false;
         }

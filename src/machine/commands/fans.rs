@@ -8,14 +8,11 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::Notice;
 use crate::port::Pend;
-use crate::settings::{FanRole, Range, ThermalSettings};
+use crate::settings::{FanRole, Range, ThermalSettings, ranges};
 use crate::units::Ratio;
 
 /// What full speed is called.
 pub(in crate::machine) const FULL: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(255) };
-
-/// The longest time for which the controller's fan goes on, in s.
-const RUN_ON_S: Range<u16> = Range { least: 0, most: 3600 };
 
 /// A speed of 255 as one of 65,535.
 const fn duty(speed: Ratio) -> u16 {
@@ -59,15 +56,21 @@ pub(in crate::machine) fn set_controller_fan(
         return Answer::HeatSetting(HeatSetting::ControllerFan);
     }
     let fans = thermal.fans.iter_mut().zip(&defaults.fans).filter(|(fan, _)| fan.role == FanRole::Controller);
-    let wanted = speed.map(|speed| Ratio::from_bits(clamps.near(["M710", "S"], speed, FULL).to_bits() / 255));
     for (fan, default) in fans {
-        fan.most = wanted.unwrap_or(if resets { default.most } else { fan.most });
+        if resets {
+            fan.most = default.most.max(fan.least);
+        }
+        if let Some(speed) = speed {
+            let least = fan.least.max(ranges::MAX_DUTY.least);
+            let range = Range { least: least.saturating_mul_int(255), ..FULL };
+            fan.most = (clamps.near(["M710", "S"], speed, range) / 255).max(least);
+        }
     }
     if resets {
         thermal.fan_run_on_s = defaults.fan_run_on_s;
     }
     if let Some(seconds) = run_on {
-        thermal.fan_run_on_s = clamps.whole(["M710", "D"], seconds, RUN_ON_S);
+        thermal.fan_run_on_s = clamps.whole(["M710", "D"], seconds, ranges::RUN_ON_S);
     }
     match other {
         Some(b'A') => Answer::NotObeyed("M710", b"A"),

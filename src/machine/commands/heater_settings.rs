@@ -10,25 +10,11 @@ use crate::machine::answers::setting::HeatSetting;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
 use crate::machine::state::clamps::Clamps;
-use crate::settings::{Control, FanRole, HeaterSettings, Pid, Range, ThermalSettings};
-use crate::units::{JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
+use crate::settings::{Control, FanRole, HeaterSettings, Pid, Range, ThermalSettings, ranges};
+use crate::units::{Ratio, Seconds};
 
-/// Gains: with 10,000 a hundredth of a degree is full power.
-const GAIN: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(10_000) };
-/// Power: a toy to the most that a socket gives.
-const POWER: Range<Watts> = Range { least: Watts::ONE, most: Watts::const_from_int(3600) };
-/// Capacity: a nozzle of half a gram to a chamber with everything in it.
-const CAPACITY: Range<JoulesPerKelvin> =
-    Range { least: const { JoulesPerKelvin::lit("0.5") }, most: JoulesPerKelvin::const_from_int(60_000) };
-/// Losses: a well-wrapped block to an open chamber.
-const LOSS: Range<WattsPerKelvin> =
-    Range { least: const { WattsPerKelvin::lit("0.001") }, most: WattsPerKelvin::const_from_int(200) };
-/// A time constant: a control period to the longest that its type holds.
-const LAG: Range<Seconds> = Range { least: const { Seconds::lit("0.02") }, most: Seconds::const_from_int(255) };
-/// Its reciprocal, in 1/s.
-const RESPONSIVENESS: Range<Ratio> = Range { least: const { Ratio::lit("0.004") }, most: Ratio::const_from_int(50) };
-/// Heat of a mm of filament, in J/K: 1.75 mm have 0.006, 2.85 mm 0.015.
-const FILAMENT: Range<WattsPerKelvin> = Range { least: WattsPerKelvin::ZERO, most: WattsPerKelvin::ONE };
+/// The reciprocal of a time constant, in 1/s: of the longest and of the shortest legal one.
+const RESPONSIVENESS: Range<Ratio> = Range { least: const { Ratio::lit("0.00834") }, most: Ratio::const_from_int(10) };
 
 /// M301, M304.
 pub(in crate::machine) fn set_pid(
@@ -43,7 +29,7 @@ pub(in crate::machine) fn set_pid(
     let Pid { p, i, d } = &mut settings.pid;
     for ((place, letter), gain) in [(p, "P"), (i, "I"), (d, "D")].into_iter().zip(gains) {
         if let Some(gain) = gain {
-            *place = clamps.near([pid_code(heater), letter], gain, GAIN);
+            *place = clamps.near([pid_code(heater), letter], gain, ranges::GAIN);
         }
     }
     settings.control = Control::Pid;
@@ -71,28 +57,29 @@ pub(in crate::machine) fn set_model(
     let ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament } = *words;
     let settings = thermal.heater_mut(heater);
     if let Some(number) = power {
-        settings.power = clamps.near(["M306", "P"], number, POWER);
+        settings.power = clamps.near(["M306", "P"], number, ranges::POWER);
     }
     let model = &mut settings.model;
     if let Some(number) = capacity {
-        model.capacity = clamps.near(["M306", "C"], number, CAPACITY);
+        model.capacity = clamps.near(["M306", "C"], number, ranges::CAPACITY);
     }
     if let Some(number) = loss {
-        model.loss = clamps.near(["M306", "A"], number, LOSS);
+        model.loss = clamps.near(["M306", "A"], number, ranges::LOSS);
     }
     if let Some(number) = fan_loss {
-        let whole = clamps.near(["M306", "F"], number, Range { least: model.loss, ..LOSS });
+        let whole = clamps.near(["M306", "F"], number, Range { least: model.loss, ..ranges::LOSS });
         model.fan_loss = whole.saturating_sub(model.loss);
     }
     if let Some(number) = responsiveness {
-        model.sensor_lag = reciprocal(clamps.near(["M306", "R"], number, RESPONSIVENESS));
+        let lag = reciprocal(clamps.near(["M306", "R"], number, RESPONSIVENESS));
+        model.sensor_lag = ranges::LAG.clamp(lag);
     }
     if let Some(number) = heater_lag {
-        model.heater_lag = clamps.near(["M306", "L"], number, LAG);
+        model.heater_lag = clamps.near(["M306", "L"], number, ranges::LAG);
     }
     settings.control = Control::Model;
     if let Some(number) = filament {
-        thermal.filament = clamps.near(["M306", "H"], number, FILAMENT);
+        thermal.filament = clamps.near(["M306", "H"], number, ranges::FILAMENT);
     }
     Answer::Nothing
 }

@@ -8,18 +8,22 @@
 //! which refuses an endstop that the board does not have. It also needs:
 //!
 //! - `Command::Probing` taken apart, and letters in `gcode::grammar` (`tests/gcode.rs` asks for them);
-//! - a probe in the rig (`Rig::inputs`) and in QEMU's port (`StepPort::inputs` there is the default, without one), and one in
+//! - a probe in the rig (`Rig::inputs` says which there are, `Rig::endstops` presses them) and in QEMU's port (`StepPort::inputs` there is the default, without one), and one in
 //!   `emulator/src/wiring.rs`;
 //! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the rig, and
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
 //!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`reports/tell.rs`);
-//! - another word than "Probing" in boards/octopus/README.md, among what is not there.
+//! - another word than "Probing" in boards/*/README.md, among what is not there.
 //!
-//! To home Z by the probe instead: a setting that gives `switch` in `axis`; `Settings::check_connectors` must ask `has_probe` of the board,
-//! which nobody does yet, and no switch of z; its level must come from the machine file, for with that of the Octopus a cut wire reads as
-//! not triggered; and the tool has to stand over the bed first.
+//! To home Z by the probe instead, moreover:
+//!
+//! - a setting that says so, by which `axis` chooses the endstop, and the probe's offset;
+//! - `Settings::check_connectors` must ask the board for a probe (`BoardConnectors::has_probe`), and not for a switch of z, which
+//!   `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs` and M119 take for granted as well;
+//! - the level of the probe's input in the machine file: with that of the Octopus a cut wire reads as not triggered;
+//! - the tool over the bed before Z goes down.
 
 use crate::gcode::AxisFlags;
 use crate::machine::answers::answer::Answer;

@@ -24,6 +24,7 @@
 //! | M593, M900, M572 | [`shaping`] |
 //! | M569, M906, M913, M914 | [`drivers`] |
 //! | M92, M201 to M205, M500 to M504 | [`settings`] |
+//! | anything else | its arm in [`immediate`] or [`blocking`] |
 //!
 //! | word | means |
 //! |---|---|

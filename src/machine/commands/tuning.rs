@@ -8,7 +8,7 @@ use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, Pend};
-use crate::settings::{HeaterSettings, Pid, Range};
+use crate::settings::{HeaterSettings, Pid, Range, ranges};
 use crate::status::{Tuned, Tuning};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
 
@@ -100,12 +100,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 /// Takes over what M303 has found. The two lags cannot be told apart, so each gets half. A loss to the part fan that
 /// was not found stays.
 fn apply(tuned: &Tuned, heater: &mut HeaterSettings) {
-    let lag = Seconds::from_bits((tuned.lag / 2).max(1));
-    heater.model.capacity = JoulesPerKelvin::from_bits(tuned.capacity);
-    heater.model.loss = WattsPerKelvin::from_bits(tuned.loss);
+    let lag = ranges::LAG.clamp(Seconds::from_bits(tuned.lag / 2));
+    heater.model.capacity = ranges::CAPACITY.clamp(JoulesPerKelvin::from_bits(tuned.capacity));
+    heater.model.loss = ranges::LOSS.clamp(WattsPerKelvin::from_bits(tuned.loss));
     if tuned.fan_loss > 0 {
-        heater.model.fan_loss = WattsPerKelvin::from_bits(tuned.fan_loss);
+        heater.model.fan_loss = WattsPerKelvin::from_bits(tuned.fan_loss).min(ranges::LOSS.most);
     }
     (heater.model.heater_lag, heater.model.sensor_lag) = (lag, lag);
-    heater.pid = Pid { p: Ratio::from_bits(tuned.p), i: Ratio::from_bits(tuned.i), d: Ratio::from_bits(tuned.d) };
+    let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|gain| ranges::GAIN.clamp(Ratio::from_bits(gain)));
+    heater.pid = Pid { p, i, d };
 }

@@ -23,8 +23,11 @@
 //! bear in that direction: a corner between the bed plane and Z is as slow as Z is.
 //!
 //! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion` (`corners`, `model`,
-//! `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of [`CornerRule`]: the compiler asks for
-//! it here and there, `boards/sim/tests/every_setting.rs` for its key in machine files and its letter of M205.
+//! `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of [`CornerRule`], which the compiler asks for
+//! in all these places, and `boards/sim/tests/every_setting.rs` for its key in machine files and its letter of M205.
+//!
+//! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number, as a jerk of
+//! each axis, needs a `corner` and laws for bends of its own.
 
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
 use super::path_curvature::PathCurvature;
@@ -125,8 +128,6 @@ fn bend(
         return most;
     }
     let max_accel = if is_straight { accel_limits.acceleration } else { accel_limits.along(change, root(change_sq)) };
-    // A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number needs a
-    // `corner` and laws for bends of its own.
     let base = match s.corner {
         CornerRule::JunctionDeviation(d) => max_accel * from_bits(d.to_bits().unsigned_abs()),
         CornerRule::SquareCorner(w) => speed(w) * speed(w) * (SQRT_2 - 1.0),

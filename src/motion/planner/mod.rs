@@ -11,7 +11,10 @@
 //!
 //! # Words
 //!
-//! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is stored.
+//! - **look-ahead**, **window**: the moves whose speeds may still change, oldest first. **slot**: where a move is stored. Its size is
+//!   `LOOKAHEAD_MOVES` in `planned`.
+//! - **purpose**: what a move is for (print, travel, retract), each with its acceleration and least speed; limits of speed are
+//!   `Limits` in `geometry`.
 //! - **junction speed**: the greatest speed at a corner. **entry**, **exit speed**: how fast a move begins and ends.
 //! - **final**: an exit speed that no later move can change. **frozen**: an exit speed that was not final but is fixed now,
 //!   because its move had to leave early (**forced**).

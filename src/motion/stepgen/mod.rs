@@ -39,10 +39,11 @@ mod merge;
 mod step_time_buffer;
 mod step_time_solver;
 
+use crate::fault::{Cause, Fault};
 use crate::kinematics::Groups;
 use crate::motion::queue::{LONGEST_INTERVAL, PackedEvent, SLOTS, StepsIn};
 use crate::motion::ticks::{NEAR, earlier};
-use crate::motion::trajectory::{Position, SpanMemory, Trajectory};
+use crate::motion::trajectory::{AXES, Position, SpanMemory, Trajectory};
 use crate::motion::work::Entry;
 use crate::motors::MOST_GROUPS;
 use crate::port::{EndstopSet, GroupSet, Pend};
@@ -111,6 +112,8 @@ pub struct StepGenerator<'m> {
     position: Position,
     forward: GroupSet,
     watch: EndstopSet,
+    /// The axis whose taps are looked at in the next call.
+    scrubbed: usize,
 }
 
 impl<'m> StepGenerator<'m> {
@@ -144,6 +147,7 @@ impl<'m> StepGenerator<'m> {
             position: Position::default(),
             forward: GroupSet::NONE,
             watch: EndstopSet::NONE,
+            scrubbed: 0,
         }
     }
 
@@ -151,6 +155,7 @@ impl<'m> StepGenerator<'m> {
     /// done; in the last case it pends itself. Call it whenever either queue may have moved.
     pub fn run(&mut self, pend: &impl Pend) {
         self.status.heat().beat_of_generator();
+        self.scrub();
         let is_more_to_do = self.make_events();
         // A Stepper that rests after the last event needs a call when there are more.
         if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
@@ -159,6 +164,14 @@ impl<'m> StepGenerator<'m> {
         if is_more_to_do {
             pend.pend_generator();
         }
+    }
+
+    /// Looks at the taps of one axis, which nobody else can see; at all of them in as many calls as there are axes.
+    fn scrub(&mut self) {
+        if !self.trajectory.is_whole(self.scrubbed) {
+            self.status.fault().set(Fault::plain(Cause::SettingsDamaged));
+        }
+        self.scrubbed = (self.scrubbed + 1) % AXES;
     }
 
     /// Makes as many as one call may; whether there is more to do at once.
@@ -319,14 +332,47 @@ impl<'m> StepGenerator<'m> {
 #[cfg(test)]
 mod tests {
     use super::{BATCH, LEAST_ROOM, StepGenerator};
+    use crate::fault::Cause;
     use crate::kinematics::Groups;
     use crate::motion::planner::{Planner, Target};
+    use crate::motion::trajectory::{ADVANCE, AXES, Tap};
     use crate::motion::work::{Entry, Work};
     use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
-    use crate::port::EndstopSet;
+    use crate::port::{EndstopSet, Pend};
     use crate::settings::Settings;
     use crate::status::Status;
     use crate::units::{Mm, MmPerSec, StepsPerMm};
+
+    struct Nobody;
+
+    impl Pend for Nobody {
+        fn pend_generator(&self) {}
+        fn pend_stepper(&self) {}
+    }
+
+    #[test]
+    fn f40_a_tap_that_changes_by_itself_is_found_in_as_many_calls_as_there_are_axes() {
+        let groups = Groups::new(&Settings::prototype().mechanism);
+        for (axis, bit) in (0..ADVANCE).flat_map(|axis| (0..32).map(move |bit| (axis, bit))) {
+            let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+            let ((_, moves_out), (steps_in, _)) = (move_queue.split(), step_queue.split());
+            let (mut spans, status) = (SpanMemory::new(), Status::new());
+            let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+            let call_for_each_axis = |generator: &mut StepGenerator<'_>| {
+                (0..AXES).for_each(|_| generator.run(&Nobody));
+                status.fault().fault().map(|fault| fault.cause)
+            };
+            assert_eq!(call_for_each_axis(&mut generator), None);
+            if let Some(tap) = generator.trajectory.damage(axis) {
+                *tap = if bit % 2 == 0 {
+                    Tap { delay: tap.delay ^ 1 << bit, ..*tap }
+                } else {
+                    Tap { weight: f32::from_bits(tap.weight.to_bits() ^ 1 << bit), ..*tap }
+                };
+            }
+            assert_eq!(call_for_each_axis(&mut generator), Some(Cause::SettingsDamaged), "axis {axis}, bit {bit}");
+        }
+    }
 
     /// Reproducer: at 300,000 events a second the generator filled every slot as the Stepper freed it, one event a call,
     /// which took four times as long as usual and left the Console nothing.

@@ -4,6 +4,7 @@ use super::span::{AxisState, Boundary, ONE, Span};
 use super::stiffening::Stiffening;
 use super::taps::{TAPS, Tap, Taps};
 use crate::motion::number::{from_f32, to_f32};
+use crate::settings::sum;
 use crate::units::{Steps, SubTicks};
 
 // A delay has 8 bits of a tick and a time 16, so the product of a delay and a scale is shifted by 22 bits.
@@ -30,6 +31,8 @@ pub(super) trait Spans {
 pub(super) struct Axis {
     index: usize,
     taps: Taps,
+    /// Of `taps`, when they came.
+    sum_of_taps: u32,
     cursors: [Cursor; TAPS],
     /// Whether the copies make up a position; otherwise what they have in common does not count.
     is_position: bool,
@@ -61,10 +64,11 @@ impl Lateness {
 
 impl Axis {
     /// An axis that follows the spans at once.
-    pub const fn new(index: usize) -> Self {
+    pub fn new(index: usize) -> Self {
         Self {
             index,
             taps: Taps::new(),
+            sum_of_taps: sum(&Taps::new()),
             cursors: [Cursor { span: 0, is_inside: false }; TAPS],
             is_position: true,
             stiffening: Stiffening::NONE,
@@ -75,8 +79,20 @@ impl Axis {
     /// Follows other taps from now on; the axis is at rest.
     pub fn follow(&mut self, taps: &[Tap], is_position: bool) {
         self.taps = taps.iter().copied().take(TAPS).collect();
+        self.sum_of_taps = sum(&self.taps);
         self.is_position = is_position;
         self.update_lateness();
+    }
+
+    /// Whether its taps are still what they were when they came.
+    pub fn is_whole(&self) -> bool {
+        sum(&self.taps) == self.sum_of_taps
+    }
+
+    /// A tap, to be changed by nobody.
+    #[cfg(test)]
+    pub fn damage(&mut self) -> Option<&mut Tap> {
+        self.taps.first_mut()
     }
 
     /// Rings like that from now on; the axis is at rest.

@@ -11,7 +11,7 @@
 //! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
 //!
 //! A new shaper is an arm of `impulses` in `shaper.rs`. It may have up to `MOST_IMPULSES` (there), and an axis up to [`TAPS`]
-//! (`taps.rs`), which every axis pays for in memory and in time; it must not take longer than [`SPANS`] remember.
+//! (`taps.rs`), which every axis pays for in memory and in time; where it takes longer than [`SPANS`] of short moves remember, short moves take longer.
 //!
 //! # Words
 //!
@@ -123,6 +123,17 @@ impl<'m> Trajectory<'m> {
             axis.follow(taps, is_position);
             axis.restart(self.ring.laid);
         }
+    }
+
+    /// Whether an axis still follows the taps that it was told to.
+    pub fn is_whole(&self, axis: usize) -> bool {
+        self.axes.get(axis).is_none_or(Axis::is_whole)
+    }
+
+    /// A tap of an axis, to be changed by nobody.
+    #[cfg(test)]
+    pub fn damage(&mut self, axis: usize) -> Option<&mut Tap> {
+        self.axes.get_mut(axis).and_then(Axis::damage)
     }
 
     /// Has an axis ring like that; all rest.

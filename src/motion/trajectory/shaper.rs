@@ -5,6 +5,8 @@
 //! Reduction Using Vector Diagrams to Generate Shaped Inputs" (1994) and "Extra-Insensitive Input Shapers for Controlling
 //! Flexible Spacecraft" (1996) for EI and its humps, with the fits of Klipper's documentation over the damping.
 //!
+//! The two taps of the pressure advance are made in [`taps`], from `Advance::window`.
+//!
 //! All axes are delayed alike, by as much as the slowest shaper and the advance need, so that they stay together.
 
 use super::{AXES, Stiffening, TAPS, Tap, Taps};

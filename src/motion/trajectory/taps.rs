@@ -7,6 +7,7 @@
 //! would make cubics, which the solver of step times does not take. The weights of the advance sum to 0, those of a shaper to 1.
 
 use crate::units::SubTicks;
+use core::hash::{Hash, Hasher};
 use heapless::Vec;
 
 /// Most copies of an axis. A shaper with two humps has four impulses; a fifth is for one with three (`MOST_IMPULSES` in `shaper`).
@@ -30,6 +31,13 @@ impl Tap {
     /// How late it is, in ticks times 2^16.
     pub const fn late(&self) -> SubTicks {
         SubTicks((self.delay as u64) << 8)
+    }
+}
+
+/// Every bit counts, so that none of a tap flips unseen.
+impl Hash for Tap {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (self.delay, self.weight.to_bits()).hash(state);
     }
 }
 

@@ -1,4 +1,5 @@
-//! Fans: who says how fast they run.
+//! Fans: who says how fast each runs. What the fans have in common (`hotend_fan_above`, `fan_run_on_s`) is in
+//! [`ThermalSettings`](super::ThermalSettings).
 
 use crate::units::Ratio;
 use serde::{Deserialize, Serialize};

@@ -5,8 +5,8 @@ extern crate std;
 use super::*;
 use crate::connectors::{ConnectorName, Output, Sensor};
 use crate::settings::{
-    Advance, AxisEnd, Control, CornerRule, DriverSettings, EndstopPlug, FanRole, FanSettings, Guards, HeaterModel,
-    HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
+    Advance, AxisEnd, Control, CornerRule, DriverGroups, DriverSettings, EndstopPlug, FanRole, FanSettings, Guards,
+    HeaterModel, HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -90,54 +90,60 @@ fn the_shape_of_this_format_is_known() {
     assert_eq!(std::fs::read(file).unwrap(), bytes, "format {FORMAT}");
 }
 
+/// All of them by name and number: a new one does not compile before it is here.
 fn spelled_out() -> Settings {
-    let mut s = Settings::prototype();
-    for (i, axis) in [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z, &mut s.axes.e].into_iter().enumerate() {
-        let i = i as i32;
-        *axis = AxisSettings {
-            steps_per_mm: StepsPerMm::from_num(100),
-            max_speed: MmPerSec::from_num(200 + i),
-            max_acceleration: MmPerSec2::from_num(3000 + i),
-            length: Mm::from_num(400 + i),
-        };
-    }
+    let axis = |i: i32| AxisSettings {
+        steps_per_mm: StepsPerMm::from_num(100),
+        max_speed: MmPerSec::from_num(200 + i),
+        max_acceleration: MmPerSec2::from_num(3000 + i),
+        length: Mm::from_num(400 + i),
+    };
     let homing = Homing { fast: MmPerSec::ONE, slow: MmPerSec::lit("0.5"), back_off: Mm::lit("2.5") };
-    (s.homing.x, s.homing.y, s.homing.z) = (homing, homing, homing);
-    (s.motor_max_speed, s.motor_max_acceleration) = (MmPerSec::from_num(451), MmPerSec2::from_num(7501));
-    (s.print_acceleration, s.retract_acceleration) = (MmPerSec2::from_num(3001), MmPerSec2::from_num(3002));
-    s.travel_acceleration = MmPerSec2::from_num(5001);
-    s.corner = CornerRule::SquareCorner(MmPerSec::from_num(9));
-    s.extruder_jerk = MmPerSec::from_num(6);
-    (s.min_feed, s.min_travel) = (MmPerSec::ONE, MmPerSec::ZERO);
     let shaper = |kind, hertz| Shaper {
+        kind,
+        frequency: Hertz::from_num(hertz),
+        damping: Ratio::lit("0.05"),
         span: Mm::from_num(800),
         motor_frequency: Hertz::from_num(300),
-        ..Shaper::new(kind, Hertz::from_num(hertz), Ratio::lit("0.05"))
     };
-    (s.shapers.x, s.shapers.y) = (shaper(ShaperKind::Mzv, 61), shaper(ShaperKind::TwoHumpEi, 42));
-    s.advance = Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") };
-    (s.soft_endstops, s.arc_tolerance, s.keepalive_s) = (true, Mm::lit("0.005"), 2);
-    (s.patience_ms, s.advanced_ok) = (700, true);
-    s.lookahead_time = Seconds::const_from_int(3);
-    s.minimum_cruise_ratio = Ratio::lit("0.4");
-    for (i, drivers) in [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e].into_iter().enumerate() {
-        *drivers = DriverSettings {
-            current_ma: 900 + i as u16,
-            hold_percent: 60,
-            microsteps: 32,
-            stealth: true,
-            hybrid_threshold: MmPerSec::from_num(120),
-            stall_threshold: 70,
-        };
+    let drivers = |i: u16| DriverSettings {
+        current_ma: 900 + i,
+        hold_percent: 60,
+        microsteps: 32,
+        stealth: true,
+        hybrid_threshold: MmPerSec::from_num(120),
+        stall_threshold: 70,
+    };
+    Settings {
+        axes: Axes { x: axis(0), y: axis(1), z: axis(2), e: axis(3) },
+        motor_max_speed: MmPerSec::from_num(451),
+        motor_max_acceleration: MmPerSec2::from_num(7501),
+        print_acceleration: MmPerSec2::from_num(3001),
+        retract_acceleration: MmPerSec2::from_num(3002),
+        travel_acceleration: MmPerSec2::from_num(5001),
+        corner: CornerRule::SquareCorner(MmPerSec::from_num(9)),
+        extruder_jerk: MmPerSec::from_num(6),
+        min_feed: MmPerSec::ONE,
+        min_travel: MmPerSec::ZERO,
+        shapers: Shapers { x: shaper(ShaperKind::Mzv, 61), y: shaper(ShaperKind::TwoHumpEi, 42) },
+        advance: Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") },
+        homing: Cartesian { x: homing, y: homing, z: homing },
+        soft_endstops: true,
+        arc_tolerance: Mm::lit("0.005"),
+        keepalive_s: 2,
+        patience_ms: 700,
+        lookahead_time: Seconds::const_from_int(3),
+        advanced_ok: true,
+        drivers: DriverGroups { belt: drivers(0), z: drivers(1), e: drivers(2) },
+        minimum_cruise_ratio: Ratio::lit("0.4"),
+        mechanism: Mechanism::corehbot(),
+        require_homing: true,
+        thermal: heat(),
+        wiring: wiring(),
+        endstops: endstops(),
+        homing_order: [HomedAxis::Z, HomedAxis::X, HomedAxis::Y],
+        baud: 115_200,
     }
-    s.mechanism = Mechanism::corehbot();
-    s.require_homing = true;
-    s.thermal = heat();
-    s.wiring = wiring();
-    s.endstops = endstops();
-    s.homing_order = [HomedAxis::Z, HomedAxis::X, HomedAxis::Y];
-    s.baud = 115_200;
-    s
 }
 
 fn endstops() -> Cartesian<Endstop> {

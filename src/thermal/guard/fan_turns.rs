@@ -1,5 +1,8 @@
 //! Fan turns: a fan that is driven and stands still, where its connector has a tachometer.
 //!
+//! No board counts pulses yet: `ThermalPort::tachometer` is `None` but in tests. A board that does needs the pin in its `FanPin`
+//! (`chips/stm32f446/src/wiring.rs`), the count in `heat.rs` there, and the pin in `emulator/src/wiring.rs`.
+//!
 //! The pulses are counted over windows of 2 s. A fan of a 3D printer gives two a turn and makes some 1000 turns a minute at its
 //! slowest (4-wire fans: Intel, "4-Wire Pulse Width Modulation Controlled Fans", rev 1.3, sections 3.1 and 3.2: two pulses a
 //! turn, standing below 30 % duty is legal), so one turn in a window is far below any that works.

@@ -8,7 +8,7 @@
 //! | [`WhileOff`] | a switch that does not switch off | without power |
 //! | [`Frozen`] | a reading that stands still | power has changed |
 //! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
-//! | [`FanTurns`] | a fan that is driven and stands still | its connector has a tachometer |
+//! | [`FanTurns`] | a fan that is driven and stands still | its connector has a tachometer, which no board has yet |
 //! | [`Reference`] | a converter whose reference, or whose order of channels, is wrong | always |
 //!
 //! A guard is fed once in a control period and answers with a cause and two numbers, or with nothing. Guards do not look at
@@ -17,7 +17,7 @@
 //! A new guard: a file here and a row above; a field of `HeaterGuards`, in `configure` too if it has a threshold, and a line where the others are fed (`thermal/heater.rs`),
 //! or in `thermal/control.rs` if it is not of one heater; a [`Cause`] (`fault/cause.rs`); what it measures, in `port::ThermalPort`
 //! (`chips/stm32f446/src/heat.rs`, `rig/src/heat.rs`, `tests/thermal/printer.rs` and `tests/support/wild_heat.rs` implement it,
-//! `emulator/src/heat.rs` has the pins); its threshold, if it has one,
+//! `emulator/src/wiring.rs` has the pins); its threshold, if it has one,
 //! in `settings::Guards`. Then a fault of the plant that it finds (`rig/src/plant/faults.rs`), a test in `tests/faults`, and a row
 //! in both tables of docs/safety.md.
 

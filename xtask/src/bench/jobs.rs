@@ -1,15 +1,19 @@
 //! The jobs: what is printed to be measured.
 
 use corehbot::connectors::Heater;
+use corehbot::motion::LOOKAHEAD_MOVES;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, MmPerSec, Ratio, Seconds, StepsPerMm};
 use std::fmt::{self, Write as _};
 
 /// Moves that the look-ahead takes before any leaves.
 const GATHERED: u32 = 140;
+const _: () =
+    assert!(GATHERED as usize <= LOOKAHEAD_MOVES && GATHERED as usize > LOOKAHEAD_MOVES - 16, "nearly all of it");
 
 /// Moves of the planner's job: two look-aheads.
 const MOVES: u32 = 300;
+const _: () = assert!(MOVES as usize / LOOKAHEAD_MOVES == 2, "the table in docs/performance.md is of two");
 
 /// Moves of the circle: few enough for the look-ahead, so that no line waits for the motion.
 const CHORDS: u32 = 120;

@@ -58,7 +58,10 @@ impl Board {
 
     /// Whether the ELF file is for it: one that boards share is for the first of them, and `firmware.bin` alone for another.
     pub const fn has_elf(self) -> bool {
-        !matches!(self, Self::OctopusPro | Self::Spider)
+        match self {
+            Self::Octopus | Self::Nucleo => true,
+            Self::OctopusPro | Self::Spider => false,
+        }
     }
 
     /// What people call it.
@@ -82,12 +85,18 @@ impl Board {
 
     /// Whether USB leads to the processor, and not to a debug probe.
     pub const fn has_usb(self) -> bool {
-        !matches!(self, Self::Nucleo)
+        match self {
+            Self::Octopus | Self::OctopusPro | Self::Spider => true,
+            Self::Nucleo => false,
+        }
     }
 
     /// Whether its bootloader reads a card.
     pub const fn has_card_slot(self) -> bool {
-        !matches!(self, Self::Nucleo)
+        match self {
+            Self::Octopus | Self::OctopusPro | Self::Spider => true,
+            Self::Nucleo => false,
+        }
     }
 
     /// Bytes that the image may leave free in one place.

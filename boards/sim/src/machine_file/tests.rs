@@ -189,7 +189,7 @@ fn errors_name_the_key_and_what_is_legal() {
     assert_eq!(error("[shaper.x]\nfrequency = 9"), "shaper.x.frequency = 9 is outside 10 to 500");
     assert_eq!(error("[shaper.x]\nspan = 10001"), "shaper.x.span = 10001 is outside 0 to 10000");
     assert!(error("[shaper.x]\nspan = 99").contains("shaper.x"));
-    assert!(error("[shaper.y]\nkind = \"zvdd\"").contains("`none`, `zv`, `zvd`, `mzv`, `ei`, `2hump_ei`"));
+    assert!(error("[shaper.y]\nkind = \"nonsense\"").contains("`none`, `zv`, `zvd`, `mzv`, `ei`, `2hump_ei`"));
     assert_eq!(error("[advance]\nwindow = 0.3"), "advance.window = 0.3 is outside 0.005 to 0.2");
     assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));
     assert!(error("[axes.y]\nsteps_per_mm = 100").contains("x and y share motors"));

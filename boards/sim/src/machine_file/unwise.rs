@@ -27,6 +27,13 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
+    if u64::from(s.patience_ms) >= (s.lookahead_time.to_num::<f64>() * 1000.0) as u64 {
+        let text = format!(
+            "patience_ms = {}: not below lookahead_time = {} s, so a line that is lost costs a stop",
+            s.patience_ms, s.lookahead_time
+        );
+        warn("patience_ms", text);
+    }
     let steps = steps_a_second(s);
     if steps > STEPS_A_SECOND {
         let text = format!(

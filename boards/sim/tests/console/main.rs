@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod homing;
+mod legal_settings;
 mod lines;
 mod machine_accidents;
 mod machine_record;

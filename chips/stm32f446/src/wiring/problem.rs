@@ -56,13 +56,32 @@ impl Board {
 
     /// Every pin that leads to no socket.
     fn pins_beside_drivers(&self) -> impl Iterator<Item = Pin> {
-        let pins = self.loads.iter().chain(self.inputs).copied();
-        pins.chain(self.serial.iter().flat_map(|port| [port.tx, port.rx]))
-            .chain(USB.into_iter().filter(|_| self.has_usb))
-            .chain(self.eeprom.into_iter().flatten())
-            .chain(self.probe.map(|probe| probe.pin))
-            .chain(self.thermistors.iter().map(|thermistor| thermistor.pin))
-            .chain(self.supply_switch.map(|switch| switch.pin))
+        // All fields by name: whoever adds one says here whether it has pins. Those of heaters and fans are among the loads,
+        // those of sockets are looked at beside this.
+        let Self {
+            name: _,
+            connectors: _,
+            crystal: _,
+            sockets: _,
+            inputs,
+            probe,
+            thermistors,
+            loads,
+            heaters: _,
+            fans: _,
+            supply_switch,
+            serial,
+            has_usb,
+            eeprom,
+            marks: _,
+        } = *self;
+        let pins = loads.iter().chain(inputs).copied();
+        pins.chain(serial.iter().flat_map(|port| [port.tx, port.rx]))
+            .chain(USB.into_iter().filter(move |_| has_usb))
+            .chain(eeprom.into_iter().flatten())
+            .chain(probe.map(|probe| probe.pin))
+            .chain(thermistors.iter().map(|thermistor| thermistor.pin))
+            .chain(supply_switch.map(|switch| switch.pin))
     }
 
     /// What is wrong with heaters and fans.

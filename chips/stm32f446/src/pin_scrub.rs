@@ -1,0 +1,32 @@
+//! The scrub of the pins' words: what the Stepper makes edges of lies in RAM for as long as the machine runs, and a bit of it that
+//! flips by itself would step another motor, or none. It is looked at every second, row by row; a step that is due meanwhile
+//! waits for one row at most, some 20 cycles.
+
+use corehbot::fault::{Cause, Fault};
+use corehbot::settings::sum;
+use corehbot::status::Status;
+use embassy_time::{Duration, Timer};
+
+use crate::contexts::with_step_pins;
+
+/// Between two looks.
+const EVERY: Duration = Duration::from_millis(900);
+
+/// Looks at the words as long as the machine runs; what has changed is a fault.
+#[embassy_executor::task]
+pub async fn run(status: &'static Status) {
+    let whole = sum_of_words();
+    loop {
+        Timer::after(EVERY).await;
+        if sum_of_words() != whole {
+            status.fault().set(Fault::plain(Cause::SettingsDamaged));
+        }
+    }
+}
+
+/// The sum of all words, of which no two rows are read at once.
+fn sum_of_words() -> u32 {
+    let rows = (0..).map_while(|number| with_step_pins(|pins| pins.row(number)));
+    let of_rows = rows.fold(0, |sum_so_far, row| sum(&(sum_so_far, row)));
+    sum(&(of_rows, with_step_pins(|pins| pins.dirs())))
+}
