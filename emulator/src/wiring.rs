@@ -1,7 +1,8 @@
 //! Wiring: which pin of the chip is what on the board, and what hangs on it.
 //!
 //! It is written down from the board's schematic, not taken from the firmware: an image that has mixed up
-//! two pins must not find the same mistake here.
+//! two pins must not find the same mistake here. Each board whose image is emulated has a [`Wiring`] here and a test in
+//! `tests/machines.rs`.
 
 use corehbot::connectors::{Output, Sensor};
 use corehbot::motors::{EndstopSet, Motor};

@@ -17,10 +17,10 @@ fn check(name: &str) {
 }
 
 /// An example that takes the place where it is for its home: eight seconds of homing are looked at once.
-fn check_from_home(name: &str) {
+fn from_home(name: &str) -> String {
     let gcode = std::fs::read_to_string(root().join("examples").join(name)).unwrap();
     assert!(gcode.contains("\nG28\n"), "{name} homes");
-    check_gcode(name, &gcode.replace("\nG28\n", "\nG92 X0 Y0 Z0\n"));
+    gcode.replace("\nG28\n", "\nG92 X0 Y0 Z0\n")
 }
 
 fn check_file(path: &Path) {
@@ -72,33 +72,23 @@ fn homing_steps_as_on_the_host() {
     check("home.gcode");
 }
 
-#[test]
-fn arcs_step_as_on_the_host() {
-    check_from_home("circle.gcode");
+/// Prints examples one after the other: what a run costs most is the emulator's translation of the image.
+fn check_in_a_row(names: &[&str]) {
+    let gcode: Vec<_> = names.iter().map(|name| from_home(&format!("{name}.gcode"))).collect();
+    check_gcode(&names.join(", "), &gcode.join("\nG21\nG90\nM82\nG92 E0\n"));
 }
 
 #[test]
-fn axes_step_as_on_the_host() {
-    check_from_home("axes.gcode");
+fn curves_and_fine_moves_step_as_on_the_host() {
+    check_in_a_row(&["circle", "axes", "reversals", "retractions", "tiny"]);
 }
 
 #[test]
-fn reversals_step_as_on_the_host() {
-    check_from_home("reversals.gcode");
+fn the_other_examples_step_as_on_the_host() {
+    check_in_a_row(&["diagonal", "dwell", "overrides", "relative", "z-hops", "inches"]);
 }
 
-#[test]
-fn retractions_step_as_on_the_host() {
-    check_from_home("retractions.gcode");
-}
-
-#[test]
-fn tiny_moves_step_as_on_the_host() {
-    check_from_home("tiny.gcode");
-}
-
-/// A sliced file is printed so far, for half a minute. QEMU prints the whole of it, and so does `cargo xtask equal`
-/// here.
+/// A sliced file is printed so far, for half a minute. `cargo xtask equal` prints the whole of it.
 const LINES: usize = 600;
 
 /// What people print. The sliced file is not part of the project.
@@ -134,17 +124,9 @@ fn homing_z_leaves_the_console_its_time() {
     assert_eq!((seen.end, seen.resets.len()), (End::Done, 0));
 }
 
-/// The examples that have no test of their own.
-#[test]
-fn the_other_examples_step_as_on_the_host() {
-    for name in ["diagonal", "dwell", "inches", "overrides", "relative", "z-hops"] {
-        check_from_home(&format!("{name}.gcode"));
-    }
-}
-
 #[test]
 fn two_runs_are_the_same_to_the_nanosecond() {
-    let gcode = "G28\nG1 X60 Y60 F12000\nG2 X60 Y60 I10 J0\n";
+    let gcode = "G92 X0 Y0 Z0\nG1 X60 Y60 F12000\nG2 X60 Y60 I10 J0\n";
     let (a, b) = (print(&firmware(), gcode, None), print(&firmware(), gcode, None));
     assert_eq!(a.recorder.events, b.recorder.events);
     assert_eq!((a.virtual_ns, a.instructions), (b.virtual_ns, b.instructions));

@@ -5,7 +5,7 @@
 //! A row of zeros is a motor that is not fitted.
 //!
 //! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`). A board starts as the machine
-//! that is stored. The tests of `boards/sim/tests/machines` home,
+//! that is stored, or else as that of its image. The tests of `boards/sim/tests/machines` home,
 //! print and stop every file; `tests/mechanisms/machines.rs` and docs/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};

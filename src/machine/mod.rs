@@ -26,10 +26,13 @@
 //! | `state` | what earlier lines said, where the machine stands, what was noticed |
 //! | `ports`, `interrupt`, `numbers` | what is needed of a board; why a command ends early; numbers of lines |
 //!
-//! Each uses those to its left alone (`tests/layers.rs` finds circles):
-//! `{ports, interrupt, release, hosts, numbers <- state} <- answers <- console <- {halted, scrub, heat, power, stream, commands <- reports}`.
-//! What the Console owns is to its left and knows nothing of it. To its right is `impl Console`: parts of the crank, and
-//! what waits, for every wait turns the crank.
+//! Each uses only those of the lines above its own (`tests/layers.rs` finds circles):
+//!
+//! 1. `ports`, `interrupt`, `release`, `hosts`, `numbers`, and `state`, which uses `numbers`
+//! 2. `answers`
+//! 3. `console`, which owns all of the above; none of them knows it
+//! 4. `halted`, `scrub`, `heat`, `power`, `stream`, `commands`, and `reports`, which uses `commands`: they are `impl Console`, parts of the
+//!    crank and what waits, for every wait turns the crank
 //!
 //! | word | means |
 //! |---|---|

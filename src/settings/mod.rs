@@ -9,12 +9,12 @@
 //! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`. Records of the formats before are still read: `completed` appends the default of the new field. That works only for a field of [`Settings`] itself; with a new field in a struct inside it, `decode` reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
 //! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
-//! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test |
+//! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test; `boards/sim/tests/console/legal_settings.rs` |
 //! | M503 | the words in `machine/commands/settings/shown.rs` (`say_setting`, `say_settings`, `say_driver_settings`); a line of its own also in `machine/answers/setting.rs` | the same test |
 //! | who reads it | `motion` (limits of a move by what it is for: `purpose` and `Limits` in `motion::planner`), `driver` or `machine` | its own tests; a limit of motion also in `tests/motion/model.rs` and, if a line may loosen it, `boards/sim/src/limits.rs` |
 //! | whether it counts at once | a setting that a board reads only when it starts: [`Settings::is_built_as`] | compiler |
 //! | its sum in RAM | `kept`, by `Hash` | compiler |
-//! | documents | README.md (commands), docs/host-protocol.md, CHANGELOG.md | review |
+//! | documents | README.md (commands), docs/host-protocol.md, docs/machines.md (what is plugged in where), CHANGELOG.md | review |
 //!
 //! A new [`ShaperKind`] is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
 //! (`gcode::shaping`), the two functions that translate between kind and number, with M593's text (`machine/commands/shaping.rs`),
@@ -51,7 +51,7 @@ use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
-/// What limits the speed in a corner; a rule has one value. `motion::planner::junction` has the law. A machine file chooses a rule by its key
+/// What limits the speed in a corner; a rule has one value so far, as the head of `motion::planner::junction` explains. `motion::planner::junction` has the law. A machine file chooses a rule by its key
 /// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`). A new one comes last,
 /// as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]

@@ -191,11 +191,24 @@ fn the_document_names_every_board_and_every_kind_of_machine() {
             "the key board has no {name}"
         );
     }
+    let others = [
+        ("README.md", include_str!("../../../README.md")),
+        ("prototype.toml", include_str!("../../../examples/machines/prototype.toml")),
+    ];
+    for (file, text) in others {
+        for board in BoardConnectors::ALL.iter().filter(|board| board.key != "sim") {
+            assert!(text.contains(board.key), "{file} does not name the board {}", board.key);
+        }
+    }
     for path in examples() {
         let name = path.file_stem().unwrap().to_str().unwrap();
         let kind = if name == "prototype" { "corehbot" } else { name };
         assert!(document.contains(&format!("`{kind}`")), "{kind}");
-        assert_eq!(config(&["new", "--machine", kind]).status.code(), Some(0), "`config new` does not know {kind}");
+        assert_eq!(
+            config(&["new", "--board", "octopus", "--machine", kind]).status.code(),
+            Some(0),
+            "`config new` does not know {kind}"
+        );
     }
 }
 

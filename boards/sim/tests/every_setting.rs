@@ -8,6 +8,8 @@
 mod deaf;
 #[path = "common/lines.rs"]
 mod lines;
+#[path = "common/setting_lines.rs"]
+mod setting_lines;
 
 use corehbot::gcode::{Command, Number, parse};
 use corehbot::motors::Motor;
@@ -20,6 +22,7 @@ use corehbot_sim::world::run_on;
 use deaf::Deaf;
 use lines::Lines;
 use serde_json::Value;
+use setting_lines::LINES;
 use std::collections::BTreeMap;
 use toml::Table;
 
@@ -163,31 +166,6 @@ const FILE_ONLY: [&str; 10] = [
     "position",
     "require_homing",
     "slow",
-];
-
-/// Lines that set a setting. A letter in braces is the axis.
-const LINES: [(&str, &str); 21] = [
-    ("advance.time", "M900 K.1"),
-    ("advance.window", "M572 W.05"),
-    ("current_ma", "M906 {}700"),
-    ("extruder_jerk", "M205 E3"),
-    ("hybrid_threshold", "M913 {}50"),
-    ("keepalive_s", "M113 S9"),
-    ("max_acceleration", "M201 {}150"),
-    ("max_speed", "M203 {}10"),
-    ("min_feed", "M205 S1"),
-    ("min_travel", "M205 T1"),
-    ("minimum_cruise_ratio", "SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=.3"),
-    ("print_acceleration", "M204 P900"),
-    ("retract_acceleration", "M204 R900"),
-    ("damping", "M593 {} D.05"),
-    ("frequency", "M593 {} F44"),
-    ("kind", "M593 {} T1"),
-    ("soft_endstops", "M211 S0"),
-    ("stall_threshold", "M914 {}9"),
-    ("stealth", "M569 S1 {}"),
-    ("steps_per_mm", "M92 {}90"),
-    ("travel_acceleration", "M204 T900"),
 ];
 
 fn is_one_of(path: &str, names: &[&str]) -> bool {

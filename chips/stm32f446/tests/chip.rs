@@ -8,7 +8,7 @@
 use std::collections::BTreeSet;
 
 use corehbot_stm32f446::resources::{self, Channel, SOURCES, TIMERS};
-use corehbot_stm32f446::wiring::{Board, Pin, USB, Usart};
+use corehbot_stm32f446::wiring::{Board, FanPin, HeaterPin, Pin, USB, Usart};
 use stm32_metapac::metadata::{METADATA, Peripheral};
 
 #[allow(dead_code, reason = "its own tests run with the board")]
@@ -75,14 +75,17 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         probe,
         thermistors,
         loads,
-        heaters: _,
-        fans: _,
+        heaters,
+        fans,
         supply_switch,
         serial,
         has_usb,
         eeprom,
         marks: _,
     } = *board;
+    // A pin that heaters or fans have beside that of the load would be one more; so all their fields, too.
+    heaters.iter().for_each(|HeaterPin { output: _, pin: _, channel: _ }| {});
+    fans.iter().for_each(|FanPin { pin: _, timer: _, channel: _ }| {});
     let mut pins = Vec::new();
     for (n, slot) in sockets.iter().enumerate() {
         pins.extend([(slot.step, "step"), (slot.dir, "dir")].map(|(pin, what)| (pin, format!("{what} {n}"))));

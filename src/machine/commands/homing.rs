@@ -8,8 +8,8 @@
 //! which refuses an endstop that the board does not have. It also needs:
 //!
 //! - `Command::Probing` taken apart, and letters in `gcode::grammar` (`tests/gcode.rs` asks for them);
-//! - a probe in the rig (`Rig::inputs` says which there are, `Rig::endstops` presses them) and in QEMU's port (`StepPort::inputs` there is the default, without one), and one in
-//!   `emulator/src/wiring.rs`;
+//! - a probe in the rig: `Rig::inputs` says which inputs there are, `Rig::endstops` presses them;
+//! - a probe in QEMU's port, where `StepPort::inputs` is the default, without one; and one in `emulator/src/wiring.rs`;
 //! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the rig, and
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;

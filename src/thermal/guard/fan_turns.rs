@@ -1,7 +1,12 @@
 //! Fan turns: a fan that is driven and stands still, where its connector has a tachometer.
 //!
-//! No board counts pulses yet: `ThermalPort::tachometer` is `None` but in tests. A board that does needs the pin in its `FanPin`
-//! (`chips/stm32f446/src/wiring.rs`), the count in `heat.rs` there, and the pin in `emulator/src/wiring.rs`.
+//! No board counts pulses yet: `ThermalPort::tachometer` is `None` but in tests. A board that does needs
+//!
+//! - the pin in its `FanPin` (`chips/stm32f446/src/wiring.rs`), where the compiler leads to the checks; it may be one of `inputs` so far;
+//! - a count by an interrupt or a timer, for pulses are faster than a control period (`resources.rs`, `priorities.rs`), which `heat.rs`
+//!   there hands out;
+//! - a setting that says whether the fan that is plugged in has a tachometer (`FanSettings` in `settings/thermal/fans.rs`);
+//! - the pin in `emulator/src/wiring.rs` and pulses in `heat.rs` there, or every fan that is driven stands still.
 //!
 //! The pulses are counted over windows of 2 s. A fan of a 3D printer gives two a turn and makes some 1000 turns a minute at its
 //! slowest (4-wire fans: Intel, "4-Wire Pulse Width Modulation Controlled Fans", rev 1.3, sections 3.1 and 3.2: two pulses a

@@ -8,7 +8,7 @@
 //! | [`WhileOff`] | a switch that does not switch off | without power |
 //! | [`Frozen`] | a reading that stands still | power has changed |
 //! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
-//! | [`FanTurns`] | a fan that is driven and stands still | its connector has a tachometer, which no board has yet |
+//! | [`FanTurns`] | a fan that is driven and stands still | its connector has a tachometer, which no board has yet (see `fan_turns`) |
 //! | [`Reference`] | a converter whose reference, or whose order of channels, is wrong | always |
 //!
 //! A guard is fed once in a control period and answers with a cause and two numbers, or with nothing. Guards do not look at

@@ -3,6 +3,7 @@
 use super::contexts::Context;
 use super::cycles::EXCEPTION;
 use super::jobs::Job;
+use super::last_resort::Counts;
 use super::octopus::PlainStep;
 use super::profile::Profile;
 use super::rooms::Room;
@@ -84,9 +85,15 @@ fn of_octopus(step: &PlainStep, s: &Profile, axis: &Profile) -> Vec<Figure> {
     ]
 }
 
-/// Instructions from a fault to heaters that are low, in the Octopus's image.
-pub fn of_last_resort(instructions: usize) -> Figure {
-    figure("octopus_last_resort_insn", instructions as f64, Some(50.0), "")
+/// Instructions from the entry of a fault's handler to heaters that are low, in the Octopus's image: as many as there can be, and
+/// as many as QEMU executes; and to drivers that are off.
+pub fn of_last_resort(most: usize, counted: Counts) -> [Figure; 3] {
+    let figure = |name, instructions| figure(name, instructions as f64, Some(50.0), "");
+    [
+        figure("octopus_last_resort_insn", most),
+        figure("octopus_heaters_low_insn", counted.heaters),
+        figure("octopus_drivers_off_insn", counted.drivers),
+    ]
 }
 
 /// Job S.

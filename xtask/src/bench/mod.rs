@@ -11,6 +11,7 @@ mod cycles;
 mod figures;
 mod host;
 mod jobs;
+mod last_resort;
 mod octopus;
 mod plugin;
 mod profile;
@@ -92,6 +93,7 @@ struct Bench {
     elf: Vec<u8>,
     octopus: PlainStep,
     last_resort: usize,
+    counted: last_resort::Counts,
     plugin: Plugin,
     folder: PathBuf,
 }
@@ -103,10 +105,12 @@ impl Bench {
         let octopus = checkout::build_image(OCTOPUS)?;
         let octopus = std::fs::read(&octopus).with_context(|| format!("cannot open {}", octopus.display()))?;
         let last_resort = build::last_resort(&octopus)?;
-        let octopus = PlainStep::of(&Code::read(&octopus)?)?;
         let folder = checkout::target_dir()?.join("bench");
+        std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        let counted = last_resort::measure(&octopus, &folder)?;
+        let octopus = PlainStep::of(&Code::read(&octopus)?)?;
         let plugin = Plugin::prepare(&Code::read(&elf)?, &octopus, &folder)?;
-        Ok(Self { image, elf, octopus, last_resort, plugin, folder })
+        Ok(Self { image, elf, octopus, last_resort, counted, plugin, folder })
     }
 
     fn code(&self) -> Result<Code<'_>> {
@@ -122,7 +126,7 @@ impl Bench {
         let profiles: BTreeMap<_, _> =
             Job::ALL.into_iter().map(|job| Ok((job, self.measure(job)?))).collect::<Result<_>>()?;
         let mut figures = figures::figures(&profiles, &self.octopus)?;
-        figures.push(figures::of_last_resort(self.last_resort));
+        figures.extend(figures::of_last_resort(self.last_resort, self.counted));
         Ok(figures)
     }
 }

@@ -1,6 +1,6 @@
 //! `cargo xtask build`: the image of a board, as ELF and as `firmware.bin`, and whether it keeps its promises.
 
-mod binary;
+pub mod binary;
 mod contents;
 pub mod instruction;
 mod last_resort;
@@ -15,7 +15,7 @@ use object::read::elf::ElfFile;
 use std::path::{Path, PathBuf};
 
 /// An image, read.
-type Elf<'d> = ElfFile<'d, FileHeader32<Endianness>>;
+pub type Elf<'d> = ElfFile<'d, FileHeader32<Endianness>>;
 
 /// Which image to build.
 #[derive(clap::Args)]

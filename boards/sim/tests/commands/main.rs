@@ -1,7 +1,7 @@
 //! Every command that slicers and hosts send: what each is answered, as a table.
 //!
-//! The rows are those that a printer of this dialect must or should know. What belongs to heaters, probing, storage
-//! or motor drivers stands here with the words in which this firmware says what it does not do.
+//! The rows are those that a printer of this dialect must or should know. The machine of this
+//! test has no heaters, no probe and no storage; so their commands stand here with the words in which it says that.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod answers;

@@ -67,14 +67,17 @@ impl Board {
             probe,
             thermistors,
             loads,
-            heaters: _,
-            fans: _,
+            heaters,
+            fans,
             supply_switch,
             serial,
             has_usb,
             eeprom,
             marks: _,
         } = *self;
+        // A pin that heaters or fans have beside that of the load would be one more; so all their fields, too.
+        heaters.iter().for_each(|HeaterPin { output: _, pin: _, channel: _ }| {});
+        fans.iter().for_each(|FanPin { pin: _, timer: _, channel: _ }| {});
         let pins = loads.iter().chain(inputs).copied();
         pins.chain(serial.iter().flat_map(|port| [port.tx, port.rx]))
             .chain(USB.into_iter().filter(move |_| has_usb))
