@@ -11,48 +11,51 @@ use crate::units::Steps;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Weights {
     /// Of x, y and z.
-    adjugate: [[i16; 3]; 3],
-    determinant: i16,
+    adjugate: [[i64; 3]; 3],
+    determinant: i64,
     /// Coordinates that are the filament's.
-    filament: i16,
+    filament: i64,
 }
 
 impl Weights {
     /// One copy of it, and no loop unrolled: it is needed once.
     #[inline(never)]
     fn new(rows: &[Row]) -> Option<Self> {
-        let mut square = [[0i16; 3]; 3];
+        let mut square = [[0i64; 3]; 3];
         let mut filament = 0;
         for &[x, y, z, e] in rows {
-            let row = [x, y, z].map(i16::from);
+            let row = [x, y, z].map(i64::from);
             for (sums, a) in square.iter_mut().zip(row) {
                 for (sum, b) in sums.iter_mut().zip(row) {
                     *sum += a * b;
                 }
             }
-            filament += i16::from(e).abs();
+            filament += i64::from(e) * i64::from(e);
         }
         let [[a, b, c], [_, d, e], [.., f]] = square;
         // Symmetric, so six numbers are all.
         let (bc, ac, ab) = (c * e - b * f, b * e - c * d, b * c - a * e);
         let adjugate = [[d * f - e * e, bc, ac], [bc, a * f - c * c, ab], [ac, ab, a * d - b * b]];
         let determinant = a * adjugate[0][0] + b * bc + c * ac;
-        (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant, filament })
+        // In lowest terms, lest sums of counts grow too long.
+        let divisor = adjugate.as_flattened().iter().fold(determinant, |all, one| greatest_divisor(all, *one)).max(1);
+        let adjugate = adjugate.map(|row| row.map(|weight| weight / divisor));
+        (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant: determinant / divisor, filament })
     }
 
     /// Each axis as a sum, and what it is to be divided by.
     fn fractions(&self, rows: &[Row], counts: &[i64]) -> [(i64, i64); 4] {
-        let [x, y, z] = self.adjugate.map(|[a, b, c]| (sum([a, b, c, 0], rows, counts), i64::from(self.determinant)));
-        [x, y, z, (sum([0, 0, 0, 1], rows, counts), i64::from(self.filament))]
+        let [x, y, z] = self.adjugate.map(|[a, b, c]| (sum([a, b, c, 0], rows, counts), self.determinant));
+        [x, y, z, (sum([0, 0, 0, 1], rows, counts), self.filament)]
     }
 }
 
 /// The sum of counts, each as often as its row has these weights.
 #[inline(never)]
-fn sum([a, b, c, d]: [i16; 4], rows: &[Row], counts: &[i64]) -> i64 {
+fn sum([a, b, c, d]: [i64; 4], rows: &[Row], counts: &[i64]) -> i64 {
     let mut sum = 0;
-    for ([x, y, z, e], count) in rows.iter().map(|row| row.map(i16::from)).zip(counts) {
-        sum += i64::from(a * x + b * y + c * z + d * e) * count;
+    for ([x, y, z, e], count) in rows.iter().map(|row| row.map(i64::from)).zip(counts) {
+        sum += (a * x + b * y + c * z + d * e) * count;
     }
     sum
 }
@@ -61,7 +64,16 @@ fn sum([a, b, c, d]: [i16; 4], rows: &[Row], counts: &[i64]) -> i64 {
 #[inline(never)]
 fn steps((sum, over): (i64, i64)) -> Steps {
     let (whole, rest) = (sum.div_euclid(over), sum.rem_euclid(over));
-    Steps::from_bits((whole << 32).wrapping_add((rest << 32) / over))
+    Steps::from_bits((whole << 32).wrapping_add(((i128::from(rest) << 32) / i128::from(over)) as i64))
+}
+
+/// The greatest number that divides both, never negative (Euclid, Elements, VII.2).
+pub(super) const fn greatest_divisor(a: i64, b: i64) -> i64 {
+    let (mut a, mut b) = (a.abs(), b.abs());
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
 }
 
 /// Whether counts with these rows hold every axis.

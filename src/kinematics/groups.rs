@@ -3,7 +3,7 @@
 //! They follow from the [`Mechanism`]: motors whose rows are equal or opposite are a group. Everything in motion counts
 //! groups, not motors, so a second ball screw or the second motor of a pair costs no time.
 
-use super::forward::ForwardKinematics;
+use super::forward::{ForwardKinematics, greatest_divisor};
 use super::mechanism::{Mechanism, mirrored};
 use super::row::Row;
 use crate::motors::{GroupSet, MOST_GROUPS, Motor, MotorSet};
@@ -186,7 +186,8 @@ impl Groups {
         }
         let [(i, a), (j, b), (k, c), (l, d)] = tool;
         let weights = [(i, span(b, c, d)), (j, -span(a, c, d)), (k, span(a, b, d)), (l, -span(a, b, c))];
-        let common = weights.iter().fold(0, |common, (_, weight)| greatest_divisor(common, *weight)).max(1);
+        let common =
+            weights.iter().fold(0, |common, (_, weight)| greatest_divisor(common, i64::from(*weight))).max(1) as i32;
         let mut constraint = [0; MOST_GROUPS];
         for (number, weight) in weights {
             if let Some(slot) = constraint.get_mut(number) {
@@ -213,15 +214,6 @@ impl Groups {
             set.with(if groups.0 >> number & 1 == 1 { group.with } else { group.against })
         })
     }
-}
-
-/// The greatest number that divides both, never negative (Euclid, Elements, VII.2).
-const fn greatest_divisor(a: i32, b: i32) -> i32 {
-    let (mut a, mut b) = (a.abs(), b.abs());
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }
 
 /// The volume that three rows span.

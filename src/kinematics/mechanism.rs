@@ -1,15 +1,19 @@
 //! The mechanism as data: how far each motor turns for a step of x, y, z and e.
 //!
-//! One row of -1, 0 and 1 a motor, over (x, y, z, e); how far a step goes is the axis's resolution. A machine of belts or screws is nothing but such rows: what
-//! its motors must do is rows times position, and everything else follows from the rows ([`Groups`](super::Groups)).
-//! A row of zeros is a motor that is not fitted.
+//! One row a motor, over (x, y, z, e): -1, 0 or 1 for each, mostly; how far a step goes is the axis's resolution. A machine of belts or screws is
+//! nothing but such rows: what its motors must do is rows times position, and everything else follows from the rows
+//! ([`Groups`](super::Groups)). A row of zeros is a motor that is not fitted.
+//!
+//! Motors that share axes may have pulleys of different sizes: equation 8 of the paper divides each row by the motor's own radius.
+//! These fractions have a common denominator, by which the step of the axis is made longer, and what is left are whole numbers: with
+//! pulleys of 20 and 16 teeth, `[4, 4, 0]` and `[5, -5, 0]` at a quarter of the usual steps/mm. So nothing is rounded but the count.
 //!
 //! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`). A board starts as the machine
 //! that is stored, or else as that of its image. The tests of `boards/sim/tests/machines` home,
 //! print and stop every file; `tests/mechanisms/machines.rs` and docs/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};
-use super::row::Row;
+use super::row::{Row, direction, multiple};
 use crate::motors::{MOST_GROUPS, Motor, MotorSet};
 use serde::{Deserialize, Serialize};
 
@@ -19,43 +23,74 @@ const NOT_FITTED: Row = [0; 4];
 /// Names of the axes.
 const AXES: [&str; 4] = ["x", "y", "z", "e"];
 
-/// One row a motor, in the order of [`Motor::ALL`]. Stored as one number, two bits an entry.
+/// The greatest whole number of a row: pulleys of 60 teeth and of 16 are 4 to 15.
+pub const MOST_MULTIPLE: i8 = 16;
+
+/// One row a motor, in the order of [`Motor::ALL`]. Stored as one number: the directions, two bits an entry, and above them the
+/// whole numbers, four bits a motor, if any is more than 1.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
-#[serde(from = "i64", into = "i64")]
+#[serde(from = "i128", into = "i128")]
 pub struct Mechanism {
     /// The rows; [`check`](Self::check) says what is legal.
     pub rows: [Row; Motor::ALL.len()],
 }
 
-/// Bits of an entry: -2, which is no legal one, to 1.
+/// Bits of a direction: -2, which is no legal one, to 1.
 const ENTRY: u32 = 2;
 
-impl From<i64> for Mechanism {
+/// Bits of all directions.
+const DIRECTIONS: u32 = ENTRY * 4 * Motor::ALL.len() as u32;
+
+/// Bits of a whole number, which is counted from 1.
+const MULTIPLE: u32 = 4;
+const _: () = assert!(MOST_MULTIPLE as u32 == 1 << MULTIPLE && DIRECTIONS + MULTIPLE * (Motor::ALL.len() as u32) < 127);
+
+impl From<i128> for Mechanism {
     // Not inlined in every encoder and decoder.
     #[inline(never)]
-    fn from(mut packed: i64) -> Self {
+    fn from(packed: i128) -> Self {
+        let mut directions = packed as i64;
+        // Records of rows whose numbers are all 1 are as they were when there were no others: one number with a sign.
+        let is_plain = i128::from(directions) == packed && directions.unsigned_abs() < 1 << DIRECTIONS;
+        let mut multiples = if is_plain { 0 } else { packed >> DIRECTIONS };
         let mut mechanism = Self { rows: [NOT_FITTED; Motor::ALL.len()] };
-        for entry in mechanism.rows.as_flattened_mut() {
-            *entry = (packed as i8) << (i8::BITS - ENTRY) >> (i8::BITS - ENTRY);
-            packed >>= ENTRY;
+        for row in &mut mechanism.rows {
+            let multiple = (multiples as i8 & (MOST_MULTIPLE - 1)) + 1;
+            multiples >>= MULTIPLE;
+            for entry in row {
+                let direction = (directions as i8) << (i8::BITS - ENTRY) >> (i8::BITS - ENTRY);
+                // What is no direction stays illegal.
+                *entry = if direction < -1 { i8::MIN } else { multiple * direction };
+                directions >>= ENTRY;
+            }
         }
         mechanism
     }
 }
 
-impl From<Mechanism> for i64 {
+impl From<Mechanism> for i128 {
     #[inline(never)]
     fn from(mechanism: Mechanism) -> Self {
-        let entries = mechanism.rows.as_flattened().iter();
-        entries.rfold(0, |packed, entry| packed << ENTRY | (Self::from(*entry) & 3))
+        let rows = mechanism.rows.iter();
+        let directions = rows.clone().rfold(0_i64, |packed, row| {
+            direction(*row).iter().rfold(packed, |packed, entry| packed << ENTRY | (i64::from(*entry) & 3))
+        });
+        let multiples =
+            rows.rfold(0, |packed, row| packed << MULTIPLE | Self::from(multiple(*row).clamp(1, MOST_MULTIPLE) - 1));
+        if multiples == 0 {
+            return directions.into();
+        }
+        multiples << DIRECTIONS | Self::from(directions) & ((1 << DIRECTIONS) - 1)
     }
 }
 
 /// Why rows are no machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MechanismError {
-    /// An entry of this motor is not -1, 0 or 1.
+    /// The entries of this motor are not -1, 0 or 1 times a whole number up to [`MOST_MULTIPLE`].
     Entry(Motor),
+    /// Rows with other whole numbers than 1, and more different motors than axes.
+    Multiples,
     /// This motor moves the tool and the filament.
     Mixed(Motor),
     /// No motor moves this axis.
@@ -69,7 +104,11 @@ pub enum MechanismError {
 impl core::fmt::Display for MechanismError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Entry(motor) => write!(f, "mechanism.{}: entries are -1, 0 or 1", motor.name()),
+            Self::Entry(motor) => {
+                let name = motor.name();
+                write!(f, "mechanism.{name}: entries are -1, 0 or 1, all times one whole number up to {MOST_MULTIPLE}")
+            }
+            Self::Multiples => f.write_str("mechanism: motors with different pulleys must not be more than the axes"),
             Self::Mixed(motor) => {
                 write!(f, "mechanism.{}: a motor moves the tool or the filament, not both", motor.name())
             }
@@ -135,6 +174,13 @@ impl Mechanism {
         rows.iter().any(|row| [a, b].iter().all(|axis| row.get(*axis).is_some_and(|times| *times != 0)))
     }
 
+    /// The most steps that a motor makes for one step of an axis.
+    #[must_use]
+    pub fn most_times(&self, axis: usize) -> i8 {
+        let times = self.rows.iter().filter_map(|row| row.get(axis)).map(|times| times.saturating_abs());
+        times.max().unwrap_or_default()
+    }
+
     /// What each motor must have turned for x, y, z and e to be there.
     #[must_use]
     pub fn inverse(&self, position: [i64; 4]) -> [i64; Motor::ALL.len()] {
@@ -153,7 +199,10 @@ impl Mechanism {
     /// What is wrong with them.
     pub fn check(&self) -> Result<(), MechanismError> {
         for (motor, row) in self.motors() {
-            if row.iter().any(|times| !(-1..=1).contains(times)) {
+            let multiple = multiple(row);
+            let is_entry =
+                |(times, direction): (i8, i8)| i16::from(times) == i16::from(direction) * i16::from(multiple);
+            if multiple > MOST_MULTIPLE || !row.into_iter().zip(direction(row)).all(is_entry) {
                 return Err(MechanismError::Entry(motor));
             }
             let [x, y, z, e] = row;
@@ -168,6 +217,10 @@ impl Mechanism {
         for row in self.rows.into_iter().filter(|row| *row != NOT_FITTED) {
             let place = |slot: &&mut Row| [NOT_FITTED, row, mirrored(row)].contains(*slot);
             *different.iter_mut().find(place).ok_or(MechanismError::TooManyGroups)? = row;
+        }
+        let [.., last] = different;
+        if last != NOT_FITTED && different.into_iter().any(|row| multiple(row) > 1) {
+            return Err(MechanismError::Multiples);
         }
         if is_held(&different) { Ok(()) } else { Err(MechanismError::Loose) }
     }

@@ -7,5 +7,5 @@ mod row;
 
 pub use forward::ForwardKinematics;
 pub use groups::{Group, Groups, MotorTable, SETS, count_at};
-pub use mechanism::{Mechanism, MechanismError};
-pub use row::Row;
+pub use mechanism::{MOST_MULTIPLE, Mechanism, MechanismError};
+pub use row::{Row, direction, multiple};

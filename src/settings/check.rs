@@ -98,7 +98,8 @@ pub mod ranges {
     pub const CRUISE_RATIO: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.9") };
     /// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
     pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
-    /// Window of the pressure advance.
+    /// Window of the pressure advance: some milliseconds at least, for the speed is averaged over it, and without a window the advance
+    /// would jump at every change of speed (`trajectory::taps`); a fifth of a second is more than any shaper is late.
     pub const ADVANCE_WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
     /// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
     /// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.
@@ -201,8 +202,7 @@ fn axis(a: &AxisSettings, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::STEPS_PER_MM, a.steps_per_mm, name)?;
     within(ranges::SPEED, a.max_speed, name)?;
     within(ranges::ACCELERATION, a.max_acceleration, name)?;
-    within(ranges::AXIS_LENGTH, a.length, name)?;
-    step_rate(a.max_speed, a.steps_per_mm, name)
+    within(ranges::AXIS_LENGTH, a.length, name)
 }
 
 fn step_rate(speed: MmPerSec, steps_per_mm: StepsPerMm, name: &'static str) -> Result<(), SettingsError> {
@@ -310,10 +310,16 @@ impl Settings {
         axis(&self.axes.y, "axes.y")?;
         axis(&self.axes.z, "axes.z")?;
         axis(&self.axes.e, "axes.e")?;
+        let a = &self.axes;
+        for (number, (axis, name)) in
+            [(&a.x, "axes.x"), (&a.y, "axes.y"), (&a.z, "axes.z"), (&a.e, "axes.e")].into_iter().enumerate()
+        {
+            step_rate(axis.max_speed, self.finest(number), name)?;
+        }
         self.check_shared_motors().map_err(SettingsError::ResolutionsDiffer)?;
         within(ranges::SPEED, self.motor_max_speed, "motor_max_speed")?;
-        for a in [self.axes.x, self.axes.y] {
-            step_rate(self.motor_max_speed, a.steps_per_mm, "motor_max_speed")?;
+        for axis in 0..2 {
+            step_rate(self.motor_max_speed, self.finest(axis), "motor_max_speed")?;
         }
         within(ranges::ACCELERATION, self.motor_max_acceleration, "motor_max_acceleration")?;
         within(ranges::ACCELERATION, self.print_acceleration, "print_acceleration")?;

@@ -18,11 +18,11 @@
 //!
 //! A new [`ShaperKind`] is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
 //! (`gcode::shaping`), the two functions that translate between kind and number, with M593's text (`machine/commands/shaping.rs`),
-//! `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses and `name_of`, the same test for the rest, and
+//! `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses, `name_of` and `written.rs`, `boards/sim/tests/every_setting.rs` and `twin.rs` for the rest, and
 //! `tests/motion/shapers.rs` for figures from the literature. By hand: `FREQUENCY` in `check` if it lasts longer than the others,
 //! docs/shaping.md, M593 in docs/host-protocol.md, README.md, the comment in `examples/machines/prototype.toml`.
 //!
-//! A new [`CornerRule`] or [`Thermistor`]: the comment of each says where it is known.
+//! A new [`CornerRule`] or [`Thermistor`]: CONTRIBUTING.md lists where it is known.
 
 mod axis;
 mod check;
@@ -46,7 +46,7 @@ pub use thermal::{
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
-use crate::kinematics::Mechanism;
+use crate::kinematics::{Mechanism, multiple};
 use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
@@ -233,7 +233,8 @@ impl Settings {
         mechanism == other.mechanism && wiring == other.wiring && baud == other.baud
     }
 
-    /// Resolution of a motor: that of the axes that it moves, or of the extruder if it moves none.
+    /// Resolution of a motor, in its own steps: that of the axes that it moves, or of the extruder if it moves none, times the number of
+    /// its row.
     #[must_use]
     pub fn steps_per_mm(&self, motor: Motor) -> StepsPerMm {
         let Axes { x, y, z, e } = self.axes;
@@ -243,7 +244,16 @@ impl Settings {
             Some(2) => z,
             _ => e,
         };
-        axis.steps_per_mm
+        let times = self.mechanism.rows.get(motor as usize).map_or(1, |row| multiple(*row)).max(1);
+        axis.steps_per_mm.saturating_mul_int(times.unsigned_abs().into())
+    }
+
+    /// The resolution of an axis in steps of the motor that makes the most: what limits its speed.
+    #[must_use]
+    pub fn finest(&self, axis: usize) -> StepsPerMm {
+        let Axes { x, y, z, e } = self.axes;
+        let steps_per_mm = [x, y, z, e].get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
+        steps_per_mm.saturating_mul_int(self.mechanism.most_times(axis).max(1).unsigned_abs().into())
     }
 }
 

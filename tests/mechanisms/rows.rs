@@ -1,7 +1,7 @@
 //! Rows: motors from a position, a position from motors, and what is no machine.
 
 use super::belt_equations::{BeltSteps, residual};
-use super::machines::{COREXYZ, COREXYZ_THREE, E, MACHINES, NONE, Z, settings};
+use super::machines::{COREXYZ, COREXYZ_THREE, E, MACHINES, NONE, Z, all, settings};
 use corehbot::kinematics::{ForwardKinematics, Groups, Mechanism, MechanismError, Row};
 use corehbot::motors::Motor;
 use corehbot::units::{Steps, StepsPerMm};
@@ -27,7 +27,7 @@ proptest! {
     /// Forward undoes inverse on every machine, by motors and by groups.
     #[test]
     fn the_way_back_is_exact(position in prop::array::uniform4(-1_000_000_000i64..1_000_000_000)) {
-        for (name, mechanism) in MACHINES {
+        for (name, mechanism) in all() {
             let turned = mechanism.inverse(position);
             prop_assert_eq!(whole(&mechanism.forward_kinematics().unwrap(), &turned), Some(position), "{}", name);
         }
@@ -35,7 +35,7 @@ proptest! {
 
     #[test]
     fn the_groups_are_the_motors(position in prop::array::uniform4(-100_000_000i32..100_000_000)) {
-        for (name, mechanism) in MACHINES {
+        for (name, mechanism) in all() {
             let groups = Groups::new(&mechanism);
             let mut counts = [0; 5];
             for (count, group) in counts.iter_mut().zip(groups.iter()) {
@@ -74,7 +74,7 @@ proptest! {
 
 #[test]
 fn the_only_constraint_is_that_of_four_coordinates() {
-    for (name, mechanism) in MACHINES {
+    for (name, mechanism) in all() {
         let expected = (name == "corexyz").then_some([1, -1, 1, -1, 0]);
         let found = Groups::new(&mechanism).constraint();
         // The sign says nothing.
@@ -123,10 +123,14 @@ fn what_is_no_machine_is_refused() {
         mechanism.rows[motor as usize] = row;
         mechanism.check()
     };
-    for (name, mechanism) in MACHINES {
+    for (name, mechanism) in all() {
         assert_eq!(mechanism.check(), Ok(()), "{name}");
     }
-    assert_eq!(with(Motor::M8, [2, 0, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
+    assert_eq!(with(Motor::M8, [2, 1, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
+    assert_eq!(with(Motor::M8, [17, 0, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
+    assert_eq!(with(Motor::M8, [i8::MIN, 0, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
+    // Two motors of one coordinate with different pulleys: more motors that differ than axes.
+    assert_eq!(with(Motor::M8, [2, -2, 0, 0]), Err(MechanismError::Multiples));
     assert_eq!(with(Motor::Z1, [0, 0, 1, 1]), Err(MechanismError::Mixed(Motor::Z1)));
     assert_eq!(with(Motor::E0, NONE), Err(MechanismError::NotDriven("e")));
     // Three pairs and the screws are four coordinates, but the second screw is a fifth beside the extruder.
@@ -150,8 +154,8 @@ fn axes_that_share_motors_have_one_resolution() {
 /// Settings are stored as what they are, the mechanism as one number.
 #[test]
 fn every_mechanism_is_stored() {
-    for (name, mechanism) in MACHINES {
-        let packed = i64::from(mechanism);
+    for (name, mechanism) in all() {
+        let packed = i128::from(mechanism);
         assert_eq!(Mechanism::from(packed), mechanism, "{name}");
     }
     assert_eq!(Mechanism::from(0b10).check(), Err(MechanismError::Entry(Motor::M1)));

@@ -1,7 +1,7 @@
 //! Stepping: the generator keeps to the rows and to the limits of each motor.
 
 use super::line::{Step, generate_on, plan};
-use super::machines::{COREXYZ, MACHINES, settings, strain};
+use super::machines::{COREXYZ, MACHINES, UNEQUAL, all, settings, strain};
 use super::zigzag::tool;
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motors::{Motor, MotorSet};
@@ -17,7 +17,7 @@ proptest! {
     fn a_path_is_stepped_as_the_rows_say(
         path in prop::collection::vec(((0.0..30.0f64, 0.0..30.0f64, 0.0..3.0f64), 5.0..200.0f64), 1..8),
     ) {
-        for (name, mechanism) in MACHINES {
+        for (name, mechanism) in all() {
             let s = settings(mechanism);
             let targets: Vec<_> = path.iter().map(|((x, y, z), speed)| ([*x, *y, *z, x + z], *speed)).collect();
             let moves = plan(&targets, &s);
@@ -48,6 +48,26 @@ pub fn add(counts: &mut [i64; 7], step: &Step) {
             *count += if step.forward.has(motor) { 1 } else { -1 };
         }
     }
+}
+
+/// Motor 11 has 80 steps/mm and motor 8 has 100; thousands of moves later neither is a step off.
+#[test]
+fn motors_of_different_pulleys_keep_their_places() {
+    let mut s = settings(UNEQUAL);
+    (s.axes.x.steps_per_mm, s.axes.y.steps_per_mm) = (StepsPerMm::from_num(20), StepsPerMm::from_num(20));
+    assert_eq!([Motor::M11, Motor::M8].map(|motor| s.steps_per_mm(motor)), [80, 100].map(StepsPerMm::from_num));
+    let counted = |targets: &[([f64; 4], f64)]| {
+        let mut counts = [0i64; 7];
+        generate_on(&plan(targets, &s), &s).iter().for_each(|step| add(&mut counts, step));
+        counts
+    };
+    assert_eq!(counted(&[([10.0, 0.0, 0.0, 0.0], 100.0)])[2..4], [1000, 800]);
+    assert_eq!(counted(&[([0.0, 10.0, 0.0, 0.0], 100.0)])[2..4], [-1000, 800]);
+    // Nothing in this has a finite number of binary places.
+    let mut targets: Vec<_> =
+        (0..3000).map(|n| ([0.1 * f64::from(n % 7), 0.3 * f64::from(n % 11), 0.0, 0.0], 150.0)).collect();
+    targets.push(([0.1, 0.3, 0.0, 0.0], 150.0));
+    assert_eq!(counted(&targets)[2..4], [-20, 32]);
 }
 
 /// A diagonal is as fast as the motors that it asks most of.

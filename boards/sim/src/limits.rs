@@ -20,7 +20,7 @@
 
 use crate::host::{command_of, words};
 use corehbot::gcode::{Command, VelocityWords, parse};
-use corehbot::kinematics::{Group, Groups};
+use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;
 use corehbot::settings::{AxisEnd, AxisSettings, CornerRule, Settings, ranges};
 use std::f64::consts::SQRT_2;
@@ -254,8 +254,9 @@ impl Limits {
         for (i, limit) in self.of.iter_mut().enumerate() {
             // A unit vector of the tool reaches the length of the row in a belt coordinate: sqrt 2 if it sums two axes.
             let belt = i.checked_sub(4).and_then(|i| belts.get(i));
-            let reach =
-                belt.map_or(1.0, |belt| belt.row.map(|times| f64::from(times).powi(2)).iter().sum::<f64>().sqrt());
+            let reach = belt.map_or(1.0, |belt| {
+                direction(belt.row).map(|times| f64::from(times).powi(2)).iter().sum::<f64>().sqrt()
+            });
             limit.jump = if i == 3 { widest.extruder } else { law(reach, limit.acceleration) };
         }
     }

@@ -19,7 +19,7 @@ mod written;
 
 use anyhow::{Context as _, anyhow};
 use corehbot::connectors::{BoardConnectors, SIM};
-use corehbot::kinematics::{Mechanism, Row};
+use corehbot::kinematics::{MOST_MULTIPLE, Mechanism, Row, direction, multiple};
 use corehbot::motors::Motor;
 use corehbot::settings::{
     AxisSettings, CornerRule, DriverSettings, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
@@ -139,9 +139,11 @@ fn mechanism(file: MechanismToml) -> Result<Mechanism, MachineFileError> {
 fn row(listed: &[f64]) -> Option<Row> {
     let mut row = [0; 4];
     for (slot, times) in row.iter_mut().zip(listed) {
-        *slot = [-1, 0, 1].into_iter().find(|legal| f64::from(*legal) == *times)?;
+        *slot = (-MOST_MULTIPLE..=MOST_MULTIPLE).find(|legal| f64::from(*legal) == *times)?;
     }
-    matches!(listed.len(), 3 | 4).then_some(row)
+    let multiple = multiple(row);
+    let is_whole = row.iter().zip(direction(row)).all(|(times, direction)| *times == multiple * direction);
+    (is_whole && matches!(listed.len(), 3 | 4)).then_some(row)
 }
 
 fn corner(default: CornerRule, file: &CornerToml) -> Result<CornerRule, MachineFileError> {

@@ -166,6 +166,9 @@ fn drives(row: Row) -> String {
         };
         if times != 0 {
             text.push_str(sign);
+            if times.unsigned_abs() > 1 {
+                text += &times.unsigned_abs().to_string();
+            }
             text.push_str(axis);
         }
     }
@@ -226,6 +229,7 @@ mod tests {
     fn a_motor_is_named_by_the_axes_that_it_turns_for() {
         assert_eq!(drives([-1, 1, 0, 0]), "\u{2212}x + y");
         assert_eq!(drives([1, -1, 0, 0]), "x \u{2212} y");
+        assert_eq!(drives([5, -5, 0, 0]), "5x \u{2212} 5y");
         assert_eq!(drives([0, 0, 0, 1]), "e");
     }
 }

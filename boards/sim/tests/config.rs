@@ -84,7 +84,7 @@ fn what_the_reader_refuses_is_not_of_the_schema() {
         ("[motors]\nm1 = '!M0'", true),
         ("[motors]\nm1 = 'M 0'", false),
         ("[motors]\nm1 = '!'", false),
-        ("[mechanism]\nm1 = [1, 2, 0]", false),
+        ("[mechanism]\nm1 = [1, 17, 0]", false),
         ("[heaters.bed]\nthermistor = { ohms = 100000, beta = 3950 }", true),
         ("[heaters.bed]\nthermistor = { ohms = 100000, beta = 1 }", false),
         ("[drivers.e]\nhold_percent = 50.5", false),

@@ -3,7 +3,7 @@
 //! Length and direction have 30 bits, for times and corners are made of them; what is a limit or a ratio is in single
 //! precision (see [`number`](crate::motion::number)).
 
-use crate::kinematics::Groups;
+use crate::kinematics::{Groups, direction};
 use crate::motion::number::{acceleration, from_bits, large_root, speed};
 use crate::motors::MOST_GROUPS;
 use crate::settings::{Axes, AxisSettings, Settings};
@@ -93,7 +93,13 @@ impl Belts {
     #[inline(never)]
     pub fn new(groups: &Groups) -> Self {
         let belts = groups.iter().filter(|group| group.is_belt());
-        Self(belts.map(|belt| [belt.row[0], belt.row[1], belt.row[2]].map(f32::from)).take(MOST_GROUPS - 1).collect())
+        Self(
+            belts
+                .map(|belt| direction(belt.row))
+                .map(|[x, y, z, _]| [x, y, z].map(f32::from))
+                .take(MOST_GROUPS - 1)
+                .collect(),
+        )
     }
 
     /// The way of the motor that goes farthest.

@@ -5,12 +5,12 @@
 //! Reduction Using Vector Diagrams to Generate Shaped Inputs" (1994) and "Extra-Insensitive Input Shapers for Controlling
 //! Flexible Spacecraft" (1996) for EI and its humps, with the fits of Klipper's documentation over the damping.
 //!
-//! The two taps of the pressure advance are made in [`taps`], from `Advance::window`.
+//! The two taps of the pressure advance are made in the function [`taps`] below, from `Advance::window`.
 //!
 //! All axes are delayed alike, by as much as the slowest shaper and the advance need, so that they stay together.
 
 use super::{AXES, Stiffening, TAPS, Tap, Taps};
-use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers};
+use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Mm, Seconds, Steps, TICKS_PER_SECOND};
 use heapless::Vec;
 
@@ -121,6 +121,8 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
         let early = delay - mean(&impulses);
         impulses.into_iter().map(|(time, weight)| tap((early + time, weight))).collect()
     };
+    // No window is no advance; `boards/sim/src/limits.rs` divides by it too.
+    debug_assert!(ranges::ADVANCE_WINDOW.least > Seconds::ZERO);
     let late: Taps = [tap((delay, 1.0))].into_iter().collect();
     let advance = if window > 0.0 {
         [tap((delay - half, 1.0 / window)), tap((delay + half, -1.0 / window))].into_iter().collect()

@@ -5,6 +5,7 @@
 //! A sum of copies of something that is quadratic piece by piece is itself quadratic piece by piece, so nothing has
 //! to be sampled, and where nothing changes nothing is computed. A window may be any staircase, a tap at each stair; one with slopes
 //! would make cubics, which the solver of step times does not take. The weights of the advance sum to 0, those of a shaper to 1.
+//! A window of 0 would be the speed itself, which no taps give.
 
 use crate::units::SubTicks;
 use core::hash::{Hash, Hasher};

@@ -25,6 +25,7 @@ pub(super) enum Kind {
     Cartesian,
     CartesianXz,
     DualY,
+    CoreUnequal,
 }
 
 impl Kind {
@@ -42,6 +43,7 @@ impl Kind {
             Self::Cartesian => include_str!("../../../../examples/machines/cartesian.toml"),
             Self::CartesianXz => include_str!("../../../../examples/machines/cartesian-xz.toml"),
             Self::DualY => include_str!("../../../../examples/machines/dual-y.toml"),
+            Self::CoreUnequal => include_str!("../../../../examples/machines/core-unequal.toml"),
         }
     }
 }

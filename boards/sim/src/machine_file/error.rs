@@ -56,7 +56,10 @@ impl Display for MachineFileError {
                 "corner wants either of its keys (junction_deviation, square_corner), not both and not none",
             ),
             Self::Row { key, row } => {
-                write!(f, "{key} = {row:?} is no row: -1, 0 or 1 for x, y, z and, if not 0, for e")
+                write!(
+                    f,
+                    "{key} = {row:?} is no row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e"
+                )
             }
             Self::Connector { key, value } => {
                 write!(

@@ -151,26 +151,26 @@ pub(super) struct EndstopsToml {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct MechanismToml {
-    /// Motor 1 (CoreH-bot: front left): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    /// Motor 1 (CoreH-bot: front left): steps for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
     pub m1: Option<RowToml>,
-    /// Motor 4 (CoreH-bot: front right): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    /// Motor 4 (CoreH-bot: front right): steps for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
     pub m4: Option<RowToml>,
-    /// Motor 8 (CoreH-bot: rear right): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    /// Motor 8 (CoreH-bot: rear right): steps for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
     pub m8: Option<RowToml>,
-    /// Motor 11 (CoreH-bot: rear left): steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    /// Motor 11 (CoreH-bot: rear left): steps for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
     pub m11: Option<RowToml>,
-    /// First screw: steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    /// First screw: steps for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
     pub z1: Option<RowToml>,
-    /// Second screw: steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    /// Second screw: steps for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
     pub z2: Option<RowToml>,
-    /// Extruder: steps for one step of x, y, z and e (0 if left out), each -1, 0 or 1.
+    /// Extruder: steps for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
     pub e0: Option<RowToml>,
 }
 
 /// A row: what a motor turns for a step of x, y, z and maybe e.
 #[derive(Deserialize, JsonSchema)]
 pub(super) struct RowToml(
-    #[schemars(with = "Vec<i8>", length(min = 3, max = 4), inner(range(min = -1, max = 1)))] pub Vec<f64>,
+    #[schemars(with = "Vec<i8>", length(min = 3, max = 4), inner(range(min = -16, max = 16)))] pub Vec<f64>,
 );
 
 /// A connector, as `plugs` reads it.

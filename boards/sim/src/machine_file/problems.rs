@@ -101,7 +101,7 @@ mod tests {
     #[test]
     fn every_wrong_key_is_told_at_its_place() {
         let text = "keepalive_s = 99\ncolour = 1\n[axis.x]\nlength = 5\n[axes.x]\n max_sped = 5\n length = 0\n\
-                    [motors]\nm1 = \"M 0\"\n[mechanism]\nm1 = [2, 0, 0]\n";
+                    [motors]\nm1 = \"M 0\"\n[mechanism]\nm1 = [2, 1, 0]\n";
         let said = said(text);
         let starts: Vec<_> = said.iter().map(|line| line.split(' ').next().unwrap()).collect();
         assert_eq!(starts.len(), 7, "{said:?}");

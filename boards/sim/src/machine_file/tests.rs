@@ -59,8 +59,8 @@ fn a_mechanism_lists_the_motors_that_are_fitted() {
     let none = [0; 4];
     assert_eq!(s.mechanism.rows, [none, none, [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], none, [0, 0, 0, -1]]);
     let error = |text: &str| load(&format!("[mechanism]\n{text}")).unwrap_err().to_string();
-    let illegal = "is no row: -1, 0 or 1 for x, y, z and, if not 0, for e";
-    assert_eq!(error("m1 = [2, 0, 0]"), format!("mechanism.m1 = [2.0, 0.0, 0.0] {illegal}"));
+    let illegal = "is no row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e";
+    assert_eq!(error("m1 = [2, 1, 0]"), format!("mechanism.m1 = [2.0, 1.0, 0.0] {illegal}"));
     assert_eq!(error("z2 = [0, 0.5, 0]"), format!("mechanism.z2 = [0.0, 0.5, 0.0] {illegal}"));
     for short in ["e0 = [0, 1]", "e0 = [0, 0, 0, 0, 1]", "e0 = []", "e0 = [nan, 0, 0]"] {
         assert!(error(short).contains(illegal), "{short}");
@@ -150,7 +150,7 @@ fn errors_have_a_place() {
         ("[axes.x]\nmax_speed = 'fast'", "2:13"),
         ("[axes.x]\nmax_speed = ", "2:13"),
         ("[axes]\ny = { steps_per_mm = 100 }", "2:22"),
-        ("[mechanism]\nm1 = [2, 0, 0]", "2:6"),
+        ("[mechanism]\nm1 = [2, 1, 0]", "2:6"),
         ("[mechanism]\nm8 = [1, 0, 0]", "1:2"),
         ("[drivers.belt]\nmicrosteps = 24", "2:14"),
         ("[shaper.x]\nspan = 99", "1:9"),

@@ -1,7 +1,7 @@
 //! What a machine may have but should not.
 
 use super::Machine;
-use corehbot::kinematics::Mechanism;
+use corehbot::kinematics::{Mechanism, direction};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{FanRole, Settings};
 
@@ -76,7 +76,8 @@ fn steps_a_second(s: &Settings) -> f64 {
     let ways = || [-1.0, 0.0, 1.0].into_iter();
     let mut most: f64 = 0.0;
     for v in ways().flat_map(|a| ways().flat_map(move |b| ways().map(move |c| [a * x, b * y, c * z]))) {
-        let turns = rows.map(|row| row.iter().zip(v).map(|(times, v)| f64::from(*times) * v).sum::<f64>().abs());
+        let turns =
+            rows.map(|row| direction(row).iter().zip(v).map(|(times, v)| f64::from(*times) * v).sum::<f64>().abs());
         let xy = rows.iter().zip(turns).filter(|(row, _)| row[0] != 0 || row[1] != 0).map(|(_, v)| v);
         // A belt motor has a limit of its own, and the whole move is slowed to it.
         let slowed = (s.motor_max_speed.to_num::<f64>() / xy.fold(0.0, f64::max)).min(1.0);

@@ -114,9 +114,18 @@ fn there_is_a_file_for_every_kind_of_machine() {
     assert_eq!(of("corexy"), of("hbot"));
     assert_eq!(of("cartesian"), of("cartesian-xz"));
     let motors = |name: &str| of(name).fitted().0.count_ones();
-    let counted =
-        ["corexy", "awd-corexy", "corehbot-two-drivers", "corexyz", "corexyz-three", "corexz", "cartesian", "dual-y"];
-    assert_eq!(counted.map(motors), [4, 6, 5, 5, 4, 4, 5, 5]);
+    let counted = [
+        "corexy",
+        "awd-corexy",
+        "corehbot-two-drivers",
+        "corexyz",
+        "corexyz-three",
+        "corexz",
+        "cartesian",
+        "dual-y",
+        "core-unequal",
+    ];
+    assert_eq!(counted.map(motors), [4, 6, 5, 5, 4, 4, 5, 5, 4]);
     // Every file is one of those above.
     let looked_at = [&["prototype", "hbot", "cartesian-xz"][..], &counted].concat();
     for (name, _) in &machines {

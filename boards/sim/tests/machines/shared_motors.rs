@@ -2,7 +2,7 @@
 
 use super::answers::answers;
 use super::print::{machines, print};
-use corehbot::motors::MotorSet;
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{Cartesian, Settings};
 use corehbot::units::Mm;
 use corehbot_sim::check::Findings;
@@ -37,6 +37,13 @@ fn after_homing_an_axis_moves_alone() {
             let mut host = FileHost::new(&gcode);
             run(&s, Some([10, 20, 5].map(Mm::from_num)), &mut host, &mut motors).unwrap();
             let last = &motors.0[motors.0.len() - 390..];
+            // Motors of different pulleys step as often as these say, and so hardly ever together.
+            if name == "core-unequal" {
+                let steps = |motor: Motor| last.iter().filter(|steps| steps.has(motor)).count();
+                let (long, short) = (steps(Motor::M11), steps(Motor::M8));
+                assert!((4 * short).abs_diff(5 * long) <= 9, "{letter}: {short} and {long}");
+                continue;
+            }
             assert!(last.iter().all(|steps| *steps == s.mechanism.motors_of(axis)), "{name}: {letter} {last:?}");
         }
     }

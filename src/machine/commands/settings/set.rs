@@ -12,15 +12,16 @@ use crate::machine::state::notices::{Notice, Notices};
 use crate::settings::{AxisSettings, CornerRule, Range, Settings, ranges};
 use crate::units::{MmPerSec, Ratio, StepsPerMm, mul_div};
 
-/// Every axis that a line names, with its letter and its value.
+/// Every axis that a line names, with its letter, its value, and its number.
 fn named<'a>(
     s: &'a mut Settings,
     words: &AxisWords,
-) -> impl Iterator<Item = (&'a mut AxisSettings, &'static str, Number)> {
+) -> impl Iterator<Item = (&'a mut AxisSettings, &'static str, Number, usize)> {
     let a = &mut s.axes;
     [(&mut a.x, "X", words.x), (&mut a.y, "Y", words.y), (&mut a.z, "Z", words.z), (&mut a.e, "E", words.e)]
         .into_iter()
-        .filter_map(|(axis, letter, word)| word.map(|n| (axis, letter, n)))
+        .enumerate()
+        .filter_map(|(place, (axis, letter, word))| word.map(|n| (axis, letter, n, place)))
 }
 
 /// The words of M205.
@@ -48,7 +49,7 @@ pub(in crate::machine) fn set_max_acceleration(
     if *words == AxisWords::default() {
         return Answer::Setting(Setting::MaxAccelerations);
     }
-    for (axis, letter, number) in named(s, words) {
+    for (axis, letter, number, _) in named(s, words) {
         axis.max_acceleration = clamps.length(modal, ["M201", letter], number, ranges::ACCELERATION);
     }
     Answer::Nothing
@@ -64,8 +65,9 @@ pub(in crate::machine) fn set_max_speed(
     if *words == AxisWords::default() {
         return Answer::Setting(Setting::MaxSpeeds);
     }
-    for (axis, letter, number) in named(s, words) {
-        let most = ranges::SPEED.most.min(fastest(axis.steps_per_mm));
+    let finest = [0, 1, 2, 3].map(|axis| s.finest(axis));
+    for (axis, letter, number, place) in named(s, words) {
+        let most = ranges::SPEED.most.min(fastest(finest[place]));
         axis.max_speed = clamps.length(modal, ["M203", letter], number, Range { most, ..ranges::SPEED });
     }
     Answer::Nothing
@@ -91,12 +93,17 @@ pub(in crate::machine) fn set_resolution(
 ) -> Result<Resolved, &'static str> {
     let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
     let before = speeds(s);
-    for (axis, letter, number) in named(s, words) {
+    for (axis, letter, number, _) in named(s, words) {
         axis.steps_per_mm = clamps.plain(["M92", letter], number, ranges::STEPS_PER_MM);
-        axis.max_speed = axis.max_speed.min(fastest(axis.steps_per_mm));
     }
     s.check_shared_motors()?;
-    let belt = fastest(s.axes.x.steps_per_mm.max(s.axes.y.steps_per_mm));
+    let most = [0, 1, 2, 3].map(|axis| fastest(s.finest(axis)));
+    let [x, y, z, e] = most;
+    let a = &mut s.axes;
+    for (axis, most) in [(&mut a.x, x), (&mut a.y, y), (&mut a.z, z), (&mut a.e, e)] {
+        axis.max_speed = axis.max_speed.min(most);
+    }
+    let belt = x.min(y);
     s.motor_max_speed = s.motor_max_speed.min(belt);
     Ok(if speeds(s) == before { Resolved::Resolutions } else { Resolved::LoweredSpeeds })
 }
