@@ -45,6 +45,18 @@ fn a_corexy_has_two_belt_motors_and_one_screw() {
     assert_eq!(motors_of("corexy.toml"), motors.fold(MotorSet::NONE, MotorSet::with));
 }
 
+/// QEMU prints with these files too (`xtask/src/test/compare.rs`).
+#[test]
+fn four_motors_drive_a_corexy() {
+    assert_eq!(motors_of("awd-corexy.toml"), MotorSet::BELT.with(MotorSet::of(Motor::Z1)));
+}
+
+#[test]
+fn pulleys_may_have_different_sizes() {
+    let motors = [Motor::M8, Motor::M11, Motor::Z1].into_iter().map(MotorSet::of);
+    assert_eq!(motors_of("core-unequal.toml"), motors.fold(MotorSet::NONE, MotorSet::with));
+}
+
 #[test]
 fn a_corexyz_lifts_with_all_four() {
     assert_eq!(motors_of("corexyz.toml"), MotorSet::BELT);

@@ -18,6 +18,10 @@ const QUICKEST: &str = "prusaslicer292_cubehelix_small.gcode";
 /// So many lines of it are printed: a quarter, which takes as long as all examples. `cargo xtask equal` prints a file whole.
 const LINES: usize = 2000;
 
+/// Machine files with which an example is printed here; `emulator/tests/machines.rs` prints it with them on the image of the Octopus.
+const MACHINES: [&str; 3] = ["machines/corexy.toml", "machines/awd-corexy.toml", "machines/core-unequal.toml"];
+const ON_MACHINES: &str = "circle.gcode";
+
 /// Prints every example, and the beginning of a sliced file if there is one.
 pub fn check() -> Result<Verdict> {
     if !tools::has_emulator() {
@@ -34,10 +38,14 @@ pub fn check() -> Result<Verdict> {
         println!("skipped the sliced file: there is no {SLICED}/{QUICKEST}");
         remark += &format!("; no sliced file, as there is no {SLICED}");
     }
-    let tests = u32::try_from(files.len())?;
     // The large ones first, lest one of them be alone at the end.
     files.sort_by_key(|path| std::fs::metadata(path).map_or(0, |metadata| metadata.len()));
-    let failures = side_by_side::all(files, |file| name(file), |file| compare(&image, &simulator, file, None));
+    let machines = MACHINES.map(|machine| (examples_folder().join(ON_MACHINES), Some(examples_folder().join(machine))));
+    let files: Vec<_> = machines.into_iter().chain(files.into_iter().map(|file| (file, None))).collect();
+    remark += &format!(", {} machine files", MACHINES.len());
+    let tests = u32::try_from(files.len())?;
+    let print = |(file, machine): &(PathBuf, Option<PathBuf>)| compare(&image, &simulator, file, machine.as_deref());
+    let failures = side_by_side::all(files, |(file, machine)| name(machine.as_ref().unwrap_or(file)), print);
     let failed = u32::try_from(failures.len())?;
     if failed > 0 {
         remark = format!("differ: {}", failures.join(", "));
@@ -71,7 +79,7 @@ pub fn check_file(file: &Path, settings: Option<&Path>) -> Result<()> {
 
 /// The examples.
 fn examples() -> Result<Vec<PathBuf>> {
-    let folder = root().join("examples");
+    let folder = examples_folder();
     let mut files = Vec::new();
     for entry in std::fs::read_dir(&folder).with_context(|| format!("cannot list {}", folder.display()))? {
         let path = entry?.path();
@@ -82,9 +90,13 @@ fn examples() -> Result<Vec<PathBuf>> {
     Ok(files)
 }
 
+fn examples_folder() -> PathBuf {
+    root().join("examples")
+}
+
 /// Prints one file on both and compares the traces.
 fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>) -> Result<()> {
-    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let stem = name(settings.unwrap_or(file));
     let folder = checkout::target_dir()?.join("qemu");
     std::fs::create_dir_all(&folder)?;
     let [expected, found] = ["sim", "qemu"].map(|who| folder.join(format!("{stem}.{who}.csv")));
@@ -92,6 +104,7 @@ fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>)
     command.arg("run").arg(file).arg("--trace").arg(&expected).stdout(Stdio::null());
     command.args(settings.iter().flat_map(|path| [Path::new("--settings"), path]));
     run(command)?;
+    let on = settings.map(|machine| format!(" on {}", name(machine)));
     let settings = settings.map(machine_file::read).transpose()?.map_or_else(Settings::prototype, |read| read.settings);
     let job = Job { gcode: qemu::read_gcode(file)?, settings, start: None, patience_ms: 0 };
     let outcome = job.run(image, Some(&found))?;
@@ -102,7 +115,13 @@ fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>)
     // Only traces that differ are worth keeping.
     std::fs::remove_file(expected)?;
     std::fs::remove_file(found)?;
-    println!("{}: {} events are equal, {:.1} s", name(file), outcome.events, outcome.wall.as_secs_f64());
+    println!(
+        "{}{}: {} events are equal, {:.1} s",
+        name(file),
+        on.unwrap_or_default(),
+        outcome.events,
+        outcome.wall.as_secs_f64()
+    );
     Ok(())
 }
 
