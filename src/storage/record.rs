@@ -39,7 +39,7 @@ pub(super) const HEADER: usize = 16;
 /// Bytes of the longest record.
 pub const LONGEST: usize = 1280;
 
-/// The longest payload. Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 10 for i64,
+/// The longest payload. Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 19 for i128,
 /// which the mechanism is stored as. `wide` is what has no u16. A plug is a name of eight bytes, before which stands its length, and
 /// a `bool`.
 const LONGEST_PAYLOAD: usize = {
@@ -47,7 +47,7 @@ const LONGEST_PAYLOAD: usize = {
     let wide = wide + size_of::<Cartesian<Endstop>>() + size_of::<u32>();
     let wide = wide + HEATERS * (size_of::<HeaterModel>() + size_of::<Pid>());
     let rest = size_of::<Settings>() - size_of::<Mechanism>() - size_of::<Wiring>() - wide;
-    rest * 3 / 2 + wide * 5 / 4 + 10 + size_of::<Wiring>() * 10 / 9
+    rest * 3 / 2 + wide * 5 / 4 + 19 + size_of::<Wiring>() * 10 / 9
 };
 const _: () = assert!(HEADER + LONGEST_PAYLOAD <= LONGEST);
 

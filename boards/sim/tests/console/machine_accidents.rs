@@ -1,8 +1,7 @@
 //! A machine that is sent while things go wrong: the power is cut in any byte that is stored, or the lines are any lines at all.
 
-use super::machine_record::lines_of;
 use super::talk::{Steps, Talk};
-use corehbot::connectors::SIM;
+use super::wild_machine::{self, lines_of};
 use corehbot::port::{Storage, StorageError};
 use corehbot::settings::Settings;
 use corehbot_sim::eeprom::Eeprom;
@@ -82,40 +81,18 @@ fn a_power_cut_at_any_byte_leaves_the_old_machine_or_the_new() {
     assert!(kept[0] > 50 && kept[1] > 10, "{kept:?}");
 }
 
-/// A line of the dialogue, right or wrong.
-fn line(lines: Vec<String>) -> impl Strategy<Value = String> {
-    let piece = proptest::sample::select(lines);
-    prop_oneof![
-        8 => piece.clone(),
-        1 => (piece.clone(), any::<prop::sample::Index>(), "[0-9A-Fa-fxG -]").prop_map(|(mut line, at, new)| {
-            let at = at.index(line.len());
-            line.replace_range(at..=at, &new);
-            line
-        }),
-        1 => (0..3000_u16, "[0-9A-F]{0,60}").prop_map(|(at, hex)| format!("MACHINE_PUT AT={at} HEX={hex}")),
-        1 => Just("MACHINE_STORE".to_owned()),
-        1 => Just("MACHINE_GET".to_owned()),
-    ]
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever a host sends: the board answers each line, stays on, and stores a machine that it can be, or none.
+    /// Whatever a host sends.
     #[test]
-    fn any_dialogue_stores_a_legal_machine_or_none(
-        lines in {
-            let right = lines_of(&Settings { keepalive_s: 9, ..Settings::prototype() });
-            let begin = right.clone();
-            (0..right.len(), proptest::collection::vec(line(right), 0..30))
-                .prop_map(move |(upto, rest)| [&begin[..upto], &rest].concat())
-        },
-    ) {
-        let mut eeprom = Eeprom::blank();
-        let heard = say(&mut eeprom, &lines);
-        prop_assert_eq!(heard.iter().filter(|line| line.starts_with("ok")).count(), lines.len());
-        if let Some(machine) = eeprom.settings() {
-            prop_assert!(machine.check_machine().is_ok() && machine.check_connectors(&SIM).is_ok());
-        }
+    fn any_dialogue_stores_a_legal_machine_or_none(data in proptest::collection::vec(any::<u8>(), 0..100)) {
+        wild_machine::dialogue(&data);
+    }
+
+    /// Whatever is in a record with a right checksum.
+    #[test]
+    fn any_record_is_a_legal_machine_or_none(data in proptest::collection::vec(any::<u8>(), 0..40)) {
+        wild_machine::record(&data);
     }
 }

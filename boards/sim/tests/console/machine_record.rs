@@ -1,27 +1,12 @@
 //! The machine over the serial line: said in pieces, put together from pieces, looked at and stored.
 
 use super::talk::{keep, talk_to};
+use super::wild_machine::lines_of;
 use corehbot::connectors::ConnectorName;
 use corehbot::settings::Settings;
-use corehbot::storage::{LONGEST, machine_in, record_of};
+use corehbot::storage::machine_in;
 use corehbot::units::Mm;
 use corehbot_sim::eeprom::Eeprom;
-
-/// The lines that put a machine together and store it.
-pub fn lines_of(machine: &Settings) -> Vec<String> {
-    let mut record = [0; LONGEST];
-    let length = record_of(machine, &mut record).unwrap();
-    let mut lines: Vec<_> = record[..length]
-        .chunks(24)
-        .enumerate()
-        .map(|(n, piece)| {
-            let hex: String = piece.iter().map(|byte| format!("{byte:02X}")).collect();
-            format!("MACHINE_PUT AT={} HEX={hex}", 24 * n)
-        })
-        .collect();
-    lines.push("MACHINE_STORE".to_owned());
-    lines
-}
 
 /// What is heard of these lines, but for each `ok`, on a machine as it was made with that EEPROM.
 fn say(eeprom: &mut Eeprom, lines: &[String]) -> Vec<String> {

@@ -12,3 +12,5 @@ mod saving;
 mod stops;
 mod storage;
 mod talk;
+#[path = "../common/wild_machine.rs"]
+mod wild_machine;
