@@ -13,6 +13,9 @@ pub struct Args {
     /// Simulated hours of motion, split over the wraps of all counters.
     #[arg(long, value_name = "N", default_value_t = 72)]
     motion_hours: u32,
+    /// Segments of 1 to 20 um, half of them reversals.
+    #[arg(long, value_name = "N", default_value_t = 10_000_000)]
+    segments: u32,
 }
 
 /// Runs the long forms.
@@ -23,5 +26,9 @@ pub fn main(args: &Args) -> Result<()> {
     run(heat)?;
     let mut motion = cargo(["test", "--release", "--package=corehbot-sim", "--test=soak", "--", "--nocapture"]);
     motion.env("COREHBOT_SOAK_HOURS", args.motion_hours.to_string());
-    run(motion)
+    run(motion)?;
+    let mut segments =
+        cargo(["test", "--release", "--package=corehbot-sim", "--test=absurd", "--", "--nocapture", "f52"]);
+    segments.env("COREHBOT_SOAK_SEGMENTS", args.segments.to_string());
+    run(segments)
 }

@@ -142,7 +142,7 @@ fn f51_filament_by_the_kilometre_is_not_extruded() {
     }
 }
 
-/// Pieces of 1 to 20 um, out and back and in zig-zag, at the greatest feed.
+/// Pieces of 1 to 20 um, out and back and in zig-zag, at the greatest feed. `cargo xtask soak` prints millions of them.
 #[test]
 fn f52_segments_of_micrometres_lose_no_step() {
     let mut state = 1_u64;
@@ -152,10 +152,12 @@ fn f52_segments_of_micrometres_lose_no_step() {
     };
     let mut lines = "G91\nG1 F18000\n".to_owned();
     let (mut x, mut e) = (0_i64, 0_i64);
-    for i in 0..20_000 {
+    let segments = std::env::var("COREHBOT_SOAK_SEGMENTS").map_or(20_000, |count| count.parse().unwrap());
+    for i in 0..segments {
         let um = 1 + random(20) as i64;
-        // Forwards for a while, then to and fro.
-        let way = if i % 4000 < 2000 || i % 2 == 0 { um } else { -um };
+        // One way for a while, then to and fro, then the other way.
+        let side = if i / 4000 % 2 == 0 { um } else { -um };
+        let way = if i % 4000 < 2000 || i % 2 == 0 { side } else { -side };
         x += way;
         e += 1;
         writeln!(lines, "G1 X{:.3} E0.001", way as f64 / 1000.0).unwrap();
@@ -165,6 +167,7 @@ fn f52_segments_of_micrometres_lose_no_step() {
     let off = (printed.at[0] - 100.0 - x as f64 / 1000.0).abs();
     assert!(off <= 0.5 / STEPS[0], "{off} mm off");
     assert!((printed.at[3] - e as f64 / 1000.0).abs() <= 0.5 / STEPS[2], "{}", printed.at[3]);
+    println!("{segments} segments");
 }
 
 #[test]
