@@ -77,9 +77,10 @@ const STEPS: [Step; 15] = [
     },
     Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
     Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
-    Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
-    // Clients wait for most of their time, so the other lane has both processors. By now it has built QEMU's image.
+    // Clients wait for most of their time, in which the other lane has both processors; so they are not the last. By now the other lane
+    // has built QEMU's image.
     Step { name: "clients", lane: Host, heading: "printcore and OctoPrint print on it", run: clients::check },
+    Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
     Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
     Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },
     Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },
