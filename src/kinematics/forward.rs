@@ -11,9 +11,9 @@ use crate::units::Steps;
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Weights {
     /// Of x, y and z.
-    adjugate: [[i64; 3]; 3],
+    adjugate: [[i32; 3]; 3],
     determinant: i64,
-    /// Coordinates that are the filament's.
+    /// Squares of the coordinates that are the filament's.
     filament: i64,
 }
 
@@ -39,7 +39,8 @@ impl Weights {
         let determinant = a * adjugate[0][0] + b * bc + c * ac;
         // In lowest terms, lest sums of counts grow too long.
         let divisor = adjugate.as_flattened().iter().fold(determinant, |all, one| greatest_divisor(all, *one)).max(1);
-        let adjugate = adjugate.map(|row| row.map(|weight| weight / divisor));
+        // Squares of five rows of 16 each: below 2^11, products of two of them below 2^23.
+        let adjugate = adjugate.map(|row| row.map(|weight| (weight / divisor) as i32));
         (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant: determinant / divisor, filament })
     }
 
@@ -52,10 +53,10 @@ impl Weights {
 
 /// The sum of counts, each as often as its row has these weights.
 #[inline(never)]
-fn sum([a, b, c, d]: [i64; 4], rows: &[Row], counts: &[i64]) -> i64 {
+fn sum([a, b, c, d]: [i32; 4], rows: &[Row], counts: &[i64]) -> i64 {
     let mut sum = 0;
-    for ([x, y, z, e], count) in rows.iter().map(|row| row.map(i64::from)).zip(counts) {
-        sum += (a * x + b * y + c * z + d * e) * count;
+    for ([x, y, z, e], count) in rows.iter().map(|row| row.map(i32::from)).zip(counts) {
+        sum += i64::from(a * x + b * y + c * z + d * e) * count;
     }
     sum
 }
@@ -64,7 +65,9 @@ fn sum([a, b, c, d]: [i64; 4], rows: &[Row], counts: &[i64]) -> i64 {
 #[inline(never)]
 fn steps((sum, over): (i64, i64)) -> Steps {
     let (whole, rest) = (sum.div_euclid(over), sum.rem_euclid(over));
-    Steps::from_bits((whole << 32).wrapping_add(((i128::from(rest) << 32) / i128::from(over)) as i64))
+    // Rows whose numbers are all 1 divide by less than 2^31; the longer division takes a thousand instructions.
+    let part = if over < 1 << 31 { (rest << 32) / over } else { ((i128::from(rest) << 32) / i128::from(over)) as i64 };
+    Steps::from_bits((whole << 32).wrapping_add(part))
 }
 
 /// The greatest number that divides both, never negative (Euclid, Elements, VII.2).
