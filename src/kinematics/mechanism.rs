@@ -45,6 +45,9 @@ const DIRECTIONS: u32 = ENTRY * 4 * Motor::ALL.len() as u32;
 const MULTIPLE: u32 = 4;
 const _: () = assert!(MOST_MULTIPLE as u32 == 1 << MULTIPLE && DIRECTIONS + MULTIPLE * (Motor::ALL.len() as u32) < 127);
 
+/// Set if there are such numbers: firmware that knows none reads 64 bits, and refuses what is longer.
+const UNLIKE: i128 = 1 << 120;
+
 impl From<i128> for Mechanism {
     // Not inlined in every encoder and decoder.
     #[inline(never)]
@@ -52,7 +55,7 @@ impl From<i128> for Mechanism {
         let mut directions = packed as i64;
         // Records of rows whose numbers are all 1 are as they were when there were no others: one number with a sign.
         let is_plain = i128::from(directions) == packed && directions.unsigned_abs() < 1 << DIRECTIONS;
-        let mut multiples = if is_plain { 0 } else { packed >> DIRECTIONS };
+        let mut multiples = if is_plain { 0 } else { (packed & !UNLIKE) >> DIRECTIONS };
         let mut mechanism = Self { rows: [NOT_FITTED; Motor::ALL.len()] };
         for row in &mut mechanism.rows {
             let multiple = (multiples as i8 & (MOST_MULTIPLE - 1)) + 1;
@@ -80,7 +83,7 @@ impl From<Mechanism> for i128 {
         if multiples == 0 {
             return directions.into();
         }
-        multiples << DIRECTIONS | Self::from(directions) & ((1 << DIRECTIONS) - 1)
+        UNLIKE | multiples << DIRECTIONS | Self::from(directions) & ((1 << DIRECTIONS) - 1)
     }
 }
 
@@ -89,7 +92,7 @@ impl From<Mechanism> for i128 {
 pub enum MechanismError {
     /// The entries of this motor are not -1, 0 or 1 times a whole number up to [`MOST_MULTIPLE`].
     Entry(Motor),
-    /// Rows with other whole numbers than 1, and more different motors than axes.
+    /// Whole numbers above 1 for a motor of a single axis, whose resolution says it, or where more motors differ than there are axes.
     Multiples,
     /// This motor moves the tool and the filament.
     Mixed(Motor),
@@ -108,7 +111,9 @@ impl core::fmt::Display for MechanismError {
                 let name = motor.name();
                 write!(f, "mechanism.{name}: entries are -1, 0 or 1, all times one whole number up to {MOST_MULTIPLE}")
             }
-            Self::Multiples => f.write_str("mechanism: motors with different pulleys must not be more than the axes"),
+            Self::Multiples => f.write_str(
+                "mechanism: numbers above 1 are for motors that share axes, and not for more different motors than axes",
+            ),
             Self::Mixed(motor) => {
                 write!(f, "mechanism.{}: a motor moves the tool or the filament, not both", motor.name())
             }
@@ -174,6 +179,12 @@ impl Mechanism {
         rows.iter().any(|row| [a, b].iter().all(|axis| row.get(*axis).is_some_and(|times| *times != 0)))
     }
 
+    /// Whether motors that share axes have pulleys of different sizes.
+    #[must_use]
+    pub fn has_multiples(&self) -> bool {
+        self.rows.iter().any(|row| multiple(*row) > 1)
+    }
+
     /// The most steps that a motor makes for one step of an axis.
     #[must_use]
     pub fn most_times(&self, axis: usize) -> i8 {
@@ -202,6 +213,9 @@ impl Mechanism {
             let multiple = multiple(row);
             let is_entry =
                 |(times, direction): (i8, i8)| i16::from(times) == i16::from(direction) * i16::from(multiple);
+            if multiple > 1 && row.iter().filter(|times| **times != 0).count() < 2 {
+                return Err(MechanismError::Multiples);
+            }
             if multiple > MOST_MULTIPLE || !row.into_iter().zip(direction(row)).all(is_entry) {
                 return Err(MechanismError::Entry(motor));
             }
@@ -219,7 +233,7 @@ impl Mechanism {
             *different.iter_mut().find(place).ok_or(MechanismError::TooManyGroups)? = row;
         }
         let [.., last] = different;
-        if last != NOT_FITTED && different.into_iter().any(|row| multiple(row) > 1) {
+        if last != NOT_FITTED && self.has_multiples() {
             return Err(MechanismError::Multiples);
         }
         if is_held(&different) { Ok(()) } else { Err(MechanismError::Loose) }

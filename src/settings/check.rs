@@ -314,6 +314,7 @@ impl Settings {
         for (number, (axis, name)) in
             [(&a.x, "axes.x"), (&a.y, "axes.y"), (&a.z, "axes.z"), (&a.e, "axes.e")].into_iter().enumerate()
         {
+            within(ranges::STEPS_PER_MM, self.finest(number), name)?;
             step_rate(axis.max_speed, self.finest(number), name)?;
         }
         self.check_shared_motors().map_err(SettingsError::ResolutionsDiffer)?;

@@ -127,8 +127,9 @@ fn what_is_no_machine_is_refused() {
         assert_eq!(mechanism.check(), Ok(()), "{name}");
     }
     assert_eq!(with(Motor::M8, [2, 1, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
-    assert_eq!(with(Motor::M8, [17, 0, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
-    assert_eq!(with(Motor::M8, [i8::MIN, 0, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
+    assert_eq!(with(Motor::M8, [17, 17, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
+    assert_eq!(with(Motor::M8, [i8::MIN, i8::MIN, 0, 0]), Err(MechanismError::Entry(Motor::M8)));
+    assert_eq!(with(Motor::Z1, [0, 0, 4, 0]), Err(MechanismError::Multiples));
     // Two motors of one coordinate with different pulleys: more motors that differ than axes.
     assert_eq!(with(Motor::M8, [2, -2, 0, 0]), Err(MechanismError::Multiples));
     assert_eq!(with(Motor::Z1, [0, 0, 1, 1]), Err(MechanismError::Mixed(Motor::Z1)));
@@ -157,6 +158,16 @@ fn every_mechanism_is_stored() {
     for (name, mechanism) in all() {
         let packed = i128::from(mechanism);
         assert_eq!(Mechanism::from(packed), mechanism, "{name}");
+    }
+    for motor in 0..6 {
+        for times in 1..=16 {
+            let mut mechanism = Mechanism::corehbot();
+            mechanism.rows[motor] = mechanism.rows[motor].map(|direction| direction * times);
+            let packed = i128::from(mechanism);
+            assert_eq!(Mechanism::from(packed), mechanism, "{motor} {times}");
+            // Firmware that knows no such numbers reads 64 bits.
+            assert_eq!(i64::try_from(packed).is_ok(), times == 1, "{motor} {times}");
+        }
     }
     assert_eq!(Mechanism::from(0b10).check(), Err(MechanismError::Entry(Motor::M1)));
 }

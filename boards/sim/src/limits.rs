@@ -96,9 +96,12 @@ impl Widest {
 
 /// What the settings alone allow.
 fn limits_of(s: &Settings) -> Vec<Limit> {
+    // A step of the motor that makes the fewest for a step of the axis.
+    let fewest =
+        |axis: usize| s.mechanism.rows.iter().map(|row| row[axis].unsigned_abs()).filter(|times| *times > 0).min();
     let axis = |name: &str, a: AxisSettings| Limit {
         name: name.to_owned(),
-        step: 1.0 / a.steps_per_mm.to_num::<f64>(),
+        step: 1.0 / (a.steps_per_mm.to_num::<f64>() * f64::from("xyze".find(name).and_then(fewest).unwrap_or(1))),
         speed: a.max_speed.to_num(),
         acceleration: a.max_acceleration.to_num(),
         jump: 0.0,

@@ -24,7 +24,7 @@ use crate::board_storage::BoardStorage;
 use crate::drivers::Drivers;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
-use crate::step_pins::StepPins;
+use crate::step_pins::{Dirs, Row, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usb::{self, UsbPort};
 use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, watchdog};
@@ -154,7 +154,7 @@ async fn stay_awake() {
     }
 }
 
-/// Has the Console look at the world again. Not for the Stepper, which no critical section holds off.
+/// Has the Console look at the world again. Not for the Stepper, which no critical section of `critical_section` holds off.
 pub fn wake_console() {
     CONSOLE_WAKER.wake();
 }
@@ -172,13 +172,18 @@ fn SysTick() {
     unsafe { STEPPER.with_alone(|stepper| stepper.on_alarm()) };
 }
 
-/// Looks at the step pins' words while nothing interrupts. For the thread alone, which never interrupts the Stepper.
-pub fn with_step_pins<R>(look: impl FnOnce(&StepPins) -> R) -> R {
+/// A row of the step pins' words, copied while nothing interrupts, which is all that ever holds off the Stepper.
+pub fn step_pins_row(number: usize) -> Option<Row> {
     cortex_m::interrupt::free(|_| {
-        // SAFETY: [`start`] is called after `give_stepper`, and nobody runs but the thread, which does not work with the
-        // Stepper otherwise.
-        unsafe { STEPPER.with_alone(|stepper| look(stepper.port())) }
+        // SAFETY: [`start`] is called after `give_stepper`; nobody else runs now, and nobody who calls this works with the Stepper.
+        unsafe { STEPPER.with_alone(|stepper| stepper.port().row(number)) }
     })
+}
+
+/// The direction pins, which nobody writes to.
+pub fn step_pins_dirs() -> &'static Dirs {
+    // SAFETY: as for [`step_pins_row`].
+    cortex_m::interrupt::free(|_| unsafe { STEPPER.with_alone(|stepper| stepper.port().dirs()) })
 }
 
 /// Software has a move to turn into steps, or room for steps.

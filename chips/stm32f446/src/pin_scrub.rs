@@ -7,7 +7,7 @@ use corehbot::settings::sum;
 use corehbot::status::Status;
 use embassy_time::{Duration, Timer};
 
-use crate::contexts::with_step_pins;
+use crate::contexts::{step_pins_dirs, step_pins_row};
 
 /// Between two looks.
 const EVERY: Duration = Duration::from_millis(900);
@@ -26,7 +26,7 @@ pub async fn run(status: &'static Status) {
 
 /// The sum of all words, of which no two rows are read at once.
 fn sum_of_words() -> u32 {
-    let rows = (0..).map_while(|number| with_step_pins(|pins| pins.row(number)));
+    let rows = (0..).map_while(step_pins_row);
     let of_rows = rows.fold(0, |sum_so_far, row| sum(&(sum_so_far, row)));
-    sum(&(of_rows, with_step_pins(|pins| pins.dirs())))
+    sum(&(of_rows, step_pins_dirs()))
 }

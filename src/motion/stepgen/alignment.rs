@@ -43,6 +43,8 @@ impl Alignment {
     /// On this mechanism.
     pub fn new(groups: &Groups) -> Self {
         let share = |axis: usize, other: usize| axis != other && groups.mechanism().share(axis, other);
+        // Motors of different pulleys do not step in the same instants wherever they stand.
+        let share = |axis, other| !groups.mechanism().has_multiples() && share(axis, other);
         let sharing = |axis: usize| (0..3).map(|other| u8::from(share(axis, other)) << other).sum();
         Self { sharing: core::array::from_fn(sharing), is_redundant: groups.is_redundant(), planned: [Steps::ZERO; 3] }
     }

@@ -1,4 +1,5 @@
 //! The last resort, measured: how many instructions the image of the Octopus executes from a fault to pins that are safe.
+//! No heater is on here; the stores are the same that take a pin from its timer.
 //!
 //! QEMU has a board with an STM32F405 (`netduinoplus2`), whose flash, RAM and ports lie where the F446's do. It runs the image's own
 //! vector table and handlers; a few instructions in the place of the bootloader bring the fault about. QEMU logs every instruction, and
@@ -153,6 +154,8 @@ fn run(flash: &[u8], words: u32, entry: u32, folder: &Path) -> Result<Counts> {
     while process.try_wait()?.is_none() {
         if begin.elapsed() > PATIENCE {
             process.kill()?;
+            process.wait()?;
+            std::fs::remove_file(&log)?;
             bail!("no reset");
         }
         std::thread::sleep(Duration::from_millis(10));

@@ -35,7 +35,14 @@ fn crc<'b>(bytes: impl Iterator<Item = &'b u8>) -> u32 {
 /// finds is legal, or nothing.
 pub fn record(data: &[u8]) {
     let mut eeprom = Eeprom::blank();
-    eeprom.save(&Settings::prototype()).unwrap();
+    let mut machine = Settings::prototype();
+    // Every second machine has pulleys of different sizes.
+    if data.len() % 2 == 1 {
+        machine.mechanism.rows[1] = machine.mechanism.rows[1].map(|times| 3 * times);
+        machine.mechanism.rows[3] = machine.mechanism.rows[3].map(|times| 3 * times);
+    }
+    machine.check_machine().unwrap();
+    eeprom.save(&machine).unwrap();
     let cells = eeprom.cells();
     let length = HEADER + usize::from(u16::from_le_bytes([cells[6], cells[7]]));
     for change in data.chunks_exact(3) {
@@ -44,8 +51,13 @@ pub fn record(data: &[u8]) {
     let record = &mut cells[..length];
     let sum = crc(record[..CHECKSUM.start].iter().chain(&record[HEADER..]));
     record[CHECKSUM].copy_from_slice(&sum.to_le_bytes());
-    if let Some(machine) = eeprom.settings() {
-        machine.check().unwrap();
+    let found = eeprom.settings();
+    assert!(found.is_some() || data.len() >= 3, "the record as it was saved");
+    if let Some(machine) = found {
+        // It can be stored again, and is the same then.
+        let mut other = Eeprom::blank();
+        other.save(&machine).unwrap();
+        assert_eq!(other.settings(), Some(machine));
     }
 }
 
@@ -61,7 +73,8 @@ pub fn dialogue(data: &[u8]) {
         lines.push(match what % 16 {
             0..10 => piece,
             10..12 => {
-                let (at, letter) = (next() % piece.len(), b"0123456789abcdefABCDEFxG -"[next() % 26]);
+                // Not the second letter: M0 waits for a user.
+                let (at, letter) = (2 + next() % (piece.len() - 2), b"0123456789abcdefABCDEFxG -"[next() % 26]);
                 [&piece[..at], &char::from(letter).to_string(), &piece[at + 1..]].concat()
             }
             12 | 13 => {

@@ -28,7 +28,7 @@ const SETTERS: [(&str, &str); 20] = [
     ("M569", "SXZE"),
     ("M572", "SW"),
     ("M593", "XYFDT"),
-    ("M710", "SDRAI"),
+    ("M710", "RSDAI"),
     ("M900", "K"),
     ("M906", "XYZE"),
     ("M913", "XYZE"),
@@ -47,7 +47,11 @@ fn heated() -> Settings {
 
 /// What M500 and the next start say after these lines.
 fn stored_and_read(lines: &[String]) -> [Option<String>; 2] {
-    let (mut eeprom, made) = (Eeprom::blank(), heated());
+    stored_and_read_on(heated(), lines)
+}
+
+fn stored_and_read_on(made: Settings, lines: &[String]) -> [Option<String>; 2] {
+    let mut eeprom = Eeprom::blank();
     let mut lines: Vec<&str> = lines.iter().map(String::as_str).collect();
     lines.push("M500");
     let (stored, ..) = keep(&mut eeprom, &made, &lines);
@@ -78,6 +82,17 @@ fn every_line_that_sets_a_setting_is_here() {
             let is_here = SETTERS.iter().any(|(its, letters)| *its == code && letters.contains(letter));
             assert!(is_here, "SETTERS: {code} {letter}");
         }
+    }
+}
+
+/// The motor that makes the most steps has the range of an axis.
+#[test]
+fn resolutions_have_room_for_pulleys_of_different_sizes() {
+    let file = include_str!("../../../../examples/machines/core-unequal.toml");
+    for line in ["M92 X25600 Y25600", "M92 X1 Y1", "M203 X3000 Y3000"] {
+        let [stored, read] = stored_and_read_on(machine_file::load(file).unwrap(), &[line.to_owned()]);
+        assert!(stored.as_ref().is_some_and(|said| said.starts_with("echo:Settings Stored")), "{line}: {stored:?}");
+        assert!(read.as_ref().is_some_and(|said| said.contains("stored settings retrieved")), "{line}: {read:?}");
     }
 }
 

@@ -93,8 +93,12 @@ pub(in crate::machine) fn set_resolution(
 ) -> Result<Resolved, &'static str> {
     let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
     let before = speeds(s);
-    for (axis, letter, number, _) in named(s, words) {
-        axis.steps_per_mm = clamps.plain(["M92", letter], number, ranges::STEPS_PER_MM);
+    let mechanism = s.mechanism;
+    for (axis, letter, number, place) in named(s, words) {
+        // The motor that makes the most steps of the axis has the same range.
+        let times = mechanism.most_times(place).max(1).unsigned_abs();
+        let range = Range { most: ranges::STEPS_PER_MM.most / StepsPerMm::from_num(times), ..ranges::STEPS_PER_MM };
+        axis.steps_per_mm = clamps.plain(["M92", letter], number, range);
     }
     s.check_shared_motors()?;
     let most = [0, 1, 2, 3].map(|axis| fastest(s.finest(axis)));
