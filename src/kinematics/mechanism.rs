@@ -213,11 +213,11 @@ impl Mechanism {
             let multiple = multiple(row);
             let is_entry =
                 |(times, direction): (i8, i8)| i16::from(times) == i16::from(direction) * i16::from(multiple);
-            if multiple > 1 && row.iter().filter(|times| **times != 0).count() < 2 {
-                return Err(MechanismError::Multiples);
-            }
             if multiple > MOST_MULTIPLE || !row.into_iter().zip(direction(row)).all(is_entry) {
                 return Err(MechanismError::Entry(motor));
+            }
+            if multiple > 1 && row.iter().filter(|times| **times != 0).count() < 2 {
+                return Err(MechanismError::Multiples);
             }
             let [x, y, z, e] = row;
             if e != 0 && [x, y, z] != [0; 3] {

@@ -160,8 +160,7 @@ impl Watch {
         let words = (0..STEPPER_SIZE).step_by(4).map(|offset| u64::from(self.stepper) + offset);
         let mut is_it = |address: &u64| host.read(*address, Width::W32).is_ok_and(|found| found == u64::from(word));
         let found = words.into_iter().find(&mut is_it);
-        self.is_injectable =
-            found.is_some_and(|address| host.write(address, Width::W32, u64::from(word ^ 1)).is_ok());
+        self.is_injectable = found.is_some_and(|address| host.write(address, Width::W32, u64::from(word ^ 1)).is_ok());
     }
 
     /// A context has fallen into the trap.
