@@ -51,7 +51,7 @@ use crate::motors::Motor;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
-/// What limits the speed in a corner; a rule has one value so far, as the head of `motion::planner::junction` explains. `motion::planner::junction` has the law. A machine file chooses a rule by its key
+/// What limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A machine file chooses a rule by its key
 /// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`). A new one comes last,
 /// as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -251,8 +251,7 @@ impl Settings {
     /// The resolution of an axis in steps of the motor that makes the most: what limits its speed.
     #[must_use]
     pub fn finest(&self, axis: usize) -> StepsPerMm {
-        let Axes { x, y, z, e } = self.axes;
-        let steps_per_mm = [x, y, z, e].get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
+        let steps_per_mm = self.axes.to_array().get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
         steps_per_mm.saturating_mul_int(self.mechanism.most_times(axis).max(1).unsigned_abs().into())
     }
 }

@@ -4,7 +4,7 @@ use super::span::{AxisState, Boundary, ONE, Span};
 use super::stiffening::Stiffening;
 use super::taps::{TAPS, Tap, Taps};
 use crate::motion::number::{from_f32, to_f32};
-use crate::settings::sum;
+use crate::settings::Kept;
 use crate::units::{Steps, SubTicks};
 
 // A delay has 8 bits of a tick and a time 16, so the product of a delay and a scale is shifted by 22 bits.
@@ -30,9 +30,7 @@ pub(super) trait Spans {
 /// An axis.
 pub(super) struct Axis {
     index: usize,
-    taps: Taps,
-    /// Of `taps`, when they came.
-    sum_of_taps: u32,
+    taps: Kept<Taps>,
     cursors: [Cursor; TAPS],
     /// Whether the copies make up a position; otherwise what they have in common does not count.
     is_position: bool,
@@ -67,8 +65,7 @@ impl Axis {
     pub fn new(index: usize) -> Self {
         Self {
             index,
-            taps: Taps::new(),
-            sum_of_taps: sum(&Taps::new()),
+            taps: Kept::new(Taps::new()),
             cursors: [Cursor { span: 0, is_inside: false }; TAPS],
             is_position: true,
             stiffening: Stiffening::NONE,
@@ -78,21 +75,20 @@ impl Axis {
 
     /// Follows other taps from now on; the axis is at rest.
     pub fn follow(&mut self, taps: &[Tap], is_position: bool) {
-        self.taps = taps.iter().copied().take(TAPS).collect();
-        self.sum_of_taps = sum(&self.taps);
+        self.taps = Kept::new(taps.iter().copied().take(TAPS).collect());
         self.is_position = is_position;
         self.update_lateness();
     }
 
     /// Whether its taps are still what they were when they came.
     pub fn is_whole(&self) -> bool {
-        sum(&self.taps) == self.sum_of_taps
+        self.taps.is_whole()
     }
 
     /// A tap, to be changed by nobody.
     #[cfg(test)]
     pub fn damage(&mut self) -> Option<&mut Tap> {
-        self.taps.first_mut()
+        self.taps.damage().first_mut()
     }
 
     /// Rings like that from now on; the axis is at rest.
