@@ -90,7 +90,7 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     if let Some(shard) = &args.shard {
         unit.args(["--sharding=round-robin", "--shard", shard]);
     }
-    unit.args(["--", "--lib"]);
+    unit.arg("--cargo-arg=--lib");
     // The build takes longer than the tests.
     unit.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     let first = outcome(unit, &output.join("unit"))?;
@@ -102,15 +102,16 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let mut all = mutants(args, &output.join("all"));
     // The pattern does not keep back mutants that delete a field: those that were noticed already do not count here.
     all.arg(format!("--file=src/{}/**", room.name)).arg("--config").arg(&wanted);
-    all.args(["--minimum-test-timeout=60", "--"]);
-    room.tests.iter().for_each(|test| _ = all.args(["--test", test]));
+    all.arg("--minimum-test-timeout=60");
+    room.tests.iter().for_each(|test| _ = all.arg(format!("--cargo-arg=--test={test}")));
     let second = outcome(all, &output.join("all"))?;
     let missed: Vec<_> = first.missed.iter().filter(|mutant| second.missed.contains(mutant)).cloned().collect();
     let noticed = first.noticed + first.missed.len() - missed.len();
     Ok(Outcome { noticed, missed, unviable: first.unviable })
 }
 
-/// cargo-mutants, for the core and its tests.
+/// cargo-mutants, for the core and its tests. What is to be built and run is told by `--cargo-arg`: what stands after `--` would
+/// count when tests are run only, and all of them would be built for each mutant.
 fn mutants(args: &Args, output: &Path) -> Command {
     let mut command = cargo(["mutants", "--package=corehbot", "--test-package=corehbot"]);
     command.arg("--output").arg(output).arg(format!("--jobs={}", args.jobs));
