@@ -60,6 +60,8 @@ pub enum Cause {
     Supply = 23,
     /// A motor driver.
     Driver = 24,
+    /// An interrupt came so often that nothing below it ran; value and limit are its number and the calls that were too many.
+    InterruptStorm = 25,
 }
 
 impl Cause {
@@ -94,7 +96,8 @@ impl Cause {
             Self::ClockFailed => Some(Self::Watchdog),
             Self::Watchdog => Some(Self::Supply),
             Self::Supply => Some(Self::Driver),
-            Self::Driver => None,
+            Self::Driver => Some(Self::InterruptStorm),
+            Self::InterruptStorm => None,
         }
     }
 
@@ -129,7 +132,8 @@ impl Cause {
             | Self::ClockFailed
             | Self::Watchdog
             | Self::Supply
-            | Self::Driver => false,
+            | Self::Driver
+            | Self::InterruptStorm => false,
         }
     }
 
@@ -160,6 +164,7 @@ impl Cause {
             Self::Watchdog => "watchdog reset",
             Self::Supply => "supply voltage fell",
             Self::Driver => "motor driver",
+            Self::InterruptStorm => "interrupt storm, masked",
         }
     }
 
@@ -189,7 +194,8 @@ impl Cause {
             | Self::ClockFailed
             | Self::Watchdog
             | Self::Supply
-            | Self::Driver => Subject::Other,
+            | Self::Driver
+            | Self::InterruptStorm => Subject::Other,
         }
     }
 
@@ -219,7 +225,8 @@ impl Cause {
             | Self::ClockFailed
             | Self::Watchdog
             | Self::Supply
-            | Self::Driver => false,
+            | Self::Driver
+            | Self::InterruptStorm => false,
         }
     }
 }
@@ -294,7 +301,7 @@ mod tests {
         let count = Cause::all().count() as u8;
         assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
         // Decoders know every variant; so no cause is left out of `next`.
-        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::Driver));
+        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::InterruptStorm));
         assert!(postcard::from_bytes::<Cause>(&[count]).is_err());
     }
 }

@@ -27,7 +27,7 @@ use crate::host_serial::HostSerial;
 use crate::step_pins::{Dirs, Row, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usb::{self, UsbPort};
-use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, watchdog};
+use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, watchdog};
 
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
@@ -198,6 +198,9 @@ fn CAN2_SCE() {
 fn TIM5() {
     heater_timer::acknowledge();
     THERMAL.with(|(thermal, status)| {
+        if let Some(fault) = storm::fault() {
+            status.fault().set(fault);
+        }
         thermal.period();
         // M999 or the watchdog may reset at any time from now on.
         if let Some(fault) = status.fault().fault() {

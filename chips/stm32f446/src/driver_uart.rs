@@ -22,6 +22,7 @@ use crate::clocks::APB2_TIMER_HZ;
 use crate::contexts::wake_console;
 use crate::exchange::{Action, BAUD, Exchange, OVERSAMPLING};
 use crate::ports::{self, Registers};
+use crate::storm::{CallRate, count_call};
 use crate::wiring::{Board, Pin};
 
 /// The interrupt of the ticks.
@@ -148,6 +149,8 @@ fn stop() {
 /// A bit is due, or a look at one.
 #[interrupt]
 fn TIM8_UP_TIM13() {
+    static RATE: CallRate = CallRate::new();
+    count_call(IRQ, &RATE);
     // Flags are cleared by writing 0, and only the update is in use.
     TIM8.sr().write(|_| ());
     ENGINE.with(Engine::tick);

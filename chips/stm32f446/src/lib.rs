@@ -36,6 +36,8 @@ mod exchange;
 mod receiver_flags;
 #[cfg(any(test, target_os = "none"))]
 mod ring;
+#[cfg(any(test, target_os = "none"))]
+mod storm;
 
 #[cfg(target_os = "none")]
 mod after_bootloader;

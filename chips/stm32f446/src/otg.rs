@@ -10,6 +10,7 @@ use embassy_usb_synopsys_otg::{Config, Driver, OtgInstance, PhyType, State, on_i
 
 use crate::ports::{self, Speed};
 use crate::resources::USB_FUNCTION;
+use crate::storm::{CallRate, count_call};
 use crate::wiring::USB;
 
 /// The interrupt of the port.
@@ -86,6 +87,8 @@ fn turnaround(_speed: Dspd) -> u8 {
 
 #[interrupt]
 fn OTG_FS() {
+    static RATE: CallRate = CallRate::new();
+    count_call(IRQ, &RATE);
     // SAFETY: registers, state and number of endpoints are those that the one driver has.
     unsafe { on_interrupt(registers(), &STATE, ENDPOINTS) }
 }

@@ -9,7 +9,7 @@ use embassy_stm32::interrupt;
 use embassy_stm32::pac::dma::Dma;
 use embassy_stm32::pac::usart::Usart as Registers;
 use embassy_stm32::pac::usart::regs::Sr;
-use embassy_stm32::pac::{DMA1, DMA2, RCC, USART1, USART2};
+use embassy_stm32::pac::{DMA1, DMA2, Interrupt, RCC, USART1, USART2};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
@@ -20,6 +20,7 @@ use crate::receiver_flags::{self, Flags, News, Receiving};
 use crate::resources::{self, USART_FUNCTION};
 use crate::ring::Ring;
 use crate::serial_port::{SerialPort, Usart};
+use crate::storm::{CallRate, count_call};
 
 /// Bytes that wait for the transmitter: a report of the settings (M503).
 const WAITING: usize = 1024;
@@ -182,20 +183,28 @@ impl Station {
 
 #[interrupt]
 fn USART1() {
+    static RATE: CallRate = CallRate::new();
+    count_call(Interrupt::USART1, &RATE);
     ONE.on_interrupt();
 }
 
 #[interrupt]
 fn USART2() {
+    static RATE: CallRate = CallRate::new();
+    count_call(Interrupt::USART2, &RATE);
     TWO.on_interrupt();
 }
 
 #[interrupt]
 fn DMA2_STREAM5() {
+    static RATE: CallRate = CallRate::new();
+    count_call(Interrupt::DMA2_STREAM5, &RATE);
     ONE.receiver().on_interrupt();
 }
 
 #[interrupt]
 fn DMA1_STREAM5() {
+    static RATE: CallRate = CallRate::new();
+    count_call(Interrupt::DMA1_STREAM5, &RATE);
     TWO.receiver().on_interrupt();
 }
