@@ -8,7 +8,7 @@
 
 use corehbot::connectors::SPIDER;
 use corehbot::port::Sensor;
-use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, Probe, SerialPort, Slot, ThermistorPin, Usart};
+use corehbot_stm32f446::wiring::{Board, Crystal, Pin, Port, SerialPort, Slot, ThermistorPin, Usart};
 
 /// The board.
 pub static BOARD: Board = Board {
@@ -41,8 +41,8 @@ pub static BOARD: Board = Board {
         Pin::new(Port::A, 1),
         Pin::new(Port::A, 2),
     ],
-    // Z-MAX: an inductive sensor that pulls it down when it sees the bed (Fysetc's printer.cfg, [probe]).
-    probe: Some(Probe { pin: Pin::new(Port::A, 3), is_high: false, pull_up: true }),
+    // Z-MAX (Fysetc's printer.cfg, [probe]).
+    probe: Some(Pin::new(Port::A, 3)),
     // Under 4.7 kOhm to 3.3 V. TB of V1.x is TE3 of V2.2 and V2.3; their TB and TE4 (PB0, PB1) are not on ADC3.
     thermistors: &[
         thermistor(Sensor::Bed, 3, 13),

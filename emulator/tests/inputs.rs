@@ -3,10 +3,12 @@
 
 mod common;
 
-use common::{Bench, MS, firmware, print_on};
+use common::{Bench, MS, firmware, plain_firmware, print_on};
+use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::{End, Injection};
 use corehbot_emulator::wiring::Pin;
+use corehbot_sim::machine_file;
 
 /// The reference in mV.
 const REFERENCE: u32 = 3300;
@@ -14,8 +16,8 @@ const REFERENCE: u32 = 3300;
 /// A reading of 12 bits in units of the answer. The model's full scale is 4095 of them, where the chip's is 4096.
 const STEP: i64 = 16;
 
-fn talk(gcode: &str, thermistors: &[(u8, u32)], stuck: Option<(Pin, bool)>) -> Seen {
-    let seen = print_on(&firmware(), gcode, &Bench { thermistors, stuck, ..Bench::default() });
+fn talk(firmware: &Firmware, gcode: &str, thermistors: &[(u8, u32)], stuck: Option<(Pin, bool)>) -> Seen {
+    let seen = print_on(firmware, gcode, &Bench { thermistors, stuck, ..Bench::default() });
     assert_eq!((seen.end, seen.resets.len()), (End::Done, 0));
     assert!(seen.gaps.found.is_empty(), "{:?}", seen.gaps.found);
     seen
@@ -33,7 +35,7 @@ fn every_thermistor_is_read_on_its_own_pin() {
     // TB, TH0 to TH3: IN9, IN14, IN15, IN4, IN5.
     let inputs =
         [("bed", 9, 3152), ("hotend0", 14, 1650), ("hotend1", 15, 220), ("hotend2", 4, 0), ("hotend3", 5, 3300)];
-    let seen = talk("M122\nM122\n", &inputs.map(|(_, channel, millivolts)| (channel, millivolts)), None);
+    let seen = talk(&firmware(), "M122\nM122\n", &inputs.map(|(_, channel, millivolts)| (channel, millivolts)), None);
     for (sensor, _, millivolts) in inputs {
         let wanted = i64::from(millivolts) * 65_536 / i64::from(REFERENCE);
         let read = shares(&seen, sensor);
@@ -67,10 +69,22 @@ fn a_converter_that_has_stopped_ends_in_a_reset_and_is_told() {
     println!("{told}");
 }
 
+/// A machine without a probe has no line of it, and `!` is the other level.
 #[test]
-fn the_probe_is_reported() {
-    for (stuck, words) in [(None, "z_probe: open"), (Some((Pin::new('B', 7), true)), "z_probe: TRIGGERED")] {
-        let seen = talk("M119\n", &[], stuck);
-        assert!(seen.line.said.iter().any(|line| line == words), "{words}: {:?}", seen.line.said);
+fn the_probe_is_reported_as_the_machine_has_it() {
+    let high = Some((Pin::new('B', 7), true));
+    let (normal, inverted) = ("PROBE", "!BLTOUCH");
+    for (plug, stuck, words) in [
+        ("", high, None),
+        (normal, None, Some("z_probe: open")),
+        (normal, high, Some("z_probe: TRIGGERED")),
+        (inverted, high, Some("z_probe: open")),
+    ] {
+        let mut machine = machine_file::load(&format!("[endstops]\nprobe = \"{plug}\"")).unwrap();
+        let mut firmware = plain_firmware();
+        firmware.put_machine(&mut machine).unwrap();
+        let seen = talk(&firmware, "M119\n", &[], stuck);
+        let told = seen.line.said.iter().find(|line| line.starts_with("z_probe"));
+        assert_eq!(told.map(String::as_str), words, "{plug}");
     }
 }

@@ -21,8 +21,8 @@ pub struct BoardConnectors {
     pub sensors: &'static [Sensor],
     /// Fan outputs, FAN0 and so on.
     pub fans: usize,
-    /// There is an input for a Z probe.
-    pub has_probe: bool,
+    /// Names of the one input for a Z probe, if there is one.
+    pub probes: &'static [ConnectorName],
     /// A bench rig: motors that it has no socket for are counted, and do not turn.
     pub is_bench: bool,
     /// Nothing is plugged in anywhere, so every name will do.
@@ -41,15 +41,15 @@ pub const OCTOPUS: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
     fans: FANS,
-    has_probe: true,
+    probes: &names(["PROBE", "BLTOUCH"]),
     is_bench: false,
     is_simulated: false,
 };
 
-/// BTT Octopus Pro V1.0 with an STM32F446: connectors and pins of the Octopus, as far as they are used (`boards/octopus-pro`). A
-/// field that is new counts for it, and for [`SIM`], as it does for the Octopus.
+/// BTT Octopus Pro V1.0 with an STM32F446: connectors and pins of the Octopus, as far as they are used (`boards/octopus-pro`); its
+/// PROBE header alone has a pin of its own. A field that is new counts for it, and for [`SIM`], as it does for the Octopus.
 pub const OCTOPUS_PRO: BoardConnectors =
-    BoardConnectors { key: "octopus-pro", name: "BTT Octopus Pro V1.0", ..OCTOPUS };
+    BoardConnectors { key: "octopus-pro", name: "BTT Octopus Pro V1.0", probes: &names(["BLTOUCH"]), ..OCTOPUS };
 
 /// Fysetc Spider V1.x and V2.x with an STM32F446 (Fysetc's README). Left out, though printed: heater outputs, whose pulses no timer
 /// of ours can end, and fans; Z-MAX is the probe's (`boards/spider/wiring.rs`).
@@ -62,7 +62,7 @@ pub const SPIDER: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE,
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
     fans: 0,
-    has_probe: true,
+    probes: &names(["Z-MAX"]),
     is_bench: false,
     is_simulated: false,
 };
@@ -77,7 +77,7 @@ pub const NUCLEO: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE,
     sensors: &[],
     fans: 0,
-    has_probe: false,
+    probes: &[],
     is_bench: true,
     is_simulated: false,
 };
@@ -115,7 +115,7 @@ mod tests {
     fn no_board_has_a_name_twice() {
         for board in BoardConnectors::ALL {
             assert!(board.debug_sockets.iter().all(|name| board.sockets.contains(name)));
-            for names in [board.sockets, board.endstops] {
+            for names in [board.sockets, board.endstops, board.probes] {
                 assert!(names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1));
                 assert!(!names.contains(&ConnectorName::NONE));
             }

@@ -3,7 +3,7 @@
 //! `BoardConnectors`, asked in `plugged.rs`.
 
 use super::thermal::{FanSettings, HeaterModel, HeaterSettings, ThermalSettings, Thermistor};
-use super::{AxisEnd, AxisSettings, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper};
+use super::{AxisEnd, AxisSettings, Bed, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper};
 use crate::connectors::Heater;
 use crate::kinematics::MechanismError;
 use crate::units::{
@@ -75,6 +75,8 @@ pub mod ranges {
             AxisEnd::Max => Range { least: half, most: length.saturating_add(ENDSTOP_OUTSIDE) },
         }
     }
+    /// Where an edge of the bed may lie: anywhere that an axis could reach.
+    pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
     /// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
     pub const BAUD: Range<u32> = Range { least: 9600, most: 1_000_000 };
     /// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
@@ -220,6 +222,13 @@ fn endstop(e: Endstop, length: Mm, name: &'static str) -> Result<(), SettingsErr
     within(ranges::endstop_position(e.end, length), e.position, name)
 }
 
+fn bed(b: Bed) -> Result<(), SettingsError> {
+    within(ranges::AXIS_LENGTH, b.width, "bed.width")?;
+    within(ranges::AXIS_LENGTH, b.depth, "bed.depth")?;
+    within(ranges::BED_EDGE, b.left, "bed.left")?;
+    within(ranges::BED_EDGE, b.front, "bed.front")
+}
+
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::FREQUENCY, s.frequency, name)?;
     within(ranges::DAMPING, s.damping, name)?;
@@ -346,6 +355,7 @@ impl Settings {
             return Err(SettingsError::HomingOrder);
         }
         within(ranges::BAUD, self.baud, "baud")?;
+        bed(self.bed)?;
         let most = ranges::SPEED.most;
         if self.min_feed > most || self.min_travel > most {
             return Err(SettingsError::OutOfRange("min_feed or min_travel"));

@@ -5,7 +5,7 @@
 //!
 //! | place | where | what holds it to that |
 //! |---|---|---|
-//! | field and default | here, or `axis`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
+//! | field and default | here, or `axis`, `bed`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
 //! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`. Records of the formats before are still read: `completed` appends the default of the new field. That works only for a field of [`Settings`] itself; with a new field in a struct inside it, `decode` reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
 //! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
@@ -25,6 +25,7 @@
 //! A new [`CornerRule`] or [`Thermistor`]: CONTRIBUTING.md lists where it is known.
 
 mod axis;
+mod bed;
 mod check;
 mod drivers;
 mod endstops;
@@ -35,6 +36,7 @@ mod thermal;
 mod wiring;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
+pub use bed::Bed;
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
@@ -139,6 +141,10 @@ pub struct Settings {
     pub homing_order: [HomedAxis; 3],
     /// Rate of the serial lines on headers, in baud. USB has none.
     pub baud: u32,
+    /// Where it can print. Told to people (M503, `corehbot config`); no move is held to it.
+    pub bed: Bed,
+    /// Where the Z probe is plugged in; without a connector there is none. It reads as a switch does, and nothing probes by it.
+    pub probe: EndstopPlug,
 }
 
 impl Settings {
@@ -149,23 +155,24 @@ impl Settings {
     /// Decimals stand in `const` blocks: read at run time they would take 14 kB of flash.
     #[must_use]
     pub const fn prototype() -> Self {
-        Self {
-            axes: Axes {
-                x: AxisSettings::belt(Mm::const_from_int(390)),
-                y: AxisSettings::belt(const { Mm::lit("417.6") }),
-                z: AxisSettings {
-                    steps_per_mm: StepsPerMm::const_from_int(800),
-                    max_speed: MmPerSec::const_from_int(20),
-                    max_acceleration: MmPerSec2::const_from_int(200),
-                    length: Mm::const_from_int(335),
-                },
-                e: AxisSettings {
-                    steps_per_mm: StepsPerMm::const_from_int(400),
-                    max_speed: MmPerSec::const_from_int(80),
-                    max_acceleration: MmPerSec2::const_from_int(5000),
-                    length: Mm::const_from_int(1000),
-                },
+        let axes = Axes {
+            x: AxisSettings::belt(Mm::const_from_int(390)),
+            y: AxisSettings::belt(const { Mm::lit("417.6") }),
+            z: AxisSettings {
+                steps_per_mm: StepsPerMm::const_from_int(800),
+                max_speed: MmPerSec::const_from_int(20),
+                max_acceleration: MmPerSec2::const_from_int(200),
+                length: Mm::const_from_int(335),
             },
+            e: AxisSettings {
+                steps_per_mm: StepsPerMm::const_from_int(400),
+                max_speed: MmPerSec::const_from_int(80),
+                max_acceleration: MmPerSec2::const_from_int(5000),
+                length: Mm::const_from_int(1000),
+            },
+        };
+        Self {
+            axes,
             motor_max_speed: MmPerSec::const_from_int(450),
             motor_max_acceleration: MmPerSec2::const_from_int(7500),
             print_acceleration: MmPerSec2::const_from_int(3000),
@@ -193,6 +200,8 @@ impl Settings {
             endstops: Cartesian { x: Endstop::at_zero(), y: Endstop::at_zero(), z: Endstop::at_zero() },
             homing_order: HomedAxis::ALL,
             baud: 250_000,
+            bed: Bed::of_reach(&axes),
+            probe: EndstopPlug::NONE,
         }
     }
 
@@ -204,6 +213,7 @@ impl Settings {
             mechanism,
             wiring,
             baud,
+            probe,
             axes: _,
             motor_max_speed: _,
             motor_max_acceleration: _,
@@ -229,8 +239,9 @@ impl Settings {
             thermal: _,
             endstops: _,
             homing_order: _,
+            bed: _,
         } = *self;
-        mechanism == other.mechanism && wiring == other.wiring && baud == other.baud
+        mechanism == other.mechanism && wiring == other.wiring && baud == other.baud && probe == other.probe
     }
 
     /// Resolution of a motor, in its own steps: that of the axes that it moves, or of the extruder if it moves none, times the number of

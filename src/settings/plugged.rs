@@ -13,6 +13,8 @@ pub enum Plugged {
     Motor(Motor),
     /// The switch of an axis.
     Endstop(&'static str),
+    /// The Z probe.
+    Probe,
 }
 
 /// What is plugged in where it cannot be.
@@ -49,7 +51,9 @@ impl Settings {
         check(motors.map(|motor| (Plugged::Motor(motor), self.wiring.of(motor).connector)), board)?;
         let axes = &self.wiring.endstops;
         let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
-        check(switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector)), board)?;
+        let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
+        let probe = Some(self.probe.connector).filter(|connector| !connector.is_none());
+        check(switches.chain(probe.map(|connector| (Plugged::Probe, connector))), board)?;
         Heater::ALL.into_iter().filter(|_| !board.is_simulated).try_for_each(|heater| self.check_heater(heater, board))
     }
 
@@ -89,6 +93,7 @@ impl Plugged {
         match self {
             Self::Motor(_) => board.sockets,
             Self::Endstop(_) => board.endstops,
+            Self::Probe => board.probes,
         }
     }
 }
@@ -98,6 +103,7 @@ impl Display for Plugged {
         match self {
             Self::Motor(motor) => write!(f, "motor {}", motor.name()),
             Self::Endstop(axis) => write!(f, "endstop of {axis}"),
+            Self::Probe => f.write_str("probe"),
         }
     }
 }

@@ -72,6 +72,9 @@ impl Wiring {
 }
 
 impl EndstopPlug {
+    /// Nothing is plugged in.
+    pub const NONE: Self = Self::new(ConnectorName::NONE);
+
     /// A switch that opens when it is pressed.
     const fn new(connector: ConnectorName) -> Self {
         Self { connector, is_normally_open: false }

@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn the_core_knows_what_is_offered() {
         assert_eq!((NUCLEO.outputs, NUCLEO.sensors.len()), (BOARD.outputs(), BOARD.thermistors.len()));
-        assert_eq!((NUCLEO.fans, NUCLEO.has_probe), (BOARD.fans.len(), BOARD.probe.is_some()));
+        assert_eq!((NUCLEO.fans, !NUCLEO.probes.is_empty()), (BOARD.fans.len(), BOARD.probe.is_some()));
     }
 
     #[test]

@@ -37,7 +37,7 @@ fn the_core_knows_what_every_board_offers() {
         let connectors = board.connectors;
         assert_eq!(connectors.outputs, board.outputs());
         assert!(connectors.sensors.iter().eq(board.thermistors.iter().map(|thermistor| &thermistor.sensor)));
-        assert_eq!((connectors.fans, connectors.has_probe), (board.fans.len(), board.probe.is_some()));
+        assert_eq!((connectors.fans, !connectors.probes.is_empty()), (board.fans.len(), board.probe.is_some()));
     }
 }
 

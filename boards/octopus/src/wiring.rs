@@ -8,8 +8,7 @@
 use corehbot::connectors::{OCTOPUS, OCTOPUS_PRO};
 use corehbot::port::{Output, Sensor};
 use corehbot_stm32f446::wiring::{
-    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, Probe, SerialPort, Slot, SupplySwitch, ThermistorPin,
-    Usart,
+    Board, Crystal, FanPin, FanTimer, HeaterPin, Mark, Pin, Port, SerialPort, Slot, SupplySwitch, ThermistorPin, Usart,
 };
 
 /// The board.
@@ -46,8 +45,8 @@ pub static BOARD: Board = Board {
         Pin::new(Port::G, 14),
         Pin::new(Port::G, 15),
     ],
-    // The PROBE header, and that of the BLTouch, whose signal is high for a moment when the pin is pushed in.
-    probe: Some(Probe { pin: Pin::new(Port::B, 7), is_high: true, pull_up: false }),
+    // The PROBE header, and that of the BLTouch.
+    probe: Some(Pin::new(Port::B, 7)),
     // TB, TH0 to TH3, all on ADC3 (STM32F446 datasheet, pin definitions), under 4.7 kOhm to 3.3 V.
     thermistors: &[
         thermistor(Sensor::Bed, 3, 9),

@@ -22,15 +22,15 @@ use corehbot::connectors::{BoardConnectors, SIM};
 use corehbot::kinematics::{MOST_MULTIPLE, Mechanism, Row, direction, multiple};
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, CornerRule, DriverSettings, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
+    AxisSettings, Bed, CornerRule, DriverSettings, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
 };
 pub use error::MachineFileError;
-use form::{AxisToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
+use form::{AxisToml, BedToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
 pub use place::Place;
 pub use problems::{Problem, problems};
 use quantity::{
-    ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY, KEEPALIVE,
-    LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SPEED, TOLERANCE, put, put_whole, quantity,
+    ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BED_EDGE, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
+    KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SPEED, TOLERANCE, put, put_whole, quantity,
 };
 use resolution::resolution;
 pub use schema::schema;
@@ -79,7 +79,7 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     let mut s = Settings::prototype();
     let board = file.board.map(<&BoardConnectors>::from);
     s.wiring = board.map_or(s.wiring, Wiring::usual);
-    plugs::wiring(&mut s.wiring, file.motors, file.endstops)?;
+    plugs::wiring(&mut s, file.motors, file.endstops)?;
     put(&mut s.motor_max_speed, "motor_max_speed", file.motor_max_speed, &SPEED)?;
     put(&mut s.motor_max_acceleration, "motor_max_acceleration", file.motor_max_acceleration, &ACCELERATION)?;
     put(&mut s.print_acceleration, "print_acceleration", file.print_acceleration, &ACCELERATION)?;
@@ -108,6 +108,7 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     axis(&mut s.axes.y, "axes.y", &file.axes.y)?;
     axis(&mut s.axes.z, "axes.z", &file.axes.z)?;
     axis(&mut s.axes.e, "axes.e", &file.axes.e)?;
+    bed(&mut s, &file.bed)?;
     homing::homing(&mut s, &file.homing)?;
     put(&mut s.baud, "baud", file.baud, &BAUD)?;
     driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
@@ -159,6 +160,15 @@ fn axis(a: &mut AxisSettings, table: &str, file: &AxisToml) -> Result<(), Machin
     put(&mut a.max_speed, &format!("{table}.max_speed"), file.max_speed, &SPEED)?;
     put(&mut a.max_acceleration, &format!("{table}.max_acceleration"), file.max_acceleration, &ACCELERATION)?;
     put(&mut a.length, &format!("{table}.length"), file.length, &AXIS_LENGTH)
+}
+
+/// Without a word on it, the bed is what the tool reaches.
+fn bed(s: &mut Settings, file: &BedToml) -> Result<(), MachineFileError> {
+    s.bed = Bed::of_reach(&s.axes);
+    put(&mut s.bed.width, "bed.width", file.width, &AXIS_LENGTH)?;
+    put(&mut s.bed.depth, "bed.depth", file.depth, &AXIS_LENGTH)?;
+    put(&mut s.bed.left, "bed.left", file.left, &BED_EDGE)?;
+    put(&mut s.bed.front, "bed.front", file.front, &BED_EDGE)
 }
 
 fn shaper(s: &mut Shaper, table: &str, file: &ShaperToml) -> Result<(), MachineFileError> {

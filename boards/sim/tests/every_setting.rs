@@ -115,6 +115,7 @@ fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
     let path = path.replace("homing_order", "homing.order");
+    let path = if path == "probe" { "endstops.probe".to_owned() } else { path };
     let path = path.replace("shapers.", "shaper.").replace("wiring.", "");
     let path = CornerRule::all()
         .map(corner)
@@ -155,17 +156,21 @@ const NOT_SAID: [&str; 9] = [
 ];
 
 /// Settings that M503 says as a comment, and only a machine file sets.
-const FILE_ONLY: [&str; 10] = [
+const FILE_ONLY: [&str; 14] = [
     "back_off",
     "baud",
+    "depth",
     "end",
     "fast",
+    "front",
     "homing_order",
+    "left",
     "length",
     "lookahead_time",
     "position",
     "require_homing",
     "slow",
+    "width",
 ];
 
 fn is_one_of(path: &str, names: &[&str]) -> bool {
@@ -175,7 +180,7 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 /// Whether M503 says it of every machine, or never. Settings of heaters and fans it says of those that are fitted, and
 /// `boards/sim/tests/heat.rs` sends its lines back; the mechanism and the connectors are no numbers.
 fn is_of_all_machines(path: &str) -> bool {
-    path != "mechanism" && !path.starts_with("thermal.") && !path.starts_with("wiring.")
+    !["mechanism", "probe"].contains(&path) && !path.starts_with("thermal.") && !path.starts_with("wiring.")
 }
 
 /// The line that sets a setting.

@@ -77,9 +77,6 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     for pin in board.inputs {
         ports::make_input(*pin, true);
     }
-    if let Some(probe) = board.probe {
-        ports::make_input(probe.pin, probe.pull_up);
-    }
     if !is_right {
         refuse(board, open_headers(board, None));
     }
@@ -94,6 +91,9 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let Start { settings, plugged, refusal } = machine_at_start(image, board, &mut storage);
     let (lines, usb) = open_lines(board, Some(settings.baud), past.reason);
     safe_levels::take_debug_pins(plugged);
+    if let Some(probe) = plugged.probe {
+        ports::make_input(probe.pin, !probe.is_high);
+    }
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
     let dirs = DIRS.init_with(|| Dirs::new(plugged, &groups));

@@ -248,7 +248,7 @@ impl Endstops {
         let (x, y, z) = (switch(x, EndstopSet::X), switch(y, EndstopSet::Y), switch(z, EndstopSet::Z));
         // An input of no bits that would have to read 1 never triggers.
         let none = Input { mask: 0, triggered: 1, ..x };
-        Self([x, y, z, plugged.board.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
+        Self([x, y, z, plugged.probe.map_or(none, |probe| input(probe.pin, probe.is_high))])
     }
 
     /// A function of its own, to keep the step path below a KiB.

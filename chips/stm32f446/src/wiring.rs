@@ -115,17 +115,6 @@ pub struct Mark {
     pub is_high: bool,
 }
 
-/// A Z probe.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Probe {
-    /// An input.
-    pub pin: Pin,
-    /// Its level when the probe has triggered.
-    pub is_high: bool,
-    /// Which way the internal resistor pulls a wire that is open.
-    pub pull_up: bool,
-}
-
 /// An input for a thermistor to ground, under a resistor to the converter's reference. Which kind is plugged in is a setting.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ThermistorPin {
@@ -196,8 +185,8 @@ pub struct Board {
     pub sockets: &'static [Slot],
     /// Inputs for switches to ground, with a pull-up: first those of the prototype's x, y and z.
     pub inputs: &'static [Pin],
-    /// The Z probe.
-    pub probe: Option<Probe>,
+    /// The input for a Z probe.
+    pub probe: Option<Pin>,
     /// The thermistors.
     pub thermistors: &'static [ThermistorPin],
     /// Everything that heats or blows: low is off. Those that no timer drives stay low.

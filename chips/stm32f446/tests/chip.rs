@@ -98,7 +98,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         }
     }
     pins.extend(inputs.iter().map(|pin| (*pin, "input".into())));
-    pins.extend(probe.map(|probe| (probe.pin, "probe".into())));
+    pins.extend(probe.map(|pin| (pin, "probe".into())));
     pins.extend(thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
     pins.extend(loads.iter().map(|pin| (*pin, "load".into())));
     pins.extend(supply_switch.map(|switch| (switch.pin, "supply switch".into())));

@@ -22,7 +22,7 @@
 //! - a setting that says so, by which `axis` chooses the endstop, and the probe's offset;
 //! - `Settings::check_connectors` must ask the board for a probe (`BoardConnectors::has_probe`), and not for a switch of z, which
 //!   `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs` and M119 take for granted as well;
-//! - the level of the probe's input in the machine file: with that of the Octopus a cut wire reads as not triggered;
+//! - a probe whose wire is cut reads as not triggered (`Plugged` of the chip's `wiring`): before each descent it must be seen to work;
 //! - the tool over the bed before Z goes down.
 
 use crate::gcode::AxisFlags;

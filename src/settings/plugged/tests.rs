@@ -3,7 +3,7 @@
 extern crate std;
 
 use super::*;
-use crate::connectors::{NUCLEO, OCTOPUS, SIM};
+use crate::connectors::{NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM};
 use crate::kinematics::Mechanism;
 use crate::settings::Wiring;
 use std::format;
@@ -70,6 +70,25 @@ fn nothing_is_plugged_in_twice() {
     let mut s = Settings::prototype();
     s.wiring.endstops.z.connector = s.wiring.endstops.x.connector;
     assert_eq!(error(&s, &OCTOPUS), "endstop of x and endstop of z have the same connector, X-STOP");
+}
+
+#[test]
+fn a_probe_is_plugged_in_where_the_board_has_an_input_for_it_or_not_at_all() {
+    let probe = |name| {
+        let mut s = Settings::prototype();
+        s.probe.connector = ConnectorName::lit(name);
+        s
+    };
+    for (name, board) in [("", &OCTOPUS), ("PROBE", &OCTOPUS), ("BLTOUCH", &OCTOPUS), ("BLTOUCH", &OCTOPUS_PRO)] {
+        assert_eq!(probe(name).check_connectors(board), Ok(()), "{name}");
+    }
+    let error_of = |name, board| error(&probe(name), board);
+    assert_eq!(
+        error_of("PROBE", &OCTOPUS_PRO),
+        "probe: the BTT Octopus Pro V1.0 has no connector PROBE; it has BLTOUCH"
+    );
+    assert_eq!(error_of("Z-STOP", &OCTOPUS), "probe: the BTT Octopus has no connector Z-STOP; it has BLTOUCH, PROBE");
+    assert_eq!(error_of("Z-STOP", &SIM), "endstop of z and probe have the same connector, Z-STOP");
 }
 
 #[test]

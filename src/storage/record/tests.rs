@@ -5,8 +5,8 @@ extern crate std;
 use super::*;
 use crate::connectors::{ConnectorName, Output, Sensor};
 use crate::settings::{
-    Advance, AxisEnd, Control, CornerRule, DriverGroups, DriverSettings, EndstopPlug, FanRole, FanSettings, Guards,
-    HeaterModel, HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
+    Advance, AxisEnd, Control, CornerRule, DriverGroups, DriverSettings, FanRole, FanSettings, Guards, HeaterModel,
+    HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -61,7 +61,11 @@ fn as_of(format: u16) -> Settings {
         WITHOUT_WIRING => Settings { wiring: Wiring::prototype(), ..as_of(WITHOUT_ENDSTOPS) },
         WITHOUT_ENDSTOPS => {
             let Settings { endstops, homing_order, baud, .. } = Settings::prototype();
-            Settings { endstops, homing_order, baud, ..spelled_out() }
+            Settings { endstops, homing_order, baud, ..as_of(WITHOUT_BED) }
+        }
+        WITHOUT_BED => {
+            let settings = spelled_out();
+            Settings { bed: Bed::of_reach(&settings.axes), probe: EndstopPlug::NONE, ..settings }
         }
         _ => spelled_out(),
     }
@@ -143,6 +147,8 @@ fn spelled_out() -> Settings {
         endstops: endstops(),
         homing_order: [HomedAxis::Z, HomedAxis::X, HomedAxis::Y],
         baud: 115_200,
+        bed: Bed { width: Mm::from_num(380), depth: Mm::lit("401.5"), left: Mm::lit("-3.5"), front: Mm::from_num(7) },
+        probe: EndstopPlug { connector: ConnectorName::lit("PROBE"), is_normally_open: true },
     }
 }
 
@@ -239,6 +245,8 @@ fn the_longest_values_fit() {
     (s.wiring.endstops.x, s.wiring.endstops.y, s.wiring.endstops.z) = (endstop, endstop, endstop);
     let endstop = Endstop { end: AxisEnd::Max, position: Mm::MIN };
     (s.endstops.x, s.endstops.y, s.endstops.z, s.baud) = (endstop, endstop, endstop, u32::MAX);
+    s.bed = Bed { width: Mm::MIN, depth: Mm::MIN, left: Mm::MIN, front: Mm::MIN };
+    s.probe = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
     assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
 }
 

@@ -63,6 +63,15 @@ pub(super) fn file(kind: Kind, board: &BoardConnectors) -> Result<String> {
             _ => text.set("", key, value)?,
         }
     }
+    if !example.contains_key("bed") {
+        // The bed is what the tool reaches.
+        for (side, axis) in [("width", "x"), ("depth", "y")] {
+            let axis = example.get("axes").and_then(|axes| axes.get(axis));
+            if let Some(length) = axis.and_then(|axis| axis.get("length")) {
+                text.set("bed", side, length)?;
+            }
+        }
+    }
     for (header, comment) in comments(kind.example()) {
         text.set_comment(header, &comment);
     }

@@ -119,6 +119,7 @@ fn plugged(error: &ConnectorError) -> String {
             match part {
                 Plugged::Motor(motor) => format!("motors.{}", motor.name()),
                 Plugged::Endstop(axis) => format!("endstops.{axis}"),
+                Plugged::Probe => "endstops.probe".to_owned(),
             }
         }
         ConnectorError::NoSuchOutput(heater, ..) => format!("heaters.{}.output", heater.name()),

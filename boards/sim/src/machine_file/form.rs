@@ -77,6 +77,8 @@ pub(super) struct MachineToml {
     pub advance: AdvanceToml,
     /// Resolution, limits and length of every axis.
     pub axes: AxesToml,
+    /// Where the machine can print: all that its tool reaches, if left out.
+    pub bed: BedToml,
     /// How each axis finds its endstop, where that is, and in which order.
     pub homing: HomingsToml,
     /// What the motor drivers (TMC2209) are told where they have a UART.
@@ -145,6 +147,23 @@ pub(super) struct EndstopsToml {
     pub y: Option<PlugToml>,
     /// Input of the z switch, which opens when it is pressed; ! before it: it closes (normally open).
     pub z: Option<PlugToml>,
+    /// Input of the Z probe, which goes high when the probe triggers; ! before it: it goes low; empty is no probe. M119 tells it, and
+    /// nothing probes by it.
+    pub probe: Option<PlugToml>,
+}
+
+/// The bed, in the coordinates of the homed machine.
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct BedToml {
+    /// Size in x, in mm.
+    pub width: Option<f64>,
+    /// Size in y, in mm.
+    pub depth: Option<f64>,
+    /// x of its left edge, in mm.
+    pub left: Option<f64>,
+    /// y of its front edge, in mm.
+    pub front: Option<f64>,
 }
 
 /// A row a motor that is fitted.

@@ -5,21 +5,23 @@ use super::MachineFileError;
 use super::form::{EndstopsToml, MotorsToml, PlugToml};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::Motor;
-use corehbot::settings::Wiring;
+use corehbot::settings::Settings;
 
 /// Puts what the file says of connectors in the place of the defaults.
-pub(super) fn wiring(w: &mut Wiring, motors: MotorsToml, endstops: EndstopsToml) -> Result<(), MachineFileError> {
+pub(super) fn wiring(s: &mut Settings, motors: MotorsToml, endstops: EndstopsToml) -> Result<(), MachineFileError> {
+    let w = &mut s.wiring;
     let MotorsToml { m1, m4, m8, m11, z1, z2, e0 } = motors;
     for ((motor, slot), text) in Motor::ALL.into_iter().zip(&mut w.motors).zip([m1, m4, m8, m11, z1, z2, e0]) {
         if let Some(PlugToml(text)) = text {
             (slot.is_reversed, slot.connector) = plug(format!("motors.{}", motor.name()), text)?;
         }
     }
-    let EndstopsToml { x, y, z } = endstops;
-    let axes = [("x", &mut w.endstops.x, x), ("y", &mut w.endstops.y, y), ("z", &mut w.endstops.z, z)];
-    for (axis, slot, text) in axes {
+    let EndstopsToml { x, y, z, probe } = endstops;
+    let axes = &mut w.endstops;
+    let inputs = [("x", &mut axes.x, x), ("y", &mut axes.y, y), ("z", &mut axes.z, z), ("probe", &mut s.probe, probe)];
+    for (key, slot, text) in inputs {
         if let Some(PlugToml(text)) = text {
-            (slot.is_normally_open, slot.connector) = plug(format!("endstops.{axis}"), text)?;
+            (slot.is_normally_open, slot.connector) = plug(format!("endstops.{key}"), text)?;
         }
     }
     Ok(())

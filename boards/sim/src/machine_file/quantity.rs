@@ -21,6 +21,7 @@ pub(super) const LEAST_SPEED: Kind<MmPerSec> =
 pub(super) const ACCELERATION: Kind<MmPerSec2> =
     Kind { range: ranges::ACCELERATION, convert: MmPerSec2::saturating_from_num::<f64> };
 pub(super) const AXIS_LENGTH: Kind<Mm> = Kind { range: ranges::AXIS_LENGTH, convert: Mm::saturating_from_num::<f64> };
+pub(super) const BED_EDGE: Kind<Mm> = Kind { range: ranges::BED_EDGE, ..AXIS_LENGTH };
 pub(super) const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..AXIS_LENGTH };
 pub(super) const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..AXIS_LENGTH };
 pub(super) const BAUD: Kind<u32> =

@@ -13,7 +13,7 @@ fn an_empty_file_is_the_prototype() {
 fn the_example_is_the_prototype_with_every_key() {
     let text = include_str!("../../../../examples/machines/prototype.toml");
     assert_eq!(load(text).unwrap(), Settings::prototype());
-    assert_eq!(text.lines().filter(|l| l.contains(" = ") && !l.starts_with('#')).count(), 194);
+    assert_eq!(text.lines().filter(|l| l.contains(" = ") && !l.starts_with('#')).count(), 199);
 }
 
 #[test]
@@ -74,6 +74,25 @@ fn a_mechanism_lists_the_motors_that_are_fitted() {
     assert!(error(&format!("{many}\n{rest}")).contains("at most 5 motors may differ"));
     assert!(error("m2 = [1, 0, 0]").contains("unknown field `m2`"));
     assert!(error(&format!("m8 = [1, 0, 1]\nm11 = [0, 1, 0]\n{rest}")).contains("x and z share motors"));
+}
+
+#[test]
+fn the_bed_is_what_the_tool_reaches_unless_the_file_says_otherwise() {
+    let s = load("[axes.x]\nlength = 300\n[bed]\ndepth = 200\nfront = 12.5").unwrap();
+    let bed = [s.bed.width, s.bed.depth, s.bed.left, s.bed.front].map(|mm| mm.to_num::<f64>());
+    assert_eq!(bed, [300.0, 200.0, 0.0, 12.5]);
+    let error = |text: &str| load(text).unwrap_err().to_string();
+    assert_eq!(error("[bed]\nwidth = 0"), "bed.width = 0 is outside 1 to 5000");
+    assert_eq!(error("[bed]\nleft = 5001"), "bed.left = 5001 is outside -5000 to 5000");
+}
+
+#[test]
+fn a_probe_is_plugged_in_by_name() {
+    let s = load("board = \"octopus\"\n[endstops]\nprobe = \"!BLTOUCH\"").unwrap();
+    assert_eq!((s.probe.connector.to_string(), s.probe.is_normally_open), ("BLTOUCH".to_owned(), true));
+    assert!(load("").unwrap().probe.connector.is_none());
+    let wrong = load("board = \"nucleo\"\n[endstops]\nprobe = \"PROBE\"").unwrap_err().to_string();
+    assert!(wrong.contains("probe: the CNC shield has no connector PROBE; it has none"), "{wrong}");
 }
 
 #[test]

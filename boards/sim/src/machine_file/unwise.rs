@@ -4,6 +4,7 @@ use super::Machine;
 use corehbot::kinematics::{Mechanism, direction};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{FanRole, Settings};
+use corehbot::units::Mm;
 
 /// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In its switches
 /// of 170 mOhm each that is 1.4 W, on 15 x 20 mm. The 2 A (root mean square) of its datasheet (rev 1.09, features) want a large
@@ -47,6 +48,20 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
         if plug.is_normally_open {
             let key = format!("endstops.{axis}");
             warn(&key, format!("{key}: a switch that closes when it is pressed is not noticed if its wire breaks"));
+        }
+    }
+    let sides = [
+        ("width", s.bed.left, s.bed.width, s.axes.x.length, 'X'),
+        ("depth", s.bed.front, s.bed.depth, s.axes.y.length, 'Y'),
+    ];
+    for (side, from, size, length, axis) in sides {
+        if from < Mm::ZERO || from + size > length {
+            let key = format!("bed.{side}");
+            let (to, from) = (from + size, from);
+            warn(
+                &key,
+                format!("the bed lies from {axis}{from} to {axis}{to}, and the tool reaches {axis}0 to {axis}{length}"),
+            );
         }
     }
     for motor in Motor::ALL.into_iter().filter(|motor| s.mechanism.fitted().has(*motor)) {

@@ -49,7 +49,7 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
     let motors = motors.map(|(motor, plug)| (motor.name().to_owned(), connector(plug.connector, plug.is_reversed)));
     file.insert("motors".into(), Value::Table(motors.collect()));
     let switches = &s.wiring.endstops;
-    let switches = [("x", switches.x), ("y", switches.y), ("z", switches.z)];
+    let switches = [("x", switches.x), ("y", switches.y), ("z", switches.z), ("probe", s.probe)];
     file.insert(
         "endstops".into(),
         table(switches.map(|(key, plug)| (key, connector(plug.connector, plug.is_normally_open)))),
@@ -60,6 +60,16 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
     file.insert("advance".into(), table([("time", time), ("window", window)]));
     let a = &s.axes;
     file.insert("axes".into(), table([("x", axis(&a.x)), ("y", axis(&a.y)), ("z", axis(&a.z)), ("e", axis(&a.e))]));
+    let b = &s.bed;
+    file.insert(
+        "bed".into(),
+        table([
+            ("width", number(b.width, &q::AXIS_LENGTH)),
+            ("depth", number(b.depth, &q::AXIS_LENGTH)),
+            ("left", number(b.left, &q::BED_EDGE)),
+            ("front", number(b.front, &q::BED_EDGE)),
+        ]),
+    );
     file.insert("homing".into(), homing(s));
     let d = &s.drivers;
     file.insert("drivers".into(), table([("belt", driver(&d.belt)), ("z", driver(&d.z)), ("e", driver(&d.e))]));

@@ -17,8 +17,19 @@ pub struct Plugged {
     pub reversed: MotorSet,
     /// Switches of x, y and z: closed at rest, so that a broken wire reads as pressed.
     pub endstops: [Pin; 3],
-    /// Those that are open at rest.
+    /// The Z probe, if the machine has one.
+    pub probe: Option<Probe>,
+    /// Switches that are open at rest.
     pub normally_open: EndstopSet,
+}
+
+/// A Z probe. Its input is pulled to the other level, so that one whose wire is broken reads as not triggered.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Probe {
+    /// The input.
+    pub pin: Pin,
+    /// Its level when the probe has triggered.
+    pub is_high: bool,
 }
 
 impl Board {
@@ -29,7 +40,7 @@ impl Board {
         slots.iter_mut().zip(self.sockets).for_each(|(slot, socket)| *slot = Some(*socket));
         let mut endstops = [Pin::new(Port::A, 0); 3];
         endstops.iter_mut().zip(self.inputs).for_each(|(endstop, input)| *endstop = *input);
-        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, normally_open: EndstopSet::NONE }
+        Plugged { board: self, slots, reversed: MotorSet::NONE, endstops, probe: None, normally_open: EndstopSet::NONE }
     }
 
     /// The board with a machine plugged in.
@@ -55,6 +66,8 @@ impl Board {
                 plugged.normally_open = plugged.normally_open.with(endstop);
             }
         }
+        let pin = self.probe.filter(|_| !machine.probe.connector.is_none());
+        plugged.probe = pin.map(|pin| Probe { pin, is_high: !machine.probe.is_normally_open });
         Ok(plugged)
     }
 

@@ -82,7 +82,7 @@ impl Board {
         pins.chain(serial.iter().flat_map(|port| [port.tx, port.rx]))
             .chain(USB.into_iter().filter(move |_| has_usb))
             .chain(eeprom.into_iter().flatten())
-            .chain(probe.map(|probe| probe.pin))
+            .chain(probe)
             .chain(thermistors.iter().map(|thermistor| thermistor.pin))
             .chain(supply_switch.map(|switch| switch.pin))
     }

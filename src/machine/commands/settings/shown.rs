@@ -9,7 +9,7 @@ use crate::machine::commands::retraction::{say_recovery, say_retraction};
 use crate::machine::commands::shaping::say_shaper;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
-use crate::settings::{AxisEnd, CornerRule, Settings};
+use crate::settings::{AxisEnd, Bed, CornerRule, Settings};
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
 pub(in crate::machine) fn say_settings(
@@ -90,6 +90,9 @@ fn say_axes(to: &mut Speaker<'_>, code: &str, values: [Number; 4]) {
 fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     let [x, y, z, _] = s.axes.map(|a| exact(a.length)).to_array();
     to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
+    let Bed { width, depth, left, front } = s.bed;
+    let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
+    to.say(format_args!("echo:; bed: {width} x {depth} mm from X{left} Y{front}"));
     for axis in s.homing_order {
         let (homing, endstop) = (s.homing.of(axis), s.endstops.of(axis));
         let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
