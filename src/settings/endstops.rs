@@ -109,6 +109,11 @@ mod tests {
     use super::*;
 
     #[test]
+    fn ends_go_by_their_names() {
+        assert_eq!([AxisEnd::Min, AxisEnd::Max].map(AxisEnd::name), ["min", "max"]);
+    }
+
+    #[test]
     fn the_switch_lies_down_or_up() {
         let low = Endstop { end: AxisEnd::Min, position: Mm::from_num(-5) };
         let high = Endstop { end: AxisEnd::Max, position: Mm::from_num(305) };

@@ -9,7 +9,7 @@ use core::ops::{Deref, DerefMut};
 pub fn sum(value: &impl Hash) -> u32 {
     let mut sum = Sum(0x811C_9DC5);
     value.hash(&mut sum);
-    sum.0
+    sum.finish() as u32
 }
 
 /// FNV-1a with 32 bits (RFC 9923), of words where a value has words: a step that can be undone, like one of a byte, so that no
@@ -113,7 +113,7 @@ impl<T: Hash> DerefMut for Kept<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Settings, ThermalSettings};
+    use crate::settings::{Settings, ShaperKind, ThermalSettings};
     use crate::units::{Celsius, StepsPerMm};
 
     #[test]
@@ -128,6 +128,22 @@ mod tests {
             assert_ne!(sum(&damaged), whole);
         }
         assert_eq!(sum(&()), 0x811C_9DC5);
+    }
+
+    /// How many of these words, each a bit flipped in `whole`, have another sum than that.
+    fn noticed<T: Hash>(whole: &T, flipped: impl Iterator<Item = T>) -> usize {
+        flipped.filter(|word| sum(word) != sum(whole)).count()
+    }
+
+    #[test]
+    fn a_flipped_bit_shows_in_words_of_every_size() {
+        assert_eq!(noticed(&0, (0..8).map(|bit| 1_u8 << bit)), 8);
+        assert_eq!(noticed(&0, (0..16).map(|bit| 1_u16 << bit)), 16);
+        assert_eq!(noticed(&0, (0..32).map(|bit| 1_u32 << bit)), 32);
+        assert_eq!(noticed(&0, (0..64).map(|bit| 1_u64 << bit)), 64);
+        assert_eq!(noticed(&0, (0..usize::BITS).map(|bit| 1_usize << bit)), usize::BITS as usize);
+        assert_eq!(noticed(&0, (0..128).map(|bit| 1_i128 << bit)), 128);
+        assert_eq!(noticed(&ShaperKind::None, ShaperKind::all()), ShaperKind::all().count() - 1);
     }
 
     fn flip(settings: &mut Settings, bit: u32) {

@@ -96,3 +96,32 @@ impl ThermalSettings {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::{JoulesPerKelvin, Watts};
+
+    #[test]
+    fn a_machine_has_heaters_if_one_is_fitted() {
+        let mut thermal = ThermalSettings::prototype();
+        for heater in [&mut thermal.heaters.hotend, &mut thermal.heaters.bed, &mut thermal.heaters.chamber] {
+            heater.is_fitted = false;
+        }
+        assert!(!thermal.has_heater());
+        thermal.heaters.chamber.is_fitted = true;
+        assert!(thermal.has_heater());
+    }
+
+    /// What a chamber does not share with a bed, and a bed's guards with a hotend's.
+    #[test]
+    fn a_chamber_is_cooler_and_slower_than_a_bed_and_a_bed_than_a_hotend() {
+        let Heaters { hotend, bed, chamber } = ThermalSettings::prototype().heaters;
+        assert_eq!([hotend.most, bed.most, chamber.most].map(Celsius::to_num::<i32>), [285, 120, 70]);
+        assert_eq!([bed.power, chamber.power].map(Watts::to_num::<i32>), [500, 300]);
+        assert_eq!([bed.model.capacity, chamber.model.capacity].map(JoulesPerKelvin::to_num::<i32>), [1700, 6000]);
+        let of = |guards: Guards| [guards.lost, guards.off_rise, guards.overshoot].map(Celsius::to_num::<i32>);
+        assert_eq!([of(hotend.guards), of(bed.guards), of(chamber.guards)], [[10, 8, 20], [10, 5, 15], [10, 5, 15]]);
+        assert_eq!([hotend.guards.lost_s, bed.guards.lost_s], [5, 20]);
+    }
+}
