@@ -1,7 +1,8 @@
 //! `cargo xtask soak`: hours of simulated printing in which no guard may alarm, no switch may burn anything, and no step may be
-//! lost. `cargo xtask test` runs the same tests for a short time.
+//! lost, and power cuts while a machine is stored. `cargo xtask test` runs the same tests for a short time.
 
-use crate::checkout::{cargo, run};
+use crate::checkout::{build_image, cargo, run};
+use crate::emulate;
 use anyhow::Result;
 
 /// How long.
@@ -16,6 +17,9 @@ pub struct Args {
     /// Segments of 1 to 20 um, half of them reversals.
     #[arg(long, value_name = "N", default_value_t = 10_000_000)]
     segments: u32,
+    /// Power cuts while a machine is stored on the emulated Octopus.
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
+    cuts: u32,
 }
 
 /// Runs the long forms.
@@ -30,5 +34,9 @@ pub fn main(args: &Args) -> Result<()> {
     let mut segments =
         cargo(["test", "--release", "--package=corehbot-sim", "--test=absurd", "--", "--nocapture", "f52"]);
     segments.env("COREHBOT_SOAK_SEGMENTS", args.segments.to_string());
-    run(segments)
+    run(segments)?;
+    let mut cuts = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--test=machines"]);
+    cuts.args(["--", "--nocapture", "a_power_cut"]);
+    cuts.env("COREHBOT_ELF", build_image(emulate::IMAGE)?).env("COREHBOT_SOAK_CUTS", args.cuts.to_string());
+    run(cuts)
 }
