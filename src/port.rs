@@ -49,7 +49,7 @@ pub trait StepPort {
     /// All endstop inputs, that of the Z probe too, in one read of each GPIO port.
     fn endstops(&mut self) -> EndstopSet;
 
-    /// The endstops that there are; the Z probe ([`EndstopSet::PROBE`]) only on a board that has its pin.
+    /// The endstops that there are; the Z probe ([`EndstopSet::PROBE`]) only on a board with its pin, whose machine has one.
     fn inputs(&self) -> EndstopSet {
         EndstopSet::SWITCHES
     }

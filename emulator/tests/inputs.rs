@@ -72,13 +72,14 @@ fn a_converter_that_has_stopped_ends_in_a_reset_and_is_told() {
 /// A machine without a probe has no line of it, and `!` is the other level.
 #[test]
 fn the_probe_is_reported_as_the_machine_has_it() {
-    let high = Some((Pin::new('B', 7), true));
+    let [low, high] = [false, true].map(|level| Some((Pin::new('B', 7), level)));
     let (normal, inverted) = ("PROBE", "!BLTOUCH");
     for (plug, stuck, words) in [
         ("", high, None),
-        (normal, None, Some("z_probe: open")),
+        (normal, low, Some("z_probe: open")),
         (normal, high, Some("z_probe: TRIGGERED")),
         (inverted, high, Some("z_probe: open")),
+        (inverted, low, Some("z_probe: TRIGGERED")),
     ] {
         let mut machine = machine_file::load(&format!("[endstops]\nprobe = \"{plug}\"")).unwrap();
         let mut firmware = plain_firmware();

@@ -60,7 +60,7 @@ pub enum Cause {
     Supply = 23,
     /// A motor driver.
     Driver = 24,
-    /// An interrupt came so often that nothing below it ran; value and limit are its number and the calls that were too many.
+    /// An interrupt came so often that nothing below it ran; the subject is its number in the vector table.
     InterruptStorm = 25,
 }
 
@@ -164,7 +164,7 @@ impl Cause {
             Self::Watchdog => "watchdog reset",
             Self::Supply => "supply voltage fell",
             Self::Driver => "motor driver",
-            Self::InterruptStorm => "interrupt storm, masked",
+            Self::InterruptStorm => "came without end (interrupt storm), masked",
         }
     }
 
@@ -194,8 +194,8 @@ impl Cause {
             | Self::ClockFailed
             | Self::Watchdog
             | Self::Supply
-            | Self::Driver
-            | Self::InterruptStorm => Subject::Other,
+            | Self::Driver => Subject::Other,
+            Self::InterruptStorm => Subject::Interrupt,
         }
     }
 
@@ -238,6 +238,8 @@ enum Subject {
     Heater,
     /// A fan.
     Fan,
+    /// An interrupt.
+    Interrupt,
     /// Something else, or nothing.
     Other,
 }
@@ -248,7 +250,7 @@ enum Subject {
 pub struct Fault {
     /// Why.
     pub cause: Cause,
-    /// Which heater or context.
+    /// Which heater, fan, context or interrupt.
     pub subject: u8,
     /// What was measured; degrees as in [`Celsius`].
     pub value: i32,
@@ -273,6 +275,7 @@ impl core::fmt::Display for Fault {
                 write!(f, "{heater}: ")?;
             }
             Subject::Fan => write!(f, "FAN{}: ", self.subject)?,
+            Subject::Interrupt => write!(f, "interrupt {}: ", self.subject)?,
             Subject::Other => {}
         }
         f.write_str(self.cause.text())?;

@@ -143,7 +143,8 @@ pub struct Settings {
     pub baud: u32,
     /// Where it can print. Told to people (M503, `corehbot config`); no move is held to it.
     pub bed: Bed,
-    /// Where the Z probe is plugged in; without a connector there is none. It reads as a switch does, and nothing probes by it.
+    /// Where the Z probe is plugged in; without a connector there is none. It reads as a switch does: without
+    /// `is_normally_open` it has triggered when its input is high. Nothing probes by it.
     pub probe: EndstopPlug,
 }
 

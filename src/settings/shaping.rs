@@ -53,7 +53,8 @@ pub struct Shaper {
     /// Length of the belts that pull along the axis, both sides together; the frequency is that in the middle of the axis
     /// then, and rises away from it. 0 if it is the same everywhere.
     pub span: Mm,
-    /// The frequency at which the axis would ring if its belts were stiff; 0 if only its belts are soft.
+    /// What of the frequency is due to motors that give way: the frequency at which the axis would ring if its belts were stiff and
+    /// pulled evenly, best fitted (docs/shaping.md); 0 if only its belts are soft.
     pub motor_frequency: Hertz,
 }
 

@@ -3,7 +3,7 @@
 //! Plain code without time of its own: a timer ticks, this says what the line does next and when the next tick is wanted. A
 //! bit is one tick while sending. While listening the line is sampled [`OVERSAMPLING`] times a bit until a start bit is seen,
 //! and then once in the middle of each bit. Every exchange ends by itself after a time that is known when it begins,
-//! whatever the line does.
+//! whatever the line does, unless its interrupt was masked (`storm`): then the machine has stopped.
 //!
 //! A bit at [`BAUD`] lasts 52 us. A tick that comes late by J moves an edge or a sample, and never the ticks after
 //! it, for the timer does not wait. What half a bit, 26 us, is spent on:

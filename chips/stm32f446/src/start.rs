@@ -74,7 +74,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     }
     clocks::start(board.crystal, priorities::LINK);
     supply::watch();
-    for pin in board.inputs {
+    for pin in board.inputs.iter().chain(&board.probe) {
         ports::make_input(*pin, true);
     }
     if !is_right {
@@ -91,9 +91,6 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let Start { settings, plugged, refusal } = machine_at_start(image, board, &mut storage);
     let (lines, usb) = open_lines(board, Some(settings.baud), past.reason);
     safe_levels::take_debug_pins(plugged);
-    if let Some(probe) = plugged.probe {
-        ports::make_input(probe.pin, !probe.is_high);
-    }
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
     let dirs = DIRS.init_with(|| Dirs::new(plugged, &groups));

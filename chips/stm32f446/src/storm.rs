@@ -1,20 +1,22 @@
-//! Interrupt storms: a flag that cannot be cleared, or a line full of noise, has its handler run again and again, and nothing
-//! that is less urgent runs any more: neither the control of heat nor the Console. Each handler of such an interrupt counts
-//! its calls; one that is called too often is masked at its source, and the machine stops with a fault that names it.
+//! Interrupt storms: a flag that cannot be cleared has its handler run again and again, and nothing that is less urgent runs any
+//! more: neither the control of heat nor the generator nor the Console. Each handler of a host line, of USB and of the drivers' UART
+//! counts its calls; one that is called too often is masked at its source, and the machine stops with a fault that names it.
 //!
-//! Steps do not suffer, for their interrupt is above all of these. Where the count takes too long, or an interrupt without
-//! a count storms (embassy's time), heaters go off by their timer and the watchdog resets the chip (`heater_timer`, `watchdog`).
+//! Steps that are queued do not suffer, for their interrupt is above all of these. Where an interrupt without a count storms
+//! (embassy's time), or a handler that takes too long to be called that often, heaters go off by their timer and the
+//! watchdog resets the chip (`heater_timer`, `watchdog`).
 
-use core::sync::atomic::{AtomicU16, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 use corehbot::fault::{Cause, Fault};
 
 /// How long calls are counted, in cycles at 180 MHz: 20 ms.
 const WINDOW: u32 = 3_600_000;
 
-/// So many calls within that time are no storm. A line at 1 Mbaud that rests after each byte makes 2,000, the bits of motor
-/// drivers 1,200 (`exchange`), USB some three in each of 20 frames; a handler that does nothing but return makes some 36,000.
-const MOST: u32 = 8000;
+/// So many calls within that time are no storm. A line at 1 Mbaud that sends all the time and rests after each byte that it
+/// receives makes 4,000; the bits of motor drivers make 1,200 (`exchange`), and USB three for each of some 19 packets in 20 frames of a
+/// millisecond. A storm makes more as long as a call takes less than 600 cycles, that of steps in between included.
+const MOST: u32 = 6000;
 
 /// How often a handler was called of late. Only the handler uses it.
 pub struct CallRate {
@@ -42,7 +44,7 @@ impl CallRate {
 }
 
 /// The first interrupt that was masked, plus one; 0 is none.
-static MASKED: AtomicU16 = AtomicU16::new(0);
+static MASKED: AtomicU8 = AtomicU8::new(0);
 
 /// The handler of `irq` has been called: masks it if that is a storm. Nothing enables it again but a reset.
 #[cfg(target_os = "none")]
@@ -50,12 +52,12 @@ pub fn count_call(irq: embassy_stm32::pac::Interrupt, rate: &CallRate) {
     use cortex_m::peripheral::{DWT, NVIC};
     if rate.is_storm(DWT::cycle_count()) {
         NVIC::mask(irq);
-        note(irq as u16);
+        note(irq as u8);
     }
 }
 
 /// An interrupt was masked. Handlers that count share a priority, so none comes between.
-fn note(irq: u16) {
+fn note(irq: u8) {
     if MASKED.load(Ordering::Relaxed) == 0 {
         MASKED.store(irq + 1, Ordering::Relaxed);
     }
@@ -63,8 +65,8 @@ fn note(irq: u16) {
 
 /// What there was of storms.
 pub fn fault() -> Option<Fault> {
-    let irq = MASKED.load(Ordering::Relaxed).checked_sub(1)?;
-    Some(Fault { cause: Cause::InterruptStorm, subject: 0, value: i32::from(irq), limit: MOST.cast_signed() })
+    let subject = MASKED.load(Ordering::Relaxed).checked_sub(1)?;
+    Some(Fault { subject, ..Fault::plain(Cause::InterruptStorm) })
 }
 
 #[cfg(test)]
@@ -80,11 +82,10 @@ mod tests {
 
     #[test]
     fn a_storm_is_more_than_the_busiest_line() {
-        // As fast as a handler returns, and 1 MHz: in 4.4 and 8 ms.
-        assert_eq!(calls_until_storm(100), Some(MOST));
-        assert_eq!(calls_until_storm(180), Some(MOST));
-        // A byte each 10 us, and a driver's bits: for ever.
-        assert_eq!([1800, 3000].map(calls_until_storm), [None; 2]);
+        // As fast as a handler returns, 1 MHz, and a handler of 590 cycles: in 3, 6 and 20 ms.
+        assert_eq!([100, 180, 590].map(calls_until_storm), [Some(MOST); 3]);
+        // A byte each 10 us in both directions, and a driver's bits: for ever.
+        assert_eq!([900, 3000].map(calls_until_storm), [None; 2]);
         // Just so many in each window.
         assert_eq!(calls_until_storm(WINDOW / MOST), None);
     }
@@ -94,6 +95,9 @@ mod tests {
         assert_eq!(fault(), None);
         note(38);
         note(67);
-        assert_eq!(fault().map(|fault| (fault.cause, fault.value)), Some((Cause::InterruptStorm, 38)));
+        assert_eq!(
+            fault().map(|fault| fault.to_string()),
+            Some("interrupt 38: came without end (interrupt storm), masked [E25]".into())
+        );
     }
 }

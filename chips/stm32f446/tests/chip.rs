@@ -271,7 +271,14 @@ fn every_interrupt_has_a_handler() {
     let code: String = files.map(|path| std::fs::read_to_string(path).unwrap()).collect();
     for source in SOURCES.iter().filter(|source| source.peripheral != resources::TIME) {
         let interrupt = METADATA.interrupts.iter().find(|interrupt| interrupt.number == u32::from(source.number));
-        let handler = format!("#[interrupt]\nfn {}() {{", interrupt.expect("the chip has it").name);
-        assert!(code.contains(&handler), "{source:?}: {handler}");
+        let name = interrupt.expect("the chip has it").name;
+        let handler = format!("#[interrupt]\nfn {name}() {{");
+        let (_, body) = code.split_once(&handler).unwrap_or_else(|| panic!("{source:?}: {handler}"));
+        let body = body.split_once("\n}").expect("its end").0;
+        // Those above the generator count their calls, but for the supply's, which never returns.
+        let counts = body.contains(&format!("count_call(Interrupt::{name}, &RATE);"))
+            || body.contains("count_call(IRQ, &RATE);");
+        let is_below = ["PVD", "CAN2_SCE", "TIM5"].contains(&name);
+        assert_eq!(counts, !is_below, "{name}: {body}");
     }
 }

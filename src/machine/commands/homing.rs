@@ -20,9 +20,9 @@
 //! To home Z by the probe instead, moreover:
 //!
 //! - a setting that says so, by which `axis` chooses the endstop, and the probe's offset;
-//! - `Settings::check_connectors` must ask the board for a probe (`BoardConnectors::has_probe`), and not for a switch of z, which
+//! - `Settings::check_connectors` must ask for a probe in the file, which it holds to `BoardConnectors::probes`, and not for a switch of z, which
 //!   `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs` and M119 take for granted as well;
-//! - a probe whose wire is cut reads as not triggered (`Plugged` of the chip's `wiring`): before each descent it must be seen to work;
+//! - a probe that is low when it triggers and whose wire is cut reads as not triggered: before each descent it must be seen to work;
 //! - the tool over the bed before Z goes down.
 
 use crate::gcode::AxisFlags;

@@ -282,21 +282,27 @@ proptest! {
 
     /// Whatever is inside a record with a right checksum: legal settings or none.
     #[test]
-    fn any_payload_is_legal_or_rejected(bytes in proptest::collection::vec(any::<u8>(), 0..LONGEST - HEADER)) {
-        if let Ok((settings, ..)) = decode(&forge(FORMAT, &bytes)) {
+    fn any_payload_is_legal_or_rejected(
+        format in WITHOUT_HEAT..=FORMAT,
+        bytes in proptest::collection::vec(any::<u8>(), 0..LONGEST - HEADER),
+    ) {
+        if let Ok((settings, ..)) = decode(&forge(format, &bytes)) {
             prop_assert_eq!(settings.check(), Ok(()));
         }
     }
 
     /// The same with payloads that are nearly settings.
     #[test]
-    fn a_changed_payload_is_legal_or_rejected(changes in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..9)) {
-        let mut bytes = payload(&Settings::prototype());
+    fn a_changed_payload_is_legal_or_rejected(
+        format in WITHOUT_HEAT..=FORMAT,
+        changes in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..9),
+    ) {
+        let mut bytes = std::fs::read(file_of(format)).unwrap().split_off(HEADER);
         for (at, value) in changes {
             let at = at % bytes.len();
             bytes[at] = value;
         }
-        if let Ok((settings, ..)) = decode(&forge(FORMAT, &bytes)) {
+        if let Ok((settings, ..)) = decode(&forge(format, &bytes)) {
             prop_assert_eq!(settings.check(), Ok(()));
         }
     }

@@ -147,8 +147,8 @@ pub(super) struct EndstopsToml {
     pub y: Option<PlugToml>,
     /// Input of the z switch, which opens when it is pressed; ! before it: it closes (normally open).
     pub z: Option<PlugToml>,
-    /// Input of the Z probe, which goes high when the probe triggers; ! before it: it goes low; empty is no probe. M119 tells it, and
-    /// nothing probes by it.
+    /// Input of the Z probe, which goes high when the probe triggers; ! before it: it goes low; empty is no probe. On a board M119
+    /// tells it, and nothing probes by it.
     pub probe: Option<PlugToml>,
 }
 

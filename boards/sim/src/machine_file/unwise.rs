@@ -56,12 +56,11 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     ];
     for (side, from, size, length, axis) in sides {
         if from < Mm::ZERO || from + size > length {
-            let key = format!("bed.{side}");
-            let (to, from) = (from + size, from);
-            warn(
-                &key,
-                format!("the bed lies from {axis}{from} to {axis}{to}, and the tool reaches {axis}0 to {axis}{length}"),
+            let (key, to) = (format!("bed.{side}"), from + size);
+            let text = format!(
+                "{key} = {size}: the bed lies from {axis}{from} to {axis}{to}, and the tool reaches {axis}0 to {axis}{length}"
             );
+            warn(&key, text);
         }
     }
     for motor in Motor::ALL.into_iter().filter(|motor| s.mechanism.fitted().has(*motor)) {
@@ -120,6 +119,14 @@ mod tests {
     #[test]
     fn too_much_current_is_told_of_drivers_that_there_are() {
         assert_eq!(keys("[drivers.z]\ncurrent_ma = 1415\n[drivers.e]\ncurrent_ma = 1414"), ["drivers.z.current_ma"]);
+    }
+
+    #[test]
+    fn a_bed_that_the_tool_does_not_reach_is_told() {
+        assert_eq!(keys("[bed]\nleft = -1\nwidth = 390"), ["bed.width"]);
+        assert_eq!(keys("[bed]\nfront = 0.5"), ["bed.depth"]);
+        assert_eq!(keys("[axes.x]\nlength = 300\n[bed]\nwidth = 301\ndepth = 500"), ["bed.width", "bed.depth"]);
+        assert_eq!(keys("[bed]\nleft = 5\nwidth = 385"), [""; 0]);
     }
 
     #[test]

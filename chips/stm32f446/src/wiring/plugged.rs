@@ -23,7 +23,7 @@ pub struct Plugged {
     pub normally_open: EndstopSet,
 }
 
-/// A Z probe. Its input is pulled to the other level, so that one whose wire is broken reads as not triggered.
+/// A Z probe. Its input is pulled up, as those of switches are.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Probe {
     /// The input.

@@ -34,7 +34,7 @@ pub(in crate::machine_file) struct ShaperToml {
     pub damping: Option<f64>,
     /// Length of the belts that pull along the axis, both sides together, in mm; 0: it rings the same everywhere.
     pub span: Option<f64>,
-    /// Frequency at which the axis would ring if its belts were stiff, in Hz; 0 is none.
+    /// The lower, the more the motors give way, in Hz, as fitted to frequencies in the middle and near an end; 0: motors are stiff.
     pub motor_frequency: Option<f64>,
 }
 
