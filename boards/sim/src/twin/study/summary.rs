@@ -130,15 +130,27 @@ impl std::fmt::Display for Summary {
 /// Correlations that are nearer to 0 are not told to people.
 const TOLD: f64 = 0.3;
 
-/// Some five digits, as people read them.
+/// Decimals that people are shown at most.
+const DECIMALS: i32 = 9;
+
+/// Some five digits, as people read them; what has none within the decimals is 0.
 fn significant(value: f64) -> String {
-    let digits = if value == 0.0 { 0 } else { 4 - value.abs().log10().floor() as i32 };
-    format!("{value:.*}", usize::try_from(digits.clamp(0, 9)).unwrap_or(0))
+    if value.abs() < 0.5 * 0.1_f64.powi(DECIMALS) {
+        return "0".to_owned();
+    }
+    let digits = 4 - value.abs().log10().floor() as i32;
+    format!("{value:.*}", usize::try_from(digits.clamp(0, DECIMALS)).unwrap_or(0))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn people_are_shown_five_digits_and_no_rounding_errors() {
+        let shown = [287.5634, -0.000_123_456, 54_438.7, 1_234_567.8, -1e-15, 0.0].map(significant);
+        assert_eq!(shown, ["287.56", "-0.00012346", "54439", "1234568", "0", "0"]);
+    }
 
     #[test]
     fn equal_values_share_their_rank() {

@@ -156,6 +156,42 @@ fn of_a_grid_of_places_the_worst_counts() {
     assert_eq!(worst[6].map(f64::abs), all(6).map(f64::abs).reduce(f64::max));
 }
 
+/// The study in docs/twin.md has every key; what it asks is answered as the twin's own commands answer it.
+#[test]
+fn the_study_in_the_documentation_is_one() {
+    use corehbot_twin::queries::{Setup, limits::Limits, push::Push, resonance::Resonance};
+    use corehbot_twin::{params::Params, routing::Machine};
+    let docs = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/twin.md")).unwrap();
+    let text = docs.split("```toml\n").map(|rest| rest.split("```").next().unwrap());
+    let text = text.into_iter().find(|text| text.starts_with("compute")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("print.gcode"), "G1 X110 F6000\nM400\n").unwrap();
+    let study = study(folder.path(), &text.replace("[7, 7]", "[3, 3]")).unwrap();
+    assert_eq!((study.samples, study.figures().count()), (400, 4 + 2 + 3 + 11 + 10 + 6));
+    let sample = study.sample(1, &Stop::default()).unwrap().outcome.unwrap();
+    let figure = |name| sample[study.figures().position(|known| known == name).unwrap()].unwrap();
+    let values = study.point(1).unwrap().values;
+    let params = Params { belt_ea_n: values[0], holding_torque_nm: values[1], preload_n: 50.0, ..Params::default() };
+    let reach = corehbot_twin::geometry::workspace(Machine::CoreXy, &params);
+    let freedom = crate::twin::setup::ModelArg::Rotors.freedom();
+    let setup = |tool| Setup { machine: Machine::CoreXy, params: params.clone(), tool, freedom };
+    let limits = Limits::new(&setup(reach.centre()), 0.025, 0.5).unwrap();
+    assert_eq!(figure("y_slack_acceleration_mm_s2"), limits.y.slack_acceleration_mm_s2);
+    assert_eq!(figure("yaw_error_um_per_m_s2"), limits.yaw_error_um_per_m_s2);
+    let resonance = Resonance::new(&setup(reach.centre()), 3, 3).unwrap();
+    assert_eq!([figure("y_lowest_Hz"), figure("y_highest_Hz")], resonance.y.band_hz);
+    let pushed = Push::new(&setup(reach.centre()), [5.0, 0.0]).unwrap().strain.dx_mm;
+    assert!(figure("push_dx_mm") >= pushed && figure("push_dx_mm") < 3.0 * pushed, "{pushed}");
+    assert!(figure("slips") == 0.0 && figure("tension_min_N") < 50.0 && figure("torque_margin") < 1.0);
+}
+
+#[test]
+fn the_example_of_a_study_is_one() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cluster/study.toml");
+    let study = read::read(&example, &Stop::default()).unwrap();
+    assert_eq!((study.samples, study.keys.len(), study.inputs.len()), (200, 4, 2));
+}
+
 #[test]
 fn what_is_wrong_with_a_study_is_said_with_its_place() {
     let folder = tempfile::tempdir().unwrap();
