@@ -171,6 +171,9 @@ def main():
                 on(cluster)
     except StudyError as error:
         sys.exit(f"study.py: {error}")
+    except KeyboardInterrupt:
+        print(f"study.py: interrupted; {args.output}.journal keeps what is finished", file=sys.stderr)
+        sys.exit(130)
 
 
 if __name__ == "__main__":
