@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `form`, `check`, `error` | the study's file, what is legal in it, and what is said of what is not |
 //! | `read` | from there to a plan, with the files that it names |
-//! | `plan`, `query` | samples by their numbers, and their figures |
+//! | `plan`, `query`, `figure` | samples by their numbers, what is asked of them, and the columns of that |
 //! | `compute` | all samples, on all cores |
 //! | `line`, `journal` | finished samples in a file that may be cut at any byte |
 //! | `table`, `summary`, `page` | what becomes of them |
@@ -15,6 +15,7 @@
 mod check;
 mod compute;
 mod error;
+mod figure;
 mod form;
 mod journal;
 mod line;

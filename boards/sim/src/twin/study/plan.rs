@@ -1,6 +1,6 @@
 //! Plan: a study as it is computed, every sample a pure function of it and of the sample's number.
 
-use super::query::{Figure, Places, Query};
+use super::query::{Places, Query};
 use crate::stop::Stop;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::{Params, ParamsError};
@@ -69,7 +69,7 @@ impl Study {
 
     /// The columns of all figures.
     pub(in crate::twin) fn figures(&self) -> impl Iterator<Item = &'static str> + '_ {
-        self.queries.iter().flat_map(|query| query.figures()).map(Figure::name)
+        self.queries.iter().flat_map(|query| query.figures()).map(|figure| figure.name)
     }
 
     /// What the sample of this number is of.

@@ -1,5 +1,6 @@
 //! Queries: what is computed of a sample, as figures in columns.
 
+use super::figure::{Figure, LIMITS, MODES, PUSH, RESONANCE, RUN, STIFFNESS};
 use crate::stop::Stop;
 use crate::twin::play::{RunModel, played};
 use crate::twin::source::Source;
@@ -38,72 +39,6 @@ pub(in crate::twin) enum Query {
     Resonance { freedom: Freedom, grid: [usize; 2] },
     Run { source: Source, model: RunModel, begin: Option<Place> },
 }
-
-impl Figure {
-    /// Its name with its unit.
-    pub(super) const fn name(&self) -> &'static str {
-        self.0
-    }
-}
-
-/// Which of two figures is the worse one.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Worse {
-    Lesser,
-    Greater,
-    /// The one farther from 0.
-    Farther,
-}
-
-/// A column: its name with its unit, and what is worse in it.
-#[derive(Clone, Copy)]
-pub(super) struct Figure(&'static str, Worse);
-
-const STIFFNESS: &[Figure] = &[
-    Figure("Kxx_N_per_mm", Worse::Lesser),
-    Figure("Kyy_N_per_mm", Worse::Lesser),
-    Figure("Kxy_N_per_mm", Worse::Farther),
-    Figure("softest_N_per_mm", Worse::Lesser),
-];
-const MODES: &[Figure] = &[Figure("mode_1_Hz", Worse::Lesser), Figure("mode_2_Hz", Worse::Lesser)];
-const PUSH: &[Figure] = &[
-    Figure("push_dx_mm", Worse::Farther),
-    Figure("push_dy_mm", Worse::Farther),
-    Figure("push_torque_max_mNm", Worse::Greater),
-];
-const LIMITS: &[Figure] = &[
-    Figure("x_torque_acceleration_mm_s2", Worse::Lesser),
-    Figure("x_slack_acceleration_mm_s2", Worse::Lesser),
-    Figure("x_ringing_acceleration_mm_s2", Worse::Lesser),
-    Figure("x_speed_jump_mm_s", Worse::Lesser),
-    Figure("x_slip_jump_mm_s", Worse::Lesser),
-    Figure("y_torque_acceleration_mm_s2", Worse::Lesser),
-    Figure("y_slack_acceleration_mm_s2", Worse::Lesser),
-    Figure("y_ringing_acceleration_mm_s2", Worse::Lesser),
-    Figure("y_speed_jump_mm_s", Worse::Lesser),
-    Figure("y_slip_jump_mm_s", Worse::Lesser),
-    Figure("yaw_error_um_per_m_s2", Worse::Greater),
-];
-const RESONANCE: &[Figure] = &[
-    Figure("x_lowest_Hz", Worse::Lesser),
-    Figure("x_highest_Hz", Worse::Greater),
-    Figure("x_coupling", Worse::Greater),
-    Figure("x_damping_ratio", Worse::Lesser),
-    Figure("x_shaper_residual", Worse::Greater),
-    Figure("y_lowest_Hz", Worse::Lesser),
-    Figure("y_highest_Hz", Worse::Greater),
-    Figure("y_coupling", Worse::Greater),
-    Figure("y_damping_ratio", Worse::Lesser),
-    Figure("y_shaper_residual", Worse::Greater),
-];
-const RUN: &[Figure] = &[
-    Figure("contour_max_mm", Worse::Greater),
-    Figure("contour_rms_mm", Worse::Greater),
-    Figure("torque_max_mNm", Worse::Greater),
-    Figure("torque_margin", Worse::Lesser),
-    Figure("slips", Worse::Greater),
-    Figure("tension_min_N", Worse::Lesser),
-];
 
 impl Query {
     /// Its columns.
@@ -176,23 +111,11 @@ impl Query {
         let (xs, ys) = (levels(reach.x, columns), levels(reach.y, rows));
         let mut worst = vec![f64::NAN; self.figures().len()];
         for tool in ys.iter().flat_map(|y| xs.iter().map(|x| Place { x: *x, y: *y })) {
-            for ((worst, Figure(_, worse)), figure) in worst.iter_mut().zip(self.figures()).zip(at(tool)?) {
-                *worst = worse.of(*worst, figure);
+            for ((worst, column), figure) in worst.iter_mut().zip(self.figures()).zip(at(tool)?) {
+                *worst = column.worse(*worst, figure);
             }
         }
         Ok(worst)
-    }
-}
-
-impl Worse {
-    /// The worse one of two; NaN is no figure yet.
-    fn of(self, a: f64, b: f64) -> f64 {
-        match self {
-            Self::Lesser => a.min(b),
-            Self::Greater => a.max(b),
-            Self::Farther if a.is_nan() || b.abs() > a.abs() => b,
-            Self::Farther => a,
-        }
     }
 }
 
