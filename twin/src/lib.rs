@@ -1,7 +1,7 @@
 //! The belt's twin: what a belt that stretches, idlers, rotors and guides make of the steps that the firmware commands.
 //!
-//! For a desk, not for a microcontroller: `std`, `f64`, no random numbers, so the same input gives the same figures. Nothing
-//! in the firmware knows of it.
+//! For a desk, not for a microcontroller: `std`, `f64`, no random numbers but those of a seed, so the same input gives the
+//! same figures. Nothing in the firmware knows of it.
 //!
 //! Lengths are in mm, angles in rad, forces in N, masses in kg, times in s, unless a name says otherwise; x, y are those of
 //! the CoreH-bot paper: the tool's place seen from motor 1's axis, x to the right and y away from the front, angles
@@ -22,6 +22,7 @@
 //! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
 //! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
 //! | [`run`] | a trace played, and what there is to say of it |
+//! | [`sampling`] | which points of a space of parameters a study looks at |
 //! | [`yin`] | Yin et al.'s CoreXY on a square, a model of its own |
 //!
 //! What the papers printed, what is right and what was corrected: docs/twin.md.
@@ -35,6 +36,7 @@ pub mod params;
 pub mod queries;
 pub mod routing;
 pub mod run;
+pub mod sampling;
 pub mod shaping;
 pub mod solve;
 pub mod steps;

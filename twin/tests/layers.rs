@@ -4,8 +4,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const ROOMS: [&str; 11] =
-    ["params", "routing", "geometry", "model", "solve", "shaping", "queries", "dynamics", "steps", "contour", "run"];
+const ROOMS: [&str; 12] = [
+    "params", "routing", "geometry", "model", "solve", "shaping", "queries", "dynamics", "steps", "contour", "run",
+    "sampling",
+];
 
 fn sources(of: &Path) -> Vec<PathBuf> {
     if of.is_file() {

@@ -4,6 +4,7 @@ mod bench;
 mod build;
 mod checkout;
 mod clients;
+mod cluster;
 mod dist;
 mod emulate;
 mod flash;

@@ -95,6 +95,11 @@ pub(crate) struct Printer {
 }
 
 impl Printer {
+    /// One that keeps nothing.
+    pub(crate) const fn new(settings: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
+        Self { settings, storage: None, assume_homed }
+    }
+
     /// The machine.
     pub(crate) fn machine(&self) -> Result<Machine> {
         read_machine(self.settings.as_deref())

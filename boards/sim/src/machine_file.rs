@@ -27,6 +27,7 @@ use corehbot::settings::{
 pub use error::MachineFileError;
 use form::{AxisToml, BedToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
 pub use place::Place;
+pub(crate) use place::{with_suggestion, words};
 pub use problems::{Problem, problems};
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BED_EDGE, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,

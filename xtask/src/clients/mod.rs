@@ -3,7 +3,7 @@
 //! Each trial is a Python program in `xtask/clients` that starts `corehbot serve` and a client, and ends both. They
 //! talk through pseudo-terminals and the loopback interface only.
 
-mod venv;
+pub mod venv;
 
 use crate::checkout::{self, root};
 use crate::test::{Verdict, has_emulator, lack_of_emulator, sliced_file};
@@ -13,11 +13,11 @@ use std::process::Command;
 use venv::Venv;
 
 /// Printrun without the libraries of its window, which printcore does not need. pyserial is all that it does.
-const PRINTRUN: Venv =
+const PRINTRUN: Venv<'static> =
     Venv { name: "printrun", packages: &["pyserial==3.5", "printrun==2.2.0"], options: &["--no-deps"] };
 
 /// OctoPrint, with everything.
-const OCTOPRINT: Venv = Venv { name: "octoprint", packages: &["OctoPrint==1.11.8"], options: &[] };
+const OCTOPRINT: Venv<'static> = Venv { name: "octoprint", packages: &["OctoPrint==1.11.8"], options: &[] };
 
 /// Where the programs are.
 const PROGRAMS: &str = "xtask/clients";
@@ -48,7 +48,7 @@ enum Print {
 
 /// A client and a line.
 struct Trial {
-    client: Venv,
+    client: Venv<'static>,
     program: &'static str,
     line: &'static str,
     board: Board,
@@ -76,7 +76,7 @@ const fn octoprint(line: &'static str, print: Print) -> Trial {
     Trial { client: OCTOPRINT, program: "octoprint_prints.py", line, board: Board::Simulator, print }
 }
 
-const fn heats(client: Venv, program: &'static str, board: Board) -> Trial {
+const fn heats(client: Venv<'static>, program: &'static str, board: Board) -> Trial {
     Trial { client, program, line: "clean", board, print: Print::Heat }
 }
 

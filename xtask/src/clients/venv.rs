@@ -9,13 +9,13 @@ use std::process::Command;
 const COMPLETE: &str = "complete";
 
 /// Packages from PyPI, in a folder of their own.
-pub struct Venv {
+pub struct Venv<'p> {
     pub name: &'static str,
-    pub packages: &'static [&'static str],
+    pub packages: &'p [&'static str],
     pub options: &'static [&'static str],
 }
 
-impl Venv {
+impl Venv<'_> {
     fn folder(&self) -> Result<PathBuf> {
         Ok(target_dir()?.join("clients").join(self.name))
     }

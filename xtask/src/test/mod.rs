@@ -18,7 +18,7 @@ mod tools;
 pub use compare::{check_file, sliced_file};
 pub use tools::{has_emulator, lack_of_emulator};
 
-use crate::{bench, clients};
+use crate::{bench, clients, cluster};
 use Lane::{First, Host, Images};
 use anyhow::{Context as _, Result, bail};
 use std::path::{Path, PathBuf};
@@ -65,7 +65,7 @@ pub enum Verdict {
 }
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 15] = [
+const STEPS: [Step; 16] = [
     Step { name: "tools", lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
@@ -80,6 +80,7 @@ const STEPS: [Step; 15] = [
     // Clients wait for most of their time, in which the other lane has both processors; so they are not the last. By now the other lane
     // has built QEMU's image.
     Step { name: "clients", lane: Host, heading: "printcore and OctoPrint print on it", run: clients::check },
+    Step { name: "cluster", lane: Host, heading: "a study outlives a worker that is killed", run: cluster::check },
     Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
     Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
     Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },

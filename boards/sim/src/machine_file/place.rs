@@ -57,10 +57,15 @@ impl Place {
 /// What a TOML error says, in one line, and which known name is nearest to one that is not known.
 #[must_use]
 pub fn words(error: &Error) -> String {
-    let message = error.message().lines().collect::<Vec<_>>().join(", ");
-    match suggestion(&message) {
+    with_suggestion(&error.message().lines().collect::<Vec<_>>().join(", "))
+}
+
+/// A message that may name an unknown name and then those that are known, with the one that was meant.
+#[must_use]
+pub fn with_suggestion(message: &str) -> String {
+    match suggestion(message) {
         Some(name) => format!("{message}; did you mean `{name}`?"),
-        None => message,
+        None => message.to_owned(),
     }
 }
 

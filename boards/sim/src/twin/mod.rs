@@ -12,6 +12,7 @@ mod point;
 mod resonance;
 mod setup;
 mod source;
+mod study;
 mod sweep;
 mod yin;
 
@@ -37,7 +38,8 @@ pub(crate) enum Twin {
     Limits(limits::Limits),
     /// CoreH-bot, H-bot and CoreXY of one size side by side, over one area and, if a file is given, on it.
     Compare(compare::Compare),
-    /// One number of the machine is varied: stiffness, frequencies, and what becomes of a file.
+    /// Numbers of the machine are varied, one of them or as a study says: stiffness, frequencies, what becomes of a file.
+    #[command(mut_args(sweep::not_beside_a_study))]
     Sweep(sweep::Sweep),
     /// Belts and motors of a CoreH-bot from frequencies that were measured.
     Fit(fit::Fit),

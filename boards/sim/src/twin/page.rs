@@ -110,12 +110,16 @@ pub(super) fn write(
         path: path(watch),
         resonance: Resonance::new(&setup, GRID, GRID)?,
     };
-    fill(out, &data).context("cannot write the report")
+    fill(out, TEMPLATE, &data).context("cannot write the report")
 }
 
-fn fill(out: &mut impl Write, data: &Data<'_>) -> Result<()> {
+/// Writes a page with its style and its data in it.
+///
+/// # Errors
+/// What `out` reports, or the page has no places for them.
+pub(super) fn fill(out: &mut impl Write, template: &'static str, data: &impl Serialize) -> Result<()> {
     let cut = |text: &'static str, mark| text.split_once(mark).context("the page has no place for its data");
-    let (head, rest) = cut(TEMPLATE, MARKS[0])?;
+    let (head, rest) = cut(template, MARKS[0])?;
     let (middle, end) = cut(rest, MARKS[1])?;
     // A file name with "</script>" in it must not end the script.
     let json = serde_json::to_string(data)?.replace('<', "\\u003c");

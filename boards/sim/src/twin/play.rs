@@ -13,9 +13,10 @@ use corehbot_twin::dynamics::plant::Detail;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
-use corehbot_twin::run::Run;
 use corehbot_twin::run::report::Report;
 use corehbot_twin::run::watch::Watch;
+use corehbot_twin::run::{Run, RunError};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -23,7 +24,8 @@ use std::time::Instant;
 const PARTS: f64 = 1000.0;
 
 /// What moves besides the tool.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum RunModel {
     /// Nothing: motors are where they were sent, idlers have no mass.
     Reduced,
@@ -119,16 +121,27 @@ pub(super) fn play(
     source: &Source,
     stop: &Stop,
 ) -> Result<(Report, Watch)> {
-    let begin = Instant::now();
-    let run = Run::new(machine, params, start, model.detail(), &source.steps)?;
     let bar = progress_bar(PARTS as u64, "thousandths");
-    let watch = run.play(|part| {
+    let told = played(machine, params, start, model, source, |part| {
         bar.set_position((part * PARTS) as u64);
         !stop.is_set()
     });
     bar.finish_and_clear();
+    Ok(told?)
+}
+
+/// The same with `go_on`, which is told how much was played, of 1, and says whether to go on.
+pub(super) fn played(
+    machine: Machine,
+    params: &Params,
+    start: Place,
+    model: RunModel,
+    source: &Source,
+    go_on: impl FnMut(f64) -> bool,
+) -> Result<(Report, Watch), RunError> {
+    let begin = Instant::now();
+    let watch = Run::new(machine, params, start, model.detail(), &source.steps)?.play(go_on)?;
     let trace = (source.steps.duration_s(), source.steps.events.len());
-    let watch = watch?;
     let report = Report::new(machine, model.name(), params, &watch, trace, begin.elapsed().as_secs_f64());
     Ok((report, watch))
 }

@@ -7,11 +7,13 @@ use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::params::Params;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::routing::{Machine, Place};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// A machine by its word on the command line.
-#[derive(Clone, Copy, ValueEnum)]
-enum MachineArg {
+/// A machine by its word on the command line, and in studies.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum MachineArg {
     /// One closed belt, four motors.
     Corehbot,
     /// One belt, two motors.
@@ -34,8 +36,10 @@ impl From<MachineArg> for Machine {
 }
 
 /// What may move besides the tool.
-#[derive(Clone, Copy, ValueEnum)]
+#[derive(Clone, Copy, Default, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum ModelArg {
+    #[default]
     /// Nothing: motors hold, idlers have no mass.
     Reduced,
     /// Idlers, each with its inertia.

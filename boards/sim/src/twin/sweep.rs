@@ -1,22 +1,18 @@
-//! `twin sweep`: one number of the machine is varied.
+//! `twin sweep`: numbers of the machine are varied, as a study says, or one of them by a word.
 
 use super::answer::Json;
-use super::play::{RunModel, play};
+use super::play::RunModel;
 use super::setup::{SetupArgs, parse_pair};
 use super::source::Source;
+use super::study::{Options, Query, Sample, Study, compute, varied};
 use crate::cli::Printer;
 use crate::stop::Stop;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, anyhow};
 use clap::Args;
-use corehbot_twin::geometry::workspace;
-use corehbot_twin::params::Params;
-use corehbot_twin::queries::Setup;
-use corehbot_twin::queries::modes::Modes;
-use corehbot_twin::queries::stiffness::Stiffness;
 use corehbot_twin::routing::Place;
+use corehbot_twin::sampling::levels;
 use serde::Serialize;
-use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Most values: some seconds, without a file.
 const MOST: usize = 1000;
@@ -24,12 +20,14 @@ const MOST: usize = 1000;
 /// `twin sweep`.
 #[derive(Args)]
 pub(crate) struct Sweep {
-    /// G-code or a step trace that is played with every value.
-    #[arg(value_name = "FILE")]
+    /// A study (STUDY.toml); with --vary, G-code or a step trace that is played with every value.
+    #[arg(value_name = "FILE", required_unless_present = "vary")]
     file: Option<PathBuf>,
-    /// The key of the number, its first and last value, and how many.
+    /// Instead of a study: the key of one number, its first and last value, and how many.
     #[arg(long, value_name = "KEY=FROM:TO:COUNT", value_parser = parse_range)]
-    vary: Range,
+    vary: Option<Range>,
+    #[command(flatten)]
+    study: Options,
     #[command(flatten)]
     setup: SetupArgs,
     /// Where the tool is at the begin of the file, in mm from motor 1's axis; without it, where the firmware is.
@@ -42,6 +40,13 @@ pub(crate) struct Sweep {
     printer: Printer,
     #[command(flatten)]
     json: Json,
+}
+
+/// What a study says in its file cannot be said on the command line too.
+pub(super) fn not_beside_a_study(arg: clap::Arg) -> clap::Arg {
+    const BESIDE_A_STUDY: [&str; 8] = ["file", "vary", "output", "jobs", "report", "sample", "plan", "json"];
+    let is_taken = BESIDE_A_STUDY.iter().any(|id| arg.get_id() == id);
+    if is_taken { arg } else { arg.conflicts_with_all(["output", "report", "sample", "plan"]) }
 }
 
 /// Values of a key.
@@ -85,62 +90,61 @@ struct RunRow {
 
 impl Sweep {
     pub(super) fn answer(&self) -> Result<u8> {
+        match (&self.vary, &self.file) {
+            (Some(vary), file) => self.vary(vary, file.as_deref()),
+            (None, Some(file)) => self.study.answer(file, &self.json),
+            (None, None) => Err(anyhow!("a study is wanted, or --vary")),
+        }
+    }
+
+    /// One number.
+    fn vary(&self, Range { key, values }: &Range, file: Option<&Path>) -> Result<u8> {
         let setup = self.setup.read()?;
+        for value in values {
+            varied(&setup.params, std::slice::from_ref(key), &[*value])?;
+        }
         let stop = Stop::at_signals()?;
-        let source = self.file.as_deref().map(|file| Source::read(file, &self.printer, &stop));
-        let rows = source.transpose().and_then(|source| {
-            let row = |value: &f64| self.row(&setup, *value, source.as_ref(), &stop);
-            self.vary.values.iter().map(row).collect::<Result<Vec<_>>>()
+        let source = file.map(|file| Source::read(file, &self.printer, &stop)).transpose();
+        let rows = source.and_then(|source| {
+            let begin = self.begin.map(|[x, y]| Place { x, y });
+            let run = source.map(|source| Query::Run { source, model: self.run_model, begin });
+            let study = Study::of_one(setup, key.clone(), values.clone(), run);
+            let samples = compute(&study, None, Vec::new(), self.study.jobs(), &stop)?;
+            samples
+                .into_iter()
+                .zip(values)
+                .map(|(sample, value)| row(&study, *value, sample))
+                .collect::<Result<Vec<_>>>()
         });
         if let Some(status) = stop.status() {
             eprintln!("corehbot: interrupted");
             return Ok(status);
         }
-        let answer = Answer { key: self.vary.key.clone(), rows: rows? };
-        let files = self.setup.machine.files().chain(self.printer.files()).chain(self.file.as_deref());
-        self.json.give(&answer, files)
-    }
-
-    fn row(&self, nominal: &Setup, value: f64, source: Option<&Source>, stop: &Stop) -> Result<Row> {
-        let key = &self.vary.key;
-        let params = varied(&nominal.params, key, value)?;
-        let reach = workspace(nominal.machine, &params);
-        if !reach.has(nominal.tool) {
-            bail!("{key} = {value}: the tool does not reach ({:.1}, {:.1})", nominal.tool.x, nominal.tool.y);
-        }
-        let setup = Setup { params, ..nominal.clone() };
-        let (stiffness, modes) = (Stiffness::new(&setup)?, Modes::new(&setup)?);
-        let frequencies_hz = [0, 1].map(|i| modes.frequencies_hz.get(i).copied().unwrap_or(0.0));
-        let run = source.map(|source| self.run(&setup, source, stop)).transpose();
-        let run = run.with_context(|| format!("{key} = {value}"))?;
-        Ok(Row { value, kxx: stiffness.kxx, kyy: stiffness.kyy, frequencies_hz, run })
-    }
-
-    fn run(&self, setup: &Setup, source: &Source, stop: &Stop) -> Result<RunRow> {
-        let origin = workspace(setup.machine, &setup.params).origin();
-        let [x, y] = self.begin.unwrap_or([origin.x + source.begin[0], origin.y + source.begin[1]]);
-        let (report, _) = play(setup.machine, &setup.params, Place { x, y }, self.run_model, source, stop)?;
-        Ok(RunRow {
-            contour_max_mm: report.contour.max_mm,
-            contour_rms_mm: report.contour.rms_mm,
-            torque_max_mnm: report.motors.iter().map(|motor| motor.torque_max_mnm).fold(0.0, f64::max),
-            slips: report.motors.iter().map(|motor| motor.slips).sum(),
-            tension_min_n: report.tension_n.values().map(|[least, _]| *least).fold(f64::INFINITY, f64::min),
-        })
+        let answer = Answer { key: key.clone(), rows: rows? };
+        self.json.give(&answer, self.setup.machine.files().chain(self.printer.files()).chain(file))
     }
 }
 
-/// Numbers with another one by its key.
-fn varied(params: &Params, key: &str, value: f64) -> Result<Params> {
-    let mut all = serde_json::to_value(params)?;
-    let keys = all.as_object().map(|all| all.keys().cloned().collect::<Vec<_>>()).unwrap_or_default();
-    match all.get_mut(key) {
-        Some(entry) => *entry = Value::from(value),
-        None => bail!("there is no `{key}`; there are {}", keys.join(", ")),
-    }
-    let params: Params = serde_json::from_value(all)?;
-    params.check()?;
-    Ok(params)
+/// The figures of a sample.
+fn row(study: &Study, value: f64, sample: Sample) -> Result<Row> {
+    let figures = sample.outcome.map_err(|why| anyhow!("{} = {value}: {why}", study.keys.join(", ")))?;
+    let figure = |name: &str| figures.get(study.figures().position(|known| known == name)?).copied().flatten();
+    let run = || {
+        Some(RunRow {
+            contour_max_mm: figure("contour_max_mm")?,
+            contour_rms_mm: figure("contour_rms_mm")?,
+            torque_max_mnm: figure("torque_max_mNm")?,
+            slips: figure("slips")? as u32,
+            tension_min_n: figure("tension_min_N")?,
+        })
+    };
+    Ok(Row {
+        value,
+        kxx: figure("Kxx_N_per_mm").unwrap_or(0.0),
+        kyy: figure("Kyy_N_per_mm").unwrap_or(0.0),
+        frequencies_hz: ["mode_1_Hz", "mode_2_Hz"].map(|name| figure(name).unwrap_or(0.0)),
+        run: run(),
+    })
 }
 
 /// `belt_EA_N=20000:56000:7`.
@@ -151,8 +155,7 @@ fn parse_range(text: &str) -> Result<Range, String> {
     let number = |text: &str| text.parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(wrong);
     let (from, to) = (number(from)?, number(to)?);
     let count: usize = count.parse().ok().filter(|n| (2..=MOST).contains(n)).ok_or_else(wrong)?;
-    let value = |i: usize| from + (to - from) * i as f64 / (count - 1) as f64;
-    Ok(Range { key: key.to_owned(), values: (0..count).map(value).collect() })
+    Ok(Range { key: key.to_owned(), values: levels([from, to], count) })
 }
 
 impl std::fmt::Display for Answer {

@@ -1,0 +1,84 @@
+//! Journal: the samples that are finished, kept beside the result until that is whole.
+//!
+//! A file that is only appended to, a line a sample ([`super::line`]), the study's own line first. A process that is killed
+//! leaves at most half a line at its end: what has no line end is cut off before the next sample is written, and a line whose
+//! check is wrong is as if it were not there. Nobody else may write while one process does.
+
+use super::line;
+use super::plan::{Sample, Study};
+use anyhow::{Context as _, Result, bail};
+use std::ffi::OsString;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+/// What the names of journals end in.
+const ENDING: &str = ".journal";
+
+/// A journal, open for more samples.
+#[derive(Debug)]
+pub(in crate::twin) struct Journal {
+    file: File,
+    pub path: PathBuf,
+}
+
+impl Journal {
+    /// The journal of the result at `path`, and the samples that it has.
+    ///
+    /// # Errors
+    /// It is of another study, another process writes it, or it cannot be written.
+    pub(super) fn open(path: &Path, study: &Study) -> Result<(Self, Vec<Sample>)> {
+        let mut name = OsString::from(path);
+        name.push(ENDING);
+        let path = PathBuf::from(name);
+        let cannot = || format!("cannot open {}", path.display());
+        let file = OpenOptions::new().read(true).append(true).create(true).open(&path).with_context(cannot)?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => bail!("{}: another process computes these samples", path.display()),
+            // Where files cannot be locked, the user must see to it.
+            Err(TryLockError::Error(_)) | Ok(()) => {}
+        }
+        let mut journal = Self { file, path };
+        let kept = journal.read(study).with_context(|| journal.path.display().to_string())?;
+        Ok((journal, kept))
+    }
+
+    /// Keeps a line.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub(super) fn append(&mut self, line: &str) -> Result<()> {
+        let written = self.file.write_all(format!("{line}\n").as_bytes());
+        written.with_context(|| format!("cannot write {}", self.path.display()))
+    }
+
+    /// Takes it away: the result is whole.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub(super) fn remove(self) -> Result<()> {
+        std::fs::remove_file(&self.path).with_context(|| format!("cannot remove {}", self.path.display()))
+    }
+
+    /// The samples in it; what is not whole at its end is cut off.
+    fn read(&mut self, study: &Study) -> Result<Vec<Sample>> {
+        let mut bytes = Vec::new();
+        self.file.seek(SeekFrom::Start(0)).and_then(|_| self.file.read_to_end(&mut bytes)).context("cannot read it")?;
+        let head = line::head(study)?;
+        let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        let text = bytes.get(..whole).map(String::from_utf8_lossy).unwrap_or_default();
+        let mut lines = text.lines();
+        match lines.next() {
+            Some(first) if first == head => {}
+            Some(first) if line::is_head(first) => bail!("is of another study; remove it, or name another output"),
+            Some(_) => bail!("is no journal of a study; remove it, or name another output"),
+            None if head.as_bytes().starts_with(&bytes) => {}
+            None => bail!("is no journal of a study; remove it, or name another output"),
+        }
+        self.file.set_len(whole as u64).context("cannot cut it")?;
+        if whole == 0 {
+            self.append(&head)?;
+        }
+        Ok(lines.filter_map(|line| line::sample(study, line)).collect())
+    }
+}

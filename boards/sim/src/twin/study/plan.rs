@@ -1,0 +1,142 @@
+//! Plan: a study as it is computed, every sample a pure function of it and of the sample's number.
+
+use super::query::{Places, Query};
+use crate::stop::Stop;
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::params::{Params, ParamsError};
+use corehbot_twin::queries::Setup;
+use corehbot_twin::routing::Machine;
+use corehbot_twin::sampling::Design;
+use serde_json::Value;
+use std::path::PathBuf;
+
+/// Most samples of a study: what the table of them takes in memory.
+pub(in crate::twin) const MOST: usize = 1_000_000;
+
+/// A study.
+pub(in crate::twin) struct Study {
+    /// What tells it from any other study, as a hash.
+    pub(super) identity: String,
+    /// The machines; each has every point of the design, one after the other.
+    pub(super) machines: Vec<Machine>,
+    /// The numbers that are not varied.
+    pub(super) params: Params,
+    /// The keys of those that are.
+    pub(in crate::twin) keys: Vec<String>,
+    /// Their values.
+    pub(super) design: Design,
+    /// How many samples that makes.
+    pub(super) samples: usize,
+    /// What is computed.
+    pub(super) queries: Vec<Query>,
+    /// The files that it is made of.
+    pub(super) inputs: Vec<PathBuf>,
+}
+
+/// What a sample is of.
+pub(in crate::twin) struct Point {
+    pub machine: Machine,
+    /// The values of the numbers that are varied.
+    pub values: Vec<f64>,
+}
+
+/// A sample that was computed.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::twin) struct Sample {
+    /// Its number, counted from 0.
+    pub number: usize,
+    /// Its figures, where there is such a figure; or why it has none.
+    pub outcome: Result<Vec<Option<f64>>, String>,
+}
+
+impl Study {
+    /// One number at these levels, on one machine with its tool at a place; and what becomes of a file, if there is one.
+    pub(in crate::twin) fn of_one(setup: Setup, key: String, levels: Vec<f64>, run: Option<Query>) -> Self {
+        let Setup { machine, params, tool, freedom } = setup;
+        let places = Places::At(tool);
+        let queries = [Query::Stiffness { places, freedom }, Query::Modes { places, freedom }];
+        Self {
+            identity: String::new(),
+            machines: vec![machine],
+            params,
+            keys: vec![key],
+            samples: levels.len(),
+            design: Design::Grid(vec![levels]),
+            queries: queries.into_iter().chain(run).collect(),
+            inputs: Vec::new(),
+        }
+    }
+
+    /// The columns of all figures.
+    pub(in crate::twin) fn figures(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.queries.iter().flat_map(|query| query.figures()).map(|figure| figure.name)
+    }
+
+    /// What the sample of this number is of.
+    pub(in crate::twin) fn point(&self, number: usize) -> Option<Point> {
+        let machine = *self.machines.get(number.checked_rem(self.machines.len())?)?;
+        let values = self.design.point(number / self.machines.len())?;
+        Some(Point { machine, values })
+    }
+
+    /// Computes a sample; none if there is no such sample, or if it was stopped.
+    pub(super) fn sample(&self, number: usize, stop: &Stop) -> Option<Sample> {
+        let point = self.point(number)?;
+        let outcome = self.outcome(&point, stop);
+        (!stop.is_set()).then_some(Sample { number, outcome })
+    }
+
+    fn outcome(&self, Point { machine, values }: &Point, stop: &Stop) -> Result<Vec<Option<f64>>, String> {
+        let params = varied(&self.params, &self.keys, values).map_err(|error| error.to_string())?;
+        let reach = workspace(*machine, &params);
+        if !(reach.x[0] < reach.x[1] && reach.y[0] < reach.y[1]) {
+            return Err("these pulleys leave the tool no room".to_owned());
+        }
+        let mut figures = Vec::new();
+        for query in &self.queries {
+            let answer = query.answer(*machine, &params, stop).map_err(|error| error.to_string())?;
+            figures.extend(answer.into_iter().map(|figure| Some(figure).filter(|figure| figure.is_finite())));
+        }
+        Ok(figures)
+    }
+}
+
+/// Why numbers are none of a machine.
+#[derive(Debug)]
+pub(in crate::twin) enum NotVaried {
+    /// No number has the key.
+    Unknown { key: String, known: Vec<String> },
+    /// No machine has the number.
+    Illegal(ParamsError),
+    /// It is no number.
+    NotFinite,
+}
+
+/// Numbers with others by their keys.
+pub(in crate::twin) fn varied(params: &Params, keys: &[String], values: &[f64]) -> Result<Params, NotVaried> {
+    let mut all = serde_json::to_value(params).map_err(|_| NotVaried::NotFinite)?;
+    for (key, value) in keys.iter().zip(values) {
+        match all.get_mut(key) {
+            Some(entry) => *entry = Value::from(*value),
+            None => {
+                let known = all.as_object().map(|all| all.keys().cloned().collect()).unwrap_or_default();
+                return Err(NotVaried::Unknown { key: key.clone(), known });
+            }
+        }
+    }
+    let params: Params = serde_json::from_value(all).map_err(|_| NotVaried::NotFinite)?;
+    params.check().map_err(NotVaried::Illegal)?;
+    Ok(params)
+}
+
+impl std::fmt::Display for NotVaried {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Unknown { key, known } => write!(f, "there is no `{key}`; there are {}", known.join(", ")),
+            Self::Illegal(error) => error.fmt(f),
+            Self::NotFinite => f.write_str("only finite numbers can be varied"),
+        }
+    }
+}
+
+impl std::error::Error for NotVaried {}
