@@ -17,6 +17,7 @@
 //! | [`model`] | the segment law, and what follows from it: ways, strains, stiffness, mass |
 //! | [`solve`] | equilibria and modes of a model |
 //! | [`shaping`] | input shapers for an axis that rings within a band |
+//! | [`calibration`] | the machine's numbers from what its owner measured |
 //! | [`queries`] | answers ready to be printed |
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
 //! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
@@ -27,6 +28,7 @@
 //! What the papers printed, what is right and what was corrected: docs/twin.md.
 #![forbid(unsafe_code)]
 
+pub mod calibration;
 pub mod contour;
 pub mod dynamics;
 pub mod geometry;

@@ -4,8 +4,20 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const ROOMS: [&str; 11] =
-    ["params", "routing", "geometry", "model", "solve", "shaping", "queries", "dynamics", "steps", "contour", "run"];
+const ROOMS: [&str; 12] = [
+    "params",
+    "routing",
+    "geometry",
+    "model",
+    "solve",
+    "shaping",
+    "calibration",
+    "queries",
+    "dynamics",
+    "steps",
+    "contour",
+    "run",
+];
 
 fn sources(of: &Path) -> Vec<PathBuf> {
     if of.is_file() {

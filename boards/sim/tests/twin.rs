@@ -210,6 +210,47 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
 }
 
 #[test]
+fn what_an_owner_measured_becomes_a_file_of_parameters() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/twin/measured.toml");
+    let found = json(&format!("fit {}", example.display()));
+    for (key, value) in [("belt_EA_N", 30_000.0), ("preload_N", 40.0), ("holding_torque_Nm", 0.4)] {
+        assert!(near(&found["params"][key], value, 0.003), "{found}");
+    }
+    assert_eq!(found["estimates"].as_array().unwrap().len(), 5);
+    assert_eq!(found["measurements"].as_array().unwrap().len(), 8);
+    // What it prints is a file of parameters.
+    let printed = String::from_utf8(twin(&format!("fit {}", example.display())).stdout).unwrap();
+    let params = file("fitted.toml", &printed);
+    let modes = json(&format!("modes --model rotors --params {}", params.display()));
+    assert!(near(&modes["frequencies_Hz"][0], 57.6, 2e-3) && near(&modes["frequencies_Hz"][1], 101.4, 2e-3), "{modes}");
+    // Numbers that are not sought go through.
+    let other = file("wide.toml", "width_mm = 480\n");
+    let kept = twin(&format!("fit {} --params {}", example.display(), other.display()));
+    assert!(String::from_utf8(kept.stdout).unwrap().contains("width_mm = 480"));
+}
+
+#[test]
+fn measurements_that_do_not_do_are_told_in_one_line() {
+    let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 101\n";
+    let masses = "fixed = [\"head_mass_kg\", \"bar_mass_kg\"]\n";
+    let bad = [
+        (format!("{masses}{ring}{ring}"), "do not determine belt_EA_N and holding_torque_Nm"),
+        (String::new(), "nothing was measured"),
+        (ring.replace("101", "0"), "line 3: x_Hz = 0 is outside 1 to 5000"),
+        (ring.replace("x_Hz", "xHz"), "line 3: unknown field `xHz`"),
+        (ring.replace("195", "1950"), "line 2: at = [1950, 208.8] is outside the reach"),
+        ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: x_Hz or y_Hz is wanted"),
+        ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
+    ];
+    for (text, word) in bad {
+        let path = file("unfit.toml", &text);
+        let told = complaint(&format!("fit {}", path.display()));
+        assert!(told.contains("unfit.toml") && told.contains(word), "{told}");
+    }
+    assert_eq!(twin("fit").status.code(), Some(2));
+}
+
+#[test]
 fn the_keys_of_parameter_files_stand_in_the_documentation() {
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/twin.md");
     let docs = std::fs::read_to_string(docs).unwrap();

@@ -3,9 +3,11 @@
 //! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for programs.
 
 mod answer;
+mod calibrated;
 mod compare;
 mod fit;
 mod limits;
+mod measured;
 mod page;
 mod play;
 mod point;
@@ -39,7 +41,7 @@ pub(crate) enum Twin {
     Compare(compare::Compare),
     /// One number of the machine is varied: stiffness, frequencies, and what becomes of a file.
     Sweep(sweep::Sweep),
-    /// Belts and motors of a CoreH-bot from frequencies that were measured.
+    /// Belt, preload, masses and motors of a CoreH-bot from what was measured on it.
     Fit(fit::Fit),
     /// Yin et al.'s CoreXY on a square of 20 mm: how far the tool cuts the corners.
     Yin(yin::Yin),
