@@ -16,6 +16,7 @@
 //! | [`geometry`] | straight segments, wraps and reach, from the routing and a place of the tool |
 //! | [`model`] | the segment law, and what follows from it: ways, strains, stiffness, mass |
 //! | [`solve`] | equilibria and modes of a model |
+//! | [`torque`] | what motors have at a speed, and what moves ask of them |
 //! | [`shaping`] | input shapers for an axis that rings within a band |
 //! | [`calibration`] | the machine's numbers from what its owner measured |
 //! | [`queries`] | answers ready to be printed |
@@ -40,4 +41,5 @@ pub mod run;
 pub mod shaping;
 pub mod solve;
 pub mod steps;
+pub mod torque;
 pub mod yin;

@@ -183,6 +183,31 @@ fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
 }
 
 #[test]
+fn limits_of_torque_fall_with_speed_and_are_told_as_settings() {
+    let told = json("limits --margin 0.75 --speed 300");
+    let told = &told["torque_at_speed"];
+    let [x, y, diagonal] = [0, 1, 2].map(|i| told["directions"][i]["acceleration_mm_s2"][3].as_f64().unwrap());
+    // At 300 mm/s the head alone is lightest, and a diagonal has two motors at 424 mm/s of belt.
+    assert!(x > y && y > diagonal && diagonal > 5000.0, "{told}");
+    assert_eq!(told["pull_out_torque_mNm"][0], 400.0);
+    let a = told["settings"]["acceleration_mm_s2"].as_f64().unwrap();
+    // The firmware takes the settings, and the motors of a move along y at them keep their part of the torque.
+    let printed = String::from_utf8(twin("limits --margin 0.75 --speed 300").stdout).unwrap();
+    let lines: Vec<&str> = printed.lines().map(str::trim).filter(|l| l.starts_with("M20")).collect();
+    assert!(lines.len() == 3 && lines[1] == format!("M201 X{a} Y{a}"), "{printed}");
+    let keys: Vec<&str> = printed.lines().map(str::trim).filter(|l| l.starts_with("motor_max")).collect();
+    let machine = file("torque.toml", &keys.join("\n"));
+    let gcode = file("torque.gcode", &format!("{}\nG1 Y150 F60000\nM400\n", lines.join("\n")));
+    let words = format!("run {} --assume-homed 100,100,0 --settings {}", gcode.display(), machine.display());
+    let played = json(&format!("{words} --model rotors"));
+    let margin = |i: usize| played["motors"][i]["margin_at_speed"].as_f64().unwrap();
+    assert!((0..4).all(|i| (0.3..0.8).contains(&margin(i))), "{played}");
+    assert!(json(&words)["motors"][0]["margin_at_speed"].is_null());
+    assert_eq!(twin("limits --margin 1").status.code(), Some(2));
+    assert_eq!(twin("limits --margin 0.5 --torque 0.5").status.code(), Some(2));
+}
+
+#[test]
 fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     let swept = json("sweep --vary belt_EA_N=20000:60000:3");
     let rows = swept["rows"].as_array().unwrap();

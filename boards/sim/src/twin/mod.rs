@@ -36,7 +36,7 @@ pub(crate) enum Twin {
     /// At which frequencies each axis rings over the reach, which shapers fit, and which speeds to stay away from.
     Resonance(resonance::Resonance),
     /// How hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
-    Limits(limits::Limits),
+    Limits(limits::LimitsArgs),
     /// CoreH-bot, H-bot and CoreXY of one size side by side, over one area and, if a file is given, on it.
     Compare(compare::Compare),
     /// One number of the machine is varied: stiffness, frequencies, and what becomes of a file.
