@@ -22,6 +22,7 @@
 //! | [`queries`] | answers ready to be printed |
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
 //! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
+//! | [`compensation`] | steps bent against what belts and motors give way |
 //! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
 //! | [`run`] | a trace played, and what there is to say of it |
 //! | [`yin`] | Yin et al.'s CoreXY on a square, a model of its own |
@@ -30,6 +31,7 @@
 #![forbid(unsafe_code)]
 
 pub mod calibration;
+pub mod compensation;
 pub mod contour;
 pub mod dynamics;
 pub mod geometry;

@@ -4,17 +4,19 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const ROOMS: [&str; 13] = [
+const ROOMS: [&str; 14] = [
     "params",
     "routing",
     "geometry",
     "model",
     "solve",
+    "torque",
     "shaping",
     "calibration",
     "queries",
     "dynamics",
     "steps",
+    "compensation",
     "contour",
     "run",
 ];

@@ -120,7 +120,7 @@ impl Report {
             motor,
             torque_max_mnm: watch.greatest_force_n * params.pulley_radius_mm,
             margin: 1.0 - watch.greatest_force_n / params.holding_force_n(),
-            margin_at_speed: (watch.greatest_part_at_speed > 0.0).then(|| 1.0 - watch.greatest_part_at_speed),
+            margin_at_speed: (watch.greatest_part_at_speed > 0.0).then_some(1.0 - watch.greatest_part_at_speed),
             slips: watch.slips,
             full_steps_off: 4.0 * watch.turns_off,
         };

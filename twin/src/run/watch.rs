@@ -91,6 +91,10 @@ impl Watch {
         }
     }
 
+    pub(super) const fn machine(&self) -> Machine {
+        self.machine
+    }
+
     /// Looks at the machine, and says whether it is at rest.
     pub(super) fn look(&mut self, tick: u64, plant: &Plant, state: &mut State) -> bool {
         let is_slow = state.speeds.iter().all(|v| v.abs() < STILL_MM_S);

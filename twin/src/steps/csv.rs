@@ -1,7 +1,7 @@
-//! CSV: a trace as `corehbot run --trace` writes it (docs/trace.md).
+//! CSV: a trace as `corehbot run --trace` writes it (docs/trace.md), read, and its rows written.
 
 use super::{Column, StepTrace};
-use std::io::BufRead;
+use std::io::{BufRead, Write};
 
 /// What a trace begins with.
 const MAGIC: &str = "# corehbot-trace v1 ";
@@ -83,6 +83,31 @@ pub fn read(mut from: impl BufRead) -> Result<StepTrace, TraceError> {
         last = tick;
         trace.add(tick, steps, forward);
     }
+}
+
+/// Writes the rows of a trace, one for each tick at which something steps; the head is the caller's.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_rows(trace: &StepTrace, to: &mut impl Write) -> std::io::Result<()> {
+    let mut tick = 0_u64;
+    for event in &trace.events {
+        tick += u64::from(event.gap);
+        if event.steps == 0 {
+            continue;
+        }
+        write!(to, "{tick}")?;
+        for column in 0..trace.columns.len() {
+            let sign = match (event.steps >> column & 1, event.forward >> column & 1) {
+                (0, _) => "0",
+                (_, 0) => "-1",
+                _ => "1",
+            };
+            write!(to, ",{sign}")?;
+        }
+        writeln!(to)?;
+    }
+    Ok(())
 }
 
 /// A trace without instants, from the first comment and the header row.

@@ -5,6 +5,7 @@
 mod answer;
 mod calibrated;
 mod compare;
+mod compensate;
 mod fit;
 mod limits;
 mod measured;
@@ -43,6 +44,8 @@ pub(crate) enum Twin {
     Sweep(sweep::Sweep),
     /// Belt, preload, masses and motors of a CoreH-bot from what was measured on it.
     Fit(fit::Fit),
+    /// Bends a step trace against what belts and motors give way, for `twin run` to play.
+    Compensate(compensate::Compensate),
     /// Yin et al.'s CoreXY on a square of 20 mm: how far the tool cuts the corners.
     Yin(yin::Yin),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
@@ -66,6 +69,7 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Compare(args) => args.answer(),
         Twin::Sweep(args) => args.answer(),
         Twin::Fit(args) => args.answer(),
+        Twin::Compensate(args) => args.answer(),
         Twin::Run(args) => args.answer(),
     }
 }

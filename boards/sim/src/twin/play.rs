@@ -16,6 +16,7 @@ use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::run::Run;
 use corehbot_twin::run::report::Report;
 use corehbot_twin::run::watch::Watch;
+use corehbot_twin::steps::StepTrace;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -62,6 +63,9 @@ pub(crate) struct Play {
     /// What moves besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: RunModel,
+    /// Measures errors from the line of this trace, of which the file was made (corehbot twin compensate).
+    #[arg(long, value_name = "TRACE.csv")]
+    against: Option<PathBuf>,
     /// Where the tool is at the begin, in mm from motor 1's axis; without it, where the firmware is told to be.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
@@ -80,7 +84,9 @@ impl Play {
         let stop = Stop::at_signals()?;
         let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
             let start = self.start(machine, &params, source.begin);
-            play(machine, &params, start, self.model, &source, &stop).with_context(|| self.file.display().to_string())
+            let meant = self.against.as_deref().map(meant).transpose()?;
+            play(machine, &params, start, self.model, (&source.steps, meant.as_ref()), &stop)
+                .with_context(|| self.file.display().to_string())
         });
         match (played, stop.status()) {
             (_, Some(status)) => {
@@ -89,8 +95,13 @@ impl Play {
             }
             (played, None) => {
                 let (report, watch) = played?;
-                let files: Vec<&Path> =
-                    self.machine.files().chain(self.printer.files()).chain([self.file.as_path()]).collect();
+                let files: Vec<&Path> = self
+                    .machine
+                    .files()
+                    .chain(self.printer.files())
+                    .chain([self.file.as_path()])
+                    .chain(self.against.as_deref())
+                    .collect();
                 self.json.give_with(&report, files, |outputs| {
                     let Some(path) = &self.report else { return Ok(()) };
                     let file = self.file.display().to_string();
@@ -110,24 +121,33 @@ impl Play {
     }
 }
 
-/// Plays steps on a machine, with a bar.
+/// The trace from whose line errors are measured.
+fn meant(file: &Path) -> Result<StepTrace> {
+    Source::trace(file)?.with_context(|| format!("{} is no step trace", file.display()))
+}
+
+/// Plays steps on a machine, with a bar. Errors are those from the line of other steps, if there are any.
 pub(super) fn play(
     machine: Machine,
     params: &Params,
     start: Place,
     model: RunModel,
-    source: &Source,
+    (steps, meant): (&StepTrace, Option<&StepTrace>),
     stop: &Stop,
 ) -> Result<(Report, Watch)> {
     let begin = Instant::now();
-    let run = Run::new(machine, params, start, model.detail(), &source.steps)?;
+    let run = Run::new(machine, params, start, model.detail(), steps)?;
+    let run = match meant {
+        Some(meant) => run.against(meant)?,
+        None => run,
+    };
     let bar = progress_bar(PARTS as u64, "thousandths");
     let watch = run.play(|part| {
         bar.set_position((part * PARTS) as u64);
         !stop.is_set()
     });
     bar.finish_and_clear();
-    let trace = (source.steps.duration_s(), source.steps.events.len());
+    let trace = (steps.duration_s(), steps.events.len());
     let watch = watch?;
     let report = Report::new(machine, model.name(), params, &watch, trace, begin.elapsed().as_secs_f64());
     Ok((report, watch))

@@ -119,7 +119,8 @@ impl Sweep {
     fn run(&self, setup: &Setup, source: &Source, stop: &Stop) -> Result<RunRow> {
         let origin = workspace(setup.machine, &setup.params).origin();
         let [x, y] = self.begin.unwrap_or([origin.x + source.begin[0], origin.y + source.begin[1]]);
-        let (report, _) = play(setup.machine, &setup.params, Place { x, y }, self.run_model, source, stop)?;
+        let (report, _) =
+            play(setup.machine, &setup.params, Place { x, y }, self.run_model, (&source.steps, None), stop)?;
         Ok(RunRow {
             contour_max_mm: report.contour.max_mm,
             contour_rms_mm: report.contour.rms_mm,
