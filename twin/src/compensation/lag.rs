@@ -102,10 +102,13 @@ fn bells(width_s: f64) -> [Vec<f64>; 3] {
         (-half..=half).zip(&plain).map(|(i, bell)| factor(at(i)) * bell / sum).collect()
     };
     let slope = with(&|u| u / width_s);
-    // Without a mean of its own, so that a place far off adds nothing.
     let bend = with(&|u| (u * u - 1.0) / (width_s * width_s));
+    // Cut off and sampled, it is set right so that a place far off adds nothing and a parabola has its own acceleration.
     let mean = bend.iter().sum::<f64>();
-    let bend = bend.iter().zip(&plain).map(|(bend, bell)| bend - mean * bell / sum).collect();
+    let bend: Vec<f64> = bend.iter().zip(&plain).map(|(bend, bell)| bend - mean * bell / sum).collect();
+    let times = (-half..=half).map(|i| i as f64 / RATE);
+    let parabola: f64 = bend.iter().zip(times).map(|(bend, t)| bend * t * t / 2.0).sum();
+    let bend = bend.into_iter().map(|bend| bend / parabola).collect();
     [plain.iter().map(|bell| bell / sum).collect(), slope, bend]
 }
 
@@ -121,4 +124,27 @@ fn folded(tool: &[[f64; 2]], sample: usize, kernel: &[f64]) -> [f64; 2] {
         }
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 3 + 2 t + t^2 / 2 about t = 0.02 the place is 3.0402, the speed 2.02, the acceleration 1.
+    #[test]
+    fn bells_tell_place_speed_and_acceleration_of_a_parabola() {
+        let place = |sample: usize| {
+            let t = sample as f64 / RATE;
+            [3.0 + 2.0 * t + t * t / 2.0, 0.0]
+        };
+        let tool: Vec<[f64; 2]> = (0..200).map(place).collect();
+        for width_s in [0.0003, 0.001, 0.004] {
+            let found = bells(width_s).map(|kernel| folded(&tool, 100, &kernel)[0]);
+            // The bell rounds the place by half its width's square.
+            let expected = [3.0402 + width_s * width_s / 2.0, 2.02, 1.0];
+            for (found, (expected, part)) in found.into_iter().zip(expected.into_iter().zip([1e-6, 2e-3, 1e-6])) {
+                assert!((found / expected - 1.0).abs() < part, "{width_s}: {found} {expected}");
+            }
+        }
+    }
 }

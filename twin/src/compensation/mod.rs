@@ -2,7 +2,7 @@
 //!
 //! What lags is known: belts and fields give way under inertia and friction ([`lag`]). The acceleration that this takes is
 //! that of the path that was meant, which the times of the steps tell far more finely than the steps themselves ([`path`]).
-//! The sum is cut into steps anew ([`stepping`]).
+//! The sum is cut into steps anew (`stepping`).
 
 pub mod lag;
 pub mod path;

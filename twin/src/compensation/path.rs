@@ -9,7 +9,7 @@ use crate::routing::Machine;
 use crate::steps::drive::{NoColumn, drives};
 use crate::steps::{StepTrace, TICKS_PER_SECOND};
 
-/// Samples of the path in a second.
+/// Samples of the path in a second: 45 a period of the faster axis, 17 of the slowest mode of the rotors.
 pub(super) const RATE: f64 = 5000.0;
 
 /// A motor without a step for so long in s rests, and comes to rest or sets off within a part of it.
@@ -68,7 +68,7 @@ impl Path {
         Ok(Self { motors, columns, rows, duration_s })
     }
 
-    /// The tool at [`RATE`], in mm from the start.
+    /// The tool 5000 times a second, in mm from the start.
     #[must_use]
     pub fn tool(&self) -> Vec<[f64; 2]> {
         let count = (self.duration_s * RATE) as usize;

@@ -177,6 +177,14 @@ mod tests {
     }
 
     #[test]
+    fn rows_are_written_as_they_were_read() {
+        let rows = "5,-1,-1,1,1,0,0,0\n9,0,0,0,0,0,0,1\n5000000000,0,1,0,0,-1,0,0\n";
+        let mut written = Vec::new();
+        write_rows(&read(format!("{HEAD}{rows}").as_bytes()).unwrap(), &mut written).unwrap();
+        assert_eq!(String::from_utf8(written).unwrap(), rows);
+    }
+
+    #[test]
     fn other_machines_say_their_rows() {
         let head = "# corehbot-trace v1 tick_hz=10000000 kinematics=m8(1,-1,0,0);m11(1,1,0,0) steps_per_mm=100/100/400/400\n\
                     tick,m1,m4,m8,m11,z1,z2,e0\n";

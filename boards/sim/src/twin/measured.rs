@@ -1,7 +1,7 @@
 //! Measured: the file in which the owner of a machine writes down what was measured. docs/twin.md tells how.
 
 use super::setup::syntax;
-use anyhow::{Context as _, Result, anyhow, bail, ensure};
+use anyhow::{Context as _, Result, bail, ensure};
 use corehbot_twin::calibration::{Direction, Figure, Measurement, Parameter, Weighed};
 use corehbot_twin::geometry::Workspace;
 use corehbot_twin::routing::Place;
@@ -248,7 +248,7 @@ impl Reader<'_> {
     ) -> Result<Vec<(&'static str, Direction, &'v Spanned<f64>)>> {
         let both = keys.into_iter().zip([Direction::X, Direction::Y]).zip(values);
         let all: Vec<_> = both.filter_map(|((key, along), v)| v.as_ref().map(|v| (key, along, v))).collect();
-        ensure!(!all.is_empty(), anyhow!("line {}: {wanted} is wanted beside this place", self.line(at)));
+        ensure!(!all.is_empty(), "line {}: {wanted} is wanted beside this place", self.line(at));
         Ok(all)
     }
 }
