@@ -92,7 +92,7 @@ fn deflections_and_frequencies_weigh_the_machine() {
     assert!(errors(&found).iter().all(|(_, error)| error.abs() < 1e-6), "{found:?}");
 }
 
-/// Uniform in 0 to 1: Lehmer's generator with the numbers of Park and Miller (CACM 31, 1988).
+/// Uniform in 0 to 1: Lehmer's generator with the multiplier that Park and Miller came to prefer (CACM 36, 1993).
 struct Lehmer(u64);
 
 impl Lehmer {

@@ -5,7 +5,7 @@
 //! `-(J^T J)^-1 J^T r` (Gauss and Newton). The inverse is taken by eigenvectors of `J^T J`: the root of an eigenvalue says how
 //! many uncertainties a change along its vector makes, so a small one is a combination that the figures do not tell. At the
 //! end `(J^T J)^-1` is the covariance of the logarithms (Aster, Borchers and Thurber, Parameter Estimation and Inverse
-//! Problems, section 9.3).
+//! Problems, chapter on nonlinear regression).
 
 use super::figure::Measurement;
 use super::parameter::Parameter;

@@ -9,7 +9,7 @@
 //!
 //! The driver gives |I| no more than the current it is set to, and |V| no more than the supply. Both are discs in the plane
 //! of I, the second about -E / (R + j p w L); the greatest Re I in both is the torque sought. Where the voltage alone counts
-//! this is the pull-out torque of Acarnley, Stepping Motors (4th ed.), section 5.3:
+//! this is the pull-out torque of a hybrid motor as Acarnley has it (Stepping Motors, chapter on high-speed operation):
 //!
 //! ```text
 //! k V / |Z| - k^2 w R / |Z|^2,    |Z|^2 = R^2 + (p w L)^2
