@@ -16,10 +16,13 @@
 //! | [`geometry`] | straight segments, wraps and reach, from the routing and a place of the tool |
 //! | [`model`] | the segment law, and what follows from it: ways, strains, stiffness, mass |
 //! | [`solve`] | equilibria and modes of a model |
+//! | [`torque`] | what motors have at a speed, and what moves ask of them |
 //! | [`shaping`] | input shapers for an axis that rings within a band |
+//! | [`calibration`] | the machine's numbers from what its owner measured |
 //! | [`queries`] | answers ready to be printed |
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
 //! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
+//! | [`compensation`] | steps bent against what belts and motors give way |
 //! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
 //! | [`run`] | a trace played, and what there is to say of it |
 //! | [`sampling`] | which points of a space of parameters a study looks at |
@@ -28,6 +31,8 @@
 //! What the papers printed, what is right and what was corrected: docs/twin.md.
 #![forbid(unsafe_code)]
 
+pub mod calibration;
+pub mod compensation;
 pub mod contour;
 pub mod dynamics;
 pub mod geometry;
@@ -40,4 +45,5 @@ pub mod sampling;
 pub mod shaping;
 pub mod solve;
 pub mod steps;
+pub mod torque;
 pub mod yin;

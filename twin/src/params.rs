@@ -39,6 +39,19 @@ pub struct Params {
     /// Torque that a motor holds, at the current that it is run with. Assumed: 0.40, a NEMA 17 of 40 mm.
     #[serde(rename = "holding_torque_Nm")]
     pub holding_torque_nm: f64,
+    /// Current that a motor is run with, RMS of a phase, at which it holds that torque. Assumed: 1.2, with resistance and
+    /// inductance those of a NEMA 17 of 40 mm with 0.40 N m (KeliMotor BJ42D22-25V04, as listed by TheDevMinerTV/
+    /// stepper-simulator).
+    #[serde(rename = "run_current_A")]
+    pub run_current_a: f64,
+    /// Resistance of a phase. Assumed: 2.9, as the current.
+    pub phase_resistance_ohm: f64,
+    /// Inductance of a phase. Assumed: 6.0, as the current.
+    #[serde(rename = "phase_inductance_mH")]
+    pub phase_inductance_mh: f64,
+    /// Supply of the motor drivers. Assumed: 24. Two motors in series, as \[H\] had them, have half of it each.
+    #[serde(rename = "supply_V")]
+    pub supply_v: f64,
     /// Pole pairs of a motor: 50 for steps of 1.8 degrees, \[H\] section 4.
     pub pole_pairs: f64,
     /// Detent torque of a motor. Assumed: 0, which leaves it out; the data sheet of a small one (42BYG228, by Mosaic
@@ -81,6 +94,10 @@ impl Default for Params {
             idler_inertia_kg_m2: 2.5e-7,
             rotor_inertia_kg_m2: 5.4e-6,
             holding_torque_nm: 0.40,
+            run_current_a: 1.2,
+            phase_resistance_ohm: 2.9,
+            phase_inductance_mh: 6.0,
+            supply_v: 24.0,
             pole_pairs: 50.0,
             detent_torque_nm: 0.0,
             rotor_damping_nm_s: 2e-4,
@@ -173,6 +190,10 @@ impl Params {
             ("idler_inertia_kg_m2", self.idler_inertia_kg_m2),
             ("rotor_inertia_kg_m2", self.rotor_inertia_kg_m2),
             ("holding_torque_Nm", self.holding_torque_nm),
+            ("run_current_A", self.run_current_a),
+            ("phase_resistance_ohm", self.phase_resistance_ohm),
+            ("phase_inductance_mH", self.phase_inductance_mh),
+            ("supply_V", self.supply_v),
             ("pole_pairs", self.pole_pairs),
         ];
         let not_negative = [

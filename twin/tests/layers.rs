@@ -4,8 +4,21 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const ROOMS: [&str; 12] = [
-    "params", "routing", "geometry", "model", "solve", "shaping", "queries", "dynamics", "steps", "contour", "run",
+const ROOMS: [&str; 15] = [
+    "params",
+    "routing",
+    "geometry",
+    "model",
+    "solve",
+    "torque",
+    "shaping",
+    "calibration",
+    "queries",
+    "dynamics",
+    "steps",
+    "compensation",
+    "contour",
+    "run",
     "sampling",
 ];
 

@@ -183,6 +183,31 @@ fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
 }
 
 #[test]
+fn limits_of_torque_fall_with_speed_and_are_told_as_settings() {
+    let told = json("limits --margin 0.75 --speed 300");
+    let told = &told["torque_at_speed"];
+    let [x, y, diagonal] = [0, 1, 2].map(|i| told["directions"][i]["acceleration_mm_s2"][3].as_f64().unwrap());
+    // At 300 mm/s the head alone is lightest, and a diagonal has two motors at 424 mm/s of belt.
+    assert!(x > y && y > diagonal && diagonal > 5000.0, "{told}");
+    assert_eq!(told["pull_out_torque_mNm"][0], 400.0);
+    let a = told["settings"]["acceleration_mm_s2"].as_f64().unwrap();
+    // The firmware takes the settings, and the motors of a move along y at them keep their part of the torque.
+    let printed = String::from_utf8(twin("limits --margin 0.75 --speed 300").stdout).unwrap();
+    let lines: Vec<&str> = printed.lines().map(str::trim).filter(|l| l.starts_with("M20")).collect();
+    assert!(lines.len() == 3 && lines[1] == format!("M201 X{a} Y{a}"), "{printed}");
+    let keys: Vec<&str> = printed.lines().map(str::trim).filter(|l| l.starts_with("motor_max")).collect();
+    let machine = file("torque.toml", &keys.join("\n"));
+    let gcode = file("torque.gcode", &format!("{}\nG1 Y150 F60000\nM400\n", lines.join("\n")));
+    let words = format!("run {} --assume-homed 100,100,0 --settings {}", gcode.display(), machine.display());
+    let played = json(&format!("{words} --model rotors"));
+    let margin = |i: usize| played["motors"][i]["margin_at_speed"].as_f64().unwrap();
+    assert!((0..4).all(|i| (0.3..0.8).contains(&margin(i))), "{played}");
+    assert!(json(&words)["motors"][0]["margin_at_speed"].is_null());
+    assert_eq!(twin("limits --margin 1").status.code(), Some(2));
+    assert_eq!(twin("limits --margin 0.5 --torque 0.5").status.code(), Some(2));
+}
+
+#[test]
 fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     let swept = json("sweep --vary belt_EA_N=20000:60000:3");
     let rows = swept["rows"].as_array().unwrap();
@@ -207,6 +232,71 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     assert!(one["x"].is_null() && one["belt_EA_N"].as_f64().unwrap() > 0.0, "{one}");
     assert!(complaint("fit --measured 235,235,100,-").contains("two frequencies"));
     assert!(complaint("fit --measured 5,5,100,60").contains("outside"));
+}
+
+#[test]
+fn what_an_owner_measured_becomes_a_file_of_parameters() {
+    let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/twin/measured.toml");
+    let found = json(&format!("fit {}", example.display()));
+    for (key, value) in [("belt_EA_N", 30_000.0), ("preload_N", 40.0), ("holding_torque_Nm", 0.4)] {
+        assert!(near(&found["params"][key], value, 0.003), "{found}");
+    }
+    assert_eq!(found["estimates"].as_array().unwrap().len(), 5);
+    assert_eq!(found["measurements"].as_array().unwrap().len(), 8);
+    // What it prints is a file of parameters.
+    let printed = String::from_utf8(twin(&format!("fit {}", example.display())).stdout).unwrap();
+    let params = file("fitted.toml", &printed);
+    let modes = json(&format!("modes --model rotors --params {}", params.display()));
+    assert!(near(&modes["frequencies_Hz"][0], 57.6, 2e-3) && near(&modes["frequencies_Hz"][1], 101.4, 2e-3), "{modes}");
+    // Numbers that are not sought go through.
+    let other = file("wide.toml", "width_mm = 480\n");
+    let kept = twin(&format!("fit {} --params {}", example.display(), other.display()));
+    assert!(String::from_utf8(kept.stdout).unwrap().contains("width_mm = 480"));
+}
+
+#[test]
+fn measurements_that_do_not_do_are_told_in_one_line() {
+    let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 101\n";
+    let masses = "fixed = [\"head_mass_kg\", \"bar_mass_kg\"]\n";
+    let bad = [
+        (format!("{masses}{ring}{ring}"), "do not determine belt_EA_N and holding_torque_Nm"),
+        (String::new(), "nothing was measured"),
+        (ring.replace("101", "0"), "line 3: x_Hz = 0 is outside 1 to 5000"),
+        (ring.replace("x_Hz", "xHz"), "line 3: unknown field `xHz`"),
+        (ring.replace("195", "1950"), "line 2: at = [1950, 208.8] is outside the reach"),
+        ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: x_Hz or y_Hz is wanted"),
+        ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
+    ];
+    for (text, word) in bad {
+        let path = file("unfit.toml", &text);
+        let told = complaint(&format!("fit {}", path.display()));
+        assert!(told.contains("unfit.toml") && told.contains(word), "{told}");
+    }
+    assert_eq!(twin("fit").status.code(), Some(2));
+}
+
+#[test]
+fn a_compensated_trace_keeps_the_tool_nearer_to_its_line() {
+    let moves = "G1 X120 Y100 F12000\nG1 Y120\nG1 X100 Y100\nM400\n";
+    let gcode = file("bent.gcode", &format!("M201 X9000 Y9000\nM204 P9000 T9000\n{moves}"));
+    let [trace, bent] = ["bent.csv", "bent-out.csv"].map(|name| gcode.with_file_name(name));
+    let mut run = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    run.arg("run").arg(&gcode).arg("--trace").arg(&trace).args(["--assume-homed", "100,100,0"]);
+    assert!(run.output().unwrap().status.success());
+    let done = json(&format!("compensate {} -o {} --begin 100,100", trace.display(), bent.display()));
+    let ahead: Vec<f64> = done["ahead_um"].as_array().unwrap().iter().map(|um| um.as_f64().unwrap()).collect();
+    // M a / K is 18 um in x and 55 in y at 7.5 m/s2, which is what a belt may; where corners jump it is more.
+    assert!((10.0..120.0).contains(&ahead[0]) && ahead[1] > ahead[0] && ahead[1] < 250.0, "{done}");
+    let rms = |of: &Path| {
+        let words = format!("run {} --against {} --assume-homed 100,100,0", of.display(), trace.display());
+        json(&format!("{words} --model rotors"))["contour"]["rms_mm"].as_f64().unwrap()
+    };
+    let [before, after] = [&trace, &bent].map(|of| rms(of));
+    assert!(after < 0.6 * before, "{before} {after}");
+    let head = |path: &Path| std::fs::read_to_string(path).unwrap().lines().take(2).collect::<Vec<_>>().join("\n");
+    assert_eq!(head(&trace), head(&bent));
+    assert!(complaint(&format!("compensate {} -o {}", gcode.display(), bent.display())).contains("no step trace"));
+    assert_eq!(twin("compensate t.csv -o u.csv --smooth 0").status.code(), Some(2));
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Limits: how hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
 //!
-//! Over the whole reach, the worst place counts. Torque is that at standstill: how it falls with speed depends on drivers and
-//! supply, which the twin does not know, so no limit of speed itself follows.
+//! Over the whole reach, the worst place counts. Torque is that at standstill; [`super::torque`] has it at speed.
 
 use super::resonance::{mode_of, points};
 use super::{Setup, shown};

@@ -1,7 +1,7 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`]. About
-//! the whole reach: [`resonance`], [`compare`], [`limits`].
+//! the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`].
 
 pub mod compare;
 pub mod geometry;
@@ -12,6 +12,7 @@ pub mod resonance;
 pub mod slip;
 pub mod stiffness;
 mod strain;
+pub mod torque;
 
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;

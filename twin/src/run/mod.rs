@@ -9,7 +9,7 @@ pub mod series;
 pub mod watch;
 
 use crate::contour::error::ContourError;
-use crate::contour::path::PathBuilder;
+use crate::contour::path::{PathBuilder, Vertex};
 use crate::dynamics::plant::{Detail, Plant};
 use crate::dynamics::state::State;
 use crate::geometry::{Workspace, workspace};
@@ -94,26 +94,7 @@ impl<'t> Run<'t> {
     ) -> Result<Self, RunError> {
         let plant = Plant::new(machine, params, start, detail);
         let drives = drives(trace, &plant.ways).map_err(RunError::NoColumn)?;
-        let mut path = PathBuilder::new([start.x, start.y], trace.step_mm);
-        let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
-        let mut residual_mm = 0.0_f64;
-        let mut before = None;
-        for (tick, counts) in trace.counted() {
-            let sent = sent_mm(&drives, &counts, trace.step_mm);
-            if before.as_ref() == Some(&sent) {
-                continue;
-            }
-            let [x, y] = plant.ways.tool(&sent);
-            let at = [start.x + x, start.y + y];
-            taken.x = [taken.x[0].min(at[0]), taken.x[1].max(at[0])];
-            taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
-            path.add(at, tick);
-            // Of whole steps, so that a residual of none is 0 to the last bit.
-            let steps = sent_mm(&drives, &counts, 1.0);
-            let strain = residual_steps(machine, &steps).unwrap_or(0.0).abs() * trace.step_mm;
-            residual_mm = residual_mm.max(strain);
-            before = Some(sent);
-        }
+        let (path, taken, residual_mm) = line(machine, &plant, &drives, trace);
         let reach = workspace(machine, params);
         let is_inside = taken.x[0] >= reach.x[0] - BEYOND_MM
             && taken.x[1] <= reach.x[1] + BEYOND_MM
@@ -122,9 +103,19 @@ impl<'t> Run<'t> {
         if !is_inside {
             return Err(RunError::OutOfReach { path: taken, reach });
         }
-        let watch = Watch::new(machine, &plant, ContourError::new(path.finish()), residual_mm);
+        let watch = Watch::new(machine, &plant, ContourError::new(path), residual_mm);
         let state = State::at_rest(&plant);
         Ok(Self { trace, drives, plant, state, watch, tick: 0, next_look: 0 })
+    }
+
+    /// Measures the tool's errors from the line of another trace: that which was meant, where this one was made of it.
+    ///
+    /// # Errors
+    /// The other trace is of another kind of machine.
+    pub fn against(mut self, meant: &StepTrace) -> Result<Self, RunError> {
+        let drives = drives(meant, &self.plant.ways).map_err(RunError::NoColumn)?;
+        self.watch.contour = ContourError::new(line(self.watch.machine(), &self.plant, &drives, meant).0);
+        Ok(self)
     }
 
     /// Integrates in steps so many times shorter.
@@ -179,6 +170,32 @@ impl<'t> Run<'t> {
             }
         }
     }
+}
+
+/// The line along which a trace sends the tool, what of the reach it takes, and the greatest residual of its steps in mm.
+fn line(machine: Machine, plant: &Plant, drives: &[Drive], trace: &StepTrace) -> (Vec<Vertex>, Workspace, f64) {
+    let start = plant.start();
+    let mut path = PathBuilder::new([start.x, start.y], trace.step_mm);
+    let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
+    let mut residual_mm = 0.0_f64;
+    let mut before = None;
+    for (tick, counts) in trace.counted() {
+        let sent = sent_mm(drives, &counts, trace.step_mm);
+        if before.as_ref() == Some(&sent) {
+            continue;
+        }
+        let [x, y] = plant.ways.tool(&sent);
+        let at = [start.x + x, start.y + y];
+        taken.x = [taken.x[0].min(at[0]), taken.x[1].max(at[0])];
+        taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
+        path.add(at, tick);
+        // Of whole steps, so that a residual of none is 0 to the last bit.
+        let steps = sent_mm(drives, &counts, 1.0);
+        let strain = residual_steps(machine, &steps).unwrap_or(0.0).abs() * trace.step_mm;
+        residual_mm = residual_mm.max(strain);
+        before = Some(sent);
+    }
+    (path.finish(), taken, residual_mm)
 }
 
 /// Where a motor is sent for these counts, in mm of belt.

@@ -87,6 +87,8 @@ pub struct MotorFigures {
     pub torque_max_mnm: f64,
     /// What is left of the holding torque, of 1.
     pub margin: f64,
+    /// What is left of the torque that it has at the speed of its rotor, of 1; none if motors are no rotors.
+    pub margin_at_speed: Option<f64>,
     /// How often it slipped by an electrical turn.
     pub slips: u32,
     /// By how many full steps it is off at the end.
@@ -118,6 +120,7 @@ impl Report {
             motor,
             torque_max_mnm: watch.greatest_force_n * params.pulley_radius_mm,
             margin: 1.0 - watch.greatest_force_n / params.holding_force_n(),
+            margin_at_speed: (watch.greatest_part_at_speed > 0.0).then_some(1.0 - watch.greatest_part_at_speed),
             slips: watch.slips,
             full_steps_off: 4.0 * watch.turns_off,
         };
@@ -180,8 +183,11 @@ impl std::fmt::Display for Report {
             writeln!(f, "  a span became slack {} times", self.slack_events)?;
         }
         for motor in &self.motors {
-            let MotorFigures { motor, torque_max_mnm, margin, slips, full_steps_off } = motor;
+            let MotorFigures { motor, torque_max_mnm, margin, margin_at_speed, slips, full_steps_off } = motor;
             write!(f, "  motor {motor:<7} {torque_max_mnm:>7.1} mN m at most, {:.0} % left", 100.0 * margin)?;
+            if let Some(margin) = margin_at_speed {
+                write!(f, ", {:.0} % at its speed", 100.0 * margin)?;
+            }
             if *slips > 0 {
                 write!(f, "; slipped {slips} times, {full_steps_off} full steps off")?;
             }

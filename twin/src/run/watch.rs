@@ -6,6 +6,7 @@ use crate::dynamics::plant::Plant;
 use crate::dynamics::state::State;
 use crate::model::ways::residual_mm;
 use crate::routing::Machine;
+use crate::torque::pull_out::pull_out_torque_at_belt_nm;
 
 /// Slower than this in mm/s, and no more than [`STILL_MM_S2`] of acceleration, is at rest.
 const STILL_MM_S: f64 = 1e-4;
@@ -38,6 +39,8 @@ impl Range {
 pub struct MotorWatch {
     /// Greatest force at the belt, in N.
     pub greatest_force_n: f64,
+    /// The greatest part that this was of what the motor has at the speed of its rotor, of 1; 0 if motors are no rotors.
+    pub greatest_part_at_speed: f64,
     /// How often it lost or won an electrical turn.
     pub slips: u32,
     /// Electrical turns by which it is off.
@@ -88,6 +91,10 @@ impl Watch {
         }
     }
 
+    pub(super) const fn machine(&self) -> Machine {
+        self.machine
+    }
+
     /// Looks at the machine, and says whether it is at rest.
     pub(super) fn look(&mut self, tick: u64, plant: &Plant, state: &mut State) -> bool {
         let is_slow = state.speeds.iter().all(|v| v.abs() < STILL_MM_S);
@@ -109,7 +116,7 @@ impl Watch {
             self.now.forces_n.push(force.abs());
         }
         if plant.are_rotors() {
-            self.look_at_rotors(plant, at, sent_mm);
+            self.look_at_rotors(plant, at, speeds, sent_mm);
         } else {
             self.residual_mm = self.commanded_residual_mm;
         }
@@ -118,7 +125,13 @@ impl Watch {
         is_at_rest
     }
 
-    fn look_at_rotors(&mut self, plant: &Plant, at: &[f64], sent_mm: &[f64]) {
+    fn look_at_rotors(&mut self, plant: &Plant, at: &[f64], speeds: &[f64], sent_mm: &[f64]) {
+        let rotor_speeds = speeds.get(plant.first_motor()..).unwrap_or_default();
+        for ((force, speed), motor) in self.now.forces_n.iter().zip(rotor_speeds).zip(&mut self.motors) {
+            let has_nm = pull_out_torque_at_belt_nm(&plant.params, *speed);
+            let part = force * plant.params.pulley_radius_mm / 1000.0 / has_nm;
+            motor.greatest_part_at_speed = motor.greatest_part_at_speed.max(part);
+        }
         let rotors = at.get(plant.first_motor()..).unwrap_or_default();
         for ((at, sent), motor) in rotors.iter().zip(sent_mm).zip(&mut self.motors) {
             let turns = plant.slips(*at, *sent);

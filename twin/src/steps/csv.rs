@@ -1,7 +1,7 @@
-//! CSV: a trace as `corehbot run --trace` writes it (docs/trace.md).
+//! CSV: a trace as `corehbot run --trace` writes it (docs/trace.md), read, and its rows written.
 
 use super::{Column, StepTrace};
-use std::io::BufRead;
+use std::io::{BufRead, Write};
 
 /// What a trace begins with.
 const MAGIC: &str = "# corehbot-trace v1 ";
@@ -85,6 +85,31 @@ pub fn read(mut from: impl BufRead) -> Result<StepTrace, TraceError> {
     }
 }
 
+/// Writes the rows of a trace, one for each tick at which something steps; the head is the caller's.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write_rows(trace: &StepTrace, to: &mut impl Write) -> std::io::Result<()> {
+    let mut tick = 0_u64;
+    for event in &trace.events {
+        tick += u64::from(event.gap);
+        if event.steps == 0 {
+            continue;
+        }
+        write!(to, "{tick}")?;
+        for column in 0..trace.columns.len() {
+            let sign = match (event.steps >> column & 1, event.forward >> column & 1) {
+                (0, _) => "0",
+                (_, 0) => "-1",
+                _ => "1",
+            };
+            write!(to, ",{sign}")?;
+        }
+        writeln!(to)?;
+    }
+    Ok(())
+}
+
 /// A trace without instants, from the first comment and the header row.
 fn head(comment: &str, header: &str) -> Result<StepTrace, TraceError> {
     let field = |key: &str| comment.split(' ').find_map(|word| word.strip_prefix(key)?.strip_prefix('='));
@@ -149,6 +174,14 @@ mod tests {
         assert_eq!(trace.columns[6].row, [0, 0]);
         let counted: Vec<_> = trace.counted().collect();
         assert_eq!(counted, [(5, [-1, -1, 1, 1, 0, 0, 0, 0]), (9, [-1, -1, 1, 1, 0, 0, 1, 0])]);
+    }
+
+    #[test]
+    fn rows_are_written_as_they_were_read() {
+        let rows = "5,-1,-1,1,1,0,0,0\n9,0,0,0,0,0,0,1\n5000000000,0,1,0,0,-1,0,0\n";
+        let mut written = Vec::new();
+        write_rows(&read(format!("{HEAD}{rows}").as_bytes()).unwrap(), &mut written).unwrap();
+        assert_eq!(String::from_utf8(written).unwrap(), rows);
     }
 
     #[test]

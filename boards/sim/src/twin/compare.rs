@@ -72,7 +72,7 @@ impl Compare {
         let run = |machine: Machine| {
             let origin = workspace(machine, &params).origin();
             let start = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
-            play(machine, &params, start, self.run_model, &source, stop)
+            play(machine, &params, start, self.run_model, (&source.steps, None), stop)
                 .map(|(report, _)| report)
                 .with_context(|| format!("{}, {}", file.display(), machine.name()))
         };

@@ -1,6 +1,7 @@
-//! `twin fit`: belts and motors from frequencies that were measured.
+//! `twin fit`: numbers of a machine from what was measured, in a file, or frequencies on the command line.
 
 use super::answer::Json;
+use super::calibrated::Calibrated;
 use super::setup::ParamsArgs;
 use anyhow::{Result, ensure};
 use clap::Args;
@@ -9,16 +10,20 @@ use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::shaping::fit::{Axis, Fit as Law, FitError, Measured, fit};
 use corehbot_twin::solve::identify::{Identified, Rung, identify};
 use serde::Serialize;
+use std::path::PathBuf;
 
 /// `twin fit`.
 #[derive(Args)]
 pub(crate) struct Fit {
+    /// Measurements of several kinds (docs/twin.md tells how to make them): finds belt, preload, masses and motors.
+    #[arg(value_name = "MEASURED.toml", required_unless_present = "measured", conflicts_with = "measured")]
+    file: Option<PathBuf>,
     /// Where the tool was in mm from motor 1's axis, and what x and y rang at in Hz, `-` for one that was not measured; as
     /// often as there were places.
-    #[arg(long, value_name = "X,Y,FX,FY", value_parser = parse_rung, required = true, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,FX,FY", value_parser = parse_rung, allow_hyphen_values = true)]
     measured: Vec<Rung>,
     /// The places are ones of G-code, whose X0 Y0 is the lower left corner of the reach.
-    #[arg(long)]
+    #[arg(long, requires = "measured")]
     gcode_frame: bool,
     #[command(flatten)]
     params: ParamsArgs,
@@ -42,6 +47,10 @@ impl Fit {
     pub(super) fn answer(&self) -> Result<u8> {
         let machine = Machine::CoreHBot;
         let params = self.params.read(&[machine])?;
+        if let Some(file) = &self.file {
+            let answer = Calibrated::read(file, machine, &params)?;
+            return self.json.give(&answer, self.params.files().chain([file.as_path()]));
+        }
         let reach = workspace(machine, &params);
         let mut rung = self.measured.clone();
         for Rung { at, .. } in &mut rung {

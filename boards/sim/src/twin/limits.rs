@@ -6,11 +6,13 @@ use anyhow::Result;
 use clap::Args;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::Setup;
-use corehbot_twin::queries::limits::Limits as Answer;
+use corehbot_twin::queries::limits::Limits;
+use corehbot_twin::queries::torque::TorqueLimits;
+use serde::Serialize;
 
 /// `twin limits`.
 #[derive(Args)]
-pub(crate) struct Limits {
+pub(crate) struct LimitsArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// The error in mm that ringing may make.
@@ -19,6 +21,12 @@ pub(crate) struct Limits {
     /// The part of the holding torque that may be used, of 1.
     #[arg(long, value_name = "PART", value_parser = parse_part, default_value = "0.5")]
     torque: f64,
+    /// The part of its torque at each speed that a motor keeps, of 1: the other way to say --torque.
+    #[arg(long, value_name = "PART", value_parser = parse_margin, conflicts_with = "torque")]
+    margin: Option<f64>,
+    /// The belt speed in mm/s that settings are told for.
+    #[arg(long, value_name = "MM_S", value_parser = parse_speed, default_value = "300")]
+    speed: f64,
     /// What may move besides the tool.
     #[arg(long, value_enum, default_value = "rotors")]
     model: ModelArg,
@@ -26,12 +34,29 @@ pub(crate) struct Limits {
     json: Json,
 }
 
-impl Limits {
+/// Of ringing and slack, and of torque at speed.
+#[derive(Serialize)]
+struct Answer {
+    #[serde(flatten)]
+    limits: Limits,
+    torque_at_speed: TorqueLimits,
+}
+
+impl std::fmt::Display for Answer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{}", self.limits, self.torque_at_speed)
+    }
+}
+
+impl LimitsArgs {
     pub(super) fn answer(&self) -> Result<u8> {
         let (machine, params) = self.machine.read()?;
         let tool = workspace(machine, &params).centre();
         let setup = Setup { machine, params, tool, freedom: self.model.freedom() };
-        self.json.give(&Answer::new(&setup, self.error, self.torque)?, self.machine.files())
+        let margin = self.margin.unwrap_or(1.0 - self.torque);
+        let limits = Limits::new(&setup, self.error, 1.0 - margin)?;
+        let torque_at_speed = TorqueLimits::new(machine, &setup.params, margin, self.speed)?;
+        self.json.give(&Answer { limits, torque_at_speed }, self.machine.files())
     }
 }
 
@@ -43,4 +68,14 @@ fn parse_error(text: &str) -> Result<f64, String> {
 fn parse_part(text: &str) -> Result<f64, String> {
     let legal = text.parse().ok().filter(|v| *v > 0.0 && *v <= 1.0);
     legal.ok_or_else(|| format!("`{text}` is no part above 0 and up to 1"))
+}
+
+fn parse_margin(text: &str) -> Result<f64, String> {
+    let legal = text.parse().ok().filter(|v| (0.0..1.0).contains(v));
+    legal.ok_or_else(|| format!("`{text}` is no part from 0 to below 1"))
+}
+
+fn parse_speed(text: &str) -> Result<f64, String> {
+    let legal = text.parse().ok().filter(|v| (1.0..=2000.0).contains(v));
+    legal.ok_or_else(|| format!("`{text}` is no speed from 1 to 2000 mm/s"))
 }

@@ -3,9 +3,12 @@
 //! The subcommands read the command line, ask the twin, and print what it answers: a table for people, JSON for programs.
 
 mod answer;
+mod calibrated;
 mod compare;
+mod compensate;
 mod fit;
 mod limits;
+mod measured;
 mod page;
 mod play;
 mod point;
@@ -35,14 +38,16 @@ pub(crate) enum Twin {
     /// At which frequencies each axis rings over the reach, which shapers fit, and which speeds to stay away from.
     Resonance(resonance::Resonance),
     /// How hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
-    Limits(limits::Limits),
+    Limits(limits::LimitsArgs),
     /// CoreH-bot, H-bot and CoreXY of one size side by side, over one area and, if a file is given, on it.
     Compare(compare::Compare),
     /// Numbers of the machine are varied, one of them or as a study says: stiffness, frequencies, what becomes of a file.
     #[command(mut_args(sweep::not_beside_a_study))]
     Sweep(sweep::Sweep),
-    /// Belts and motors of a CoreH-bot from frequencies that were measured.
+    /// Belt, preload, masses and motors of a CoreH-bot from what was measured on it.
     Fit(fit::Fit),
+    /// Bends a step trace against what belts and motors give way, for `twin run` to play.
+    Compensate(compensate::Compensate),
     /// Yin et al.'s CoreXY on a square of 20 mm: how far the tool cuts the corners.
     Yin(yin::Yin),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
@@ -66,6 +71,7 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Compare(args) => args.answer(),
         Twin::Sweep(args) => args.answer(),
         Twin::Fit(args) => args.answer(),
+        Twin::Compensate(args) => args.answer(),
         Twin::Run(args) => args.answer(),
     }
 }

@@ -16,6 +16,7 @@ use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::run::report::Report;
 use corehbot_twin::run::watch::Watch;
 use corehbot_twin::run::{Run, RunError};
+use corehbot_twin::steps::StepTrace;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -64,6 +65,9 @@ pub(crate) struct Play {
     /// What moves besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: RunModel,
+    /// Measures errors from the line of this trace, of which the file was made (corehbot twin compensate).
+    #[arg(long, value_name = "TRACE.csv")]
+    against: Option<PathBuf>,
     /// Where the tool is at the begin, in mm from motor 1's axis; without it, where the firmware is told to be.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     at: Option<[f64; 2]>,
@@ -82,7 +86,9 @@ impl Play {
         let stop = Stop::at_signals()?;
         let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
             let start = self.start(machine, &params, source.begin);
-            play(machine, &params, start, self.model, &source, &stop).with_context(|| self.file.display().to_string())
+            let meant = self.against.as_deref().map(meant).transpose()?;
+            play(machine, &params, start, self.model, (&source.steps, meant.as_ref()), &stop)
+                .with_context(|| self.file.display().to_string())
         });
         match (played, stop.status()) {
             (_, Some(status)) => {
@@ -91,8 +97,13 @@ impl Play {
             }
             (played, None) => {
                 let (report, watch) = played?;
-                let files: Vec<&Path> =
-                    self.machine.files().chain(self.printer.files()).chain([self.file.as_path()]).collect();
+                let files: Vec<&Path> = self
+                    .machine
+                    .files()
+                    .chain(self.printer.files())
+                    .chain([self.file.as_path()])
+                    .chain(self.against.as_deref())
+                    .collect();
                 self.json.give_with(&report, files, |outputs| {
                     let Some(path) = &self.report else { return Ok(()) };
                     let file = self.file.display().to_string();
@@ -112,17 +123,22 @@ impl Play {
     }
 }
 
-/// Plays steps on a machine, with a bar.
+/// The trace from whose line errors are measured.
+fn meant(file: &Path) -> Result<StepTrace> {
+    Source::trace(file)?.with_context(|| format!("{} is no step trace", file.display()))
+}
+
+/// Plays steps on a machine, with a bar. Errors are those from the line of other steps, if there are any.
 pub(super) fn play(
     machine: Machine,
     params: &Params,
     start: Place,
     model: RunModel,
-    source: &Source,
+    (steps, meant): (&StepTrace, Option<&StepTrace>),
     stop: &Stop,
 ) -> Result<(Report, Watch)> {
     let bar = progress_bar(PARTS as u64, "thousandths");
-    let told = played(machine, params, start, model, source, |part| {
+    let told = played(machine, params, start, model, (steps, meant), |part| {
         bar.set_position((part * PARTS) as u64);
         !stop.is_set()
     });
@@ -136,12 +152,17 @@ pub(super) fn played(
     params: &Params,
     start: Place,
     model: RunModel,
-    source: &Source,
+    (steps, meant): (&StepTrace, Option<&StepTrace>),
     go_on: impl FnMut(f64) -> bool,
 ) -> Result<(Report, Watch), RunError> {
     let begin = Instant::now();
-    let watch = Run::new(machine, params, start, model.detail(), &source.steps)?.play(go_on)?;
-    let trace = (source.steps.duration_s(), source.steps.events.len());
+    let run = Run::new(machine, params, start, model.detail(), steps)?;
+    let run = match meant {
+        Some(meant) => run.against(meant)?,
+        None => run,
+    };
+    let watch = run.play(go_on)?;
+    let trace = (steps.duration_s(), steps.events.len());
     let report = Report::new(machine, model.name(), params, &watch, trace, begin.elapsed().as_secs_f64());
     Ok((report, watch))
 }

@@ -114,7 +114,7 @@ impl MachineArgs {
 }
 
 /// What is wrong with a file, in one line.
-fn syntax(text: &str, error: &toml::de::Error) -> anyhow::Error {
+pub(super) fn syntax(text: &str, error: &toml::de::Error) -> anyhow::Error {
     let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
     let line = before.matches('\n').count() + 1;
     anyhow!("line {line}: {}", error.message().replace('\n', " "))

@@ -32,11 +32,20 @@ impl Source {
     pub(super) fn read(file: &Path, printer: &Printer, stop: &Stop) -> Result<Self> {
         let begin = printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP);
         let [x, y, _] = begin.map(|mm| mm.to_num());
-        let steps = match trace_of(file)? {
-            Some(trace) => csv::read(trace).with_context(|| file.display().to_string())?,
+        let steps = match Self::trace(file)? {
+            Some(trace) => trace,
             None => print(file, printer, stop)?,
         };
         Ok(Self { steps, begin: [x, y] })
+    }
+
+    /// Reads a trace; none if the file is something else.
+    ///
+    /// # Errors
+    /// It cannot be read, or is a trace with a mistake.
+    pub(super) fn trace(file: &Path) -> Result<Option<StepTrace>> {
+        let read = |trace| csv::read(trace).with_context(|| file.display().to_string());
+        trace_of(file)?.map(read).transpose()
     }
 }
 

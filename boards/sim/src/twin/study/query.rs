@@ -87,7 +87,7 @@ impl Query {
                 let origin = workspace(machine, params).origin();
                 let firmware = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
                 let start = begin.unwrap_or(firmware);
-                let (report, _) = played(machine, params, start, *model, source, |_| !stop.is_set())?;
+                let (report, _) = played(machine, params, start, *model, (&source.steps, None), |_| !stop.is_set())?;
                 Ok(run_figures(&report))
             }
         }

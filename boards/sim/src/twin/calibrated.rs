@@ -1,0 +1,94 @@
+//! Calibrated: numbers of a machine found from measurements, as a file of parameters with what there is to say of each.
+
+use super::measured::Measured;
+use anyhow::{Context as _, Result};
+use corehbot_twin::calibration::{Calibrated as Found, Estimate, Misfit, Parameter, calibrate};
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::params::Params;
+use corehbot_twin::routing::Machine;
+use serde::Serialize;
+use std::path::Path;
+
+/// What was found.
+#[derive(Serialize)]
+pub(super) struct Calibrated {
+    estimates: Vec<Estimate>,
+    /// Parameters on which the measurements hardly depend.
+    not_told: Vec<Parameter>,
+    /// Parameters that were not sought.
+    fixed: Vec<Parameter>,
+    measurements: Vec<Told>,
+    /// All numbers of the machine.
+    params: Params,
+}
+
+/// A measurement and the model.
+#[derive(Serialize)]
+struct Told {
+    measurement: String,
+    #[serde(flatten)]
+    misfit: Misfit,
+}
+
+/// A measurement that is off by more uncertainties than this is looked at again.
+const SUSPICIOUS: f64 = 3.0;
+
+impl Calibrated {
+    /// From a file of measurements.
+    ///
+    /// # Errors
+    /// What is wrong with the file, or what the measurements do not determine.
+    pub(super) fn read(path: &Path, machine: Machine, params: &Params) -> Result<Self> {
+        let Measured { measurements, fixed } = Measured::read(path, &workspace(machine, params))?;
+        let (names, measurements): (Vec<_>, Vec<_>) = measurements.into_iter().unzip();
+        let found = calibrate(machine, params, &measurements, &fixed).with_context(|| path.display().to_string())?;
+        let Found { params, estimates, not_told, misfits } = found;
+        let told = |(measurement, misfit)| Told { measurement, misfit };
+        let measurements = names.into_iter().zip(misfits).map(told).collect();
+        Ok(Self { estimates, not_told, fixed, measurements, params })
+    }
+
+    /// Keys that are not those of the nominal machine, and were not found now.
+    fn kept(&self) -> Vec<(String, f64)> {
+        let keys = |params: &Params| match serde_json::to_value(params) {
+            Ok(serde_json::Value::Object(keys)) => keys,
+            _ => serde_json::Map::new(),
+        };
+        let nominal = keys(&Params::default());
+        let is_found = |key: &str| self.estimates.iter().any(|estimate| estimate.parameter.key() == key);
+        let other = keys(&self.params).into_iter().filter(|(key, v)| nominal.get(key) != Some(v) && !is_found(key));
+        other.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
+    }
+}
+
+impl std::fmt::Display for Calibrated {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        writeln!(f, "# For --params. Standard uncertainties follow from those of the measurements.")?;
+        for Estimate { parameter, value, uncertainty } in &self.estimates {
+            writeln!(f, "{} = {}  # +- {:.1} %", parameter.key(), digits(*value), 100.0 * uncertainty)?;
+        }
+        for (key, value) in self.kept() {
+            writeln!(f, "{key} = {value}  # as it was")?;
+        }
+        for parameter in &self.not_told {
+            let value = parameter.of(&self.params);
+            writeln!(f, "# Not told by these measurements: {} stays {value}.", parameter.key())?;
+        }
+        for parameter in &self.fixed {
+            writeln!(f, "# Fixed: {} stays {}.", parameter.key(), parameter.of(&self.params))?;
+        }
+        for Told { measurement, misfit: Misfit { part, uncertainties } } in &self.measurements {
+            let percent = 100.0 * part;
+            write!(f, "# {measurement}: the model says {percent:+.1} %, {:.1} uncertainties", uncertainties.abs())?;
+            writeln!(f, "{}", if uncertainties.abs() > SUSPICIOUS { "; look at it again" } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+/// Five digits, as no measurement by hand tells more.
+fn digits(value: f64) -> String {
+    let before = value.abs().log10().floor() as i32 + 1;
+    let behind = usize::try_from(5 - before).unwrap_or(0);
+    format!("{value:.behind$}")
+}

@@ -1,0 +1,81 @@
+//! Parameter: a number of the machine that measurements may tell.
+
+use crate::params::Params;
+use serde::{Deserialize, Serialize};
+
+/// A number that is sought, by its key in files of parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Parameter {
+    /// Tensile stiffness of the belt.
+    #[serde(rename = "belt_EA_N")]
+    BeltStiffness,
+    /// Tension at rest.
+    #[serde(rename = "preload_N")]
+    Preload,
+    /// What moves in x.
+    #[serde(rename = "head_mass_kg")]
+    HeadMass,
+    /// What moves in y besides the head.
+    #[serde(rename = "bar_mass_kg")]
+    BarMass,
+    /// Torque that a motor holds.
+    #[serde(rename = "holding_torque_Nm")]
+    HoldingTorque,
+}
+
+impl Parameter {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::BeltStiffness, Self::Preload, Self::HeadMass, Self::BarMass, Self::HoldingTorque];
+
+    /// Its key.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::BeltStiffness => "belt_EA_N",
+            Self::Preload => "preload_N",
+            Self::HeadMass => "head_mass_kg",
+            Self::BarMass => "bar_mass_kg",
+            Self::HoldingTorque => "holding_torque_Nm",
+        }
+    }
+
+    /// What it is on a machine.
+    #[must_use]
+    pub const fn of(self, params: &Params) -> f64 {
+        match self {
+            Self::BeltStiffness => params.belt_ea_n,
+            Self::Preload => params.preload_n,
+            Self::HeadMass => params.head_mass_kg,
+            Self::BarMass => params.bar_mass_kg,
+            Self::HoldingTorque => params.holding_torque_nm,
+        }
+    }
+
+    /// The machine with another value of it.
+    #[must_use]
+    pub fn with(self, value: f64, params: &Params) -> Params {
+        let mut params = params.clone();
+        *match self {
+            Self::BeltStiffness => &mut params.belt_ea_n,
+            Self::Preload => &mut params.preload_n,
+            Self::HeadMass => &mut params.head_mass_kg,
+            Self::BarMass => &mut params.bar_mass_kg,
+            Self::HoldingTorque => &mut params.holding_torque_nm,
+        } = value;
+        params
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_is_that_of_its_key() {
+        for parameter in Parameter::ALL {
+            let other = parameter.with(7.5, &Params::default());
+            assert_eq!(parameter.of(&other), 7.5);
+            assert_eq!(parameter.with(parameter.of(&Params::default()), &other), Params::default());
+        }
+    }
+}

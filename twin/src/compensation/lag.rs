@@ -1,0 +1,150 @@
+//! Lag: by how much motors must be ahead so that the tool is where it is meant to be.
+//!
+//! The tool lags by `K^-1 (M a + c v + f sign v)`, with K its stiffness at the place, fields giving way, and a rotor by its
+//! own inertia and friction over its field. For a mass on a spring this is the inverse of its motion, not only of its rest:
+//! it takes away ringing as well, as far as the acceleration is known. The bar's yaw is not in it (docs/twin.md says why).
+
+use super::path::{Path, RATE};
+use crate::geometry::workspace;
+use crate::model::elastic::{Elastic, Freedom};
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use crate::solve::balance::condensed;
+use std::collections::BTreeMap;
+
+/// Places nearer than this in mm have one stiffness: it changes by 0.3 % over so much.
+const CELL_MM: f64 = 5.0;
+
+/// Friction is on both sides of this speed in mm/s.
+const CREEP: f64 = 2.0;
+
+/// Half of the bell's length in widths.
+const WIDTHS: f64 = 4.0;
+
+/// mm in an m.
+const MM_PER_M: f64 = 1000.0;
+
+/// The machine as it is believed to be.
+#[derive(Clone, Copy, Debug)]
+pub struct Lag<'p> {
+    machine: Machine,
+    params: &'p Params,
+    start: Place,
+}
+
+/// What is added to the motors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ahead {
+    /// In steps, motor by motor, over time.
+    pub motors: Vec<Vec<f64>>,
+    /// The most that the tool is ahead, along x and y.
+    pub greatest_mm: [f64; 2],
+}
+
+impl<'p> Lag<'p> {
+    /// Of a machine whose tool is at `start` at first.
+    #[must_use]
+    pub const fn new(machine: Machine, params: &'p Params, start: Place) -> Self {
+        Self { machine, params, start }
+    }
+
+    /// What is added on a path that is smoothed by a bell of this width before its acceleration is taken.
+    #[must_use]
+    pub fn of(&self, path: &Path, width_s: f64) -> Ahead {
+        let p = self.params;
+        let tool = path.tool();
+        let [bell, slope, bend] = bells(width_s);
+        let masses = [p.head_mass_kg, p.head_mass_kg + p.bar_mass_kg].map(|kg| kg / MM_PER_M);
+        let guides = [p.guide_x_n_s_per_m, p.guide_y_n_s_per_m].map(|c| c / MM_PER_M);
+        let dry = [p.dry_friction_x_n, p.dry_friction_y_n];
+        let field = p.field_stiffness_n_per_mm();
+        let mut compliances = BTreeMap::new();
+        let mut motors = vec![Vec::with_capacity(tool.len()); path.rows.len()];
+        let mut greatest_mm = [0.0_f64; 2];
+        for sample in 0..tool.len() {
+            let [at, v, a] = [&bell, &slope, &bend].map(|kernel| folded(&tool, sample, kernel));
+            let place = Place { x: self.start.x + at[0], y: self.start.y + at[1] };
+            let cell = [place.x, place.y].map(|v| (v / CELL_MM).round() as i64);
+            let [[xx, xy], [yx, yy]] = *compliances.entry(cell).or_insert_with(|| compliance(self.machine, p, cell));
+            let force = [0, 1].map(|i| masses[i] * a[i] + guides[i] * v[i] + dry[i] * (v[i] / CREEP).tanh());
+            let ahead = [xx * force[0] + xy * force[1], yx * force[0] + yy * force[1]];
+            greatest_mm = [greatest_mm[0].max(ahead[0].abs()), greatest_mm[1].max(ahead[1].abs())];
+            for (row, added) in path.rows.iter().zip(&mut motors) {
+                let along = |v: [f64; 2]| row[0] * v[0] + row[1] * v[1];
+                let rotor = p.rotor_mass_kg() / MM_PER_M * along(a) + p.rotor_damping_n_s_per_mm() * along(v);
+                added.push(along(ahead) + rotor / field);
+            }
+        }
+        Ahead { motors, greatest_mm }
+    }
+}
+
+/// mm of the tool for a newton, about the middle of a cell.
+fn compliance(machine: Machine, params: &Params, cell: [i64; 2]) -> [[f64; 2]; 2] {
+    let reach = workspace(machine, params);
+    let [x, y] = cell.map(|v| v as f64 * CELL_MM);
+    let at = Place { x: x.clamp(reach.x[0], reach.x[1]), y: y.clamp(reach.y[0], reach.y[1]) };
+    let freedom = Freedom { rotors: true, ..Freedom::default() };
+    // x and y come first.
+    let elastic = Elastic::new(machine, params, at, freedom);
+    let inverse = condensed(&elastic, &[0, 1]).ok().and_then(|k| k.try_inverse());
+    inverse.map_or([[0.0; 2]; 2], |c| [[c[(0, 0)], c[(0, 1)]], [c[(1, 0)], c[(1, 1)]]])
+}
+
+/// A bell of this width, its slope and its bend, at [`RATE`].
+fn bells(width_s: f64) -> [Vec<f64>; 3] {
+    let width = width_s * RATE;
+    let half = (WIDTHS * width).ceil() as i64;
+    let at = |i: i64| i as f64 / width;
+    let plain: Vec<f64> = (-half..=half).map(|i| (-at(i) * at(i) / 2.0).exp()).collect();
+    let sum: f64 = plain.iter().sum();
+    let with = |factor: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        (-half..=half).zip(&plain).map(|(i, bell)| factor(at(i)) * bell / sum).collect()
+    };
+    let slope = with(&|u| u / width_s);
+    let bend = with(&|u| (u * u - 1.0) / (width_s * width_s));
+    // Cut off and sampled, it is set right so that a place far off adds nothing and a parabola has its own acceleration.
+    let mean = bend.iter().sum::<f64>();
+    let bend: Vec<f64> = bend.iter().zip(&plain).map(|(bend, bell)| bend - mean * bell / sum).collect();
+    let times = (-half..=half).map(|i| i as f64 / RATE);
+    let parabola: f64 = bend.iter().zip(times).map(|(bend, t)| bend * t * t / 2.0).sum();
+    let bend = bend.into_iter().map(|bend| bend / parabola).collect();
+    [plain.iter().map(|bell| bell / sum).collect(), slope, bend]
+}
+
+/// A kernel over the samples about one; the ends go on for ever.
+fn folded(tool: &[[f64; 2]], sample: usize, kernel: &[f64]) -> [f64; 2] {
+    let half = kernel.len() / 2;
+    let mut sum = [0.0; 2];
+    for (i, weight) in kernel.iter().enumerate() {
+        let index = (sample + i).saturating_sub(half).min(tool.len() - 1);
+        if let Some([x, y]) = tool.get(index) {
+            sum[0] += weight * x;
+            sum[1] += weight * y;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 3 + 2 t + t^2 / 2 about t = 0.02 the place is 3.0402, the speed 2.02, the acceleration 1.
+    #[test]
+    fn bells_tell_place_speed_and_acceleration_of_a_parabola() {
+        let place = |sample: usize| {
+            let t = sample as f64 / RATE;
+            [3.0 + 2.0 * t + t * t / 2.0, 0.0]
+        };
+        let tool: Vec<[f64; 2]> = (0..200).map(place).collect();
+        for width_s in [0.0003, 0.001, 0.004] {
+            let found = bells(width_s).map(|kernel| folded(&tool, 100, &kernel)[0]);
+            // The bell rounds the place by half its width's square.
+            let expected = [3.0402 + width_s * width_s / 2.0, 2.02, 1.0];
+            for (found, (expected, part)) in found.into_iter().zip(expected.into_iter().zip([1e-6, 2e-3, 1e-6])) {
+                assert!((found / expected - 1.0).abs() < part, "{width_s}: {found} {expected}");
+            }
+        }
+    }
+}

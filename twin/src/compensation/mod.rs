@@ -1,0 +1,43 @@
+//! Compensation: steps that send the motors ahead by what the tool will lag behind.
+//!
+//! What lags is known: belts and fields give way under inertia and friction ([`lag`]). The acceleration that this takes is
+//! that of the path that was meant, which the times of the steps tell far more finely than the steps themselves ([`path`]).
+//! The sum is cut into steps anew (`stepping`).
+
+pub mod lag;
+pub mod path;
+mod stepping;
+
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use crate::steps::StepTrace;
+use crate::steps::drive::NoColumn;
+use lag::Lag;
+use path::Path;
+
+/// Steps with what was done to them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Compensated {
+    /// The steps.
+    pub steps: StepTrace,
+    /// By how much the tool was sent ahead at most, along x and y.
+    pub ahead_mm: [f64; 2],
+}
+
+/// Compensates steps of a machine that begins with its tool at `start`, as stiff and heavy as `believed`. The path is
+/// smoothed by a bell of this width (standard deviation) before its acceleration is taken: longer, and ringing is not met;
+/// shorter, and steps shine through. A millisecond is best for modes of 50 to 110 Hz (docs/twin.md).
+///
+/// # Errors
+/// The trace is of another kind of machine.
+pub fn compensate(
+    machine: Machine,
+    believed: &Params,
+    start: Place,
+    trace: &StepTrace,
+    width_s: f64,
+) -> Result<Compensated, NoColumn> {
+    let path = Path::new(machine, believed, trace)?;
+    let lag = Lag::new(machine, believed, start).of(&path, width_s);
+    Ok(Compensated { steps: path.steps(trace, &lag.motors), ahead_mm: lag.greatest_mm })
+}

@@ -1,0 +1,123 @@
+//! Path: where each motor was meant to be, from the times of its steps.
+//!
+//! A step says where the motor is meant to be at that very time: half way between the two places. Between these times the
+//! path is taken as straight. Where a motor rests it is at its step. Motors that share a column of the trace count once.
+
+use crate::model::ways::Ways;
+use crate::params::Params;
+use crate::routing::Machine;
+use crate::steps::drive::{NoColumn, drives};
+use crate::steps::{StepTrace, TICKS_PER_SECOND};
+
+/// Samples of the path in a second: 45 a period of the faster axis, 17 of the slowest mode of the rotors.
+pub(super) const RATE: f64 = 5000.0;
+
+/// A motor without a step for so long in s rests, and comes to rest or sets off within a part of it.
+const REST_S: f64 = 0.02;
+
+/// That part.
+const SET_OFF: f64 = 0.25;
+
+/// Where a motor is meant to be, in steps.
+pub(super) type Knot = (f64, f64);
+
+/// The motors' paths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Path {
+    /// Times in s and places in steps, motor by motor.
+    pub(super) motors: Vec<Vec<Knot>>,
+    /// The column of each motor and its sense.
+    pub(super) columns: Vec<(usize, i8)>,
+    /// Steps of the motors for a millimetre of the tool.
+    pub(super) rows: Vec<[f64; 2]>,
+    /// Length of it in s.
+    pub(super) duration_s: f64,
+}
+
+impl Path {
+    /// From a trace.
+    ///
+    /// # Errors
+    /// It is of another kind of machine.
+    pub fn new(machine: Machine, params: &Params, trace: &StepTrace) -> Result<Self, NoColumn> {
+        let ways = Ways::new(machine, params);
+        let mut columns: Vec<(usize, i8)> = Vec::new();
+        let mut rows = Vec::new();
+        for (drive, row) in drives(trace, &ways)?.iter().zip(&ways.rows) {
+            if columns.iter().all(|(column, _)| *column != drive.column) {
+                columns.push((drive.column, drive.sense));
+                rows.push(row.map(|way| way / trace.step_mm));
+            }
+        }
+        let mut motors = vec![vec![(0.0, 0.0)]; columns.len()];
+        let mut before = vec![0_i64; columns.len()];
+        for (tick, counts) in trace.counted() {
+            let time = tick as f64 / TICKS_PER_SECOND;
+            for (((column, sense), knots), before) in columns.iter().zip(&mut motors).zip(&mut before) {
+                let now = counts.get(*column).copied().unwrap_or(0) * i64::from(*sense);
+                if now != *before {
+                    step(knots, time, *before, now);
+                    *before = now;
+                }
+            }
+        }
+        let duration_s = trace.duration_s() + REST_S;
+        for (knots, end) in motors.iter_mut().zip(&before) {
+            knots.push((duration_s, *end as f64));
+        }
+        Ok(Self { motors, columns, rows, duration_s })
+    }
+
+    /// The tool 5000 times a second, in mm from the start.
+    #[must_use]
+    pub fn tool(&self) -> Vec<[f64; 2]> {
+        let count = (self.duration_s * RATE) as usize;
+        let mut tool = vec![[0.0; 2]; count];
+        // Columns of the rows are orthogonal: each coordinate is the sum of the motors' over the square of its column.
+        let squares = [0, 1].map(|axis| self.rows.iter().map(|row| row[axis] * row[axis]).sum::<f64>());
+        for (knots, row) in self.motors.iter().zip(&self.rows) {
+            let mut at = Walk::new(knots);
+            for (sample, place) in tool.iter_mut().enumerate() {
+                let steps = at.at(sample as f64 / RATE);
+                for ((value, way), square) in place.iter_mut().zip(row).zip(squares) {
+                    *value += way * steps / square;
+                }
+            }
+        }
+        tool
+    }
+}
+
+/// A motor steps.
+fn step(knots: &mut Vec<Knot>, time: f64, before: i64, now: i64) {
+    let last = knots.last().map_or(0.0, |(time, _)| *time);
+    if time - last > REST_S {
+        knots.push((last + SET_OFF * REST_S, before as f64));
+        knots.push((time - SET_OFF * REST_S, before as f64));
+    }
+    knots.push((time, (before + now) as f64 / 2.0));
+}
+
+/// Goes along a motor's knots.
+pub(super) struct Walk<'k> {
+    knots: &'k [Knot],
+    index: usize,
+}
+
+impl<'k> Walk<'k> {
+    pub(super) const fn new(knots: &'k [Knot]) -> Self {
+        Self { knots, index: 0 }
+    }
+
+    /// Where it is at a time that is not before the last one asked for.
+    pub(super) fn at(&mut self, time: f64) -> f64 {
+        while self.knots.get(self.index + 1).is_some_and(|(end, _)| *end <= time) {
+            self.index += 1;
+        }
+        match (self.knots.get(self.index), self.knots.get(self.index + 1)) {
+            (Some((t0, a)), Some((t1, b))) if t1 > t0 => a + (b - a) * ((time - t0) / (t1 - t0)).clamp(0.0, 1.0),
+            (Some((_, a)), _) => *a,
+            (None, _) => 0.0,
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! Torque limits: acceleration and speed in each direction that leave the motors a part of their torque.
+//!
+//! On machines of the CoreXY kind one pair of motors alone moves the tool along a diagonal, its belt running 1.41 times as
+//! fast as the tool. What is left therefore hangs on the direction. The firmware's limits know belt speeds
+//! (`motor_max_speed`), but not that y weighs more than x, so its acceleration is that of the worst direction.
+
+use super::shown;
+use crate::params::Params;
+use crate::routing::Machine;
+use crate::solve::NotHeld;
+use crate::torque::demand::Demand;
+use crate::torque::pull_out::pull_out_torque_at_belt_nm;
+use serde::Serialize;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Directions that are told, and their names.
+const DIRECTIONS: [(&str, [f64; 2]); 4] = [
+    ("x", [1.0, 0.0]),
+    ("y", [0.0, 1.0]),
+    ("x+y", [FRAC_1_SQRT_2, FRAC_1_SQRT_2]),
+    ("x-y", [FRAC_1_SQRT_2, -FRAC_1_SQRT_2]),
+];
+
+/// Speeds of the tool that accelerations are told for, in mm/s.
+const SPEEDS: [f64; 6] = [0.0, 100.0, 200.0, 300.0, 400.0, 500.0];
+
+/// Accelerations of the tool that speeds are told for, in mm/s^2.
+const ACCELERATIONS: [f64; 6] = [1000.0, 3000.0, 5000.0, 10_000.0, 20_000.0, 40_000.0];
+
+/// Settings are whole multiples of this acceleration in mm/s^2.
+const WHOLE: f64 = 10.0;
+
+/// What a part of the torque is left at.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TorqueLimits {
+    /// The part of the torque at each speed that is left, of 1.
+    pub margin: f64,
+    /// Speeds of belt or tool.
+    pub speeds_mm_s: Vec<f64>,
+    /// The greatest torque of a motor at these speeds of its belt.
+    #[serde(rename = "pull_out_torque_mNm")]
+    pub pull_out_torque_mnm: Vec<f64>,
+    /// Accelerations of the tool.
+    pub accelerations_mm_s2: Vec<f64>,
+    /// What each direction allows.
+    pub directions: Vec<DirectionLimits>,
+    /// What to set.
+    pub settings: TorqueSettings,
+}
+
+/// A direction of the tool.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DirectionLimits {
+    /// Its name.
+    pub direction: &'static str,
+    /// The greatest acceleration at each of the speeds.
+    pub acceleration_mm_s2: Vec<f64>,
+    /// The greatest speed at each of the accelerations.
+    pub speed_mm_s: Vec<f64>,
+}
+
+/// Limits of the firmware that keep the margin in every direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TorqueSettings {
+    /// The fastest that a belt runs, and the tool along an axis.
+    pub belt_speed_mm_s: f64,
+    /// The greatest acceleration of the tool in any direction.
+    pub acceleration_mm_s2: f64,
+    /// The direction in which that is all there is, from x towards y.
+    pub worst_direction_deg: f64,
+    /// The acceleration of a belt that goes with it.
+    pub belt_acceleration_mm_s2: f64,
+}
+
+impl TorqueLimits {
+    /// For the part of its torque that every motor keeps anywhere in the reach, and the belt speed to set limits for.
+    ///
+    /// # Errors
+    /// Nothing holds the machine.
+    pub fn new(machine: Machine, params: &Params, margin: f64, belt_speed_mm_s: f64) -> Result<Self, NotHeld> {
+        let demand = Demand::new(machine, params)?;
+        let direction = |(name, along): (&'static str, [f64; 2])| DirectionLimits {
+            direction: name,
+            acceleration_mm_s2: SPEEDS.map(|speed| demand.acceleration_mm_s2(along, speed, margin)).to_vec(),
+            speed_mm_s: ACCELERATIONS.map(|a| demand.speed_mm_s(along, a, margin)).to_vec(),
+        };
+        let directions = DIRECTIONS.map(direction).to_vec();
+        let (worst, least) = demand.worst(belt_speed_mm_s, margin);
+        let acceleration_mm_s2 = (least / WHOLE).floor() * WHOLE;
+        let diagonal = DIRECTIONS.map(|(_, along)| demand.belt_per_mm(along)).into_iter().fold(0.0, f64::max);
+        let settings = TorqueSettings {
+            belt_speed_mm_s,
+            acceleration_mm_s2,
+            worst_direction_deg: worst[1].atan2(worst[0]).to_degrees(),
+            belt_acceleration_mm_s2: (acceleration_mm_s2 * diagonal).ceil(),
+        };
+        Ok(Self {
+            margin,
+            speeds_mm_s: SPEEDS.to_vec(),
+            pull_out_torque_mnm: SPEEDS.map(|speed| 1000.0 * pull_out_torque_at_belt_nm(params, speed)).to_vec(),
+            accelerations_mm_s2: ACCELERATIONS.to_vec(),
+            directions,
+            settings,
+        })
+    }
+}
+
+impl std::fmt::Display for TorqueLimits {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let row = |f: &mut std::fmt::Formatter<'_>, what: &str, figures: &[f64]| {
+            let figures: Vec<String> = figures.iter().map(|figure| format!("{:>8}", shown(*figure, 0))).collect();
+            writeln!(f, "  {what:<46}{}", figures.concat())
+        };
+        let left = shown(100.0 * self.margin, 0);
+        writeln!(f, "Torque at speed, {left} % of it left, worst place of the reach")?;
+        row(f, "speed, mm/s", &self.speeds_mm_s)?;
+        row(f, "torque of a motor at this belt speed, mN m", &self.pull_out_torque_mnm)?;
+        for limits in &self.directions {
+            row(f, &format!("acceleration along {} at it, mm/s2", limits.direction), &limits.acceleration_mm_s2)?;
+        }
+        row(f, "acceleration, mm/s2", &self.accelerations_mm_s2)?;
+        for limits in &self.directions {
+            row(f, &format!("highest speed along {} with it, mm/s", limits.direction), &limits.speed_mm_s)?;
+        }
+        let TorqueSettings { belt_speed_mm_s: v, acceleration_mm_s2: a, worst_direction_deg, belt_acceleration_mm_s2 } =
+            self.settings;
+        let worst = shown(worst_direction_deg, 0);
+        writeln!(f, "Settings that leave {left} % in every direction ({worst} degrees from x is the worst):")?;
+        writeln!(f, "  M203 X{v} Y{v}")?;
+        writeln!(f, "  M201 X{a} Y{a}")?;
+        writeln!(f, "  M204 P{a} T{a}")?;
+        writeln!(f, "and in a machine file, as no line sets them:")?;
+        writeln!(f, "  motor_max_speed = {v}")?;
+        writeln!(f, "  motor_max_acceleration = {belt_acceleration_mm_s2}")
+    }
+}

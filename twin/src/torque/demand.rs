@@ -1,0 +1,200 @@
+//! Demand: what moves ask of the motors, and how fast they may therefore be.
+//!
+//! Slowly enough that nothing rings, the motors bear the inertia and friction of head and bar through the belt, as it shares
+//! them among the motors at that place with their fields giving way, and the inertia and friction of their own rotors. A
+//! motor turns with the belt speed of its row; what it has at that speed says [`pull_out`](super::pull_out).
+
+use super::pull_out::pull_out_torque_at_belt_nm;
+use crate::geometry::workspace;
+use crate::model::elastic::{Elastic, Freedom};
+use crate::model::ways::Ways;
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use crate::solve::NotHeld;
+use crate::solve::balance::balance;
+
+/// mm in an m, mN m in an N m.
+const MM_PER_M: f64 = 1000.0;
+
+/// Columns and rows of places that are looked at.
+const GRID: usize = 5;
+
+/// No belt runs faster in mm/s; GT2 on 20 teeth would turn at 7,500 rpm.
+const FASTEST_MM_S: f64 = 5000.0;
+
+/// Halvings of a search.
+const HALVINGS: usize = 60;
+
+/// What moves ask of the motors of a machine, all over its reach.
+#[derive(Clone, Debug)]
+pub struct Demand {
+    params: Params,
+    ways: Ways,
+    /// For each place and motor: its torque in N m for a newton that the tool needs along x and along y.
+    shares: Vec<Vec<[f64; 2]>>,
+}
+
+/// A motor's torque in N m as the tool's acceleration times a slope, and a part of its own.
+struct Line {
+    slope: f64,
+    own: f64,
+    available: f64,
+}
+
+impl Demand {
+    /// Looks at a grid of places over the reach, its sides among them.
+    ///
+    /// # Errors
+    /// Nothing holds the machine.
+    pub fn new(machine: Machine, params: &Params) -> Result<Self, NotHeld> {
+        let reach = workspace(machine, params);
+        let point = |[low, high]: [f64; 2], i: usize| low + (high - low) * i as f64 / (GRID - 1) as f64;
+        let places = (0..GRID * GRID).map(|i| Place { x: point(reach.x, i % GRID), y: point(reach.y, i / GRID) });
+        let freedom = Freedom { rotors: true, ..Freedom::default() };
+        let share = |tool: Place| {
+            let elastic = Elastic::new(machine, params, tool, freedom);
+            // What accelerates the tool by a force is what holds it against one the other way.
+            let [x, y] = [[-1.0, 0.0], [0.0, -1.0]].map(|force| balance(&elastic, params, force, &[]));
+            let both = x?.torques_mnm.into_iter().zip(y?.torques_mnm);
+            Ok(both.map(|(x, y)| [x / MM_PER_M, y / MM_PER_M]).collect())
+        };
+        let shares = places.map(share).collect::<Result<_, NotHeld>>()?;
+        Ok(Self { params: params.clone(), ways: Ways::new(machine, params), shares })
+    }
+
+    /// Every motor at every place, for a direction (of length 1) and a speed of the tool in mm/s.
+    fn lines(&self, [dx, dy]: [f64; 2], speed_mm_s: f64) -> impl Iterator<Item = Line> {
+        let p = &self.params;
+        let force = |mass: f64| mass / MM_PER_M;
+        let inertia = [force(p.head_mass_kg) * dx, force(p.head_mass_kg + p.bar_mass_kg) * dy];
+        // Friction slows as acceleration does; at rest it stands against the move too.
+        let sign = |d: f64| if d.abs() < 1e-9 { 0.0 } else { d.signum() };
+        let rub = |viscous: f64, dry: f64, d: f64| viscous * d * speed_mm_s / MM_PER_M + dry * sign(d);
+        let friction =
+            [rub(p.guide_x_n_s_per_m, p.dry_friction_x_n, dx), rub(p.guide_y_n_s_per_m, p.dry_friction_y_n, dy)];
+        let radius_m = p.pulley_radius_mm / MM_PER_M;
+        let rotor = move |way: f64| {
+            let inertia = p.rotor_inertia_kg_m2 * way / p.pulley_radius_mm;
+            let drag = p.rotor_damping_nm_s * way * speed_mm_s / MM_PER_M / radius_m;
+            (inertia, drag, pull_out_torque_at_belt_nm(p, way * speed_mm_s))
+        };
+        let rotors: Vec<_> = self.ways.rows.iter().map(|[x, y]| rotor(x * dx + y * dy)).collect();
+        self.shares.iter().flat_map(move |motors| {
+            let line = move |(share, (inertia_nm, drag, available)): (&[f64; 2], &(f64, f64, f64))| {
+                let of = |force: [f64; 2]| share[0] * force[0] + share[1] * force[1];
+                Line { slope: of(inertia) + inertia_nm, own: of(friction) + drag, available: *available }
+            };
+            motors.iter().zip(rotors.clone()).map(move |(share, rotor)| line((share, &rotor)))
+        })
+    }
+
+    /// The least part of its torque that a motor keeps anywhere, of 1; below 0 it slips.
+    #[must_use]
+    pub fn margin(&self, direction: [f64; 2], speed_mm_s: f64, acceleration_mm_s2: f64) -> f64 {
+        let kept = |line: Line| 1.0 - (line.slope * acceleration_mm_s2 + line.own).abs() / line.available;
+        self.lines(direction, speed_mm_s).map(kept).fold(1.0, f64::min)
+    }
+
+    /// The greatest acceleration in mm/s^2 at a speed with which every motor keeps this part of its torque; 0 if none does.
+    #[must_use]
+    pub fn acceleration_mm_s2(&self, direction: [f64; 2], speed_mm_s: f64, margin: f64) -> f64 {
+        let most = |line: Line| {
+            let [slope, own] = if line.slope < 0.0 { [-line.slope, -line.own] } else { [line.slope, line.own] };
+            ((1.0 - margin) * line.available - own) / slope.max(f64::MIN_POSITIVE)
+        };
+        self.lines(direction, speed_mm_s).map(most).fold(f64::INFINITY, f64::min).max(0.0)
+    }
+
+    /// The greatest speed in mm/s at which the tool accelerates so and every motor keeps this part of its torque.
+    #[must_use]
+    pub fn speed_mm_s(&self, direction: [f64; 2], acceleration_mm_s2: f64, margin: f64) -> f64 {
+        let [mut low, mut high] = [0.0, FASTEST_MM_S];
+        for _ in 0..HALVINGS {
+            let middle = (low + high) / 2.0;
+            if self.margin(direction, middle, acceleration_mm_s2) >= margin {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// The direction (of length 1) in which the acceleration that is left at this belt speed is least, and that acceleration.
+    #[must_use]
+    pub fn worst(&self, belt_mm_s: f64, margin: f64) -> ([f64; 2], f64) {
+        /// Directions looked at over half a turn.
+        const DIRECTIONS: usize = 180;
+        let all = (0..DIRECTIONS).map(|i| std::f64::consts::PI * i as f64 / DIRECTIONS as f64).map(|angle| {
+            let direction = [angle.cos(), angle.sin()];
+            (direction, self.acceleration_mm_s2(direction, belt_mm_s / self.belt_per_mm(direction), margin))
+        });
+        all.fold(([1.0, 0.0], f64::INFINITY), |worst, one| if one.1 < worst.1 { one } else { worst })
+    }
+
+    /// How far the fastest belt runs for a millimetre of the tool.
+    #[must_use]
+    pub fn belt_per_mm(&self, [dx, dy]: [f64; 2]) -> f64 {
+        self.ways.rows.iter().map(|[x, y]| (x * dx + y * dy).abs()).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_1_SQRT_2;
+
+    fn demand() -> Demand {
+        Demand::new(Machine::CoreHBot, &Params::default().undamped()).unwrap()
+    }
+
+    /// Torque of each motor in mN m at 10 m/s^2 in the middle of the reach.
+    fn in_the_middle(direction: [f64; 2]) -> Vec<f64> {
+        let demand = demand();
+        let motors = demand.ways.motors.len();
+        let middle = motors * (GRID * GRID / 2);
+        let lines = demand.lines(direction, 0.0).skip(middle).take(motors);
+        lines.map(|line| (1e4 * line.slope + line.own) * 1000.0).collect()
+    }
+
+    /// r m a / 4 + J a / r: figures of an independent computation, 18.03 and 37.08 mN m.
+    #[test]
+    fn motors_bear_the_mass_that_moves_and_their_rotors() {
+        for (direction, torque) in [([1.0, 0.0], 18.03), ([0.0, 1.0], 37.08)] {
+            let found = in_the_middle(direction);
+            assert!(found.iter().all(|nm| (nm.abs() / torque - 1.0).abs() < 1e-3), "{found:?}");
+        }
+    }
+
+    /// On a diagonal one pair turns, and bears both axes; what the other bears by standing is their difference.
+    #[test]
+    fn one_pair_alone_drives_a_diagonal() {
+        let found = in_the_middle([FRAC_1_SQRT_2, FRAC_1_SQRT_2]);
+        let (r, root) = (6.35, FRAC_1_SQRT_2);
+        let rotor = 1000.0 * 5.4e-6 * 1e4 * 2.0 * root / r;
+        let turning = r * 10.0 * root * (0.6 + 1.8) / 4.0 + rotor;
+        let standing = r * 10.0 * root * (1.8 - 0.6) / 4.0;
+        for (motor, torque) in [turning, standing].into_iter().cycle().skip(1).take(4).enumerate() {
+            assert!((found[motor].abs() / torque - 1.0).abs() < 1e-3, "{motor}: {found:?} {torque}");
+        }
+    }
+
+    #[test]
+    fn limits_leave_just_the_margin() {
+        let demand = Demand::new(Machine::CoreHBot, &Params::default()).unwrap();
+        for direction in [[1.0, 0.0], [0.0, -1.0], [FRAC_1_SQRT_2, -FRAC_1_SQRT_2], [0.6, 0.8]] {
+            for speed in [0.0, 150.0, 400.0] {
+                let a = demand.acceleration_mm_s2(direction, speed, 0.5);
+                assert!((demand.margin(direction, speed, a) - 0.5).abs() < 1e-9);
+            }
+            let v = demand.speed_mm_s(direction, 20_000.0, 0.5);
+            assert!((demand.margin(direction, v, 20_000.0) - 0.5).abs() < 1e-6);
+        }
+        let (worst, a) = demand.worst(300.0, 0.5);
+        let speed = 300.0 / demand.belt_per_mm(worst);
+        assert!((demand.margin(worst, speed, a) - 0.5).abs() < 1e-9);
+        // With half the supply the same limits leave less.
+        let series = Params { supply_v: 12.0, ..Params::default() };
+        assert!(Demand::new(Machine::CoreHBot, &series).unwrap().worst(300.0, 0.5).1 < 0.6 * a);
+    }
+}
