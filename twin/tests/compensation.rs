@@ -1,7 +1,7 @@
 //! Compensated steps keep the tool on the line that was meant, also if the machine is not quite as stiff as believed.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot_twin::compensation::compensate;
+use corehbot_twin::compensation::{CompensationError, compensate};
 use corehbot_twin::dynamics::plant::Detail;
 use corehbot_twin::model::coordinate::Coordinate;
 use corehbot_twin::model::elastic::{Elastic, Freedom};
@@ -115,6 +115,20 @@ fn a_rigid_machine_is_left_alone() {
     assert!(bent.ahead_mm.iter().all(|mm| *mm < 0.004), "{:?}", bent.ahead_mm);
     let (before, after) = (rms_um(&meant, &meant, &rigid), rms_um(&bent.steps, &meant, &rigid));
     assert!((after - before).abs() < 0.3, "{before} {after}");
+}
+
+/// Motors at 125,000 steps/s, a trace of more than an hour, and one that leaves the reach: told, and nothing is made.
+#[test]
+fn what_cannot_be_compensated_is_refused() {
+    let compensated = |trace: &StepTrace, start| compensate(Machine::CoreHBot, &believed(1.0), start, trace, 0.001);
+    let mut fast = StepTrace::new(square().columns, square().step_mm);
+    (0..4000).for_each(|i| fast.add(1_000_000 + 80 * i, 0b1, 0b1));
+    assert!(matches!(compensated(&fast, START), Err(CompensationError::TooFast(s)) if (0.09..0.2).contains(&s)));
+    let mut long = StepTrace::new(square().columns, square().step_mm);
+    long.add(36_001 * 1_000_000, 0b1, 0b1);
+    assert_eq!(compensated(&long, START), Err(CompensationError::TooLong(3600.1)));
+    let beyond = compensated(&square(), Place { x: 425.0, ..START });
+    assert!(matches!(beyond, Err(CompensationError::OutOfReach { .. })), "{beyond:?}");
 }
 
 /// The bar's yaw at the left end of the reach, at 10 m/s^2 along y: what there is to compensate, what stiffness that is 20 %

@@ -117,7 +117,7 @@ impl Printer {
 }
 
 /// Three numbers that a machine of any size might hold; whether this one does is the firmware's to say.
-fn parse_place(text: &str) -> Result<[Mm; 3], String> {
+pub(crate) fn parse_place(text: &str) -> Result<[Mm; 3], String> {
     let mut numbers = text.split(',').map(|part| match part.trim().parse::<f64>() {
         Ok(v) if v.abs() <= 5000.0 => Ok(Mm::from_num(v)),
         _ => Err(format!("`{part}` is no position in mm")),

@@ -203,6 +203,9 @@ fn limits_of_torque_fall_with_speed_and_are_told_as_settings() {
     let margin = |i: usize| played["motors"][i]["margin_at_speed"].as_f64().unwrap();
     assert!((0..4).all(|i| (0.3..0.8).contains(&margin(i))), "{played}");
     assert!(json(&words)["motors"][0]["margin_at_speed"].is_null());
+    let fast = String::from_utf8(twin("limits --speed 2000").stdout).unwrap();
+    assert!(fast.contains("no acceleration leaves 50 % in every direction") && !fast.contains("M201"), "{fast}");
+    assert!(json("limits --speed 2000")["torque_at_speed"]["settings"].is_null());
     assert_eq!(twin("limits --margin 1").status.code(), Some(2));
     assert_eq!(twin("limits --margin 0.5 --torque 0.5").status.code(), Some(2));
 }
@@ -283,7 +286,7 @@ fn a_compensated_trace_keeps_the_tool_nearer_to_its_line() {
     let mut run = Command::new(env!("CARGO_BIN_EXE_corehbot"));
     run.arg("run").arg(&gcode).arg("--trace").arg(&trace).args(["--assume-homed", "100,100,0"]);
     assert!(run.output().unwrap().status.success());
-    let done = json(&format!("compensate {} -o {} --begin 100,100", trace.display(), bent.display()));
+    let done = json(&format!("compensate {} -o {} --assume-homed 100,100,0", trace.display(), bent.display()));
     let ahead: Vec<f64> = done["ahead_um"].as_array().unwrap().iter().map(|um| um.as_f64().unwrap()).collect();
     // M a / K is 18 um in x and 55 in y at 7.5 m/s2, which is what a belt may; where corners jump it is more.
     assert!((10.0..120.0).contains(&ahead[0]) && ahead[1] > ahead[0] && ahead[1] < 250.0, "{done}");
@@ -295,6 +298,8 @@ fn a_compensated_trace_keeps_the_tool_nearer_to_its_line() {
     assert!(after < 0.6 * before, "{before} {after}");
     let head = |path: &Path| std::fs::read_to_string(path).unwrap().lines().take(2).collect::<Vec<_>>().join("\n");
     assert_eq!(head(&trace), head(&bent));
+    let beyond = complaint(&format!("compensate {} -o {} --assume-homed 385,380,0", trace.display(), bent.display()));
+    assert!(beyond.contains("the path takes") && beyond.contains("the tool reaches"), "{beyond}");
     assert!(complaint(&format!("compensate {} -o {}", gcode.display(), bent.display())).contains("no step trace"));
     assert_eq!(twin("compensate t.csv -o u.csv --smooth 0").status.code(), Some(2));
 }

@@ -18,7 +18,7 @@ const CELL_MM: f64 = 5.0;
 /// Friction is on both sides of this speed in mm/s.
 const CREEP: f64 = 2.0;
 
-/// Half of the bell's length in widths.
+/// Half of the Gaussian's length in widths.
 const WIDTHS: f64 = 4.0;
 
 /// mm in an m.
@@ -48,12 +48,12 @@ impl<'p> Lag<'p> {
         Self { machine, params, start }
     }
 
-    /// What is added on a path that is smoothed by a bell of this width before its acceleration is taken.
+    /// What is added on a path that is smoothed by a Gaussian of this width before its acceleration is taken.
     #[must_use]
     pub fn of(&self, path: &Path, width_s: f64) -> Ahead {
         let p = self.params;
         let tool = path.tool();
-        let [bell, slope, bend] = bells(width_s);
+        let [gaussian, slope, curvature] = kernels(width_s);
         let masses = [p.head_mass_kg, p.head_mass_kg + p.bar_mass_kg].map(|kg| kg / MM_PER_M);
         let guides = [p.guide_x_n_s_per_m, p.guide_y_n_s_per_m].map(|c| c / MM_PER_M);
         let dry = [p.dry_friction_x_n, p.dry_friction_y_n];
@@ -62,7 +62,7 @@ impl<'p> Lag<'p> {
         let mut motors = vec![Vec::with_capacity(tool.len()); path.rows.len()];
         let mut greatest_mm = [0.0_f64; 2];
         for sample in 0..tool.len() {
-            let [at, v, a] = [&bell, &slope, &bend].map(|kernel| folded(&tool, sample, kernel));
+            let [at, v, a] = [&gaussian, &slope, &curvature].map(|kernel| convolved(&tool, sample, kernel));
             let place = Place { x: self.start.x + at[0], y: self.start.y + at[1] };
             let cell = [place.x, place.y].map(|v| (v / CELL_MM).round() as i64);
             let [[xx, xy], [yx, yy]] = *compliances.entry(cell).or_insert_with(|| compliance(self.machine, p, cell));
@@ -91,29 +91,29 @@ fn compliance(machine: Machine, params: &Params, cell: [i64; 2]) -> [[f64; 2]; 2
     inverse.map_or([[0.0; 2]; 2], |c| [[c[(0, 0)], c[(0, 1)]], [c[(1, 0)], c[(1, 1)]]])
 }
 
-/// A bell of this width, its slope and its bend, at [`RATE`].
-fn bells(width_s: f64) -> [Vec<f64>; 3] {
+/// A Gaussian of this width and its first two derivatives, at [`RATE`].
+fn kernels(width_s: f64) -> [Vec<f64>; 3] {
     let width = width_s * RATE;
     let half = (WIDTHS * width).ceil() as i64;
     let at = |i: i64| i as f64 / width;
     let plain: Vec<f64> = (-half..=half).map(|i| (-at(i) * at(i) / 2.0).exp()).collect();
     let sum: f64 = plain.iter().sum();
     let with = |factor: &dyn Fn(f64) -> f64| -> Vec<f64> {
-        (-half..=half).zip(&plain).map(|(i, bell)| factor(at(i)) * bell / sum).collect()
+        (-half..=half).zip(&plain).map(|(i, weight)| factor(at(i)) * weight / sum).collect()
     };
     let slope = with(&|u| u / width_s);
-    let bend = with(&|u| (u * u - 1.0) / (width_s * width_s));
+    let curvature = with(&|u| (u * u - 1.0) / (width_s * width_s));
     // Cut off and sampled, it is set right so that a place far off adds nothing and a parabola has its own acceleration.
-    let mean = bend.iter().sum::<f64>();
-    let bend: Vec<f64> = bend.iter().zip(&plain).map(|(bend, bell)| bend - mean * bell / sum).collect();
+    let mean = curvature.iter().sum::<f64>();
+    let curvature: Vec<f64> = curvature.iter().zip(&plain).map(|(at, weight)| at - mean * weight / sum).collect();
     let times = (-half..=half).map(|i| i as f64 / RATE);
-    let parabola: f64 = bend.iter().zip(times).map(|(bend, t)| bend * t * t / 2.0).sum();
-    let bend = bend.into_iter().map(|bend| bend / parabola).collect();
-    [plain.iter().map(|bell| bell / sum).collect(), slope, bend]
+    let parabola: f64 = curvature.iter().zip(times).map(|(at, t)| at * t * t / 2.0).sum();
+    let curvature = curvature.into_iter().map(|at| at / parabola).collect();
+    [plain.iter().map(|at| at / sum).collect(), slope, curvature]
 }
 
 /// A kernel over the samples about one; the ends go on for ever.
-fn folded(tool: &[[f64; 2]], sample: usize, kernel: &[f64]) -> [f64; 2] {
+fn convolved(tool: &[[f64; 2]], sample: usize, kernel: &[f64]) -> [f64; 2] {
     let half = kernel.len() / 2;
     let mut sum = [0.0; 2];
     for (i, weight) in kernel.iter().enumerate() {
@@ -132,15 +132,15 @@ mod tests {
 
     /// Of 3 + 2 t + t^2 / 2 about t = 0.02 the place is 3.0402, the speed 2.02, the acceleration 1.
     #[test]
-    fn bells_tell_place_speed_and_acceleration_of_a_parabola() {
+    fn kernels_tell_place_speed_and_acceleration_of_a_parabola() {
         let place = |sample: usize| {
             let t = sample as f64 / RATE;
             [3.0 + 2.0 * t + t * t / 2.0, 0.0]
         };
         let tool: Vec<[f64; 2]> = (0..200).map(place).collect();
         for width_s in [0.0003, 0.001, 0.004] {
-            let found = bells(width_s).map(|kernel| folded(&tool, 100, &kernel)[0]);
-            // The bell rounds the place by half its width's square.
+            let found = kernels(width_s).map(|kernel| convolved(&tool, 100, &kernel)[0]);
+            // The Gaussian rounds the place by half its width's square.
             let expected = [3.0402 + width_s * width_s / 2.0, 2.02, 1.0];
             for (found, (expected, part)) in found.into_iter().zip(expected.into_iter().zip([1e-6, 2e-3, 1e-6])) {
                 assert!((found / expected - 1.0).abs() < part, "{width_s}: {found} {expected}");

@@ -3,9 +3,10 @@
 //! A step says where the motor is meant to be at that very time: half way between the two places. Between these times the
 //! path is taken as straight. Where a motor rests it is at its step. Motors that share a column of the trace count once.
 
+use crate::geometry::Workspace;
 use crate::model::ways::Ways;
 use crate::params::Params;
-use crate::routing::Machine;
+use crate::routing::{Machine, Place};
 use crate::steps::drive::{NoColumn, drives};
 use crate::steps::{StepTrace, TICKS_PER_SECOND};
 
@@ -66,6 +67,16 @@ impl Path {
             knots.push((duration_s, *end as f64));
         }
         Ok(Self { motors, columns, rows, duration_s })
+    }
+
+    /// What the tool takes of the reach if it begins at `start`.
+    pub(super) fn taken(&self, start: Place) -> Workspace {
+        let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
+        for [x, y] in self.tool() {
+            taken.x = [taken.x[0].min(start.x + x), taken.x[1].max(start.x + x)];
+            taken.y = [taken.y[0].min(start.y + y), taken.y[1].max(start.y + y)];
+        }
+        taken
     }
 
     /// The tool 5000 times a second, in mm from the start.

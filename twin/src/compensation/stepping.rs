@@ -1,18 +1,24 @@
 //! Stepping: steps of paths with something added to each, among the steps of all other motors.
 
+use super::CompensationError;
 use super::path::{Path, RATE, Walk};
 use crate::steps::{Event, StepTrace, TICKS_PER_SECOND};
 
 /// Ticks between two looks: 10 us. A motor steps once at a look.
 const LOOK: u64 = 100;
 
+/// A motor that is so many steps away from where it is meant to be does not keep up.
+const LEFT_BEHIND: f64 = 3.0;
+
 /// A motor steps where it is this much of a step away, so that it does not tremble.
 const STEP_AT: f64 = 0.55;
 
 impl Path {
     /// The steps of it, in the columns of the trace that it was made of; what has no part in the path steps as before.
-    #[must_use]
-    pub(super) fn steps(&self, trace: &StepTrace, added: &[Vec<f64>]) -> StepTrace {
+    ///
+    /// # Errors
+    /// A motor would have to step faster than once a look.
+    pub(super) fn steps(&self, trace: &StepTrace, added: &[Vec<f64>]) -> Result<StepTrace, CompensationError> {
         let mut steps = StepTrace::new(trace.columns.clone(), trace.step_mm);
         let mut walks: Vec<Walk> = self.motors.iter().map(|knots| Walk::new(knots)).collect();
         let mut counts = vec![0_i64; walks.len()];
@@ -29,6 +35,9 @@ impl Path {
                 let meant = walk.at(time) + added.get(motor).map_or(0.0, |added| between(added, time));
                 let away = meant - *count as f64;
                 let Some((column, sense)) = self.columns.get(motor).filter(|_| away.abs() > STEP_AT) else { continue };
+                if away.abs() > LEFT_BEHIND {
+                    return Err(CompensationError::TooFast(time));
+                }
                 let is_up = away > 0.0;
                 *count += if is_up { 1 } else { -1 };
                 stepping |= 1 << column;
@@ -41,7 +50,7 @@ impl Path {
         for (tick, event) in others {
             steps.add(tick, event.steps & !own, event.forward & !own);
         }
-        steps
+        Ok(steps)
     }
 }
 

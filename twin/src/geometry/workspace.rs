@@ -16,6 +16,13 @@ pub struct Workspace {
     pub y: [f64; 2],
 }
 
+impl std::fmt::Display for Workspace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([a, b], [c, d]) = (self.x, self.y);
+        write!(f, "x {a:.1} to {b:.1}, y {c:.1} to {d:.1}")
+    }
+}
+
 impl Workspace {
     /// Whether the tool can be there, up to rounding.
     #[must_use]
@@ -23,6 +30,16 @@ impl Workspace {
         const ROUNDING: f64 = 1e-9;
         let within = |v: f64, [low, high]: [f64; 2]| v >= low - ROUNDING && v <= high + ROUNDING;
         within(tool.x, self.x) && within(tool.y, self.y)
+    }
+
+    /// Whether a path that takes so much stays within it, but for what a switch is pressed beyond it.
+    #[must_use]
+    pub fn bears(&self, path: &Self) -> bool {
+        /// So far beyond the reach, in mm, a switch is met at the most.
+        const BEYOND_MM: f64 = 2.0;
+        let within =
+            |[low, high]: [f64; 2], [least, most]: [f64; 2]| low >= least - BEYOND_MM && high <= most + BEYOND_MM;
+        within(path.x, self.x) && within(path.y, self.y)
     }
 
     /// G-code's X0 Y0.

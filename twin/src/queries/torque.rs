@@ -44,8 +44,8 @@ pub struct TorqueLimits {
     pub accelerations_mm_s2: Vec<f64>,
     /// What each direction allows.
     pub directions: Vec<DirectionLimits>,
-    /// What to set.
-    pub settings: TorqueSettings,
+    /// What to set; none if no acceleration keeps the margin at the belt speed.
+    pub settings: Option<TorqueSettings>,
 }
 
 /// A direction of the tool.
@@ -53,10 +53,10 @@ pub struct TorqueLimits {
 pub struct DirectionLimits {
     /// Its name.
     pub direction: &'static str,
-    /// The greatest acceleration at each of the speeds.
-    pub acceleration_mm_s2: Vec<f64>,
-    /// The greatest speed at each of the accelerations.
-    pub speed_mm_s: Vec<f64>,
+    /// The greatest acceleration at each of the speeds; none where friction alone takes more.
+    pub acceleration_mm_s2: Vec<Option<f64>>,
+    /// The greatest speed at each of the accelerations; none where it takes too much at rest already.
+    pub speed_mm_s: Vec<Option<f64>>,
 }
 
 /// Limits of the firmware that keep the margin in every direction.
@@ -85,15 +85,16 @@ impl TorqueLimits {
             speed_mm_s: ACCELERATIONS.map(|a| demand.speed_mm_s(along, a, margin)).to_vec(),
         };
         let directions = DIRECTIONS.map(direction).to_vec();
-        let (worst, least) = demand.worst(belt_speed_mm_s, margin);
-        let acceleration_mm_s2 = (least / WHOLE).floor() * WHOLE;
         let diagonal = DIRECTIONS.map(|(_, along)| demand.belt_per_mm(along)).into_iter().fold(0.0, f64::max);
-        let settings = TorqueSettings {
-            belt_speed_mm_s,
-            acceleration_mm_s2,
-            worst_direction_deg: worst[1].atan2(worst[0]).to_degrees(),
-            belt_acceleration_mm_s2: (acceleration_mm_s2 * diagonal).ceil(),
-        };
+        let settings = demand.worst(belt_speed_mm_s, margin).and_then(|(worst, least)| {
+            let acceleration_mm_s2 = (least / WHOLE).floor() * WHOLE;
+            (acceleration_mm_s2 > 0.0).then(|| TorqueSettings {
+                belt_speed_mm_s,
+                acceleration_mm_s2,
+                worst_direction_deg: worst[1].atan2(worst[0]).to_degrees(),
+                belt_acceleration_mm_s2: (acceleration_mm_s2 * diagonal).ceil(),
+            })
+        });
         Ok(Self {
             margin,
             speeds_mm_s: SPEEDS.to_vec(),
@@ -107,23 +108,28 @@ impl TorqueLimits {
 
 impl std::fmt::Display for TorqueLimits {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let row = |f: &mut std::fmt::Formatter<'_>, what: &str, figures: &[f64]| {
-            let figures: Vec<String> = figures.iter().map(|figure| format!("{:>8}", shown(*figure, 0))).collect();
+        let row = |f: &mut std::fmt::Formatter<'_>, what: &str, figures: &[Option<f64>]| {
+            let figure = |figure: &Option<f64>| figure.map_or_else(|| "-".to_owned(), |figure| shown(figure, 0));
+            let figures: Vec<String> = figures.iter().map(|of| format!("{:>8}", figure(of))).collect();
             writeln!(f, "  {what:<46}{}", figures.concat())
         };
+        let known = |figures: &[f64]| figures.iter().copied().map(Some).collect::<Vec<_>>();
         let left = shown(100.0 * self.margin, 0);
         writeln!(f, "Torque at speed, {left} % of it left, worst place of the reach")?;
-        row(f, "speed, mm/s", &self.speeds_mm_s)?;
-        row(f, "torque of a motor at this belt speed, mN m", &self.pull_out_torque_mnm)?;
+        row(f, "speed, mm/s", &known(&self.speeds_mm_s))?;
+        row(f, "torque of a motor at this belt speed, mN m", &known(&self.pull_out_torque_mnm))?;
         for limits in &self.directions {
             row(f, &format!("acceleration along {} at it, mm/s2", limits.direction), &limits.acceleration_mm_s2)?;
         }
-        row(f, "acceleration, mm/s2", &self.accelerations_mm_s2)?;
+        row(f, "acceleration, mm/s2", &known(&self.accelerations_mm_s2))?;
         for limits in &self.directions {
             row(f, &format!("highest speed along {} with it, mm/s", limits.direction), &limits.speed_mm_s)?;
         }
+        let Some(settings) = self.settings else {
+            return writeln!(f, "At the belt speed asked for, no acceleration leaves {left} % in every direction.");
+        };
         let TorqueSettings { belt_speed_mm_s: v, acceleration_mm_s2: a, worst_direction_deg, belt_acceleration_mm_s2 } =
-            self.settings;
+            settings;
         let worst = shown(worst_direction_deg, 0);
         writeln!(f, "Settings that leave {left} % in every direction ({worst} degrees from x is the worst):")?;
         writeln!(f, "  M203 X{v} Y{v}")?;

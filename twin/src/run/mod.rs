@@ -26,9 +26,6 @@ const LOOK: u64 = 1000;
 /// How long everything is let ring after the last step, in ticks.
 const RING_OUT: u64 = 2_000_000;
 
-/// The path of a trace may leave the reach by so much, in mm: a switch is pressed a little beyond it.
-const BEYOND_MM: f64 = 2.0;
-
 /// Events between two calls of who is told of the progress.
 const TOLD: usize = 4096;
 
@@ -55,10 +52,7 @@ impl std::fmt::Display for RunError {
         match self {
             Self::NoColumn(error) => error.fmt(f),
             Self::OutOfReach { path, reach } => {
-                let ([a, b], [c, d]) = (path.x, path.y);
-                let ([k, l], [m, n]) = (reach.x, reach.y);
-                write!(f, "the path takes x {a:.1} to {b:.1}, y {c:.1} to {d:.1} mm; ")?;
-                write!(f, "the tool reaches x {k:.1} to {l:.1}, y {m:.1} to {n:.1}")
+                write!(f, "the path takes {path} mm; the tool reaches {reach}")
             }
             Self::Diverged(seconds) => write!(f, "the machine's numbers grow beyond bounds after {seconds:.3} s"),
             Self::Interrupted => f.write_str("interrupted"),
@@ -96,11 +90,7 @@ impl<'t> Run<'t> {
         let drives = drives(trace, &plant.ways).map_err(RunError::NoColumn)?;
         let (path, taken, residual_mm) = line(machine, &plant, &drives, trace);
         let reach = workspace(machine, params);
-        let is_inside = taken.x[0] >= reach.x[0] - BEYOND_MM
-            && taken.x[1] <= reach.x[1] + BEYOND_MM
-            && taken.y[0] >= reach.y[0] - BEYOND_MM
-            && taken.y[1] <= reach.y[1] + BEYOND_MM;
-        if !is_inside {
+        if !reach.bears(&taken) {
             return Err(RunError::OutOfReach { path: taken, reach });
         }
         let watch = Watch::new(machine, &plant, ContourError::new(path), residual_mm);

@@ -95,19 +95,23 @@ impl Demand {
         self.lines(direction, speed_mm_s).map(kept).fold(1.0, f64::min)
     }
 
-    /// The greatest acceleration in mm/s^2 at a speed with which every motor keeps this part of its torque; 0 if none does.
+    /// The greatest acceleration in mm/s^2 at a speed with which every motor keeps this part of its torque, if any does.
     #[must_use]
-    pub fn acceleration_mm_s2(&self, direction: [f64; 2], speed_mm_s: f64, margin: f64) -> f64 {
+    pub fn acceleration_mm_s2(&self, direction: [f64; 2], speed_mm_s: f64, margin: f64) -> Option<f64> {
         let most = |line: Line| {
             let [slope, own] = if line.slope < 0.0 { [-line.slope, -line.own] } else { [line.slope, line.own] };
             ((1.0 - margin) * line.available - own) / slope.max(f64::MIN_POSITIVE)
         };
-        self.lines(direction, speed_mm_s).map(most).fold(f64::INFINITY, f64::min).max(0.0)
+        let least = self.lines(direction, speed_mm_s).map(most).fold(f64::INFINITY, f64::min);
+        (least > 0.0).then_some(least)
     }
 
-    /// The greatest speed in mm/s at which the tool accelerates so and every motor keeps this part of its torque.
+    /// The greatest speed in mm/s at which the tool accelerates so and every motor keeps this part of its torque, if there is one.
     #[must_use]
-    pub fn speed_mm_s(&self, direction: [f64; 2], acceleration_mm_s2: f64, margin: f64) -> f64 {
+    pub fn speed_mm_s(&self, direction: [f64; 2], acceleration_mm_s2: f64, margin: f64) -> Option<f64> {
+        if self.margin(direction, 0.0, acceleration_mm_s2) < margin {
+            return None;
+        }
         let [mut low, mut high] = [0.0, FASTEST_MM_S];
         for _ in 0..HALVINGS {
             let middle = (low + high) / 2.0;
@@ -117,19 +121,21 @@ impl Demand {
                 high = middle;
             }
         }
-        low
+        Some(low)
     }
 
-    /// The direction (of length 1) in which the acceleration that is left at this belt speed is least, and that acceleration.
+    /// The direction (of length 1) in which the acceleration that is left at this belt speed is least, and that acceleration; none if
+    /// none is left in one.
     #[must_use]
-    pub fn worst(&self, belt_mm_s: f64, margin: f64) -> ([f64; 2], f64) {
+    pub fn worst(&self, belt_mm_s: f64, margin: f64) -> Option<([f64; 2], f64)> {
         /// Directions looked at over half a turn.
         const DIRECTIONS: usize = 180;
         let all = (0..DIRECTIONS).map(|i| std::f64::consts::PI * i as f64 / DIRECTIONS as f64).map(|angle| {
             let direction = [angle.cos(), angle.sin()];
-            (direction, self.acceleration_mm_s2(direction, belt_mm_s / self.belt_per_mm(direction), margin))
+            self.acceleration_mm_s2(direction, belt_mm_s / self.belt_per_mm(direction), margin).map(|a| (direction, a))
         });
-        all.fold(([1.0, 0.0], f64::INFINITY), |worst, one| if one.1 < worst.1 { one } else { worst })
+        let least = |worst: ([f64; 2], f64), one: ([f64; 2], f64)| if one.1 < worst.1 { one } else { worst };
+        all.collect::<Option<Vec<_>>>()?.into_iter().reduce(least)
     }
 
     /// How far the fastest belt runs for a millimetre of the tool.
@@ -184,17 +190,20 @@ mod tests {
         let demand = Demand::new(Machine::CoreHBot, &Params::default()).unwrap();
         for direction in [[1.0, 0.0], [0.0, -1.0], [FRAC_1_SQRT_2, -FRAC_1_SQRT_2], [0.6, 0.8]] {
             for speed in [0.0, 150.0, 400.0] {
-                let a = demand.acceleration_mm_s2(direction, speed, 0.5);
+                let a = demand.acceleration_mm_s2(direction, speed, 0.5).unwrap();
                 assert!((demand.margin(direction, speed, a) - 0.5).abs() < 1e-9);
             }
-            let v = demand.speed_mm_s(direction, 20_000.0, 0.5);
+            let v = demand.speed_mm_s(direction, 20_000.0, 0.5).unwrap();
             assert!((demand.margin(direction, v, 20_000.0) - 0.5).abs() < 1e-6);
         }
-        let (worst, a) = demand.worst(300.0, 0.5);
+        let (worst, a) = demand.worst(300.0, 0.5).unwrap();
         let speed = 300.0 / demand.belt_per_mm(worst);
         assert!((demand.margin(worst, speed, a) - 0.5).abs() < 1e-9);
         // With half the supply the same limits leave less.
         let series = Params { supply_v: 12.0, ..Params::default() };
-        assert!(Demand::new(Machine::CoreHBot, &series).unwrap().worst(300.0, 0.5).1 < 0.6 * a);
+        assert!(Demand::new(Machine::CoreHBot, &series).unwrap().worst(300.0, 0.5).unwrap().1 < 0.6 * a);
+        // Where drag and friction take more than the margin leaves, there is no acceleration.
+        assert_eq!(demand.worst(2000.0, 0.5), None);
+        assert_eq!(demand.speed_mm_s([1.0, 0.0], 1e6, 0.5), None);
     }
 }

@@ -1,10 +1,12 @@
 //! `twin compensate`: a step trace whose motors go ahead by what the tool would lag behind.
 
 use super::answer::Json;
-use super::setup::{MachineArgs, parse_pair};
+use super::setup::MachineArgs;
 use super::source::Source;
+use crate::cli::parse_place;
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
+use corehbot::units::Mm;
 use corehbot_twin::compensation::compensate;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::routing::Place;
@@ -24,10 +26,10 @@ pub(crate) struct Compensate {
     output: PathBuf,
     #[command(flatten)]
     machine: MachineArgs,
-    /// Where the tool is at the begin, in G-code's coordinates; without it, where the simulator switches it on.
-    #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
-    begin: Option<[f64; 2]>,
-    /// Over how many ms (standard deviation of a bell) the path is smoothed before its acceleration is taken.
+    /// Where the firmware began, in G-code's coordinates, as `run` has it; without it, where the simulator switches it on.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
+    assume_homed: Option<[Mm; 3]>,
+    /// Over how many ms (standard deviation of a Gaussian) the path is smoothed before its acceleration is taken.
     #[arg(long, value_name = "MS", value_parser = parse_width, default_value = "1")]
     smooth: f64,
     #[command(flatten)]
@@ -58,8 +60,7 @@ impl Compensate {
         let Some(trace) = Source::trace(&self.file)? else {
             bail!("{file} is no step trace; `corehbot run FILE --trace T.csv` makes one");
         };
-        let [x, y, _] = corehbot_rig::AT_POWER_UP.map(|mm| mm.to_num());
-        let [x, y] = self.begin.unwrap_or([x, y]);
+        let [x, y, _] = self.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(|mm| mm.to_num::<f64>());
         let origin = workspace(machine, &params).origin();
         let start = Place { x: origin.x + x, y: origin.y + y };
         let compensated =
