@@ -3,7 +3,7 @@
 
 A task is `corehbot twin sweep STUDY.toml --sample I`, which prints a line with a check in it. The lines are kept in the
 journal of the result, as `corehbot twin sweep STUDY.toml -o OUT.csv` keeps its own, and that command makes the table of
-them: the same bytes, wherever the samples were computed.
+them: the same bytes, whichever of the computers computed a sample, if all have one build and one kind of machine.
 """
 
 import argparse
@@ -62,7 +62,7 @@ def number_of(line, plan):
 
 
 class Journal:
-    """The samples that are finished, a line each; nobody else writes while it is open."""
+    """The samples that are finished, a line each; nobody else writes while it is open, where files can be locked."""
 
     def __init__(self, path, head):
         self.plan = entries(head)
@@ -77,8 +77,11 @@ class Journal:
         """The numbers of the samples that are there; what was cut at the end is taken away."""
         try:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+        except BlockingIOError as error:
             raise StudyError(f"{path}: another process computes these samples") from error
+        except OSError as error:
+            why = f"{path} cannot be locked ({error.strerror}); see to it that no other process computes these samples"
+            print(f"study.py: {why}", file=sys.stderr)
         self.file.seek(0)
         text = self.file.read()
         whole = text.rfind(b"\n") + 1
@@ -98,7 +101,7 @@ class Journal:
         """Keeps the line of a sample, which counts once however often it was computed."""
         number = number_of(line, self.plan)
         if number is None:
-            raise StudyError("a worker computes another study: it has other files, or another version of corehbot")
+            raise StudyError("a worker computes another study: it has other files, another version of corehbot, or is another kind of machine")
         if number not in self.done:
             self.write(line)
             self.done.add(number)

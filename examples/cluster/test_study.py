@@ -4,7 +4,10 @@
 COREHBOT names the command.
 """
 
+import contextlib
 import csv
+import errno
+import io
 import os
 import signal
 import stat
@@ -15,6 +18,7 @@ import threading
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from distributed import Client, LocalCluster
 
@@ -144,6 +148,16 @@ class OnTwoWorkers(unittest.TestCase):
         self.study.write_text(STUDY.replace("seed = 5", "seed = 6"))
         with self.assertRaisesRegex(study.StudyError, "computes another study"):
             journal.keep(study.sample(COREHBOT, self.study, 0).strip())
+
+    def test_where_files_cannot_be_locked_it_is_said_and_gone_on(self):
+        plan = study.run(COREHBOT, self.study, "--plan").strip()
+        said = io.StringIO()
+        refused = OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+        with mock.patch.object(study.fcntl, "flock", side_effect=refused), contextlib.redirect_stderr(said):
+            journal = study.Journal(self.journal, plan)
+        self.addCleanup(journal.close)
+        self.assertIn("out.csv.journal cannot be locked", said.getvalue())
+        self.assertEqual(self.journal.read_text(), plan + "\n")
 
 
 if __name__ == "__main__":

@@ -81,7 +81,7 @@ fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
 }
 
 /// The printer that commands have in common.
-#[derive(Args)]
+#[derive(Clone, Args)]
 pub(crate) struct Printer {
     /// The machine; without it, the CoreH-bot prototype.
     #[arg(long, value_name = "M.toml")]

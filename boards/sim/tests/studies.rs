@@ -132,6 +132,36 @@ fn the_table_can_go_to_standard_output_and_a_page_shows_it() {
     assert_eq!(data["points"][0]["figures"].as_array().unwrap().len(), data["figures"].as_array().unwrap().len());
 }
 
+/// Hours of computing are not to end in an output that cannot be.
+#[test]
+fn outputs_are_judged_before_anything_is_computed() {
+    let folder = folder("outputs");
+    let hours = STUDY.replace("samples = 24", "samples = 900000");
+    fs::write(folder.join("study.toml"), &hours).unwrap();
+    let cases = [
+        ("-o - --json -", "only one output can go to standard output"),
+        ("-o - --report -", "only one output can go to standard output"),
+        ("-o s.csv --report nowhere/r.html", "cannot create nowhere/r.html"),
+        ("-o s.csv --json nowhere/s.json", "cannot create nowhere/s.json"),
+        ("-o nowhere/s.csv", "nowhere/s.csv"),
+        ("-o s.csv --report s.csv", "s.csv is another output already"),
+        ("-o study.toml", "study.toml would overwrite the input"),
+        ("-o s.csv --json corner.gcode", "corner.gcode would overwrite the input"),
+        ("-o s.csv --json s.csv.journal", "s.csv.journal would overwrite the input"),
+    ];
+    for (words, why) in cases {
+        let ended = output(&folder, &format!("study.toml {words}"));
+        let said = String::from_utf8(ended.stderr).unwrap();
+        assert_eq!(ended.status.code(), Some(1), "{words}: {said}");
+        assert!(said.contains(why) && said.lines().count() == 1, "{words}: {said}");
+        let names = fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        let mut names: Vec<String> = names.collect();
+        names.sort_unstable();
+        assert_eq!(names, ["corner.gcode", "study.toml"], "{words}");
+    }
+    assert_eq!(fs::read_to_string(folder.join("study.toml")).unwrap(), hours);
+}
+
 #[test]
 fn what_cannot_be_is_said_in_one_line() {
     let folder = folder("refused");
@@ -151,9 +181,16 @@ fn what_cannot_be_is_said_in_one_line() {
     assert!(said("study.toml -o s.csv --jobs 0", 2).contains("--jobs"));
     fs::write(folder.join("s.csv.journal"), "my notes\n").unwrap();
     assert!(said("study.toml -o s.csv", 1).contains("s.csv.journal: is no journal"));
+    fs::remove_file(folder.join("s.csv.journal")).unwrap();
     fs::remove_file(folder.join("corner.gcode")).unwrap();
     assert!(said("study.toml -o s.csv", 1).contains("corner.gcode"));
-    fs::write(folder.join("corner.gcode"), "G1 X9999\n").unwrap();
+    fs::write(folder.join("corner.gcode"), "M112\n").unwrap();
+    // Nobody needs steps for the first line of a journal.
+    assert!(said("study.toml --plan", 0).is_empty());
+    for words in ["study.toml --sample 0", "study.toml -o s.csv"] {
+        assert!(said(words, 1).contains("corner.gcode: the print failed"), "{words}");
+    }
+    assert!(!folder.join("s.csv.journal").exists());
     fs::write(folder.join("study.toml"), STUDY.replace("seed", "sed")).unwrap();
     let typo = said("study.toml -o s.csv", 1);
     assert!(typo.contains("study.toml:4:1: ") && typo.contains("did you mean `seed`?"), "{typo}");

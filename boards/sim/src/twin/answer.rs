@@ -1,14 +1,14 @@
 //! Answer: a table on the terminal, and JSON where it is asked for.
 
 use crate::cli::DONE;
-use crate::output::Outputs;
+use crate::output::{Outputs, Stream};
 use crate::printable;
 use crate::stop::Stop;
 use anyhow::{Context as _, Result};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Display;
-use std::io::{ErrorKind, Write};
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// Where the figures go.
@@ -43,15 +43,30 @@ impl Json {
         others: impl FnOnce(&mut Outputs) -> Result<()>,
     ) -> Result<u8> {
         let mut outputs = Outputs::new(inputs, Stop::default());
-        if let Some(path) = &self.json {
-            let mut out = outputs.open(path)?;
-            let text = serde_json::to_string_pretty(answer)?;
-            writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write the JSON")?;
+        if let Some(mut out) = self.open(&mut outputs)? {
+            Self::write(&mut out, answer)?;
         }
         others(&mut outputs)?;
         say(&answer.to_string(), outputs.is_standard_taken())?;
         outputs.keep()?;
         Ok(DONE)
+    }
+
+    /// Opens where the figures go, if they are asked for.
+    ///
+    /// # Errors
+    /// It cannot be written, or is an input or another output.
+    pub(super) fn open(&self, outputs: &mut Outputs) -> Result<Option<BufWriter<Stream>>> {
+        self.json.as_deref().map(|path| outputs.open(path)).transpose()
+    }
+
+    /// Writes the figures there.
+    ///
+    /// # Errors
+    /// What `out` reports.
+    pub(super) fn write(out: &mut impl Write, answer: &impl Serialize) -> Result<()> {
+        let text = serde_json::to_string_pretty(answer)?;
+        writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write the JSON")
     }
 }
 

@@ -3,8 +3,7 @@
 use super::answer::Json;
 use super::play::RunModel;
 use super::setup::{SetupArgs, parse_pair};
-use super::source::Source;
-use super::study::{Options, Query, Sample, Study, compute, varied};
+use super::study::{Options, Played, Query, Sample, Study, compute, varied};
 use crate::cli::Printer;
 use crate::stop::Stop;
 use anyhow::{Result, anyhow};
@@ -30,7 +29,8 @@ pub(crate) struct Sweep {
     study: Options,
     #[command(flatten)]
     setup: SetupArgs,
-    /// Where the tool is at the begin of the file, in mm from motor 1's axis; without it, where the firmware is.
+    /// Where the tool is at the begin of the file, in mm from motor 1's axis (as --at of `twin run`); without it, where the
+    /// firmware is.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
     begin: Option<[f64; 2]>,
     /// What moves besides the tool, on the file.
@@ -104,12 +104,11 @@ impl Sweep {
             varied(&setup.params, std::slice::from_ref(key), &[*value])?;
         }
         let stop = Stop::at_signals()?;
-        let source = file.map(|file| Source::read(file, &self.printer, &stop)).transpose();
-        let rows = source.and_then(|source| {
-            let begin = self.begin.map(|[x, y]| Place { x, y });
-            let run = source.map(|source| Query::Run { source, model: self.run_model, begin });
-            let study = Study::of_one(setup, key.clone(), values.clone(), run);
-            let samples = compute(&study, None, Vec::new(), self.study.jobs(), &stop)?;
+        let begin = self.begin.map(|[x, y]| Place { x, y });
+        let played = |file: &Path| Played::new(file.to_owned(), self.printer.clone());
+        let run = file.map(|file| Query::Run { file: played(file), model: self.run_model, begin });
+        let study = Study::of_one(setup, key.clone(), values.clone(), run);
+        let rows = compute(&study, None, Vec::new(), self.study.jobs(), &stop).and_then(|samples| {
             samples
                 .into_iter()
                 .zip(values)

@@ -53,7 +53,10 @@ pub(super) fn check(study: &StudyToml) -> Checked<()> {
     }
     if let Some(run) = &study.run {
         if run.begin.is_some_and(|begin| !begin.iter().all(|v| v.is_finite())) {
-            return wrong("run.begin", "wants two numbers");
+            return wrong(
+                "run.begin",
+                "wants two numbers: the tool's place in mm from motor 1's axis, which `twin run` calls --at",
+            );
         }
         if run.assume_homed.is_some_and(|place| !place.iter().all(|v| v.abs() <= FARTHEST_MM)) {
             return wrong("run.assume_homed", &format!("up to {FARTHEST_MM} mm either way is legal"));

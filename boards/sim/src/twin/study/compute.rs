@@ -15,7 +15,7 @@ use std::sync::{Mutex, PoisonError};
 /// All samples in their order; if it was stopped, those that were finished.
 ///
 /// # Errors
-/// The journal cannot be written.
+/// What samples play cannot be read, or the journal cannot be written.
 pub(in crate::twin) fn compute(
     study: &Study,
     journal: Option<&mut Journal>,
@@ -31,6 +31,11 @@ pub(in crate::twin) fn compute(
         }
     }
     let missing: Vec<usize> = (0..study.samples).filter(|i| samples.get(*i).is_some_and(Option::is_none)).collect();
+    let loaded = if missing.is_empty() { Ok(()) } else { study.load(stop) };
+    if stop.is_set() {
+        return Ok(samples.into_iter().flatten().collect());
+    }
+    loaded?;
     let bar = progress_bar(study.samples as u64, "samples");
     bar.set_position((study.samples - missing.len()) as u64);
     let journal = journal.map(Mutex::new);

@@ -19,9 +19,8 @@ pub(super) struct StudyToml {
     /// The machines, each with the same numbers.
     #[serde(default = "corehbot")]
     pub machines: Vec<MachineArg>,
-    /// What may move besides the tool, where nothing is played.
-    #[serde(default)]
-    pub model: ModelArg,
+    /// What may move besides the tool, where nothing is played; without it, what each question's command has.
+    pub model: Option<ModelArg>,
     /// Where the tool is, in mm from motor 1's axis; neither: in the middle of its reach.
     pub at: Option<[f64; 2]>,
     /// Columns and rows of places over the reach, of which the worst counts.
@@ -134,7 +133,8 @@ pub(super) struct RunToml {
     pub settings: Option<PathBuf>,
     /// Where G-code begins.
     pub assume_homed: Option<[f64; 3]>,
-    /// Where the tool is at the begin, in mm from motor 1's axis.
+    /// Where the tool is at the begin, in mm from motor 1's axis (not in G-code's coordinates), which `twin run` calls
+    /// `--at`.
     pub begin: Option<[f64; 2]>,
 }
 

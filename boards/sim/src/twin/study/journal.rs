@@ -2,7 +2,8 @@
 //!
 //! A file that is only appended to, a line a sample ([`super::line`]), the study's own line first. A process that is killed
 //! leaves at most half a line at its end: what has no line end is cut off before the next sample is written, and a line whose
-//! check is wrong is as if it were not there. Nobody else may write while one process does.
+//! check is wrong is as if it were not there. Nobody else may write while one process does; where files cannot be locked, as
+//! on some network drives, the user is asked to see to it.
 
 use super::line;
 use super::plan::{Sample, Study};
@@ -20,6 +21,8 @@ const ENDING: &str = ".journal";
 pub(in crate::twin) struct Journal {
     file: File,
     pub path: PathBuf,
+    /// Whether it has no sample.
+    is_empty: bool,
 }
 
 impl Journal {
@@ -35,19 +38,28 @@ impl Journal {
         let file = OpenOptions::new().read(true).append(true).create(true).open(&path).with_context(cannot)?;
         match file.try_lock() {
             Err(TryLockError::WouldBlock) => bail!("{}: another process computes these samples", path.display()),
-            // Where files cannot be locked, the user must see to it.
-            Err(TryLockError::Error(_)) | Ok(()) => {}
+            Err(TryLockError::Error(error)) => eprintln!(
+                "corehbot: {} cannot be locked ({error}); see to it that no other process computes these samples",
+                path.display()
+            ),
+            Ok(()) => {}
         }
-        let mut journal = Self { file, path };
+        let mut journal = Self { file, path, is_empty: true };
         let kept = journal.read(study).with_context(|| journal.path.display().to_string())?;
+        journal.is_empty = kept.is_empty();
         Ok((journal, kept))
     }
 
-    /// Keeps a line.
+    /// Keeps the line of a sample.
     ///
     /// # Errors
     /// It cannot be written.
     pub(super) fn append(&mut self, line: &str) -> Result<()> {
+        self.is_empty = false;
+        self.write(line)
+    }
+
+    fn write(&mut self, line: &str) -> Result<()> {
         let written = self.file.write_all(format!("{line}\n").as_bytes());
         written.with_context(|| format!("cannot write {}", self.path.display()))
     }
@@ -60,6 +72,14 @@ impl Journal {
         std::fs::remove_file(&self.path).with_context(|| format!("cannot remove {}", self.path.display()))
     }
 
+    /// Takes it away if it has no sample: nothing came of the study.
+    ///
+    /// # Errors
+    /// It cannot be removed.
+    pub(super) fn remove_if_empty(self) -> Result<()> {
+        if self.is_empty { self.remove() } else { Ok(()) }
+    }
+
     /// The samples in it; what is not whole at its end is cut off.
     fn read(&mut self, study: &Study) -> Result<Vec<Sample>> {
         let mut bytes = Vec::new();
@@ -70,14 +90,19 @@ impl Journal {
         let mut lines = text.lines();
         match lines.next() {
             Some(first) if first == head => {}
-            Some(first) if line::is_head(first) => bail!("is of another study; remove it, or name another output"),
+            Some(first) if line::is_head(first) => {
+                bail!(
+                    "is of another study, or of this one with another version of the command or on another kind of \
+                     machine; remove it, or name another output"
+                )
+            }
             Some(_) => bail!("is no journal of a study; remove it, or name another output"),
             None if head.as_bytes().starts_with(&bytes) => {}
             None => bail!("is no journal of a study; remove it, or name another output"),
         }
         self.file.set_len(whole as u64).context("cannot cut it")?;
         if whole == 0 {
-            self.append(&head)?;
+            self.write(&head)?;
         }
         Ok(lines.filter_map(|line| line::sample(study, line)).collect())
     }

@@ -1,16 +1,18 @@
 //! Study: what follows when numbers of the machine vary, as a file says (`corehbot twin sweep STUDY.toml`).
 //!
 //! A sample is a pure function of the study and of its number; so they can be computed in any order, on any number of cores
-//! and computers, be interrupted and gone on with, and the result is the same bytes.
+//! and computers, be interrupted and gone on with, and the result is the same bytes: with one build of the command, on one
+//! kind of machine. What `sin`, `tanh`, `exp` and `hypot` round to differs between C libraries and processors.
 //!
 //! | file | job |
 //! |---|---|
 //! | `form`, `check`, `error` | the study's file, what is legal in it, and what is said of what is not |
 //! | `read` | from there to a plan, with the files that it names |
 //! | `plan`, `query`, `figure` | samples by their numbers, what is asked of them, and the columns of that |
+//! | `played` | the file that samples play, read when the first one is computed |
 //! | `compute` | all samples, on all cores |
 //! | `line`, `journal` | finished samples in a file that may be cut at any byte |
-//! | `table`, `summary`, `page` | what becomes of them |
+//! | `results`, `table`, `summary`, `page` | what becomes of them |
 
 mod check;
 mod compute;
@@ -21,24 +23,27 @@ mod journal;
 mod line;
 mod page;
 mod plan;
+mod played;
 mod query;
 mod read;
+mod results;
 mod summary;
 mod table;
 
 pub(super) use compute::compute;
 pub(super) use plan::{Sample, Study, varied};
+pub(super) use played::Played;
 pub(super) use query::Query;
 
 use super::answer::{Json, say};
 use crate::cli::{DONE, FAILED};
-use crate::output::{Outputs, STANDARD};
+use crate::output::STANDARD;
 use crate::stop::Stop;
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use clap::Args;
 use journal::Journal;
+use results::{Results, Wanted};
 use std::path::{Path, PathBuf};
-use summary::Summary;
 
 /// What a study is told on the command line.
 #[derive(Args)]
@@ -72,12 +77,7 @@ impl Options {
     /// The study is none, its journal is another one's, or an output cannot be written.
     pub(super) fn answer(&self, file: &Path, json: &Json) -> Result<u8> {
         let stop = Stop::at_signals()?;
-        let study = read::read(file, &stop);
-        if let Some(status) = stop.status() {
-            eprintln!("corehbot: interrupted");
-            return Ok(status);
-        }
-        let study = study?;
+        let study = read::read(file)?;
         match (&self.output, self.sample) {
             (_, Some(number)) => one(&study, number, &stop),
             _ if self.plan => say(&format!("{}\n", line::head(&study)?), false).map(|()| DONE),
@@ -92,7 +92,17 @@ impl Options {
             Some((journal, kept)) => (Some(journal), kept),
             None => (None, Vec::new()),
         };
-        let samples = compute(study, journal.as_mut(), kept, self.jobs(), stop)?;
+        let wanted = Wanted { table: output, report: self.report.as_deref(), json };
+        let computed = Results::claim(&wanted, study, journal.as_ref().map(|journal| journal.path.as_path()))
+            .and_then(|results| Ok((results, compute(study, journal.as_mut(), kept, self.jobs(), stop)?)));
+        let (results, samples) = match computed {
+            Ok(computed) => computed,
+            Err(error) => {
+                // What went wrong first is told, not that this does too.
+                let _ = journal.map(Journal::remove_if_empty);
+                return Err(error);
+            }
+        };
         if let Some(status) = stop.status() {
             let (done, of) = (samples.len(), study.samples);
             match &journal {
@@ -103,30 +113,21 @@ impl Options {
             }
             return Ok(status);
         }
-        let summary = Summary::new(study, &samples);
-        let inputs = study.inputs.iter().map(PathBuf::as_path);
-        json.give_with(&summary, inputs, |outputs| self.write(study, &samples, (file, output), outputs))?;
+        results.write(file, study, &samples)?;
         journal.map_or(Ok(()), Journal::remove)?;
         Ok(DONE)
-    }
-
-    fn write(
-        &self,
-        study: &Study,
-        samples: &[Sample],
-        (file, output): (&Path, &Path),
-        outputs: &mut Outputs,
-    ) -> Result<()> {
-        ensure!(samples.len() == study.samples, "{} of {} samples are there", samples.len(), study.samples);
-        table::write(&mut outputs.open(output)?, study, samples).context("cannot write the table")?;
-        let Some(path) = &self.report else { return Ok(()) };
-        page::write(&mut outputs.open(path)?, &file.display().to_string(), study, samples)
     }
 }
 
 /// One sample, as a line.
 fn one(study: &Study, number: usize, stop: &Stop) -> Result<u8> {
     ensure!(number < study.samples, "there is no sample {number}; the study has 0 to {}", study.samples - 1);
+    let loaded = study.load(stop);
+    if let Some(status) = stop.status() {
+        eprintln!("corehbot: interrupted");
+        return Ok(status);
+    }
+    loaded?;
     match study.sample(number, stop) {
         Some(sample) => say(&format!("{}\n", line::of_sample(study, &sample)?), false).map(|()| DONE),
         None => Ok(stop.status().unwrap_or(FAILED)),

@@ -2,6 +2,7 @@
 
 use super::query::{Places, Query};
 use crate::stop::Stop;
+use anyhow::Result;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::{Params, ParamsError};
 use corehbot_twin::queries::Setup;
@@ -79,9 +80,17 @@ impl Study {
         Some(Point { machine, values })
     }
 
-    /// Computes a sample; none if there is no such sample, or if it was stopped.
+    /// Reads what samples play, unless it was read before.
+    ///
+    /// # Errors
+    /// It cannot be played, or it was stopped.
+    pub(super) fn load(&self, stop: &Stop) -> Result<()> {
+        self.queries.iter().try_for_each(|query| query.load(stop))
+    }
+
+    /// Computes a sample; none if there is no such sample, if what it plays was not loaded, or if it was stopped.
     pub(super) fn sample(&self, number: usize, stop: &Stop) -> Option<Sample> {
-        let point = self.point(number)?;
+        let point = self.point(number).filter(|_| self.queries.iter().all(Query::is_loaded))?;
         let outcome = self.outcome(&point, stop);
         (!stop.is_set()).then_some(Sample { number, outcome })
     }

@@ -1,9 +1,9 @@
 //! Queries: what is computed of a sample, as figures in columns.
 
 use super::figure::{Figure, LIMITS, MODES, PUSH, RESONANCE, RUN, STIFFNESS};
+use super::played::Played;
 use crate::stop::Stop;
 use crate::twin::play::{RunModel, played};
-use crate::twin::source::Source;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::params::Params;
@@ -37,7 +37,7 @@ pub(in crate::twin) enum Query {
     Push { places: Places, freedom: Freedom, force_n: [f64; 2] },
     Limits { freedom: Freedom, error_mm: f64, torque_part: f64 },
     Resonance { freedom: Freedom, grid: [usize; 2] },
-    Run { source: Source, model: RunModel, begin: Option<Place> },
+    Run { file: Played, model: RunModel, begin: Option<Place> },
 }
 
 impl Query {
@@ -51,6 +51,22 @@ impl Query {
             Self::Resonance { .. } => RESONANCE,
             Self::Run { .. } => RUN,
         }
+    }
+
+    /// Reads what it plays, if it plays anything.
+    ///
+    /// # Errors
+    /// It cannot be played, or it was stopped.
+    pub(super) fn load(&self, stop: &Stop) -> anyhow::Result<()> {
+        match self {
+            Self::Run { file, .. } => file.load(stop),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether there is nothing to be read any more.
+    pub(super) fn is_loaded(&self) -> bool {
+        !matches!(self, Self::Run { file, .. } if file.source().is_none())
     }
 
     /// Its figures of one machine, in the order of the columns.
@@ -83,7 +99,8 @@ impl Query {
                 let resonance = Resonance::new(&middle(*freedom), *columns, *rows)?;
                 Ok([axis_resonance(&resonance.x), axis_resonance(&resonance.y)].concat())
             }
-            Self::Run { source, model, begin } => {
+            Self::Run { file, model, begin } => {
+                let source = file.source().ok_or(NoAnswer::NotLoaded)?;
                 let origin = workspace(machine, params).origin();
                 let firmware = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
                 let start = begin.unwrap_or(firmware);
@@ -154,6 +171,8 @@ pub(super) enum NoAnswer {
     OutOfReach(Place),
     /// Nothing holds the machine.
     NotHeld(NotHeld),
+    /// The file that is played was not read.
+    NotLoaded,
     /// The file cannot be played.
     Run(RunError),
 }
@@ -175,6 +194,7 @@ impl std::fmt::Display for NoAnswer {
         match self {
             Self::OutOfReach(Place { x, y }) => write!(f, "the tool does not reach ({x:.1}, {y:.1})"),
             Self::NotHeld(error) => error.fmt(f),
+            Self::NotLoaded => f.write_str("what is played was not read"),
             Self::Run(error) => error.fmt(f),
         }
     }

@@ -19,7 +19,14 @@ head_mass_kg = { from = 0.4, to = 0.8 }
 fn study(folder: &Path, text: &str) -> Result<Study> {
     let file = folder.join("s.toml");
     fs::write(&file, text)?;
-    read::read(&file, &Stop::default())
+    read::read(&file)
+}
+
+/// What a study is told from others by, on a platform.
+fn identity_on(file: &Path, platform: [&str; 3]) -> String {
+    let form: form::StudyToml = toml::from_str(&fs::read_to_string(file).unwrap()).unwrap();
+    let (keys, _) = check::design(&form).unwrap();
+    read::identity(&form, &keys, &[], platform).unwrap()
 }
 
 fn csv(study: &Study, samples: &[Sample]) -> String {
@@ -82,6 +89,39 @@ fn a_line_that_was_damaged_is_computed_again_and_one_that_came_twice_counts_once
 }
 
 #[test]
+fn what_is_played_is_read_when_a_sample_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "compute = [\"run\"]\nmethod = \"grid\"\n[vary]\npreload_N = [30, 40, 50]\n[run]\nfile = \"s.gcode\"\n";
+    // An emergency stop: nobody gets steps of it.
+    fs::write(folder.path().join("s.gcode"), "M112\n").unwrap();
+    let (study, output) = (study(folder.path(), text).unwrap(), folder.path().join("s.csv"));
+    assert!(line::head(&study).unwrap().contains("\"samples\":3"));
+    let keep = |numbers: &[usize]| {
+        let (mut journal, _) = Journal::open(&output, &study).unwrap();
+        for number in numbers {
+            let sample = Sample { number: *number, outcome: Ok(vec![Some(1.0); 6]) };
+            journal.append(&line::of_sample(&study, &sample).unwrap()).unwrap();
+        }
+    };
+    keep(&[2, 0]);
+    let all = || {
+        let (mut journal, kept) = Journal::open(&output, &study).unwrap();
+        let samples = compute(&study, Some(&mut journal), kept, Some(1), &Stop::default());
+        journal.remove_if_empty().unwrap();
+        samples
+    };
+    let why = format!("{:#}", all().unwrap_err());
+    assert!(why.contains("s.gcode: the print failed"), "{why}");
+    keep(&[1]);
+    assert_eq!(all().unwrap().iter().map(|sample| sample.number).collect::<Vec<_>>(), [0, 1, 2]);
+    // A journal without samples goes, one with some stays.
+    let journal = folder.path().join("s.csv.journal");
+    assert!(journal.exists());
+    fs::remove_file(&journal).unwrap();
+    assert!(all().is_err() && !journal.exists());
+}
+
+#[test]
 fn the_journal_of_another_study_and_what_is_none_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let (one, output) = (study(folder.path(), STUDY).unwrap(), folder.path().join("s.csv"));
@@ -98,6 +138,11 @@ fn the_journal_of_another_study_and_what_is_none_are_refused() {
         let other = study(folder.path(), &STUDY.replace(from, to)).unwrap();
         assert!(refused(&other, &journal).contains("is of another study"), "{to}");
     }
+    // Another kind of machine rounds in another way.
+    let mut foreign = study(folder.path(), STUDY).unwrap();
+    foreign.identity = identity_on(&folder.path().join("s.toml"), ["riscv64", "linux", "gnu"]);
+    assert!(refused(&foreign, &journal).contains("on another kind of machine"));
+    assert_eq!(identity_on(&folder.path().join("s.toml"), read::PLATFORM), one.identity);
     // Comments and blanks make no other study.
     assert_eq!(study(folder.path(), &format!("# again\n{STUDY}")).unwrap().identity, one.identity);
     assert!(refused(&one, "sample,machine\n").contains("is no journal"));
@@ -168,6 +213,8 @@ fn the_study_in_the_documentation_is_one() {
     fs::write(folder.path().join("print.gcode"), "G1 X110 F6000\nM400\n").unwrap();
     let study = study(folder.path(), &text.replace("[7, 7]", "[3, 3]")).unwrap();
     assert_eq!((study.samples, study.figures().count()), (400, 4 + 2 + 3 + 11 + 10 + 6));
+    assert!(study.sample(1, &Stop::default()).is_none(), "nothing is played before it was loaded");
+    study.load(&Stop::default()).unwrap();
     let sample = study.sample(1, &Stop::default()).unwrap().outcome.unwrap();
     let figure = |name| sample[study.figures().position(|known| known == name).unwrap()].unwrap();
     let values = study.point(1).unwrap().values;
@@ -185,10 +232,51 @@ fn the_study_in_the_documentation_is_one() {
     assert!(figure("slips") == 0.0 && figure("tension_min_N") < 50.0 && figure("torque_margin") < 1.0);
 }
 
+/// What a study does not say is what the question's own command takes.
+#[test]
+fn what_is_left_out_is_as_the_commands_have_it() {
+    use crate::twin::limits::LimitsArgs;
+    use crate::twin::point::{Modes, Push, Stiffness};
+    use crate::twin::resonance::{Resonance, parse_grid};
+    use crate::twin::setup::ModelArg;
+    use clap::{Command, ValueEnum as _};
+    use form::{LimitsToml, QueryToml, ResonanceToml};
+    let default = |augmented: Command, id: &str| {
+        let arg = augmented.get_arguments().find(|arg| arg.get_id() == id).unwrap().clone();
+        arg.get_default_values()[0].to_str().unwrap().to_owned()
+    };
+    let on = || Command::new("twin");
+    let commands = [
+        (QueryToml::Stiffness, Stiffness::augment_args(on())),
+        (QueryToml::Modes, Modes::augment_args(on())),
+        (QueryToml::Push, Push::augment_args(on())),
+        (QueryToml::Limits, LimitsArgs::augment_args(on())),
+        (QueryToml::Resonance, Resonance::augment_args(on())),
+    ];
+    for (query, command) in commands {
+        let word = default(command, "model");
+        assert_eq!(read::model(query).freedom(), ModelArg::from_str(&word, false).unwrap().freedom(), "{word}");
+    }
+    let number = |id| default(LimitsArgs::augment_args(on()), id).parse::<f64>().unwrap();
+    let LimitsToml { error_mm, torque } = LimitsToml::default();
+    assert_eq!([error_mm, torque], ["error", "torque"].map(number));
+    let grid = default(Resonance::augment_args(on()), "grid");
+    assert_eq!(ResonanceToml::default().grid, parse_grid(&grid).unwrap());
+    // A study that says its model has it in all questions.
+    let folder = tempfile::tempdir().unwrap();
+    let text = "compute = [\"modes\", \"limits\"]\nmethod = \"grid\"\n[vary]\nbelt_EA_N = [30000]\n";
+    let figures =
+        |text: &str| study(folder.path(), text).unwrap().sample(0, &Stop::default()).unwrap().outcome.unwrap();
+    let with = |model: &str| figures(&format!("model = \"{model}\"\n{text}"));
+    let (none, reduced, rotors) = (figures(text), with("reduced"), with("rotors"));
+    assert_eq!((&none[..2], &none[2..]), (&reduced[..2], &rotors[2..]));
+    assert!(reduced[0] != rotors[0] && reduced[4] != rotors[4], "{reduced:?} {rotors:?}");
+}
+
 #[test]
 fn the_example_of_a_study_is_one() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cluster/study.toml");
-    let study = read::read(&example, &Stop::default()).unwrap();
+    let study = read::read(&example).unwrap();
     assert_eq!((study.samples, study.keys.len(), study.inputs.len()), (200, 4, 2));
 }
 
@@ -222,6 +310,12 @@ fn what_is_wrong_with_a_study_is_said_with_its_place() {
         ("method", "worst_of = [3, 3]\nmethod", "s.toml:4:12: ", "not both"),
         ("at = [45.0, 200.0]", "worst_of = [1, 3]", "s.toml:3:12: ", "2 to 200"),
         ("[vary]", "[params]\npreload_N = -1\n[vary]", "s.toml:8:13: ", "must not be below 0"),
+        (
+            "compute = [\"stiffness\", \"modes\"]",
+            "compute = [\"run\"]\nrun = { file = \"s.toml\", begin = [nan, 0] }",
+            "s.toml:2:",
+            "mm from motor 1's axis, which `twin run` calls --at",
+        ),
         ("[vary]", "[limits]\ntorque = 2\n[vary]", "s.toml:8:10: ", "up to 1 is legal"),
     ];
     for (from, to, place, why) in cases {
