@@ -26,6 +26,9 @@ pub struct Params {
     /// Tension at rest. Assumed: 40, from Gates' 6 to 8 lbf for 6 mm of GT2, taken to 9 mm.
     #[serde(rename = "preload_N")]
     pub preload_n: f64,
+    /// Mass of a metre of belt, which only a plucked part asks for. Assumed: 0.0125 for 9 mm of GT2, from 8.3 g/m for 6 mm
+    /// (a tension table by Benchtop Machine Shop).
+    pub belt_kg_per_m: f64,
     /// Damping of the belt over its stiffness, in s. Assumed: 2e-4, which damps y by 4 % and x by 7 % at the centre.
     pub belt_damping_s: f64,
     /// What moves in x. Assumed: 0.60.
@@ -88,6 +91,7 @@ impl Default for Params {
             head_pulleys_mm: 80.0,
             belt_ea_n: 30_000.0,
             preload_n: 40.0,
+            belt_kg_per_m: 0.0125,
             belt_damping_s: 2e-4,
             head_mass_kg: 0.60,
             bar_mass_kg: 1.20,

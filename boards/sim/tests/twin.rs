@@ -244,13 +244,21 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
     for (key, value) in [("belt_EA_N", 30_000.0), ("preload_N", 40.0), ("holding_torque_Nm", 0.4)] {
         assert!(near(&found["params"][key], value, 0.003), "{found}");
     }
-    assert_eq!(found["estimates"].as_array().unwrap().len(), 5);
-    assert_eq!(found["measurements"].as_array().unwrap().len(), 8);
+    assert_eq!(found["estimates"].as_array().unwrap().len(), 6);
+    assert_eq!(found["measurements"].as_array().unwrap().len(), 9);
     // What it prints is a file of parameters.
     let printed = String::from_utf8(twin(&format!("fit {}", example.display())).stdout).unwrap();
     let params = file("fitted.toml", &printed);
     let modes = json(&format!("modes --model rotors --params {}", params.display()));
     assert!(near(&modes["frequencies_Hz"][0], 57.6, 2e-3) && near(&modes["frequencies_Hz"][1], 101.4, 2e-3), "{modes}");
+    // A belt that nobody weighed makes the tension as uncertain as it is.
+    let text = std::fs::read_to_string(&example).unwrap();
+    let unweighed = file("unweighed.toml", &text.replace("belt_kg_per_m", "# "));
+    let uncertainty = |found: &Value| found["estimates"][1]["uncertainty"].as_f64().unwrap();
+    assert_eq!(found["estimates"][1]["parameter"], "preload_N");
+    let unweighed = json(&format!("fit {}", unweighed.display()));
+    assert!((uncertainty(&found) - 0.0445).abs() < 5e-4 && (uncertainty(&unweighed) - 0.1065).abs() < 5e-4, "{found}");
+    assert_eq!(unweighed["not_told"][0]["parameter"], "belt_kg_per_m");
     // Numbers that are not sought go through.
     let other = file("wide.toml", "width_mm = 480\n");
     let kept = twin(&format!("fit {} --params {}", example.display(), other.display()));
@@ -260,9 +268,9 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
 #[test]
 fn measurements_that_do_not_do_are_told_in_one_line() {
     let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 101\n";
-    let masses = "fixed = [\"head_mass_kg\", \"bar_mass_kg\"]\n";
     let bad = [
-        (format!("{masses}{ring}{ring}"), "do not determine belt_EA_N and holding_torque_Nm"),
+        (format!("{ring}{ring}"), "do not determine belt_EA_N and head_mass_kg"),
+        ("belt_uncertainty_percent = 5\n".to_owned(), "line 1: belt_uncertainty_percent is one of belt_kg_per_m"),
         (String::new(), "nothing was measured"),
         (ring.replace("101", "0"), "line 3: x_Hz = 0 is outside 1 to 5000"),
         (ring.replace("x_Hz", "xHz"), "line 3: unknown field `xHz`"),

@@ -1,42 +1,45 @@
 //! Calibrate: the numbers with which the model measures as the machine did.
 //!
-//! Unknown are the logarithms of parameters, as all are above 0 and their uncertainties are parts of them. With r the
-//! differences of the figures' logarithms over their uncertainties and J what each parameter does to them, a round goes by
-//! `-(J^T J)^-1 J^T r` (Gauss and Newton). The inverse is taken by eigenvectors of `J^T J`: the root of an eigenvalue says how
-//! many uncertainties a change along its vector makes, so a small one is a combination that the figures do not tell. At the
-//! end `(J^T J)^-1` is the covariance of the logarithms (Aster, Borchers and Thurber, Parameter Estimation and Inverse
-//! Problems, chapter on nonlinear regression).
+//! Unknown are the logarithms of parameters, as all are above 0 and their uncertainties are parts of them. Each nominal value
+//! counts as one more measurement, with the uncertainty that is assumed of it: so a parameter that the figures hardly tell
+//! makes the others uncertain by what it does to them, and worse figures never tell more. With r the differences of the
+//! figures' logarithms over their uncertainties, J what each parameter does to them, p the parameters' ways from their nominal
+//! values and W the inverse squares of the assumed uncertainties, a round goes by `-(J^T J + W)^-1 (J^T r + W p)` (Gauss and
+//! Newton). At the end `(J^T J + W)^-1` is the covariance of the logarithms (Tarantola, Inverse Problem Theory, chapter on
+//! least squares).
 
 use super::figure::Measurement;
 use super::parameter::Parameter;
 use crate::params::Params;
 use crate::routing::Machine;
 use crate::solve::NotHeld;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 
 /// A machine that measures as it was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibrated {
-    /// All its numbers.
+    /// All its numbers; together they measure as the machine did, also those that were not told.
     pub params: Params,
     /// Those that were told.
     pub estimates: Vec<Estimate>,
-    /// Those on which the figures hardly depend: they are what they were.
-    pub not_told: Vec<Parameter>,
+    /// Those that are hardly better known than before.
+    pub not_told: Vec<Estimate>,
     /// What is left of each measurement's difference, in their order.
     pub misfits: Vec<Misfit>,
 }
 
-/// A number that was told.
+/// A number that was sought.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// Which.
     pub parameter: Parameter,
     /// What it is.
     pub value: f64,
-    /// Its standard uncertainty as a part of it, of 1, from those of the measurements.
+    /// Its standard uncertainty as a part of it, of 1 (of its logarithm), from those of the measurements and nominal values.
     pub uncertainty: f64,
+    /// What was assumed of its nominal value before.
+    pub assumed_uncertainty: f64,
 }
 
 /// How far the model is from a measurement.
@@ -53,7 +56,7 @@ pub struct Misfit {
 pub enum CalibrateError {
     /// Nothing was measured that depends much on what is sought.
     Nothing,
-    /// Changing these parameters together changes no figure by more than its uncertainty.
+    /// The figures depend on these parameters, but tell none.
     Undetermined(Vec<Parameter>),
     /// No machine within a hundredfold of the one that the search began with measures like this.
     NoMachine,
@@ -67,10 +70,8 @@ impl std::fmt::Display for CalibrateError {
             Self::Nothing => f.write_str("nothing was measured that depends on a parameter that is sought"),
             Self::Undetermined(parameters) => {
                 let keys: Vec<&str> = parameters.iter().map(|parameter| parameter.key()).collect();
-                let part = 100.0 * MOST_UNCERTAIN;
                 write!(f, "these measurements do not determine {}: ", keys.join(" and "))?;
-                let together = if keys.len() > 1 { "together " } else { "" };
-                write!(f, "{part:.0} % {together}would change the figures by less than their uncertainties; ")?;
+                f.write_str("more than a third of the uncertainty that is assumed of each stays; ")?;
                 f.write_str("measure something else that depends on it, or name one in `fixed`")
             }
             Self::NoMachine => f.write_str("no machine within a hundredfold of the nominal numbers measures like this"),
@@ -87,11 +88,11 @@ impl From<NotHeld> for CalibrateError {
     }
 }
 
-/// A combination that would be known to this part only (as a logarithm) is not told by the measurements.
-const MOST_UNCERTAIN: f64 = 0.5;
+/// A parameter is told if no more than this part of the uncertainty that was assumed of it is left (assumed: a third).
+const TOLD: f64 = 1.0 / 3.0;
 
-/// A parameter that has at least this part in such a combination is named.
-const NAMED: f64 = 0.05;
+/// Figures depend on a parameter if they leave less than this part of it (assumed).
+const DEPENDS: f64 = 0.95;
 
 /// Rounds of the search; it ends in a few.
 const ROUNDS: usize = 60;
@@ -105,16 +106,13 @@ const LONGEST_STEP: f64 = 0.7;
 /// Nor by more than a hundredfold in all (as a logarithm).
 const FURTHEST: f64 = 4.605;
 
-/// Eigenvalues below this part of the greatest are rounding.
-const ROUNDING: f64 = 1e-12;
-
 /// The search ends where it changes nothing by this (as a logarithm).
 const CLOSE: f64 = 1e-9;
 
-/// Begins at `params` and seeks all parameters that measurements depend on, but for the `fixed` ones.
+/// Begins at `params` and seeks all parameters but for the `fixed` ones, which count as exact.
 ///
 /// # Errors
-/// The measurements do not determine the parameters, or no machine measures like this.
+/// The measurements do not determine a parameter, or no machine measures like this.
 pub fn calibrate(
     machine: Machine,
     params: &Params,
@@ -122,40 +120,35 @@ pub fn calibrate(
     fixed: &[Parameter],
 ) -> Result<Calibrated, CalibrateError> {
     let sought: Vec<Parameter> = Parameter::ALL.into_iter().filter(|parameter| !fixed.contains(parameter)).collect();
-    let search = Search { machine, measurements };
-    let slopes = search.slopes(params, &sought)?;
-    let is_told = |column: usize| slopes.column(column).norm() > 1.0 / MOST_UNCERTAIN;
-    let (told, not_told): (Vec<_>, Vec<_>) = sought.iter().enumerate().partition(|(column, _)| is_told(*column));
-    let [told, not_told] = [told, not_told].map(|some| some.into_iter().map(|(_, p)| *p).collect::<Vec<_>>());
-    if told.is_empty() {
-        return Err(CalibrateError::Nothing);
-    }
-    let (params, is_found) = search.run(params, &told)?;
-    let inverse = Inverse::new(&search.slopes(&params, &told)?);
-    let undetermined = inverse.undetermined();
-    if !undetermined.is_empty() {
-        let named = undetermined.into_iter().filter_map(|i| told.get(i)).copied();
-        return Err(CalibrateError::Undetermined(named.collect()));
-    }
-    if !is_found {
-        return Err(CalibrateError::NoMachine);
-    }
-    let estimate = |(i, parameter): (usize, &Parameter)| Estimate {
+    let search = Search { machine, nominal: params, measurements, sought: &sought };
+    let params = search.run()?;
+    let covariance = search.normal(&search.slopes(&params)?)?.inverse();
+    let estimate = |(parameter, variance): (&Parameter, &f64)| Estimate {
         parameter: *parameter,
         value: parameter.of(&params),
-        uncertainty: inverse.variance(i).sqrt(),
+        uncertainty: variance.sqrt(),
+        assumed_uncertainty: parameter.assumed_uncertainty(),
     };
-    let estimates = told.iter().enumerate().map(estimate).collect();
+    let all: Vec<Estimate> = sought.iter().zip(covariance.diagonal().iter()).map(estimate).collect();
+    let is_left = |e: &Estimate, part: f64| e.uncertainty <= part * e.assumed_uncertainty;
+    let (estimates, not_told): (Vec<_>, Vec<_>) = all.into_iter().partition(|e| is_left(e, TOLD));
+    if estimates.is_empty() {
+        let depends: Vec<_> = not_told.iter().filter(|e| is_left(e, DEPENDS)).map(|e| e.parameter).collect();
+        let is_nothing = depends.is_empty();
+        return Err(if is_nothing { CalibrateError::Nothing } else { CalibrateError::Undetermined(depends) });
+    }
     let left = search.differences(&params)?;
     let misfit = |(m, r): (&Measurement, &f64)| Misfit { part: (r * m.uncertainty).exp_m1(), uncertainties: *r };
     let misfits = measurements.iter().zip(left.iter()).map(misfit).collect();
     Ok(Calibrated { params, estimates, not_told, misfits })
 }
 
-/// What is looked for: a machine of this kind that measures like this.
+/// What is looked for: a machine of this kind, near the nominal one, that measures like this.
 struct Search<'m> {
     machine: Machine,
+    nominal: &'m Params,
     measurements: &'m [Measurement],
+    sought: &'m [Parameter],
 }
 
 impl Search<'_> {
@@ -170,70 +163,46 @@ impl Search<'_> {
     }
 
     /// What each parameter's logarithm does to them, a column for each.
-    fn slopes(&self, params: &Params, parameters: &[Parameter]) -> Result<DMatrix<f64>, NotHeld> {
-        let mut slopes = DMatrix::zeros(self.measurements.len(), parameters.len());
-        for (column, parameter) in parameters.iter().enumerate() {
+    fn slopes(&self, params: &Params) -> Result<DMatrix<f64>, NotHeld> {
+        let mut slopes = DMatrix::zeros(self.measurements.len(), self.sought.len());
+        for (column, parameter) in self.sought.iter().enumerate() {
             let probed = |by: f64| self.differences(&parameter.with(parameter.of(params) * by.exp(), params));
             slopes.set_column(column, &((probed(PROBE)? - probed(-PROBE)?) / (2.0 * PROBE)));
         }
         Ok(slopes)
     }
 
-    /// The machine with the least squares, and whether the search ended there.
-    fn run(&self, params: &Params, parameters: &[Parameter]) -> Result<(Params, bool), NotHeld> {
-        let mut found = params.clone();
+    /// The weights of the nominal values.
+    fn weights(&self) -> DVector<f64> {
+        DVector::from_iterator(self.sought.len(), self.sought.iter().map(|p| p.assumed_uncertainty().powi(-2)))
+    }
+
+    /// The normal equations' matrix, which the weights keep positive definite.
+    fn normal(&self, slopes: &DMatrix<f64>) -> Result<Cholesky<f64, Dyn>, CalibrateError> {
+        let matrix = slopes.transpose() * slopes + DMatrix::from_diagonal(&self.weights());
+        matrix.cholesky().ok_or(CalibrateError::NoMachine)
+    }
+
+    /// The machine with the least squares.
+    fn run(&self) -> Result<Params, CalibrateError> {
+        let mut found = self.nominal.clone();
         for _ in 0..ROUNDS {
-            let slopes = self.slopes(&found, parameters)?;
-            let step = Inverse::new(&slopes).times(&(slopes.transpose() * self.differences(&found)?));
-            let mut furthest = 0.0_f64;
-            for (parameter, step) in parameters.iter().zip(step.iter()) {
-                let gone = (parameter.of(&found) / parameter.of(params)).ln();
-                let goes = gone - step.clamp(-LONGEST_STEP, LONGEST_STEP);
-                if goes.abs() > FURTHEST {
-                    return Ok((found, false));
-                }
-                furthest = furthest.max(step.abs());
-                found = parameter.with(parameter.of(params) * goes.exp(), &found);
+            let slopes = self.slopes(&found)?;
+            let gone = self.sought.iter().map(|p| (p.of(&found) / p.of(self.nominal)).ln());
+            let gone = DVector::from_iterator(self.sought.len(), gone);
+            let slope = slopes.transpose() * self.differences(&found)? + self.weights().component_mul(&gone);
+            let step = self.normal(&slopes)?.solve(&slope);
+            let goes = gone - step.map(|by| by.clamp(-LONGEST_STEP, LONGEST_STEP));
+            if goes.amax() > FURTHEST {
+                return Err(CalibrateError::NoMachine);
             }
-            if furthest < CLOSE {
-                return Ok((found, true));
+            for (parameter, way) in self.sought.iter().zip(goes.iter()) {
+                found = parameter.with(parameter.of(self.nominal) * way.exp(), &found);
+            }
+            if step.amax() < CLOSE {
+                return Ok(found);
             }
         }
-        Ok((found, false))
-    }
-}
-
-/// The inverse of `J^T J` where it has one.
-struct Inverse(SymmetricEigen<f64, nalgebra::Dyn>);
-
-impl Inverse {
-    fn new(slopes: &DMatrix<f64>) -> Self {
-        Self((slopes.transpose() * slopes).symmetric_eigen())
-    }
-
-    /// Eigenvalues and vectors without those that are rounding.
-    fn parts(&self) -> impl Iterator<Item = (f64, DVector<f64>)> {
-        let least = ROUNDING * self.0.eigenvalues.max();
-        let all = self.0.eigenvalues.iter().zip(self.0.eigenvectors.column_iter());
-        all.filter(move |(value, _)| **value > least).map(|(value, vector)| (*value, vector.into_owned()))
-    }
-
-    fn times(&self, vector: &DVector<f64>) -> DVector<f64> {
-        let zero = DVector::zeros(vector.len());
-        self.parts().fold(zero, |sum, (value, along)| sum + &along * (along.dot(vector) / value))
-    }
-
-    /// The variance of a parameter's logarithm.
-    fn variance(&self, parameter: usize) -> f64 {
-        self.parts().map(|(value, along)| along.get(parameter).map_or(0.0, |a| a * a) / value).sum()
-    }
-
-    /// The parameters of which combinations are not told.
-    fn undetermined(&self) -> Vec<usize> {
-        let least = MOST_UNCERTAIN.powi(-2);
-        let all = self.0.eigenvalues.iter().zip(self.0.eigenvectors.column_iter());
-        let weak: Vec<_> = all.filter(|(value, _)| **value < least).map(|(_, vector)| vector).collect();
-        let has_part = |i: &usize| weak.iter().any(|vector| vector.get(*i).is_some_and(|part| part.abs() > NAMED));
-        (0..self.0.eigenvalues.len()).filter(has_part).collect()
+        Err(CalibrateError::NoMachine)
     }
 }

@@ -44,9 +44,9 @@ pub enum Figure {
     Pluck {
         /// Length of the part.
         length_mm: f64,
-        /// Mass of the belt for a metre.
-        mass_kg_per_m: f64,
     },
+    /// Mass of a metre of belt in kg.
+    BeltMass,
     /// How far in mm a force moves the tool along its direction.
     Deflection {
         /// The tool's place.
@@ -102,9 +102,10 @@ impl Figure {
     pub fn predict(&self, machine: Machine, params: &Params) -> Result<f64, NotHeld> {
         let freedom = Freedom { idlers: true, rotors: true, ..Freedom::default() };
         Ok(match *self {
-            Self::Pluck { length_mm, mass_kg_per_m } => {
-                (params.preload_n / span_tension_n(length_mm, mass_kg_per_m, 1.0)).sqrt()
+            Self::Pluck { length_mm } => {
+                (params.preload_n / span_tension_n(length_mm, params.belt_kg_per_m, 1.0)).sqrt()
             }
+            Self::BeltMass => params.belt_kg_per_m,
             Self::Deflection { at, along, force_n } => {
                 let elastic = Elastic::new(machine, params, at, freedom);
                 let force = match along {
@@ -139,7 +140,7 @@ mod tests {
     /// A string of 0.4 m and 5 g under 40 N: c = sqrt(40 / 0.0125) = 56.57 m/s, f = c / 0.8 m.
     #[test]
     fn a_span_sounds_as_a_string() {
-        let hz = predict(Figure::Pluck { length_mm: 400.0, mass_kg_per_m: 0.0125 });
+        let hz = predict(Figure::Pluck { length_mm: 400.0 });
         assert!((hz - 56.5685 / 0.8).abs() < 1e-3, "{hz}");
         assert!((span_tension_n(400.0, 0.0125, hz) - 40.0).abs() < 1e-9);
     }

@@ -4,14 +4,16 @@
 //!
 //! | figure | depends on |
 //! |---|---|
-//! | pitch of a plucked span | preload alone |
+//! | pitch of a plucked span | preload over the mass of a metre of belt |
+//! | weight of a metre of belt | that mass alone |
 //! | weight of head or bar | that mass alone |
 //! | force on a lever at which a motor slips | holding torque alone |
 //! | deflection of the tool under a force | belt stiffness, and a little on holding torque |
 //! | frequency at which an axis rings | the same, and the mass that moves |
 //!
-//! [`calibrate`] takes all of them at once: weighted least squares of the logarithms. What hardly any figure depends on keeps
-//! its value; what the figures together do not determine is an error, never a guess.
+//! [`calibrate`] takes all of them at once: weighted least squares of the logarithms, with each nominal value as one more
+//! measurement that is good to what is assumed of it. What the figures do not tell is named and makes the rest as uncertain as
+//! it must; if they tell nothing, that is an error.
 
 mod calibrate;
 mod figure;

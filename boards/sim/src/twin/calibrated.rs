@@ -13,8 +13,8 @@ use std::path::Path;
 #[derive(Serialize)]
 pub(super) struct Calibrated {
     estimates: Vec<Estimate>,
-    /// Parameters on which the measurements hardly depend.
-    not_told: Vec<Parameter>,
+    /// Numbers that are hardly better known than before.
+    not_told: Vec<Estimate>,
     /// Parameters that were not sought.
     fixed: Vec<Parameter>,
     measurements: Vec<Told>,
@@ -55,7 +55,7 @@ impl Calibrated {
             _ => serde_json::Map::new(),
         };
         let nominal = keys(&Params::default());
-        let is_found = |key: &str| self.estimates.iter().any(|estimate| estimate.parameter.key() == key);
+        let is_found = |key: &str| self.estimates.iter().chain(&self.not_told).any(|e| e.parameter.key() == key);
         let other = keys(&self.params).into_iter().filter(|(key, v)| nominal.get(key) != Some(v) && !is_found(key));
         other.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
     }
@@ -63,19 +63,27 @@ impl Calibrated {
 
 impl std::fmt::Display for Calibrated {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        writeln!(f, "# For --params. Standard uncertainties follow from those of the measurements.")?;
-        for Estimate { parameter, value, uncertainty } in &self.estimates {
+        writeln!(
+            f,
+            "# For --params. Standard uncertainties follow from those of the measurements and of what is not told."
+        )?;
+        for Estimate { parameter, value, uncertainty, .. } in &self.estimates {
             writeln!(f, "{} = {}  # +- {:.1} %", parameter.key(), digits(*value), 100.0 * uncertainty)?;
         }
         for (key, value) in self.kept() {
             writeln!(f, "{key} = {value}  # as it was")?;
         }
-        for parameter in &self.not_told {
-            let value = parameter.of(&self.params);
-            writeln!(f, "# Not told by these measurements: {} stays {value}.", parameter.key())?;
+        for Estimate { parameter, value, uncertainty, assumed_uncertainty } in &self.not_told {
+            let [now, before] = [uncertainty, assumed_uncertainty].map(|u| u.exp());
+            let value = digits(*value);
+            writeln!(
+                f,
+                "{} = {value}  # not told: good to a factor of {now:.2}, assumed {before:.2}",
+                parameter.key()
+            )?;
         }
         for parameter in &self.fixed {
-            writeln!(f, "# Fixed: {} stays {}.", parameter.key(), parameter.of(&self.params))?;
+            writeln!(f, "# Fixed: {} stays {}, taken as exact.", parameter.key(), parameter.of(&self.params))?;
         }
         for Told { measurement, misfit: Misfit { part, uncertainties } } in &self.measurements {
             let percent = 100.0 * part;

@@ -16,7 +16,8 @@ use toml::Spanned;
 struct MeasuredToml {
     frame: Frame,
     #[serde(rename = "belt_kg_per_m")]
-    belt: Spanned<f64>,
+    belt: Option<Spanned<f64>>,
+    belt_uncertainty_percent: Option<Spanned<f64>>,
     fixed: Vec<Parameter>,
     pluck: Vec<PluckToml>,
     weight: Vec<WeightToml>,
@@ -29,7 +30,8 @@ impl Default for MeasuredToml {
     fn default() -> Self {
         Self {
             frame: Frame::Gcode,
-            belt: Spanned::new(0..0, BELT_KG_PER_M),
+            belt: None,
+            belt_uncertainty_percent: None,
             fixed: Vec::new(),
             pluck: Vec::new(),
             weight: Vec::new(),
@@ -106,13 +108,12 @@ struct SlipToml {
     uncertainty_percent: Option<Spanned<f64>>,
 }
 
-/// Mass of 9 mm of GT2: 8.3 g/m for 6 mm (a tension table by Benchtop Machine Shop), taken to 9 mm.
-const BELT_KG_PER_M: f64 = 0.0125;
-
 // Standard uncertainties, as parts, of what was measured as docs/twin.md says; all assumed.
 
 /// A pitch: 1 % of the phone, and 1.5 % of the span's length by a ruler and of its ends that hold it.
 const PLUCKED: f64 = 0.02;
+/// Half a metre of belt on a scale of 0.1 g: 0.1 g of 6 g, and 1 mm of its length; for all parts that are plucked alike.
+const BELT_WEIGHED: f64 = 0.02;
 /// A kitchen scale of 5 g under 600 g.
 const WEIGHED: f64 = 0.01;
 /// A frequency from two seconds of a phone's accelerometer.
@@ -156,13 +157,18 @@ impl Reader<'_> {
         let mut add = |name: String, figure, measured, uncertainty| {
             measurements.push((name, Measurement { figure, measured, uncertainty }));
         };
-        let mass_kg_per_m = self.number("belt_kg_per_m", &toml.belt, 0.001..=0.1)?;
+        if let Some(belt) = &toml.belt {
+            let kg_per_m = self.number("belt_kg_per_m", belt, 0.001..=0.1)?;
+            let uncertainty = self.uncertainty(toml.belt_uncertainty_percent.as_ref(), BELT_WEIGHED)?;
+            add(self.name("belt_kg_per_m", belt), Figure::BeltMass, kg_per_m, uncertainty);
+        } else if let Some(percent) = &toml.belt_uncertainty_percent {
+            bail!("line {}: belt_uncertainty_percent is one of belt_kg_per_m, which is missing", self.line(percent));
+        }
         for pluck in &toml.pluck {
             let length_mm = self.number("length_mm", &pluck.length_mm, 50.0..=3000.0)?;
             let hz = self.number("frequency_Hz", &pluck.frequency, 5.0..=2000.0)?;
             let name = self.name("pluck", &pluck.frequency);
-            let figure = Figure::Pluck { length_mm, mass_kg_per_m };
-            add(name, figure, hz, self.uncertainty(pluck.uncertainty_percent.as_ref(), PLUCKED)?);
+            add(name, Figure::Pluck { length_mm }, hz, self.uncertainty(pluck.uncertainty_percent.as_ref(), PLUCKED)?);
         }
         for weight in &toml.weight {
             let of = match weight.of {
