@@ -48,11 +48,11 @@ impl<'p> Lag<'p> {
         Self { machine, params, start }
     }
 
-    /// What is added on a path that is smoothed by a Gaussian of this width before its acceleration is taken.
+    /// What is added on a path, on which the tool goes so ([`Path::tool`]), that is smoothed by a Gaussian of this width before its
+    /// acceleration is taken.
     #[must_use]
-    pub fn of(&self, path: &Path, width_s: f64) -> Ahead {
+    pub fn of(&self, path: &Path, tool: &[[f64; 2]], width_s: f64) -> Ahead {
         let p = self.params;
-        let tool = path.tool();
         let [gaussian, slope, curvature] = kernels(width_s);
         let masses = [p.head_mass_kg, p.head_mass_kg + p.bar_mass_kg].map(|kg| kg / MM_PER_M);
         let guides = [p.guide_x_n_s_per_m, p.guide_y_n_s_per_m].map(|c| c / MM_PER_M);
@@ -62,7 +62,7 @@ impl<'p> Lag<'p> {
         let mut motors = vec![Vec::with_capacity(tool.len()); path.rows.len()];
         let mut greatest_mm = [0.0_f64; 2];
         for sample in 0..tool.len() {
-            let [at, v, a] = [&gaussian, &slope, &curvature].map(|kernel| convolved(&tool, sample, kernel));
+            let [at, v, a] = [&gaussian, &slope, &curvature].map(|kernel| convolved(tool, sample, kernel));
             let place = Place { x: self.start.x + at[0], y: self.start.y + at[1] };
             let cell = [place.x, place.y].map(|v| (v / CELL_MM).round() as i64);
             let [[xx, xy], [yx, yy]] = *compliances.entry(cell).or_insert_with(|| compliance(self.machine, p, cell));

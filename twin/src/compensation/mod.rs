@@ -46,10 +46,11 @@ pub fn compensate(
         return Err(CompensationError::TooLong(trace.duration_s()));
     }
     let path = Path::new(machine, believed, trace).map_err(CompensationError::NoColumn)?;
-    let (taken, reach) = (path.taken(start), workspace(machine, believed));
+    let tool = path.tool();
+    let (taken, reach) = (path::taken(&tool, start), workspace(machine, believed));
     if !reach.bears(&taken) {
         return Err(CompensationError::OutOfReach { path: taken, reach });
     }
-    let lag = Lag::new(machine, believed, start).of(&path, width_s);
+    let lag = Lag::new(machine, believed, start).of(&path, &tool, width_s);
     Ok(Compensated { steps: path.steps(trace, &lag.motors)?, ahead_mm: lag.greatest_mm })
 }

@@ -69,16 +69,6 @@ impl Path {
         Ok(Self { motors, columns, rows, duration_s })
     }
 
-    /// What the tool takes of the reach if it begins at `start`.
-    pub(super) fn taken(&self, start: Place) -> Workspace {
-        let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
-        for [x, y] in self.tool() {
-            taken.x = [taken.x[0].min(start.x + x), taken.x[1].max(start.x + x)];
-            taken.y = [taken.y[0].min(start.y + y), taken.y[1].max(start.y + y)];
-        }
-        taken
-    }
-
     /// The tool 5000 times a second, in mm from the start.
     #[must_use]
     pub fn tool(&self) -> Vec<[f64; 2]> {
@@ -97,6 +87,16 @@ impl Path {
         }
         tool
     }
+}
+
+/// What the tool takes of the reach if it begins at `start`.
+pub(super) fn taken(tool: &[[f64; 2]], start: Place) -> Workspace {
+    let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
+    for [x, y] in tool {
+        taken.x = [taken.x[0].min(start.x + x), taken.x[1].max(start.x + x)];
+        taken.y = [taken.y[0].min(start.y + y), taken.y[1].max(start.y + y)];
+    }
+    taken
 }
 
 /// A motor steps.
