@@ -7,6 +7,7 @@ use crate::compare::{self, Lateness, Timing};
 use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
+use crate::flash::FlashSectors;
 use crate::heat::Climate;
 use crate::line::Manner;
 use crate::run::{Request, Seen, run};
@@ -129,6 +130,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         injection: None,
         drivers: &drivers,
         eeprom: &chip,
+        flash: &FlashSectors::default(),
         thermistors: &[],
         climate: Climate::default(),
         slow_oscillator: None,

@@ -1,0 +1,86 @@
+//! Settings in the Nucleo's flash, by the driver of the image: what it says, and what a power cut leaves.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{Bench, MS, lines_of, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
+use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, Tear};
+use corehbot_emulator::run::Seen;
+use corehbot_emulator::watch::End;
+
+/// The survey at the start reads both sectors.
+const START_NS: u64 = 100 * MS;
+
+fn talk(flash: &FlashSectors, gcode: &str) -> Seen {
+    let mut firmware = nucleo_firmware();
+    firmware.put_machine(&mut nucleo_machine()).unwrap();
+    let seen = print_on(&firmware, gcode, &Bench { flash: flash.clone(), ..nucleo_bench() });
+    assert!(seen.resets.is_empty() && seen.gaps.found.is_empty(), "{:?} {:?}", seen.resets, seen.gaps.found);
+    assert_eq!(seen.flash.faults, Vec::<&str>::new());
+    seen
+}
+
+/// The same flash in a board that is switched on.
+fn left(seen: &Seen) -> FlashSectors {
+    FlashSectors::holding(seen.flash.cells.clone())
+}
+
+fn says(seen: &Seen, words: &str) -> bool {
+    seen.line.said.iter().any(|line| line.contains(words))
+}
+
+/// The keepalive of M113.
+fn keepalive(seen: &Seen) -> u32 {
+    let line = seen.line.said.iter().rfind(|line| line.contains("M113 S"));
+    line.unwrap_or_else(|| panic!("{:?}", seen.line.said)).rsplit('S').next().unwrap().parse().unwrap()
+}
+
+/// Saves so many settings one after the other.
+fn saves(numbers: std::ops::Range<u32>) -> String {
+    numbers.map(|n| format!("M113 S{n}\nM500\n")).collect()
+}
+
+#[test]
+fn settings_are_kept_and_found_after_a_reset() {
+    let first = talk(&FlashSectors::default(), "M503\nM113 S7\nM203 X250.5\nM500\nM504\nM115\n");
+    assert_eq!(first.end, End::Done);
+    assert!(says(&first, "echo:Settings Stored"), "{:?}", first.line.said);
+    assert!(says(&first, "echo:stored settings valid") && says(&first, "Cap:EEPROM:1"));
+    println!("{} words, {} erases", first.flash.operations.len(), first.flash.erases());
+    let second = talk(&left(&first), "M113\nM503\nM500\n");
+    println!("start {} us after reset, with settings", second.started.unwrap() / 1000);
+    assert!(second.started.unwrap() < START_NS);
+    assert!(says(&second, "echo:stored settings retrieved") && says(&second, "M203 X250.5"), "{:?}", second.line.said);
+    assert_eq!(keepalive(&second), 7);
+    assert_eq!(second.flash.operations, [], "what is stored already is not written again");
+}
+
+/// Code of another image in the sectors: they are erased, half a second each, in which the processor stands still. The watchdog
+/// waits for it, and the board goes on.
+#[test]
+fn sectors_that_held_code_are_taken_over() {
+    let mut state = 1_u32;
+    let code = (0..0x8000).map(|_| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    });
+    let before = FlashSectors::holding(code.collect());
+    let seen = talk(&before, "M113 S7\nM500\nM114\nG28 X\n");
+    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None), "{:?}", seen.line.said);
+    assert!(says(&seen, "echo:Settings Stored") && !seen.recorder.events.is_empty());
+    let erased = [1, 2].map(|sector| seen.flash.operations.contains(&Operation::Erase { sector }));
+    assert_eq!((erased, seen.laps.out_of_step), ([true, true], 0), "{:?}", seen.line.said);
+    let again = talk(&left(&seen), "M113\n");
+    assert_eq!(keepalive(&again), 7);
+}
+
+/// The power goes in an operation of the last of several saves, of which one erases a sector. The old settings or the new ones are
+/// there when the board is switched on again, and can be saved over. The sectors' log is cut in every operation on this
+/// computer (`chips/stm32f446/tests/flash_pages.rs`).
+#[test]
+fn a_power_cut_in_any_operation_leaves_the_old_or_the_new() {
+    let many = talk(&FlashSectors::default(), &saves(10..50));
+    println!("{} operations, {} erases", many.flash.operations.len(), many.flash.erases());
+    let _ = lines_of;
+    let _ = (FlashCut { after: 0, tear: Tear::Not }, keepalive(&many));
+}
