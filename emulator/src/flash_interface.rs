@@ -196,3 +196,7 @@ impl Device for FlashInterface {
         Device::on_clock(&mut self.model, hz, registers, context);
     }
 }
+
+#[cfg(test)]
+#[path = "flash_interface_tests.rs"]
+mod tests;

@@ -3,13 +3,13 @@
 
 mod common;
 
-use common::{Bench, MS, lines_of, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
+use common::{Bench, MS, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
 use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, Tear};
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 
-/// The survey at the start reads both sectors.
-const START_NS: u64 = 100 * MS;
+/// All pages of a log that is nearly full are found.
+const START_NS: u64 = 600 * MS;
 
 fn talk(flash: &FlashSectors, gcode: &str) -> Seen {
     let mut firmware = nucleo_firmware();
@@ -74,13 +74,60 @@ fn sectors_that_held_code_are_taken_over() {
     assert_eq!(keepalive(&again), 7);
 }
 
-/// The power goes in an operation of the last of several saves, of which one erases a sector. The old settings or the new ones are
-/// there when the board is switched on again, and can be saved over. The sectors' log is cut in every operation on this
-/// computer (`chips/stm32f446/tests/flash_pages.rs`).
+/// What the sectors hold after so many saves, and what was done to them.
+fn worn() -> (FlashSectors, Vec<Operation>) {
+    let seen = talk(&FlashSectors::default(), &saves(1..SAVES));
+    println!("{} operations, {} erases, {} ms", seen.flash.operations.len(), seen.flash.erases(), seen.virtual_ns / MS);
+    assert!(seen.end == End::Done && says(&seen, "echo:Settings Stored"), "{:?}", seen.line.said);
+    (left(&seen), seen.flash.operations)
+}
+
+/// The log has gone round once, which costs an erase.
+const SAVES: u32 = 32;
+
+/// Reproducer: a save with which the log goes round kept the Console for seconds, which ended in the watchdog's reset. A start with
+/// a log that is nearly full took as long.
 #[test]
-fn a_power_cut_in_any_operation_leaves_the_old_or_the_new() {
-    let many = talk(&FlashSectors::default(), &saves(10..50));
-    println!("{} operations, {} erases", many.flash.operations.len(), many.flash.erases());
-    let _ = lines_of;
-    let _ = (FlashCut { after: 0, tear: Tear::Not }, keepalive(&many));
+fn a_log_that_goes_round_keeps_nobody_waiting() {
+    let (flash, operations) = worn();
+    assert!(operations.iter().any(|operation| matches!(operation, Operation::Erase { .. })));
+    let seen = talk(&flash, "M113\n");
+    println!("start {} us after reset", seen.started.unwrap() / 1000);
+    assert_eq!(keepalive(&seen), SAVES - 1);
+}
+
+/// The power goes in an operation of a save; then the board is switched on again. The old settings or the new ones are there, and can be
+/// saved over. The log is cut in every operation on this computer (`chips/stm32f446/tests/flash_pages.rs`).
+fn cut(after: usize, tear: Tear, numbers: std::ops::Range<u32>) -> u32 {
+    let mut flash = FlashSectors::default();
+    flash.cut = Some(FlashCut { after, tear });
+    let seen = talk(&flash, &saves(numbers));
+    assert_eq!((seen.end, seen.flash.operations.len()), (End::PowerCut, after + 1), "{:?}", seen.line.said);
+    let stored = seen.line.said.iter().filter(|line| line.starts_with("echo:Settings Stored")).count() as u32;
+    let again = talk(&left(&seen), "M113\nM113 S59\nM500\nM501\nM113\n");
+    assert!(again.started.unwrap() < START_NS, "{:?}", again.started);
+    assert_eq!((again.end, keepalive(&again)), (End::Done, 59), "{:?}", again.line.said);
+    let first = again.line.said.iter().find_map(|line| line.strip_prefix("echo:M113 S"));
+    let kept: u32 = first.unwrap().parse().unwrap();
+    assert!(kept == stored || kept == stored + 1, "{after} {tear:?}: {kept} after {stored}");
+    kept - stored
+}
+
+#[test]
+fn a_power_cut_while_a_word_is_programmed_leaves_the_old_or_the_new() {
+    let whole = talk(&FlashSectors::default(), &saves(1..3)).flash.operations.len();
+    let first = talk(&FlashSectors::default(), &saves(1..2)).flash.operations.len();
+    // In the middle of the second save, and in its last word, which is the first of two copies of what says that it counts.
+    let kept = [((first + whole) / 2, Tear::Bits), (whole - 1, Tear::Not)].map(|(after, tear)| cut(after, tear, 1..3));
+    println!("{first} words of {whole}, {kept:?}");
+    assert_eq!(kept[0], 0);
+}
+
+#[test]
+fn a_power_cut_while_a_sector_is_erased_leaves_the_old_or_the_new() {
+    let (_, operations) = worn();
+    let erase = operations.iter().position(|operation| matches!(operation, Operation::Erase { .. })).unwrap();
+    for tear in [Tear::Half, Tear::Bits] {
+        println!("{tear:?}: {}", cut(erase, tear, 1..SAVES));
+    }
 }
