@@ -63,7 +63,7 @@ fn the_image_steps_on_the_four_sockets() {
     assert_eq!(seen.flash.operations, []);
 }
 
-/// A motor in another socket, reversed, and a switch in another input.
+/// Motors 1 and 8 in each other's sockets, both reversed: the belt moves as before. Each switch in another's input.
 #[test]
 fn motors_and_switches_are_where_the_machine_has_them() {
     let mut machine = nucleo_machine();
@@ -80,9 +80,9 @@ fn motors_and_switches_are_where_the_machine_has_them() {
     let wiring: &'static Wiring = Box::leak(Box::new(wiring));
     let mut firmware = nucleo_firmware();
     firmware.put_machine(&mut machine).unwrap();
-    // The belt moves as before, for 1 and 8 turn alike and each is reversed.
-    let seen = print_on(&firmware, GCODE, &Bench { settings: machine, wiring, ..nucleo_bench() });
-    check(&seen, GCODE, &machine);
+    let gcode = "G28 X Y\nG92 Z0\nG1 X15 Y20 Z.5 F18000\n";
+    let seen = print_on(&firmware, gcode, &Bench { settings: machine, wiring, ..nucleo_bench() });
+    check(&seen, gcode, &machine);
 }
 
 /// Homing meets the switches of X and Y to the step; that of Z is only reported, as is any wire that is pulled.
