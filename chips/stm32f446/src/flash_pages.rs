@@ -5,7 +5,7 @@
 //! 18 KiB of flash, which this board has to spare. Our own version would be a few hundred lines that fewer people test.
 //! Two copies in turns, as the core keeps them, make up for what is left: a log that is damaged beyond repair.
 //!
-//! To find a page, all items of the log are looked through, 11 ms if it is full; when it goes round, that was done for each of its
+//! To find a page, all items of the log are looked through, 4 ms if it is full (in the emulator); when it goes round, that was done for each of its
 //! items, so that the Console hung for seconds. So where each page lies is found out once, at the start, and kept in RAM.
 
 use core::ops::Range;
@@ -50,7 +50,8 @@ pub struct FlashPages<F: NorFlash> {
 }
 
 impl<F: NorFlash> FlashPages<F> {
-    /// The pages in the sectors of `flash`, whose first byte has address 0. Looks for all of them: at most half a second.
+    /// The pages in the sectors of `flash`, whose first byte has address 0. Looks for all of them: 0.13 s for 33 pages in a
+    /// log that is nearly full, in the emulator.
     pub fn new(flash: F) -> Self {
         let places = Cache::new(ArrayPageStates::new(), ArrayPagePointers::new(), ArrayKeyPointers::new());
         let mut map = Map::new(flash, const { MapConfig::new(SECTORS) }, places);

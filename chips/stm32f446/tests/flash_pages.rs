@@ -267,7 +267,7 @@ fn a_cut_while_a_sector_is_erased_leaves_the_old_or_the_new() {
 }
 
 /// Reproducer: when the log went round, each of its 300 items was looked for among all others within one write of a page, 6 MB
-/// were read, and the board ended in a fault because its Console was silent. A byte costs 0.7 us there, and the Console has 0.2 s.
+/// were read, and the board ended in a fault because its Console was silent. A byte costs 0.4 us there (in the emulator), and the Console has 0.2 s.
 #[test]
 fn a_log_that_goes_round_is_not_looked_through_for_each_of_its_items() {
     const MOST: usize = 100_000;
