@@ -2,7 +2,7 @@
 //! changed by itself is a fault, which ends motion and heat.
 
 use crate::fault::{Cause, Fault};
-use crate::kinematics::Groupings;
+use crate::kinematics::{Grouping, Groups};
 use crate::machine::console::{Console, PortSet};
 use crate::port::Pend;
 use crate::units::Instant;
@@ -23,11 +23,20 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
+    /// The groups in use, made once more. Those that are not in use can wait until they are.
+    fn groups_anew(&self) -> Groups {
+        let mechanism = &self.settings.mechanism;
+        match self.real.grouping() {
+            Grouping::Tool => Groups::new(mechanism),
+            Grouping::Circulation => Groups::new(&mechanism.circulating()),
+        }
+    }
+
     /// Settings are summed up when they come; what follows from them is made once more and compared.
     fn is_whole(&self) -> bool {
         self.settings.is_whole()
             && self.defaults.is_whole()
-            && *self.real.groupings() == Groupings::new(&self.settings.mechanism)
+            && *self.real.groups() == self.groups_anew()
             && self.with_motion_settings(|settings| self.planner.is_whole(settings, self.real.groups()))
     }
 }

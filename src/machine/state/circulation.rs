@@ -9,12 +9,14 @@ pub(in crate::machine) struct Circulation {
     steps: i64,
     /// Where z stands while the belt has its place in the planner, in steps.
     z: Steps,
+    /// It has ever run round.
+    has_begun: bool,
 }
 
 impl Circulation {
     /// The belt lies where it lay at the start.
     pub const fn new() -> Self {
-        Self { steps: 0, z: Steps::ZERO }
+        Self { steps: 0, z: Steps::ZERO, has_begun: false }
     }
 
     /// How far it has run round.
@@ -27,7 +29,12 @@ impl Circulation {
 
     /// The belt takes the place of z, which stands there.
     pub const fn begin(&mut self, z: Steps) {
-        self.z = z;
+        (self.z, self.has_begun) = (z, true);
+    }
+
+    /// Whether it ever has.
+    pub const fn has_begun(&self) -> bool {
+        self.has_begun
     }
 
     /// It has run on by so many steps.

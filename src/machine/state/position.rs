@@ -82,11 +82,6 @@ impl<'m> RealPosition<'m> {
         self.groupings.of(self.grouping)
     }
 
-    /// The groups of every grouping.
-    pub const fn groupings(&self) -> &'m Groupings {
-        self.groupings
-    }
-
     /// What they are grouped for now.
     pub const fn grouping(&self) -> Grouping {
         self.grouping

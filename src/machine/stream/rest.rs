@@ -82,7 +82,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.planner.stand_at(position);
         self.real.adopt(position, self.link.counts());
         self.until(|c| c.link.has_room()).await?;
-        if self.settings.belt.is_closed {
+        if self.circulation.has_begun() {
             self.link.send(Work::Regroup(self.real.grouping()));
             self.until(|c| c.link.has_room()).await?;
         }

@@ -4,6 +4,7 @@ use super::alignment::Alignment;
 use super::brake::{Braking, PathPoint};
 use super::group_stepper::GroupStepper;
 use super::{StepGenerator, Task};
+use crate::kinematics::Grouping;
 use crate::motion::work::Work;
 use crate::port::EndstopSet;
 use crate::units::{SpeedSq, Steps, SubTicks};
@@ -108,8 +109,8 @@ impl StepGenerator<'_> {
                 true
             }
             Work::Regroup(grouping) => {
-                self.mechanism = self.groupings.of(*grouping);
-                self.alignment = Alignment::new(self.mechanism);
+                let grouping = *grouping;
+                self.regroup(grouping);
                 true
             }
             Work::Position([x, y, z, e]) => {
@@ -130,6 +131,14 @@ impl StepGenerator<'_> {
             self.status.entry_done();
         }
         true
+    }
+
+    /// Rare, and kept out of the way of moves.
+    #[cold]
+    #[inline(never)]
+    fn regroup(&mut self, grouping: Grouping) {
+        self.mechanism = self.groupings.of(grouping);
+        self.alignment = Alignment::new(self.mechanism);
     }
 
     /// All motors stand still. Ends the task that waited for this, or begins the next one; false if there is none.
