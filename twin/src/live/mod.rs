@@ -52,6 +52,8 @@ pub struct Live {
     step_mm: f64,
     /// Steps of each motor since the start.
     counts: Vec<i64>,
+    /// The same in mm of belt.
+    stepped_mm: Vec<f64>,
     /// What each motor is given, of the current that it is run with.
     given: Vec<f64>,
     rotors: Vec<Rotor>,
@@ -81,6 +83,7 @@ impl Live {
             state,
             step_mm,
             counts: vec![0; motors],
+            stepped_mm: vec![0.0; motors],
             given: vec![0.0; motors],
             rotors: vec![Rotor::default(); motors],
             skips: Vec::new(),
@@ -122,10 +125,14 @@ impl Live {
 
     /// Steps motors now: so many steps each, counter-clockwise.
     pub fn step(&mut self, steps: &[i64]) {
-        let motors = self.counts.iter_mut().zip(&mut self.state.sent_mm).zip(&self.state.outside.zeros_mm);
-        for (((count, sent), zero), steps) in motors.zip(steps) {
+        let motors = self.counts.iter_mut().zip(steps).zip(&mut self.stepped_mm);
+        for ((count, steps), stepped) in motors {
             *count += steps;
-            *sent = zero + *count as f64 * self.step_mm;
+            *stepped = *count as f64 * self.step_mm;
+        }
+        let fields = self.state.sent_mm.iter_mut().zip(&self.state.outside.zeros_mm);
+        for ((sent, zero), stepped) in fields.zip(&self.stepped_mm) {
+            *sent = zero + stepped;
         }
         self.plant.send(&self.state.sent_mm);
         self.is_at_rest = false;
@@ -177,8 +184,7 @@ impl Live {
     /// Where the tool would be if it had gone from its start as the steps say.
     #[must_use]
     pub fn stepped_to(&self) -> Place {
-        let belt: Vec<f64> = self.counts.iter().map(|count| *count as f64 * self.step_mm).collect();
-        let [x, y] = self.plant.ways.tool(&belt);
+        let [x, y] = self.plant.ways.tool(&self.stepped_mm);
         Place { x: self.plant.start().x + x, y: self.plant.start().y + y }
     }
 
@@ -186,6 +192,18 @@ impl Live {
     #[must_use]
     pub fn residual_mm(&self) -> Option<f64> {
         residual_mm(self.machine, self.state.at.get(self.plant.first_motor()..).unwrap_or_default())
+    }
+
+    /// The machine.
+    #[must_use]
+    pub const fn machine(&self) -> Machine {
+        self.machine
+    }
+
+    /// Steps of each motor since the start.
+    #[must_use]
+    pub fn counts(&self) -> &[i64] {
+        &self.counts
     }
 
     /// The rotors, as they were looked at.
