@@ -12,6 +12,8 @@ pub struct Outside {
     pub zeros_mm: Vec<f64>,
     /// Force on the tool in x and y, in N.
     pub push_n: [f64; 2],
+    /// What the tool runs into: dry friction against its motion, in N.
+    pub obstacle_n: f64,
     /// Dry friction of something that rubs on each rotor, in N at the belt. 0 where it is not listed.
     pub brakes_n: Vec<f64>,
 }

@@ -20,7 +20,7 @@ const MM_PER_M: f64 = 1000.0;
 /// Dry friction changes its sign over this speed, in mm/s.
 const CREEP: f64 = 1.0;
 
-/// A brake that holds stops its rotor so fast, in s: three of the longest steps, so that the integration bears it.
+/// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, so that the integration bears it.
 const BRAKED_IN_S: f64 = 60e-6;
 
 /// What moves besides the tool.
@@ -257,6 +257,9 @@ impl Plant {
             self.pull(at, speeds, sent_mm, outside, accelerations);
             self.brake(speeds, &outside.brakes_n, accelerations);
         }
+        if outside.obstacle_n > 0.0 {
+            self.obstruct(speeds, outside.obstacle_n, accelerations);
+        }
         for (acceleration, mobility) in accelerations.iter_mut().zip(&self.mobility) {
             *acceleration *= mobility;
         }
@@ -294,6 +297,15 @@ impl Plant {
             let stops = *force + speed / (mobility * BRAKED_IN_S);
             *force -= stops.clamp(-brake, *brake);
         }
+    }
+
+    /// The same on the tool, whichever way it moves.
+    fn obstruct(&self, speeds: &[f64], most_n: f64, forces: &mut [f64]) {
+        let ([vx, vy, ..], [mx, my, ..], [fx, fy, ..]) = (speeds, &self.mobility[..], forces) else { return };
+        let stops = [*fx + vx / (mx * BRAKED_IN_S), *fy + vy / (my * BRAKED_IN_S)];
+        let part = (most_n / stops[0].hypot(stops[1]).max(most_n)).min(1.0);
+        *fx -= part * stops[0];
+        *fy -= part * stops[1];
     }
 
     /// What field and detent pull a rotor with, in N at the belt.

@@ -160,6 +160,14 @@ impl Live {
         }
     }
 
+    /// Puts something in the tool's way that takes so many N to move through, in any direction; 0 takes it away.
+    pub fn obstruct(&mut self, force_n: f64) {
+        if self.state.outside.obstacle_n != force_n {
+            self.state.outside.obstacle_n = force_n;
+            self.is_at_rest = false;
+        }
+    }
+
     /// Rubs on a rotor with so many N at the belt, until told otherwise.
     pub fn brake(&mut self, motor: usize, force_n: f64) {
         if let Some(brake) = self.state.outside.brakes_n.get_mut(motor).filter(|brake| **brake != force_n) {

@@ -1,8 +1,8 @@
 //! Accident: what befalls the machine while it prints.
 //!
-//! A hit is something that the tool runs into: when it first comes within 1 mm of a place, on the way, a force begins that
-//! points against its motion at that instant, and ends a time later. A brake is something that rubs on a rotor from some
-//! motion time on, for good.
+//! A hit is something that the tool runs into: when it first comes within 1 mm of a place, on the way, a force acts against
+//! its motion for a time. It takes so many newtons to go on; a tool that has come to a halt is held, and not thrown back. A
+//! brake is something that rubs on a rotor from some motion time on, for good.
 
 use corehbot::motors::Motor;
 use corehbot::units::TICKS_PER_MS;
@@ -10,7 +10,7 @@ use corehbot::units::TICKS_PER_MS;
 /// The tool is at a place when it is so near, in mm.
 const NEAR_MM: f64 = 1.0;
 
-/// A tool that is slower than this, in mm/s, runs into nothing: the direction of its motion is that of its trembling.
+/// A tool that is slower than this, in mm/s, runs into nothing: it trembles.
 const ON_ITS_WAY_MM_S: f64 = 1.0;
 
 /// Most force that is taken, in N: a hundred times what a motor holds.
@@ -127,48 +127,47 @@ impl std::str::FromStr for Brake {
 pub(super) enum HitState {
     /// The tool has not come by.
     Waiting,
-    /// It pushes with such a force, until a time in ticks.
-    Pushing([f64; 2], u64),
+    /// It acts with so many N, until a time in ticks.
+    Acting(f64, u64),
     /// It is over.
     Over,
 }
 
 impl HitState {
     /// Begins if the tool is there and on its way.
-    pub(super) fn begin(&mut self, hit: &Hit, now: u64, tool_mm: [f64; 2], velocity_mm_s: [f64; 2]) {
-        let speed = velocity_mm_s[0].hypot(velocity_mm_s[1]);
+    pub(super) fn begin(&mut self, hit: &Hit, now: u64, tool_mm: [f64; 2], [vx, vy]: [f64; 2]) {
         let away = (tool_mm[0] - hit.at_mm[0]).hypot(tool_mm[1] - hit.at_mm[1]);
-        if *self == Self::Waiting && away <= NEAR_MM && speed > ON_ITS_WAY_MM_S {
-            let force = velocity_mm_s.map(|v| -v / speed * hit.force_n);
-            *self = Self::Pushing(force, now + (hit.ms * f64::from(TICKS_PER_MS)).round() as u64);
+        if *self == Self::Waiting && away <= NEAR_MM && vx.hypot(vy) > ON_ITS_WAY_MM_S {
+            *self = Self::Acting(hit.force_n, now + (hit.ms * f64::from(TICKS_PER_MS)).round() as u64);
         }
     }
 }
 
-/// When the next hit ends, if any pushes.
+/// When the next hit ends, if any acts.
 pub(super) fn next_end(hits: &[HitState]) -> Option<u64> {
     let end = |hit: &HitState| match hit {
-        HitState::Pushing(_, end) => Some(*end),
+        HitState::Acting(_, end) => Some(*end),
         _ => None,
     };
     hits.iter().filter_map(end).min()
 }
 
-/// Ends those that push no longer than to `now`.
+/// Ends those that act no longer than to `now`.
 pub(super) fn end_hits(hits: &mut [HitState], now: u64) {
     for hit in hits {
-        if matches!(hit, HitState::Pushing(_, end) if *end <= now) {
+        if matches!(hit, HitState::Acting(_, end) if *end <= now) {
             *hit = HitState::Over;
         }
     }
 }
 
-/// What they push with together, in N.
-pub(super) fn force_n(hits: &[HitState]) -> [f64; 2] {
-    hits.iter().fold([0.0; 2], |[x, y], hit| match hit {
-        HitState::Pushing([dx, dy], _) => [x + dx, y + dy],
-        _ => [x, y],
-    })
+/// What it takes to go on, in N.
+pub(super) fn force_n(hits: &[HitState]) -> f64 {
+    let force = |hit: &HitState| match hit {
+        HitState::Acting(force, _) => *force,
+        _ => 0.0,
+    };
+    hits.iter().map(force).sum()
 }
 
 #[cfg(test)]
@@ -192,20 +191,18 @@ mod tests {
     }
 
     #[test]
-    fn a_hit_pushes_against_the_motion_once() {
+    fn a_hit_acts_once_and_for_its_time() {
         let hit = Hit { at_mm: [10.0, 0.0], force_n: 50.0, ms: 2.0 };
         let mut hits = [HitState::Waiting];
         hits[0].begin(&hit, 0, [8.9, 0.0], [100.0, 0.0]);
         hits[0].begin(&hit, 0, [9.5, 0.0], [0.5, 0.0]);
         assert_eq!(hits, [HitState::Waiting]);
         hits[0].begin(&hit, 100, [9.1, 0.0], [30.0, 40.0]);
-        let force = force_n(&hits);
-        assert!((force[0] + 30.0).abs() < 1e-9 && (force[1] + 40.0).abs() < 1e-9);
-        assert_eq!(next_end(&hits), Some(20_100));
+        assert_eq!((force_n(&hits), next_end(&hits)), (50.0, Some(20_100)));
         end_hits(&mut hits, 20_099);
         assert_eq!(next_end(&hits), Some(20_100));
         end_hits(&mut hits, 20_100);
         hits[0].begin(&hit, 30_000, [10.0, 0.0], [100.0, 0.0]);
-        assert_eq!((hits[0], force_n(&hits)), (HitState::Over, [0.0; 2]));
+        assert_eq!((hits[0], force_n(&hits)), (HitState::Over, 0.0));
     }
 }

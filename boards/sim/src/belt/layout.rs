@@ -40,8 +40,6 @@ pub struct Layout {
 pub enum LayoutError {
     /// The twin knows no belts for these motors.
     NoMachine,
-    /// X and Y have steps of different sizes.
-    StepsDiffer,
     /// The axes are longer than the tool reaches, in mm.
     TooLong {
         /// Length of x and y.
@@ -59,7 +57,6 @@ impl std::fmt::Display for LayoutError {
             Self::NoMachine => {
                 f.write_str("the belt plant knows CoreH-bot, CoreXY and AWD CoreXY; this mechanism is none of them")
             }
-            Self::StepsDiffer => f.write_str("the belt plant needs steps of one size in X and Y"),
             Self::TooLong { axes: [x, y], reach: [to_x, to_y] } => {
                 write!(f, "axes of {x:.1} by {y:.1} mm: the belt plant's tool reaches {to_x:.1} by {to_y:.1}")
             }
@@ -76,9 +73,6 @@ impl Layout {
     /// # Errors
     /// The twin has none.
     pub fn new(settings: &Settings, params: &Params) -> Result<Self, LayoutError> {
-        if settings.axes.x.steps_per_mm != settings.axes.y.steps_per_mm {
-            return Err(LayoutError::StepsDiffer);
-        }
         let belt: Vec<(Motor, Row)> =
             settings.mechanism.motors().filter(|(_, [x, y, ..])| (*x, *y) != (0, 0)).collect();
         let rows: Vec<[i8; 2]> = belt.iter().map(|(_, [x, y, ..])| [*x, *y]).collect();

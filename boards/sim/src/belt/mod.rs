@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Words: a *phase* is where a motor's magnetic zero lies against the belt at power-up; a *skip* is a rotor that settled in
-//! another electrical turn than its field; a *hit* is a force on the tool, a *brake* one on a rotor; the *torque share* is
+//! another electrical turn than its field; a *hit* is something in the tool's way, a *brake* something that rubs on a rotor; the *torque share* is
 //! the part that a motor bears of the torque that it has. A tool is *off* by how far it is from where the steps say, counted
 //! from the place where homing met each switch. Places here are those of G-code, whose X0 Y0 is the corner of the reach.
 //!
@@ -31,7 +31,7 @@ use crate::drivers::Drivers;
 use accident::{Accidents, HitState};
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
-use corehbot::units::Mm;
+use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::{AT_POWER_UP, Rig};
 use corehbot_twin::live::{Live, phases_mm};
 use corehbot_twin::params::Params;
@@ -98,6 +98,7 @@ impl BeltPlant {
         let (origin, start) = layout.places(settings, &params, place)?;
         let motors = layout.drives.len();
         let phases = seed.map_or_else(Vec::new, |seed| phases_mm(seed, motors, &params));
+        // Axes that share motors have steps of one size.
         let step_mm = 1.0 / settings.axes.x.steps_per_mm.to_num::<f64>();
         let noise = seed.unwrap_or_default();
         Ok(Self {
@@ -218,6 +219,13 @@ impl BeltPlant {
         &self.live
     }
 
+    /// Somebody pushes the tool for so many ms with so many N in x and y, after the print.
+    pub fn push(&mut self, force_n: [f64; 2], ms: u32) {
+        self.live.push(force_n);
+        self.advance(self.live.now() + u64::from(ms) * u64::from(TICKS_PER_MS));
+        self.live.push([0.0; 2]);
+    }
+
     fn in_gcode(&self, place: Place) -> [f64; 2] {
         [place.x - self.origin.x, place.y - self.origin.y]
     }
@@ -227,7 +235,7 @@ impl BeltPlant {
         while let Some(end) = accident::next_end(&self.hits).filter(|end| *end <= now) {
             self.live.advance(end);
             accident::end_hits(&mut self.hits, end);
-            self.live.push(accident::force_n(&self.hits));
+            self.live.obstruct(accident::force_n(&self.hits));
         }
         self.live.advance(now);
         for skip in self.live.take_skips() {
@@ -250,7 +258,7 @@ impl BeltPlant {
             for (state, hit) in self.hits.iter_mut().zip(&self.accidents.hits) {
                 state.begin(hit, now, tool, velocity);
             }
-            self.live.push(accident::force_n(&self.hits));
+            self.live.obstruct(accident::force_n(&self.hits));
         }
         let motion_s = self.timeline.now_s();
         for brake in self.accidents.brakes.iter().filter(|brake| brake.from_s <= motion_s) {
