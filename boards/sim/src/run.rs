@@ -133,7 +133,10 @@ impl Prepared {
         let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
         let heat = std::mem::take(&mut sinks.heat);
         let (mut summary, figures, path) = sinks.finish(names, &host, &outcome)?;
-        summary.belt = desk.belt.map(|plant| plant.figures());
+        summary.belt = desk.belt.map(|mut plant| {
+            plant.ring_out();
+            plant.figures()
+        });
         if !limits.is_judged {
             summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
             summary.warnings_total += 1;

@@ -44,6 +44,9 @@ use timeline::Timeline;
 /// The endstops of the belt's axes.
 const SWITCHES: [EndstopSet; 2] = [EndstopSet::X, EndstopSet::Y];
 
+/// How long a machine rings out, in ticks: 0.5 s, in which 0.1 mm at 57 Hz and 4 % damping become 0.1 um.
+const RING_OUT: u64 = 5_000_000;
+
 /// What the belt plant is besides the machine's settings.
 #[derive(Clone, Debug, Default)]
 pub struct BeltSetup {
@@ -217,6 +220,11 @@ impl BeltPlant {
     #[must_use]
     pub const fn live(&self) -> &Live {
         &self.live
+    }
+
+    /// Lets the machine ring out after the last step, so that what is said of its end is said of a machine at rest.
+    pub fn ring_out(&mut self) {
+        self.advance(self.live.now() + RING_OUT);
     }
 
     /// Somebody pushes the tool for so many ms with so many N in x and y, after the print.

@@ -133,7 +133,8 @@ impl Prepared {
         println(format_args!("motion time  {:.3} s", total.ticks as f64 / f64::from(TICKS_PER_SECOND)))?;
         println(format_args!("moves        {}, underruns {}", total.moves, total.underruns))?;
         println(format_args!("sha256       {}", trace.sha256))?;
-        if let Some(plant) = belt {
+        if let Some(mut plant) = belt {
+            plant.ring_out();
             println(format_args!("\n{}", plant.figures().to_string().trim_end()))?;
         }
         Ok(DONE)
