@@ -133,7 +133,8 @@ impl Prepared {
         let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
         let heat = std::mem::take(&mut sinks.heat);
         let (mut summary, figures, path) = sinks.finish(names, &host, &outcome)?;
-        summary.belt = desk.belt.map(|mut plant| {
+        let mut belt = desk.belt;
+        summary.belt = belt.as_mut().map(|plant| {
             plant.ring_out();
             plant.figures()
         });
@@ -153,7 +154,8 @@ impl Prepared {
         }
         if let (Some(mut report), Some(path)) = (report, path) {
             let heat_waits = host.heat_waits();
-            let page = report::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, settings };
+            let belt = belt.as_deref().map(BeltPlant::course);
+            let page = report::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt, settings };
             page.write(path, &mut report).context("cannot write the report")?;
         }
         say(&summary, outputs.is_standard_taken())?;

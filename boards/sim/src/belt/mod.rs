@@ -17,11 +17,13 @@
 //! | [`layout`] | which machine of the twin the settings are, and which motor turns which |
 //! | [`accident`] | hits and brakes, as the command line has them |
 //! | `timeline` | motion time of an instant that has passed |
+//! | [`course`] | shares and residual over time |
 //! | `load` | what a driver measures of its motor's load |
 //! | [`figures`] | what is said of it at the end |
 
 pub mod accident;
 pub(crate) mod args;
+pub mod course;
 pub mod figures;
 pub mod layout;
 mod load;
@@ -36,6 +38,7 @@ use corehbot_rig::{AT_POWER_UP, Rig};
 use corehbot_twin::live::{Live, phases_mm};
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::Place;
+use course::{Course, CourseBin};
 use figures::SkipFigures;
 use layout::{Layout, LayoutError};
 use load::Load;
@@ -77,6 +80,7 @@ pub struct BeltPlant {
     met: [Option<f64>; 2],
     largest_off_mm: f64,
     loads: Vec<Load>,
+    course: Course,
     timeline: Timeline,
     skips: Vec<SkipFigures>,
     seed: Option<u64>,
@@ -109,6 +113,7 @@ impl BeltPlant {
             rig: Rig::new(settings, Some(place)),
             inputs: EndstopSet::SWITCHES,
             loads: (0..motors).map(|motor| Load::new(noise, motor)).collect(),
+            course: Course::default(),
             layout,
             origin,
             switches: [settings.endstops.x, settings.endstops.y],
@@ -163,6 +168,7 @@ impl BeltPlant {
         }
         self.live.step(&each);
         self.happen(now);
+        self.watch();
         self.measure(now, steps, drivers);
     }
 
@@ -214,6 +220,12 @@ impl BeltPlant {
         let [x, y] = self.met;
         let (tool, stepped) = (self.tool_mm(), self.stepped_mm());
         Some([tool[0] - stepped[0] - x?, tool[1] - stepped[1] - y?])
+    }
+
+    /// Shares and residual over motion time.
+    #[must_use]
+    pub const fn course(&self) -> &Course {
+        &self.course
     }
 
     /// The machine as the twin has it.
@@ -275,6 +287,16 @@ impl BeltPlant {
                 self.live.brake(index, brake.force_n);
             }
         }
+    }
+
+    /// Keeps what motors bear for the report.
+    fn watch(&mut self) {
+        let mut seen = CourseBin::default();
+        for (share, rotor) in seen.shares.iter_mut().zip(self.live.rotors()) {
+            *share = rotor.share() as f32;
+        }
+        seen.residual_mm = self.live.residual_mm().map_or(0.0, f64::abs) as f32;
+        self.course.add(self.timeline.motion(), seen);
     }
 
     /// Drivers measure the load of motors that have stepped.

@@ -45,6 +45,11 @@ impl Timeline {
         self.last = event;
     }
 
+    /// Motion time of the last event, in ticks.
+    pub(super) const fn motion(&self) -> u64 {
+        self.last.motion
+    }
+
     /// Motion time of the last event, in s.
     pub(super) fn now_s(&self) -> f64 {
         self.last.motion as f64 / f64::from(TICKS_PER_SECOND)
