@@ -155,6 +155,23 @@ fn a_brake_that_is_strong_enough_holds_a_rotor_where_it_is() {
 }
 
 #[test]
+fn an_obstacle_holds_the_tool_and_does_not_throw_it_back() {
+    let mut live = holding(&smooth());
+    live.obstruct(10.0);
+    live.push([4.0, 3.0]);
+    live.advance(live.now() + 500 * MS);
+    let [x, y] = off(&live);
+    assert!(x.hypot(y) < 1e-4, "{x} {y}");
+    // Of 5 N it leaves 3, in the direction of the push; belts and fields take them with 251.2 and 244.1 N/mm. What rings
+    // on the way may stop on either side of that by 2 N.
+    live.obstruct(2.0);
+    live.advance(live.now() + 500 * MS);
+    let [x, y] = off(&live);
+    let (force_x, force_y) = (x * 251.2 - 4.0, y * 244.1 - 3.0);
+    assert!(x > 0.005 && y > 0.005 && force_x.hypot(force_y) < 2.1, "{x} {y}");
+}
+
+#[test]
 fn time_passes_for_nothing_at_rest_and_a_step_ends_that() {
     let mut live = holding(&Params::default());
     live.step(&[1, 1, -1, -1]);
