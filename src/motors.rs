@@ -111,6 +111,59 @@ impl GroupSet {
     }
 }
 
+/// Which motors a step of each group turns.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Coupling {
+    /// Motors that turn forward when the group's coordinate grows, and those that turn backward.
+    groups: [(MotorSet, MotorSet); MOST_GROUPS],
+}
+
+impl Coupling {
+    /// These turn forward and these backward, a pair a group.
+    #[must_use]
+    pub const fn new(groups: [(MotorSet, MotorSet); MOST_GROUPS]) -> Self {
+        Self { groups }
+    }
+
+    /// The motors of these groups.
+    #[must_use]
+    pub fn motors(&self, groups: GroupSet) -> MotorSet {
+        self.sum(
+            |number, (with, against)| {
+                if groups.0 >> number & 1 == 1 { with.with(against) } else { MotorSet::NONE }
+            },
+        )
+    }
+
+    /// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
+    #[must_use]
+    pub fn forward_motors(&self, groups: GroupSet) -> MotorSet {
+        self.sum(|number, (with, against)| if groups.0 >> number & 1 == 1 { with } else { against })
+    }
+
+    /// The steps of each motor, given those of the groups.
+    #[must_use]
+    pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
+        Motor::ALL.map(|motor| {
+            let count = |((with, against), count): (&(MotorSet, MotorSet), i32)| {
+                if with.has(motor) {
+                    Some(count)
+                } else if against.has(motor) {
+                    Some(count.wrapping_neg())
+                } else {
+                    None
+                }
+            };
+            self.groups.iter().zip(counts).find_map(count).unwrap_or_default()
+        })
+    }
+
+    fn sum(&self, motors: impl Fn(usize, (MotorSet, MotorSet)) -> MotorSet) -> MotorSet {
+        let each = self.groups.iter().enumerate();
+        each.fold(MotorSet::NONE, |set, (number, group)| set.with(motors(number, *group)))
+    }
+}
+
 /// A set of endstop inputs, one bit each; a set bit is a switch that is pressed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -4,7 +4,7 @@
 //! another, never a flag.
 
 pub use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Output, OutputSet, SENSORS, Sensor};
-pub use crate::motors::{EndstopSet, GroupSet, Motor, MotorSet};
+pub use crate::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 
 use crate::connectors::{BoardConnectors, SIM};
 use crate::units::{Instant, Tick};
@@ -17,7 +17,7 @@ pub const STEP_PULSE_NS: u32 = 133;
 /// no call may block, lock or loop without a constant bound.
 pub trait StepPort {
     /// Sets the direction lines so that the coordinates of the groups of `forward` grow with a step and those of the
-    /// others fall ([`Groups::forward_motors`](crate::kinematics::Groups::forward_motors) says what that is for a motor). Returns when a step may follow (TMC2209 datasheet rev 1.09,
+    /// others fall ([`Coupling::forward_motors`] says what that is for a motor). Returns when a step may follow (TMC2209 datasheet rev 1.09,
     /// section 13.1: DIR to STEP set-up 20 ns).
     fn dir(&mut self, forward: GroupSet);
 
@@ -130,8 +130,11 @@ pub trait Serial {
 /// One exchange, which is a request and its reply, goes on at a time, beside everything else: nothing here blocks, and nobody awaits it.
 /// Without methods of its own for that, a machine has drivers that nobody can talk to.
 pub trait DriverBus {
-    /// Powers exactly the motors of `on`; the four belt motors change in one transaction.
+    /// Powers exactly the motors of `on`, all that change in one transaction.
     fn enable(&mut self, on: MotorSet);
+
+    /// From now on a step of a group turns these motors. Nothing moves meanwhile.
+    fn couple(&mut self, coupling: &Coupling);
 
     /// Motors whose driver can be talked to; the others run as their jumpers say.
     fn lines(&self) -> MotorSet {

@@ -3,7 +3,7 @@
 
 use corehbot::driver::{Config, DriverError, Drivers, Fault, Job, News, Reading, Register};
 use corehbot::motors::{Motor, MotorSet};
-use corehbot::port::{BusError, DriverBus, Frame};
+use corehbot::port::{BusError, Coupling, DriverBus, Frame};
 use corehbot::settings::Settings;
 use corehbot::units::Instant;
 
@@ -72,6 +72,9 @@ impl DriverBus for Bus {
     fn enable(&mut self, on: MotorSet) {
         self.powered = on;
     }
+
+    // There are no step pins here.
+    fn couple(&mut self, _coupling: &Coupling) {}
 
     fn lines(&self) -> MotorSet {
         MotorSet::ALL

@@ -6,8 +6,9 @@
 use crate::chip::Chip;
 use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
+use crate::flash::FlashSectors;
 use crate::line::HostLine;
-use crate::wiring::{HostPort, Load, Pin, ROOM, Timer, Wiring};
+use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Timer, Wiring};
 use anyhow::{Context, Result, ensure};
 use rigless::cpu::armv7m::windows;
 use rigless::device::Level;
@@ -84,13 +85,14 @@ impl Port {
 }
 
 impl Emulated {
-    /// A board out of reset with hosts on its serial ports, as many as there are, and `eeprom` on I2C1.
+    /// A board out of reset with hosts on its serial ports, as many as there are, and its settings in `eeprom` on I2C1 or in
+    /// `flash`.
     ///
     /// # Errors
     /// If the model contradicts itself.
-    pub fn new(wiring: &'static Wiring, hosts: Vec<HostLine>, eeprom: At24c32) -> Result<Self> {
+    pub fn new(wiring: &'static Wiring, hosts: Vec<HostLine>, eeprom: At24c32, flash: FlashSectors) -> Result<Self> {
         let mut mcu = Chip::new().context("the model of the chip")?;
-        mcu.fit(wiring.crystal, Defect::None);
+        mcu.fit(wiring.hse.hz(), Defect::None);
         mcu.set_supply(RAIL);
         for converter in &mut mcu.adc {
             converter.set_reference(RAIL);
@@ -101,7 +103,10 @@ impl Emulated {
             host.damage(usart.errors_mut());
             usart.attach(host);
         }
-        mcu.i2c[0].attach(eeprom);
+        match wiring.settings {
+            SettingsMemory::Eeprom => mcu.i2c[0].attach(eeprom),
+            SettingsMemory::Flash => mcu.keep_settings(flash).context("the model of flash")?,
+        }
         let mut board = Self { mcu, wiring };
         let cold: Vec<_> = wiring.thermistors.iter().map(|(_, channel)| (*channel, ROOM)).collect();
         board.heat(&cold)?;
@@ -113,7 +118,7 @@ impl Emulated {
 
     /// Breaks something of the clocks.
     pub fn weaken(&mut self, defect: Defect) {
-        self.mcu.fit(self.wiring.crystal, defect);
+        self.mcu.fit(self.wiring.hse.hz(), defect);
     }
 
     /// Gives channels of ADC3 voltages in mV.

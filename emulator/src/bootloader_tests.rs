@@ -4,6 +4,7 @@ use super::*;
 use crate::board::Emulated;
 use crate::clock_rules::ClockRules;
 use crate::eeprom::At24c32;
+use crate::flash::FlashSectors;
 use crate::wiring::OCTOPUS;
 use rigless::emulator::{self, AccessKind, Driver, Host, Settled, Start, Stop};
 use rigless::image::Image;
@@ -102,9 +103,9 @@ fn hand_over(loader: Vec<u8>) -> (Vec<u32>, ClockRules) {
     application.extend([0; 8]);
     let image = |bytes, at: u32| Image::new(Path::new("part"), bytes, Some(at.into())).unwrap();
     let images = [image(loader, RESET), image(application, OCTOPUS.application)];
-    let board = Emulated::new(&OCTOPUS, Vec::new(), At24c32::default()).unwrap();
+    let board = Emulated::new(&OCTOPUS, Vec::new(), At24c32::default(), FlashSectors::default()).unwrap();
     let session = Session::new(Box::new(board), 0, VirtualNanos(1)).unwrap();
-    let watch = Watch { rules: ClockRules::new(OCTOPUS.crystal), notes: Vec::new() };
+    let watch = Watch { rules: ClockRules::new(OCTOPUS.hse), notes: Vec::new() };
     let finished = emulator::run(session, &Start::new(&images), watch).unwrap();
     (finished.driver.notes, finished.driver.rules)
 }

@@ -6,21 +6,31 @@
 //! EXTI has no model in the crate, whose table does not connect it with the interrupt of the supply's detector either. Here it
 //! keeps what is written, and nothing is ever pending; a test that lets the supply fall looks whether the line is armed, and
 //! pends the interrupt itself.
+//!
+//! The crate's flash cannot be written to: the processor's stores to it are dropped. For a board that keeps settings there,
+//! [`FlashInterface`] takes them, and the emulator starts with a memory map in which flash has a programmer.
 
 use crate::board::RAIL;
 use crate::clock_tree::{ClockTree, Defect, Supply};
+use crate::flash::FlashSectors;
+use crate::flash_interface::FlashInterface;
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
+use rigless::emulator::Access;
 use rigless::mcu::{Mcu, Operate};
-use rigless::soc::stm32f427::Stm32f427;
 use rigless::soc::stm32f427::generated::otg_fs_global::Register;
 use rigless::soc::stm32f427::generated::{exti, otg_fs_device};
 use rigless::soc::stm32f427::peripherals::otg::Otg;
-use rigless::soc::{Bus, Error, Width};
+use rigless::soc::stm32f427::{MEMORY, Stm32f427};
+use rigless::soc::{Bus, Error, Region, Width};
 use rigless::time::VirtualNanos;
 use std::ops::{Deref, DerefMut};
 
 /// GINTSTS of a core in device mode on which nothing has happened (RM0390 rev 6, section 31.15.6).
 const NOTHING_HAPPENED: u64 = 0x0400_0020;
+
+/// The part's memory, with a flash that may change.
+static PROGRAMMABLE: [Region; MEMORY.len()] =
+    [MEMORY[0].programmed_by("FLASH"), MEMORY[1], MEMORY[2], MEMORY[3], MEMORY[4]];
 
 /// The chip.
 #[derive(Debug)]
@@ -31,8 +41,12 @@ pub struct Chip {
     clock_tree: ClockTree,
     supply: Supply,
     lines: Lines,
-    /// Where the bus has the five.
-    slots: [Option<usize>; 5],
+    /// The flash interface of a board that keeps settings in flash.
+    pub flash: Option<FlashInterface>,
+    /// A bus with that board's memory, for the emulator to take its map from before it starts.
+    map: Option<Bus>,
+    /// Where the bus has the six.
+    slots: [Option<usize>; 6],
 }
 
 /// The global registers of OTG_FS.
@@ -82,7 +96,7 @@ impl Chip {
     /// If the model contradicts itself.
     pub fn new() -> Result<Self, Error> {
         let part = Stm32f427::new()?;
-        let slots = ["OTG_FS_GLOBAL", "OTG_FS_DEVICE", "RCC", "PWR", "EXTI"]
+        let slots = ["OTG_FS_GLOBAL", "OTG_FS_DEVICE", "RCC", "PWR", "EXTI", "FLASH"]
             .map(|name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name));
         Ok(Self {
             part,
@@ -91,6 +105,8 @@ impl Chip {
             clock_tree: ClockTree::new(),
             supply: Supply::new(),
             lines: Lines,
+            flash: None,
+            map: None,
             slots,
         })
     }
@@ -100,6 +116,25 @@ impl Chip {
         self.clock_tree.fit(crystal);
         self.clock_tree.weaken(defect);
         self.power();
+    }
+
+    /// Has settings in flash, which these sectors hold.
+    ///
+    /// # Errors
+    /// If the model contradicts itself.
+    pub fn keep_settings(&mut self, sectors: FlashSectors) -> Result<(), Error> {
+        let bus = self.part.bus();
+        self.map = Some(Bus::builder(bus.cpu(), &PROGRAMMABLE, bus.peripherals().copied()).build()?);
+        self.flash = Some(FlashInterface::new(sectors));
+        Ok(())
+    }
+
+    /// The processor has made a store to flash.
+    pub fn store_to_flash(&mut self, store: &Access) {
+        if let (Some(flash), Some(slot)) = (&mut self.flash, self.slots[5]) {
+            let registers = self.part.bus_mut().slot_mut(slot).registers_mut();
+            flash.store(store.virtual_time, store.address, store.width, store.value & store.width.mask(), registers);
+        }
     }
 
     /// Has the slow oscillator run at so many Hz.
@@ -154,7 +189,7 @@ impl DerefMut for Chip {
 /// The rest of [`Mcu`] is for memory with check bits, which this part has not.
 impl Mcu for Chip {
     fn bus(&self) -> &Bus {
-        self.part.bus()
+        self.map.as_ref().unwrap_or_else(|| self.part.bus())
     }
 
     fn bus_mut(&mut self) -> &mut Bus {
@@ -168,6 +203,7 @@ impl Mcu for Chip {
             Some(2) => &mut self.clock_tree,
             Some(3) if self.clock_tree.defect() == Defect::OverDrive => &mut self.supply,
             Some(4) => &mut self.lines,
+            Some(5) if let Some(flash) = &mut self.flash => flash,
             _ => return self.part.split(slot),
         };
         (self.part.bus_mut(), Some(model))
@@ -180,9 +216,14 @@ impl Mcu for Chip {
             self.clock_tree.restarted(cause, self.part.bus_mut().slot_mut(slot).registers_mut());
         }
         self.power();
+        if let Some(flash) = &mut self.flash {
+            flash.restarted();
+        }
     }
 
     fn poll(&mut self, now: VirtualNanos) {
+        // The run has begun, so the emulator has its map.
+        self.map = None;
         self.part.poll(now);
     }
 }

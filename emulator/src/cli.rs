@@ -7,13 +7,14 @@ use crate::compare::{self, Lateness, Timing};
 use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
+use crate::flash::FlashSectors;
 use crate::heat::Climate;
 use crate::line::Manner;
 use crate::run::{Request, Seen, run};
 use crate::steps::StepEvent;
 use crate::timer::NS_PER_TICK;
 use crate::watch::{End, Patience};
-use crate::wiring::OCTOPUS;
+use crate::wiring::{NUCLEO, OCTOPUS, SettingsMemory, Wiring};
 use anyhow::{Result, bail};
 use clap::Parser;
 use corehbot::settings::Settings;
@@ -30,15 +31,19 @@ use std::process::ExitCode;
 /// A virtual second in ns.
 const SECOND: u64 = 1_000_000_000;
 
-/// Runs a flashable Octopus image on an emulated board and compares its steps with the host simulator's.
+/// Runs a flashable image on an emulated board and compares its steps with the host simulator's.
 #[derive(Parser)]
 #[command(name = "corehbot-emulator", version)]
 struct Cli {
-    /// The release ELF file, as `cargo xtask build octopus` made it.
+    /// The release ELF file, as `cargo xtask build octopus` or `nucleo` made it.
     elf: PathBuf,
     /// G-code file to print.
     file: PathBuf,
-    /// The machine, stored in the EEPROM of the board; without it, that is the CoreH-bot prototype.
+    /// The board that the image is for.
+    #[arg(long, value_enum, default_value_t = Board::Octopus)]
+    board: Board,
+    /// The machine, stored in the EEPROM of the Octopus, or put into the image of the Nucleo; without it, that is the CoreH-bot
+    /// prototype.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins: ticks are real time in 0.1 us since reset.
@@ -56,6 +61,24 @@ struct Cli {
     /// Virtual time after which the run is given up, in s.
     #[arg(long, value_name = "S", default_value_t = 3600)]
     limit: u64,
+}
+
+/// A board whose image runs here.
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Board {
+    /// BTT Octopus V1.0 or V1.1.
+    Octopus,
+    /// Nucleo-F446RE with a CNC shield v3, which has no motors for Z and the extruder.
+    Nucleo,
+}
+
+impl Board {
+    const fn wiring(self) -> &'static Wiring {
+        match self {
+            Self::Octopus => &OCTOPUS,
+            Self::Nucleo => &NUCLEO,
+        }
+    }
 }
 
 /// What to print, on what.
@@ -90,12 +113,15 @@ fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
 fn prepare(cli: &Cli) -> Result<Prepared> {
     let mut eeprom = Eeprom::blank();
     // A board without a machine gives no motor power.
-    let settings = match &cli.settings {
+    let mut settings = match &cli.settings {
         Some(path) => machine_file::read(path)?.settings,
         None => Settings::prototype(),
     };
-    eeprom.save(&settings)?;
-    let firmware = Firmware::read(&cli.elf)?;
+    let mut firmware = Firmware::read(&cli.elf)?;
+    match cli.board.wiring().settings {
+        SettingsMemory::Eeprom => eeprom.save(&settings)?,
+        SettingsMemory::Flash => firmware.put_machine(&mut settings)?,
+    }
     let gcode = input::read(&cli.file)?;
     let inputs = [Some(&cli.elf), Some(&cli.file), cli.settings.as_ref()];
     let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());
@@ -114,13 +140,18 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
     println!("image     {}", firmware.path.display());
     println!("sha256    {}", firmware.sha256);
     if let Some(path) = &cli.settings {
-        println!("settings  {}, stored in the EEPROM", printable::line(&path.to_string_lossy()));
+        let place = match cli.board.wiring().settings {
+            SettingsMemory::Eeprom => "stored in the EEPROM",
+            SettingsMemory::Flash => "put into the image",
+        };
+        println!("settings  {}, {place}", printable::line(&path.to_string_lossy()));
     }
     let patience = Patience { whole: cli.limit * SECOND, silent: 30 * SECOND, after_reset: SECOND };
-    let (drivers, chip) = (DriverLines::new(&OCTOPUS), At24c32::holding(eeprom.cells().to_vec()));
+    let wiring = cli.board.wiring();
+    let (drivers, chip) = (DriverLines::new(wiring), At24c32::holding(eeprom.cells().to_vec()));
     let request = Request {
         firmware: &firmware,
-        wiring: &OCTOPUS,
+        wiring,
         settings: &settings,
         gcode: &gcode,
         second: None,
@@ -129,6 +160,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         injection: None,
         drivers: &drivers,
         eeprom: &chip,
+        flash: &FlashSectors::default(),
         thermistors: &[],
         climate: Climate::default(),
         slow_oscillator: None,
@@ -142,15 +174,20 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
     let host = match &cli.settings {
         // A simulator that is made as the prototype has no heaters for what the EEPROM would have it heat, and no other
         // mechanism.
-        Some(_) if !settings.thermal.has_heater() && settings.mechanism == Settings::prototype().mechanism => {
+        Some(_)
+            if wiring.settings == SettingsMemory::Eeprom
+                && !settings.thermal.has_heater()
+                && settings.mechanism == Settings::prototype().mechanism =>
+        {
             compare::scheduled_with(&gcode, &Settings::prototype(), &mut eeprom)?
         }
         _ => compare::scheduled(&gcode, &settings)?,
     };
+    let host = compare::of_motors(&host, wiring.motors());
     let pins = &seen.recorder.events;
     let mut ok = seen.end == End::Done && seen.line.failure.is_none() && seen.resets.is_empty();
     ok &= seen.safety.dangers.is_empty() && seen.gaps.found.is_empty();
-    ok &= seen.breaches.is_empty();
+    ok &= seen.breaches.is_empty() && seen.flash.faults.is_empty();
     ok &= seen.recorder.unpowered == 0 && seen.recorder.split_pairs == 0;
     match compare::difference(pins, &host) {
         None => {
@@ -203,6 +240,9 @@ fn print_run(cli: &Cli, seen: &Seen) {
     }
     for breach in &seen.breaches {
         println!("CLOCK     {breach}");
+    }
+    for fault in &seen.flash.faults {
+        println!("FLASH     {fault}");
     }
     for gap in &seen.gaps.found {
         println!("GAP       {gap}");

@@ -11,11 +11,13 @@
 //! | PLLCFGR changes only while the PLL is off; 2 <= PLLM, 50 <= PLLN <= 432, 2 <= PLLQ, 2 <= PLLR | 6.3.2 |
 //! | the same for PLLSAI, which has no R, when it is switched on | 6.3.24 |
 //! | inputs of PLLs 0.95 to 2.1 MHz, their oscillators 100 to 432 MHz | 6.3.2; datasheet, PLL characteristics |
+//! | HSEBYP changes only while HSE is off, and is set if another chip gives its clock | 6.2.1, 6.3.1 |
 //! | PLL and crystal stay on while the system clock comes from them | 6.3.1 |
 //! | wait states: one for every 30 MHz of HCLK begun, less one, also for the clock that is asked for | 3.4.1 |
 //! | HCLK, PCLK1, PCLK2 up to 168, 42, 84 MHz; with over-drive up to 180, 45, 90 MHz | 5.1.4, 6.2; datasheet |
 
 use crate::board::Emulated;
+use crate::wiring::Hse;
 use rigless::emulator::Access;
 use rigless::mcu::Operate;
 use rigless::soc::Width;
@@ -43,6 +45,7 @@ const PWRRST: u64 = 1 << 28;
 
 /// RCC_CR (section 6.3.1).
 const HSEON: u64 = 1 << 16;
+const HSEBYP: u64 = 1 << 18;
 const PLLON: u64 = 1 << 24;
 const PLLSAION: u64 = 1 << 28;
 
@@ -69,6 +72,8 @@ pub enum Rule {
     Frequency(&'static str, u64),
     /// What the system clock comes from was switched off.
     InUse(&'static str),
+    /// HSE was switched on with a crystal taken for a clock or a clock for a crystal, or HSEBYP changed while it is on.
+    Bypass,
     /// So many wait states, and so many are needed.
     WaitStates(u64, u64),
     /// A clock is faster than it may be, in Hz.
@@ -91,6 +96,9 @@ impl fmt::Display for Rule {
                 write!(f, "{name} at {hz} Hz is out of range (datasheet, PLL characteristics)")
             }
             Self::InUse(name) => write!(f, "{name} switched off while the system clock comes from it (RM0390, 6.3.1)"),
+            Self::Bypass => {
+                f.write_str("HSEBYP is not for the source that HSE has, or changed while HSE is on (RM0390, 6.3.1)")
+            }
             Self::WaitStates(has, needs) => {
                 write!(f, "{has} wait states of flash, the clock needs {needs} (RM0390, 3.4.1)")
             }
@@ -142,17 +150,17 @@ const RESET: Registers = Registers {
 /// Watches over the rules.
 #[derive(Debug)]
 pub struct ClockRules {
-    crystal: u64,
+    hse: Hse,
     before: Registers,
     /// What was broken, each rule once.
     pub breaches: Vec<Breach>,
 }
 
 impl ClockRules {
-    /// A watch over a chip out of reset with a crystal of so many Hz.
+    /// A watch over a chip out of reset with that source of the high-speed clock.
     #[must_use]
-    pub const fn new(crystal: u64) -> Self {
-        Self { crystal, before: RESET, breaches: Vec::new() }
+    pub const fn new(hse: Hse) -> Self {
+        Self { hse, before: RESET, breaches: Vec::new() }
     }
 
     /// The chip was reset.
@@ -211,6 +219,11 @@ impl ClockRules {
                 if now.is_from_crystal() && value & HSEON == 0 {
                     broken.push(Rule::InUse("the crystal"));
                 }
+                let is_bypassed = value & HSEBYP != 0;
+                let is_wrong = value & !before.cr & HSEON != 0 && is_bypassed != matches!(self.hse, Hse::Clock(_));
+                if is_wrong || before.cr & HSEON != 0 && (value ^ before.cr) & HSEBYP != 0 {
+                    broken.push(Rule::Bypass);
+                }
                 if value & !before.cr & PLLSAION != 0 {
                     // The source is the PLL's.
                     broken.extend(self.pll(now.pllsaicfgr & !(1 << 22) | now.pllcfgr & 1 << 22, "PLLSAI"));
@@ -258,7 +271,7 @@ impl ClockRules {
 
     /// What the PLLs take in.
     const fn source(&self, pllcfgr: u64) -> u64 {
-        if pllcfgr & 1 << 22 == 0 { HSI_HZ } else { self.crystal }
+        if pllcfgr & 1 << 22 == 0 { HSI_HZ } else { self.hse.hz() }
     }
 
     /// HCLK if the system clock came from `source`, which is numbered as in SW.
@@ -266,7 +279,7 @@ impl ClockRules {
         let vco = || self.source(now.pllcfgr) * (now.pllcfgr >> 6 & 0x1FF) / (now.pllcfgr & 0x3F).max(1);
         let system = match source {
             0 => HSI_HZ,
-            1 => self.crystal,
+            1 => self.hse.hz(),
             2 => vco() / (2 * (now.pllcfgr >> 16 & 3) + 2),
             _ => vco() / (now.pllcfgr >> 28 & 7).max(1),
         };

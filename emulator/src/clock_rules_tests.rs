@@ -25,7 +25,7 @@ const DOWN: [Write; 4] = [(RCC_CFGR, 0x9400), (RCC_CR, 0x83), (RCC_APB1RSTR, PWR
 
 /// What `writes` break on a chip in which every write has its effect at once.
 fn breaks(writes: &[Write]) -> Vec<Rule> {
-    let mut rules = ClockRules::new(12_000_000);
+    let mut rules = ClockRules::new(Hse::Crystal(12_000_000));
     let mut now = RESET;
     let mut broken = Vec::new();
     for &(address, value) in writes {
@@ -160,9 +160,26 @@ fn the_wait_states_come_before_the_clock_and_go_after_it() {
 
 #[test]
 fn a_clock_that_is_only_asked_for_counts() {
-    let mut rules = ClockRules::new(12_000_000);
+    let mut rules = ClockRules::new(Hse::Crystal(12_000_000));
     let now = Registers { cfgr: 2, pllcfgr: FACTORS, power_status: ODSWRDY, ..RESET };
     assert!(rules.judge(RCC_CFGR, 2, &now).contains(&Rule::WaitStates(0, 5)));
+}
+
+#[test]
+fn the_oscillator_is_bypassed_for_a_clock_and_only_for_that() {
+    let broken = |hse, writes: &[u64]| {
+        let mut rules = ClockRules::new(hse);
+        let each = writes.iter().flat_map(|cr| rules.judge(RCC_CR, *cr, &Registers { cr: *cr, ..RESET }));
+        each.collect::<Vec<_>>()
+    };
+    let bypassed = [0x83 | HSEBYP, 0x83 | HSEBYP | HSEON];
+    for (hse, right, wrong) in [
+        (Hse::Crystal(12_000_000), &[0x83 | HSEON][..], &bypassed[..]),
+        (Hse::Clock(8_000_000), &bypassed[..], &[0x83 | HSEON][..]),
+    ] {
+        assert_eq!((broken(hse, right), broken(hse, wrong)), (vec![], vec![Rule::Bypass]), "{hse:?}");
+    }
+    assert_eq!(broken(Hse::Clock(8_000_000), &[bypassed[1], 0x83 | HSEON]), [Rule::Bypass]);
 }
 
 #[test]

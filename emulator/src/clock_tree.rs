@@ -25,6 +25,8 @@ pub enum Defect {
     None,
     /// The crystal, once stopped, does not start again.
     Crystal,
+    /// Neither a crystal nor a clock is there: HSE never starts.
+    NoClock,
     /// The PLL, once stopped, does not lock again.
     Pll,
     /// Over-drive, once left, is not reached again.
@@ -44,6 +46,11 @@ struct Switch {
 impl Switch {
     const fn new(bit: u64) -> Self {
         Self { bit, was_on: false, was_off: false, shown: 0 }
+    }
+
+    /// One that has worked already.
+    const fn spent(bit: u64) -> Self {
+        Self { was_off: true, ..Self::new(bit) }
     }
 
     /// What arrives of `written`.
@@ -166,11 +173,12 @@ impl ClockTree {
     pub fn weaken(&mut self, defect: Defect) {
         self.defect = defect;
         // HSEON and PLLON (RM0390 rev 6, section 6.3.1).
-        self.switch = Switch::new(match defect {
-            Defect::Crystal => 1 << 16,
-            Defect::Pll => 1 << 24,
-            Defect::None | Defect::OverDrive => 0,
-        });
+        self.switch = match defect {
+            Defect::Crystal => Switch::new(1 << 16),
+            Defect::NoClock => Switch::spent(1 << 16),
+            Defect::Pll => Switch::new(1 << 24),
+            Defect::None | Defect::OverDrive => Switch::default(),
+        };
     }
 
     /// What is broken.

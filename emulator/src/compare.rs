@@ -50,6 +50,17 @@ pub fn scheduled_with(gcode: &str, settings: &Settings, storage: impl Storage) -
     Ok(steps.0)
 }
 
+/// What a board shows of `events` that has no other motors than `motors`.
+#[must_use]
+pub fn of_motors(events: &[Scheduled], motors: MotorSet) -> Vec<Scheduled> {
+    let seen = |event: &Scheduled| Scheduled {
+        steps: MotorSet(event.steps.0 & motors.0),
+        forward: MotorSet(event.forward.0 & motors.0),
+        ..*event
+    };
+    events.iter().map(seen).filter(|event| !event.steps.is_empty()).collect()
+}
+
 /// Where the sequences part.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Difference {

@@ -34,7 +34,8 @@ pub struct DriverLine {
     pub datagrams: [u32; 2],
     /// Furthest distance of an edge of the firmware's from where it belongs, seen from its datagram's first, in ns.
     pub jitter: u64,
-    pin: Pin,
+    /// Where the wire is on the chip, if there is one.
+    pin: Option<Pin>,
     is_driven: bool,
     hearing: Hearing,
     /// When the present datagram began.
@@ -45,7 +46,7 @@ pub struct DriverLine {
 }
 
 impl DriverLine {
-    fn new(pin: Pin) -> Self {
+    fn new(pin: Option<Pin>) -> Self {
         Self {
             // No jumper: both address pins are low.
             chip: Tmc2209::new(0),
@@ -165,10 +166,11 @@ impl DriverLines {
     #[must_use]
     pub fn new(wiring: &'static Wiring) -> Self {
         let mut masks = [0; PORTS];
-        for slot in &wiring.slots {
-            masks[slot.uart.port] |= slot.uart.mask();
+        let pins = wiring.slots.map(|slot| slot.and_then(|slot| slot.uart));
+        for pin in pins.into_iter().flatten() {
+            masks[pin.port] |= pin.mask();
         }
-        let lines = wiring.slots.map(|slot| DriverLine::new(slot.uart));
+        let lines = pins.map(DriverLine::new);
         Self { lines, masks, seen: [(0, 0); PORTS], next: None }
     }
 
@@ -200,15 +202,13 @@ impl DriverLines {
         }
         let mut is_pulled_up = Some(is_pulled_up);
         for line in &mut self.lines {
-            let mask = line.pin.mask();
-            if line.pin.port != n || changed & mask == 0 {
-                continue;
-            }
+            let Some(pin) = line.pin.filter(|pin| pin.port == n && changed & pin.mask() != 0) else { continue };
+            let mask = pin.mask();
             let level = (after.0 & mask != 0).then_some(after.1 & mask != 0);
             if level.is_none()
                 && let Some(ask) = is_pulled_up.take()
             {
-                line.floating += u32::from(!ask(line.pin));
+                line.floating += u32::from(!ask(pin));
             }
             line.set(at, level);
         }
@@ -221,8 +221,8 @@ impl DriverLines {
             return;
         }
         for line in &mut self.lines {
-            if let Some(level) = line.advance(at.0) {
-                board.put(at, line.pin, level);
+            if let (Some(level), Some(pin)) = (line.advance(at.0), line.pin) {
+                board.put(at, pin, level);
             }
         }
         self.schedule();

@@ -21,6 +21,11 @@ pub struct Allowed {
 /// The allow-list.
 pub const ALLOWED: &[Allowed] = &[
     Allowed {
+        addresses: (0x0800_4000, 0x0800_BFFF),
+        name: "sectors 1 and 2 of flash",
+        reason: "settings, where a board keeps them there; the crate's bus has no flash to write to, flash_interface.rs takes the stores",
+    },
+    Allowed {
         addresses: (0x4002_3894, 0x4002_3894),
         name: "RCC_DCKCFGR2",
         reason: "of the F446 only; selects clocks of USB, SDIO, I2C4 and CEC: USB has nothing plugged in, the others are not used",

@@ -18,6 +18,8 @@ pub mod compare;
 pub mod driver_line;
 pub mod eeprom;
 pub mod firmware;
+pub mod flash;
+pub mod flash_interface;
 pub mod gaps;
 pub mod hearing;
 pub mod heat;

@@ -6,6 +6,7 @@ use crate::clock_tree::Defect;
 use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
+use crate::flash::{FlashSectors, SECTORS};
 use crate::gaps::Gaps;
 use crate::heat::{Climate, HeatWatch};
 use crate::laps::Laps;
@@ -13,14 +14,16 @@ use crate::line::{HostLine, Manner};
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::watch::{End, Injection, Patience, Watch};
-use crate::wiring::{BRR, HostPort, Pin, Wiring};
+use crate::wiring::{BRR, HostPort, Pin, SettingsMemory, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
 use rigless::emulator::{self, Start};
+use rigless::image::Image;
 use rigless::mcu::Operate;
 use rigless::session::{Reset, Session};
 use rigless::soc::Width;
 use rigless::time::VirtualNanos;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// A baud rate further than this from the stated one is another rate: 2 %, half of what a UART tolerates.
@@ -50,8 +53,10 @@ pub struct Request<'a> {
     pub injection: Option<Injection>,
     /// The motor drivers.
     pub drivers: &'a DriverLines,
-    /// The EEPROM.
+    /// The EEPROM, if the board has one.
     pub eeprom: &'a At24c32,
+    /// The sectors for settings, if the board keeps them in flash.
+    pub flash: &'a FlashSectors,
     /// Channels of ADC3 that have another voltage than at room temperature, in mV.
     pub thermistors: &'a [(u8, u32)],
     /// What is round the machine's heat, if it has any.
@@ -101,6 +106,8 @@ pub struct Seen {
     pub second: Option<LineSeen>,
     /// The EEPROM as it was left.
     pub eeprom: At24c32,
+    /// The sectors for settings as they were left.
+    pub flash: FlashSectors,
     /// Pins of the debug port that are its own at the end: SWDIO and SWCLK (PA13, PA14), from the lowest bit.
     pub debug_pins: u16,
     /// Bytes of the stack that were never used, its guard among them.
@@ -142,7 +149,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     let begin = Instant::now();
     let texts = [Some(request.gcode), request.second].into_iter().flatten();
     let hosts = texts.map(|gcode| HostLine::new(gcode, request.manner)).collect();
-    let mut board = Emulated::new(request.wiring, hosts, request.eeprom.clone())?;
+    let mut board = Emulated::new(request.wiring, hosts, request.eeprom.clone(), request.flash.clone())?;
     board.heat(request.thermistors)?;
     board.weaken(request.defect);
     if let Some((pin, high)) = request.stuck {
@@ -163,7 +170,10 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     );
     watch.stack_end = request.firmware.symbol("_stack_end")?;
     watch.heat = HeatWatch::new(request.wiring, request.settings, &request.climate);
-    let images = request.firmware.images(request.wiring)?;
+    let mut images = request.firmware.images(request.wiring)?;
+    if request.wiring.settings == SettingsMemory::Flash {
+        images.push(Image::new(Path::new("settings"), request.flash.cells.clone(), Some(SECTORS.start))?);
+    }
     let finished = emulator::run(session, &Start::new(&images), watch).context("the emulator")?;
     let (mut session, watch) = (finished.session, finished.driver);
     let stop = finished.stop.context("the emulator ended by itself")?;
@@ -180,7 +190,8 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
     for (enabled, address) in clocked.iter_mut().zip(CLOCKED) {
         *enabled = board.mcu.peek(stop.at, address, Width::W32)?;
     }
-    let eeprom = board.eeprom().context("the EEPROM has gone")?.clone();
+    let eeprom = board.eeprom().cloned().unwrap_or_default();
+    let flash = board.mcu.flash.as_ref().map(|flash| flash.sectors.clone()).unwrap_or_default();
     let mut lines = board.hosts().zip(bauds).map(|(line, baud)| LineSeen::of(line, baud));
     let line = lines.next().context("the host has gone")?;
     let second = lines.next();
@@ -204,6 +215,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         line,
         second,
         eeprom,
+        flash,
         debug_pins,
         stack_free: watch.stack_free,
         core_hz,

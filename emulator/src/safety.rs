@@ -36,7 +36,7 @@ impl Safety {
     #[must_use]
     pub fn new(wiring: &'static Wiring, fitted: OutputSet) -> Self {
         let (mut masks, mut heaters) = ([0; PORTS], [0; PORTS]);
-        for slot in &wiring.slots {
+        for slot in wiring.slots.iter().flatten() {
             masks[slot.enable.port] |= slot.enable.mask();
         }
         for &(_, load) in wiring.heaters {
@@ -71,7 +71,7 @@ impl Safety {
             return;
         }
         let mut powered = self.powered;
-        for slot in &self.wiring.slots {
+        for slot in self.wiring.slots.iter().flatten() {
             if slot.enable.port == n {
                 let one = MotorSet::of(slot.motor);
                 powered = powered.without(one);

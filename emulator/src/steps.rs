@@ -71,7 +71,7 @@ impl Recorder {
     #[must_use]
     pub fn new(wiring: &'static Wiring) -> Self {
         let mut masks = [0; PORTS];
-        for slot in &wiring.slots {
+        for slot in wiring.slots.iter().flatten() {
             masks[slot.step.port] |= slot.step.mask();
             masks[slot.dir.port] |= slot.dir.mask();
         }
@@ -101,7 +101,8 @@ impl Recorder {
         }
         self.levels[n] = levels;
         let (mut rises, mut falls) = (MotorSet::NONE, MotorSet::NONE);
-        for (i, slot) in self.wiring.slots.iter().enumerate() {
+        for slot in self.wiring.slots.iter().flatten() {
+            let i = slot.motor as usize;
             let one = MotorSet::of(slot.motor);
             if slot.dir.port == n && changed & slot.dir.mask() != 0 {
                 self.forward = MotorSet(self.forward.0 ^ one.0);

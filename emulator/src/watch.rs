@@ -1,6 +1,7 @@
 //! The watch: sees every access of the firmware, moves the simulated machine and keeps the record.
 
 mod ending;
+mod flash;
 mod injection;
 
 pub use ending::{End, Patience};
@@ -14,7 +15,7 @@ use crate::laps::Laps;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::Schedule;
-use crate::wiring::{BRR, PORTS, Wiring};
+use crate::wiring::{BRR, PORTS, SettingsMemory, Wiring};
 use corehbot::motors::{EndstopSet, Motor};
 use corehbot::settings::Settings;
 use corehbot_rig::Rig;
@@ -82,6 +83,8 @@ pub struct Watch {
     /// A line of the interrupt controller that is held high.
     held: Option<InterruptLine>,
     is_supply_low: bool,
+    /// The processor stands still, because its flash is at work.
+    is_holding: bool,
     /// When the supply came back after it had fallen, the processor was still at its own slow clock.
     pub has_waited: bool,
 }
@@ -117,7 +120,7 @@ impl Watch {
             safety: Safety::new(wiring, fitted(settings)),
             heat: HeatWatch::new(wiring, settings, &Climate::default()),
             laps: Laps::default(),
-            clock_rules: ClockRules::new(wiring.crystal),
+            clock_rules: ClockRules::new(wiring.hse),
             end: End::Late,
             injected: None,
             fallen: None,
@@ -127,6 +130,7 @@ impl Watch {
             with: With::Nothing,
             held: None,
             is_supply_low: false,
+            is_holding: false,
             has_waited: false,
         }
     }
@@ -198,7 +202,8 @@ impl Driver<Emulated> for Watch {
                 self.drivers.advance(session.board_mut(), stop.at);
                 self.heat.look(session.board_mut(), stop.at.0, self.rig.counts()[Motor::E0 as usize]);
                 self.inject_while_hot(session, host, stop.at);
-                return session.pause_at(self.drivers.next.map(VirtualNanos));
+                self.look_at_flash(session, host, stop.at, None);
+                return self.pause(session);
             }
             Settled::Hit(hit) => return self.fall(session, hit.at),
             _ => return,
@@ -220,6 +225,10 @@ impl Driver<Emulated> for Watch {
             }
             self.press(session, access.virtual_time);
         }
+        if self.wiring.settings == SettingsMemory::Flash {
+            self.look_at_flash(session, host, access.virtual_time, Some(&access));
+            self.pause(session);
+        }
         let is_stepping = access.program_counter.is_some_and(|pc| self.step_interrupt.contains(&pc));
         self.slow_accesses += u64::from(is_stepping && APB.contains(&access.address));
         if access.kind != AccessKind::Write {
@@ -239,7 +248,7 @@ impl Driver<Emulated> for Watch {
         }
         if is_port {
             self.port_written(session, host, access.virtual_time, port as usize);
-            session.pause_at(self.drivers.next.map(VirtualNanos));
+            self.pause(session);
         }
     }
 

@@ -5,7 +5,7 @@
 //! `tests/machines.rs`.
 
 use corehbot::connectors::{Output, Sensor};
-use corehbot::motors::{EndstopSet, Motor};
+use corehbot::motors::{EndstopSet, Motor, MotorSet};
 
 /// Ports of the chip, GPIOA to GPIOH.
 pub const PORTS: usize = 8;
@@ -51,8 +51,8 @@ pub struct Slot {
     pub dir: Pin,
     /// Low gives it power.
     pub enable: Pin,
-    /// The driver's UART.
-    pub uart: Pin,
+    /// The driver's UART, if the board has a line to it.
+    pub uart: Option<Pin>,
 }
 
 /// A timer that drives pins.
@@ -109,13 +109,41 @@ pub struct HostPort {
     pub is_on_apb2: bool,
 }
 
+/// What the high-speed oscillator (HSE) has, and its rate in Hz.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Hse {
+    /// A crystal, which the oscillator drives.
+    Crystal(u64),
+    /// The clock of another chip: the oscillator is to be bypassed (RM0390 rev 6, section 6.2.1).
+    Clock(u64),
+}
+
+impl Hse {
+    /// The rate in Hz.
+    #[must_use]
+    pub const fn hz(self) -> u64 {
+        match self {
+            Self::Crystal(hz) | Self::Clock(hz) => hz,
+        }
+    }
+}
+
+/// Where a board keeps settings.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum SettingsMemory {
+    /// An AT24C32 on I2C1.
+    Eeprom,
+    /// Sectors 1 and 2 of the processor's flash.
+    Flash,
+}
+
 /// A board with an STM32F446.
 #[derive(Clone, Copy, Debug)]
 pub struct Wiring {
     /// What it is called.
     pub name: &'static str,
-    /// One slot a motor, in the order of [`Motor::ALL`].
-    pub slots: [Slot; Motor::ALL.len()],
+    /// One slot a motor, in the order of [`Motor::ALL`]; a bench rig has none for some.
+    pub slots: [Option<Slot>; Motor::ALL.len()],
     /// A pressed endstop is high: a normally closed switch to ground with a pull-up, so a cut wire stops
     /// the machine.
     pub endstops: [(EndstopSet, Pin); 3],
@@ -133,12 +161,22 @@ pub struct Wiring {
     pub application: u32,
     /// Serial ports for hosts.
     pub host_ports: &'static [HostPort],
-    /// The crystal in Hz.
-    pub crystal: u64,
+    /// The source of the high-speed clock.
+    pub hse: Hse,
+    /// Where settings are kept.
+    pub settings: SettingsMemory,
 }
 
-const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Slot {
-    Slot { motor, step, dir, enable, uart }
+impl Wiring {
+    /// The motors that the board has a slot for.
+    #[must_use]
+    pub fn motors(&self) -> MotorSet {
+        self.slots.iter().flatten().fold(MotorSet::NONE, |all, slot| all.with(MotorSet::of(slot.motor)))
+    }
+}
+
+const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Option<Slot> {
+    Some(Slot { motor, step, dir, enable, uart: Some(uart) })
 }
 
 /// The voltage of a thermistor at room temperature in mV: 100 kOhm at 25 C under 4.7 kOhm from 3.3 V.
@@ -201,7 +239,8 @@ pub static OCTOPUS: Wiring = Wiring {
         HostPort { place: 1, base: 0x4000_4400, is_on_apb2: false },
         HostPort { place: 0, base: 0x4001_1000, is_on_apb2: true },
     ],
-    crystal: 12_000_000,
+    hse: Hse::Crystal(12_000_000),
+    settings: SettingsMemory::Eeprom,
 };
 
 /// Fysetc Spider V1.x and V2.x with motors 1, 8, 4, 11 in X-MOT, E2-MOT, Y-MOT, Z-MOT, the ball screws in E3-MOT and E4-MOT and the
@@ -234,7 +273,41 @@ pub static SPIDER: Wiring = Wiring {
     thermistors: &[(Sensor::Bed, 13), (Sensor::Hotend0, 10), (Sensor::Hotend1, 11), (Sensor::Hotend2, 12)],
     application: 0x0800_8000,
     host_ports: &[HostPort { place: 0, base: 0x4001_1000, is_on_apb2: true }],
-    crystal: 12_000_000,
+    hse: Hse::Crystal(12_000_000),
+    settings: SettingsMemory::Eeprom,
+};
+
+/// A socket of the CNC shield, whose one enable line is D8 for all; no line leads to a driver's UART.
+const fn socket(motor: Motor, step: Pin, dir: Pin) -> Option<Slot> {
+    Some(Slot { motor, step, dir, enable: Pin::new('A', 9), uart: None })
+}
+
+/// Nucleo-F446RE with a CNC shield v3: motors 1, 4, 8, 11 in sockets X, Y, A, Z, nothing for the ball screws and the extruder. On the
+/// shield, step and direction are D2 and D5 (X), D3 and D6 (Y), D12 and D13 (A), D4 and D7 (Z), limits D9, D10, D11 (Protoneer's
+/// shield v3.00, as `protoneer_3.xx_map.h` of grblHAL has it). Which pins these are is in UM1724, Arduino connectors of the
+/// NUCLEO-F446RE. The ST-LINK drives the oscillator's input with 8 MHz, and has USART2 as a serial port (UM1724, OSC clock and USART
+/// communication). No bootloader.
+pub static NUCLEO: Wiring = Wiring {
+    name: "nucleo",
+    slots: [
+        socket(Motor::M1, Pin::new('A', 10), Pin::new('B', 4)),
+        socket(Motor::M4, Pin::new('B', 3), Pin::new('B', 10)),
+        socket(Motor::M8, Pin::new('A', 6), Pin::new('A', 5)),
+        socket(Motor::M11, Pin::new('B', 5), Pin::new('A', 8)),
+        None,
+        None,
+        None,
+    ],
+    endstops: [(EndstopSet::X, Pin::new('C', 7)), (EndstopSet::Y, Pin::new('B', 6)), (EndstopSet::Z, Pin::new('A', 7))],
+    heaters: &[],
+    fans: &[],
+    supply_switch: None,
+    resistors: &[],
+    thermistors: &[],
+    application: 0x0800_0000,
+    host_ports: &[HostPort { place: 1, base: 0x4000_4400, is_on_apb2: false }],
+    hse: Hse::Clock(8_000_000),
+    settings: SettingsMemory::Flash,
 };
 
 #[cfg(test)]
@@ -243,8 +316,14 @@ mod tests {
 
     #[test]
     fn no_two_functions_share_a_pin() {
-        for (board, first) in [(OCTOPUS, "PF13"), (SPIDER, "PE11")] {
-            let mut pins: Vec<Pin> = board.slots.iter().flat_map(|s| [s.step, s.dir, s.enable, s.uart]).collect();
+        for (board, first) in [(OCTOPUS, "PF13"), (SPIDER, "PE11"), (NUCLEO, "PA10")] {
+            let slots: Vec<Slot> = board.slots.into_iter().flatten().collect();
+            let mut pins: Vec<Pin> = slots.iter().flat_map(|s| [s.step, s.dir]).collect();
+            pins.extend(slots.iter().filter_map(|s| s.uart));
+            // One line may give power to all motors.
+            let mut enables: Vec<Pin> = slots.iter().map(|s| s.enable).collect();
+            enables.dedup();
+            pins.extend(enables);
             pins.extend(board.endstops.map(|(_, pin)| pin));
             pins.extend(board.heaters.iter().map(|(_, load)| load.pin));
             pins.extend(board.fans.iter().map(|load| load.pin));
@@ -258,6 +337,12 @@ mod tests {
 
     #[test]
     fn slots_stand_in_the_order_of_the_motors() {
-        assert!([OCTOPUS, SPIDER].iter().all(|board| board.slots.map(|s| s.motor) == Motor::ALL));
+        for board in [OCTOPUS, SPIDER, NUCLEO] {
+            let motors = board.slots.iter().zip(Motor::ALL);
+            assert!(
+                motors.filter_map(|(slot, motor)| slot.map(|slot| (slot, motor))).all(|(s, motor)| s.motor == motor)
+            );
+        }
+        assert_eq!((OCTOPUS.motors(), NUCLEO.motors()), (SPIDER.motors(), MotorSet::BELT));
     }
 }

@@ -3,11 +3,10 @@
 
 mod common;
 
-use common::{Bench, bench_of, firmware, plain_firmware, print_on, root};
+use common::{Bench, bench_of, firmware, lines_of, plain_firmware, print_on, root};
 use corehbot::connectors::{ConnectorName, Heater};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};
-use corehbot::storage::{LONGEST, record_of};
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::{At24c32, Cut};
@@ -157,17 +156,6 @@ fn an_image_with_a_machine_in_it_starts_as_that() {
     }
 }
 
-/// The lines that send a machine and have it stored.
-fn lines_of(machine: &Settings) -> String {
-    let mut record = [0; LONGEST];
-    let length = record_of(machine, &mut record).unwrap();
-    let pieces = record[..length].chunks(24).enumerate().map(|(n, piece)| {
-        let hex: String = piece.iter().map(|byte| format!("{byte:02x}")).collect();
-        format!("MACHINE_PUT AT={} HEX={hex}\n", 24 * n)
-    });
-    pieces.chain(["MACHINE_STORE\n".to_owned()]).collect()
-}
-
 /// A machine that comes over the serial line is stored and told of; a reset later the board is that machine.
 #[test]
 fn a_machine_that_was_sent_is_there_after_a_reset() {
@@ -233,9 +221,9 @@ fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
 #[test]
 fn the_eighth_slot_takes_the_debug_port_from_a_machine_that_uses_it() {
     let mut wiring = OCTOPUS;
-    let slot = &mut wiring.slots[Motor::M8 as usize];
+    let slot = wiring.slots[Motor::M8 as usize].as_mut().unwrap();
     (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('A', 14));
-    (slot.enable, slot.uart) = (Pin::new('E', 0), Pin::new('D', 3));
+    (slot.enable, slot.uart) = (Pin::new('E', 0), Some(Pin::new('D', 3)));
     wiring.endstops[1].1 = Pin::new('G', 15);
     let file = "board = \"octopus\"\n[motors]\nm8 = \"M7\"\n[endstops]\ny = \"E3DET\"\n";
     assert_eq!(moves_on(&firmware(), file, wiring).debug_pins, 0b01, "SWDIO is the port's, SWCLK is not");
@@ -263,9 +251,9 @@ fn the_image_steps_on_a_spider() {
     let mut firmware = firmware();
     firmware.set_board("spider").unwrap();
     let mut wiring = SPIDER;
-    let slot = &mut wiring.slots[Motor::M4 as usize];
+    let slot = wiring.slots[Motor::M4 as usize].as_mut().unwrap();
     (slot.step, slot.dir) = (Pin::new('E', 6), Pin::new('C', 13));
-    (slot.enable, slot.uart) = (Pin::new('E', 5), Pin::new('C', 14));
+    (slot.enable, slot.uart) = (Pin::new('E', 5), Some(Pin::new('C', 14)));
     wiring.endstops[0].1 = Pin::new('A', 1);
     let file = "board = \"spider\"\n[motors]\nm4 = \"E1-MOT\"\n[endstops]\nx = \"X-MAX\"\n";
     let seen = moves_on(&firmware, file, wiring);

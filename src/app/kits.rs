@@ -1,7 +1,7 @@
 //! Kits: what the handles are made of. A board with little stack makes them one by one, each in the place where it stays.
 
 use super::memory::Memory;
-use crate::kinematics::Groups;
+use crate::kinematics::Groupings;
 use crate::machine::{Console, Ports};
 use crate::motion::{Entry, Link, MoveMemory, SpanMemory, StepCounts, StepGenerator, Stepper, StepsIn, StepsOut};
 use crate::port::{Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
@@ -38,18 +38,18 @@ pub struct Kits<'m, W: Pend> {
 impl<'m, W: Pend> Kits<'m, W> {
     /// The kits of a machine with these settings.
     pub fn new(memory: &'m mut Memory, settings: &Settings, pend: W) -> Self {
-        let Memory { moves, events, spans, planned, orders, groups, status } = memory;
-        *groups = Groups::new(&settings.mechanism);
-        let (groups, status): (&'m Groups, &'m Status) = (groups, status);
+        let Memory { moves, events, spans, planned, orders, groupings, status } = memory;
+        *groupings = Groupings::new(&settings.mechanism);
+        let (groupings, status): (&'m Groupings, &'m Status) = (groupings, status);
         let (moves_in, moves) = moves.split();
         let (events_in, events) = events.split();
         let (orders, orders_in) = orders.split();
         let counts = events.counts(status);
         Self {
             stepper: StepperKit { events, status },
-            generator: GeneratorKit { moves, events: events_in, spans, status, groups },
+            generator: GeneratorKit { moves, events: events_in, spans, status, groupings },
             thermal: ThermalKit { orders: orders_in, status },
-            console: ConsoleKit { planned, orders, groups, link: Link::new(moves_in, status, counts, pend) },
+            console: ConsoleKit { planned, orders, groupings, link: Link::new(moves_in, status, counts, pend) },
             status,
             counts,
         }
@@ -75,14 +75,14 @@ pub struct GeneratorKit<'m> {
     events: StepsIn<'m>,
     spans: &'m mut SpanMemory,
     status: &'m Status,
-    groups: &'m Groups,
+    groupings: &'m Groupings,
 }
 
 impl<'m> GeneratorKit<'m> {
     /// Makes it.
     #[must_use]
     pub fn make(self) -> StepGenerator<'m> {
-        StepGenerator::new(self.moves, self.events, self.spans, self.status, self.groups)
+        StepGenerator::new(self.moves, self.events, self.spans, self.status, self.groupings)
     }
 }
 
@@ -103,7 +103,7 @@ impl<'m> ThermalKit<'m> {
 pub struct ConsoleKit<'m, W: Pend> {
     planned: &'m mut MoveMemory,
     orders: Orders<'m>,
-    groups: &'m Groups,
+    groupings: &'m Groupings,
     link: Link<'m, W>,
 }
 
@@ -115,6 +115,6 @@ impl<'m, W: Pend> ConsoleKit<'m, W> {
         start: Option<[Mm; 3]>,
         ports: Ports<S, D, K, T>,
     ) -> Console<'m, Ports<S, D, K, T>, W> {
-        Console::new(*settings, start, self.planned, self.orders, self.groups, self.link, ports)
+        Console::new(*settings, start, self.planned, self.orders, self.groupings, self.link, ports)
     }
 }

@@ -1,6 +1,6 @@
 //! Memory: what the handles share.
 
-use crate::kinematics::Groups;
+use crate::kinematics::Groupings;
 use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
 use crate::status::Status;
 use crate::thermal::OrderQueue;
@@ -17,7 +17,7 @@ pub struct Memory {
     pub(super) planned: MoveMemory,
     /// Console to ThermalControl, 2 KiB.
     pub(super) orders: OrderQueue,
-    pub(super) groups: Groups,
+    pub(super) groupings: Groupings,
     pub(super) status: Status,
 }
 
@@ -44,7 +44,7 @@ impl Memory {
             spans: SpanMemory::new(),
             planned: MoveMemory::new(),
             orders: OrderQueue::new(),
-            groups: Groups::NONE,
+            groupings: Groupings::NONE,
             status: Status::new(),
         }
     }

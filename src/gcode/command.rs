@@ -22,6 +22,15 @@ pub enum Command<'a> {
         /// F, per minute.
         feed: Option<Number>,
     },
+    /// G0, G1 with C: straight move in which a closed belt runs round.
+    Circulate {
+        /// The target.
+        to: AxisWords,
+        /// C: where the belt is to be, in mm of belt.
+        belt: Number,
+        /// F, per minute.
+        feed: Option<Number>,
+    },
     /// G2, G3: arc or helix.
     Arc {
         /// G2 runs clockwise, G3 counter-clockwise.

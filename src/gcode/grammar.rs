@@ -35,7 +35,8 @@ impl Grammar {
     /// The grammar of a code; `None` for one that takes any text, or must act whatever follows it.
     fn of(code: Code) -> Option<Self> {
         Some(match (code.letter, code.number) {
-            (b'G', 0 | 1) => Self::of_axes(b"XYZEF", NO_AXES),
+            // C is the belt's circulation, which not every machine has.
+            (b'G', 0 | 1) => Self::of_axes(b"XYZECF", b"ABUVW"),
             (b'G', 2 | 3) => Self { not_negative: b"P", ..Self::of_axes(b"XYZEFIJKRP", NO_AXES) },
             (b'G', 4) => Self { numbers: b"PS", no_axes: &[], not_negative: b"PS" },
             // With W, Prusa's G28 does not probe the bed.

@@ -85,7 +85,19 @@ fn line(code: Code, text: &[u8]) -> Command<'_> {
         }
     }
     let command = Command::Line { rapid: code.number == 0, to, feed };
-    if is_usual && !words.has_skipped() { command } else { in_order(command, code, text) }
+    if is_usual && !words.has_skipped() { command } else { in_order(with_belt(command, text), code, text) }
+}
+
+/// A move in which the belt runs round too, if the line has a C.
+#[cold]
+#[inline(never)]
+fn with_belt<'a>(command: Command<'a>, text: &[u8]) -> Command<'a> {
+    match (command, Words::new(text).filter(|word| word.letter == b'C').last()) {
+        (Command::Line { to, feed, .. }, Some(Word { number: Some(belt), .. })) => {
+            Command::Circulate { to, belt, feed }
+        }
+        (command, _) => command,
+    }
 }
 
 /// G2 and G3. With a radius, I, J and K do not count (Marlin).

@@ -6,7 +6,7 @@
 use super::forward::{ForwardKinematics, greatest_divisor};
 use super::mechanism::{Mechanism, mirrored};
 use super::row::Row;
-use crate::motors::{GroupSet, MOST_GROUPS, Motor, MotorSet};
+use crate::motors::{Coupling, GroupSet, MOST_GROUPS, Motor, MotorSet};
 use crate::units::Steps;
 
 /// The motor of a group that comes first here leads it, and so the groups are ordered. Thus u = x + y, which motor 11
@@ -160,14 +160,7 @@ impl Groups {
     /// The steps of each motor, given those of the groups.
     #[must_use]
     pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
-        Motor::ALL.map(|motor| {
-            let count = |(group, count): (&Group, i32)| match (group.with.has(motor), group.against.has(motor)) {
-                (true, _) => Some(count),
-                (_, true) => Some(count.wrapping_neg()),
-                _ => None,
-            };
-            self.iter().zip(counts).find_map(count).unwrap_or_default()
-        })
+        self.coupling().motor_counts(counts)
     }
 
     /// How often each group's count is taken in the one sum that no position changes: 0 at rest to within a step. `None`
@@ -197,22 +190,48 @@ impl Groups {
         Some(constraint)
     }
 
-    /// The motors of these groups.
+    /// Which motors a step of each group turns.
     #[must_use]
-    pub fn motors(&self, groups: GroupSet) -> MotorSet {
-        let is_in = |number: usize| groups.0 >> number & 1 == 1;
-        self.iter()
-            .enumerate()
-            .filter(|(number, _)| is_in(*number))
-            .fold(MotorSet::NONE, |set, (_, g)| set.with(g.motors()))
+    pub fn coupling(&self) -> Coupling {
+        Coupling::new(self.groups.map(|group| (group.with, group.against)))
+    }
+}
+
+/// What the motors of x and y are grouped for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Grouping {
+    /// The tool alone; a closed belt stands, or runs as the tool pulls it.
+    Tool,
+    /// The tool and a closed belt, which takes the place of z ([`Mechanism::circulating`]).
+    Circulation,
+}
+
+/// The groups of a mechanism in every grouping that it may have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Groupings {
+    /// [`Grouping::Tool`].
+    pub tool: Groups,
+    /// [`Grouping::Circulation`]; nobody asks for it where no belt is closed.
+    pub circulation: Groups,
+}
+
+impl Groupings {
+    /// No motors at all.
+    pub const NONE: Self = Self { tool: Groups::NONE, circulation: Groups::NONE };
+
+    /// Those of a mechanism that [`Mechanism::check`] finds sound.
+    #[must_use]
+    pub fn new(mechanism: &Mechanism) -> Self {
+        Self { tool: Groups::new(mechanism), circulation: Groups::new(&mechanism.circulating()) }
     }
 
-    /// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
+    /// The groups in one of them.
     #[must_use]
-    pub fn forward_motors(&self, groups: GroupSet) -> MotorSet {
-        self.iter().enumerate().fold(MotorSet::NONE, |set, (number, group)| {
-            set.with(if groups.0 >> number & 1 == 1 { group.with } else { group.against })
-        })
+    pub const fn of(&self, grouping: Grouping) -> &Groups {
+        match grouping {
+            Grouping::Tool => &self.tool,
+            Grouping::Circulation => &self.circulation,
+        }
     }
 }
 
@@ -224,7 +243,7 @@ const fn span(a: [i32; 3], b: [i32; 3], c: [i32; 3]) -> i32 {
 /// Sets of groups that there are.
 pub const SETS: usize = 1 << MOST_GROUPS;
 
-/// [`Groups::motors`] and [`Groups::forward_motors`] of every set, for those who have no time to gather them.
+/// [`Coupling::motors`] and [`Coupling::forward_motors`] of every set, for those who have no time to gather them.
 #[derive(Clone, Copy, Debug)]
 pub struct MotorTable {
     motors: [MotorSet; SETS],
@@ -232,17 +251,17 @@ pub struct MotorTable {
 }
 
 impl MotorTable {
-    /// The table of these groups.
+    /// The table of this coupling.
     #[must_use]
-    pub fn new(groups: &Groups) -> Self {
-        let of = |motors: fn(&Groups, GroupSet) -> MotorSet| {
+    pub fn new(coupling: &Coupling) -> Self {
+        let of = |motors: fn(&Coupling, GroupSet) -> MotorSet| {
             let mut sets = [MotorSet::NONE; SETS];
             for (number, set) in sets.iter_mut().enumerate() {
-                *set = motors(groups, GroupSet(number as u8));
+                *set = motors(coupling, GroupSet(number as u8));
             }
             sets
         };
-        Self { motors: of(Groups::motors), forward: of(Groups::forward_motors) }
+        Self { motors: of(Coupling::motors), forward: of(Coupling::forward_motors) }
     }
 
     /// The motors of these groups.

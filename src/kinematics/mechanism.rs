@@ -165,6 +165,35 @@ impl Mechanism {
         self.motors_with(|row| row.get(axis).is_some_and(|times| *times != 0))
     }
 
+    /// The motors that move x or y, which have belts.
+    #[must_use]
+    pub fn belt_motors(&self) -> MotorSet {
+        self.motors_with(|[x, y, ..]| x != 0 || y != 0)
+    }
+
+    /// Whether all belt motors can turn alike while the tool stands, so that a closed belt over all of them runs round.
+    #[must_use]
+    pub fn can_circulate(&self) -> bool {
+        let belt = self.belt_motors();
+        let rows = || self.motors().filter(|(motor, _)| belt.has(*motor)).map(|(_, row)| row);
+        let sums_to_zero =
+            |axis: usize| rows().filter_map(|row| row.get(axis).copied()).map(i32::from).sum::<i32>() == 0;
+        !self.has_multiples() && [0, 1, 2].into_iter().all(sums_to_zero) && self.circulating().check().is_ok()
+    }
+
+    /// The same belt motors, which move the belt round instead of z: of a CoreH-bot the rows are those of a CoreXYZ, whose lift is
+    /// the circulation. Nothing else moves but the filament.
+    #[must_use]
+    pub fn circulating(&self) -> Self {
+        let belt = self.belt_motors();
+        let mut mechanism = *self;
+        for (motor, row) in Motor::ALL.into_iter().zip(&mut mechanism.rows) {
+            let [x, y, _, e] = *row;
+            *row = [x, y, i8::from(belt.has(motor)), e];
+        }
+        mechanism
+    }
+
     /// The axis with the lowest number that a motor moves.
     #[must_use]
     pub fn axis_of(&self, motor: Motor) -> Option<usize> {

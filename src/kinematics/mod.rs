@@ -3,9 +3,11 @@
 mod forward;
 mod groups;
 mod mechanism;
+mod residuals;
 mod row;
 
 pub use forward::ForwardKinematics;
-pub use groups::{Group, Groups, MotorTable, SETS, count_at};
+pub use groups::{Group, Grouping, Groupings, Groups, MotorTable, SETS, count_at};
 pub use mechanism::{MOST_MULTIPLE, Mechanism, MechanismError};
+pub use residuals::{Residual, Residuals};
 pub use row::{Row, direction, multiple};

@@ -6,7 +6,7 @@
 use crate::connectors::HEATERS;
 use crate::driver::Drivers;
 use crate::gcode;
-use crate::kinematics::Groups;
+use crate::kinematics::Groupings;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::host::{Asked, Text};
@@ -17,6 +17,7 @@ use crate::machine::ports::Devices;
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::release::policy::ReleasePolicy;
 use crate::machine::state::advance_in_use::AdvanceInUse;
+use crate::machine::state::circulation::Circulation;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::fan_schedule::FanSchedule;
 use crate::machine::state::heat_orders::HeatOrders;
@@ -58,6 +59,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) retraction: Retraction,
     pub(super) homed: Homed,
     pub(super) real: RealPosition<'m>,
+    pub(super) circulation: Circulation,
     /// What the motor drivers hold, and which motors have power.
     pub(super) drivers: Drivers,
     pub(super) idle_timeout: IdleTimeout,
@@ -85,13 +87,13 @@ pub struct Console<'m, P: PortSet, W: Pend> {
 }
 
 impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Ports<S, D, K, T>, W> {
-    /// A Console of a machine with these motor groups that stands at `start` if that is known, as if homed.
+    /// A Console of a machine with these groups of motors that stands at `start` if that is known, as if homed.
     pub fn new(
         settings: Settings,
         start: Option<[Mm; 3]>,
         memory: &'m mut MoveMemory,
         orders: Orders<'m>,
-        groups: &'m Groups,
+        groupings: &'m Groupings,
         link: Link<'m, W>,
         ports: Ports<S, D, K, T>,
     ) -> Self {
@@ -113,7 +115,8 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             modal: Modal::new([x, y, z]),
             retraction: Retraction::new(),
             homed: Homed::new([start.is_some(); 3]),
-            real: RealPosition::new(groups),
+            real: RealPosition::new(groupings),
+            circulation: Circulation::new(),
             drivers,
             idle_timeout: IdleTimeout::new(now),
             pauses: Pauses::new(),

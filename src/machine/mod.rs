@@ -17,6 +17,7 @@
 //! | `reports` | how it is worded what there is to say, and the telling of it |
 //! | `stream` | moves into the look-ahead and out of it, and the machine to rest |
 //! | `power` | power for the motors, and talks with their drivers |
+//! | `belt` | a closed belt runs round |
 //! | `heat` | orders for heaters and fans, and what is looked at while they are on |
 //! | `scrub` | whether settings in RAM are what was put in |
 //! | `halted` | after a stop: what hosts are told until M999 |
@@ -31,7 +32,7 @@
 //! 1. `ports`, `interrupt`, `release`, `hosts`, `numbers`, and `state`, which uses `numbers`
 //! 2. `answers`
 //! 3. `console`, which owns all of the above; none of them knows it
-//! 4. `halted`, `scrub`, `heat`, `power`, `stream`, `commands`, and `reports`, which uses `commands`: they are `impl Console`, parts of the
+//! 4. `halted`, `scrub`, `heat`, `power`, `belt`, `stream`, `commands`, and `reports`, which uses `commands`: they are `impl Console`, parts of the
 //!    crank and what waits, for every wait turns the crank
 //!
 //! | word | means |
@@ -45,6 +46,7 @@
 //! | served, urgent, forgotten | see `hosts` |
 
 mod answers;
+mod belt;
 mod commands;
 mod console;
 mod halted;

@@ -1,11 +1,13 @@
-//! Power for the motors: only with proof from their drivers, and not a step longer.
+//! Power for the motors: only with proof from their drivers, not a step longer, and for the motors of one belt as one transaction.
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::fault::{self, Cause};
+use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
+use crate::units::Instant;
 
 /// Proofs asked for until motors have power. Seven configurations and seven quick proofs are the rule; a wire so
 /// bad that the first proofs are too old when the last ones come is not one to print with.
@@ -19,38 +21,70 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Gives power to motors: to all of them, or, if one driver is not as it should be, to none.
     ///
-    /// Talking to drivers takes up to a second and happens before anything is planned, so it changes no step.
+    /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each other get it one
+    /// after another, and settle in between: then only what the last of them finds strains the belt. Talking to drivers and
+    /// settling take up to a second and happen before anything is planned, so they change no step.
     pub(super) async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         if let Some(why) = self.ports.drivers.refusal() {
             self.tell(Answer::Refused(why)).await?;
             return Err(Interrupt::NoPower);
         }
+        let before = self.drivers.powered();
+        let result = self.power_in_turn(self.residuals().with_opponents(motors)).await;
+        if result.is_err() {
+            // A part of a belt is worse than nothing.
+            self.unpower(self.drivers.powered().without(before));
+        }
+        result
+    }
+
+    async fn power_in_turn(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         let mut proofs = 0;
         while !self.has_power(motors) {
             let now = self.ports.clock.now();
-            let on = self.drivers.powered().with(motors);
-            let Err(motor) = self.drivers.power(on, &mut self.ports.drivers, now) else {
-                // The idle timeout must not take it away before the move that it is for.
-                self.idle_timeout.note_motion(now);
-                if !self.has_power(motors) {
-                    // Other microsteps are on their way to motors that have power.
-                    self.turn().await?;
+            let (powered, missing) = (self.drivers.powered(), motors.without(self.drivers.powered()));
+            if let Some(motor) = self.drivers.unproved(powered.with(missing), now) {
+                proofs += 1;
+                let proof = self.ask_driver(Job::Verify, motor).await?;
+                let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
+                if let Err(error) = proof {
+                    self.tell(Answer::NoPower(Fault { motor, error })).await?;
+                    return Err(Interrupt::NoPower);
                 }
                 continue;
-            };
-            proofs += 1;
-            let proof = self.ask_driver(Job::Verify, motor).await?;
-            let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
-            if let Err(error) = proof {
-                self.tell(Answer::NoPower(Fault { motor, error })).await?;
-                return Err(Interrupt::NoPower);
+            }
+            let residuals = self.residuals();
+            let next = residuals.first_of(missing);
+            // All of them have proved what they hold.
+            let _ = self.drivers.power(powered.with(next), &mut self.ports.drivers, now);
+            // The idle timeout must not take it away before the move that it is for.
+            self.idle_timeout.note_motion(now);
+            if residuals.motors().without(next) != residuals.motors() {
+                self.settle(now.after_ms(self.settings.belt.settling_ms.into())).await?;
+            } else if !self.has_power(motors) {
+                // Other microsteps are on their way to motors that have power.
+                self.turn().await?;
             }
         }
         Ok(())
     }
 
-    /// Takes power from motors; what they held is no longer where it was.
+    /// Lets rotors come to rest.
+    async fn settle(&mut self, until: Instant) -> Result<(), Interrupt> {
+        while self.ports.clock.now() < until {
+            self.turn().await?;
+        }
+        Ok(())
+    }
+
+    /// What the motors could do to the belt.
+    fn residuals(&self) -> Residuals {
+        Residuals::new(&self.settings.mechanism, self.settings.belt.is_closed)
+    }
+
+    /// Takes power from motors, and from all that would go on pulling at the same belt; what they held is no longer where it was.
     pub(super) fn unpower(&mut self, motors: MotorSet) {
+        let motors = self.residuals().with_opponents(motors);
         let on = self.drivers.powered().without(motors);
         // Nobody gets power that had none, so nobody has anything to prove.
         let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());

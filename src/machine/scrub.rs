@@ -2,7 +2,7 @@
 //! changed by itself is a fault, which ends motion and heat.
 
 use crate::fault::{Cause, Fault};
-use crate::kinematics::Groups;
+use crate::kinematics::Groupings;
 use crate::machine::console::{Console, PortSet};
 use crate::port::Pend;
 use crate::units::Instant;
@@ -25,11 +25,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Settings are summed up when they come; what follows from them is made once more and compared.
     fn is_whole(&self) -> bool {
-        let groups = self.real.groups();
         self.settings.is_whole()
             && self.defaults.is_whole()
-            && *groups == Groups::new(&self.settings.mechanism)
-            && self.planner.is_whole(&self.settings, groups)
+            && *self.real.groupings() == Groupings::new(&self.settings.mechanism)
+            && self.with_motion_settings(|settings| self.planner.is_whole(settings, self.real.groups()))
     }
 }
 
@@ -37,7 +36,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 mod tests {
     extern crate std;
     use crate::fault::Cause;
-    use crate::kinematics::{Groups, Mechanism};
+    use crate::kinematics::{Groupings, Mechanism};
     use crate::machine::console::Console;
     use crate::machine::interrupt::Interrupt;
     use crate::machine::ports::Ports;
@@ -64,6 +63,9 @@ mod tests {
 
     impl DriverBus for Nothing {
         fn enable(&mut self, _on: MotorSet) {}
+
+        // Nothing steps.
+        fn couple(&mut self, _coupling: &crate::motors::Coupling) {}
     }
 
     struct Time<'t>(&'t Cell<Instant>);
@@ -89,7 +91,7 @@ mod tests {
         let settings = Settings::prototype();
         let (mut moves, mut events, mut orders) = (MoveQueue::new(), StepQueue::new(), OrderQueue::new());
         let (mut memory, status) = (Box::new(MoveMemory::new()), Status::new());
-        let groups = Groups::new(mechanism);
+        let groupings = Groupings::new(mechanism);
         let (moves_in, _moves) = moves.split();
         let (_events, events_out) = events.split();
         let (orders_in, _orders) = orders.split();
@@ -97,7 +99,7 @@ mod tests {
         let now = Cell::new(Instant::default());
         let serial: Lines<_> = [Nothing].into_iter().collect();
         let ports = Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage };
-        let mut console = Console::new(settings, None, &mut memory, orders_in, &groups, link, ports);
+        let mut console = Console::new(settings, None, &mut memory, orders_in, &groupings, link, ports);
         for change in changes {
             for ms in 0..=1000 {
                 now.set(now.get().after_ms(1));

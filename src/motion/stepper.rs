@@ -265,6 +265,12 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.due = self.due.after(interval);
     }
 
+    /// Has the port take another coupling, and sets the direction lines anew. At rest.
+    pub fn recouple(&mut self, change: impl FnOnce(&mut P)) {
+        change(&mut self.port);
+        self.port.dir(self.forward);
+    }
+
     /// What hardware does for it.
     pub const fn port(&mut self) -> &mut P {
         &mut self.port

@@ -2,6 +2,7 @@
 
 use super::moves::Move;
 use super::trajectory::{Stiffening, Taps};
+use crate::kinematics::Grouping;
 use crate::units::{Steps, SubTicks};
 
 /// One entry of the MoveQueue.
@@ -15,6 +16,8 @@ pub enum Work {
     Follow(u8, Taps),
     /// At rest: from now on an axis rings like that.
     Stiffen(u8, Stiffening),
+    /// At rest: from now on the motors are grouped as for the tool alone, or so that the belt can run round too.
+    Regroup(Grouping),
     /// Without motion: here is where the machine stands, in steps of x, y, z and e.
     Position([Steps; 4]),
 }

@@ -3,7 +3,9 @@
 //! `BoardConnectors`, asked in `plugged.rs`.
 
 use super::thermal::{FanSettings, HeaterModel, HeaterSettings, ThermalSettings, Thermistor};
-use super::{AxisEnd, AxisSettings, Bed, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper};
+use super::{
+    AxisEnd, AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper,
+};
 use crate::connectors::Heater;
 use crate::kinematics::MechanismError;
 use crate::units::{
@@ -77,6 +79,10 @@ pub mod ranges {
     }
     /// Where an edge of the bed may lie: anywhere that an axis could reach.
     pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
+    /// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it may be twice.
+    pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
+    /// How far a belt runs on after homing.
+    pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
     /// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
     pub const BAUD: Range<u32> = Range { least: 9600, most: 1_000_000 };
     /// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
@@ -176,6 +182,8 @@ pub enum SettingsError {
     SharedHeater(&'static str),
     /// G28 would leave out an axis.
     HomingOrder,
+    /// The belt is said to be closed, and its motors cannot turn it round while the tool stands.
+    Circulation,
 }
 
 impl core::fmt::Display for SettingsError {
@@ -188,6 +196,9 @@ impl core::fmt::Display for SettingsError {
             Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
             Self::Mechanism(error) => error.fmt(f),
             Self::HomingOrder => f.write_str("homing.order names x, y and z once each"),
+            Self::Circulation => {
+                f.write_str("belt.closed: turning all motors of x and y alike moves the tool, so no belt runs round")
+            }
             Self::SharedHeater(what) => write!(f, "two heaters have the same {what}"),
             Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
@@ -227,6 +238,13 @@ fn bed(b: Bed) -> Result<(), SettingsError> {
     within(ranges::AXIS_LENGTH, b.depth, "bed.depth")?;
     within(ranges::BED_EDGE, b.left, "bed.left")?;
     within(ranges::BED_EDGE, b.front, "bed.front")
+}
+
+fn belt(b: Belt) -> Result<(), SettingsError> {
+    within(ranges::SETTLING_MS, b.settling_ms, "belt.settling")?;
+    within(ranges::SPEED, b.max_speed, "belt.max_speed")?;
+    within(ranges::ACCELERATION, b.max_acceleration, "belt.max_acceleration")?;
+    within(ranges::HOMING_ADVANCE, b.homing_advance, "belt.homing_advance")
 }
 
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
@@ -307,6 +325,9 @@ impl Settings {
     /// The first thing found to be wrong.
     pub fn check_machine(&self) -> Result<(), SettingsError> {
         self.mechanism.check().map_err(SettingsError::Mechanism)?;
+        if self.belt.is_closed && !self.mechanism.can_circulate() {
+            return Err(SettingsError::Circulation);
+        }
         self.check()
     }
 
@@ -356,6 +377,7 @@ impl Settings {
         }
         within(ranges::BAUD, self.baud, "baud")?;
         bed(self.bed)?;
+        belt(self.belt)?;
         let most = ranges::SPEED.most;
         if self.min_feed > most || self.min_travel > most {
             return Err(SettingsError::OutOfRange("min_feed or min_travel"));

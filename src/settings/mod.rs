@@ -5,7 +5,7 @@
 //!
 //! | place | where | what holds it to that |
 //! |---|---|---|
-//! | field and default | here, or `axis`, `bed`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
+//! | field and default | here, or `axis`, `bed`, `belt`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
 //! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`. Records of the formats before are still read: `completed` appends the default of the new field. That works only for a field of [`Settings`] itself; with a new field in a struct inside it, `decode` reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
 //! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
@@ -26,6 +26,7 @@
 
 mod axis;
 mod bed;
+mod belt;
 mod check;
 mod drivers;
 mod endstops;
@@ -37,6 +38,7 @@ mod wiring;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
+pub use belt::Belt;
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
@@ -146,6 +148,8 @@ pub struct Settings {
     /// Where the Z probe is plugged in; without a connector there is none. It reads as a switch does: without
     /// `is_normally_open` it has triggered when its input is high. Nothing probes by it.
     pub probe: EndstopPlug,
+    /// What ties the motors of x and y together.
+    pub belt: Belt,
 }
 
 impl Settings {
@@ -203,6 +207,7 @@ impl Settings {
             baud: 250_000,
             bed: Bed::of_reach(&axes),
             probe: EndstopPlug::NONE,
+            belt: Belt::prototype(),
         }
     }
 
@@ -215,6 +220,7 @@ impl Settings {
             wiring,
             baud,
             probe,
+            belt: Belt { is_closed, settling_ms: _, max_speed: _, max_acceleration: _, homing_advance: _ },
             axes: _,
             motor_max_speed: _,
             motor_max_acceleration: _,
@@ -242,7 +248,11 @@ impl Settings {
             homing_order: _,
             bed: _,
         } = *self;
-        mechanism == other.mechanism && wiring == other.wiring && baud == other.baud && probe == other.probe
+        mechanism == other.mechanism
+            && wiring == other.wiring
+            && baud == other.baud
+            && probe == other.probe
+            && is_closed == other.belt.is_closed
     }
 
     /// Resolution of a motor, in its own steps: that of the axes that it moves, or of the extruder if it moves none, times the number of

@@ -16,13 +16,16 @@ use crate::checksum::crc32;
 use crate::connectors::HEATERS;
 use crate::kinematics::Mechanism;
 use crate::settings::{
-    Axes, AxisSettings, Bed, Cartesian, Endstop, EndstopPlug, HeaterModel, Homing, Pid, Settings, SettingsError,
+    Axes, AxisSettings, Bed, Belt, Cartesian, Endstop, EndstopPlug, HeaterModel, Homing, Pid, Settings, SettingsError,
     Shapers, Wiring,
 };
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 10;
+pub const FORMAT: u16 = 11;
+
+/// The format before the belt had settings: the same up to [`Settings::belt`].
+const WITHOUT_BELT: u16 = 10;
 
 /// The format before the bed was a setting: the same up to [`Settings::bed`].
 const WITHOUT_BED: u16 = 9;
@@ -50,7 +53,7 @@ const LONGEST_PAYLOAD: usize = {
     let wide = size_of::<Axes<AxisSettings>>() + size_of::<Cartesian<Homing>>() + size_of::<Shapers>();
     let wide = wide + size_of::<Cartesian<Endstop>>() + size_of::<u32>();
     let wide = wide + HEATERS * (size_of::<HeaterModel>() + size_of::<Pid>());
-    let wide = wide + size_of::<Bed>();
+    let wide = wide + size_of::<Bed>() + size_of::<Belt>();
     let plugs = size_of::<Wiring>() + size_of::<EndstopPlug>();
     let rest = size_of::<Settings>() - size_of::<Mechanism>() - plugs - wide;
     rest * 3 / 2 + wide * 5 / 4 + 19 + plugs * 10 / 9
@@ -164,7 +167,7 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     let mut longer = [0; LONGEST];
     let whole = match header.format {
         FORMAT => payload,
-        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED => {
+        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED | WITHOUT_BELT => {
             completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?
         }
         format => return Err(Rejected::Format(format)),
@@ -173,6 +176,9 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
         Ok((mut settings, [])) => {
             if header.format <= WITHOUT_BED {
                 settings.bed = Bed::of_reach(&settings.axes);
+            }
+            if header.format <= WITHOUT_BELT {
+                settings.belt.is_closed = settings.mechanism == Mechanism::corehbot();
             }
             settings.check().map_err(Rejected::Illegal)?;
             Ok((settings, header.sequence, Receipt { bytes: HEADER + payload.len(), crc }))
@@ -198,7 +204,10 @@ fn completed<'a>(payload: &[u8], format: u16, whole: &'a mut [u8; LONGEST]) -> O
         let places = (new.endstops, new.homing_order, new.baud);
         end += postcard::to_slice(&places, whole.get_mut(end..)?).ok()?.len();
     }
-    end += postcard::to_slice(&(new.bed, new.probe), whole.get_mut(end..)?).ok()?.len();
+    if format <= WITHOUT_BED {
+        end += postcard::to_slice(&(new.bed, new.probe), whole.get_mut(end..)?).ok()?.len();
+    }
+    end += postcard::to_slice(&new.belt, whole.get_mut(end..)?).ok()?.len();
     whole.get(..end)
 }
 

@@ -40,6 +40,7 @@ pub const COREXYZ_THREE: Mechanism =
 /// The settings of a machine whose axes share a resolution.
 pub fn settings(mechanism: Mechanism) -> Settings {
     let mut s = Settings { mechanism, ..Settings::prototype() };
+    s.belt.is_closed &= mechanism.can_circulate();
     if mechanism.share(0, 2) || mechanism.share(1, 2) {
         s.axes.z = s.axes.x;
     }

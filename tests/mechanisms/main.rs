@@ -9,6 +9,7 @@ mod belt_equations;
 mod line;
 mod machines;
 mod prototype;
+mod residuals;
 mod rows;
 mod stepping;
 mod zigzag;

@@ -1,6 +1,6 @@
 //! A production line for the tests: planner, step generator and Stepper, without Console.
 
-use corehbot::kinematics::{Groups, MotorTable};
+use corehbot::kinematics::{Groupings, MotorTable};
 use corehbot::motion::{
     Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work,
     stiffenings, taps,
@@ -113,13 +113,14 @@ pub fn generate_shaped(moves: &[Move], settings: &Settings) -> Vec<Step> {
 }
 
 fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {
-    let (status, groups) = (Status::new(), Groups::new(&settings.mechanism));
+    let (status, groupings) = (Status::new(), Groupings::new(&settings.mechanism));
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
-    let pins = Pins { table: MotorTable::new(&groups), forward: MotorSet::NONE, steps: Rc::default() };
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
+    let pins =
+        Pins { table: MotorTable::new(&groupings.tool.coupling()), forward: MotorSet::NONE, steps: Rc::default() };
     let alarm = Cell::new(None);
     let steps = pins.steps.clone();
     let mut stepper = Stepper::new(steps_out, &status, pins, Hurry(&alarm, 0), Nobody);

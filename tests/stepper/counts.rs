@@ -1,7 +1,7 @@
 //! Step counts, which nobody keeps event by event, against pins that do.
 
 use super::clock::{Clock, Nobody, Timer};
-use corehbot::kinematics::{Groups, Mechanism};
+use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepCounts, StepGenerator, StepQueue, Stepper, Target, Work,
 };
@@ -79,7 +79,7 @@ proptest! {
         ends_at_switch in any::<bool>(),
     ) {
         let (bench, status, settings) = (Bench::default(), Status::new(), Settings::prototype());
-        let groups = Groups::new(&Mechanism::corehbot());
+        let groupings = Groupings::new(&Mechanism::corehbot());
         let (mut memory, mut spans) = (MoveMemory::new(), SpanMemory::new());
         let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
         let (moves_in, moves_out) = move_queue.split();
@@ -87,7 +87,7 @@ proptest! {
         let counts = events_out.counts(&status);
         let mut link = Link::new(moves_in, &status, counts, Nobody);
         let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), Nobody);
-        let mut generator = StepGenerator::new(moves_out, events_in, &mut spans, &status, &groups);
+        let mut generator = StepGenerator::new(moves_out, events_in, &mut spans, &status, &groupings);
         for round in 0..2 {
             // A new name for the place, which moves nothing.
             let begin = [Mm::from_num(round), Mm::ZERO, Mm::ZERO, Mm::ZERO];

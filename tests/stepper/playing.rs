@@ -1,7 +1,7 @@
 //! The stepper on its pins: what it does to the lines, in which order, and when.
 
 use super::clock::{Clock, Nobody, Timer};
-use corehbot::kinematics::{Groups, Mechanism};
+use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Entry, Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work,
 };
@@ -28,21 +28,25 @@ struct Bench {
 
 struct Pins<'b>(&'b Bench);
 
-fn machine() -> Groups {
-    Groups::new(&Mechanism::corehbot())
+fn machine() -> Groupings {
+    Groupings::new(&Mechanism::corehbot())
 }
 
 impl StepPort for Pins<'_> {
     fn dir(&mut self, forward: GroupSet) {
-        self.0.lines.borrow_mut().push(Line::Dir(machine().forward_motors(forward).0));
+        self.0.lines.borrow_mut().push(Line::Dir(machine().tool.coupling().forward_motors(forward).0));
     }
 
     fn rise(&mut self, steps: GroupSet, tick: u64) {
-        self.0.lines.borrow_mut().push(Line::Rise(machine().motors(steps).0, tick, self.0.clock.now.get()));
+        self.0.lines.borrow_mut().push(Line::Rise(
+            machine().tool.coupling().motors(steps).0,
+            tick,
+            self.0.clock.now.get(),
+        ));
     }
 
     fn fall(&mut self, steps: GroupSet) {
-        self.0.lines.borrow_mut().push(Line::Fall(machine().motors(steps).0));
+        self.0.lines.borrow_mut().push(Line::Fall(machine().tool.coupling().motors(steps).0));
     }
 
     fn endstops(&mut self) -> EndstopSet {
@@ -102,7 +106,7 @@ fn the_direction_is_set_before_the_step_and_every_pulse_ends() {
             Line::Fall(PAIR.0),
             Line::Rise(PAIR.0, 1500, 1500),
             Line::Fall(PAIR.0),
-            Line::Dir(machine().forward_motors(UP).0),
+            Line::Dir(machine().tool.coupling().forward_motors(UP).0),
             Line::Rise(PAIR.0, 2000, 2000),
             Line::Fall(PAIR.0),
         ]
@@ -304,8 +308,8 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, mut steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
-    let groups = machine();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+    let groupings = machine();
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
     for entry in moves(&[[0, 0, -300]], 10, EndstopSet::Z) {
         moves_in.enqueue(entry).unwrap();
     }
@@ -322,12 +326,12 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
 /// A step whose direction lines must be set before it would be a microsecond late.
 #[test]
 fn directions_are_set_ahead_of_the_step_that_needs_them() {
-    let (status, groups) = (Status::new(), machine());
+    let (status, groupings) = (Status::new(), machine());
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (mut moves_in, moves_out) = move_queue.split();
     let (steps_in, mut steps_out) = step_queue.split();
     let mut spans = SpanMemory::new();
-    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+    let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
     for entry in moves(&[[3, 0, 0], [3, 2, 0], [-1, 2, 0], [0, 0, 0]], 100, EndstopSet::NONE) {
         moves_in.enqueue(entry).unwrap();
     }

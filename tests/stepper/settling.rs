@@ -1,7 +1,7 @@
 //! The end of motion: the Stepper comes to rest, and misses nothing.
 
 use super::clock::{Clock, Nobody, Timer};
-use corehbot::kinematics::{Groups, Mechanism};
+use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work,
 };
@@ -24,14 +24,14 @@ impl StepPort for Pins {
 /// What was too slow in a run of these moves, which the generator always makes in time.
 fn overload(ways: &[([f64; 2], f64)]) -> Overload {
     let (clock, status, settings) = (Clock::default(), Status::new(), Settings::prototype());
-    let groups = Groups::new(&Mechanism::corehbot());
+    let groupings = Groupings::new(&Mechanism::corehbot());
     let (mut memory, mut spans) = (MoveMemory::new(), SpanMemory::new());
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (moves_in, moves_out) = move_queue.split();
     let (events_in, events_out) = step_queue.split();
     let mut link = Link::new(moves_in, &status, events_out.counts(&status), Nobody);
     let mut stepper = Stepper::new(events_out, &status, Pins, Timer(&clock), Nobody);
-    let mut generator = StepGenerator::new(moves_out, events_in, &mut spans, &status, &groups);
+    let mut generator = StepGenerator::new(moves_out, events_in, &mut spans, &status, &groupings);
     let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
     link.send(Work::Position([Steps::ZERO; 4]));
     for ([x, y], speed) in ways {

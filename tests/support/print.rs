@@ -19,6 +19,12 @@ impl Display for Printed<'_> {
                 axes(f, to)?;
                 word(f, 'F', feed)
             }
+            Command::Circulate { to, belt, feed } => {
+                f.write_str("G1")?;
+                axes(f, to)?;
+                word(f, 'C', Some(belt))?;
+                word(f, 'F', feed)
+            }
             Command::Arc { clockwise, to, feed, shape, turns } => {
                 f.write_str(if clockwise { "G2" } else { "G3" })?;
                 axes(f, to)?;
@@ -248,7 +254,7 @@ fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
             })?;
             f.write_char(letter as char)
         }
-        Flaw::NoAxis(letter) => write!(f, "G1 {}0", letter as char),
+        Flaw::NoAxis(letter) => write!(f, "G92 {}0", letter as char),
     }
 }
 

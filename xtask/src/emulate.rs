@@ -8,17 +8,14 @@ use anyhow::Result;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The package whose image the emulator has a board for.
-pub const IMAGE: &str = "corehbot-octopus";
-
 /// What to print.
 #[derive(clap::Args)]
 pub struct Args {
     /// The board.
     board: Board,
-    /// G-code file; it has to home, for the image does not believe in a position.
+    /// G-code file; it has to home, for the image does not believe in a position. The Nucleo homes no Z.
     file: PathBuf,
-    /// The machine, which is put into the board's EEPROM.
+    /// The machine, which is put into the Octopus's EEPROM or the Nucleo's image.
     #[arg(long, value_name = "M.toml")]
     settings: Option<PathBuf>,
     /// Writes the step events as they are on the pins, in real time since reset.
@@ -31,9 +28,29 @@ pub struct Args {
 
 /// A board that the emulator knows.
 #[derive(Clone, Copy, clap::ValueEnum)]
-enum Board {
+pub enum Board {
     /// BTT Octopus V1.0 or V1.1.
     Octopus,
+    /// Nucleo-F446RE with a CNC shield v3.
+    Nucleo,
+}
+
+impl Board {
+    /// The package of its image.
+    pub const fn package(self) -> &'static str {
+        match self {
+            Self::Octopus => "corehbot-octopus",
+            Self::Nucleo => "corehbot-nucleo",
+        }
+    }
+
+    /// Its name for the emulator.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Octopus => "octopus",
+            Self::Nucleo => "nucleo",
+        }
+    }
 }
 
 /// What to compare.
@@ -48,20 +65,20 @@ pub struct EqualArgs {
 
 /// Builds the image and prints a file on it; the emulator compares its steps with the simulator's.
 pub fn main(args: &Args) -> Result<()> {
-    let Board::Octopus = args.board;
     let options = [("--settings", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd)];
-    print(&args.file, options)
+    print(args.board, &args.file, options)
 }
 
 /// Prints a file three times: the simulator against QEMU, byte for byte, and against the image.
 pub fn equal(args: &EqualArgs) -> Result<()> {
     check_file(&args.file, args.settings.as_deref())?;
-    print(&args.file, [("--settings", &args.settings)])
+    print(Board::Octopus, &args.file, [("--settings", &args.settings)])
 }
 
-fn print<const N: usize>(file: &Path, options: [(&'static str, &Option<PathBuf>); N]) -> Result<()> {
+fn print<const N: usize>(board: Board, file: &Path, options: [(&'static str, &Option<PathBuf>); N]) -> Result<()> {
     let mut command = cargo(["run"], &["--release", "--ignore-rust-version", "--"]);
-    command.current_dir(std::env::current_dir()?).arg(checkout::build_image(IMAGE)?).arg(file);
+    command.current_dir(std::env::current_dir()?).arg(checkout::build_image(board.package())?).arg(file);
+    command.args(["--board", board.name()]);
     for (option, path) in options {
         if let Some(path) = path {
             command.arg(option).arg(path);

@@ -37,6 +37,7 @@ pub fn main(args: &Args) -> Result<()> {
     run(segments)?;
     let mut cuts = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--test=machines"]);
     cuts.args(["--", "--nocapture", "a_power_cut"]);
-    cuts.env("COREHBOT_ELF", build_image(emulate::IMAGE)?).env("COREHBOT_SOAK_CUTS", args.cuts.to_string());
+    cuts.env("COREHBOT_ELF", build_image(emulate::Board::Octopus.package())?)
+        .env("COREHBOT_SOAK_CUTS", args.cuts.to_string());
     run(cuts)
 }

@@ -27,7 +27,7 @@ fn names_and_pins_are_those_of_the_readme() {
 
 #[test]
 fn each_pair_steps_by_one_store_and_nothing_of_the_prototype_is_slow() {
-    let (machine, usual) = (Groups::new(&Mechanism::corehbot()), BOARD.usual());
+    let (machine, usual) = (Groups::new(&Mechanism::corehbot()).coupling(), BOARD.usual());
     assert_eq!((usual.uarts(), usual.slow()), (MotorSet::ALL, MotorSet::NONE));
     let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
     assert_eq!(writes.beyond_quick(), GroupSet::NONE);

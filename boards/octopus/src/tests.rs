@@ -67,7 +67,7 @@ fn every_driver_can_be_talked_to() {
 
 #[test]
 fn each_pair_steps_by_one_store() {
-    let machine = Groups::new(&Mechanism::corehbot());
+    let machine = Groups::new(&Mechanism::corehbot()).coupling();
     let usual = BOARD.usual();
     let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
     for (pair, port) in [([Motor::M1, Motor::M8], Port::F), ([Motor::M4, Motor::M11], Port::G)] {
@@ -82,7 +82,7 @@ fn each_pair_steps_by_one_store() {
 
 #[test]
 fn all_but_the_screws_step_quickly() {
-    let machine = Groups::new(&Mechanism::corehbot());
+    let machine = Groups::new(&Mechanism::corehbot()).coupling();
     let usual = BOARD.usual();
     let writes = StepWrites::pulses(usual.step_pins(), usual.slow(), &machine);
     let slow = machine.motors(writes.beyond_quick());

@@ -24,7 +24,7 @@
 use self::changes::Changes;
 use crate::limits::{Limit, Limits, belts};
 use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
-use corehbot::kinematics::{ForwardKinematics, Group, Groups};
+use corehbot::kinematics::{ForwardKinematics, Group, Groups, Residual, Residuals};
 use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::motors::{MOST_GROUPS, Motor, MotorSet};
 use corehbot::settings::Settings;
@@ -90,6 +90,8 @@ pub struct Checker {
     constraint: Option<[i32; MOST_GROUPS]>,
     /// Tick of each motor's last pulse.
     last_pulse: [Option<u64>; Motor::ALL.len()],
+    /// What strains a belt that may run round.
+    residuals: Option<Residuals>,
     is_consistent: bool,
     findings: Findings,
 }
@@ -106,6 +108,7 @@ impl Checker {
             constraint: Groups::new(&s.mechanism).constraint(),
             last_tick: 0,
             last_pulse: [None; Motor::ALL.len()],
+            residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
             is_consistent: true,
             findings: Findings::default(),
         }
@@ -129,6 +132,10 @@ impl Checker {
     #[must_use]
     pub fn finish(mut self, expected: Option<[i32; Motor::ALL.len()]>) -> Findings {
         let strain = self.strain();
+        if self.residual() != 0 {
+            let residual = self.residual();
+            self.findings.add(self.last_tick, || format!("motors rest {residual} steps against each other"));
+        }
         let Self { sampler, gauge, changes, findings, last_tick, .. } = &mut self;
         let rest = *last_tick + LONGEST_WINDOW as u64 * SAMPLE_TICKS;
         changes.advance(findings, rest);
@@ -177,8 +184,14 @@ impl Checker {
             })
         };
         let is_fitted = |group: &&Group| !group.motors().is_empty();
-        let is_strained = self.strain().is_some_and(|(sum, most)| sum.abs() > most);
-        let is_consistent = !is_strained && self.groups.iter().filter(is_fitted).all(stands);
+        let is_consistent = match &self.residuals {
+            // Four counts are rounded to half a step each.
+            Some(_) => self.residual() <= 2,
+            None => {
+                let is_strained = self.strain().is_some_and(|(sum, most)| sum.abs() > most);
+                !is_strained && self.groups.iter().filter(is_fitted).all(stands)
+            }
+        };
         // Once per episode: a lost step strains the machine until the end.
         if self.is_consistent && !is_consistent {
             let counts = Motor::ALL.iter().zip(counts).map(|(motor, count)| format!(" {} {count}", motor.name()));
@@ -186,6 +199,14 @@ impl Checker {
             self.findings.add(tick, || format!("motors out of step:{counts}"));
         }
         self.is_consistent = is_consistent;
+    }
+
+    /// The greatest residual of a belt that may run round, in steps.
+    fn residual(&self) -> i64 {
+        let counts = self.sampler.counts();
+        let sum =
+            |residual: &Residual| residual.iter().zip(counts).map(|(times, count)| i64::from(*times) * count).sum();
+        self.residuals.iter().flat_map(Residuals::iter).map(sum).map(i64::abs).max().unwrap_or_default()
     }
 
     /// The sum of counts that no position changes, if the mechanism has one, and what rounding keeps it below.

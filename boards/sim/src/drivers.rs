@@ -3,7 +3,7 @@
 //! A test holds them too, and makes them fail while the firmware talks to them.
 
 use crate::tmc2209::{Tmc2209, gconf};
-use corehbot::motors::{Motor, MotorSet};
+use corehbot::motors::{Coupling, Motor, MotorSet};
 use corehbot::port::{BusError, Frame};
 use corehbot::units::TICKS_PER_SECOND;
 use std::cell::{Cell, RefCell, RefMut};
@@ -29,6 +29,8 @@ pub struct Drivers {
     seen: Cell<u64>,
     betrayed: Cell<MotorSet>,
     lines: MotorSet,
+    /// Which motors the step pins are to turn from now on, if that has changed.
+    coupling: Cell<Option<Coupling>>,
 }
 
 impl Default for Drivers {
@@ -55,6 +57,7 @@ impl Drivers {
             seen: Cell::default(),
             betrayed: Cell::default(),
             lines,
+            coupling: Cell::default(),
         }
     }
 
@@ -100,6 +103,11 @@ impl Drivers {
         Motor::ALL.into_iter().filter(is_astray).fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
     }
 
+    /// Which motors the step pins are to turn from now on, once if that has changed.
+    pub(crate) fn take_coupling(&self) -> Option<Coupling> {
+        self.coupling.take()
+    }
+
     /// The firmware's end of the wires, with the time in ticks.
     #[must_use]
     pub const fn bus<'d>(&'d self, now: &'d Cell<u64>) -> Bus<'d> {
@@ -127,6 +135,10 @@ impl corehbot::port::DriverBus for Bus<'_> {
                 drivers.betrayed.set(drivers.betrayed().with(MotorSet::of(motor)));
             }
         }
+    }
+
+    fn couple(&mut self, coupling: &Coupling) {
+        self.drivers.coupling.set(Some(*coupling));
     }
 
     fn lines(&self) -> MotorSet {

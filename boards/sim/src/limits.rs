@@ -51,6 +51,8 @@ pub struct Limits {
     pub of: Vec<Limit>,
     /// Whether speeds and accelerations can be judged: not if steps/mm change under way (M92, M501).
     pub is_judged: bool,
+    /// Whether a closed belt may run round: motors that are one group then step each for itself.
+    pub circulates: bool,
 }
 
 /// Settings of corners and of the advance, the widest that were in force.
@@ -145,7 +147,7 @@ impl Widening {
     /// The limits of a machine that was made with settings `s` and has others `stored`.
     #[must_use]
     pub fn new(s: &Settings, stored: Option<&Settings>) -> Self {
-        let mut limits = Limits { of: limits_of(s), is_judged: true };
+        let mut limits = Limits { of: limits_of(s), is_judged: true, circulates: false };
         let mut widest = Widest::NONE;
         widest.widen(s);
         if let Some(stored) = stored {
@@ -198,6 +200,9 @@ impl Limits {
             widest.square = widest.square.max(number.value().to_num());
             return;
         }
+        if let Command::Circulate { .. } = parse(command.as_bytes()) {
+            self.circulates |= s.belt.is_closed;
+        }
         let mut words = words(command);
         let Some((letter, Some(code))) = words.next() else { return };
         let wide = |slot: &mut f64, value: f64| *slot = slot.max(value);
@@ -205,6 +210,7 @@ impl Limits {
             ('G', 20.0) => *unit = 25.4,
             ('G', 21.0) => *unit = 1.0,
             ('G', 28.0) => {
+                self.circulates |= s.belt.is_closed && s.belt.homing_advance > 0;
                 let homing = s.homing.to_array().map(|h| h.fast.to_num::<f64>());
                 let ends = s.endstops.to_array().map(|switch| switch.end);
                 let stop = |limit: &mut Limit, speed: f64, end: AxisEnd| match end {

@@ -22,16 +22,17 @@ use corehbot::connectors::{BoardConnectors, SIM};
 use corehbot::kinematics::{MOST_MULTIPLE, Mechanism, Row, direction, multiple};
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, Bed, CornerRule, DriverSettings, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
+    AxisSettings, Bed, Belt, CornerRule, DriverSettings, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
 };
 pub use error::MachineFileError;
-use form::{AxisToml, BedToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
+use form::{AxisToml, BedToml, BeltToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
 pub use place::Place;
 pub(crate) use place::{with_suggestion, words};
 pub use problems::{Problem, problems};
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BED_EDGE, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
-    KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SPEED, TOLERANCE, put, put_whole, quantity,
+    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SETTLING, SPEED, TOLERANCE, put,
+    put_whole, quantity,
 };
 use resolution::resolution;
 pub use schema::schema;
@@ -97,6 +98,9 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     s.advanced_ok = file.advanced_ok.unwrap_or(s.advanced_ok);
     s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
     s.require_homing = file.require_homing.unwrap_or(s.require_homing);
+    // Rows do not tell one belt from two.
+    s.belt.is_closed = file.belt.closed.unwrap_or(s.belt.is_closed && file.mechanism.is_none());
+    belt(&mut s.belt, &file.belt)?;
     if let Some(file) = file.mechanism {
         s.mechanism = mechanism(file)?;
     }
@@ -161,6 +165,13 @@ fn axis(a: &mut AxisSettings, table: &str, file: &AxisToml) -> Result<(), Machin
     put(&mut a.max_speed, &format!("{table}.max_speed"), file.max_speed, &SPEED)?;
     put(&mut a.max_acceleration, &format!("{table}.max_acceleration"), file.max_acceleration, &ACCELERATION)?;
     put(&mut a.length, &format!("{table}.length"), file.length, &AXIS_LENGTH)
+}
+
+fn belt(b: &mut Belt, file: &BeltToml) -> Result<(), MachineFileError> {
+    put(&mut b.settling_ms, "belt.settling", file.settling, &SETTLING)?;
+    put(&mut b.max_speed, "belt.max_speed", file.max_speed, &SPEED)?;
+    put(&mut b.max_acceleration, "belt.max_acceleration", file.max_acceleration, &ACCELERATION)?;
+    put(&mut b.homing_advance, "belt.homing_advance", file.homing_advance, &HOMING_ADVANCE)
 }
 
 /// Without a word on it, the bed is what the tool reaches.

@@ -14,7 +14,7 @@ use corehbot::connectors::{FANS, HEATERS, Heater};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
-use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, Motor, MotorSet};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
@@ -161,11 +161,36 @@ impl Wake for Wakes {
     }
 }
 
+/// What the motors have turned, by the firmware's counts of groups, which may be coupled to others at rest.
+struct Turned {
+    coupling: Coupling,
+    /// Counts of groups and motors when they were coupled so.
+    since: [i32; MOST_GROUPS],
+    before: [i32; Motor::ALL.len()],
+}
+
+impl Turned {
+    const fn new(coupling: Coupling) -> Self {
+        Self { coupling, since: [0; MOST_GROUPS], before: [0; Motor::ALL.len()] }
+    }
+
+    fn motors(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
+        let since = std::array::from_fn(|group| counts[group].wrapping_sub(self.since[group]));
+        let turned = self.coupling.motor_counts(since);
+        std::array::from_fn(|motor| self.before[motor].wrapping_add(turned[motor]))
+    }
+
+    fn recouple(&mut self, coupling: Coupling, counts: [i32; MOST_GROUPS]) {
+        *self = Self { coupling, since: counts, before: self.motors(counts) };
+    }
+}
+
 /// The firmware and its machine.
 pub struct World<'w> {
     shared: &'w Shared,
+    drivers: &'w Drivers,
     wires: &'w [Wire],
-    groups: Groups,
+    turned: Turned,
     status: &'w Status,
     counts: StepCounts<'w>,
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
@@ -214,7 +239,7 @@ impl<'w> World<'w> {
             }
             None => Mechanics::Rigid(Rig::new(settings, place).with_inputs(*endstops)),
         };
-        let table = MotorTable::new(&groups);
+        let table = MotorTable::new(&groups.coupling());
         let pins = Pins { mechanics, shared, drivers, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
@@ -228,8 +253,9 @@ impl<'w> World<'w> {
         let console = Box::pin(async move { console.run().await });
         Self {
             shared,
+            drivers,
             wires,
-            groups,
+            turned: Turned::new(groups.coupling()),
             status,
             counts,
             stepper,
@@ -260,6 +286,10 @@ impl<'w> World<'w> {
     /// Time passes: by a millisecond, or by a number of step events. Says whether there was motion.
     pub fn advance(&mut self) -> bool {
         let shared = self.shared;
+        if let Some(coupling) = self.drivers.take_coupling() {
+            self.stepper.recouple(|pins| pins.table = MotorTable::new(&coupling));
+            self.turned.recouple(coupling, self.counts.read());
+        }
         let mut moved = false;
         // The Console may have switched motors.
         self.stepper.port().attend();
@@ -291,7 +321,7 @@ impl<'w> World<'w> {
         if shared.now.get() >= self.next_period {
             self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
             self.thermal.period();
-            let extruded = self.groups.motor_counts(self.counts.read())[Motor::E0 as usize];
+            let extruded = self.turned.motors(self.counts.read())[Motor::E0 as usize];
             self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
             if self.thermal.port().plant().is_some() {
                 let period = self.heat_period();
@@ -372,7 +402,7 @@ impl<'w> World<'w> {
             path_um: self.odometer.um(),
             underruns: status.overload().underruns + status.overload().starved,
             low_water: status.low_water(),
-            counts: self.groups.motor_counts(self.counts.read()),
+            counts: self.turned.motors(self.counts.read()),
             halted: status.is_halted(),
         }
     }

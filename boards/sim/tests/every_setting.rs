@@ -62,8 +62,15 @@ fn settings_and_files() -> Vec<(String, Table)> {
 /// A machine file with every key of that rule for corners, and shapers that are on. No two axes share a motor, so each may
 /// be changed alone.
 fn file(rule: CornerRule) -> Table {
-    const ROWS: [(&str, [i64; 4]); 4] =
-        [("m1", [1, 0, 0, 0]), ("m4", [0, 1, 0, 0]), ("z1", [0, 0, 1, 0]), ("e0", [0, 0, 0, 1])];
+    // Axes of their own, and a belt over all their motors that could run round.
+    const ROWS: [(&str, [i64; 4]); 6] = [
+        ("m1", [1, 0, 0, 0]),
+        ("m4", [-1, 0, 0, 0]),
+        ("m8", [0, 1, 0, 0]),
+        ("m11", [0, -1, 0, 0]),
+        ("z1", [0, 0, 1, 0]),
+        ("e0", [0, 0, 0, 1]),
+    ];
     let mut file: Table = EXAMPLE.parse().unwrap();
     let [_, key, _] = corner(rule);
     file.insert("corner".to_owned(), toml::Value::Table(Table::from_iter([(key.to_owned(), toml::Value::Float(0.5))])));
@@ -116,6 +123,7 @@ fn key<'f>(file: &'f mut Table, path: &str) -> Option<&'f mut toml::Value> {
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
     let path = path.replace("homing_order", "homing.order");
     let path = if path == "probe" { "endstops.probe".to_owned() } else { path };
+    let path = path.replace("belt.is_closed", "belt.closed").replace("settling_ms", "settling");
     let path = path.replace("shapers.", "shaper.").replace("wiring.", "");
     let path = CornerRule::all()
         .map(corner)
@@ -156,19 +164,24 @@ const NOT_SAID: [&str; 9] = [
 ];
 
 /// Settings that M503 says as a comment, and only a machine file sets.
-const FILE_ONLY: [&str; 14] = [
+const FILE_ONLY: [&str; 19] = [
     "back_off",
     "baud",
+    "belt.max_acceleration",
+    "belt.max_speed",
     "depth",
     "end",
     "fast",
     "front",
+    "homing_advance",
     "homing_order",
+    "is_closed",
     "left",
     "length",
     "lookahead_time",
     "position",
     "require_homing",
+    "settling_ms",
     "slow",
     "width",
 ];
@@ -185,6 +198,9 @@ fn is_of_all_machines(path: &str) -> bool {
 
 /// The line that sets a setting.
 fn line_for(path: &str) -> Option<String> {
+    if path.starts_with("belt.") {
+        return None;
+    }
     let of_corners = CornerRule::all().map(corner).map(|[path, _, line]| (path, line));
     let (_, line) = LINES.into_iter().chain(of_corners).find(|(name, _)| is_one_of(path, &[name]))?;
     let axis = path.split('.').nth(1).map(|axis| if axis == "belt" { "X".to_owned() } else { axis.to_uppercase() });

@@ -76,7 +76,7 @@ fn m410_ends_a_wait_and_leaves_the_target() {
 
 #[test]
 fn moves_go_on_while_a_command_waits_for_heat() {
-    let lines = ["G1 X110 F6000", "G1 X120", "M190 S40", "1500:M108", "M114 R", "M140 S0"];
+    let lines = ["G1 X110 F6000", "G1 X120", "M190 S40", "2000:M108", "M114 R", "M140 S0"];
     let heard = talk(&machine(&[Heater::Bed]), 3000, &lines);
     assert!(heard.iter().any(|line| line.starts_with("X:120.00 ")), "{heard:?}");
 }
@@ -159,7 +159,7 @@ fn no_filament_moves_while_the_hotend_is_cold() {
     let [.., extruder] = outcome.counts;
     assert_eq!((extruder, outcome.counts[0].abs() > 0), (0, true));
     assert_eq!(heard.iter().filter(|line| *line == told).count(), 1, "{heard:?}");
-    assert!(has(&heard, "X:120.00 Y:100.00 Z:50.00 E:9.00 Count A:17600 B:1600 Z:40000"), "{heard:?}");
+    assert!(has(&heard, "X:120.00 Y:100.00 Z:50.00 E:9.00 C:0.00 Count A:17600 B:1600 Z:40000"), "{heard:?}");
     let (_, outcome) = talk_with(&settings, NoStorage, 8000, &[&["M302 P1"], lines.as_slice()].concat(), |_, _| {});
     assert_eq!(outcome.counts[6], 12 * 400, "with leave it moves");
     for lines in [["M302 P1", "M302"], ["M302 S0", "M302"]] {

@@ -1,10 +1,14 @@
 //! The motor drivers: their enable lines, and the UART of each.
 
+use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use corehbot::connectors::BoardConnectors;
-use corehbot::port::{BusError, DriverBus, Frame, Motor, MotorSet};
 
+use corehbot::port::{BusError, Coupling, DriverBus, Frame, Motor, MotorSet};
+
+use crate::contexts;
 use crate::driver_uart::DriverUart;
 use crate::ports;
+use crate::step_pins::{Dirs, Steps};
 use crate::supply;
 use crate::wiring::{Plugged, Port};
 
@@ -14,12 +18,23 @@ pub struct Drivers {
     /// Why no motor gets power.
     refusal: Option<&'static str>,
     uart: DriverUart,
+    /// Room for the levels of another coupling.
+    spare: &'static mut Dirs,
+}
+
+/// How often the step pins have taken another coupling, wrapping.
+static COUPLINGS: AtomicU32 = AtomicU32::new(0);
+
+/// How often the step pins have taken another coupling, wrapping.
+pub fn couplings() -> u32 {
+    COUPLINGS.load(Relaxed)
 }
 
 impl Drivers {
     /// The drivers of a board, whose enable lines are outputs already; `refusal` says why they must stay off, if they must.
-    pub fn start(plugged: &'static Plugged, refusal: Option<&'static str>) -> Self {
-        Self { plugged, refusal, uart: DriverUart::start(plugged.board) }
+    /// Levels of other couplings go into `spare`.
+    pub fn start(plugged: &'static Plugged, refusal: Option<&'static str>, spare: &'static mut Dirs) -> Self {
+        Self { plugged, refusal, uart: DriverUart::start(plugged.board), spare }
     }
 }
 
@@ -37,6 +52,13 @@ impl DriverBus for Drivers {
                 ports::store(ports::registers(port), word);
             }
         });
+    }
+
+    fn couple(&mut self, coupling: &Coupling) {
+        let mut steps = Steps::new(self.plugged, coupling);
+        *self.spare = Dirs::new(self.plugged, coupling);
+        contexts::couple_step_pins(&mut steps, &mut self.spare);
+        COUPLINGS.store(couplings().wrapping_add(1), Relaxed);
     }
 
     fn lines(&self) -> MotorSet {

@@ -7,7 +7,8 @@ use corehbot::settings::sum;
 use corehbot::status::Status;
 use embassy_time::{Duration, Timer};
 
-use crate::contexts::{step_pins_dirs, step_pins_row};
+use crate::contexts::{step_pins_dir_row, step_pins_row};
+use crate::drivers;
 
 /// Between two looks.
 const EVERY: Duration = Duration::from_millis(900);
@@ -15,10 +16,14 @@ const EVERY: Duration = Duration::from_millis(900);
 /// Looks at the words as long as the machine runs; what has changed is a fault.
 #[embassy_executor::task]
 pub async fn run(status: &'static Status) {
-    let whole = sum_of_words();
+    let (mut coupled, mut whole) = (drivers::couplings(), sum_of_words());
     loop {
         Timer::after(EVERY).await;
-        if sum_of_words() != whole {
+        let (now, sum) = (drivers::couplings(), sum_of_words());
+        if now != coupled {
+            // Other words were written.
+            (coupled, whole) = (now, sum);
+        } else if sum != whole {
             status.fault().set(Fault::plain(Cause::SettingsDamaged));
         }
     }
@@ -28,5 +33,5 @@ pub async fn run(status: &'static Status) {
 fn sum_of_words() -> u32 {
     let rows = (0..).map_while(step_pins_row);
     let of_rows = rows.fold(0, |sum_so_far, row| sum(&(sum_so_far, row)));
-    sum(&(of_rows, step_pins_dirs()))
+    (0..).map_while(step_pins_dir_row).fold(of_rows, |sum_so_far, row| sum(&(sum_so_far, row)))
 }

@@ -1,7 +1,7 @@
 //! Port writes: what is stored to the ports' set/reset registers (BSRR) for a set of motor groups, ready in a table.
 
-use corehbot::kinematics::{Groups, SETS};
-use corehbot::motors::MOST_GROUPS;
+use corehbot::kinematics::SETS;
+use corehbot::motors::{Coupling, MOST_GROUPS};
 use corehbot::port::{GroupSet, Motor, MotorSet};
 
 use crate::wiring::{Pin, Port};
@@ -41,13 +41,13 @@ impl<const PORTS: usize> PortWrites<PORTS> {
     /// What sets the step pins of the motors of the groups and leaves the others. Pins on one port too many have none,
     /// which [`can_hold`](Self::can_hold) says. The ports of motors that are not `slow` come first.
     #[must_use]
-    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, groups: &Groups) -> Self {
+    pub fn pulses(pins: [Option<Pin>; Motor::ALL.len()], slow: MotorSet, coupling: &Coupling) -> Self {
         let of = |are_slow| {
             let motors = pins.iter().enumerate();
             motors.filter(move |(motor, _)| (slow.0 & 1 << motor != 0) == are_slow).filter_map(|(_, pin)| *pin)
         };
         let ports = Ports::of(of(false).chain(of(true)));
-        Self::new(pins, ports, |set| groups.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
+        Self::new(pins, ports, |set| coupling.motors(set), |pin, is_in| if is_in { pin.mask() } else { 0 })
     }
 
     /// Groups that write to a port after the first [`QUICK`].
@@ -60,8 +60,8 @@ impl<const PORTS: usize> PortWrites<PORTS> {
     /// What sets the direction pins, if the coordinates of the groups grow and those of the others fall: high for a
     /// motor that turns forward, or backward if it is `reversed`.
     #[must_use]
-    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, groups: &Groups) -> Self {
-        let high = |set| MotorSet(groups.forward_motors(set).0 ^ reversed.0);
+    pub fn levels(pins: [Option<Pin>; Motor::ALL.len()], reversed: MotorSet, coupling: &Coupling) -> Self {
+        let high = |set| MotorSet(coupling.forward_motors(set).0 ^ reversed.0);
         let ports = Ports::of(pins.into_iter().flatten());
         Self::new(pins, ports, high, |pin, is_in| if is_in { pin.mask() } else { pin.mask() << 16 })
     }
@@ -122,7 +122,7 @@ impl<const PORTS: usize> Ports<PORTS> {
 mod tests {
     use super::*;
     use crate::wiring::bits;
-    use corehbot::kinematics::Mechanism;
+    use corehbot::kinematics::{Groups, Mechanism};
 
     #[test]
     fn writes_hold_the_bits_of_exactly_the_motors_asked_for() {
@@ -130,7 +130,7 @@ mod tests {
             [(Port::F, 13), (Port::G, 0), (Port::F, 9), (Port::G, 4), (Port::F, 11), (Port::C, 13), (Port::E, 2)];
         let pins = pins.map(|(port, number)| Pin::new(port, number));
         let reversed = MotorSet::of(Motor::M4);
-        let machine = Groups::new(&Mechanism::corehbot());
+        let machine = Groups::new(&Mechanism::corehbot()).coupling();
         let pins_of = pins.map(Some);
         let pulses = StepWrites::pulses(pins_of, MotorSet::NONE, &machine);
         let levels = StepWrites::levels(pins_of, reversed, &machine);
@@ -155,7 +155,7 @@ mod tests {
     fn ports_without_a_motor_get_no_bits() {
         let mut pins = [None; 7];
         pins[0] = Some(Pin::new(Port::B, 3));
-        let writes = StepWrites::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()));
+        let writes = StepWrites::pulses(pins, MotorSet::NONE, &Groups::new(&Mechanism::corehbot()).coupling());
         assert_eq!(writes.ports, [Port::B; STEP_PORTS]);
         assert_eq!(writes.of(GroupSet(15)), &[1 << 3, 0, 0, 0]);
     }

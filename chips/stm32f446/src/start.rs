@@ -32,7 +32,7 @@ use crate::{
 
 defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
-static DIRS: StaticCell<Dirs> = StaticCell::new();
+static DIRS: StaticCell<[Dirs; 2]> = StaticCell::new();
 
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
@@ -93,10 +93,14 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
-    let dirs = DIRS.init_with(|| Dirs::new(plugged, &groups));
-    let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal), clock: BoardClock, storage };
+    let (coupling, circulating) = (groups.coupling(), Groups::new(&settings.mechanism.circulating()).coupling());
+    let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
+    let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
     let heat = BoardHeat::start(board);
-    let step_ports = StepPorts { pins: StepPins::new(plugged, dirs, &groups), clock: timer };
+    let step_ports = StepPorts {
+        pins: StepPins::new(plugged, dirs, [&coupling, if settings.belt.is_closed { &circulating } else { &coupling }]),
+        clock: timer,
+    };
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }
 

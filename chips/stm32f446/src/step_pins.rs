@@ -11,13 +11,12 @@
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would
 //! make every type above generic.
 
-use core::hash::{Hash, Hasher};
 use core::sync::atomic::{Ordering::AcqRel, compiler_fence};
 
-use corehbot::kinematics::{Groups, SETS};
+use corehbot::kinematics::SETS;
 use corehbot::motion::MIN_STEP_INTERVAL;
-use corehbot::motors::MOST_GROUPS;
-use corehbot::port::{EndstopSet, GroupSet, MotorSet, STEP_PULSE_NS, StepPort};
+use corehbot::motors::{Coupling, MOST_GROUPS};
+use corehbot::port::{EndstopSet, GroupSet, STEP_PULSE_NS, StepPort};
 use corehbot::units::TICKS_PER_MS;
 
 use crate::port_writes::{DIR_PORTS, DirWrites, QUICK, STEP_PORTS, StepWrites};
@@ -49,8 +48,10 @@ pub struct StepPins {
     low: [u32; STEP_PORTS],
     /// Groups with a motor whose step pin is slow.
     held: GroupSet,
-    dirs: &'static Dirs,
+    dirs: &'static mut Dirs,
     endstops: Endstops,
+    /// Groups that need a closer look in any coupling that this machine may have.
+    slow_groups: GroupSet,
 }
 
 /// Direction pins: their ports, and what is stored there.
@@ -62,10 +63,32 @@ pub struct Dirs {
 }
 
 impl Dirs {
-    /// The direction pins of the motors, for these groups of motors.
-    pub fn new(plugged: &Plugged, groups: &Groups) -> Self {
-        let writes = DirWrites::levels(plugged.dir_pins(), plugged.reversed, groups);
+    /// The direction pins of the motors, in this coupling.
+    pub fn new(plugged: &Plugged, coupling: &Coupling) -> Self {
+        let writes = DirWrites::levels(plugged.dir_pins(), plugged.reversed, coupling);
         Self { ports: writes.ports.map(ports::registers), writes }
+    }
+}
+
+/// What makes the steps of a coupling.
+pub struct Steps {
+    writes: StepWrites,
+    /// Groups with a motor whose step pin is slow.
+    held: GroupSet,
+}
+
+impl Steps {
+    /// The step pins of the motors, in this coupling.
+    pub fn new(plugged: &Plugged, coupling: &Coupling) -> Self {
+        let slow = plugged.slow();
+        let each = (0..MOST_GROUPS).map(|group| 1 << group);
+        let held = GroupSet(each.filter(|group| coupling.motors(GroupSet(*group)).0 & slow.0 != 0).sum());
+        Self { writes: StepWrites::pulses(plugged.step_pins(), slow, coupling), held }
+    }
+
+    /// Groups that need a closer look.
+    fn slow_groups(&self) -> GroupSet {
+        GroupSet(self.held.0 | self.writes.beyond_quick().0)
     }
 }
 
@@ -77,10 +100,11 @@ struct Quick {
 }
 
 impl StepPins {
-    /// The pins of the motors, which are outputs already, for these groups of motors.
-    pub fn new(plugged: &Plugged, dirs: &'static Dirs, groups: &Groups) -> Self {
-        let slow = plugged.slow();
-        let steps = StepWrites::pulses(plugged.step_pins(), slow, groups);
+    /// The pins of the motors, which are outputs already, in the first of the couplings that there may be.
+    pub fn new(plugged: &Plugged, dirs: &'static mut Dirs, couplings: [&Coupling; 2]) -> Self {
+        let [first, other] = couplings.map(|coupling| Steps::new(plugged, coupling));
+        let slow_groups = GroupSet(first.slow_groups().0 | other.slow_groups().0);
+        let Steps { writes: steps, held } = first;
         let low = steps.of(ALL).map(|word| word << 16);
         let quick = |port: usize| Quick { port: ports::registers(steps.ports[port]), low: low[port] };
         Self {
@@ -88,19 +112,30 @@ impl StepPins {
             step_ports: steps.ports.map(ports::registers),
             low,
             steps,
-            held: groups_of(slow, groups),
+            held,
             dirs,
             endstops: Endstops::new(plugged),
+            slow_groups,
         }
+    }
+
+    /// Takes another coupling and gives the one so far. Ports and levels at rest are those of the pins, and stay.
+    pub fn couple(&mut self, steps: &mut Steps, dirs: &mut &'static mut Dirs) {
+        core::mem::swap(&mut self.steps, &mut steps.writes);
+        core::mem::swap(&mut self.held, &mut steps.held);
+        core::mem::swap(&mut self.dirs, dirs);
     }
 }
 
 /// A few words, so few that they are copied in some 20 cycles.
 pub type Row = [u32; 4];
 
+/// The same of direction pins.
+pub type DirRow = [u32; DIR_PORTS];
+
 impl StepPins {
-    /// The words that edges are made of and inputs are read by, row by row; `None` after the last. The levels of direction pins
-    /// are not among them: anybody may read them ([`Self::dirs`]).
+    /// The words that edges are made of and inputs are read by, row by row; `None` after the last. Those of direction pins are
+    /// [`dir_row`](Self::dir_row)'s.
     #[must_use]
     pub fn row(&self, number: usize) -> Option<Row> {
         let Some(number) = number.checked_sub(SETS) else {
@@ -123,17 +158,14 @@ impl StepPins {
         })
     }
 
-    /// The direction pins.
+    /// What is stored to direction pins for a set of groups, and where; `None` after the last.
     #[must_use]
-    pub const fn dirs(&self) -> &'static Dirs {
-        self.dirs
-    }
-}
-
-impl Hash for Dirs {
-    fn hash<H: Hasher>(&self, state: &mut H) {
-        self.ports.map(address).hash(state);
-        (0..SETS).for_each(|set| self.writes.of(GroupSet(set as u8)).hash(state));
+    pub fn dir_row(&self, number: usize) -> Option<DirRow> {
+        match number {
+            0..SETS => Some(*self.dirs.writes.of(GroupSet(number as u8))),
+            SETS => Some(self.dirs.ports.map(address)),
+            _ => None,
+        }
     }
 }
 
@@ -163,18 +195,12 @@ fn rise_in_turn([a, b, c]: &[Quick; QUICK], [x, y, z, _]: &[u32; STEP_PORTS]) {
     compiler_fence(AcqRel);
 }
 
-/// The groups that any of `slow` belongs to.
-fn groups_of(slow: MotorSet, groups: &Groups) -> GroupSet {
-    let each = (0..MOST_GROUPS).map(|group| 1 << group);
-    GroupSet(each.filter(|group| groups.motors(GroupSet(*group)).0 & slow.0 != 0).sum())
-}
-
 impl StepPort for StepPins {
     /// A step follows some 15 cycles later at the earliest, 83 ns, where 20 ns are wanted. The second pass stores to three ports
     /// again, which changes nothing but gives these, 150 ns more, the time for a slow direction pin.
     #[inline]
     fn dir(&mut self, forward: GroupSet) {
-        let Dirs { ports, writes } = self.dirs;
+        let Dirs { ports, writes } = &*self.dirs;
         let words = writes.of(forward);
         if let (Some(ports), Some(words)) = (ports.first_chunk(), words.first_chunk()) {
             store(ports, words);
@@ -198,7 +224,7 @@ impl StepPort for StepPins {
     }
 
     fn slow_groups(&self) -> GroupSet {
-        GroupSet(self.held.0 | self.steps.beyond_quick().0)
+        self.slow_groups
     }
 
     #[inline(always)]

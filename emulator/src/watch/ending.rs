@@ -39,7 +39,10 @@ impl Watch {
         self.restore_supply(session, at);
         let reset_at = session.resets().first().map(|r| r.at.0);
         let steps_at = self.recorder.events.last().map_or(0, |e| e.at);
-        if session.board_mut().eeprom().is_some_and(|eeprom| eeprom.is_cut()) {
+        let board = session.board_mut();
+        if board.eeprom().is_some_and(|eeprom| eeprom.is_cut())
+            || board.mcu.flash.as_ref().is_some_and(|flash| flash.sectors.is_cut())
+        {
             self.end = End::PowerCut;
             return true;
         }

@@ -3,18 +3,21 @@
 
 use corehbot::connectors::Heater;
 use corehbot::settings::Settings;
+use corehbot::storage::{LONGEST, record_of};
 use corehbot::thermal::test_subject;
 use corehbot::units::Watts;
 use corehbot_emulator::clock_tree::Defect;
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::firmware::Firmware;
+use corehbot_emulator::flash::FlashSectors;
 use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
-use corehbot_emulator::wiring::{OCTOPUS, Pin, Wiring};
+use corehbot_emulator::wiring::{NUCLEO, OCTOPUS, Pin, Wiring};
 use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::machine_file;
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.
@@ -29,9 +32,18 @@ pub fn firmware() -> Firmware {
 
 /// The image as it is built, without a machine: that `COREHBOT_ELF` names, or the one in the checkout's own target directory.
 pub fn plain_firmware() -> Firmware {
-    let default = || root().join("target/thumbv7em-none-eabihf/firmware/corehbot-octopus");
-    let path = std::env::var_os("COREHBOT_ELF").map_or_else(default, PathBuf::from);
-    Firmware::read(&path).unwrap_or_else(|e| panic!("build the image first or set COREHBOT_ELF: {e:#}"))
+    image("COREHBOT_ELF", "corehbot-octopus")
+}
+
+/// The Nucleo's image: that `COREHBOT_NUCLEO_ELF` names, or the one in the checkout's own target directory.
+pub fn nucleo_firmware() -> Firmware {
+    image("COREHBOT_NUCLEO_ELF", "corehbot-nucleo")
+}
+
+fn image(variable: &str, name: &str) -> Firmware {
+    let default = || root().join("target/thumbv7em-none-eabihf/firmware").join(name);
+    let path = std::env::var_os(variable).map_or_else(default, PathBuf::from);
+    Firmware::read(&path).unwrap_or_else(|e| panic!("build the image first or set {variable}: {e:#}"))
 }
 
 /// The checkout.
@@ -74,6 +86,8 @@ pub struct Bench<'a> {
     pub drivers: DriverLines,
     /// The EEPROM.
     pub eeprom: At24c32,
+    /// The sectors for settings, on a board that keeps them in flash.
+    pub flash: FlashSectors,
     /// Voltages in mV on channels of ADC3.
     pub thermistors: &'a [(u8, u32)],
     /// Whether the heaters are yet to be tested.
@@ -105,6 +119,7 @@ impl Default for Bench<'_> {
             wiring: &OCTOPUS,
             drivers: drivers(),
             eeprom: At24c32::default(),
+            flash: FlashSectors::default(),
             thermistors: &[],
             is_untested: false,
             settings: Settings::prototype(),
@@ -142,6 +157,29 @@ pub fn bench_of(settings: Settings) -> Bench<'static> {
     Bench { settings, eeprom: At24c32::holding(eeprom.cells().to_vec()), ..Bench::default() }
 }
 
+/// The lines that send a machine and have it stored.
+pub fn lines_of(machine: &Settings) -> String {
+    let mut record = [0; LONGEST];
+    let length = record_of(machine, &mut record).unwrap();
+    let pieces = record[..length].chunks(24).enumerate().map(|(n, piece)| {
+        let hex: String = piece.iter().map(|byte| format!("{byte:02x}")).collect();
+        format!("MACHINE_PUT AT={} HEX={hex}\n", 24 * n)
+    });
+    pieces.chain(["MACHINE_STORE\n".to_owned()]).collect()
+}
+
+/// The prototype on the sockets of the Nucleo's shield.
+pub fn nucleo_machine() -> Settings {
+    let file = "board = \"nucleo\"\n[motors]\nm1 = \"X\"\nm4 = \"Y\"\nm8 = \"A\"\nm11 = \"Z\"\n\
+                [endstops]\nx = \"X\"\ny = \"Y\"\nz = \"Z\"\n";
+    machine_file::load(file).unwrap()
+}
+
+/// A Nucleo with its shield and nothing stored.
+pub fn nucleo_bench() -> Bench<'static> {
+    Bench { wiring: &NUCLEO, drivers: DriverLines::new(&NUCLEO), settings: nucleo_machine(), ..Bench::default() }
+}
+
 /// What a self-test of this machine's heaters with this image is of.
 pub fn self_test_subject(firmware: &Firmware, settings: &Settings) -> u32 {
     test_subject(&settings.thermal, firmware.sum().unwrap())
@@ -175,6 +213,7 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
         injection: bench.injection,
         drivers: &bench.drivers,
         eeprom: &eeprom,
+        flash: &bench.flash,
         thermistors: bench.thermistors,
         climate: bench.climate,
         slow_oscillator: bench.slow_oscillator,

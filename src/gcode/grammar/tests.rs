@@ -67,11 +67,11 @@ fn letters_that_need_a_number_have_one() {
 
 #[test]
 fn no_axis_no_second_command_and_no_time_before_now() {
-    for line in
-        ["G1 C5", "G1 X5 C5", "G92 C0", "G28 C", "M84 C", "M92 C100", "M201 C5", "G2 X5 I5 C1", "M17 C", "M569 S1 C"]
-    {
+    for line in ["G92 C0", "G28 C", "M84 C", "M92 C100", "M201 C5", "G2 X5 I5 C1", "M17 C", "M569 S1 C"] {
         assert_eq!(flaw(line), Some(Flaw::NoAxis(b'C')), "{line}");
     }
+    assert_eq!(flaw("G1 U5"), Some(Flaw::NoAxis(b'U')));
+    assert_eq!(flaw("G1 X5 C"), Some(Flaw::NoNumber(b'C')));
     assert_eq!(flaw("G90 G1 X10"), Some(Flaw::SecondCommand(b"G1")));
     assert_eq!(flaw("G1 X10 Y5G1 X20"), Some(Flaw::SecondCommand(b"G1")));
     assert_eq!(flaw("G21 M 400"), Some(Flaw::SecondCommand(b"M 400")));

@@ -21,6 +21,8 @@ use crate::port::{Motor, MotorSet, Pend};
 pub(in crate::machine) enum Blocking<'c> {
     /// G0, G1.
     Line { to: &'c AxisWords, feed: Option<Number> },
+    /// G0, G1 with C.
+    Circulate { to: &'c AxisWords, belt: Number, feed: Option<Number> },
     /// G2, G3.
     Arc(ArcWords<'c>),
     /// G4.
@@ -92,6 +94,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let z_speed = self.settings.axes.z.max_speed;
         match command {
             Blocking::Line { to, feed } => return self.line(to, feed).await,
+            Blocking::Circulate { to, belt, feed } => return self.circulate(to, belt, feed).await,
             Blocking::Arc(words) => return self.arc(&words).await,
             Blocking::Dwell { ms } => self.dwell(ms).await?,
             Blocking::Retract => self.retract(self.retraction.moves_away(z_speed)).await?,

@@ -62,6 +62,15 @@ impl From<Interrupt> for HomeError {
     }
 }
 
+/// Whether a line names an axis.
+const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
+    match axis {
+        HomedAxis::X => flags.x,
+        HomedAxis::Y => flags.y,
+        HomedAxis::Z => flags.z,
+    }
+}
+
 /// An axis that can be homed.
 #[derive(Clone, Copy)]
 struct Axis {
@@ -81,12 +90,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.power(self.real.groups().fitted()).await?;
         let all = !(flags.x || flags.y || flags.z);
         for axis in self.settings.homing_order {
-            let wanted = match axis {
-                HomedAxis::X => flags.x,
-                HomedAxis::Y => flags.y,
-                HomedAxis::Z => flags.z,
-            };
-            if !(wanted || all) {
+            if !(all || is_named(flags, axis)) {
                 continue;
             }
             let axis = self.axis(axis);
@@ -103,6 +107,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                     return Err(Interrupt::Halt);
                 }
             }
+        }
+        let is_belt_home = [HomedAxis::X, HomedAxis::Y].into_iter().all(|axis| all || is_named(flags, axis));
+        if is_belt_home {
+            self.advance_belt().await?;
         }
         self.notices.renew(Notice::Edge);
         Ok(())

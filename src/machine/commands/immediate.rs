@@ -41,6 +41,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Outcome::Done(match *command {
             // What takes time.
             Command::Line { rapid: _, ref to, feed } => return Outcome::TakesTime(Blocking::Line { to, feed }),
+            Command::Circulate { ref to, belt, feed } => {
+                return Outcome::TakesTime(Blocking::Circulate { to, belt, feed });
+            }
             Command::Arc { clockwise, ref to, feed, shape, turns } => {
                 return Outcome::TakesTime(Blocking::Arc(ArcWords { clockwise, to, feed, shape, turns }));
             }

@@ -45,7 +45,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Whether these axes may move: they were homed, or need not be, of which the host is told once.
-    async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
+    pub(in crate::machine) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
         if !self.homed.lacks_one_of(moves) {
             return Ok(true);
         }
@@ -60,7 +60,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Where the words of a line lead; the host is told what they ask for beyond the possible.
-    async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
+    pub(in crate::machine) async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
         let wanted = self.modal.target(to, &self.settings, self.is_too_cold());
         if wanted.is_held_back {
             self.tell_of_cold().await?;

@@ -45,6 +45,8 @@ pub(in crate::machine) struct Position<'m> {
     at: [Mm; 4],
     counts: [i32; MOST_GROUPS],
     groups: &'m Groups,
+    /// How far the belt has run round, if it can.
+    circulation: Option<Mm>,
 }
 
 /// The letters of axes, and of coordinates that are a sum of axes.
@@ -53,7 +55,11 @@ const LETTERS: ([char; 4], [char; MOST_GROUPS]) = (['X', 'Y', 'Z', 'E'], ['A', '
 impl fmt::Display for Position<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [x, y, z, e] = self.at.map(Hundredths);
-        write!(f, "X:{x} Y:{y} Z:{z} E:{e} Count")?;
+        write!(f, "X:{x} Y:{y} Z:{z} E:{e}")?;
+        if let Some(c) = self.circulation.map(Hundredths) {
+            write!(f, " C:{c}")?;
+        }
+        f.write_str(" Count")?;
         let (axes, sums) = LETTERS;
         let mut sums = sums.into_iter();
         for (group, count) in self.groups.iter().zip(self.counts).filter(|(group, _)| group.is_tool()) {
@@ -69,8 +75,15 @@ impl fmt::Display for Position<'_> {
 
 impl<'m> Position<'m> {
     /// The named position of a machine that stands at `position`, of whose motor groups so many steps were counted.
-    pub fn new(position: [Mm; 4], counts: [i32; MOST_GROUPS], modal: &Modal, real: &RealPosition<'m>) -> Self {
-        Self { at: modal.named_position(position), counts: real.of_groups(counts), groups: real.groups() }
+    pub fn new(
+        position: [Mm; 4],
+        circulation: Option<Mm>,
+        counts: [i32; MOST_GROUPS],
+        modal: &Modal,
+        real: &RealPosition<'m>,
+    ) -> Self {
+        let (at, counts) = (modal.named_position(position), real.of_groups(counts));
+        Self { at, counts, groups: real.groups(), circulation }
     }
 }
 

@@ -57,8 +57,10 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     /// Where the program is, or with `real` where the tool is.
     fn position(&self, real: bool) -> Position<'m> {
         let counts = self.link.counts();
-        let at = if real { self.planner.mm(self.real.of_axes(counts)) } else { self.modal.position };
-        Position::new(at, counts, &self.modal, &self.real)
+        let at = if real { self.seen(self.planner.mm(self.real.of_axes(counts))) } else { self.modal.position };
+        let (belt, resolution) = (&self.settings.belt, self.settings.axes.x.steps_per_mm);
+        let circulation = belt.is_closed.then(|| self.circulation.length(resolution));
+        Position::new(at, circulation, counts, &self.modal, &self.real)
     }
 
     /// What the heaters are at.

@@ -27,6 +27,7 @@
 //! | farthest | 10 m from zero, beyond which no target is computed |
 
 pub(in crate::machine) mod advance_in_use;
+pub(in crate::machine) mod circulation;
 pub(in crate::machine) mod clamps;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;

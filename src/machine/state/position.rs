@@ -3,7 +3,7 @@
 //! Counts of steps begin at 0 with the reset and are never set. So a position is a count and an origin: the steps that the
 //! group's coordinate was at when its count was 0.
 
-use crate::kinematics::{Groups, Mechanism, count_at};
+use crate::kinematics::{Grouping, Groupings, Groups, Mechanism, count_at};
 use crate::motors::MOST_GROUPS;
 use crate::port::MotorSet;
 use crate::units::Steps;
@@ -65,25 +65,42 @@ impl Homed {
 
 /// Where the motor groups stand, given the steps that were really made.
 pub(in crate::machine) struct RealPosition<'m> {
-    groups: &'m Groups,
+    groupings: &'m Groupings,
+    grouping: Grouping,
     /// Position of each group at count 0, in steps.
     origin: [i32; MOST_GROUPS],
 }
 
 impl<'m> RealPosition<'m> {
     /// All groups stand at 0 and have counted nothing.
-    pub const fn new(groups: &'m Groups) -> Self {
-        Self { groups, origin: [0; MOST_GROUPS] }
+    pub const fn new(groupings: &'m Groupings) -> Self {
+        Self { groupings, grouping: Grouping::Tool, origin: [0; MOST_GROUPS] }
     }
 
-    /// The motor groups.
+    /// The motor groups as they are now.
     pub const fn groups(&self) -> &'m Groups {
-        self.groups
+        self.groupings.of(self.grouping)
+    }
+
+    /// The groups of every grouping.
+    pub const fn groupings(&self) -> &'m Groupings {
+        self.groupings
+    }
+
+    /// What they are grouped for now.
+    pub const fn grouping(&self) -> Grouping {
+        self.grouping
+    }
+
+    /// From now on they are grouped so. What a count means is to be adopted anew.
+    pub const fn regroup(&mut self, grouping: Grouping) {
+        self.grouping = grouping;
     }
 
     /// The machine stands here now, whatever was counted.
     pub fn adopt(&mut self, position: [Steps; 4], counts: [i32; MOST_GROUPS]) {
-        for ((origin, group), count) in self.origin.iter_mut().zip(self.groups.iter()).zip(counts) {
+        let groups = self.groups();
+        for ((origin, group), count) in self.origin.iter_mut().zip(groups.iter()).zip(counts) {
             *origin = count_at(group.coordinate(position)).wrapping_sub(count);
         }
     }
@@ -99,14 +116,14 @@ impl<'m> RealPosition<'m> {
 
     /// The position in steps of x, y, z and e.
     pub fn of_axes(&self, counts: [i32; MOST_GROUPS]) -> [Steps; 4] {
-        self.groups.position(self.of_groups(counts))
+        self.groups().position(self.of_groups(counts))
     }
 
     /// The position nearest to `position` that is whole steps from where the machine really is. Where four coordinates
     /// hold three axes, their counts agree only so: a name for a place that lies between whole steps would have them
     /// strain each other by a step, and the next one by another.
     pub fn whole_steps_away(&self, position: [Steps; 4], counts: [i32; MOST_GROUPS]) -> [Steps; 4] {
-        if !self.groups.is_redundant() {
+        if !self.groups().is_redundant() {
             return position;
         }
         let mut near = self.of_axes(counts);

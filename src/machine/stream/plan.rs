@@ -107,7 +107,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Tells the other contexts how much was planned.
-    pub(super) fn note_path(&self) {
+    pub(in crate::machine) fn note_path(&self) {
         let (moves, path) = self.planner.planned();
         self.link.status().set_planned(moves, path);
     }

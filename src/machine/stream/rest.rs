@@ -64,6 +64,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
         }
         self.drop_motion().await?;
+        self.end_circulation().await?;
         if self.homed.stop() {
             self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }
@@ -73,11 +74,18 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
     /// have been dropped with the motion. Motion rests.
     pub(in crate::machine) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
-        let counts = self.link.counts();
-        let position = self.real.whole_steps_away(position, counts);
+        self.adopt_exactly(self.real.whole_steps_away(position, self.link.counts())).await
+    }
+
+    /// The same of a position that rounds to where every motor stands.
+    pub(in crate::machine) async fn adopt_exactly(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
         self.planner.stand_at(position);
-        self.real.adopt(position, counts);
+        self.real.adopt(position, self.link.counts());
         self.until(|c| c.link.has_room()).await?;
+        if self.settings.belt.is_closed {
+            self.link.send(Work::Regroup(self.real.grouping()));
+            self.until(|c| c.link.has_room()).await?;
+        }
         self.link.send(Work::Position(position));
         self.follow().await
     }

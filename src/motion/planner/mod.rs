@@ -133,6 +133,12 @@ impl<'m> Planner<'m> {
         self.step_scale = step_scales(settings);
     }
 
+    /// Takes over another grouping of motors with its settings; the machine stands, and is told where.
+    pub fn regroup(&mut self, settings: &Settings, groups: &Groups) {
+        self.set_resolution(settings);
+        self.belts = Belts::new(groups);
+    }
+
     /// Whether what follows from the settings is still in memory as it was: resolutions, and the rows of the belt motors.
     #[must_use]
     pub fn is_whole(&self, settings: &Settings, groups: &Groups) -> bool {

@@ -1,5 +1,6 @@
 //! Entries: takes work out of the MoveQueue, lays it as spans, and knows what the end of motion means.
 
+use super::alignment::Alignment;
 use super::brake::{Braking, PathPoint};
 use super::group_stepper::GroupStepper;
 use super::{StepGenerator, Task};
@@ -104,6 +105,11 @@ impl StepGenerator<'_> {
             }
             Work::Stiffen(axis, stiffening) => {
                 self.trajectory.stiffen(usize::from(*axis), *stiffening);
+                true
+            }
+            Work::Regroup(grouping) => {
+                self.mechanism = self.groupings.of(*grouping);
+                self.alignment = Alignment::new(self.mechanism);
                 true
             }
             Work::Position([x, y, z, e]) => {

@@ -31,7 +31,8 @@ const TURN_AHEAD: u32 = 30;
 
 /// Whether the steps of an event leave no motor pulling against another of its group.
 fn is_unstrained(groups: &Groups, word: PackedEvent) -> bool {
-    let (motors, forward) = (groups.motors(word.steps()), groups.forward_motors(word.forward()));
+    let coupling = groups.coupling();
+    let (motors, forward) = (coupling.motors(word.steps()), coupling.forward_motors(word.forward()));
     groups.mechanism().is_unstrained(motors, forward)
 }
 

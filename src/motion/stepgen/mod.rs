@@ -40,7 +40,7 @@ mod step_time_buffer;
 mod step_time_solver;
 
 use crate::fault::{Cause, Fault};
-use crate::kinematics::Groups;
+use crate::kinematics::{Groupings, Groups};
 use crate::motion::queue::{LONGEST_INTERVAL, PackedEvent, SLOTS, StepsIn};
 use crate::motion::ticks::{NEAR, earlier};
 use crate::motion::trajectory::{AXES, Position, SpanMemory, Trajectory};
@@ -96,6 +96,8 @@ pub struct StepGenerator<'m> {
     moves: Consumer<'m, Entry>,
     events: StepsIn<'m>,
     status: &'m Status,
+    groupings: &'m Groupings,
+    /// The grouping in use.
     mechanism: &'m Groups,
     epoch: u8,
     task: Task,
@@ -121,7 +123,7 @@ pub struct StepGenerator<'m> {
 }
 
 impl<'m> StepGenerator<'m> {
-    /// The generator between the two queues, for these groups of motors, which remembers the trajectory in `spans`. The
+    /// The generator between the two queues, for these groupings of motors, of which the first counts, and which remembers the trajectory in `spans`. The
     /// Stepper is there already. It learns where the machine stands from the first
     /// [`Work::Position`](crate::motion::work::Work::Position).
     pub fn new(
@@ -129,13 +131,15 @@ impl<'m> StepGenerator<'m> {
         mut events: StepsIn<'m>,
         spans: &'m mut SpanMemory,
         status: &'m Status,
-        mechanism: &'m Groups,
+        groupings: &'m Groupings,
     ) -> Self {
+        let mechanism = &groupings.tool;
         events.set_slow_groups(status.slow_groups());
         Self {
             moves,
             events,
             status,
+            groupings,
             mechanism,
             epoch: status.epoch(),
             task: Task::Nothing,
@@ -337,7 +341,7 @@ impl<'m> StepGenerator<'m> {
 mod tests {
     use super::{BATCH, LEAST_ROOM, SCRUB, StepGenerator};
     use crate::fault::Cause;
-    use crate::kinematics::Groups;
+    use crate::kinematics::Groupings;
     use crate::motion::planner::{Planner, Target};
     use crate::motion::trajectory::{ADVANCE, AXES, Tap};
     use crate::motion::work::{Entry, Work};
@@ -356,12 +360,12 @@ mod tests {
 
     #[test]
     fn f40_a_tap_that_changes_by_itself_is_found_before_the_count_of_calls_wraps() {
-        let groups = Groups::new(&Settings::prototype().mechanism);
+        let groupings = Groupings::new(&Settings::prototype().mechanism);
         for (axis, bit) in (0..ADVANCE).flat_map(|axis| (0..32).map(move |bit| (axis, bit))) {
             let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
             let ((_, moves_out), (steps_in, _)) = (move_queue.split(), step_queue.split());
             let (mut spans, status) = (SpanMemory::new(), Status::new());
-            let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+            let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
             let call_for_each_axis = |generator: &mut StepGenerator<'_>| {
                 (0..AXES * usize::from(SCRUB)).for_each(|_| generator.run(&Nobody));
                 status.fault().fault().map(|fault| fault.cause)
@@ -394,8 +398,8 @@ mod tests {
         let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
         let (mut moves_in, moves_out) = move_queue.split();
         let (steps_in, mut steps_out) = step_queue.split();
-        let (mut spans, status, groups) = (SpanMemory::new(), Status::new(), Groups::new(&settings.mechanism));
-        let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groups);
+        let (mut spans, status, groupings) = (SpanMemory::new(), Status::new(), Groupings::new(&settings.mechanism));
+        let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
         if let Some(m) = planner.pop() {
             assert!(moves_in.enqueue(Entry { epoch: 0, work: Work::Move(m) }).is_ok());
         }

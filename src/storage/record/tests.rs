@@ -64,9 +64,10 @@ fn as_of(format: u16) -> Settings {
             Settings { endstops, homing_order, baud, ..as_of(WITHOUT_BED) }
         }
         WITHOUT_BED => {
-            let settings = spelled_out();
+            let settings = as_of(WITHOUT_BELT);
             Settings { bed: Bed::of_reach(&settings.axes), probe: EndstopPlug::NONE, ..settings }
         }
+        WITHOUT_BELT => Settings { belt: Settings::prototype().belt, ..spelled_out() },
         _ => spelled_out(),
     }
 }
@@ -149,6 +150,13 @@ fn spelled_out() -> Settings {
         baud: 115_200,
         bed: Bed { width: Mm::from_num(380), depth: Mm::lit("401.5"), left: Mm::lit("-3.5"), front: Mm::from_num(7) },
         probe: EndstopPlug { connector: ConnectorName::lit("PROBE"), is_normally_open: true },
+        belt: Belt {
+            is_closed: true,
+            settling_ms: 300,
+            max_speed: MmPerSec::from_num(90),
+            max_acceleration: MmPerSec2::from_num(900),
+            homing_advance: Mm::lit("2.5"),
+        },
     }
 }
 
@@ -247,6 +255,13 @@ fn the_longest_values_fit() {
     (s.endstops.x, s.endstops.y, s.endstops.z, s.baud) = (endstop, endstop, endstop, u32::MAX);
     s.bed = Bed { width: Mm::MIN, depth: Mm::MIN, left: Mm::MIN, front: Mm::MIN };
     s.probe = EndstopPlug { connector: ConnectorName::lit("12345678"), is_normally_open: true };
+    s.belt = Belt {
+        is_closed: true,
+        settling_ms: u16::MAX,
+        max_speed: MmPerSec::MAX,
+        max_acceleration: MmPerSec2::MAX,
+        homing_advance: Mm::MIN,
+    };
     assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
 }
 

@@ -77,10 +77,13 @@ fn lint_emulator() -> Command {
     lint
 }
 
-/// The tests of the emulator, which run the image of the Octopus.
+/// The tests of the emulator, which run the images of the Octopus and of the Nucleo.
 pub fn emulate() -> Result<Verdict> {
-    let image = checkout::build_image(emulate::IMAGE)?;
-    processes::run(build_emulator_tests(), &checkout::root().join("emulator"), ("COREHBOT_ELF", &image))
+    let images = [
+        ("COREHBOT_ELF", checkout::build_image(emulate::Board::Octopus.package())?),
+        ("COREHBOT_NUCLEO_ELF", checkout::build_image(emulate::Board::Nucleo.package())?),
+    ];
+    processes::run(build_emulator_tests(), &checkout::root().join("emulator"), &images)
 }
 
 /// Runs tests; their results are counted while they scroll by.

@@ -91,7 +91,7 @@ const STEPS: [Step; 16] = [
     Step {
         name: "emulate",
         lane: Images,
-        heading: "the image for the Octopus steps as the simulator does",
+        heading: "the images for Octopus and Nucleo step as the simulator does",
         run: cargo::emulate,
     },
 ];

@@ -9,13 +9,13 @@ use std::process::{Command, Stdio};
 /// How test programs are run.
 struct Setting<'a> {
     folder: &'a Path,
-    variable: (&'static str, &'a Path),
+    variables: &'a [(&'static str, PathBuf)],
 }
 
 impl Setting<'_> {
     fn call(&self, program: &Path) -> Command {
         let mut command = Command::new(program);
-        command.current_dir(self.folder).env(self.variable.0, self.variable.1);
+        command.current_dir(self.folder).envs(self.variables.iter().map(|(name, value)| (name, value)));
         command
     }
 }
@@ -26,10 +26,10 @@ struct Test {
     name: String,
 }
 
-/// Builds the tests that a call of cargo names, which has `--no-run` in it, and runs them in `folder` with a variable of the
-/// environment.
-pub fn run(mut build: Command, folder: &Path, variable: (&'static str, &Path)) -> Result<Verdict> {
-    let setting = Setting { folder, variable };
+/// Builds the tests that a call of cargo names, which has `--no-run` in it, and runs them in `folder` with these
+/// variables of the environment.
+pub fn run(mut build: Command, folder: &Path, variables: &[(&'static str, PathBuf)]) -> Result<Verdict> {
+    let setting = Setting { folder, variables };
     let output = build.arg("--message-format=json").stdout(Stdio::piped()).stderr(Stdio::inherit()).output()?;
     ensure!(output.status.success(), "the tests do not build");
     let mut tests = Vec::new();

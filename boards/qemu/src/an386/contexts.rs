@@ -11,7 +11,7 @@ use corehbot::kinematics::Groups;
 use corehbot::machine;
 use corehbot::motion::{self, StepCounts};
 use corehbot::motors::Motor;
-use corehbot::port::{DriverBus, MotorSet, NoStorage, Pend};
+use corehbot::port::{Coupling, DriverBus, MotorSet, NoStorage, Pend};
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::heat::Heat;
@@ -150,4 +150,10 @@ pub struct NoDrivers;
 
 impl DriverBus for NoDrivers {
     fn enable(&mut self, _on: MotorSet) {}
+
+    fn couple(&mut self, coupling: &Coupling) {
+        cortex_m::interrupt::free(|_| {
+            STEPPER.with(|stepper| stepper.recouple(|port| port.couple(coupling)));
+        });
+    }
 }

@@ -64,7 +64,7 @@ fn main() -> ! {
 fn start_up() -> &'static Status {
     let job = job::read();
     let rig = Rig::new(&job.settings, job.start);
-    let table = MotorTable::new(&Groups::new(&job.settings.mechanism));
+    let table = MotorTable::new(&Groups::new(&job.settings.mechanism).coupling());
     let step_ports = StepPorts { pins: trace::TracePort::new(rig, table, job.trace), clock: time::StepTimer };
     let groups = Groups::new(&job.settings.mechanism);
     let heat = Heat::new(&job.settings);

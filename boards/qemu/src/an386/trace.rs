@@ -6,7 +6,7 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use corehbot::kinematics::{MotorTable, SETS};
-use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort};
+use corehbot::port::{Coupling, EndstopSet, GroupSet, MotorSet, StepPort};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::Rig;
 use heapless::Vec;
@@ -84,6 +84,17 @@ impl TracePort {
     pub fn new(rig: Rig, table: MotorTable, file: File) -> Self {
         TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], table, rig });
         Self { table, forward: MotorSet::NONE }
+    }
+}
+
+impl TracePort {
+    /// From now on a step of a group turns these motors. The machine feels what it has not felt yet as it was.
+    pub fn couple(&mut self, coupling: &Coupling) {
+        self.table = MotorTable::new(coupling);
+        TRACE.with(|trace| {
+            trace.feel(self.forward);
+            trace.table = self.table;
+        });
     }
 }
 

@@ -63,6 +63,9 @@ pub(super) fn file(kind: Kind, board: &BoardConnectors) -> Result<String> {
             _ => text.set("", key, value)?,
         }
     }
+    if !example.contains_key("belt") {
+        text.set("belt", "closed", &false.into())?;
+    }
     if !example.contains_key("bed") {
         // The bed is what the tool reaches.
         for (side, axis) in [("width", "x"), ("depth", "y")] {

@@ -79,6 +79,8 @@ pub(super) struct MachineToml {
     pub axes: AxesToml,
     /// Where the machine can print: all that its tool reaches, if left out.
     pub bed: BedToml,
+    /// What ties the motors of x and y together.
+    pub belt: BeltToml,
     /// How each axis finds its endstop, where that is, and in which order.
     pub homing: HomingsToml,
     /// What the motor drivers (TMC2209) are told where they have a UART.
@@ -164,6 +166,23 @@ pub(super) struct BedToml {
     pub left: Option<f64>,
     /// y of its front edge, in mm.
     pub front: Option<f64>,
+}
+
+/// The belt, and how it runs round.
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct BeltToml {
+    /// Whether one closed belt runs over all motors that move x or y, each turning it the same way round when it turns forward, so that it
+    /// can run round while the tool stands (C in G0 and G1). A file with a mechanism has none unless it says so.
+    pub closed: Option<bool>,
+    /// Milliseconds between two motors of one belt that get power.
+    pub settling: Option<f64>,
+    /// Speed limit of a belt that runs round, in mm/s.
+    pub max_speed: Option<f64>,
+    /// Acceleration limit of a belt that runs round, in mm/s2.
+    pub max_acceleration: Option<f64>,
+    /// How far the belt runs on after x and y are homed, in mm, so that it does not always bend at the same teeth; 0 is not at all.
+    pub homing_advance: Option<f64>,
 }
 
 /// A row a motor that is fitted.

@@ -22,6 +22,7 @@ pub(super) const ACCELERATION: Kind<MmPerSec2> =
     Kind { range: ranges::ACCELERATION, convert: MmPerSec2::saturating_from_num::<f64> };
 pub(super) const AXIS_LENGTH: Kind<Mm> = Kind { range: ranges::AXIS_LENGTH, convert: Mm::saturating_from_num::<f64> };
 pub(super) const BED_EDGE: Kind<Mm> = Kind { range: ranges::BED_EDGE, ..AXIS_LENGTH };
+pub(super) const HOMING_ADVANCE: Kind<Mm> = Kind { range: ranges::HOMING_ADVANCE, ..AXIS_LENGTH };
 pub(super) const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..AXIS_LENGTH };
 pub(super) const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..AXIS_LENGTH };
 pub(super) const BAUD: Kind<u32> =
@@ -37,6 +38,7 @@ pub(super) const ADVANCE_WINDOW: Kind<Seconds> = Kind { range: ranges::ADVANCE_W
 pub(super) const LOOKAHEAD_TIME: Kind<Seconds> = Kind { range: ranges::LOOKAHEAD_TIME, ..ADVANCE };
 pub(super) const PATIENCE: Kind<u16> =
     Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
+pub(super) const SETTLING: Kind<u16> = Kind { range: ranges::SETTLING_MS, ..PATIENCE };
 pub(super) const KEEPALIVE: Kind<u8> = Kind { range: ranges::KEEPALIVE_S, convert: |s| s as u8 };
 
 pub(super) const HOTEND: Kind<Celsius> = Kind { range: ranges::HOTEND, convert: Celsius::saturating_from_num::<f64> };

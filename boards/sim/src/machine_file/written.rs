@@ -70,6 +70,17 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
             ("front", number(b.front, &q::BED_EDGE)),
         ]),
     );
+    let b = &s.belt;
+    file.insert(
+        "belt".into(),
+        table([
+            ("closed", b.is_closed.into()),
+            ("settling", whole(b.settling_ms)),
+            ("max_speed", number(b.max_speed, &q::SPEED)),
+            ("max_acceleration", number(b.max_acceleration, &q::ACCELERATION)),
+            ("homing_advance", number(b.homing_advance, &q::HOMING_ADVANCE)),
+        ]),
+    );
     file.insert("homing".into(), homing(s));
     let d = &s.drivers;
     file.insert("drivers".into(), table([("belt", driver(&d.belt)), ("z", driver(&d.z)), ("e", driver(&d.e))]));

@@ -25,17 +25,19 @@ fn power_up_strains_the_belt_within_bounds_and_is_no_skip() {
     for seed in 0..12 {
         let start = Some([195.0, 208.8, 10.0]);
         let mut plant = plant(start, Some(seed), Accidents::default());
-        print_on(&mut plant, start, &["M17", "G4 P300"]);
+        print_on(&mut plant, start, &["M17", "G4 P500"]);
         let figures = plant.unwrap().figures();
         assert!(figures.skips.is_empty(), "{seed}: {figures}");
-        // Four phases of two full steps are 1.6 mm, and fields give way by a quarter.
+        // Motors get power in turn, so only the last one strains the belt: by two full steps at most, and fields give way.
         let residual = figures.residual_mm.unwrap();
-        assert!(residual.abs() < 1.24, "{seed}: {figures}");
+        assert!(residual.abs() < 0.40, "{seed}: {figures}");
         // Nobody told the firmware that the tool went aside.
         assert!((1e-3..0.4 * 1.5).contains(&figures.off_mm.unwrap()), "{seed}: {figures}");
         square += residual * residual;
     }
-    assert!(square > 0.0);
+    // 0.18 mm RMS of many seeds; all at once 0.35.
+    let rms = (square / 12.0_f64).sqrt();
+    assert!((0.1..0.26).contains(&rms), "{rms}");
 }
 
 /// M112 in mid-motion: the tool glides on, and nothing holds it.

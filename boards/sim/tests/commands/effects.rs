@@ -11,7 +11,7 @@ fn a_dry_run_moves_everything_but_the_filament() {
     let heard = answers(&["M111 S8", "M111", "G1 X110 E5 F6000", "M400", "M114 R", "M114"]);
     assert!(heard.contains(&"echo:DEBUG:DRYRUN".to_owned()), "{heard:?}");
     let told: Vec<_> = heard.iter().filter(|line| line.starts_with("X:")).collect();
-    assert_eq!(told[0], "X:110.00 Y:100.00 Z:50.00 E:5.00 Count A:16800 B:800 Z:40000");
+    assert_eq!(told[0], "X:110.00 Y:100.00 Z:50.00 E:5.00 C:0.00 Count A:16800 B:800 Z:40000");
     assert_eq!(told[0], told[1]);
 }
 
@@ -19,7 +19,7 @@ fn a_dry_run_moves_everything_but_the_filament() {
 #[test]
 fn a_line_that_is_ignored_changes_nothing() {
     for line in
-        ["G1 X150 Y1,5 F1200 E3", "G1 X150 F1200 C3", "G1 X150 F1200 Y", "G2 X150 F1200", "G2 X150 I25 F1200 Y,"]
+        ["G1 X150 Y1,5 F1200 E3", "G1 X150 F1200 U3", "G1 X150 F1200 Y", "G2 X150 F1200", "G2 X150 I25 F1200 Y,"]
     {
         let heard = answers(&["G1 X110 F6000 E1", line, "G1 F", "M114", "G91", "G1 X1 F0", "M114"]);
         let told: Vec<_> = heard.iter().filter(|line| line.starts_with("X:")).collect();

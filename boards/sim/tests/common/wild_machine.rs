@@ -38,6 +38,7 @@ pub fn record(data: &[u8]) {
     let mut machine = Settings::prototype();
     // Every second machine has pulleys of different sizes.
     if data.len() % 2 == 1 {
+        machine.belt.is_closed = false;
         machine.mechanism.rows[1] = machine.mechanism.rows[1].map(|times| 3 * times);
         machine.mechanism.rows[3] = machine.mechanism.rows[3].map(|times| 3 * times);
     }

@@ -12,7 +12,7 @@ use corehbot_sim::world::{Desk, run_at};
 #[test]
 fn homing_finds_the_switches_through_the_belt() {
     let (heard, outcome, steps) = talk_to(&Settings::prototype(), None, &["G28", "M114", "M119"]);
-    assert!(heard.contains(&"X:0.00 Y:0.00 Z:0.00 E:0.00 Count A:0 B:0 Z:0".to_owned()), "{heard:?}");
+    assert!(heard.contains(&"X:0.00 Y:0.00 Z:0.00 E:0.00 C:0.00 Count A:0 B:0 Z:0".to_owned()), "{heard:?}");
     for line in ["Reporting endstop status", "x_min: TRIGGERED", "y_min: TRIGGERED", "z_min: TRIGGERED"] {
         assert!(heard.contains(&line.to_owned()), "{line}: {heard:?}");
     }

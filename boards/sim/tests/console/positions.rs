@@ -7,9 +7,9 @@ use corehbot::settings::Settings;
 fn the_position_is_reported_as_asked_and_as_it_is() {
     let (heard, ..) = talk(&["G1 X10 Y20.004 Z1 E2 F6000", "M400", "M114", "M114 R", "G92 X0 E0", "M114"]);
     let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).collect();
-    assert_eq!(told[0], "X:10.00 Y:20.00 Z:1.00 E:2.00 Count A:2400 B:-800 Z:800");
+    assert_eq!(told[0], "X:10.00 Y:20.00 Z:1.00 E:2.00 C:0.00 Count A:2400 B:-800 Z:800");
     assert_eq!(told[1], told[0]);
-    assert_eq!(told[2], "X:0.00 Y:20.00 Z:1.00 E:0.00 Count A:2400 B:-800 Z:800");
+    assert_eq!(told[2], "X:0.00 Y:20.00 Z:1.00 E:0.00 C:0.00 Count A:2400 B:-800 Z:800");
 }
 
 #[test]
@@ -50,7 +50,7 @@ fn a_machine_that_begins_on_half_a_step_is_not_a_step_off() {
     settings.axes.y.steps_per_mm = 64u16.into();
     let start = Some([0.0, 0.5 / 64.0, 0.0]);
     let (heard, ..) = talk_to(&settings, start, &["G1 X10 Y10 F6000", "M400", "M114 R"]);
-    assert!(heard.contains(&"X:10.00 Y:10.00 Z:0.00 E:0.00 Count A:1280 B:0 Z:0".to_owned()), "{heard:?}");
+    assert!(heard.contains(&"X:10.00 Y:10.00 Z:0.00 E:0.00 C:0.00 Count A:1280 B:0 Z:0".to_owned()), "{heard:?}");
 }
 
 #[test]

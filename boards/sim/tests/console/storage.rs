@@ -129,12 +129,12 @@ fn loading_another_resolution_waits_for_the_motion_and_keeps_the_position() {
     ];
     let (heard, outcome, _) = keep(&mut eeprom, &made, &lines);
     let told: Vec<_> = heard.iter().filter(|l| l.starts_with("X:")).map(String::as_str).collect();
-    let there = "X:20.00 Y:10.00 Z:2.00 E:4.00 Count A:4800 B:1600 Z:3200";
-    let further = "X:30.00 Y:10.00 Z:2.00 E:6.00 Count A:";
+    let there = "X:20.00 Y:10.00 Z:2.00 E:4.00 C:0.00 Count A:4800 B:1600 Z:3200";
+    let further = "X:30.00 Y:10.00 Z:2.00 E:6.00 C:0.00 Count A:";
     assert_eq!(told[..2], [there, there]);
     assert_eq!(told[2], format!("{further}6400 B:3200 Z:3200"));
     assert_eq!(told[3], format!("{further}3200 B:1600 Z:1600"));
-    assert_eq!(told[4], "X:10.50 Y:0.00 Z:0.00 E:5.00 Count A:840 B:840 Z:0");
+    assert_eq!(told[4], "X:10.50 Y:0.00 Z:0.00 E:5.00 C:0.00 Count A:840 B:840 Z:0");
     // u = x + y drives motor 11: 30 mm at 80, 10 mm at 160, and back by 29.5 mm at 80 steps/mm; E likewise.
     assert_eq!(outcome.counts[3], 30 * 80 + 10 * 160 - (40 * 80 - 840));
     assert_eq!(outcome.counts[6], 4 * 400 + 2 * 200 - 400);

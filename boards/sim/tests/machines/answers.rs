@@ -25,7 +25,8 @@ fn positions_are_said_with_the_coordinates_of_the_machine() {
         answers(&s, &["G1 X11 F3000", "M400", "M114 R"]).last().unwrap().clone()
     };
     let at = "X:11.00 Y:20.00 Z:5.00 E:0.00 Count";
-    assert_eq!(counted("prototype"), format!("{at} A:2480 B:-720 Z:4000"));
+    let closed = "X:11.00 Y:20.00 Z:5.00 E:0.00 C:0.00 Count";
+    assert_eq!(counted("prototype"), format!("{closed} A:2480 B:-720 Z:4000"));
     assert_eq!(counted("corexy"), format!("{at} A:2480 B:-720 Z:2000"));
     assert_eq!(counted("corexyz"), format!("{at} A:2880 B:-320 C:-2080 D:1120"));
     assert_eq!(counted("corexyz-three"), format!("{at} A:2880 B:-320 C:-2080"));

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod answers;
+mod circulation;
 mod endstops;
 #[path = "../common/lines.rs"]
 mod lines;

@@ -9,7 +9,7 @@ use crate::machine::commands::retraction::{say_recovery, say_retraction};
 use crate::machine::commands::shaping::say_shaper;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
-use crate::settings::{AxisEnd, Bed, CornerRule, Settings};
+use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Settings};
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
 pub(in crate::machine) fn say_settings(
@@ -92,6 +92,14 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
     let Bed { width, depth, left, front } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
+    let Belt { is_closed, settling_ms, max_speed, max_acceleration, homing_advance } = s.belt;
+    to.say(format_args!("echo:; motors of one belt get power {settling_ms} ms apart"));
+    if is_closed {
+        let (speed, acceleration, advance) = (shortest(max_speed), max_acceleration, exact(homing_advance));
+        to.say(format_args!(
+            "echo:; closed belt: C up to {speed} mm/s, {acceleration} mm/s2; it runs on by {advance} mm after homing"
+        ));
+    }
     to.say(format_args!("echo:; bed: {width} x {depth} mm from X{left} Y{front}"));
     for axis in s.homing_order {
         let (homing, endstop) = (s.homing.of(axis), s.endstops.of(axis));

@@ -1,0 +1,124 @@
+//! Residuals: what motors can turn together that no position of the tool asks for, and that strains the belt.
+//!
+//! Four motors on one belt are more than it takes to hold x and y. The sums of their turns that every position leaves at 0 are the
+//! left null space of the mechanism's matrix: one for the CoreH-bot (m1 - m4 + m8 - m11, equation 11 of the paper) and for a
+//! CoreXYZ with four motors, two for a CoreXY with two motors a belt, none for a CoreXY. One closed belt that all its
+//! motors turn the same way round runs round freely: that is no residual, but another column of the matrix.
+//!
+//! A residual of 0 is what the firmware's counts have at rest. What the rotors have is another matter: each finds its own nearest rest when
+//! it gets power, up to two full steps away.
+
+use super::mechanism::Mechanism;
+use crate::motors::{Motor, MotorSet};
+
+const MOTORS: usize = Motor::ALL.len();
+
+/// Motors of x and y that are not needed to hold these two.
+const MOST: usize = MOTORS - 2;
+
+/// How often each motor's turn is taken in one sum.
+pub type Residual = [i32; MOTORS];
+
+/// The residuals of a mechanism.
+#[derive(Clone, Debug)]
+pub struct Residuals(heapless::Vec<Residual, MOST>);
+
+impl Residuals {
+    /// Those of the motors that move x or y; with `is_closed` they turn one closed belt, and turning all of them alike strains
+    /// nothing.
+    #[must_use]
+    #[inline(never)]
+    pub fn new(mechanism: &Mechanism, is_closed: bool) -> Self {
+        let belt = mechanism.belt_motors();
+        // Each motor alone, and then, for each column, only what it leaves at 0.
+        let mut sums: heapless::Vec<Residual, MOTORS> = heapless::Vec::new();
+        for motor in Motor::ALL.into_iter().filter(|motor| belt.has(*motor)) {
+            let mut alone = [0; MOTORS];
+            alone[motor as usize] = 1;
+            // There is a place for every motor.
+            let _ = sums.push(alone);
+        }
+        for column in 0..3 {
+            eliminate(&mut sums, &mechanism.rows.map(|row| row.get(column).copied().map_or(0, i32::from)));
+        }
+        if is_closed {
+            eliminate(&mut sums, &[1; MOTORS]);
+        }
+        Self(sums.into_iter().take(MOST).map(with_sign).collect())
+    }
+
+    /// Each of them.
+    pub fn iter(&self) -> core::slice::Iter<'_, Residual> {
+        self.0.iter()
+    }
+
+    /// Whether there are none, for the motors are just enough.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The motors that strain each other.
+    #[must_use]
+    pub fn motors(&self) -> MotorSet {
+        self.iter().fold(MotorSet::NONE, |all, residual| all.with(motors_in(residual)))
+    }
+
+    /// `motors` and all that can pull against any of them.
+    #[must_use]
+    pub fn with_opponents(&self, motors: MotorSet) -> MotorSet {
+        let mut all = motors;
+        // Each round takes one residual more, or none and then all are in.
+        for _ in self.iter() {
+            for residual in self.iter().map(motors_in) {
+                if residual.without(all) != residual {
+                    all = all.with(residual);
+                }
+            }
+        }
+        all
+    }
+
+    /// Of `motors`, which are all to get power, those that may get it now, at once: whoever can pull against another gets it alone.
+    #[must_use]
+    pub fn first_of(&self, motors: MotorSet) -> MotorSet {
+        let mut first = MotorSet::NONE;
+        for motor in Motor::ALL.into_iter().map(MotorSet::of).filter(|motor| motors.without(*motor) != motors) {
+            let opponents = self.with_opponents(motor);
+            if first.without(opponents) == first {
+                first = first.with(motor);
+            }
+        }
+        first
+    }
+}
+
+/// The motors that a sum takes.
+fn motors_in(residual: &Residual) -> MotorSet {
+    let both = Motor::ALL.into_iter().zip(residual);
+    both.filter(|(_, times)| **times != 0).fold(MotorSet::NONE, |set, (motor, _)| set.with(MotorSet::of(motor)))
+}
+
+/// Leaves the sums whose product with `column` is 0, one less unless all had it: each takes as much of one that has not as makes it so.
+fn eliminate(sums: &mut heapless::Vec<Residual, MOTORS>, column: &Residual) {
+    let product = |sum: &Residual| sum.iter().zip(column).map(|(a, b)| a * b).sum::<i32>();
+    let Some(place) = sums.iter().position(|sum| product(sum) != 0) else { return };
+    let pivot = sums.remove(place);
+    let times = product(&pivot);
+    for sum in sums.iter_mut() {
+        let of_pivot = product(sum);
+        for (entry, from) in sum.iter_mut().zip(pivot) {
+            *entry = *entry * times - from * of_pivot;
+        }
+        let divisor = sum.iter().fold(0, |all, entry| super::forward::greatest_divisor(all, i64::from(*entry))).max(1);
+        *sum = sum.map(|entry| entry / divisor as i32);
+    }
+}
+
+/// The same with the first entry that there is above 0.
+fn with_sign(residual: Residual) -> Residual {
+    match residual.iter().find(|entry| **entry != 0) {
+        Some(entry) if *entry < 0 => residual.map(|entry| -entry),
+        _ => residual,
+    }
+}

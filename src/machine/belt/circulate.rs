@@ -1,0 +1,143 @@
+//! C in G0 and G1: the belt runs round, with the tool standing or moving in x and y.
+
+use crate::gcode::{AxisWords, Flaw, Number};
+use crate::kinematics::Grouping;
+use crate::machine::answers::answer::Answer;
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::state::soft_endstops::clamp;
+use crate::motion::Target;
+use crate::port::{DriverBus, EndstopSet, Pend};
+use crate::settings::{AxisSettings, Settings};
+use crate::units::{Mm, MmPerSec, Steps};
+
+/// The settings of motion while the belt has the place of z.
+fn circulating(s: &Settings) -> Settings {
+    let z = AxisSettings {
+        steps_per_mm: s.axes.x.steps_per_mm,
+        max_speed: s.belt.max_speed,
+        max_acceleration: s.belt.max_acceleration,
+        length: s.axes.z.length,
+    };
+    let mut settings = *s;
+    settings.axes.z = z;
+    settings
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// What the planner has its resolutions and limits from.
+    pub(in crate::machine) fn with_motion_settings<R>(&self, work: impl FnOnce(&Settings) -> R) -> R {
+        match self.real.grouping() {
+            Grouping::Tool => work(&self.settings),
+            Grouping::Circulation => work(&circulating(&self.settings)),
+        }
+    }
+
+    /// A position of the planner as people see it: z stands where it stood when the belt took its place.
+    pub(in crate::machine) fn seen(&self, position: [Mm; 4]) -> [Mm; 4] {
+        match self.real.grouping() {
+            Grouping::Tool => position,
+            Grouping::Circulation => {
+                let ([x, y, _, e], [_, _, z, _]) = (position, self.retraction.away_from(self.modal.position));
+                [x, y, z, e]
+            }
+        }
+    }
+
+    /// G0, G1 with C. The move begins and ends at rest.
+    pub(in crate::machine) async fn circulate(
+        &mut self,
+        to: &AxisWords,
+        belt: Number,
+        feed: Option<Number>,
+    ) -> Result<Answer<'static>, Interrupt> {
+        if !self.settings.belt.is_closed {
+            return Ok(Answer::Malformed(Flaw::NoAxis(b'C')));
+        }
+        if to.z.is_some() || to.e.is_some() {
+            return Ok(Answer::Line("echo:line ignored: C goes with X, Y and F alone"));
+        }
+        let speed = self.clamps.feed(&self.modal, feed).unwrap_or(self.modal.feed);
+        let wanted = self.target(to).await?.position;
+        let at = self.modal.position;
+        if !self.may_move([0, 1, 2].map(|axis| wanted.get(axis) != at.get(axis))).await? {
+            return Ok(Answer::NotHomed);
+        }
+        let (inside, moved) = clamp(wanted, at, self.homed, &self.settings);
+        if moved {
+            self.tell_of_edge().await?;
+        }
+        let [x, y, ..] = inside;
+        self.run_round([x, y], self.modal.length(belt), self.modal.absolute, speed).await?;
+        self.modal.feed = speed;
+        self.modal.position = inside;
+        Ok(Answer::Nothing)
+    }
+
+    /// Has a belt that can run round do so a little, after homing, so that it does not always bend at the same teeth.
+    pub(in crate::machine) async fn advance_belt(&mut self) -> Result<(), Interrupt> {
+        let belt = self.settings.belt;
+        if !belt.is_closed || belt.homing_advance == Mm::ZERO {
+            return Ok(());
+        }
+        let position = self.modal.position;
+        let [x, y, ..] = position;
+        self.run_round([x, y], belt.homing_advance, false, belt.max_speed).await?;
+        self.modal.position = position;
+        Ok(())
+    }
+
+    /// The tool goes to x and y while the belt runs on, by `belt` or, absolutely, up to it.
+    async fn run_round(&mut self, to: [Mm; 2], belt: Mm, absolutely: bool, speed: MmPerSec) -> Result<(), Interrupt> {
+        self.finish().await?;
+        self.power(self.real.groups().mechanism().belt_motors()).await?;
+        let resolution = self.settings.axes.x.steps_per_mm;
+        let done = if absolutely { self.circulation.length(resolution) } else { Mm::ZERO };
+        let [x, y, z, e] = self.planner.end();
+        self.circulation.begin(z);
+        self.regroup(Grouping::Circulation, [x, y, Steps::ZERO, e]).await?;
+        let [.., filament] = self.planner.mm(self.planner.end());
+        let [to_x, to_y] = to;
+        let position = self.planner.steps([to_x, to_y, belt.saturating_sub(done), filament]);
+        self.plan_whole(position, speed, true);
+        self.finish().await?;
+        self.end_circulation().await
+    }
+
+    /// Plans a move to the whole steps next to a position, where the counts of all motors agree.
+    fn plan_whole(&mut self, position: [Steps; 4], speed: MmPerSec, has_overrides: bool) {
+        let [x, y, c, e] = position;
+        let [x, y, c] = [x, y, c].map(Steps::wrapping_round);
+        let target = Target { position: self.planner.mm([x, y, c, e]), speed, has_overrides, watch: EndstopSet::NONE };
+        self.planner.push(&target, &circulating(&self.settings));
+        self.policy.note_news();
+        self.note_path();
+    }
+
+    /// The belt has run as far as it should, or was stopped: z has its place again. Motion rests.
+    pub(in crate::machine) async fn end_circulation(&mut self) -> Result<(), Interrupt> {
+        if self.real.grouping() == Grouping::Tool {
+            return Ok(());
+        }
+        // No way at all, unless it was stopped between two places where the counts agree.
+        self.plan_whole(self.planner.end(), self.settings.belt.max_speed, false);
+        self.finish().await?;
+        let [x, y, c, e] = self.planner.end();
+        self.circulation.add(c.wrapping_round().to_num());
+        self.regroup(Grouping::Tool, [x, y, self.circulation.z(), e]).await?;
+        self.modal.position = self.retraction.commanded(self.planner.mm(self.planner.end()));
+        Ok(())
+    }
+
+    /// Regroups the motors at rest; the machine stands at `position` then.
+    async fn regroup(&mut self, grouping: Grouping, position: [Steps; 4]) -> Result<(), Interrupt> {
+        self.real.regroup(grouping);
+        let groups = self.real.groups();
+        self.ports.drivers.couple(&groups.coupling());
+        match grouping {
+            Grouping::Tool => self.planner.regroup(&self.settings, groups),
+            Grouping::Circulation => self.planner.regroup(&circulating(&self.settings), groups),
+        }
+        self.adopt_exactly(position).await
+    }
+}

@@ -1,0 +1,36 @@
+//! The belt: what ties the motors of x and y together.
+
+use crate::units::{Mm, MmPerSec, MmPerSec2};
+use serde::{Deserialize, Serialize};
+
+/// What there is to know of it besides the motors' rows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub struct Belt {
+    /// One closed belt runs over all motors that move x or y, forward being the same way round for each: it can run round while the
+    /// tool stands (C in G0 and G1).
+    pub is_closed: bool,
+    /// Milliseconds between two motors that get power and can pull against each other.
+    pub settling_ms: u16,
+    /// Speed limit of the circulation, in mm of belt a second.
+    pub max_speed: MmPerSec,
+    /// Acceleration limit of the circulation, in mm of belt a second squared.
+    pub max_acceleration: MmPerSec2,
+    /// How far the belt runs on after x and y are homed, so that it does not always bend at the same teeth; 0 is not at all.
+    pub homing_advance: Mm,
+}
+
+impl Belt {
+    /// That of the CoreH-bot.
+    ///
+    /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/twin.md, modes with rotors): within
+    /// 100 ms to a quarter. The limits are a fifth of the motors' own, for nobody is in a hurry.
+    pub(super) const fn prototype() -> Self {
+        Self {
+            is_closed: true,
+            settling_ms: 100,
+            max_speed: MmPerSec::const_from_int(100),
+            max_acceleration: MmPerSec2::const_from_int(1500),
+            homing_advance: Mm::ZERO,
+        }
+    }
+}
