@@ -26,6 +26,7 @@
 //! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
 //! | [`run`] | a trace played, and what there is to say of it |
 //! | [`sampling`] | which points of a space of parameters a study looks at |
+//! | [`live`] | a machine whose steps come as they are made, with power, pushes and skips |
 //! | [`yin`] | Yin et al.'s CoreXY on a square, a model of its own |
 //!
 //! What the papers printed, what is right and what was corrected: docs/twin.md.
@@ -36,6 +37,7 @@ pub mod compensation;
 pub mod contour;
 pub mod dynamics;
 pub mod geometry;
+pub mod live;
 pub mod model;
 pub mod params;
 pub mod queries;

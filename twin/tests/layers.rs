@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const ROOMS: [&str; 15] = [
+const ROOMS: [&str; 16] = [
     "params",
     "routing",
     "geometry",
@@ -20,6 +20,7 @@ const ROOMS: [&str; 15] = [
     "contour",
     "run",
     "sampling",
+    "live",
 ];
 
 fn sources(of: &Path) -> Vec<PathBuf> {

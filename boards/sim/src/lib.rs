@@ -5,6 +5,7 @@
 //! steps to physics; the other files turn that into what a person or a program wants to read.
 #![forbid(unsafe_code)]
 
+pub mod belt;
 pub mod check;
 pub mod cli;
 mod config;

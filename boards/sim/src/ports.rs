@@ -2,6 +2,8 @@
 //!
 //! All of them look at one time, which only the world moves on.
 
+use crate::belt::BeltPlant;
+use crate::drivers::Drivers;
 use crate::world::{Host, Sink};
 use corehbot::kinematics::MotorTable;
 use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
@@ -124,11 +126,37 @@ impl Serial for Line<'_> {
     }
 }
 
+/// What the step pins turn.
+pub(crate) enum Mechanics<'w> {
+    /// Steps are ways.
+    Rigid(Rig),
+    /// Belts stretch and rotors skip.
+    Belt(&'w mut BeltPlant),
+}
+
 pub(crate) struct Pins<'w> {
-    pub rig: Rig,
+    pub mechanics: Mechanics<'w>,
+    pub shared: &'w Shared,
+    pub drivers: &'w Drivers,
     pub table: MotorTable,
     pub forward: MotorSet,
     pub sink: &'w mut dyn Sink,
+}
+
+impl Pins<'_> {
+    /// Time has passed, and motors may have been switched.
+    pub(crate) fn attend(&mut self) {
+        if let Mechanics::Belt(plant) = &mut self.mechanics {
+            plant.attend(self.shared.now.get(), self.drivers);
+        }
+    }
+
+    /// These switches have ended a motion.
+    pub(crate) fn meet(&mut self, met: EndstopSet) {
+        if let Mechanics::Belt(plant) = &mut self.mechanics {
+            plant.meet(met);
+        }
+    }
 }
 
 impl StepPort for Pins<'_> {
@@ -138,17 +166,26 @@ impl StepPort for Pins<'_> {
 
     fn rise(&mut self, steps: GroupSet, tick: u64) {
         let steps = self.table.motors(steps);
-        self.rig.step(steps, self.forward);
+        match &mut self.mechanics {
+            Mechanics::Rigid(rig) => rig.step(steps, self.forward),
+            Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, self.drivers),
+        }
         self.sink.event(tick, steps, self.forward);
     }
 
     fn fall(&mut self, _steps: GroupSet) {}
 
     fn endstops(&mut self) -> EndstopSet {
-        self.rig.endstops()
+        match &mut self.mechanics {
+            Mechanics::Rigid(rig) => rig.endstops(),
+            Mechanics::Belt(plant) => plant.endstops(self.shared.now.get()),
+        }
     }
 
     fn inputs(&self) -> EndstopSet {
-        self.rig.inputs()
+        match &self.mechanics {
+            Mechanics::Rigid(rig) => rig.inputs(),
+            Mechanics::Belt(plant) => plant.inputs(),
+        }
     }
 }

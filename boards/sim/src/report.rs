@@ -3,13 +3,16 @@
 //! The page is a template. The path stands in it in chunks of base64, which the page unpacks when it shows them, so a print
 //! of any length has all of its lines and is still opened at once; everything else is one JSON object.
 
+mod belt;
 mod heat;
 
+use crate::belt::course::Course;
 use crate::heat_log::HeatLog;
 use crate::host::HeatWait;
 use crate::path::{Bounds, Chunk, Stored};
 use crate::summary::Summary;
 use crate::tally::Figures;
+use belt::BeltData;
 use corehbot::kinematics::Row;
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
@@ -24,11 +27,14 @@ const TEMPLATE: &str = include_str!("report.html");
 /// Its script that draws heat.
 const HEAT: &str = include_str!("report/heat.js");
 
+/// Its script that draws the belt plant.
+const BELT: &str = include_str!("report/belt.js");
+
 /// How pages look.
 pub(crate) const STYLE: &str = include_str!("report/page.css");
 
-/// Where the style goes, the path, the data and that script.
-const MARKS: [&str; 4] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*HEAT*/"];
+/// Where the style goes, the path, the data and these scripts.
+const MARKS: [&str; 5] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*BELT*/", "/*HEAT*/"];
 
 /// What a page shows.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +47,8 @@ pub struct Page<'a> {
     pub heat: &'a HeatLog,
     /// Where the print waited for temperatures.
     pub heat_waits: &'a [HeatWait],
+    /// What the belt plant bore over time, if there was one.
+    pub belt: Option<&'a Course>,
     /// The machine.
     pub settings: &'a Settings,
 }
@@ -65,6 +73,9 @@ struct Data<'a> {
     rate: Vec<u64>,
     /// None on a machine without heaters.
     heat: Option<HeatData>,
+    /// None on a rigid machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    belt: Option<BeltData>,
 }
 
 /// A motor that is fitted.
@@ -101,21 +112,22 @@ impl Page<'_> {
         let (begin, rest) = cut(TEMPLATE, MARKS[0])?;
         let (head, rest) = cut(rest, MARKS[1])?;
         let (middle, rest) = cut(rest, MARKS[2])?;
-        let (curves, end) = cut(rest, MARKS[3])?;
+        let (curves, rest) = cut(rest, MARKS[3])?;
+        let (setting, end) = cut(rest, MARKS[4])?;
         // A file name with "</script>" in it must not end the script.
         let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
         for text in [begin, STYLE, head] {
             out.write_all(text.as_bytes())?;
         }
         write_path(stored, out)?;
-        for text in [middle, &json, curves, HEAT, end] {
+        for text in [middle, &json, curves, BELT, setting, HEAT, end] {
             out.write_all(text.as_bytes())?;
         }
         out.flush()
     }
 
     fn data(&self, stored: &Stored) -> Data<'_> {
-        let Self { summary, figures, heat, heat_waits, settings } = *self;
+        let Self { summary, figures, heat, heat_waits, belt, settings } = *self;
         let bin_s = figures.series.bin_ticks() as f64 / f64::from(TICKS_PER_SECOND);
         let bins = figures.series.bins();
         Data {
@@ -131,6 +143,7 @@ impl Page<'_> {
             peak: bins.iter().map(|b| tenth(b.peak_speed.into())).collect(),
             rate: bins.iter().map(|b| (f64::from(b.events) / bin_s).round() as u64).collect(),
             heat: HeatData::new(heat, heat_waits, &settings.thermal),
+            belt: belt.zip(summary.belt.as_ref()).map(|(course, figures)| BeltData::new(course, figures)),
         }
     }
 }
@@ -222,7 +235,7 @@ mod tests {
     fn the_template_has_places_for_path_and_data_and_needs_no_network() {
         assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
         assert!(MARKS.map(|mark| TEMPLATE.find(mark)).is_sorted());
-        assert!([TEMPLATE, HEAT].iter().all(|text| !text.contains("http://") && !text.contains("https://")));
+        assert!([TEMPLATE, HEAT, BELT].iter().all(|text| !text.contains("http://") && !text.contains("https://")));
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
 
+use crate::belt::BeltPlant;
+use crate::belt::args::PlantArgs;
 use crate::check::Checker;
 use crate::cli::{DONE, FAILED, Printer};
+use crate::drivers::Drivers;
 use crate::eeprom::Eeprom;
 use crate::heat_log::HeatLog;
 use crate::host::FileHost;
@@ -18,10 +21,11 @@ use crate::tally::{Figures, Tally};
 use crate::trace::TraceWriter;
 use crate::vcd::VcdWriter;
 use crate::watched::Watched;
-use crate::world::{self, HeatPeriod, Outcome, Sink};
+use crate::world::{self, Desk, HeatPeriod, Outcome, Sink};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use corehbot::motors::MotorSet;
+use corehbot::port::NoStorage;
 use corehbot::units::Mm;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -48,6 +52,8 @@ pub(crate) struct Run {
     #[arg(long, value_name = "R.html")]
     report: Option<PathBuf>,
     #[command(flatten)]
+    plant: PlantArgs,
+    #[command(flatten)]
     printer: Printer,
 }
 
@@ -60,6 +66,7 @@ pub(crate) struct Prepared {
     host: FileHost,
     limits: Limits,
     machine: Machine,
+    belt: Option<Box<BeltPlant>>,
     eeprom: Option<Eeprom>,
     stop: Stop,
     outputs: Outputs,
@@ -72,6 +79,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     pub fn new(args: &Run) -> Result<Self> {
         let machine = args.printer.machine()?;
+        let belt = args.plant.belt(&machine.settings, args.printer.assume_homed)?;
         // Until standard input has been read, Ctrl-C ends the process: there is nothing yet to be left in order.
         let mut file = GcodeFile::open(&args.file)?;
         let stop = Stop::at_signals()?;
@@ -94,12 +102,12 @@ impl Prepared {
         let name = file.name.clone();
         let host = FileHost::reading(file.into_lines()?, survey);
         let limits = limits.finish();
-        Ok(Self { name, host, limits, machine, eeprom, stop, outputs, trace, vcd, json, report })
+        Ok(Self { name, host, limits, machine, belt, eeprom, stop, outputs, trace, vcd, json, report })
     }
 
     /// Prints, and says with which status it ended.
     pub fn run(self, args: &Run) -> Result<u8> {
-        let Self { name, host, limits, machine, mut eeprom, stop, outputs, trace, vcd, json, report } = self;
+        let Self { name, host, limits, machine, belt, mut eeprom, stop, outputs, trace, vcd, json, report } = self;
         let settings = &machine.settings;
         let mut host = Watched::new(host, &stop);
         let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
@@ -113,15 +121,23 @@ impl Prepared {
             heat: HeatLog::default(),
         };
         let start = Instant::now();
+        let (homed, drivers) = (args.printer.assume_homed, Drivers::new());
+        let mut desk = Desk::new(1);
+        desk.belt = belt;
         let outcome = match &mut eeprom {
-            Some(eeprom) => world::run_with(settings, args.printer.assume_homed, eeprom, &mut [&mut host], &mut sinks),
-            None => world::run(settings, args.printer.assume_homed, &mut host, &mut sinks),
+            Some(eeprom) => world::run_at(&mut desk, settings, homed, eeprom, &drivers, &mut [&mut host], &mut sinks),
+            None => world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks),
         };
         let host = host.finish();
         let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
         let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
         let heat = std::mem::take(&mut sinks.heat);
         let (mut summary, figures, path) = sinks.finish(names, &host, &outcome)?;
+        let mut belt = desk.belt;
+        summary.belt = belt.as_mut().map(|plant| {
+            plant.ring_out();
+            plant.figures()
+        });
         if !limits.is_judged {
             summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
             summary.warnings_total += 1;
@@ -138,7 +154,8 @@ impl Prepared {
         }
         if let (Some(mut report), Some(path)) = (report, path) {
             let heat_waits = host.heat_waits();
-            let page = report::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, settings };
+            let belt = belt.as_deref().map(BeltPlant::course);
+            let page = report::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt, settings };
             page.write(path, &mut report).context("cannot write the report")?;
         }
         say(&summary, outputs.is_standard_taken())?;

@@ -1,5 +1,6 @@
 //! Summary: what a run came to, for a person and for a program.
 
+use crate::belt::figures::BeltFigures;
 use crate::check::Findings;
 use crate::host::FileHost;
 use crate::printable::line;
@@ -92,6 +93,9 @@ pub struct Summary {
     pub violations: Vec<String>,
     /// All that the checker found.
     pub violations_total: u64,
+    /// What became of the belt plant, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub belt: Option<BeltFigures>,
     /// SHA-256 of the step trace.
     pub trace_sha256: String,
     /// How long the simulation took.
@@ -150,6 +154,7 @@ impl Summary {
             failure,
             violations: findings.first.iter().map(ToString::to_string).collect(),
             violations_total: findings.total,
+            belt: None,
             trace_sha256,
             wall_time_s: 0.0,
         }
@@ -191,6 +196,9 @@ impl fmt::Display for Summary {
         let both = self.steps.to_array().into_iter().zip(self.net_steps.to_array());
         for (motor, (steps, net)) in Motor::ALL.iter().zip(both) {
             writeln!(f, "{:<5} {:>14} {:>14}", motor.name(), grouped(steps), grouped(net))?;
+        }
+        if let Some(belt) = &self.belt {
+            write!(f, "\n{belt}")?;
         }
         self.write_troubles(f)
     }

@@ -4,10 +4,11 @@
 //! nothing moves, so a print takes as long as the computing does. The host at the other end of the line
 //! of [`run`] answers at once: time stands still while the printer waits for a line.
 
+use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
-use crate::ports::{Line, Pends, Pins, Shared, Timer};
+use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
 use corehbot::connectors::{FANS, HEATERS, Heater};
 use corehbot::kinematics::{Groups, MotorTable};
@@ -128,6 +129,8 @@ pub struct Desk {
     wires: Vec<Wire>,
     /// The endstops that are connected.
     pub endstops: EndstopSet,
+    /// What the motors turn; without it, a rigid machine. It keeps what became of it, also over a new start.
+    pub belt: Option<Box<BeltPlant>>,
 }
 
 impl Desk {
@@ -135,7 +138,8 @@ impl Desk {
     #[must_use]
     pub fn new(lines: usize) -> Box<Self> {
         let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
-        Box::new(Self { memory: Memory::new(), shared: Shared::default(), wires, endstops: EndstopSet::SWITCHES })
+        let (memory, shared) = (Memory::new(), Shared::default());
+        Box::new(Self { memory, shared, wires, endstops: EndstopSet::SWITCHES, belt: None })
     }
 
     /// The same at a time in ticks.
@@ -196,6 +200,8 @@ pub struct World<'w> {
     next_period: u64,
     /// Until it wants to begin anew.
     console: Option<Pin<Box<dyn Future<Output = Restart> + 'w>>>,
+    /// The switches that had ended a motion when the pins were last told.
+    met: EndstopSet,
     wakes: Arc<Wakes>,
     odometer: Odometer,
 }
@@ -223,11 +229,18 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops } = desk;
+        let Desk { memory, shared, wires, endstops, belt } = desk;
         let (shared, wires): (&'w Shared, &'w [Wire]) = (shared, wires);
         let groups = Groups::new(&settings.mechanism);
-        let (rig, table) = (Rig::new(settings, place).with_inputs(*endstops), MotorTable::new(&groups.coupling()));
-        let pins = Pins { rig, table, forward: MotorSet::NONE, sink };
+        let mechanics = match belt {
+            Some(plant) => {
+                plant.connect(*endstops);
+                Mechanics::Belt(plant)
+            }
+            None => Mechanics::Rigid(Rig::new(settings, place).with_inputs(*endstops)),
+        };
+        let table = MotorTable::new(&groups.coupling());
+        let pins = Pins { mechanics, shared, drivers, table, forward: MotorSet::NONE, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports = Ports {
             serial: wires.iter().map(Line).collect(),
@@ -250,6 +263,7 @@ impl<'w> World<'w> {
             thermal,
             next_period: shared.now.get(),
             console: Some(console),
+            met: EndstopSet::NONE,
             wakes: Arc::default(),
             odometer: Odometer::default(),
         }
@@ -277,6 +291,8 @@ impl<'w> World<'w> {
             self.turned.recouple(coupling, self.counts.read());
         }
         let mut moved = false;
+        // The Console may have switched motors.
+        self.stepper.port().attend();
         let end_of_turn = shared.now.get() + TURN;
         for _ in 0..EVENTS_A_TURN {
             while shared.generator.replace(false) {
@@ -297,6 +313,7 @@ impl<'w> World<'w> {
             }
             moved = true;
             self.stepper.on_alarm();
+            self.tell_met();
         }
         if !moved {
             shared.now.set(end_of_turn);
@@ -312,6 +329,16 @@ impl<'w> World<'w> {
             }
         }
         moved
+    }
+
+    /// Tells the pins which switches have ended a motion since the last time.
+    fn tell_met(&mut self) {
+        let met = self.status.triggered();
+        if met != self.met {
+            let fresh = EndstopSet(met.0 & !self.met.0);
+            self.met = met;
+            self.stepper.port().meet(fresh);
+        }
     }
 
     fn heat_period(&mut self) -> HeatPeriod {

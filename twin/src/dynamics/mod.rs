@@ -11,8 +11,10 @@
 //! |---|---|
 //! | [`plant`] | forces and masses |
 //! | `bears` | what belts, motors and guides take |
+//! | [`outside`] | power, phases, and what pushes or rubs |
 //! | [`state`] | where everything is, and the classical Runge-Kutta step that moves it |
 
 mod bears;
+pub mod outside;
 pub mod plant;
 pub mod state;

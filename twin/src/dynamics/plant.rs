@@ -5,6 +5,7 @@
 //! were sent: what a segment has of belt changes by motors that turn, not by the belt that stretches. So between two steps
 //! it is constant, and energy is kept.
 
+use super::outside::Outside;
 use crate::model::SHORTEST_FREE_MM;
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
@@ -18,6 +19,9 @@ const MM_PER_M: f64 = 1000.0;
 
 /// Dry friction changes its sign over this speed, in mm/s.
 const CREEP: f64 = 1.0;
+
+/// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, so that the integration bears it.
+const BRAKED_IN_S: f64 = 60e-6;
 
 /// What moves besides the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -227,8 +231,15 @@ impl Plant {
         tension + self.params.belt_damping_s * spring.stiffness * sum(&spring.row, speeds)
     }
 
-    /// Accelerations of all that moves, with motors sent so far.
-    pub fn accelerate(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64], accelerations: &mut [f64]) {
+    /// Accelerations of all that moves, with motors sent so far and what acts from outside.
+    pub fn accelerate(
+        &self,
+        at: &[f64],
+        speeds: &[f64],
+        sent_mm: &[f64],
+        outside: &Outside,
+        accelerations: &mut [f64],
+    ) {
         accelerations.fill(0.0);
         for spring in &self.springs {
             let tension = self.pull_of(spring, at, speeds);
@@ -239,8 +250,15 @@ impl Plant {
             }
         }
         self.rub(speeds, accelerations);
+        for (force, push) in accelerations.iter_mut().zip(outside.push_n) {
+            *force += push;
+        }
         if self.are_rotors {
-            self.pull(at, speeds, sent_mm, accelerations);
+            self.pull(at, speeds, sent_mm, outside, accelerations);
+            self.brake(speeds, &outside.brakes_n, accelerations);
+        }
+        if outside.obstacle_n > 0.0 {
+            self.obstruct(speeds, outside.obstacle_n, accelerations);
         }
         for (acceleration, mobility) in accelerations.iter_mut().zip(&self.mobility) {
             *acceleration *= mobility;
@@ -260,25 +278,54 @@ impl Plant {
     }
 
     /// Fields, detents and friction of the rotors.
-    fn pull(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64], forces: &mut [f64]) {
+    fn pull(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64], outside: &Outside, forces: &mut [f64]) {
         let damping = self.params.rotor_damping_n_s_per_mm();
         let first = self.first_motor();
         let rotors = at.iter().zip(speeds).skip(first).zip(forces.iter_mut().skip(first));
-        for (((at, speed), force), sent) in rotors.zip(sent_mm) {
-            *force += self.field_n(*at, *sent) - damping * speed;
+        for (motor, (((at, speed), force), sent)) in rotors.zip(sent_mm).enumerate() {
+            let pull =
+                outside.strength(motor) * self.holding_n(*at, *sent) + self.detent_n(at - outside.zero_mm(motor));
+            *force += pull - damping * speed;
         }
+    }
+
+    /// Dry friction that sticks: what stops the rotor at once, as far as the brake can.
+    fn brake(&self, speeds: &[f64], brakes_n: &[f64], forces: &mut [f64]) {
+        let first = self.first_motor();
+        let rotors = speeds.iter().zip(&self.mobility).skip(first).zip(forces.iter_mut().skip(first));
+        for (((speed, mobility), force), brake) in rotors.zip(brakes_n) {
+            let stops = *force + speed / (mobility * BRAKED_IN_S);
+            *force -= stops.clamp(-brake, *brake);
+        }
+    }
+
+    /// The same on the tool, whichever way it moves.
+    fn obstruct(&self, speeds: &[f64], most_n: f64, forces: &mut [f64]) {
+        let ([vx, vy, ..], [mx, my, ..], [fx, fy, ..]) = (speeds, &self.mobility[..], forces) else { return };
+        let stops = [*fx + vx / (mx * BRAKED_IN_S), *fy + vy / (my * BRAKED_IN_S)];
+        let part = (most_n / stops[0].hypot(stops[1]).max(most_n)).min(1.0);
+        *fx -= part * stops[0];
+        *fy -= part * stops[1];
     }
 
     /// What field and detent pull a rotor with, in N at the belt.
     #[must_use]
     pub fn field_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
-        let radian = self.params.electrical_radian_mm();
-        let field = self.params.holding_force_n() * ((sent_mm - at_mm) / radian).sin();
+        self.holding_n(at_mm, sent_mm) + self.detent_n(at_mm)
+    }
+
+    /// What a field of full strength pulls a rotor with, in N at the belt.
+    fn holding_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
+        self.params.holding_force_n() * ((sent_mm - at_mm) / self.params.electrical_radian_mm()).sin()
+    }
+
+    /// What the detent pulls a rotor with that is so far from one of its places, in N at the belt.
+    fn detent_n(&self, off_mm: f64) -> f64 {
         if self.params.detent_torque_nm == 0.0 {
-            return field;
+            return 0.0;
         }
         // Four detents an electrical turn: one a full step.
-        field - self.params.detent_force_n() * (4.0 * at_mm / radian).sin()
+        -self.params.detent_force_n() * (4.0 * off_mm / self.params.electrical_radian_mm()).sin()
     }
 }
 

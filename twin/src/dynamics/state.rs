@@ -3,6 +3,7 @@
 //! Steps of the motors are exact: time is cut at each. In between, the classical Runge-Kutta method of fourth order goes in
 //! steps of 20 us at most, 8 us with idlers, and shorter where a segment comes to its end and is stiff.
 
+use super::outside::Outside;
 use super::plant::Plant;
 
 /// A machine in motion.
@@ -14,6 +15,8 @@ pub struct State {
     pub speeds: Vec<f64>,
     /// Where each motor was sent, in mm of belt since the start.
     pub sent_mm: Vec<f64>,
+    /// What acts from outside.
+    pub outside: Outside,
     /// How many times shorter the steps of the integration are than the plant asks for.
     pub refinement: f64,
     scratch: Scratch,
@@ -38,7 +41,8 @@ impl State {
         let scratch =
             Scratch { at: vec![0.0; count], speeds: zeros(), slope: zeros(), sum_speeds: zeros(), sum_slopes: zeros() };
         let sent_mm = vec![0.0; plant.ways.motors.len()];
-        Self { at: vec![0.0; count], speeds: zeros(), sent_mm, refinement: 1.0, scratch }
+        let outside = Outside::default();
+        Self { at: vec![0.0; count], speeds: zeros(), sent_mm, outside, refinement: 1.0, scratch }
     }
 
     /// Sends a motor (by its place among the motors) to so much belt from the start, at once. Says whether it was elsewhere.
@@ -76,18 +80,18 @@ impl State {
 
     /// Accelerations now, in mm/s^2.
     pub fn accelerations(&mut self, plant: &Plant) -> &[f64] {
-        plant.accelerate(&self.at, &self.speeds, &self.sent_mm, &mut self.scratch.slope);
+        plant.accelerate(&self.at, &self.speeds, &self.sent_mm, &self.outside, &mut self.scratch.slope);
         &self.scratch.slope
     }
 
     fn runge_kutta(&mut self, plant: &Plant, h: f64) {
-        let Self { at, speeds, sent_mm, scratch: s, .. } = self;
+        let Self { at, speeds, sent_mm, outside, scratch: s, .. } = self;
         s.at.copy_from_slice(at);
         s.speeds.copy_from_slice(speeds);
         s.sum_speeds.fill(0.0);
         s.sum_slopes.fill(0.0);
         for (weight, ahead) in [(1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)] {
-            plant.accelerate(&s.at, &s.speeds, sent_mm, &mut s.slope);
+            plant.accelerate(&s.at, &s.speeds, sent_mm, outside, &mut s.slope);
             for (sum, v) in s.sum_speeds.iter_mut().zip(&s.speeds) {
                 *sum += weight * v;
             }

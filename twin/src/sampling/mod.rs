@@ -2,12 +2,12 @@
 //!
 //! A point is a pure function of the design and its number, so points can be computed in any order and on any machine.
 //! [`grid`] has every combination of levels; [`latin`] spreads a chosen number of points so that each parameter alone is
-//! covered evenly (McKay, Beckman and Conover, Technometrics 21, 1979); `random` has the generator, whose numbers are the
+//! covered evenly (McKay, Beckman and Conover, Technometrics 21, 1979); [`random`] has the generator, whose numbers are the
 //! same on every platform.
 
 pub mod grid;
 pub mod latin;
-mod random;
+pub mod random;
 
 use latin::LatinHypercube;
 

@@ -7,11 +7,12 @@ use chacha20::rand_core::{Rng as _, SeedableRng as _};
 
 /// A stream of random numbers.
 #[derive(Debug)]
-pub(super) struct Random(ChaCha20Rng);
+pub struct Random(ChaCha20Rng);
 
 impl Random {
     /// The stream of this number: its key is the seed (little-endian, then zeros), its nonce the number.
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
+    #[must_use]
+    pub fn new(seed: u64, stream: u64) -> Self {
         let mut key = [0; 32];
         for (byte, of_seed) in key.iter_mut().zip(seed.to_le_bytes()) {
             *byte = of_seed;
@@ -22,7 +23,7 @@ impl Random {
     }
 
     /// From 0 up to but without 1, in steps of 2^-53.
-    pub(super) fn unit(&mut self) -> f64 {
+    pub fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 

@@ -10,6 +10,8 @@ mod port;
 mod screen;
 mod wire;
 
+use crate::belt::BeltPlant;
+use crate::belt::args::PlantArgs;
 use crate::cli::{DONE, Printer};
 use crate::drivers::Drivers;
 use crate::eeprom::Eeprom;
@@ -50,6 +52,8 @@ pub(crate) struct Serve {
     #[arg(long, value_name = "X", default_value = "1", value_parser = pace::parse)]
     speed: Speed,
     #[command(flatten)]
+    plant: PlantArgs,
+    #[command(flatten)]
     printer: Printer,
     /// Shows what is typed, for terminal programs without an echo of their own; not for hosts.
     #[arg(long)]
@@ -62,6 +66,7 @@ pub(crate) struct Serve {
 /// Everything that can be wrong before there is a printer.
 pub(crate) struct Prepared {
     settings: Settings,
+    belt: Option<Box<BeltPlant>>,
     eeprom: Option<Eeprom>,
     trace: TraceWriter<BufWriter<Stream>>,
     outputs: Outputs,
@@ -72,6 +77,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     pub fn new(args: &Serve) -> Result<Self> {
         let settings = args.printer.machine()?.settings;
+        let belt = args.plant.belt(&settings, args.printer.assume_homed)?;
         let eeprom = args.printer.eeprom()?;
         let mut outputs = Outputs::new(args.printer.files(), Stop::default());
         let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
@@ -80,12 +86,12 @@ impl Prepared {
         let stop = Stop::at_signals()?;
         let port = Port::open(args.pty.as_deref())?;
         let trace = TraceWriter::new(trace, (&settings).into());
-        Ok(Self { settings, eeprom, trace, outputs, port, stop })
+        Ok(Self { settings, belt, eeprom, trace, outputs, port, stop })
     }
 
     /// Is a printer until a signal comes.
     pub fn run(self, args: &Serve) -> Result<u8> {
-        let Self { settings, mut eeprom, mut trace, outputs, port, stop } = self;
+        let Self { settings, mut belt, mut eeprom, mut trace, outputs, port, stop } = self;
         println(format_args!("{}", port.path().display()))?;
         let drivers = Drivers::new();
         let mut start = args.printer.assume_homed;
@@ -102,6 +108,7 @@ impl Prepared {
         let mut now = 0;
         loop {
             let mut desk = Desk::at(1, now);
+            desk.belt = belt.take();
             let mut sink = Later { trace: &mut trace, ticks: total.ticks };
             let mut world = match &mut eeprom {
                 Some(eeprom) => World::standing(&mut desk, &settings, Some(place), start, eeprom, &drivers, &mut sink),
@@ -112,17 +119,24 @@ impl Prepared {
             screen.close();
             let outcome = world.outcome();
             total.add(&outcome);
-            if !world.has_ended() {
+            let (has_ended, ended) = (world.has_ended(), world.now());
+            drop(world);
+            belt = desk.belt.take();
+            if !has_ended {
                 break;
             }
             // The next one begins where the tool stands, and does not know where that is.
-            (place, start, now) = (screen.place(outcome.counts).map(Mm::from_num), None, world.now());
+            (place, start, now) = (screen.place(outcome.counts).map(Mm::from_num), None, ended);
         }
         let trace = trace.finish().context("cannot write the trace")?;
         outputs.keep()?;
         println(format_args!("motion time  {:.3} s", total.ticks as f64 / f64::from(TICKS_PER_SECOND)))?;
         println(format_args!("moves        {}, underruns {}", total.moves, total.underruns))?;
         println(format_args!("sha256       {}", trace.sha256))?;
+        if let Some(mut plant) = belt {
+            plant.ring_out();
+            println(format_args!("\n{}", plant.figures().to_string().trim_end()))?;
+        }
         Ok(DONE)
     }
 }

@@ -1,6 +1,7 @@
 //! The report page: what it draws is where the tool was.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+mod belt;
 mod heat;
 
 use serde_json::Value;

@@ -1,0 +1,208 @@
+//! Accident: what befalls the machine while it prints.
+//!
+//! A hit is something that the tool runs into: when it first comes within 1 mm of a place, on the way, a force acts against
+//! its motion for a time. It takes so many newtons to go on; a tool that has come to a halt is held, and not thrown back. A
+//! brake is something that rubs on a rotor from some motion time on, for good.
+
+use corehbot::motors::Motor;
+use corehbot::units::TICKS_PER_MS;
+
+/// The tool is at a place when it is so near, in mm.
+const NEAR_MM: f64 = 1.0;
+
+/// A tool that is slower than this, in mm/s, runs into nothing: it trembles.
+const ON_ITS_WAY_MM_S: f64 = 1.0;
+
+/// Most force that is taken, in N: a hundred times what a motor holds.
+const MOST_N: f64 = 10_000.0;
+
+/// Longest hit, in ms.
+const LONGEST_MS: f64 = 60_000.0;
+
+/// Farthest place, in mm: as `--assume-homed` has it.
+const FARTHEST_MM: f64 = 5000.0;
+
+/// Latest begin of a brake, in s: a year.
+const LATEST_S: f64 = 31_536_000.0;
+
+/// A force on the tool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Where, in x and y of G-code.
+    pub at_mm: [f64; 2],
+    /// How strong.
+    pub force_n: f64,
+    /// How long.
+    pub ms: f64,
+}
+
+/// Dry friction on a rotor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brake {
+    /// Whose.
+    pub motor: Motor,
+    /// How strong, at the belt.
+    pub force_n: f64,
+    /// From which motion time on.
+    pub from_s: f64,
+}
+
+/// All of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Accidents {
+    /// Hits.
+    pub hits: Vec<Hit>,
+    /// Brakes.
+    pub brakes: Vec<Brake>,
+}
+
+/// Why a text is no accident.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum AccidentError {
+    /// Another number of parts than this.
+    Parts(&'static str),
+    /// A part that is no number, or none that is legal: what it is to be, and what it is.
+    Number(&'static str, String),
+    /// There is no such belt motor.
+    Motor(String),
+}
+
+impl std::fmt::Display for AccidentError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Parts(wanted) => write!(f, "{wanted} is wanted"),
+            Self::Number(what, text) => write!(f, "`{text}` is no {what}"),
+            Self::Motor(name) => write!(f, "`{name}` is no belt motor: m1, m4, m8, m11"),
+        }
+    }
+}
+
+impl std::error::Error for AccidentError {}
+
+/// A number within bounds, both included.
+fn number(text: &str, what: &'static str, [least, most]: [f64; 2]) -> Result<f64, AccidentError> {
+    let number = text.trim().parse::<f64>().ok().filter(|number| (least..=most).contains(number));
+    number.ok_or_else(|| AccidentError::Number(what, text.to_owned()))
+}
+
+fn force_of(text: &str) -> Result<f64, AccidentError> {
+    number(text, "force of 0 to 10,000 N", [0.0, MOST_N])
+}
+
+impl std::str::FromStr for Hit {
+    type Err = AccidentError;
+
+    fn from_str(text: &str) -> Result<Self, AccidentError> {
+        let [x, y, force, ms] = text.split(',').collect::<Vec<_>>()[..] else {
+            return Err(AccidentError::Parts("X,Y,N,MS"));
+        };
+        let place = |text| number(text, "position in mm", [-FARTHEST_MM, FARTHEST_MM]);
+        let ms = number(ms, "time of 0 to 60,000 ms", [0.0, LONGEST_MS])?;
+        Ok(Self { at_mm: [place(x)?, place(y)?], force_n: force_of(force)?, ms })
+    }
+}
+
+impl std::str::FromStr for Brake {
+    type Err = AccidentError;
+
+    fn from_str(text: &str) -> Result<Self, AccidentError> {
+        let (motor, force, from) = match text.split(',').collect::<Vec<_>>()[..] {
+            [motor, force] => (motor, force, "0"),
+            [motor, force, from] => (motor, force, from),
+            _ => return Err(AccidentError::Parts("MOTOR,N or MOTOR,N,S")),
+        };
+        let belt = [Motor::M1, Motor::M4, Motor::M8, Motor::M11];
+        let found = belt.into_iter().find(|known| known.name() == motor.trim());
+        let from_s = number(from, "time in s", [0.0, LATEST_S])?;
+        Ok(Self {
+            motor: found.ok_or_else(|| AccidentError::Motor(motor.to_owned()))?,
+            force_n: force_of(force)?,
+            from_s,
+        })
+    }
+}
+
+/// How far a hit has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum HitState {
+    /// The tool has not come by.
+    Waiting,
+    /// It acts with so many N, until a time in ticks.
+    Acting(f64, u64),
+    /// It is over.
+    Over,
+}
+
+impl HitState {
+    /// Begins if the tool is there and on its way.
+    pub(super) fn begin(&mut self, hit: &Hit, now: u64, tool_mm: [f64; 2], [vx, vy]: [f64; 2]) {
+        let away = (tool_mm[0] - hit.at_mm[0]).hypot(tool_mm[1] - hit.at_mm[1]);
+        if *self == Self::Waiting && away <= NEAR_MM && vx.hypot(vy) > ON_ITS_WAY_MM_S {
+            *self = Self::Acting(hit.force_n, now + (hit.ms * f64::from(TICKS_PER_MS)).round() as u64);
+        }
+    }
+}
+
+/// When the next hit ends, if any acts.
+pub(super) fn next_end(hits: &[HitState]) -> Option<u64> {
+    let end = |hit: &HitState| match hit {
+        HitState::Acting(_, end) => Some(*end),
+        _ => None,
+    };
+    hits.iter().filter_map(end).min()
+}
+
+/// Ends those that act no longer than to `now`.
+pub(super) fn end_hits(hits: &mut [HitState], now: u64) {
+    for hit in hits {
+        if matches!(hit, HitState::Acting(_, end) if *end <= now) {
+            *hit = HitState::Over;
+        }
+    }
+}
+
+/// What it takes to go on, in N.
+pub(super) fn force_n(hits: &[HitState]) -> f64 {
+    let force = |hit: &HitState| match hit {
+        HitState::Acting(force, _) => *force,
+        _ => 0.0,
+    };
+    hits.iter().map(force).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn accidents_are_read_or_named() {
+        assert_eq!("100,85.5,200,30".parse(), Ok(Hit { at_mm: [100.0, 85.5], force_n: 200.0, ms: 30.0 }));
+        assert_eq!("m11,40".parse(), Ok(Brake { motor: Motor::M11, force_n: 40.0, from_s: 0.0 }));
+        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: Motor::M1, force_n: 40.0, from_s: 2.5 }));
+        let hit = |text: &str| text.parse::<Hit>().unwrap_err().to_string();
+        assert_eq!(hit("1,2,3"), "X,Y,N,MS is wanted");
+        assert_eq!(hit("1,nan,3,4"), "`nan` is no position in mm");
+        assert_eq!(hit("1,2,-3,4"), "`-3` is no force of 0 to 10,000 N");
+        assert_eq!(hit("1,2,3,inf"), "`inf` is no time of 0 to 60,000 ms");
+        let brake = |text: &str| text.parse::<Brake>().unwrap_err().to_string();
+        assert_eq!(brake("z1,3"), "`z1` is no belt motor: m1, m4, m8, m11");
+        assert_eq!(brake("m1"), "MOTOR,N or MOTOR,N,S is wanted");
+        assert_eq!(brake("m1,3,-1"), "`-1` is no time in s");
+    }
+
+    #[test]
+    fn a_hit_acts_once_and_for_its_time() {
+        let hit = Hit { at_mm: [10.0, 0.0], force_n: 50.0, ms: 2.0 };
+        let mut hits = [HitState::Waiting];
+        hits[0].begin(&hit, 0, [8.9, 0.0], [100.0, 0.0]);
+        hits[0].begin(&hit, 0, [9.5, 0.0], [0.5, 0.0]);
+        assert_eq!(hits, [HitState::Waiting]);
+        hits[0].begin(&hit, 100, [9.1, 0.0], [30.0, 40.0]);
+        assert_eq!((force_n(&hits), next_end(&hits)), (50.0, Some(20_100)));
+        end_hits(&mut hits, 20_099);
+        assert_eq!(next_end(&hits), Some(20_100));
+        end_hits(&mut hits, 20_100);
+        hits[0].begin(&hit, 30_000, [10.0, 0.0], [100.0, 0.0]);
+        assert_eq!((hits[0], force_n(&hits)), (HitState::Over, 0.0));
+    }
+}

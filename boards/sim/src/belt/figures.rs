@@ -1,0 +1,121 @@
+//! Figures: what became of the machine, for a person and for a program.
+
+use super::BeltPlant;
+use super::accident::HitState;
+use serde::Serialize;
+use std::fmt;
+
+/// Full steps of an electrical turn.
+const FULL_STEPS: i32 = 4;
+
+/// The figures of one print on the belt plant. The names of the fields are those of the JSON.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct BeltFigures {
+    /// The machine as the twin has it.
+    pub machine: &'static str,
+    /// What drew the phases; none if they are 0.
+    pub seed: Option<u64>,
+    /// The motors.
+    pub motors: Vec<MotorFigures>,
+    /// Skips, in order.
+    pub skips: Vec<SkipFigures>,
+    /// Belt that is strained at the end, in mm; none on a machine that has no such way.
+    pub residual_mm: Option<f64>,
+    /// How far the tool is off at the end, in mm; none before homing.
+    pub off_mm: Option<f64>,
+    /// The same in x and y.
+    pub off_xy_mm: Option<[f64; 2]>,
+    /// How far it was off at most since homing, in mm.
+    pub largest_off_mm: f64,
+    /// Hits whose places the tool never came by.
+    pub missed_hits: usize,
+}
+
+/// What a motor bore.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct MotorFigures {
+    /// Its name.
+    pub motor: &'static str,
+    /// The largest part of its torque that it bore, of 1.
+    pub largest_torque_share: f64,
+}
+
+/// A motor that skipped.
+#[derive(Clone, Copy, PartialEq, Debug, Serialize)]
+pub struct SkipFigures {
+    /// Its name.
+    pub motor: &'static str,
+    /// By how many electrical turns, ahead of where it was sent if positive.
+    pub turns: i32,
+    /// When, in s of motion time.
+    pub time_s: f64,
+    /// Where the tool was, in x and y of G-code.
+    pub at_mm: [f64; 2],
+}
+
+impl BeltPlant {
+    /// What became of it so far.
+    #[must_use]
+    pub fn figures(&self) -> BeltFigures {
+        let off = self.off_mm();
+        let motor = |(drive, rotor): (&super::layout::MotorDrive, &corehbot_twin::live::rotor::Rotor)| MotorFigures {
+            motor: drive.motor.name(),
+            largest_torque_share: rounded(rotor.greatest_share()),
+        };
+        let skip =
+            |skip: &SkipFigures| SkipFigures { time_s: rounded(skip.time_s), at_mm: skip.at_mm.map(rounded), ..*skip };
+        BeltFigures {
+            machine: self.live.machine().name(),
+            seed: self.seed,
+            motors: self.layout.drives.iter().zip(self.live.rotors()).map(motor).collect(),
+            skips: self.skips.iter().map(skip).collect(),
+            residual_mm: self.live.residual_mm().map(rounded),
+            off_mm: off.map(|[x, y]| rounded(x.hypot(y))),
+            off_xy_mm: off.map(|off| off.map(rounded)),
+            largest_off_mm: rounded(self.largest_off_mm),
+            missed_hits: self.hits.iter().filter(|hit| **hit == HitState::Waiting).count(),
+        }
+    }
+}
+
+/// To four decimals: a tenth of a micrometre.
+fn rounded(value: f64) -> f64 {
+    // No -0.
+    (value * 1e4).round() / 1e4 + 0.0
+}
+
+impl fmt::Display for BeltFigures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let phases = self.seed.map_or_else(|| "phases 0".to_owned(), |seed| format!("phases of seed {seed}"));
+        writeln!(f, "{:<18} {}, {phases}", "belt plant", self.machine)?;
+        let shares: Vec<String> =
+            self.motors.iter().map(|m| format!("{} {:.0} %", m.motor, m.largest_torque_share * 100.0)).collect();
+        writeln!(f, "{:<18} {} at most", "torque share", shares.join(", "))?;
+        if let Some(residual) = self.residual_mm {
+            writeln!(f, "{:<18} {residual:.3} mm", "residual")?;
+        }
+        match self.off_xy_mm.zip(self.off_mm) {
+            Some(([x, y], off)) => {
+                let at_most = self.largest_off_mm;
+                writeln!(f, "{:<18} {off:.3} mm off (x {x:.3}, y {y:.3}), {at_most:.3} at most", "tool")?;
+            }
+            None => writeln!(f, "{:<18} not homed", "tool")?,
+        }
+        if self.missed_hits > 0 {
+            writeln!(f, "{:<18} {} that the tool never came by", "hits", self.missed_hits)?;
+        }
+        writeln!(f, "{:<18} {}", "skips", self.skips.len())?;
+        for skip in &self.skips {
+            writeln!(f, "  {skip}")?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for SkipFigures {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { motor, turns, time_s, at_mm: [x, y] } = self;
+        let steps = turns * FULL_STEPS;
+        write!(f, "{motor} by {steps:+} full steps at {time_s:.3} s, X{x:.2} Y{y:.2}")
+    }
+}

@@ -1,0 +1,311 @@
+//! The belt plant: the twin's machine in the place of the rigid rig, while the firmware drives it.
+//!
+//! ```text
+//!  step events, at the world's time ──┐                        ┌──> endstops X and Y: where the tool is
+//!  motors with power (Drivers) ───────┼──> twin: rotors, belt ─┼──> load of each driver (SG_RESULT)
+//!  accidents: hits and brakes ────────┘                        └──> figures at the end
+//!  step events of Z and E ───────────────> rigid rig ─────────────> endstop Z
+//! ```
+//!
+//! Words: a *phase* is where a motor's magnetic zero lies against the belt at power-up; a *skip* is a rotor that settled in
+//! another electrical turn than its field; a *hit* is something in the tool's way, a *brake* something that rubs on a rotor; the *torque share* is
+//! the part that a motor bears of the torque that it has. A tool is *off* by how far it is from where the steps say, counted
+//! from the place where homing met each switch. Places here are those of G-code, whose X0 Y0 is the corner of the reach.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`layout`] | which machine of the twin the settings are, and which motor turns which |
+//! | [`accident`] | hits and brakes, as the command line has them |
+//! | `timeline` | motion time of an instant that has passed |
+//! | [`course`] | shares and residual over time |
+//! | `load` | what a driver measures of its motor's load |
+//! | [`figures`] | what is said of it at the end |
+
+pub mod accident;
+pub(crate) mod args;
+pub mod course;
+pub mod figures;
+pub mod layout;
+mod load;
+mod timeline;
+
+use crate::drivers::Drivers;
+use accident::{Accidents, HitState};
+use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::settings::{AxisEnd, Endstop, Settings};
+use corehbot::units::{Mm, TICKS_PER_MS};
+use corehbot_rig::{AT_POWER_UP, Rig};
+use corehbot_twin::live::{Live, phases_mm};
+use corehbot_twin::params::Params;
+use corehbot_twin::routing::Place;
+use course::{Course, CourseBin};
+use figures::SkipFigures;
+use layout::{Layout, LayoutError};
+use load::Load;
+use timeline::Timeline;
+
+/// The endstops of the belt's axes.
+const SWITCHES: [EndstopSet; 2] = [EndstopSet::X, EndstopSet::Y];
+
+/// How long a machine rings out, in ticks: 0.5 s, in which 0.1 mm at 57 Hz and 4 % damping become 0.1 um.
+const RING_OUT: u64 = 5_000_000;
+
+/// What the belt plant is besides the machine's settings.
+#[derive(Clone, Debug, Default)]
+pub struct BeltSetup {
+    /// The machine's numbers.
+    pub params: Params,
+    /// Draws phases at power-up, and the noise of load measurements; without one all phases are 0.
+    pub seed: Option<u64>,
+    /// What befalls it.
+    pub accidents: Accidents,
+}
+
+/// The machine of belt, rotors and tool, with the rigid rig for the other axes.
+pub struct BeltPlant {
+    live: Live,
+    rig: Rig,
+    /// The endstops that are connected.
+    inputs: EndstopSet,
+    layout: Layout,
+    /// Where G-code's X0 Y0 is for the twin.
+    origin: Place,
+    switches: [Endstop; 2],
+    powered: MotorSet,
+    accidents: Accidents,
+    hits: Vec<HitState>,
+    /// Whether homing or printing has begun.
+    has_begun: bool,
+    /// How far the tool was off where each switch was met; none before.
+    met: [Option<f64>; 2],
+    largest_off_mm: f64,
+    loads: Vec<Load>,
+    course: Course,
+    timeline: Timeline,
+    skips: Vec<SkipFigures>,
+    seed: Option<u64>,
+}
+
+impl BeltPlant {
+    /// The plant of these settings with its tool at `place` (x, y, z), or somewhere, at a time in ticks. `is_known` if the
+    /// firmware knows that place, as if it had homed.
+    ///
+    /// # Errors
+    /// The twin has no such machine, or the tool does not reach so far.
+    pub fn new(
+        settings: &Settings,
+        place: Option<[Mm; 3]>,
+        is_known: bool,
+        setup: BeltSetup,
+        now: u64,
+    ) -> Result<Self, LayoutError> {
+        let BeltSetup { params, seed, accidents } = setup;
+        let place = place.unwrap_or(AT_POWER_UP);
+        let layout = Layout::new(settings, &params)?;
+        let (origin, start) = layout.places(settings, &params, place)?;
+        let motors = layout.drives.len();
+        let phases = seed.map_or_else(Vec::new, |seed| phases_mm(seed, motors, &params));
+        // Axes that share motors have steps of one size.
+        let step_mm = 1.0 / settings.axes.x.steps_per_mm.to_num::<f64>();
+        let noise = seed.unwrap_or_default();
+        Ok(Self {
+            live: Live::new(layout.machine, &params, start, step_mm, &phases, now),
+            rig: Rig::new(settings, Some(place)),
+            inputs: EndstopSet::SWITCHES,
+            loads: (0..motors).map(|motor| Load::new(noise, motor)).collect(),
+            course: Course::default(),
+            layout,
+            origin,
+            switches: [settings.endstops.x, settings.endstops.y],
+            powered: MotorSet::NONE,
+            hits: vec![HitState::Waiting; accidents.hits.len()],
+            accidents,
+            has_begun: is_known,
+            met: [is_known.then_some(0.0); 2],
+            largest_off_mm: 0.0,
+            timeline: Timeline::default(),
+            skips: Vec::new(),
+            seed,
+        })
+    }
+
+    /// The endstops that are connected.
+    pub(crate) const fn connect(&mut self, inputs: EndstopSet) {
+        self.inputs = inputs;
+    }
+
+    /// The endstops that there are.
+    pub(crate) const fn inputs(&self) -> EndstopSet {
+        self.inputs
+    }
+
+    /// Time has come to `now`, and motors may have got or lost power.
+    pub(crate) fn attend(&mut self, now: u64, drivers: &Drivers) {
+        let powered = drivers.enabled();
+        if powered != self.powered {
+            self.advance(drivers.switched().min(now));
+            self.powered = powered;
+            for (index, drive) in self.layout.drives.iter().enumerate() {
+                self.live.give(index, if powered.has(drive.motor) { 1.0 } else { 0.0 });
+            }
+        }
+        self.advance(now);
+    }
+
+    /// Motors step at `now`, which is `tick` of motion time.
+    pub(crate) fn step(&mut self, now: u64, tick: u64, steps: MotorSet, forward: MotorSet, drivers: &Drivers) {
+        self.attend(now, drivers);
+        self.timeline.event(now, tick);
+        self.rig.step(steps, forward);
+        self.has_begun |= steps.has(Motor::E0) || self.met.iter().all(Option::is_some);
+        if self.layout.drives.iter().all(|drive| !steps.has(drive.motor)) {
+            return;
+        }
+        let mut each = [0; layout::MOST_MOTORS];
+        for (step, drive) in each.iter_mut().zip(&self.layout.drives) {
+            let sense = if forward.has(drive.motor) { drive.sense } else { -drive.sense };
+            *step = if steps.has(drive.motor) { i64::from(sense) } else { 0 };
+        }
+        self.live.step(&each);
+        self.happen(now);
+        self.watch();
+        self.measure(now, steps, drivers);
+    }
+
+    /// The endstops that are pressed at `now`.
+    pub(crate) fn endstops(&mut self, now: u64) -> EndstopSet {
+        self.advance(now);
+        let tool = self.tool_mm();
+        let others = self.rig.endstops().0 & !(EndstopSet::X.0 | EndstopSet::Y.0);
+        let mut pressed = EndstopSet(others);
+        for ((at, switch), set) in tool.into_iter().zip(self.switches).zip(SWITCHES) {
+            let inside = at - switch.position.to_num::<f64>();
+            let is_met = match switch.end {
+                AxisEnd::Min => inside <= 0.0,
+                AxisEnd::Max => inside >= 0.0,
+            };
+            if is_met {
+                pressed = pressed.with(set);
+            }
+        }
+        pressed.and(self.inputs)
+    }
+
+    /// A switch has ended a motion: its axis is from now on where the switch is.
+    pub(crate) fn meet(&mut self, met: EndstopSet) {
+        let (tool, stepped) = (self.tool_mm(), self.stepped_mm());
+        for ((set, at), (tool, stepped)) in SWITCHES.into_iter().zip(&mut self.met).zip(tool.into_iter().zip(stepped)) {
+            if !met.and(set).is_empty() {
+                *at = Some(tool - stepped);
+                self.largest_off_mm = 0.0;
+            }
+        }
+    }
+
+    /// Where the tool is, in x and y of G-code.
+    #[must_use]
+    pub fn tool_mm(&self) -> [f64; 2] {
+        self.in_gcode(self.live.tool())
+    }
+
+    /// Where it would be if it had gone from its start as the steps say.
+    #[must_use]
+    pub fn stepped_mm(&self) -> [f64; 2] {
+        self.in_gcode(self.live.stepped_to())
+    }
+
+    /// How far the tool is off in x and y; none before homing.
+    #[must_use]
+    pub fn off_mm(&self) -> Option<[f64; 2]> {
+        let [x, y] = self.met;
+        let (tool, stepped) = (self.tool_mm(), self.stepped_mm());
+        Some([tool[0] - stepped[0] - x?, tool[1] - stepped[1] - y?])
+    }
+
+    /// Shares and residual over motion time.
+    #[must_use]
+    pub const fn course(&self) -> &Course {
+        &self.course
+    }
+
+    /// The machine as the twin has it.
+    #[must_use]
+    pub const fn live(&self) -> &Live {
+        &self.live
+    }
+
+    /// Lets the machine ring out after the last step, so that what is said of its end is said of a machine at rest.
+    pub fn ring_out(&mut self) {
+        self.advance(self.live.now() + RING_OUT);
+    }
+
+    /// Somebody pushes the tool for so many ms with so many N in x and y, after the print.
+    pub fn push(&mut self, force_n: [f64; 2], ms: u32) {
+        self.live.push(force_n);
+        self.advance(self.live.now() + u64::from(ms) * u64::from(TICKS_PER_MS));
+        self.live.push([0.0; 2]);
+    }
+
+    fn in_gcode(&self, place: Place) -> [f64; 2] {
+        [place.x - self.origin.x, place.y - self.origin.y]
+    }
+
+    /// Moves on to `now`, with the ends of hits on the way.
+    fn advance(&mut self, now: u64) {
+        while let Some(end) = accident::next_end(&self.hits).filter(|end| *end <= now) {
+            self.live.advance(end);
+            accident::end_hits(&mut self.hits, end);
+            self.live.obstruct(accident::force_n(&self.hits));
+        }
+        self.live.advance(now);
+        for skip in self.live.take_skips() {
+            self.skips.extend(self.layout.drives.get(skip.motor).map(|drive| SkipFigures {
+                motor: drive.motor.name(),
+                turns: skip.turns * i32::from(drive.sense),
+                time_s: self.timeline.motion_s(skip.tick),
+                at_mm: self.in_gcode(skip.tool),
+            }));
+        }
+        if let Some([x, y]) = self.off_mm() {
+            self.largest_off_mm = self.largest_off_mm.max(x.hypot(y));
+        }
+    }
+
+    /// Hits and brakes begin.
+    fn happen(&mut self, now: u64) {
+        if self.has_begun && self.hits.contains(&HitState::Waiting) {
+            let (tool, velocity) = (self.tool_mm(), self.live.velocity_mm_s());
+            for (state, hit) in self.hits.iter_mut().zip(&self.accidents.hits) {
+                state.begin(hit, now, tool, velocity);
+            }
+            self.live.obstruct(accident::force_n(&self.hits));
+        }
+        let motion_s = self.timeline.now_s();
+        for brake in self.accidents.brakes.iter().filter(|brake| brake.from_s <= motion_s) {
+            let on = |drive: &layout::MotorDrive| drive.motor == brake.motor;
+            for index in (0..self.layout.drives.len()).filter(|index| self.layout.drives.get(*index).is_some_and(on)) {
+                self.live.brake(index, brake.force_n);
+            }
+        }
+    }
+
+    /// Keeps what motors bear for the report.
+    fn watch(&mut self) {
+        let mut seen = CourseBin::default();
+        for (share, rotor) in seen.shares.iter_mut().zip(self.live.rotors()) {
+            *share = rotor.share() as f32;
+        }
+        seen.residual_mm = self.live.residual_mm().map_or(0.0, f64::abs) as f32;
+        self.course.add(self.timeline.motion(), seen);
+    }
+
+    /// Drivers measure the load of motors that have stepped.
+    fn measure(&mut self, now: u64, steps: MotorSet, drivers: &Drivers) {
+        for (index, (drive, load)) in self.layout.drives.iter().zip(&mut self.loads).enumerate() {
+            if steps.has(drive.motor) {
+                let count = self.live.counts().get(index).copied().unwrap_or(0);
+                load.step(now, count, &mut drivers.chip(drive.motor), || self.live.take_share(index));
+            }
+        }
+    }
+}

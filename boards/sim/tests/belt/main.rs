@@ -1,0 +1,9 @@
+//! Prints on the belt plant: what the firmware commands, and what becomes of it.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+mod accidents;
+mod command;
+mod loads;
+mod power;
+mod printer;
+mod quiet;

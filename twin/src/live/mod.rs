@@ -1,0 +1,265 @@
+//! Live: a machine whose steps come as they are made, and which is looked at in between.
+//!
+//! The plant is the one with rotors; what is new is that time is real and has no end. Motors get power and lose it, each at
+//! a phase of its own; the tool is pushed and rotors are braked ([`Outside`](crate::dynamics::outside::Outside)). Ten
+//! thousand times a second [`rotor`] looks at each motor, and tells where one skipped. At rest time passes for nothing.
+//!
+//! A motor at speed has less than its holding torque: the law is that of [`pull_out`](crate::torque::pull_out), by the speed
+//! of its rotor at the last look.
+
+mod phase;
+pub mod rotor;
+
+pub use phase::phases_mm;
+
+use crate::dynamics::plant::{Detail, Plant};
+use crate::dynamics::state::State;
+use crate::model::ways::residual_mm;
+use crate::params::Params;
+use crate::routing::{Machine, Place};
+use crate::steps::TICKS_PER_SECOND;
+use crate::torque::pull_out::pull_out_torque_at_belt_nm;
+use rotor::{Glance, Rotor};
+
+/// Ticks between two looks: 90 looks a period of the faster axis, 29 of the fastest rotor mode.
+const LOOK: u64 = 1000;
+
+/// Slower than this in mm/s, with no more than [`STILL_MM_S2`], is at rest.
+const STILL_MM_S: f64 = 1e-4;
+
+/// The slowest mode swings at 57 Hz, so it is within this over (2 pi 57 Hz)^2 of its rest: 1 nm.
+const STILL_MM_S2: f64 = 0.1;
+
+/// A motor that skipped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Skip {
+    /// When it left its place, in ticks.
+    pub tick: u64,
+    /// The motor, by its place among the motors.
+    pub motor: usize,
+    /// By how many electrical turns of four full steps, counter-clockwise.
+    pub turns: i32,
+    /// Where the tool was then.
+    pub tool: Place,
+}
+
+/// A machine in motion.
+#[derive(Clone, Debug)]
+pub struct Live {
+    machine: Machine,
+    plant: Plant,
+    state: State,
+    step_mm: f64,
+    /// Steps of each motor since the start.
+    counts: Vec<i64>,
+    /// The same in mm of belt.
+    stepped_mm: Vec<f64>,
+    /// What each motor is given, of the current that it is run with.
+    given: Vec<f64>,
+    rotors: Vec<Rotor>,
+    skips: Vec<Skip>,
+    now: u64,
+    next_look: u64,
+    is_at_rest: bool,
+}
+
+impl Live {
+    /// A machine at rest whose tool is at `start`, at a time in ticks of 0.1 us. No motor has power. A step takes so much
+    /// belt in mm; the magnetic zero of each motor lies where `phases_mm` says against the belt without strain.
+    #[must_use]
+    pub fn new(machine: Machine, params: &Params, start: Place, step_mm: f64, phases_mm: &[f64], now: u64) -> Self {
+        let plant = Plant::new(machine, params, start, Detail { idlers: false, rotors: true });
+        let motors = plant.ways.motors.len();
+        let mut state = State::at_rest(&plant);
+        for (sent, phase) in state.sent_mm.iter_mut().zip(phases_mm) {
+            *sent = *phase;
+        }
+        state.outside.zeros_mm = state.sent_mm.clone();
+        state.outside.strengths = vec![0.0; motors];
+        state.outside.brakes_n = vec![0.0; motors];
+        Self {
+            machine,
+            plant,
+            state,
+            step_mm,
+            counts: vec![0; motors],
+            stepped_mm: vec![0.0; motors],
+            given: vec![0.0; motors],
+            rotors: vec![Rotor::default(); motors],
+            skips: Vec::new(),
+            now,
+            next_look: now + LOOK,
+            is_at_rest: true,
+        }
+    }
+
+    /// The time, in ticks.
+    #[must_use]
+    pub const fn now(&self) -> u64 {
+        self.now
+    }
+
+    /// Whether nothing moves.
+    #[must_use]
+    pub const fn is_at_rest(&self) -> bool {
+        self.is_at_rest
+    }
+
+    /// Moves on to a time in ticks; one that has passed changes nothing.
+    pub fn advance(&mut self, tick: u64) {
+        while self.now < tick {
+            if self.is_at_rest {
+                self.now = tick;
+                self.next_look = tick + LOOK;
+                return;
+            }
+            let until = tick.min(self.next_look);
+            self.state.advance(&self.plant, (until - self.now) as f64 / TICKS_PER_SECOND);
+            self.now = until;
+            if until == self.next_look {
+                self.next_look += LOOK;
+                self.look();
+            }
+        }
+    }
+
+    /// Steps motors now: so many steps each, counter-clockwise.
+    pub fn step(&mut self, steps: &[i64]) {
+        let motors = self.counts.iter_mut().zip(steps).zip(&mut self.stepped_mm);
+        for ((count, steps), stepped) in motors {
+            *count += steps;
+            *stepped = *count as f64 * self.step_mm;
+        }
+        let fields = self.state.sent_mm.iter_mut().zip(&self.state.outside.zeros_mm);
+        for ((sent, zero), stepped) in fields.zip(&self.stepped_mm) {
+            *sent = zero + stepped;
+        }
+        self.plant.send(&self.state.sent_mm);
+        self.is_at_rest = false;
+    }
+
+    /// Gives a motor a field of so much of its full strength; 0 is no power.
+    pub fn give(&mut self, motor: usize, strength: f64) {
+        let all = self.given.get_mut(motor).zip(self.state.outside.strengths.get_mut(motor));
+        let Some(((given, now), rotor)) = all.zip(self.rotors.get_mut(motor)) else { return };
+        if *given == strength {
+            return;
+        }
+        if *given == 0.0 || strength == 0.0 {
+            rotor.forget();
+        }
+        (*given, *now) = (strength, strength);
+        self.is_at_rest = false;
+    }
+
+    /// Pushes the tool with so many N in x and y, until it is pushed otherwise.
+    pub fn push(&mut self, force_n: [f64; 2]) {
+        if self.state.outside.push_n != force_n {
+            self.state.outside.push_n = force_n;
+            self.is_at_rest = false;
+        }
+    }
+
+    /// Puts something in the tool's way that takes so many N to move through, in any direction; 0 takes it away.
+    pub fn obstruct(&mut self, force_n: f64) {
+        if self.state.outside.obstacle_n != force_n {
+            self.state.outside.obstacle_n = force_n;
+            self.is_at_rest = false;
+        }
+    }
+
+    /// Rubs on a rotor with so many N at the belt, until told otherwise.
+    pub fn brake(&mut self, motor: usize, force_n: f64) {
+        if let Some(brake) = self.state.outside.brakes_n.get_mut(motor).filter(|brake| **brake != force_n) {
+            *brake = force_n;
+            self.is_at_rest = false;
+        }
+    }
+
+    /// Where the tool is, from motor 1's axis.
+    #[must_use]
+    pub fn tool(&self) -> Place {
+        let [x, y] = self.xy(&self.state.at);
+        Place { x: self.plant.start().x + x, y: self.plant.start().y + y }
+    }
+
+    /// How fast it is, in mm/s.
+    #[must_use]
+    pub fn velocity_mm_s(&self) -> [f64; 2] {
+        self.xy(&self.state.speeds)
+    }
+
+    /// Where the tool would be if it had gone from its start as the steps say.
+    #[must_use]
+    pub fn stepped_to(&self) -> Place {
+        let [x, y] = self.plant.ways.tool(&self.stepped_mm);
+        Place { x: self.plant.start().x + x, y: self.plant.start().y + y }
+    }
+
+    /// The residual of the rotors as they stand, in mm: belt that is strained. `None` on a machine that has none.
+    #[must_use]
+    pub fn residual_mm(&self) -> Option<f64> {
+        residual_mm(self.machine, self.state.at.get(self.plant.first_motor()..).unwrap_or_default())
+    }
+
+    /// The machine.
+    #[must_use]
+    pub const fn machine(&self) -> Machine {
+        self.machine
+    }
+
+    /// Steps of each motor since the start.
+    #[must_use]
+    pub fn counts(&self) -> &[i64] {
+        &self.counts
+    }
+
+    /// The rotors, as they were looked at.
+    #[must_use]
+    pub fn rotors(&self) -> &[Rotor] {
+        &self.rotors
+    }
+
+    /// The mean part of its torque that a motor bore since the last time that this was asked, of 1.
+    pub fn take_share(&mut self, motor: usize) -> f64 {
+        self.rotors.get_mut(motor).map_or(0.0, Rotor::take_share)
+    }
+
+    /// Motors that have skipped, each told once.
+    pub fn take_skips(&mut self) -> Vec<Skip> {
+        std::mem::take(&mut self.skips)
+    }
+
+    /// What is to be called x and y of places or speeds.
+    fn xy(&self, of: &[f64]) -> [f64; 2] {
+        [0, 1].map(|axis| of.get(axis).copied().unwrap_or(0.0))
+    }
+
+    fn look(&mut self) {
+        let is_slow = self.state.speeds.iter().all(|v| v.abs() < STILL_MM_S);
+        self.is_at_rest = is_slow && self.state.accelerations(&self.plant).iter().all(|a| a.abs() < STILL_MM_S2);
+        let tool = self.tool();
+        let (first, params) = (self.plant.first_motor(), &self.plant.params);
+        let State { at, speeds, sent_mm, outside, .. } = &mut self.state;
+        let moving = at.iter().zip(speeds.iter()).skip(first).zip(sent_mm.iter());
+        let powered = self.given.iter().zip(&mut outside.strengths);
+        for (motor, ((((at, speed), sent), (given, strength)), rotor)) in
+            moving.zip(powered).zip(&mut self.rotors).enumerate()
+        {
+            if *given == 0.0 {
+                continue;
+            }
+            *strength = given * pull_out_torque_at_belt_nm(params, *speed) / params.holding_torque_nm;
+            let glance = Glance {
+                tick: self.now,
+                turns: self.plant.slips(*at, *sent),
+                share: ((sent - at) / params.electrical_radian_mm()).sin().abs(),
+                is_at_rest: self.is_at_rest,
+                tool,
+            };
+            if let Some((tick, turns, tool)) = rotor.look(&glance) {
+                self.skips.push(Skip { tick, motor, turns, tool });
+            }
+        }
+    }
+}
