@@ -1,6 +1,7 @@
 //! Power: what holds the tool, and what a motor finds when it gets some.
 
-use crate::printer::{plant, print, print_on};
+use crate::printer::{plant, print, print_as, print_on};
+use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::Accidents;
 
 #[test]
@@ -38,6 +39,26 @@ fn power_up_strains_the_belt_within_bounds_and_is_no_skip() {
     // 0.18 mm RMS of many seeds; all at once 0.35.
     let rms = (square / 12.0_f64).sqrt();
     assert!((0.1..0.26).contains(&rms), "{rms}");
+}
+
+/// The same seeds without time between one motor and the next: what 100 ms are for.
+#[test]
+fn motors_that_settle_before_the_next_gets_power_strain_the_belt_half_as_much() {
+    let rms = |settling_ms| {
+        let mut settings = Settings::prototype();
+        settings.belt.settling_ms = settling_ms;
+        let residual = |seed| {
+            let start = Some([195.0, 208.8, 10.0]);
+            let mut plant = plant(start, Some(seed), Accidents::default());
+            print_as(&settings, &mut plant, start, &["M17", "G4 P500"]);
+            plant.unwrap().figures().residual_mm.unwrap()
+        };
+        let square: f64 = (0..30).map(|seed| residual(seed).powi(2)).sum();
+        (square / 30.0).sqrt()
+    };
+    let (hurried, settled, longer) = (rms(0), rms(100), rms(300));
+    assert!(settled < 0.6 * hurried, "{settled} {hurried}");
+    assert!((settled - longer).abs() < 1e-3, "nothing is left to settle after 100 ms: {settled} {longer}");
 }
 
 /// M112 in mid-motion: the tool glides on, and nothing holds it.

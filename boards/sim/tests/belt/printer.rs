@@ -63,12 +63,21 @@ pub struct Printed {
 
 /// On a rigid machine, or on this plant.
 pub fn print_on(plant: &mut Option<Box<BeltPlant>>, start: Option<[f64; 3]>, lines: &[&str]) -> Printed {
+    print_as(&Settings::prototype(), plant, start, lines)
+}
+
+/// The same with other settings.
+pub fn print_as(
+    settings: &Settings,
+    plant: &mut Option<Box<BeltPlant>>,
+    start: Option<[f64; 3]>,
+    lines: &[&str],
+) -> Printed {
     let (mut host, mut events, drivers) = (Lines::new(lines.iter().copied()), Events::default(), Drivers::new());
     let mut desk = Desk::new(1);
     desk.belt = plant.take();
     let start = start.map(|start| start.map(Mm::from_num));
-    let settings = Settings::prototype();
-    let outcome = run_at(&mut desk, &settings, start, NoStorage, &drivers, &mut [&mut host], &mut events).unwrap();
+    let outcome = run_at(&mut desk, settings, start, NoStorage, &drivers, &mut [&mut host], &mut events).unwrap();
     *plant = desk.belt.take();
     Printed { events: events.0, outcome, heard: host.heard, drivers }
 }
