@@ -9,5 +9,11 @@ G1 C2.5
 G1 X-3 Y7
 G90
 G2 X60 Y40 I-10 J0
+G1 X40.004 Y40.006
+G1 X60.0025
+G1 C10
+G1 X90 ; the same directions for other motors
+G1 C-10
+G1 X40
 G1 X40 Y40 C0
 M114

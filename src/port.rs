@@ -133,7 +133,8 @@ pub trait DriverBus {
     /// Powers exactly the motors of `on`, all that change in one transaction.
     fn enable(&mut self, on: MotorSet);
 
-    /// From now on a step of a group turns these motors. Nothing moves meanwhile.
+    /// From now on a step of a group turns these motors: the step pins take it, and their direction lines are set anew
+    /// ([`Stepper::recouple`](crate::motion::Stepper::recouple)). Nothing moves meanwhile.
     fn couple(&mut self, coupling: &Coupling);
 
     /// Motors whose driver can be talked to; the others run as their jumpers say.

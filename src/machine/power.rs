@@ -1,4 +1,4 @@
-//! Power for the motors: only with proof from their drivers, not a step longer, and for the motors of one belt as one transaction.
+//! Power for the motors: only with proof from their drivers, not a step longer, and for the motors of one belt in turn, or for none of them.
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::fault::{self, Cause};
@@ -23,14 +23,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     ///
     /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each other get it one
     /// after another, and settle in between: then only what the last of them finds strains the belt. Talking to drivers and
-    /// settling take up to a second and happen before anything is planned, so they change no step.
+    /// settling take up to a second and a half and happen before anything is planned, so they change no step.
     pub(super) async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         if let Some(why) = self.ports.drivers.refusal() {
             self.tell(Answer::Refused(why)).await?;
             return Err(Interrupt::NoPower);
         }
         let before = self.drivers.powered();
-        let result = self.power_in_turn(self.residuals().with_opponents(motors)).await;
+        let result = self.power_in_turn(self.residuals().with_opponents(motors), before).await;
         if result.is_err() {
             // A part of a belt is worse than nothing.
             self.unpower(self.drivers.powered().without(before));
@@ -38,7 +38,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         result
     }
 
-    async fn power_in_turn(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
+    async fn power_in_turn(&mut self, motors: MotorSet, before: MotorSet) -> Result<(), Interrupt> {
         let mut proofs = 0;
         while !self.has_power(motors) {
             let now = self.ports.clock.now();
@@ -48,6 +48,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 let proof = self.ask_driver(Job::Verify, motor).await?;
                 let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
                 if let Err(error) = proof {
+                    // Before the host is told, which may take its time to listen.
+                    self.unpower(self.drivers.powered().without(before));
                     self.tell(Answer::NoPower(Fault { motor, error })).await?;
                     return Err(Interrupt::NoPower);
                 }

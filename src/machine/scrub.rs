@@ -23,20 +23,21 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
     }
 
-    /// The groups in use, made once more. Those that are not in use can wait until they are.
-    fn groups_anew(&self) -> Groups {
+    /// Whether the groups in use are as they are when they are made once more. Others are looked at when they come into use.
+    pub(super) fn are_groups_whole(&self) -> bool {
         let mechanism = &self.settings.mechanism;
-        match self.real.grouping() {
+        let anew = match self.real.grouping() {
             Grouping::Tool => Groups::new(mechanism),
             Grouping::Circulation => Groups::new(&mechanism.circulating()),
-        }
+        };
+        *self.real.groups() == anew
     }
 
     /// Settings are summed up when they come; what follows from them is made once more and compared.
     fn is_whole(&self) -> bool {
         self.settings.is_whole()
             && self.defaults.is_whole()
-            && *self.real.groups() == self.groups_anew()
+            && self.are_groups_whole()
             && self.with_motion_settings(|settings| self.planner.is_whole(settings, self.real.groups()))
     }
 }

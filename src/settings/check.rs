@@ -402,7 +402,9 @@ impl Settings {
         let [x, y, z] = [self.axes.x, self.axes.y, self.axes.z].map(|a| a.steps_per_mm);
         for (axes, a, b, is_equal) in [("x and y", 0, 1, x == y), ("x and z", 0, 2, x == z), ("y and z", 1, 2, y == z)]
         {
-            if !is_equal && self.mechanism.share(a, b) {
+            // A closed belt has one step.
+            let shares = self.mechanism.share(a, b) || (self.belt.is_closed && (a, b) == (0, 1));
+            if !is_equal && shares {
                 return Err(axes);
             }
         }

@@ -9,6 +9,7 @@ use embassy_time::{Duration, Timer};
 
 use crate::contexts::{step_pins_dir_row, step_pins_row};
 use crate::drivers;
+use crate::step_pins::COUPLED_ROWS;
 
 /// Between two looks.
 const EVERY: Duration = Duration::from_millis(900);
@@ -16,22 +17,27 @@ const EVERY: Duration = Duration::from_millis(900);
 /// Looks at the words as long as the machine runs; what has changed is a fault.
 #[embassy_executor::task]
 pub async fn run(status: &'static Status) {
-    let (mut coupled, mut whole) = (drivers::couplings(), sum_of_words());
+    let (mut couplings, mut coupled, lasting) = (drivers::couplings(), sum_of_coupled(), sum_of_lasting());
     loop {
         Timer::after(EVERY).await;
-        let (now, sum) = (drivers::couplings(), sum_of_words());
-        if now != coupled {
+        let (now, sum) = (drivers::couplings(), sum_of_coupled());
+        if now != couplings {
             // Other words were written.
-            (coupled, whole) = (now, sum);
-        } else if sum != whole {
+            (couplings, coupled) = (now, sum);
+        }
+        if sum != coupled || sum_of_lasting() != lasting {
             status.fault().set(Fault::plain(Cause::SettingsDamaged));
         }
     }
 }
 
-/// The sum of all words, of which no two rows are read at once.
-fn sum_of_words() -> u32 {
-    let rows = (0..).map_while(step_pins_row);
-    let of_rows = rows.fold(0, |sum_so_far, row| sum(&(sum_so_far, row)));
-    (0..).map_while(step_pins_dir_row).fold(of_rows, |sum_so_far, row| sum(&(sum_so_far, row)))
+/// The sum of the words that are others in another coupling. No two rows are read at once.
+fn sum_of_coupled() -> u32 {
+    let of_steps = (0..COUPLED_ROWS).map_while(step_pins_row).fold(0, |sum_so_far, row| sum(&(sum_so_far, row)));
+    (0..).map_while(step_pins_dir_row).fold(of_steps, |sum_so_far, row| sum(&(sum_so_far, row)))
+}
+
+/// The sum of the words that stay: ports, levels at rest, inputs.
+fn sum_of_lasting() -> u32 {
+    (COUPLED_ROWS..).map_while(step_pins_row).fold(0, |sum_so_far, row| sum(&(sum_so_far, row)))
 }

@@ -133,6 +133,9 @@ pub type Row = [u32; 4];
 /// The same of direction pins.
 pub type DirRow = [u32; DIR_PORTS];
 
+/// So many rows are others in another coupling: what is stored for each set of groups, and for which groups a pulse is waited for.
+pub const COUPLED_ROWS: usize = SETS + 1;
+
 impl StepPins {
     /// The words that edges are made of and inputs are read by, row by row; `None` after the last. Those of direction pins are
     /// [`dir_row`](Self::dir_row)'s.
@@ -143,16 +146,17 @@ impl StepPins {
         };
         let [a, b, c] = &self.quick;
         Some(match number {
-            0 => self.low,
+            0 => [self.held.0.into(), 0, 0, 0],
+            1 => self.low,
             // One by one: a loop would take three times as long.
-            1 => {
+            2 => {
                 let [a, b, c, d] = self.step_ports;
                 [address(a), address(b), address(c), address(d)]
             }
-            2 => [address(a.port), address(b.port), address(c.port), self.held.0.into()],
-            3 => [a.low, b.low, c.low, 0],
+            3 => [address(a.port), address(b.port), address(c.port), 0],
+            4 => [a.low, b.low, c.low, 0],
             _ => {
-                let input = self.endstops.0.get(number - 4)?;
+                let input = self.endstops.0.get(number - 5)?;
                 [address(input.port), input.mask, input.triggered, 0]
             }
         })

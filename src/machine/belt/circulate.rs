@@ -1,10 +1,12 @@
 //! C in G0 and G1: the belt runs round, with the tool standing or moving in x and y.
 
+use crate::fault::{Cause, Fault};
 use crate::gcode::{AxisWords, Flaw, Number};
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
+use crate::machine::state::modal::FARTHEST;
 use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
 use crate::port::{DriverBus, EndstopSet, Pend};
@@ -38,7 +40,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         match self.real.grouping() {
             Grouping::Tool => position,
             Grouping::Circulation => {
-                let ([x, y, _, e], [_, _, z, _]) = (position, self.retraction.away_from(self.modal.position));
+                let ([x, y, _, e], (_, z)) = (position, self.circulation.z());
                 [x, y, z, e]
             }
         }
@@ -67,8 +69,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if moved {
             self.tell_of_edge().await?;
         }
+        let belt = self.modal.length(belt);
+        let target = if self.modal.absolute { belt } else { self.circulation.commanded.saturating_add(belt) };
+        if !FARTHEST.holds(target) {
+            self.tell_of_edge().await?;
+        }
         let [x, y, ..] = inside;
-        self.run_round([x, y], self.modal.length(belt), self.modal.absolute, speed).await?;
+        self.run_round([x, y], FARTHEST.clamp(target), speed).await?;
         self.modal.feed = speed;
         self.modal.position = inside;
         Ok(Answer::Nothing)
@@ -82,26 +89,32 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         let position = self.modal.position;
         let [x, y, ..] = position;
-        self.run_round([x, y], belt.homing_advance, false, belt.max_speed).await?;
+        let farther = self.circulation.commanded + belt.homing_advance;
+        // Round and round: no farther than numbers go.
+        let target = if FARTHEST.holds(farther) { farther } else { self.circulation.commanded - belt.homing_advance };
+        self.run_round([x, y], target, belt.max_speed).await?;
         self.modal.position = position;
         Ok(())
     }
 
-    /// The tool goes to x and y while the belt runs on, by `belt` or, absolutely, up to it.
-    async fn run_round(&mut self, to: [Mm; 2], belt: Mm, absolutely: bool, speed: MmPerSec) -> Result<(), Interrupt> {
+    /// The tool goes to x and y while the belt runs on up to `belt`.
+    async fn run_round(&mut self, to: [Mm; 2], belt: Mm, speed: MmPerSec) -> Result<(), Interrupt> {
         self.finish().await?;
         self.power(self.real.groups().mechanism().belt_motors()).await?;
-        let resolution = self.settings.axes.x.steps_per_mm;
-        let done = if absolutely { self.circulation.length(resolution) } else { Mm::ZERO };
-        let [x, y, z, e] = self.planner.end();
-        self.circulation.begin(z);
+        // Where the motors stand, which may be beside the end of the last move (`motion::stepgen::alignment`).
+        let ([x, y, ..], [.., z, e]) = (self.real_steps(), self.planner.end());
+        let [.., z_mm, _] = self.planner.mm(self.planner.end());
+        self.circulation.begin((z, z_mm));
         self.regroup(Grouping::Circulation, [x, y, Steps::ZERO, e]).await?;
         let [.., filament] = self.planner.mm(self.planner.end());
         let [to_x, to_y] = to;
-        let position = self.planner.steps([to_x, to_y, belt.saturating_sub(done), filament]);
-        self.plan_whole(position, speed, true);
+        let [to_x, to_y, to, e] = self.planner.steps([to_x, to_y, belt, filament]);
+        let way = to.wrapping_round().wrapping_sub(Steps::wrapping_from_num(self.circulation.steps()));
+        self.plan_whole([to_x, to_y, way, e], speed, true);
         self.finish().await?;
-        self.end_circulation().await
+        self.end_circulation().await?;
+        self.circulation.commanded = belt;
+        Ok(())
     }
 
     /// Plans a move to the whole steps next to a position, where the counts of all motors agree.
@@ -124,7 +137,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.finish().await?;
         let [x, y, c, e] = self.planner.end();
         self.circulation.add(c.wrapping_round().to_num());
-        self.regroup(Grouping::Tool, [x, y, self.circulation.z(), e]).await?;
+        self.circulation.commanded = self.circulation.length(self.settings.axes.x.steps_per_mm);
+        let (z, _) = self.circulation.z();
+        self.regroup(Grouping::Tool, [x, y, z, e]).await?;
         self.modal.position = self.retraction.commanded(self.planner.mm(self.planner.end()));
         Ok(())
     }
@@ -133,6 +148,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     async fn regroup(&mut self, grouping: Grouping, position: [Steps; 4]) -> Result<(), Interrupt> {
         self.real.regroup(grouping);
         let groups = self.real.groups();
+        if !self.are_groups_whole() {
+            // Nobody has looked at those that were not in use.
+            self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
+        }
         self.ports.drivers.couple(&groups.coupling());
         match grouping {
             Grouping::Tool => self.planner.regroup(&self.settings, groups),

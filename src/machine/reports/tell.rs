@@ -8,6 +8,7 @@ use super::report::{Position, say_endstops, say_firmware, say_overload, say_soft
 use super::storage_report::say_storage;
 use crate::connectors::Heater;
 use crate::gcode::Flaw;
+use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::{Progress, Speaker};
 use crate::machine::commands::heater_settings::say_heat_setting;
@@ -57,9 +58,17 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     /// Where the program is, or with `real` where the tool is.
     fn position(&self, real: bool) -> Position<'m> {
         let counts = self.link.counts();
-        let at = if real { self.seen(self.planner.mm(self.real.of_axes(counts))) } else { self.modal.position };
-        let (belt, resolution) = (&self.settings.belt, self.settings.axes.x.steps_per_mm);
-        let circulation = belt.is_closed.then(|| self.circulation.length(resolution));
+        let at_motors = self.planner.mm(self.real.of_axes(counts));
+        let at = if real { self.seen(at_motors) } else { self.modal.position };
+        let ran = match (real, self.real.grouping()) {
+            (false, _) => self.circulation.commanded,
+            (true, Grouping::Tool) => self.circulation.length(self.settings.axes.x.steps_per_mm),
+            (true, Grouping::Circulation) => {
+                let [_, _, on_the_way, _] = at_motors;
+                self.circulation.length(self.settings.axes.x.steps_per_mm) + on_the_way
+            }
+        };
+        let circulation = self.settings.belt.is_closed.then_some(ran);
         Position::new(at, circulation, counts, &self.modal, &self.real)
     }
 

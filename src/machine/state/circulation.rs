@@ -5,10 +5,12 @@ use crate::units::{Mm, Steps, StepsPerMm};
 /// The belt's third way to go, besides those that move the tool.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Circulation {
+    /// Where the program has sent it.
+    pub commanded: Mm,
     /// Steps that every motor of the belt has made for it since the start, signed.
     steps: i64,
-    /// Where z stands while the belt has its place in the planner, in steps.
-    z: Steps,
+    /// Where z stands while the belt has its place in the planner, in steps and in mm.
+    z: (Steps, Mm),
     /// It has ever run round.
     has_begun: bool,
 }
@@ -16,19 +18,22 @@ pub(in crate::machine) struct Circulation {
 impl Circulation {
     /// The belt lies where it lay at the start.
     pub const fn new() -> Self {
-        Self { steps: 0, z: Steps::ZERO, has_begun: false }
+        Self { commanded: Mm::ZERO, steps: 0, z: (Steps::ZERO, Mm::ZERO), has_begun: false }
     }
 
     /// How far it has run round.
     pub fn length(&self, resolution: StepsPerMm) -> Mm {
-        // Steps by steps a millimetre, the latter in 2^-16ths or whatever fraction they have.
-        let bits = (i128::from(self.steps) << (StepsPerMm::FRAC_NBITS + Mm::FRAC_NBITS))
-            / i128::from(resolution.to_bits().max(1));
-        Mm::from_bits(bits as i64)
+        let bits = i128::from(self.steps) << (StepsPerMm::FRAC_NBITS + Mm::FRAC_NBITS);
+        Mm::from_bits((bits / i128::from(resolution.to_bits().max(1))) as i64)
+    }
+
+    /// Steps so far, signed.
+    pub const fn steps(&self) -> i64 {
+        self.steps
     }
 
     /// The belt takes the place of z, which stands there.
-    pub const fn begin(&mut self, z: Steps) {
+    pub const fn begin(&mut self, z: (Steps, Mm)) {
         (self.z, self.has_begun) = (z, true);
     }
 
@@ -42,8 +47,14 @@ impl Circulation {
         self.steps = self.steps.wrapping_add(steps);
     }
 
-    /// Where z stands, in steps.
-    pub const fn z(&self) -> Steps {
+    /// A step is of another length from now on.
+    pub fn rescale(&mut self, before: StepsPerMm, now: StepsPerMm) {
+        let product = i128::from(self.steps) * i128::from(now.to_bits());
+        self.steps = (product / i128::from(before.to_bits().max(1))) as i64;
+    }
+
+    /// Where z stands, in steps and in mm.
+    pub const fn z(&self) -> (Steps, Mm) {
         self.z
     }
 }

@@ -46,7 +46,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.planner.fall_short(real);
         self.note_path();
         self.adopt_position(real).await?;
-        let real = self.retraction.commanded(self.planner.mm(real));
+        let real = self.retraction.commanded(self.seen(self.planner.mm(real)));
         self.modal.extrusion = self.modal.named_position(real)[3];
         self.modal.position = real;
         Ok(())

@@ -86,10 +86,13 @@ fn axes_that_share_motors_are_named_in_pairs() {
     let corexy = [none, none, [1, -1, 0, 0], [1, 1, 0, 0], z, none, e];
     for (rows, pair) in [(corexz, "x and z"), (coreyz, "y and z"), (corexy, "x and y")] {
         let mut s = Settings { mechanism: crate::kinematics::Mechanism { rows }, ..Settings::prototype() };
+        s.belt.is_closed = false;
         let [x, y, z] = [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z].map(|axis| &mut axis.steps_per_mm);
         (*x, *y, *z) =
             (StepsPerMm::const_from_int(80), StepsPerMm::const_from_int(90), StepsPerMm::const_from_int(100));
         assert_eq!(s.check_shared_motors(), Err(pair));
+        s.belt.is_closed = true;
+        assert_eq!(s.check_shared_motors(), Err("x and y"), "a closed belt has one step");
         let equal = StepsPerMm::const_from_int(80);
         (s.axes.x.steps_per_mm, s.axes.y.steps_per_mm, s.axes.z.steps_per_mm) = (equal, equal, equal);
         assert_eq!(s.check_shared_motors(), Ok(()));

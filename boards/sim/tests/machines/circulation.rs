@@ -91,6 +91,27 @@ fn prints_go_on_as_if_nothing_had_been() {
     assert_eq!(ran.counts[4..], twice.counts[4..]);
 }
 
+/// A move along an axis stands up to half a step beside the place that was asked for. What runs round starts where the motors are.
+#[test]
+fn nothing_adds_up_behind_moves_along_an_axis() {
+    let round = "G1 X100 Y100.004 F6000\nG1 X120.0025\nG1 C0\nG1 X100 Y100\nG1 Y119.9973\nG1 C1\n";
+    let gcode = round.repeat(40) + "G1 X100 Y100 C0\n";
+    assert_eq!(belt(&printed(&gcode)), [0; 4]);
+}
+
+#[test]
+fn fractions_of_relative_ways_are_kept_and_far_ways_end_at_the_edge() {
+    let small = "G1 C0.007 F3000\n".repeat(100);
+    assert_eq!(belt(&printed(&format!("G91\n{small}"))), [56; 4]);
+    let told = said(&Settings::prototype(), "G1 C99999 F60000\nM114\n");
+    assert!(told.iter().any(|line| line.starts_with("echo:target beyond")), "{told:?}");
+    assert!(told.iter().any(|line| line.contains(" C:10000.00 ")), "{told:?}");
+    // Other steps, the same way.
+    let told = said(&Settings::prototype(), "G1 C10 F6000\nM92 X160 Y160\nM114 R\nG1 C20\nM400\nM114 R\n");
+    let positions: Vec<_> = told.iter().filter(|line| line.starts_with("X:")).collect();
+    assert!(positions[0].contains(" C:10.00 ") && positions[1].contains(" C:20.00 "), "{positions:?}");
+}
+
 #[test]
 fn hosts_see_where_the_belt_is() {
     let said = said(&Settings::prototype(), "G1 C5 F3000\nG1 C2.5 X110\nM114\nM114 R\nG91\nG1 C1\nM400\nM114\nM503\n");

@@ -162,6 +162,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) async fn use_settings(&mut self, wanted: Settings) -> Result<(), Interrupt> {
         let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
         let is_same = resolutions(&wanted) == resolutions(&self.settings);
+        self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
         *self.settings = wanted;
         self.drivers.want(&wanted);
         self.heat_orders.note_settings();
