@@ -5,6 +5,10 @@
 //! 18 KiB of flash, which this board has to spare. Our own version would be a few hundred lines that fewer people test.
 //! Two copies in turns, as the core keeps them, make up for what is left: a log that is damaged beyond repair.
 //!
+//! What does not hold yet: `sequential-storage` judges a sector by its first and its last byte. An erase that is cut so that the first is
+//! as it was and the last is erased, or that both are erased and cells in between are not, is not noticed, and both copies may be lost. A sector
+//! for each copy, erased before each save, would not need to judge; it has to read today's log once.
+//!
 //! To find a page, all items of the log are looked through, 4 ms if it is full (in the emulator); when it goes round, that was done for each of its
 //! items, so that the Console hung for seconds. So where each page lies is found out once, at the start, and kept in RAM.
 
