@@ -76,6 +76,8 @@ fn file(rule: CornerRule) -> Table {
     file.insert("corner".to_owned(), toml::Value::Table(Table::from_iter([(key.to_owned(), toml::Value::Float(0.5))])));
     let rows = ROWS.map(|(motor, row)| (motor.to_owned(), row.to_vec().into()));
     file.insert("mechanism".to_owned(), toml::Value::Table(Table::from_iter(rows)));
+    // It would need one step for x and y.
+    file["belt"]["closed"] = false.into();
     // Where a switch of either end may sit, so that the end can be changed alone.
     for axis in ["x", "y", "z"] {
         let length = &file["axes"][axis]["length"];
@@ -191,9 +193,14 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 }
 
 /// Whether M503 says it of every machine, or never. Settings of heaters and fans it says of those that are fitted, and
-/// `boards/sim/tests/heat.rs` sends its lines back; the mechanism and the connectors are no numbers.
+/// `boards/sim/tests/heat.rs` sends its lines back; how a closed belt runs round it says where one is
+/// (`boards/sim/tests/machines/circulation.rs`); the mechanism and the connectors are no numbers.
 fn is_of_all_machines(path: &str) -> bool {
-    !["mechanism", "probe"].contains(&path) && !path.starts_with("thermal.") && !path.starts_with("wiring.")
+    let is_of_closed_belt = path.starts_with("belt.") && path != "belt.settling_ms";
+    !["mechanism", "probe"].contains(&path)
+        && !is_of_closed_belt
+        && !path.starts_with("thermal.")
+        && !path.starts_with("wiring.")
 }
 
 /// The line that sets a setting.
