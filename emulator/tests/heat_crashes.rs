@@ -25,8 +25,8 @@ const BY_THE_TIMER: u64 = 20 * MS;
 /// Watchdog: 500 counts of 1 kHz at the 32 kHz of the data sheet, after the last control period that was well.
 const WATCHDOG: u64 = 520 * MS;
 
-/// When the fault comes: the drivers have been set up, and the heater has been on.
-const AFTER: u64 = 1100 * MS;
+/// When the fault comes: the drivers have been set up, motors have got power one after another, and the heater has been on.
+const AFTER: u64 = 1500 * MS;
 
 /// A machine at 100 C.
 fn bench(injection: Injection) -> Bench<'static> {
