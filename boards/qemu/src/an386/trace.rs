@@ -85,9 +85,7 @@ impl TracePort {
         TRACE.fill(Trace { file, records: Vec::new(), unfelt: [0; SETS], table, rig });
         Self { table, forward: MotorSet::NONE }
     }
-}
 
-impl TracePort {
     /// From now on a step of a group turns these motors. The machine feels what it has not felt yet as it was.
     pub fn couple(&mut self, coupling: &Coupling) {
         self.table = MotorTable::new(coupling);

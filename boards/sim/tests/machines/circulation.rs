@@ -1,6 +1,7 @@
 //! C: a closed belt runs round, with the tool standing or moving.
 
 use super::print::{Print, Steps, machines, print, steps_of};
+use super::stops::Counted;
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
@@ -10,7 +11,6 @@ use corehbot_sim::limits::Limits;
 use corehbot_sim::world::{Host, Sink, run};
 use std::cell::Cell;
 use std::collections::VecDeque;
-use std::rc::Rc;
 
 struct Deaf;
 
@@ -151,15 +151,15 @@ fn a_belt_runs_on_after_homing_if_it_is_to() {
 }
 
 /// Sends lines one by one, and M410 in the middle of the first.
-struct Stopper {
+struct Stopper<'t> {
     lines: VecDeque<&'static str>,
-    events: Rc<Cell<u64>>,
+    events: &'t Cell<u64>,
     stop_at: u64,
     awaiting: u32,
     heard: Vec<String>,
 }
 
-impl Host for Stopper {
+impl Host for Stopper<'_> {
     fn send(&mut self, out: &mut Vec<u8>) {
         if self.awaiting == 0
             && let Some(line) = self.lines.pop_front()
@@ -187,26 +187,17 @@ impl Host for Stopper {
     }
 }
 
-struct Counted(Steps, Rc<Cell<u64>>);
-
-impl Sink for Counted {
-    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
-        self.1.set(self.1.get() + 1);
-        self.0.event(tick, steps, forward);
-    }
-}
-
 /// Wherever it is stopped, the motors rest where their counts agree, z is where it was, and the way back is known to the step.
 #[test]
 fn a_quick_stop_loses_neither_belt_nor_tool_nor_z() {
     let s = Settings::prototype();
     let gcode = "G1 X140.013 Y120.007 C50 F6000\nM114 R\nG1 X100 Y100 C0\nG1 Z11\nG1 Z10\nM400\n";
     for stop_at in (1..9_000).step_by(487) {
-        let events = Rc::new(Cell::new(0));
+        let events = Cell::new(0);
         let lines = gcode.lines().collect();
-        let mut host = Stopper { lines, events: events.clone(), stop_at, awaiting: 0, heard: Vec::new() };
+        let mut host = Stopper { lines, events: &events, stop_at, awaiting: 0, heard: Vec::new() };
         let checker = Checker::new(&s, &Limits::new(&s, None, gcode));
-        let mut steps = Counted(Steps { checker, counts: [0; 7], events: 0 }, events);
+        let mut steps = Counted(Steps { checker, counts: [0; 7], events: 0 }, &events);
         let outcome = run(&s, Some([100, 100, 10].map(Mm::from_num)), &mut host, &mut steps).unwrap();
         let Counted(Steps { checker, counts, .. }, _) = steps;
         assert_eq!(checker.finish(Some(outcome.counts)), Findings::default(), "{stop_at}");

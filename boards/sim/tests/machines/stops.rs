@@ -56,7 +56,7 @@ impl Host for Stopper<'_> {
 }
 
 /// A sink that counts how many events there were.
-struct Counted<'t>(Steps, &'t Cell<u64>);
+pub struct Counted<'t>(pub Steps, pub &'t Cell<u64>);
 
 impl Sink for Counted<'_> {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
