@@ -1,7 +1,7 @@
 //! The sectors of flash in which a board keeps settings: what they hold, and what a power cut leaves of it.
 //!
-//! Sectors 1 and 2 (RM0390 rev 6, section 3.3). Programming turns ones into zeros and an erase all bits of a sector into ones
-//! (section 3.5.4); either takes its time, and a cut may come in the middle of it.
+//! Sectors 1 and 2 (RM0390 rev 6, section 3.3). Programming turns ones into zeros and an erase all bits of a sector
+//! into ones (section 3.5.4); either takes its time, and a cut may come in the middle of it.
 
 use std::ops::Range;
 
@@ -22,7 +22,37 @@ pub enum Tear {
     /// Some bits have changed in every byte.
     Bits,
     /// The first half is done.
-    Half,
+    FirstHalf,
+    /// The second half is done.
+    SecondHalf,
+    /// The ends are done: the first and the last word of a sector, or byte of a word. Those in between hold anything.
+    Ends,
+    /// Every byte holds anything: an erase may make all bits zero before it makes them one.
+    Anything,
+}
+
+/// All of them.
+pub const TEARS: [Tear; 6] = [Tear::Not, Tear::Bits, Tear::FirstHalf, Tear::SecondHalf, Tear::Ends, Tear::Anything];
+
+impl Tear {
+    /// What becomes of the byte at `at` of `length` that was to be `new`. `any` is what may come of it by chance.
+    const fn byte(self, at: usize, length: usize, old: u8, new: u8, any: u8) -> u8 {
+        let end = if length == SECTOR as usize { 4 } else { 1 };
+        match self {
+            Self::Bits => old & 0x5A | new & 0xA5,
+            Self::FirstHalf if at < length / 2 => new,
+            Self::SecondHalf if at >= length / 2 => new,
+            Self::Ends if at < end || at >= length - end => new,
+            Self::Ends | Self::Anything => any,
+            Self::Not | Self::FirstHalf | Self::SecondHalf => old,
+        }
+    }
+}
+
+/// A byte as by chance, the same for each address (the upper bits of a product with 2^32 over the golden ratio; Knuth,
+/// The Art of Computer Programming, volume 3, section 6.4).
+const fn chance(at: usize) -> u8 {
+    ((at as u32).wrapping_mul(0x9E37_79B1) >> 24) as u8
 }
 
 /// When the power goes.
@@ -121,25 +151,16 @@ impl FlashSectors {
     pub(crate) fn end(&mut self, operation: Operation, tear: Option<Tear>) -> Vec<(u64, u32)> {
         let Range { start, end } = operation.addresses();
         let place = (start - SECTORS.start) as usize..(end - SECTORS.start) as usize;
-        let half = place.start + place.len() / 2;
-        for at in place.clone() {
+        for (i, at) in place.clone().enumerate() {
             let old = self.cells[at];
-            let new = match operation {
-                Operation::Program { value, .. } => old & (value >> (8 * (at - place.start))) as u8,
-                Operation::Erase { .. } => 0xFF,
-            };
-            self.cells[at] = match tear {
-                None => new,
-                Some(Tear::Not) => old,
-                Some(Tear::Bits) => old & 0x5A | new & 0xA5,
-                Some(Tear::Half) => {
-                    if at < half {
-                        new
-                    } else {
-                        old
-                    }
+            let (new, any) = match operation {
+                Operation::Program { value, .. } => {
+                    let new = old & (value >> (8 * i)) as u8;
+                    (new, new | old & chance(at))
                 }
+                Operation::Erase { .. } => (0xFF, chance(at)),
             };
+            self.cells[at] = tear.map_or(new, |tear| tear.byte(i, place.len(), old, new, any));
         }
         let words = (place.start & !3..place.end).step_by(4);
         words.map(|at| (SECTORS.start + at as u64, self.word(at))).collect()
@@ -169,14 +190,39 @@ mod tests {
 
     #[test]
     fn a_cut_leaves_a_mixture() {
-        for (tear, left) in [(Tear::Not, u32::MAX), (Tear::Half, 0xFFFF_F0F0), (Tear::Bits, 0x5A7E_FAFA)] {
+        for (tear, left) in [
+            (Tear::Not, u32::MAX),
+            (Tear::FirstHalf, 0xFFFF_F0F0),
+            (Tear::SecondHalf, 0x1234_FFFF),
+            (Tear::Bits, 0x5A7E_FAFA),
+        ] {
             let mut flash = FlashSectors::default();
             assert_eq!(flash.end(WORD, Some(tear)), [(0x0800_4008, left)], "{tear:?}");
         }
         let mut flash = FlashSectors::holding(vec![0; 0x8000]);
-        flash.end(Operation::Erase { sector: 2 }, Some(Tear::Half));
+        flash.end(Operation::Erase { sector: 2 }, Some(Tear::FirstHalf));
         assert_eq!(flash.cells.iter().position(|cell| *cell != 0), Some(0x4000));
         assert_eq!(flash.cells.iter().rposition(|cell| *cell != 0), Some(0x5FFF));
+        flash.end(Operation::Erase { sector: 2 }, Some(Tear::SecondHalf));
+        assert!(flash.cells[0x4000..].iter().all(|cell| *cell == 0xFF));
+    }
+
+    /// An erase that looks done to who judges by both ends, and one that looks like nothing.
+    #[test]
+    fn what_is_between_the_ends_may_hold_anything() {
+        for (tear, blank) in [(Tear::Ends, 8), (Tear::Anything, 0)] {
+            let mut flash = FlashSectors::holding(vec![0; 0x8000]);
+            flash.end(Operation::Erase { sector: 1 }, Some(tear));
+            let sector = &flash.cells[..0x4000];
+            let blanks = sector.iter().filter(|cell| **cell == 0xFF).count();
+            let zeros = sector.iter().filter(|cell| **cell == 0).count();
+            assert!(blanks.abs_diff(64 + blank) < 24 && zeros.abs_diff(64) < 24, "{tear:?} {blanks} {zeros}");
+            assert_eq!((sector.starts_with(&[0xFF; 4]), sector.ends_with(&[0xFF; 4])), (blank > 0, blank > 0));
+            // Programming takes no bit back that it does not concern.
+            let mut flash = FlashSectors::default();
+            let left = flash.end(WORD, Some(tear))[0].1;
+            assert_eq!(left & 0x1234_F0F0, 0x1234_F0F0, "{tear:?} {left:#x}");
+        }
     }
 
     #[test]

@@ -4,20 +4,28 @@
 mod common;
 
 use common::{Bench, MS, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
-use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, Tear};
+use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, TEARS, Tear};
+use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 
-/// All pages of a log that is nearly full are found in 130 ms.
-const START_NS: u64 = 150 * MS;
+/// A start takes 25 ms with slots, and longer where a log of earlier firmware is looked through.
+const START_NS: u64 = 100 * MS;
 
 /// To erase a sector at the most (STM32F446 datasheet, t_ERASE16KB at 32 bits).
 const ERASE_NS: u64 = 500 * MS;
 
+/// What an image of earlier firmware has left from the begin of sector 1 on: the log of M500 after M113 S7, S8 and S9.
+const EARLIER_LOG: &[u8] = include_bytes!("../../chips/stm32f446/tests/log_of_earlier_image.bin");
+
 fn talk(flash: &FlashSectors, gcode: &str) -> Seen {
+    talk_as(Manner::default(), flash, gcode)
+}
+
+fn talk_as(manner: Manner, flash: &FlashSectors, gcode: &str) -> Seen {
     let mut firmware = nucleo_firmware();
     firmware.put_machine(&mut nucleo_machine()).unwrap();
-    let seen = print_on(&firmware, gcode, &Bench { flash: flash.clone(), ..nucleo_bench() });
+    let seen = print_on(&firmware, gcode, &Bench { manner, flash: flash.clone(), ..nucleo_bench() });
     assert!(seen.resets.is_empty() && seen.gaps.found.is_empty(), "{:?} {:?}", seen.resets, seen.gaps.found);
     assert_eq!(seen.flash.faults, Vec::<&str>::new());
     seen
@@ -62,8 +70,8 @@ fn settings_are_kept_and_found_after_a_reset() {
     assert_eq!(second.flash.operations, [], "what is stored already is not written again");
 }
 
-/// Code of another image in the sectors: they are erased, half a second each, in which the processor stands still. The watchdog
-/// waits for it, and the board goes on.
+/// Code of another image in the sectors: each is erased when a save comes to it, half a second in which the processor
+/// stands still. The watchdog waits for it, and the board goes on.
 #[test]
 fn sectors_that_held_code_are_taken_over() {
     let mut state = 1_u32;
@@ -72,7 +80,7 @@ fn sectors_that_held_code_are_taken_over() {
         (state >> 24) as u8
     });
     let before = FlashSectors::holding(code.collect());
-    let seen = talk(&before, "M113 S7\nM500\nM113 S8\nM501\nM113\nG28 X\n");
+    let seen = talk(&before, "M113 S6\nM500\nM113 S7\nM500\nM113 S8\nM501\nM113\nG28 X\n");
     assert_eq!((seen.end, &seen.line.failure), (End::Done, &None), "{:?}", seen.line.said);
     assert!(says(&seen, "echo:Settings Stored") && !seen.recorder.events.is_empty());
     let erased = [1, 2].map(|sector| seen.flash.operations.contains(&Operation::Erase { sector }));
@@ -81,45 +89,117 @@ fn sectors_that_held_code_are_taken_over() {
     assert!(seen.started.unwrap() < START_NS);
 }
 
-/// What is stored after the power goes in an operation of the saves of `numbers`, counted from the last one that was told to be done: 0 or 1.
-/// The board is switched on again, and saves once more. The log is cut in every operation on this computer
-/// (`chips/stm32f446/tests/flash_pages.rs`).
-fn cut(after: usize, tear: Tear, numbers: std::ops::Range<u32>) -> u32 {
-    let mut flash = FlashSectors::default();
+/// Words that a save programs about an erase: the marks that are made zero before it, the erase itself and the mark
+/// after it (`chips/stm32f446/src/flash_slot.rs`).
+const BEFORE_ERASE: usize = 8;
+const BEFORE_PAGES: usize = BEFORE_ERASE + 1 + 4;
+
+/// Each save erases the sector of its slot, and nobody minds.
+#[test]
+fn each_save_erases_a_sector_and_keeps_nobody_waiting() {
+    const SAVES: usize = 5;
+    let seen = talk(&FlashSectors::default(), &format!("{}M122\nG28 X\n", saves(1..SAVES as u32 + 1)));
+    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None), "{:?}", seen.line.said);
+    assert_eq!((said(&seen, "echo:Settings Stored"), seen.flash.erases()), (SAVES, SAVES));
+    assert_eq!((said(&seen, "Error:"), seen.laps.out_of_step), (0, 0), "{:?}", seen.line.said);
+    let sectors = seen.flash.operations.iter().filter_map(|operation| match operation {
+        Operation::Erase { sector } => Some(*sector),
+        Operation::Program { .. } => None,
+    });
+    assert_eq!(sectors.collect::<Vec<_>>(), [1, 2, 1, 2, 1]);
+    println!("{} operations, {} ms", seen.flash.operations.len(), seen.virtual_ns / MS);
+}
+
+/// A line holds 25,000 bytes a second, of which a host that waits for its answers sends a line in the half second of an
+/// erase, and one that counts them what the board reads ahead, 1,023 bytes. DMA keeps them meanwhile.
+#[test]
+fn what_a_host_sends_while_a_sector_is_erased_is_heard() {
+    const LINES: usize = 85;
+    let ahead = "M114 ;23456\n".repeat(LINES);
+    assert!((1000..1024).contains(&ahead.len()));
+    let manner = Manner { is_impatient: true, ..Manner::default() };
+    let seen = talk_as(manner, &FlashSectors::default(), &format!("M113 S7\nM500\n{ahead}"));
+    assert_eq!((seen.end, seen.flash.erases()), (End::Done, 1), "{:?}", seen.line.said);
+    assert_eq!((said(&seen, "Count"), said(&seen, "Error:")), (LINES, 0), "{:?}", seen.line.said);
+}
+
+/// What is stored after the power goes in an operation of the saves of `numbers`, counted from the last one that was
+/// told to be done: 0 or 1. The board is switched on again, and saves once more. A save is cut in every operation on
+/// this computer (`chips/stm32f446/tests/flash_pages`).
+fn cut(flash: &FlashSectors, after: usize, tear: Tear, numbers: std::ops::Range<u32>) -> u32 {
+    let before = numbers.start - 1;
+    let mut flash = flash.clone();
     flash.cut = Some(FlashCut { after, tear });
     let seen = talk(&flash, &saves(numbers));
     assert_eq!((seen.end, seen.flash.operations.len()), (End::PowerCut, after + 1), "{:?}", seen.line.said);
-    let stored = seen.line.said.iter().filter(|line| line.starts_with("echo:Settings Stored")).count() as u32;
+    let stored = before + said(&seen, "echo:Settings Stored") as u32;
     let again = talk(&left(&seen), "M113\nM113 S59\nM500\nM501\nM113\n");
     println!("start {} us after reset, with what a cut has left", again.started.unwrap() / 1000);
-    // A sector that is half erased is erased again.
-    assert!(again.started.unwrap() < START_NS + again.flash.erases() as u64 * ERASE_NS);
-    assert_eq!((again.end, keepalive(&again)), (End::Done, 59), "{:?}", again.line.said);
+    assert!(again.started.unwrap() < START_NS, "no erase before the first save");
+    assert_eq!((again.end, again.flash.erases(), keepalive(&again)), (End::Done, 1, 59), "{:?}", again.line.said);
+    assert!(again.virtual_ns > ERASE_NS);
     let first = again.line.said.iter().find_map(|line| line.strip_prefix("echo:M113 S"));
     let kept: u32 = first.unwrap().parse().unwrap();
     assert!(kept == stored || kept == stored + 1, "{after} {tear:?}: {kept} after {stored}");
     kept - stored
 }
 
-/// Words that a save programs: of the first one also those that begin the log.
-const WORDS: usize = 176;
-
-#[test]
-fn a_power_cut_while_a_word_is_programmed_leaves_the_old_or_the_new() {
-    assert_eq!(cut(WORDS + WORDS / 2, Tear::Bits, 1..3), 0);
+/// The operations of a first save, in sectors that hold nothing, and those of the next.
+fn operations_of_a_save() -> [usize; 2] {
+    let count = |numbers| talk(&FlashSectors::default(), &saves(numbers)).flash.operations.len();
+    let [one, two] = [count(1..2), count(1..3)];
+    println!("{one} operations of the first save, {} of the second", two - one);
+    [one, two - one]
 }
 
-/// So many saves that the log goes round once, which costs an erase.
-const SAVES: u32 = 28;
-
-/// Reproducer: the save with which the log goes round kept the Console for seconds, which ended in the watchdog's reset.
 #[test]
-fn a_log_that_goes_round_keeps_nobody_waiting_and_survives_a_power_cut() {
-    let seen = talk(&FlashSectors::default(), &saves(1..SAVES));
-    assert_eq!((seen.end, &seen.line.failure), (End::Done, &None), "{:?}", seen.line.said);
-    let operations = &seen.flash.operations;
-    println!("{} operations, {} erases, {} ms", operations.len(), seen.flash.erases(), seen.virtual_ns / MS);
-    assert_eq!((said(&seen, "echo:Settings Stored"), seen.flash.erases()), (SAVES as usize - 1, 1));
-    let erase = operations.iter().position(|operation| matches!(operation, Operation::Erase { .. })).unwrap();
-    assert_eq!(cut(erase, Tear::Half, 1..SAVES), 0);
+fn a_power_cut_while_a_word_is_programmed_leaves_the_old_settings() {
+    let [first, second] = operations_of_a_save();
+    let blank = FlashSectors::default();
+    assert_eq!(cut(&blank, first + second / 2, Tear::Bits, 1..3), 0);
+    assert_eq!(cut(&blank, first + second - 1, Tear::Ends, 1..3), 0, "the last word of all");
+}
+
+/// Reproducer: erases that were cut so that both ends were erased, or the last alone, were not noticed by the log that
+/// settings were kept in.
+#[test]
+fn a_power_cut_while_a_sector_is_erased_leaves_the_old_settings_whatever_is_left_of_the_sector() {
+    let [first, second] = operations_of_a_save();
+    // The second save has made the mark of the first one firm before. The third erases a sector that holds a slot.
+    let erase = first + second + (second - first) + BEFORE_ERASE;
+    for tear in TEARS {
+        assert_eq!(cut(&FlashSectors::default(), erase, tear, 1..4), 0);
+    }
+}
+
+#[test]
+fn settings_of_earlier_firmware_are_found_and_outlive_cuts() {
+    let mut log = FlashSectors::default();
+    log.cells[..EARLIER_LOG.len()].copy_from_slice(EARLIER_LOG);
+    let seen = talk(&log, "M113\nM504\n");
+    println!("start {} us after reset, with a log", seen.started.unwrap() / 1000);
+    assert!(seen.started.unwrap() < START_NS && says(&seen, "echo:stored settings valid"), "{:?}", seen.line.said);
+    assert_eq!((keepalive(&seen), seen.flash.operations.len()), (9, 0));
+    // The same items again and again, until both sectors are nearly full.
+    let (mark, items) = EARLIER_LOG.split_at(4);
+    for sector in log.clone().cells.chunks(0x4000).enumerate().map(|(i, _)| 0x4000 * i) {
+        let many = mark.iter().chain(items.iter().cycle().take(items.len() * 7));
+        log.cells[sector..].iter_mut().zip(many).for_each(|(cell, byte)| *cell = *byte);
+    }
+    let full = talk(&log, "M113\n");
+    println!("start {} us after reset, with full logs", full.started.unwrap() / 1000);
+    assert!(full.started.unwrap() < START_NS && keepalive(&full) == 9, "{:?}", full.line.said);
+    log.cells[0x4000..].fill(0xFF);
+    // The first save leaves the sector of the log alone, the second erases it.
+    assert_eq!(cut(&log, BEFORE_ERASE, Tear::Anything, 10..11), 0);
+    let whole = talk(&log, &saves(10..11));
+    assert_eq!(whole.flash.operations.get(BEFORE_ERASE), Some(&Operation::Erase { sector: 2 }));
+    assert_eq!(cut(&log, whole.flash.operations.len() - BEFORE_PAGES, Tear::Bits, 10..11), 0);
+    // Which makes the mark of the first one firm before.
+    let erase = whole.flash.operations.len() + 4 + BEFORE_ERASE;
+    for tear in [Tear::SecondHalf, Tear::Ends, Tear::Anything] {
+        assert_eq!(cut(&log, erase, tear, 10..12), 0);
+    }
+    let both = talk(&log, &saves(10..12));
+    assert_eq!(both.flash.operations.get(erase), Some(&Operation::Erase { sector: 1 }));
 }

@@ -22,7 +22,10 @@ use crate::settings::{
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 11;
+pub const FORMAT: u16 = 12;
+
+/// The format before motors of one belt were aligned: the same up to [`Belt::alignment`](crate::settings::Belt::alignment).
+const WITHOUT_ALIGNMENT: u16 = 11;
 
 /// The format before the belt had settings: the same up to [`Settings::belt`].
 const WITHOUT_BELT: u16 = 10;
@@ -167,7 +170,7 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     let mut longer = [0; LONGEST];
     let whole = match header.format {
         FORMAT => payload,
-        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED | WITHOUT_BELT => {
+        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED | WITHOUT_BELT | WITHOUT_ALIGNMENT => {
             completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?
         }
         format => return Err(Rejected::Format(format)),
@@ -207,7 +210,11 @@ fn completed<'a>(payload: &[u8], format: u16, whole: &'a mut [u8; LONGEST]) -> O
     if format <= WITHOUT_BED {
         end += postcard::to_slice(&(new.bed, new.probe), whole.get_mut(end..)?).ok()?.len();
     }
-    end += postcard::to_slice(&new.belt, whole.get_mut(end..)?).ok()?.len();
+    end += if format <= WITHOUT_BELT {
+        postcard::to_slice(&new.belt, whole.get_mut(end..)?).ok()?.len()
+    } else {
+        postcard::to_slice(&(new.belt.alignment, new.belt.preload), whole.get_mut(end..)?).ok()?.len()
+    };
     whole.get(..end)
 }
 

@@ -76,6 +76,12 @@ pub struct Stored {
 }
 
 impl Stored {
+    /// Where the record lies.
+    #[must_use]
+    pub const fn address(&self) -> u32 {
+        if self.is_earlier { EARLIER_B } else { self.slot.address() }
+    }
+
     /// Whether this was saved after `other`; right for less than 2^31 saves in between.
     const fn is_newer_than(&self, other: &Self) -> bool {
         (other.sequence.wrapping_sub(self.sequence) as i32) < 0
@@ -195,7 +201,8 @@ pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Rec
         None => (Slot::A, 1),
     };
     let record = encode(settings, sequence).ok_or(SaveError::TooLong)?;
-    // The header goes last: until then the slot is what it was, or damaged.
+    // The header goes last: until then the slot is what it was, or damaged. Memory that must be erased first, such as flash, takes the
+    // first of these writes for the begin of a save, as it does not lie below the one before: no other order will do.
     for (at, page) in pages(&record, slot).rev() {
         storage.write(at, page).await?;
     }

@@ -1,21 +1,22 @@
 //! The processor's flash as memory for settings: sectors 1 and 2.
 //!
 //! Registers and not embassy-stm32's driver, which erases without regard to the watchdog: while a sector is erased the
-//! processor cannot fetch instructions and stands still, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits),
-//! and the watchdog bites after 0.34 s. So it gets a longer period for that time, in which the Console's clock stands
-//! still. Motors rest when settings are saved, and drivers hold on their own. Heaters go off by themselves: their timer ends the
-//! pulse that is under way (`heater_timer`), and no control period starts another while the processor stands still. (No board
-//! that keeps its settings in flash has heaters.) Commands are heard again afterwards; their bytes are kept by DMA.
+//! processor cannot fetch instructions and stands still, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits), and
+//! the watchdog bites after 0.34 s. So it gets a longer period for that time, in which the Console's clock stands
+//! still. Motors rest when settings are saved, and drivers hold on their own. Heaters go off by themselves: their timer
+//! ends the pulse that is under way (`heater_timer`), and no control period starts another while the processor stands
+//! still. (No board that keeps its settings in flash has heaters.) Commands are heard again afterwards: DMA keeps the
+//! 2,048 bytes that came last.
 
 use corehbot::port::StorageError;
 use embassy_stm32::pac::FLASH;
 use embassy_stm32::pac::flash::regs::Sr;
 use embassy_stm32::pac::flash::vals::Psize;
-use embedded_storage_async::nor_flash::{ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash};
 use static_cell::StaticCell;
 
 use crate::clocks;
-use crate::flash_pages::{FlashPages, SECTOR, SECTORS};
+use crate::flash_pages::FlashPages;
+use crate::flash_sectors::{SECTOR, SECTORS, Sectors, WORD};
 use crate::memory::Memory;
 use crate::watchdog;
 use crate::wiring::Board;
@@ -26,9 +27,9 @@ const BASE: u32 = 0x0800_0000;
 /// The keys that open the control register, in this order (RM0390, 3.5.1).
 const KEYS: [u32; 2] = [0x4567_0123, 0xCDEF_89AB];
 
-/// Looks at the status until an operation is given up. A word takes 100 us at the most (STM32F446 datasheet, t_prog) and a
-/// sector 0.5 s; a look takes 7 to 20 cycles of 180 MHz if the loop is in the instruction cache, 0.8 to 2.2 s in all, and
-/// else the processor stands still until the operation is done.
+/// Looks at the status until an operation is given up. A word takes 100 us at the most (STM32F446 datasheet, t_prog)
+/// and a sector 0.5 s; a look takes 7 to 20 cycles of 180 MHz if the loop is in the instruction cache, 0.8 to 2.2 s in
+/// all, and else the processor stands still until the operation is done.
 const LOOKS: u32 = 20_000_000;
 
 // SAFETY: the linker script of cortex-m-rt defines the symbol; only its address is taken.
@@ -42,49 +43,22 @@ pub fn flash(_board: &'static Board) -> &'static mut dyn Memory {
     static PAGES: StaticCell<Option<FlashPages<Flash>>> = StaticCell::new();
     // An image that lies elsewhere has something else in these sectors: itself, or a bootloader.
     let is_free = (&raw const _stext) as u32 == BASE + SECTORS.end;
-    // To find all pages takes 0.13 s, longer records more, a sector that a power cut has left half erased 0.5 s. Nobody feeds the
-    // watchdog yet.
-    watchdog::stretch();
-    let pages = PAGES.init(is_free.then(|| FlashPages::new(Flash)));
-    watchdog::restore();
-    pages
+    PAGES.init(is_free.then(|| FlashPages::new(Flash)))
 }
 
 /// The sectors put aside, by their distance from the begin of flash.
 pub struct Flash;
 
-/// An operation failed.
-#[derive(Debug)]
-pub struct FlashFailed;
-
-impl NorFlashError for FlashFailed {
-    fn kind(&self) -> NorFlashErrorKind {
-        NorFlashErrorKind::Other
-    }
-}
-
-impl From<FlashFailed> for StorageError {
-    fn from(_: FlashFailed) -> Self {
-        Self::Failed
-    }
-}
-
-impl ErrorType for Flash {
-    type Error = FlashFailed;
-}
-
 /// Whether `size` bytes at `at` are ours.
-fn check(at: u32, size: usize) -> Result<(), FlashFailed> {
+fn check(at: u32, size: usize) -> Result<(), StorageError> {
     let end = u32::try_from(size).ok().and_then(|size| at.checked_add(size));
-    let is_ours = at >= SECTORS.start && end.is_some_and(|end| end <= SECTORS.end) && at.is_multiple_of(4);
-    if is_ours { Ok(()) } else { Err(FlashFailed) }
+    let is_ours = at >= SECTORS.start && end.is_some_and(|end| end <= SECTORS.end);
+    if is_ours { Ok(()) } else { Err(StorageError::Failed) }
 }
 
-impl ReadNorFlash for Flash {
-    const READ_SIZE: usize = 1;
-
-    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), FlashFailed> {
-        check(at & !3, into.len() + (at & 3) as usize)?;
+impl Sectors for Flash {
+    fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        check(at, into.len())?;
         for (byte, address) in into.iter_mut().zip(BASE + at..) {
             // SAFETY: the address was checked to lie in the sectors, which are readable; any byte is a legal u8. No
             // reference to them exists, so nobody relies on what they hold.
@@ -93,60 +67,54 @@ impl ReadNorFlash for Flash {
         Ok(())
     }
 
-    fn capacity(&self) -> usize {
-        SECTORS.end as usize
-    }
-}
-
-impl NorFlash for Flash {
-    const WRITE_SIZE: usize = 4;
-    const ERASE_SIZE: usize = SECTOR as usize;
-
-    async fn erase(&mut self, from: u32, to: u32) -> Result<(), FlashFailed> {
-        let size = to.checked_sub(from).ok_or(FlashFailed)?;
-        check(from, size as usize)?;
-        for sector in from / SECTOR..to / SECTOR {
-            watchdog::stretch();
-            let erase = || {
-                FLASH.cr().write(|w| {
-                    w.set_psize(Psize::PSIZE32);
-                    w.set_ser(true);
-                    w.set_snb(sector as u8);
-                });
-                FLASH.cr().modify(|w| w.set_strt(true));
-                finish()
-            };
-            let result = clocks::without_time(|| operate(erase));
-            watchdog::restore();
-            result?;
-        }
-        Ok(())
-    }
-
-    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), FlashFailed> {
+    fn program(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
         check(at, bytes.len())?;
+        let (words, rest) = bytes.as_chunks();
+        if !at.is_multiple_of(WORD) || !rest.is_empty() {
+            return Err(StorageError::Failed);
+        }
         operate(|| {
             FLASH.cr().write(|w| {
                 w.set_psize(Psize::PSIZE32);
                 w.set_pg(true);
             });
-            let (words, _) = bytes.as_chunks();
-            for (word, address) in words.iter().zip((BASE + at..).step_by(4)) {
-                // SAFETY: the address was checked to be aligned and to lie in the sectors, where no code and no variable
-                // is (`flash` looks, and check does). Volatile, because the write is what programs the word.
+            for (word, address) in words.iter().zip((BASE + at..).step_by(WORD as usize)) {
+                // SAFETY: the address was checked to be aligned and to lie in the sectors, where no code and no
+                // variable is (`flash` looks, and check does). Volatile, because the write is what programs the word.
                 unsafe { core::ptr::write_volatile(address as *mut u32, u32::from_le_bytes(*word)) };
                 finish()?;
             }
             Ok(())
         })
     }
+
+    fn erase(&mut self, at: u32) -> Result<(), StorageError> {
+        check(at, SECTOR as usize)?;
+        if !at.is_multiple_of(SECTOR) {
+            return Err(StorageError::Failed);
+        }
+        watchdog::stretch();
+        let erase = || {
+            FLASH.cr().write(|w| {
+                w.set_psize(Psize::PSIZE32);
+                w.set_ser(true);
+                // The sectors before it are of the same size (RM0390, 3.3).
+                w.set_snb((at / SECTOR) as u8);
+            });
+            FLASH.cr().modify(|w| w.set_strt(true));
+            finish()
+        };
+        let result = clocks::without_time(|| operate(erase));
+        watchdog::restore();
+        result
+    }
 }
 
 /// Opens the control register for one operation. What was read before is forgotten then: the data cache does not see
 /// that flash has changed (RM0390, 3.4.2).
-fn operate(operation: impl FnOnce() -> Result<(), FlashFailed>) -> Result<(), FlashFailed> {
-    // The keys, written to a register that is unlocked already, lock it until the next reset; a debugger may have left it
-    // unlocked.
+fn operate(operation: impl FnOnce() -> Result<(), StorageError>) -> Result<(), StorageError> {
+    // The keys, written to a register that is unlocked already, lock it until the next reset; a debugger may have left
+    // it unlocked.
     if FLASH.cr().read().lock() {
         KEYS.iter().for_each(|key| FLASH.keyr().write_value(*key));
     }
@@ -161,12 +129,12 @@ fn operate(operation: impl FnOnce() -> Result<(), FlashFailed>) -> Result<(), Fl
 }
 
 /// Waits for the end of what goes on.
-fn finish() -> Result<(), FlashFailed> {
+fn finish() -> Result<(), StorageError> {
     cortex_m::asm::dsb();
     if (0..LOOKS).any(|_| !FLASH.sr().read().bsy()) && FLASH.sr().read().0 & flags().0 == 0 {
         Ok(())
     } else {
-        Err(FlashFailed)
+        Err(StorageError::Failed)
     }
 }
 

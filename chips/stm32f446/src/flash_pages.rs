@@ -1,157 +1,107 @@
-//! Pages of settings in the processor's flash, which erases 16 KiB at a time.
+//! Pages of settings in the processor's flash: a sector of 16 KiB for each of the core's two slots.
 //!
-//! The crate `sequential-storage` keeps each page as the value of its number in a log that goes round the sectors, so
-//! a save costs no erasing but one in some twenty, and a power cut in any operation leaves a page old or new. It costs
-//! 18 KiB of flash, which this board has to spare. Our own version would be a few hundred lines that fewer people test.
-//! Two copies in turns, as the core keeps them, make up for what is left: a log that is damaged beyond repair.
+//! The core writes its slots in turns, and never the one that holds the newest settings (`corehbot::storage`). So the
+//! sector of a slot may be erased when a save begins to write it, whatever a power cut makes of that. Nobody has to
+//! judge whether an erase was complete: what was not erased by this run of the firmware is erased before it is written
+//! (`flash_slot`).
 //!
-//! What does not hold yet: `sequential-storage` judges a sector by its first and its last byte. An erase that is cut so that the first is
-//! as it was and the last is erased, or that both are erased and cells in between are not, is not noticed, and both copies may be lost. A sector
-//! for each copy, erased before each save, would not need to judge; it has to read today's log once.
+//! It costs an erase for each save, up to 0.5 s (STM32F446 datasheet, t_ERASE16KB at 32 bits), and wear: 10,000 erases
+//! a sector (datasheet, N_END), so 20,000 saves. Several places in a sector would save erases; but a place that a cut
+//! has left half programmed may read as blank, so they need judging again.
 //!
-//! To find a page, all items of the log are looked through, 4 ms if it is full (in the emulator); when it goes round, that was done for each of its
-//! items, so that the Console hung for seconds. So where each page lies is found out once, at the start, and kept in RAM.
-
-use core::ops::Range;
-use core::pin::pin;
-use core::task::{Context, Poll, Waker};
+//! The contract is narrower than that of an EEPROM. A slot is written from its last page to its first, as a save does;
+//! a write that does not go down begins the slot anew, and all its other pages are blank then. The last page of all,
+//! which the core writes at any time, lies elsewhere in the sector of slot B: its slot does not have to be erased for
+//! it. It is carried over when that is; a power cut at that moment loses it.
+//!
+//! The crate `sequential-storage` kept all pages in a log that went round both sectors. It judged a sector by its first
+//! and its last byte, so an erase that left other cells as they were could lose both copies. What such a log holds is
+//! still found (`flash_log`).
 
 use corehbot::port::StorageError;
-use corehbot::storage::{NEEDED, PAGE};
-use embedded_storage_async::nor_flash::NorFlash;
-use sequential_storage::Error;
-use sequential_storage::cache::Cache;
-use sequential_storage::cache::key_pointers::ArrayKeyPointers;
-use sequential_storage::cache::page_pointers::ArrayPagePointers;
-use sequential_storage::cache::page_states::ArrayPageStates;
-use sequential_storage::map::{MapConfig, MapStorage};
+use corehbot::storage::{NEEDED, PAGE, STRIDE};
 
+use crate::flash_sectors::{SECTOR, SECTORS, Sectors};
+use crate::flash_slot::FlashSlot;
 use crate::memory::Memory;
 
-/// The sectors that are put aside: 1 and 2, of 16 KiB each (RM0390, 3.3). The vectors stay in sector 0, where the
-/// processor looks for them, and the code begins after them (`settings.x` of the board).
-pub const SECTORS: Range<u32> = 0x4000..0xC000;
+const _: () = assert!(SECTORS.end - SECTORS.start == 2 * SECTOR && NEEDED == 2 * STRIDE);
 
-/// Size of one of them.
-pub const SECTOR: u32 = 0x4000;
-
-/// Room for a page and its number, in whole words.
-const ROOM: usize = 40;
-const _: () = assert!(PAGE < ROOM && NEEDED / PAGE as u32 <= 256);
-
-/// How many pages there are, and how many sectors.
-const PAGES: usize = NEEDED as usize / PAGE;
-const RING: usize = ((SECTORS.end - SECTORS.start) / SECTOR) as usize;
-
-type Places = Cache<ArrayPageStates<RING>, ArrayPagePointers<RING>, ArrayKeyPointers<u8, PAGES>, u8>;
-type Map<F> = MapStorage<u8, F, Places>;
+/// The page at the end, in which the core notes the last self-test.
+const NOTE: u32 = NEEDED - PAGE as u32;
 
 /// Memory of the size that the settings need, in flash.
-pub struct FlashPages<F: NorFlash> {
-    map: Map<F>,
-    /// Pages that may be in the log; others are blank.
-    exists: [bool; PAGES],
+pub struct FlashPages<F: Sectors> {
+    flash: F,
+    slots: [FlashSlot; 2],
 }
 
-impl<F: NorFlash> FlashPages<F> {
-    /// The pages in the sectors of `flash`, whose first byte has address 0. Looks for all of them: 0.13 s for 33 pages in a
-    /// log that is nearly full, in the emulator.
-    pub fn new(flash: F) -> Self {
-        let places = Cache::new(ArrayPageStates::new(), ArrayPagePointers::new(), ArrayKeyPointers::new());
-        let mut map = Map::new(flash, const { MapConfig::new(SECTORS) }, places);
-        // Whoever reads a page is told what is wrong.
-        let exists = now(find(&mut map)).ok().and_then(Result::ok).unwrap_or([true; PAGES]);
-        Self { map, exists }
+/// A part of a page.
+struct Place {
+    /// Slot A or B: 0 or 1.
+    slot: usize,
+    /// Number of the page in its slot; `None` for the note.
+    page: Option<usize>,
+    /// Where in the page it begins.
+    begin: usize,
+}
+
+impl Place {
+    /// Where `size` bytes at `at` are.
+    fn of(at: u32, size: usize) -> Result<Self, StorageError> {
+        if at >= NEEDED {
+            return Err(StorageError::Absent);
+        }
+        let begin = at as usize % PAGE;
+        if begin + size > PAGE {
+            return Err(StorageError::Failed);
+        }
+        let page = (at < NOTE).then_some((at % STRIDE) as usize / PAGE);
+        Ok(Self { slot: (at / STRIDE) as usize, page, begin })
+    }
+}
+
+impl<F: Sectors> FlashPages<F> {
+    /// The pages in the sectors of `flash`. Reads 32 bytes of a sector that has a slot, and all of another.
+    pub fn new(mut flash: F) -> Self {
+        let slots = [SECTORS.start, SECTORS.start + SECTOR].map(|sector| FlashSlot::found(&mut flash, sector));
+        Self { flash, slots }
     }
 
     /// The flash, as it is.
     pub fn into_flash(self) -> F {
-        self.map.destroy().0
-    }
-
-    /// One page; blank if it was never written, or if the sectors hold something else.
-    fn page(&mut self, number: u8) -> Result<[u8; PAGE], StorageError> {
-        if !self.exists.get(usize::from(number)).is_some_and(|exists| *exists) {
-            return Ok([0xFF; PAGE]);
-        }
-        let mut room = [0; ROOM];
-        match now(self.map.fetch_item::<[u8; PAGE]>(&mut room, &number))? {
-            Ok(found) => Ok(found.unwrap_or([0xFF; PAGE])),
-            Err(Error::Corrupted { .. }) => Ok([0xFF; PAGE]),
-            Err(_) => Err(StorageError::Failed),
-        }
-    }
-
-    fn put(&mut self, number: u8, page: &[u8; PAGE]) -> Result<(), StorageError> {
-        if let Some(exists) = self.exists.get_mut(usize::from(number)) {
-            *exists = true;
-        }
-        let mut room = [0; ROOM];
-        match now(self.map.store_item(&mut room, &number, page))? {
-            Ok(()) => return Ok(()),
-            // Nothing in there can be read, so nothing is lost: code of an older image, most likely.
-            Err(Error::Corrupted { .. }) => {}
-            Err(_) => return Err(StorageError::Failed),
-        }
-        now(self.map.erase_all())?.map_err(|_| StorageError::Failed)?;
-        now(self.map.store_item(&mut room, &number, page))?.map_err(|_| StorageError::Failed)
+        self.flash
     }
 }
 
-/// Finds out which pages are in the log, and where.
-async fn find<F: NorFlash>(map: &mut Map<F>) -> Result<[bool; PAGES], Error<F::Error>> {
-    let (mut room, mut exists) = ([0; ROOM], [false; PAGES]);
-    // Repairs what a power cut has left, which `fetch_all_items` of sequential-storage 8.0.2 does not.
-    map.fetch_item::<[u8; PAGE]>(&mut room, &0).await?;
-    let mut items = map.fetch_all_items(&mut room).await?;
-    while let Some((number, _)) = items.next::<[u8; PAGE]>(&mut room).await? {
-        if let Some(exists) = exists.get_mut(usize::from(number)) {
-            *exists = true;
-        }
-    }
-    // Which notes the place.
-    for (number, _) in (0..).zip(exists).filter(|(_, exists)| *exists) {
-        map.fetch_item::<[u8; PAGE]>(&mut room, &number).await?;
-    }
-    Ok(exists)
-}
-
-/// The result of a future that never waits, as all are whose flash does not.
-fn now<T>(future: impl Future<Output = T>) -> Result<T, StorageError> {
-    match pin!(future).poll(&mut Context::from_waker(Waker::noop())) {
-        Poll::Ready(result) => Ok(result),
-        Poll::Pending => Err(StorageError::Failed),
-    }
-}
-
-/// The page that holds `size` bytes at `at`, and where in it they begin.
-fn place(at: u32, size: usize) -> Result<(u8, usize), StorageError> {
-    let begin = at as usize % PAGE;
-    let number = u8::try_from(at / PAGE as u32).map_err(|_| StorageError::Absent)?;
-    if at >= NEEDED {
-        return Err(StorageError::Absent);
-    }
-    if begin + size <= PAGE { Ok((number, begin)) } else { Err(StorageError::Failed) }
-}
-
-impl<F: NorFlash> Memory for FlashPages<F> {
+impl<F: Sectors> Memory for FlashPages<F> {
     fn capacity(&self) -> u32 {
         NEEDED
     }
 
     fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        let (number, begin) = place(at, into.len())?;
-        let page = self.page(number)?;
+        let Place { slot, page, begin } = Place::of(at, into.len())?;
+        let slot = self.slots.get(slot).ok_or(StorageError::Absent)?;
+        let page = match page {
+            Some(number) => slot.page(&mut self.flash, number)?,
+            None => slot.note(&mut self.flash)?,
+        };
         into.iter_mut().zip(page.iter().skip(begin)).for_each(|(to, byte)| *to = *byte);
         Ok(())
     }
 
-    /// Takes a millisecond or two, and up to 0.5 s when a sector is erased.
+    /// Takes a millisecond, and up to 0.5 s more when it begins a slot. The rest of a page that begins or continues a
+    /// slot is blank; that of the note stays.
     fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        let (number, begin) = place(at, bytes.len())?;
-        let mut page = self.page(number)?;
-        page.iter_mut().skip(begin).zip(bytes).for_each(|(to, byte)| *to = *byte);
-        self.put(number, &page)
+        let Place { slot, page, begin } = Place::of(at, bytes.len())?;
+        let [a, b] = &mut self.slots;
+        let (slot, other) = if slot == 0 { (a, b) } else { (b, a) };
+        let mut new = if page.is_some() { [0xFF; PAGE] } else { slot.note(&mut self.flash)? };
+        new.iter_mut().skip(begin).zip(bytes).for_each(|(to, byte)| *to = *byte);
+        match page {
+            Some(number) => slot.put_page(&mut self.flash, other, number, &new),
+            None => slot.put_note(&mut self.flash, other, &new),
+        }
     }
 
     fn is_done(&mut self) -> Result<bool, StorageError> {

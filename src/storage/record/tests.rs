@@ -5,8 +5,8 @@ extern crate std;
 use super::*;
 use crate::connectors::{ConnectorName, Output, Sensor};
 use crate::settings::{
-    Advance, AxisEnd, Control, CornerRule, DriverGroups, DriverSettings, FanRole, FanSettings, Guards, HeaterModel,
-    HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
+    Advance, Alignment, AxisEnd, Control, CornerRule, DriverGroups, DriverSettings, FanRole, FanSettings, Guards,
+    HeaterModel, HeaterSettings, Heaters, HomedAxis, MotorPlug, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
@@ -68,6 +68,11 @@ fn as_of(format: u16) -> Settings {
             Settings { bed: Bed::of_reach(&settings.axes), probe: EndstopPlug::NONE, ..settings }
         }
         WITHOUT_BELT => Settings { belt: Settings::prototype().belt, ..spelled_out() },
+        WITHOUT_ALIGNMENT => {
+            let Belt { alignment, preload, .. } = Settings::prototype().belt;
+            let settings = spelled_out();
+            Settings { belt: Belt { alignment, preload, ..settings.belt }, ..settings }
+        }
         _ => spelled_out(),
     }
 }
@@ -156,6 +161,8 @@ fn spelled_out() -> Settings {
             max_speed: MmPerSec::from_num(90),
             max_acceleration: MmPerSec2::from_num(900),
             homing_advance: Mm::lit("2.5"),
+            alignment: Alignment::Required,
+            preload: Mm::lit("-0.025"),
         },
     }
 }
@@ -261,6 +268,8 @@ fn the_longest_values_fit() {
         max_speed: MmPerSec::MAX,
         max_acceleration: MmPerSec2::MAX,
         homing_advance: Mm::MIN,
+        alignment: Alignment::Automatic,
+        preload: Mm::MIN,
     };
     assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
 }
