@@ -125,6 +125,16 @@ impl Coupling {
         Self { groups }
     }
 
+    /// A step of the group of this number turns one motor forward; no other motor turns.
+    #[must_use]
+    pub fn of_one(number: usize, motor: Motor) -> Self {
+        let mut groups = [(MotorSet::NONE, MotorSet::NONE); MOST_GROUPS];
+        if let Some(group) = groups.get_mut(number) {
+            *group = (MotorSet::of(motor), MotorSet::NONE);
+        }
+        Self { groups }
+    }
+
     /// The motors of these groups.
     #[must_use]
     pub fn motors(&self, groups: GroupSet) -> MotorSet {

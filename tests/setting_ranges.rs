@@ -45,7 +45,8 @@ const LEAST: [i64; 3] = [i64::MIN, i32::MIN as i64, 0];
 
 /// Numbers of which all are legal; and those of which 0 is, which mostly switches something off.
 const ANY: [&str; 1] = ["stall_threshold"];
-const MAY_BE_0: [&str; 18] = [
+const MAY_BE_0: [&str; 19] = [
+    "preload",
     "settling_ms",
     "homing_advance",
     "period_ms",

@@ -4,6 +4,12 @@ use super::config::microsteps;
 use super::error::DriverError;
 use super::registers::{Register, drv_status, gconf};
 
+/// Readings of its load that are kept.
+pub(super) const LOADS: usize = 4;
+
+/// The bits of SG_RESULT (datasheet rev 1.09, section 5.3).
+const STALL: u16 = 0x3FF;
+
 /// What a driver said.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Reading {
@@ -11,7 +17,8 @@ pub struct Reading {
     gconf: u32,
     chopconf: u32,
     pub(super) status: u32,
-    stall: u32,
+    /// SG_RESULT, ten bits: the last readings, the newest first.
+    stalls: [u16; LOADS],
     count: u32,
 }
 
@@ -22,7 +29,11 @@ impl Reading {
             Register::Gconf => self.gconf = value,
             Register::Chopconf => self.chopconf = value,
             Register::DrvStatus => self.status = value,
-            Register::SgResult => self.stall = value,
+            Register::SgResult => {
+                self.stalls.rotate_right(1);
+                let [newest, ..] = &mut self.stalls;
+                *newest = value as u16 & STALL;
+            }
             Register::Ifcnt => self.count = value,
             _ => {}
         }
@@ -67,7 +78,14 @@ impl Reading {
     /// StallGuard's result: the smaller, the greater the load. It means something in stealthChop only.
     #[must_use]
     pub const fn stall(&self) -> u32 {
-        self.stall
+        let [newest, ..] = self.stalls;
+        newest as u32
+    }
+
+    /// All that is kept of it; of a job that reads loads, its results.
+    #[must_use]
+    pub const fn loads(&self) -> [u16; LOADS] {
+        self.stalls
     }
 
     /// Writes that it has accepted, modulo 256.

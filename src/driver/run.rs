@@ -7,7 +7,7 @@
 use super::config::{Config, WRITTEN};
 use super::datagram;
 use super::error::DriverError;
-use super::reading::Reading;
+use super::reading::{LOADS, Reading};
 use super::registers::{Register, chopconf, gconf, ioin};
 use crate::motors::Motor;
 use crate::port::{BusError, Frame};
@@ -29,6 +29,8 @@ pub enum Job {
     Poll,
     /// Read what a report tells.
     Read,
+    /// Read several times how hard the motor pulls.
+    Load,
 }
 
 /// One exchange, and what is made of it.
@@ -67,6 +69,9 @@ const READ: &[Step] = &[
     Step::Note(Register::SgResult),
     Step::Note(Register::Ifcnt),
 ];
+
+/// As many readings as fit between two polls: the drivers measure anew every full step.
+const LOAD: &[Step] = &[Step::Note(Register::SgResult); LOADS];
 
 /// Another firmware may have asked for late replies, so the first word is to answer soon. The flags are cleared
 /// before everything else: a reset from there on is seen.
@@ -152,6 +157,7 @@ impl Run {
             Job::Adjust => ADJUST,
             Job::Poll => POLL,
             Job::Read => READ,
+            Job::Load => LOAD,
         };
         let reading = Reading::default();
         Self { motor, job, config, steps, at: 0, tries: 0, rounds: 0, doubt: Doubt::None, count: 0, reading }
@@ -266,7 +272,7 @@ impl Run {
     /// A driver is not as it should be: writes what it must hold, if that may be written now.
     fn fail(&mut self, error: DriverError) -> Next {
         let again = match (self.job, error) {
-            (Job::Poll | Job::Read, _) | (_, DriverError::WrongChip(_)) => false,
+            (Job::Poll | Job::Read | Job::Load, _) | (_, DriverError::WrongChip(_)) => false,
             (Job::Verify, _) => true,
             (Job::Adjust, _) => {
                 matches!(error, DriverError::NotTaken | DriverError::Differs(_) | DriverError::Microsteps)

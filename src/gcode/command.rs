@@ -223,6 +223,13 @@ pub enum Command<'a> {
     HybridThreshold(AxisWords),
     /// M914: StallGuard threshold, or report.
     StallThreshold(AxisWords),
+    /// M915: align the motors of one belt, or see what has become of them.
+    AlignBelt {
+        /// D: say what has happened since they were aligned.
+        diagnoses: bool,
+        /// R: the same, and set it right.
+        repairs: bool,
+    },
     /// M593: the input shapers of the named axes, both if none is named, or report.
     Shaper {
         /// X and Y.

@@ -47,6 +47,7 @@ impl Grammar {
             (b'M', 17) => Self::of_axes(b"", NO_AXES),
             (b'M', 18 | 84) => Self { not_negative: b"S", ..Self::of_axes(b"S", NO_AXES) },
             (b'M', 92 | 201 | 203 | 906 | 913 | 914) => Self::of_axes(b"XYZE", NO_AXES),
+            (b'M', 915) => Self::numbers(b""),
             (b'M', 569) => Self::of_axes(b"", NO_AXES),
             (b'M', 73) => Self::numbers(b"PR"),
             (b'M', 111 | 113 | 154 | 155 | 220 | 221) => Self::numbers(b"S"),

@@ -92,6 +92,10 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         906 => Command::DriverCurrent(axis_words(text)),
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
+        915 => {
+            let [diagnoses, repairs] = [b'D', b'R'].map(|letter| last(text, letter).is_some());
+            Command::AlignBelt { diagnoses, repairs }
+        }
         999 => Command::Restart,
         _ => return otherwise,
     })

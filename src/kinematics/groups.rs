@@ -195,6 +195,13 @@ impl Groups {
     pub fn coupling(&self) -> Coupling {
         Coupling::new(self.groups.map(|group| (group.with, group.against)))
     }
+
+    /// The coupling of [`Grouping::Trim`]: a step of z turns `motor`, and nothing else turns.
+    #[must_use]
+    pub fn trim_coupling(&self, motor: Motor) -> Coupling {
+        let is_z = |group: &Group| group.axis() == Some(2);
+        Coupling::of_one(self.groups.iter().position(is_z).unwrap_or(MOST_GROUPS), motor)
+    }
 }
 
 /// What the motors of x and y are grouped for.
@@ -204,6 +211,20 @@ pub enum Grouping {
     Tool,
     /// The tool and a closed belt, which takes the place of z ([`Mechanism::circulating`]).
     Circulation,
+    /// A single motor of the belt, which takes the place of z ([`Mechanism::trimming`]).
+    Trim,
+}
+
+impl Grouping {
+    /// The rows of a mechanism as it is grouped so.
+    #[must_use]
+    pub fn rows_of(self, mechanism: &Mechanism) -> Mechanism {
+        match self {
+            Self::Tool => *mechanism,
+            Self::Circulation => mechanism.circulating(),
+            Self::Trim => Mechanism::trimming(),
+        }
+    }
 }
 
 /// The groups of a mechanism in every grouping that it may have.
@@ -213,16 +234,19 @@ pub struct Groupings {
     pub tool: Groups,
     /// [`Grouping::Circulation`]; nobody asks for it where no belt is closed.
     pub circulation: Groups,
+    /// [`Grouping::Trim`]; nobody asks for it where motors can't pull against each other.
+    pub trim: Groups,
 }
 
 impl Groupings {
     /// No motors at all.
-    pub const NONE: Self = Self { tool: Groups::NONE, circulation: Groups::NONE };
+    pub const NONE: Self = Self { tool: Groups::NONE, circulation: Groups::NONE, trim: Groups::NONE };
 
     /// Those of a mechanism that [`Mechanism::check`] finds sound.
     #[must_use]
     pub fn new(mechanism: &Mechanism) -> Self {
-        Self { tool: Groups::new(mechanism), circulation: Groups::new(&mechanism.circulating()) }
+        let groups = |grouping: Grouping| Groups::new(&grouping.rows_of(mechanism));
+        Self { tool: groups(Grouping::Tool), circulation: groups(Grouping::Circulation), trim: groups(Grouping::Trim) }
     }
 
     /// The groups in one of them.
@@ -231,6 +255,7 @@ impl Groupings {
         match grouping {
             Grouping::Tool => &self.tool,
             Grouping::Circulation => &self.circulation,
+            Grouping::Trim => &self.trim,
         }
     }
 }

@@ -194,6 +194,18 @@ impl Mechanism {
         mechanism
     }
 
+    /// One motor alone in the place of z; which one, the coupling says ([`Groups::trim_coupling`](super::Groups::trim_coupling)). X and y
+    /// have a row each, for a position has to have them, and stand.
+    #[must_use]
+    pub const fn trimming() -> Self {
+        let mut rows = [NOT_FITTED; Motor::ALL.len()];
+        rows[Motor::M1 as usize] = [0, 0, 1, 0];
+        rows[Motor::Z1 as usize] = [1, 0, 0, 0];
+        rows[Motor::Z2 as usize] = [0, 1, 0, 0];
+        rows[Motor::E0 as usize] = [0, 0, 0, 1];
+        Self { rows }
+    }
+
     /// The axis with the lowest number that a motor moves.
     #[must_use]
     pub fn axis_of(&self, motor: Motor) -> Option<usize> {

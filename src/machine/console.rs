@@ -29,6 +29,7 @@ use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::machine::state::retraction::Retraction;
 use crate::machine::state::self_tests::SelfTests;
+use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory, Planner};
 use crate::port::{Clock, DriverBus, MotorSet, Pend, Serial, Storage};
 use crate::protocol::{Activity, Replies};
@@ -60,6 +61,7 @@ pub struct Console<'m, P: PortSet, W: Pend> {
     pub(super) homed: Homed,
     pub(super) real: RealPosition<'m>,
     pub(super) circulation: Circulation,
+    pub(super) trimming: Trimming,
     /// What the motor drivers hold, and which motors have power.
     pub(super) drivers: Drivers,
     pub(super) idle_timeout: IdleTimeout,
@@ -117,6 +119,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Console<'m, Por
             homed: Homed::new([start.is_some(); 3]),
             real: RealPosition::new(groupings),
             circulation: Circulation::new(),
+            trimming: Trimming::new(),
             drivers,
             idle_timeout: IdleTimeout::new(now),
             pauses: Pauses::new(),

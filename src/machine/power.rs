@@ -2,7 +2,6 @@
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::fault::{self, Cause};
-use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
@@ -72,16 +71,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Lets rotors come to rest.
-    async fn settle(&mut self, until: Instant) -> Result<(), Interrupt> {
+    pub(super) async fn settle(&mut self, until: Instant) -> Result<(), Interrupt> {
         while self.ports.clock.now() < until {
             self.turn().await?;
         }
         Ok(())
-    }
-
-    /// What the motors could do to the belt.
-    fn residuals(&self) -> Residuals {
-        Residuals::new(&self.settings.mechanism, self.settings.belt.is_closed)
     }
 
     /// Takes power from motors, and from all that would go on pulling at the same belt; what they held is no longer where it was.
@@ -91,6 +85,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         // Nobody gets power that had none, so nobody has anything to prove.
         let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
         self.homed.release(motors, self.real.groups().mechanism());
+        let belt = self.residuals().motors();
+        if belt.without(motors) != belt {
+            self.trimming.forget();
+        }
     }
 
     /// Takes power from all motors when nothing has moved for long enough.

@@ -2,7 +2,7 @@
 //! changed by itself is a fault, which ends motion and heat.
 
 use crate::fault::{Cause, Fault};
-use crate::kinematics::{Grouping, Groups};
+use crate::kinematics::Groups;
 use crate::machine::console::{Console, PortSet};
 use crate::port::Pend;
 use crate::units::Instant;
@@ -25,12 +25,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Whether the groups in use are as they are when they are made once more. Others are looked at when they come into use.
     pub(super) fn are_groups_whole(&self) -> bool {
-        let mechanism = &self.settings.mechanism;
-        let anew = match self.real.grouping() {
-            Grouping::Tool => Groups::new(mechanism),
-            Grouping::Circulation => Groups::new(&mechanism.circulating()),
-        };
-        *self.real.groups() == anew
+        *self.real.groups() == Groups::new(&self.real.grouping().rows_of(&self.settings.mechanism))
     }
 
     /// Settings are summed up when they come; what follows from them is made once more and compared.

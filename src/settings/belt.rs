@@ -17,6 +17,35 @@ pub struct Belt {
     pub max_acceleration: MmPerSec2,
     /// How far the belt runs on after x and y are homed, so that it does not always bend at the same teeth; 0 is not at all.
     pub homing_advance: Mm,
+    /// What there is to do about motors that pull against each other and were not aligned since they got power.
+    pub alignment: Alignment,
+    /// What the motors are to strain the belt by when they are aligned: the sum of their residual, in mm of belt.
+    pub preload: Mm,
+}
+
+/// What there is to do about motors that pull against each other and were not aligned since they got power.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
+pub enum Alignment {
+    /// Nothing; M915 aligns them.
+    Off,
+    /// The host is told of the first printing move.
+    Warning,
+    /// Printing moves are refused.
+    Required,
+    /// They are aligned when x and y are homed.
+    Automatic,
+}
+
+impl Alignment {
+    /// All of them with their names in machine files.
+    pub const ALL: [(Self, &'static str); 4] =
+        [(Self::Off, "off"), (Self::Warning, "warning"), (Self::Required, "required"), (Self::Automatic, "automatic")];
+
+    /// Its name in machine files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::ALL.into_iter().find(|(kind, _)| *kind == self).map_or("", |(_, name)| name)
+    }
 }
 
 impl Belt {
@@ -31,6 +60,8 @@ impl Belt {
             max_speed: MmPerSec::const_from_int(100),
             max_acceleration: MmPerSec2::const_from_int(1500),
             homing_advance: Mm::ZERO,
+            alignment: Alignment::Off,
+            preload: Mm::ZERO,
         }
     }
 }

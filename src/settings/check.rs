@@ -81,6 +81,8 @@ pub mod ranges {
     pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
     /// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it may be twice.
     pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
+    /// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/belt.md).
+    pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
     /// How far a belt runs on after homing.
     pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
     /// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
@@ -244,7 +246,8 @@ fn belt(b: Belt) -> Result<(), SettingsError> {
     within(ranges::SETTLING_MS, b.settling_ms, "belt.settling")?;
     within(ranges::SPEED, b.max_speed, "belt.max_speed")?;
     within(ranges::ACCELERATION, b.max_acceleration, "belt.max_acceleration")?;
-    within(ranges::HOMING_ADVANCE, b.homing_advance, "belt.homing_advance")
+    within(ranges::HOMING_ADVANCE, b.homing_advance, "belt.homing_advance")?;
+    within(ranges::PRELOAD, b.preload, "belt.preload")
 }
 
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {

@@ -38,7 +38,7 @@ mod wiring;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
-pub use belt::Belt;
+pub use belt::{Alignment, Belt};
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
@@ -220,7 +220,16 @@ impl Settings {
             wiring,
             baud,
             probe,
-            belt: Belt { is_closed, settling_ms: _, max_speed: _, max_acceleration: _, homing_advance: _ },
+            belt:
+                Belt {
+                    is_closed,
+                    settling_ms: _,
+                    max_speed: _,
+                    max_acceleration: _,
+                    homing_advance: _,
+                    alignment: _,
+                    preload: _,
+                },
             axes: _,
             motor_max_speed: _,
             motor_max_acceleration: _,

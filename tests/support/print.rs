@@ -106,6 +106,11 @@ impl Display for Printed<'_> {
             Command::DriverCurrent(words) => axis_line(f, "M906", words),
             Command::HybridThreshold(words) => axis_line(f, "M913", words),
             Command::StallThreshold(words) => axis_line(f, "M914", words),
+            Command::AlignBelt { diagnoses, repairs } => {
+                f.write_str("M915")?;
+                f.write_str(if diagnoses { " D" } else { "" })?;
+                f.write_str(if repairs { " R" } else { "" })
+            }
             Command::Shaper { axes, frequency, damping, kind } => {
                 flags(f, "M593", axes)?;
                 word(f, 'F', frequency)?;

@@ -92,6 +92,9 @@ pub struct Checker {
     last_pulse: [Option<u64>; Motor::ALL.len()],
     /// What strains a belt that may run round.
     residuals: Option<Residuals>,
+    /// Motors that may be trimmed, and how far each was: who steps alone in an instant.
+    trims: MotorSet,
+    trimmed: [i64; Motor::ALL.len()],
     is_consistent: bool,
     findings: Findings,
 }
@@ -109,6 +112,8 @@ impl Checker {
             last_tick: 0,
             last_pulse: [None; Motor::ALL.len()],
             residuals: limits.circulates.then(|| Residuals::new(&s.mechanism, true)),
+            trims: if limits.trims { Residuals::new(&s.mechanism, s.belt.is_closed).motors() } else { MotorSet::NONE },
+            trimmed: [0; Motor::ALL.len()],
             is_consistent: true,
             findings: Findings::default(),
         }
@@ -125,7 +130,22 @@ impl Checker {
         let Self { sampler, gauge, changes, findings, .. } = self;
         changes.event(findings, tick, steps, forward);
         sampler.event(tick, steps, forward, |sample| gauge.measure(findings, sample));
+        self.note_trim(steps, forward);
         self.check_mechanism(tick);
+    }
+
+    fn note_trim(&mut self, steps: MotorSet, forward: MotorSet) {
+        for (motor, trimmed) in Motor::ALL.into_iter().zip(&mut self.trimmed) {
+            if self.trims.has(motor) && steps == MotorSet::of(motor) {
+                *trimmed += if forward.has(motor) { 1 } else { -1 };
+            }
+        }
+    }
+
+    /// The steps of each motor but for its trims.
+    fn untrimmed(&self) -> [i64; Motor::ALL.len()] {
+        let counts = self.sampler.counts();
+        std::array::from_fn(|motor| counts[motor] - self.trimmed[motor])
     }
 
     /// Ends the run, which should have made `expected` steps.
@@ -176,11 +196,11 @@ impl Checker {
     }
 
     fn check_mechanism(&mut self, tick: u64) {
-        let counts = self.sampler.counts();
+        let counts = self.untrimmed();
         let stands = |group: &Group| {
             let at = counts[group.lead as usize];
             Motor::ALL.into_iter().zip(counts).all(|(motor, count)| {
-                (!group.with.has(motor) || *count == at) && (!group.against.has(motor) || *count == -at)
+                (!group.with.has(motor) || count == at) && (!group.against.has(motor) || count == -at)
             })
         };
         let is_fitted = |group: &&Group| !group.motors().is_empty();
@@ -203,7 +223,7 @@ impl Checker {
 
     /// The greatest residual of a belt that may run round, in steps.
     fn residual(&self) -> i64 {
-        let counts = self.sampler.counts();
+        let counts = self.untrimmed();
         let sum =
             |residual: &Residual| residual.iter().zip(counts).map(|(times, count)| i64::from(*times) * count).sum();
         self.residuals.iter().flat_map(Residuals::iter).map(sum).map(i64::abs).max().unwrap_or_default()
@@ -212,7 +232,7 @@ impl Checker {
     /// The sum of counts that no position changes, if the mechanism has one, and what rounding keeps it below.
     fn strain(&self) -> Option<(i64, i64)> {
         let constraint = self.constraint?;
-        let counts = self.sampler.counts();
+        let counts = self.untrimmed();
         let parts =
             self.groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead as usize]);
         let most = constraint.iter().map(|times| i64::from(times.abs())).sum::<i64>() / 2;

@@ -22,7 +22,7 @@ use crate::host::{command_of, words};
 use corehbot::gcode::{Command, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;
-use corehbot::settings::{AxisEnd, AxisSettings, CornerRule, Settings, ranges};
+use corehbot::settings::{Alignment, AxisEnd, AxisSettings, CornerRule, Settings, ranges};
 use std::f64::consts::SQRT_2;
 
 /// What one coordinate may do, in mm and s.
@@ -53,6 +53,8 @@ pub struct Limits {
     pub is_judged: bool,
     /// Whether a closed belt may run round: motors that are one group then step each for itself.
     pub circulates: bool,
+    /// Whether motors of one belt may be turned against each other, one at a time.
+    pub trims: bool,
 }
 
 /// Settings of corners and of the advance, the widest that were in force.
@@ -147,7 +149,7 @@ impl Widening {
     /// The limits of a machine that was made with settings `s` and has others `stored`.
     #[must_use]
     pub fn new(s: &Settings, stored: Option<&Settings>) -> Self {
-        let mut limits = Limits { of: limits_of(s), is_judged: true, circulates: false };
+        let mut limits = Limits { of: limits_of(s), is_judged: true, circulates: false, trims: false };
         let mut widest = Widest::NONE;
         widest.widen(s);
         if let Some(stored) = stored {
@@ -209,7 +211,9 @@ impl Limits {
         match (letter, code) {
             ('G', 20.0) => *unit = 25.4,
             ('G', 21.0) => *unit = 1.0,
+            ('M', 915.0) => self.trims = true,
             ('G', 28.0) => {
+                self.trims |= s.belt.alignment == Alignment::Automatic;
                 self.circulates |= s.belt.is_closed && s.belt.homing_advance > 0;
                 let homing = s.homing.to_array().map(|h| h.fast.to_num::<f64>());
                 let ends = s.endstops.to_array().map(|switch| switch.end);

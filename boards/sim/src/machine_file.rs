@@ -31,8 +31,8 @@ pub(crate) use place::{with_suggestion, words};
 pub use problems::{Problem, problems};
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BED_EDGE, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
-    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, SETTLING, SPEED, TOLERANCE, put,
-    put_whole, quantity,
+    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, PRELOAD, SETTLING, SPEED,
+    TOLERANCE, put, put_whole, quantity,
 };
 use resolution::resolution;
 pub use schema::schema;
@@ -171,7 +171,9 @@ fn belt(b: &mut Belt, file: &BeltToml) -> Result<(), MachineFileError> {
     put(&mut b.settling_ms, "belt.settling", file.settling, &SETTLING)?;
     put(&mut b.max_speed, "belt.max_speed", file.max_speed, &SPEED)?;
     put(&mut b.max_acceleration, "belt.max_acceleration", file.max_acceleration, &ACCELERATION)?;
-    put(&mut b.homing_advance, "belt.homing_advance", file.homing_advance, &HOMING_ADVANCE)
+    put(&mut b.homing_advance, "belt.homing_advance", file.homing_advance, &HOMING_ADVANCE)?;
+    b.alignment = file.alignment.map_or(b.alignment, Into::into);
+    put(&mut b.preload, "belt.preload", file.preload, &PRELOAD)
 }
 
 /// Without a word on it, the bed is what the tool reaches.

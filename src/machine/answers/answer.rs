@@ -4,6 +4,7 @@
 //! here and an arm in `reports::tell`. A reply of several lines gets a function of its own, in `reports` or beside what it
 //! speaks of. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
+use super::belt_answer::BeltAnswer;
 use super::driver_value::DriverValue;
 use super::machine_answer::MachineAnswer;
 use super::setting::HeatSetting;
@@ -91,6 +92,8 @@ pub(in crate::machine) enum Answer<'a> {
     IllegalCurrent(&'static str),
     /// M122: a driver, and what it said; `None` without a UART.
     Driver(Motor, Option<Result<Reading, DriverError>>),
+    /// Motors that can pull against each other.
+    Belt(BeltAnswer),
     Storage(StorageNews),
     /// A machine over the serial line.
     Machine(MachineAnswer),

@@ -17,6 +17,7 @@
 //! | say | write a part, if there is room for it |
 
 pub(in crate::machine) mod answer;
+pub(in crate::machine) mod belt_answer;
 pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod machine_answer;
 pub(in crate::machine) mod setting;

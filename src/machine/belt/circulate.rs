@@ -9,6 +9,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::state::modal::FARTHEST;
 use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
+use crate::motors::Coupling;
 use crate::port::{DriverBus, EndstopSet, Pend};
 use crate::settings::{AxisSettings, Settings};
 use crate::units::{Mm, MmPerSec, Steps};
@@ -31,7 +32,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(in crate::machine) fn with_motion_settings<R>(&self, work: impl FnOnce(&Settings) -> R) -> R {
         match self.real.grouping() {
             Grouping::Tool => work(&self.settings),
-            Grouping::Circulation => work(&circulating(&self.settings)),
+            Grouping::Circulation | Grouping::Trim => work(&circulating(&self.settings)),
         }
     }
 
@@ -41,6 +42,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Grouping::Tool => position,
             Grouping::Circulation => {
                 let ([x, y, _, e], (_, z)) = (position, self.circulation.z());
+                [x, y, z, e]
+            }
+            Grouping::Trim => {
+                let ([.., e], [x, y, z, _]) = (position, self.planner.mm(self.trimming.held()));
                 [x, y, z, e]
             }
         }
@@ -118,7 +123,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Plans a move to the whole steps next to a position, where the counts of all motors agree.
-    fn plan_whole(&mut self, position: [Steps; 4], speed: MmPerSec, has_overrides: bool) {
+    pub(super) fn plan_whole(&mut self, position: [Steps; 4], speed: MmPerSec, has_overrides: bool) {
         let [x, y, c, e] = position;
         let [x, y, c] = [x, y, c].map(Steps::wrapping_round);
         let target = Target { position: self.planner.mm([x, y, c, e]), speed, has_overrides, watch: EndstopSet::NONE };
@@ -129,7 +134,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// The belt has run as far as it should, or was stopped: z has its place again. Motion rests.
     pub(in crate::machine) async fn end_circulation(&mut self) -> Result<(), Interrupt> {
-        if self.real.grouping() == Grouping::Tool {
+        if self.real.grouping() != Grouping::Circulation {
             return Ok(());
         }
         // No way at all, unless it was stopped between two places where the counts agree.
@@ -146,16 +151,27 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     /// Regroups the motors at rest; the machine stands at `position` then.
     async fn regroup(&mut self, grouping: Grouping, position: [Steps; 4]) -> Result<(), Interrupt> {
+        let coupling = self.real.groups_in(grouping).coupling();
+        self.couple(grouping, &coupling, position).await
+    }
+
+    /// The same with a coupling of its own.
+    pub(super) async fn couple(
+        &mut self,
+        grouping: Grouping,
+        coupling: &Coupling,
+        position: [Steps; 4],
+    ) -> Result<(), Interrupt> {
         self.real.regroup(grouping);
-        let groups = self.real.groups();
         if !self.are_groups_whole() {
             // Nobody has looked at those that were not in use.
             self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
         }
-        self.ports.drivers.couple(&groups.coupling());
+        self.ports.drivers.couple(coupling);
+        let groups = self.real.groups();
         match grouping {
             Grouping::Tool => self.planner.regroup(&self.settings, groups),
-            Grouping::Circulation => self.planner.regroup(&circulating(&self.settings), groups),
+            Grouping::Circulation | Grouping::Trim => self.planner.regroup(&circulating(&self.settings), groups),
         }
         self.adopt_exactly(position).await
     }

@@ -9,9 +9,30 @@
 //! | word | means |
 //! |---|---|
 //! | circulation, C | how far the belt has run round, in mm of belt; the third degree of freedom of equation 8 of the paper |
-//! | grouping | for which coordinates motors step together: for the tool alone, or for the tool and the circulation |
+//! | grouping | for which coordinates motors step together: for the tool alone, for the tool and the circulation, or a single motor |
+//! | residual | the sum of motors that no motion of the tool and no circulation changes: what they strain the belt by (`kinematics::residuals`) |
+//! | trim | one motor is turned alone, which changes the residual |
+//! | aligned | the residual is what it should be: 0, or the preload |
+//! | apex | the trim with which motors bear least |
+//! | skip | a rotor that settled an electrical turn of four full steps beside its field |
+//! | aside | how far the tool is from where the steps say, as its switches tell |
 //!
 //! While the belt runs round, its circulation has the place of z, which stands: the planner, the generator and the step pins are
 //! regrouped at rest ([`Mechanism::circulating`](crate::kinematics::Mechanism::circulating)), as if the machine were a CoreXYZ, and back at rest.
 
+//!
+//! | file | what |
+//! |---|---|
+//! | [`circulate`] | the belt runs round (C in G0, G1) |
+//! | [`trim`] | one motor is turned alone |
+//! | [`load_curve`] | where motors bear least, from what their drivers measure |
+//! | [`align`] | motors are aligned (M915, G28) |
+//! | [`diagnosis`] | which motor has skipped |
+//! | [`touch`] | the switches are met once more, and what to do then (M915 D, R) |
+
+mod align;
 mod circulate;
+mod diagnosis;
+mod load_curve;
+mod touch;
+mod trim;

@@ -10,6 +10,7 @@ use crate::connectors::Heater;
 use crate::driver::Job;
 use crate::gcode::{AxisFlags, AxisWords, MachineRecord, Number};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
 use crate::machine::console::{Console, PortSet};
@@ -43,6 +44,8 @@ pub(in crate::machine) enum Blocking<'c> {
     EnableMotors(AxisFlags),
     /// M18, M84.
     DisableMotors(AxisFlags),
+    /// M915.
+    AlignBelt { diagnoses: bool, repairs: bool },
     /// M0, M1, M600, M601.
     AwaitUser { ms: u32, filament: bool },
     /// M25.
@@ -137,6 +140,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Blocking::SelfTest => return self.test_heaters().await,
             Blocking::MachineRecord(order) => return self.exchange_machine(order).await,
+            Blocking::AlignBelt { diagnoses, repairs } => {
+                return if diagnoses || repairs { self.examine_belt(repairs).await } else { self.align_belt().await };
+            }
             Blocking::ReportEndstops => {
                 self.link.look_at_endstops();
                 self.turn().await?;
@@ -144,6 +150,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Blocking::Diagnose => {
                 self.report_drivers().await?;
+                if !self.residuals().is_empty() {
+                    self.tell(Answer::Belt(BeltAnswer::State)).await?;
+                }
                 self.tell(Answer::Overload).await?;
                 return Ok(Answer::Heat);
             }

@@ -32,7 +32,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::state::notices::Notice;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::settings::{Endstop, HomedAxis, Homing};
+use crate::settings::{Alignment, Endstop, HomedAxis, Homing};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// How far beyond an axis' length the switch is looked for: the machine may stand a little outside.
@@ -85,35 +85,79 @@ struct Axis {
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// G28. Whichever axis fails, the print must not go on: the machine halts.
     pub(in crate::machine) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
+        let aligns = self.settings.belt.alignment == Alignment::Automatic && self.lacks_alignment();
+        self.home_and_align(flags, aligns).await
+    }
+
+    /// The same; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
+    pub(in crate::machine) async fn home_and_align(&mut self, flags: AxisFlags, aligns: bool) -> Result<(), Interrupt> {
         self.finish().await?;
         // Power first: where there is none, nothing is homed and the axes keep their homes.
         self.power(self.real.groups().fitted()).await?;
         let all = !(flags.x || flags.y || flags.z);
+        let mut is_home = [false; 3];
+        let mut aligns = aligns;
         for axis in self.settings.homing_order {
             if !(all || is_named(flags, axis)) {
                 continue;
             }
-            let axis = self.axis(axis);
-            self.homed.begin(axis.index);
-            let result = self.home_axis(&axis).await;
-            if !matches!(result, Err(HomeError::Interrupted(_))) {
-                self.homed.stop();
+            self.home_named(axis).await?;
+            if let Some(is_home) = is_home.get_mut(axis as usize) {
+                *is_home = true;
             }
-            match result {
-                Ok(()) => {}
-                Err(HomeError::Interrupted(interrupt)) => return Err(interrupt),
-                Err(HomeError::Failed(why)) => {
-                    self.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
-                    return Err(Interrupt::Halt);
-                }
+            if let [true, true, _] = is_home
+                && core::mem::take(&mut aligns)
+            {
+                self.align_and_tell().await?;
+                self.home_named(HomedAxis::X).await?;
+                self.home_named(HomedAxis::Y).await?;
             }
         }
-        let is_belt_home = [HomedAxis::X, HomedAxis::Y].into_iter().all(|axis| all || is_named(flags, axis));
-        if is_belt_home {
+        if let [true, true, _] = is_home {
             self.advance_belt().await?;
         }
         self.notices.renew(Notice::Edge);
         Ok(())
+    }
+
+    async fn home_named(&mut self, axis: HomedAxis) -> Result<(), Interrupt> {
+        let axis = self.axis(axis);
+        self.homed.begin(axis.index);
+        let result = self.home_axis(&axis).await;
+        self.end_homing(&axis, result).await
+    }
+
+    /// Tells why homing failed, if it did; then the print must not go on.
+    async fn end_homing<T>(&mut self, axis: &Axis, result: Result<T, HomeError>) -> Result<T, Interrupt> {
+        if !matches!(result, Err(HomeError::Interrupted(_))) {
+            self.homed.stop();
+        }
+        match result {
+            Ok(found) => Ok(found),
+            Err(HomeError::Interrupted(interrupt)) => Err(interrupt),
+            Err(HomeError::Failed(why)) => {
+                self.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
+                Err(Interrupt::Halt)
+            }
+        }
+    }
+
+    /// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool stands so far
+    /// beside where the steps say.
+    pub(in crate::machine) async fn touch(&mut self, axis: HomedAxis) -> Result<i32, Interrupt> {
+        let axis = self.axis(axis);
+        let result = self.touch_axis(&axis).await;
+        self.end_homing(&axis, result).await
+    }
+
+    async fn touch_axis(&mut self, axis: &Axis) -> Result<i32, HomeError> {
+        let back_off = self.find_switch(axis).await?;
+        let met = self.real_steps();
+        let places = self.planner.steps([axis.endstop.position; 4]);
+        let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
+        self.travel(axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+        self.modal.position = self.retraction.commanded(self.planner.mm(self.planner.end()));
+        Ok(aside.unwrap_or_default().wrapping_round().to_num())
     }
 
     /// What there is to know of an axis.
@@ -129,6 +173,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
+        self.find_switch(axis).await?;
+        self.stand_at_switch(axis).await?;
+        self.homed.arrive(axis.index);
+        self.modal.forget_origin(axis.index);
+        Ok(())
+    }
+
+    /// Finds the switch fast, backs off and finds it slowly. Gives how far it backed off.
+    async fn find_switch(&mut self, axis: &Axis) -> Result<Mm, HomeError> {
         let start = self.real_steps();
         if !self.approach(axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
             return Err(NO_TRIGGER);
@@ -146,10 +199,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.real_steps() == before {
             return Err(STILL_PRESSED);
         }
-        self.stand_at_switch(axis).await?;
-        self.homed.arrive(axis.index);
-        self.modal.forget_origin(axis.index);
-        Ok(())
+        Ok(back_off)
     }
 
     /// Moves towards the switch; true if it was met.

@@ -75,6 +75,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::RestoreFeedPercent => {
                 return Outcome::TakesTime(Blocking::FeedPercent(modal.kept_feed_percent));
             }
+            Command::AlignBelt { diagnoses, repairs } => {
+                return Outcome::TakesTime(Blocking::AlignBelt { diagnoses, repairs });
+            }
             Command::ReportEndstops => return Outcome::TakesTime(Blocking::ReportEndstops),
             Command::Diagnose => return Outcome::TakesTime(Blocking::Diagnose),
             Command::HeaterWait { heater, tool, target, cools } => {

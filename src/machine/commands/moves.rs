@@ -5,6 +5,7 @@
 use super::arcs::arc::{Arc, Shape, join, split};
 use crate::gcode::{ArcShape, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::state::modal::Wanted;
@@ -12,6 +13,7 @@ use crate::machine::state::notices::Notice;
 use crate::machine::state::retraction::RetractionMove;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
+use crate::settings::Alignment;
 use crate::units::{Mm, part_of};
 
 /// The arguments of G2 and G3.
@@ -38,6 +40,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if !self.may_move(moves).await? {
             return Ok(Answer::NotHomed);
         }
+        let [x, y, _] = moves;
+        if (x || y) && !self.may_print(wanted.position).await? {
+            return Ok(Answer::Belt(BeltAnswer::Needed));
+        }
         self.go(wanted.position, feed).await?;
         self.modal.feed = feed;
         self.modal.extrusion = wanted.extrusion;
@@ -55,6 +61,24 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         if self.notices.give(Notice::MotionBeforeHoming) {
             self.tell(Answer::Line("echo:motion before homing (G28), the ends of the axes are not known")).await?;
+        }
+        Ok(true)
+    }
+
+    /// Whether a move of x and y to `position` may be made: it does not print, or the motors of the belt are aligned, or need not be, of
+    /// which the host is told once.
+    async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
+        let ([.., to], [.., from]) = (position, self.modal.position);
+        let rule = self.settings.belt.alignment;
+        if rule == Alignment::Off || to.wrapping_sub(from) <= 0 || !self.lacks_alignment() {
+            return Ok(true);
+        }
+        if rule == Alignment::Required {
+            self.clamps.clear();
+            return Ok(false);
+        }
+        if self.notices.give(Notice::NotAligned) {
+            self.tell(Answer::Line("echo:printing with belt motors that are not aligned (M915)")).await?;
         }
         Ok(true)
     }
@@ -93,6 +117,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let [x, y, z, _] = join(plane, [true, true], [sz != ez, false]);
         if !self.may_move([x, y, z]).await? {
             return Ok(Answer::NotHomed);
+        }
+        if !self.may_print(wanted.position).await? {
+            return Ok(Answer::Belt(BeltAnswer::Needed));
         }
         self.modal.feed = speed;
         let begin = self.modal.extrusion;

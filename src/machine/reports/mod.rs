@@ -17,6 +17,7 @@
 //! | tell | say all parts of an answer, waiting for room |
 //! | give notice | say something once, and not with every line that it is true of |
 
+pub(in crate::machine) mod belt_report;
 pub(in crate::machine) mod driver_report;
 pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod machine_report;

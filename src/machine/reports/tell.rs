@@ -1,5 +1,6 @@
 //! Telling: the Console writes an answer, and waits wherever there is no room for a part of it.
 
+use super::belt_report::say_belt;
 use super::driver_report::{say_driver, say_driver_values};
 use super::heat_report::{Temperatures, say_heat, say_tuned};
 use super::machine_report::say_machine;
@@ -62,7 +63,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
         let at = if real { self.seen(at_motors) } else { self.modal.position };
         let ran = match (real, self.real.grouping()) {
             (false, _) => self.circulation.commanded,
-            (true, Grouping::Tool) => self.circulation.length(self.settings.axes.x.steps_per_mm),
+            (true, Grouping::Tool | Grouping::Trim) => self.circulation.length(self.settings.axes.x.steps_per_mm),
             (true, Grouping::Circulation) => {
                 let [_, _, on_the_way, _] = at_motors;
                 self.circulation.length(self.settings.axes.x.steps_per_mm) + on_the_way
@@ -83,6 +84,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
         }
         let temperatures = self.temperatures();
+        let residuals = self.residuals();
         let targets = Heater::ALL.map(|heater| self.target_of(heater));
         let Self {
             hosts,
@@ -96,6 +98,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             homed,
             drivers,
             machine_pieces,
+            trimming,
             ..
         } = self;
         let allows_cold = &self.allows_cold;
@@ -174,6 +177,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
                 to.say(format_args!("echo:{code} ignored: {least} to {most} mA"));
             }
             Answer::Driver(motor, reading) => say_driver(to, (motor, reading), drivers, s),
+            Answer::Belt(answer) => say_belt(to, &answer, &residuals, trimming, s),
             Answer::Storage(news) => say_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor was given power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),

@@ -11,14 +11,12 @@ pub(in crate::machine) struct Circulation {
     steps: i64,
     /// Where z stands while the belt has its place in the planner, in steps and in mm.
     z: (Steps, Mm),
-    /// It has ever run round.
-    has_begun: bool,
 }
 
 impl Circulation {
     /// The belt lies where it lay at the start.
     pub const fn new() -> Self {
-        Self { commanded: Mm::ZERO, steps: 0, z: (Steps::ZERO, Mm::ZERO), has_begun: false }
+        Self { commanded: Mm::ZERO, steps: 0, z: (Steps::ZERO, Mm::ZERO) }
     }
 
     /// How far it has run round.
@@ -34,12 +32,7 @@ impl Circulation {
 
     /// The belt takes the place of z, which stands there.
     pub const fn begin(&mut self, z: (Steps, Mm)) {
-        (self.z, self.has_begun) = (z, true);
-    }
-
-    /// Whether it ever has.
-    pub const fn has_begun(&self) -> bool {
-        self.has_begun
+        self.z = z;
     }
 
     /// It has run on by so many steps.

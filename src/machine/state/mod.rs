@@ -9,6 +9,7 @@
 //! | G90 to G92, G20, F, overrides | [`modal`] |
 //! | G10, G11 | [`retraction`] |
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
+//! | a belt that runs round, motors of one belt that agree | [`circulation`], [`trimming`] |
 //! | what a command waits for, M25 | [`pauses`], [`waiting`] |
 //! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | a machine on its way over the line | [`machine_pieces`] |
@@ -40,4 +41,5 @@ pub(in crate::machine) mod position;
 pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod self_tests;
 pub(in crate::machine) mod soft_endstops;
+pub(in crate::machine) mod trimming;
 pub(in crate::machine) mod waiting;

@@ -19,6 +19,8 @@ pub(in crate::machine) enum Notice {
     Cold,
     /// A fan was commanded that something else decides on.
     Fan,
+    /// Motors of one belt print that are not aligned.
+    NotAligned,
 }
 
 /// The notices that were given.
@@ -32,6 +34,7 @@ pub(in crate::machine) struct Notices {
     no_bed: bool,
     cold: bool,
     fan: bool,
+    not_aligned: bool,
 }
 
 impl Notices {
@@ -46,6 +49,7 @@ impl Notices {
             no_bed: false,
             cold: false,
             fan: false,
+            not_aligned: false,
         }
     }
 
@@ -59,6 +63,7 @@ impl Notices {
             Notice::NoBed => &mut self.no_bed,
             Notice::Cold => &mut self.cold,
             Notice::Fan => &mut self.fan,
+            Notice::NotAligned => &mut self.not_aligned,
         }
     }
 
@@ -75,7 +80,9 @@ impl Notices {
     /// Another print begins: what is true of its lines is said anew.
     pub fn renew_for_print(&mut self) {
         self.renew_for_position();
-        for notice in [Notice::Corners, Notice::NoHotend, Notice::NoBed, Notice::Cold, Notice::Fan] {
+        let told_of_prints =
+            [Notice::Corners, Notice::NoHotend, Notice::NoBed, Notice::Cold, Notice::Fan, Notice::NotAligned];
+        for notice in told_of_prints {
             self.renew(notice);
         }
     }

@@ -67,6 +67,8 @@ impl Homed {
 pub(in crate::machine) struct RealPosition<'m> {
     groupings: &'m Groupings,
     grouping: Grouping,
+    /// They were ever grouped otherwise than at the start.
+    has_regrouped: bool,
     /// Position of each group at count 0, in steps.
     origin: [i32; MOST_GROUPS],
 }
@@ -74,7 +76,7 @@ pub(in crate::machine) struct RealPosition<'m> {
 impl<'m> RealPosition<'m> {
     /// All groups stand at 0 and have counted nothing.
     pub const fn new(groupings: &'m Groupings) -> Self {
-        Self { groupings, grouping: Grouping::Tool, origin: [0; MOST_GROUPS] }
+        Self { groupings, grouping: Grouping::Tool, has_regrouped: false, origin: [0; MOST_GROUPS] }
     }
 
     /// The motor groups as they are now.
@@ -89,7 +91,17 @@ impl<'m> RealPosition<'m> {
 
     /// From now on they are grouped so. What a count means is to be adopted anew.
     pub const fn regroup(&mut self, grouping: Grouping) {
-        self.grouping = grouping;
+        (self.grouping, self.has_regrouped) = (grouping, true);
+    }
+
+    /// Whether they were ever grouped otherwise than at the start, so that the generator has to be told how.
+    pub const fn has_regrouped(&self) -> bool {
+        self.has_regrouped
+    }
+
+    /// The motor groups as they are when they are grouped so.
+    pub const fn groups_in(&self, grouping: Grouping) -> &'m Groups {
+        self.groupings.of(grouping)
     }
 
     /// The machine stands here now, whatever was counted.

@@ -65,6 +65,8 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         self.drop_motion().await?;
         self.end_circulation().await?;
+        self.end_trim().await?;
+        self.stop_measuring();
         if self.homed.stop() {
             self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }
@@ -82,7 +84,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.planner.stand_at(position);
         self.real.adopt(position, self.link.counts());
         self.until(|c| c.link.has_room()).await?;
-        if self.circulation.has_begun() {
+        if self.real.has_regrouped() {
             self.link.send(Work::Regroup(self.real.grouping()));
             self.until(|c| c.link.has_room()).await?;
         }

@@ -2,7 +2,7 @@
 //!
 //! A hit is something that the tool runs into: when it first comes within 1 mm of a place, on the way, a force acts against
 //! its motion for a time. It takes so many newtons to go on; a tool that has come to a halt is held, and not thrown back. A
-//! brake is something that rubs on a rotor from some motion time on, for good.
+//! brake is something that rubs on a rotor from some motion time on, for good or for a time.
 
 use corehbot::motors::Motor;
 use corehbot::units::TICKS_PER_MS;
@@ -45,6 +45,8 @@ pub struct Brake {
     pub force_n: f64,
     /// From which motion time on.
     pub from_s: f64,
+    /// How long; for good if there is none.
+    pub ms: Option<f64>,
 }
 
 /// All of them.
@@ -89,6 +91,10 @@ fn force_of(text: &str) -> Result<f64, AccidentError> {
     number(text, "force of 0 to 10,000 N", [0.0, MOST_N])
 }
 
+fn duration_ms(text: &str) -> Result<f64, AccidentError> {
+    number(text, "time of 0 to 60,000 ms", [0.0, LONGEST_MS])
+}
+
 impl std::str::FromStr for Hit {
     type Err = AccidentError;
 
@@ -97,7 +103,7 @@ impl std::str::FromStr for Hit {
             return Err(AccidentError::Parts("X,Y,N,MS"));
         };
         let place = |text| number(text, "position in mm", [-FARTHEST_MM, FARTHEST_MM]);
-        let ms = number(ms, "time of 0 to 60,000 ms", [0.0, LONGEST_MS])?;
+        let ms = duration_ms(ms)?;
         Ok(Self { at_mm: [place(x)?, place(y)?], force_n: force_of(force)?, ms })
     }
 }
@@ -106,10 +112,11 @@ impl std::str::FromStr for Brake {
     type Err = AccidentError;
 
     fn from_str(text: &str) -> Result<Self, AccidentError> {
-        let (motor, force, from) = match text.split(',').collect::<Vec<_>>()[..] {
-            [motor, force] => (motor, force, "0"),
-            [motor, force, from] => (motor, force, from),
-            _ => return Err(AccidentError::Parts("MOTOR,N or MOTOR,N,S")),
+        let (motor, force, from, ms) = match text.split(',').collect::<Vec<_>>()[..] {
+            [motor, force] => (motor, force, "0", None),
+            [motor, force, from] => (motor, force, from, None),
+            [motor, force, from, ms] => (motor, force, from, Some(ms)),
+            _ => return Err(AccidentError::Parts("MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS")),
         };
         let belt = [Motor::M1, Motor::M4, Motor::M8, Motor::M11];
         let found = belt.into_iter().find(|known| known.name() == motor.trim());
@@ -118,14 +125,15 @@ impl std::str::FromStr for Brake {
             motor: found.ok_or_else(|| AccidentError::Motor(motor.to_owned()))?,
             force_n: force_of(force)?,
             from_s,
+            ms: ms.map(duration_ms).transpose()?,
         })
     }
 }
 
-/// How far a hit has come.
+/// How far an accident has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum HitState {
-    /// The tool has not come by.
+pub(super) enum AccidentState {
+    /// The tool has not come by, or it is not its time.
     Waiting,
     /// It acts with so many N, until a time in ticks.
     Acting(f64, u64),
@@ -133,41 +141,58 @@ pub(super) enum HitState {
     Over,
 }
 
-impl HitState {
+impl AccidentState {
+    /// A brake rubs from `now` on.
+    pub(super) fn rub(&mut self, brake: &Brake, now: u64) {
+        if *self == Self::Waiting {
+            let end = brake.ms.map_or(u64::MAX, |ms| now + ticks(ms));
+            *self = Self::Acting(brake.force_n, end);
+        }
+    }
+
+    /// The N with which it acts.
+    pub(super) const fn force_n(&self) -> f64 {
+        match self {
+            Self::Acting(force, _) => *force,
+            Self::Waiting | Self::Over => 0.0,
+        }
+    }
+
     /// Begins if the tool is there and on its way.
     pub(super) fn begin(&mut self, hit: &Hit, now: u64, tool_mm: [f64; 2], [vx, vy]: [f64; 2]) {
         let away = (tool_mm[0] - hit.at_mm[0]).hypot(tool_mm[1] - hit.at_mm[1]);
         if *self == Self::Waiting && away <= NEAR_MM && vx.hypot(vy) > ON_ITS_WAY_MM_S {
-            *self = Self::Acting(hit.force_n, now + (hit.ms * f64::from(TICKS_PER_MS)).round() as u64);
+            *self = Self::Acting(hit.force_n, now + ticks(hit.ms));
         }
     }
 }
 
-/// When the next hit ends, if any acts.
-pub(super) fn next_end(hits: &[HitState]) -> Option<u64> {
-    let end = |hit: &HitState| match hit {
-        HitState::Acting(_, end) => Some(*end),
-        _ => None,
+/// Milliseconds in ticks.
+fn ticks(ms: f64) -> u64 {
+    (ms * f64::from(TICKS_PER_MS)).round() as u64
+}
+
+/// When the next of them ends, if any acts.
+pub(super) fn next_end<'s>(states: impl IntoIterator<Item = &'s AccidentState>) -> Option<u64> {
+    let end = |state: &AccidentState| match state {
+        AccidentState::Acting(_, end) => Some(*end),
+        AccidentState::Waiting | AccidentState::Over => None,
     };
-    hits.iter().filter_map(end).min()
+    states.into_iter().filter_map(end).min()
 }
 
 /// Ends those that act no longer than to `now`.
-pub(super) fn end_hits(hits: &mut [HitState], now: u64) {
-    for hit in hits {
-        if matches!(hit, HitState::Acting(_, end) if *end <= now) {
-            *hit = HitState::Over;
+pub(super) fn end_all(states: &mut [AccidentState], now: u64) {
+    for state in states {
+        if matches!(state, AccidentState::Acting(_, end) if *end <= now) {
+            *state = AccidentState::Over;
         }
     }
 }
 
 /// What it takes to go on, in N.
-pub(super) fn force_n(hits: &[HitState]) -> f64 {
-    let force = |hit: &HitState| match hit {
-        HitState::Acting(force, _) => *force,
-        _ => 0.0,
-    };
-    hits.iter().map(force).sum()
+pub(super) fn force_n(states: &[AccidentState]) -> f64 {
+    states.iter().map(AccidentState::force_n).sum()
 }
 
 #[cfg(test)]
@@ -177,8 +202,10 @@ mod tests {
     #[test]
     fn accidents_are_read_or_named() {
         assert_eq!("100,85.5,200,30".parse(), Ok(Hit { at_mm: [100.0, 85.5], force_n: 200.0, ms: 30.0 }));
-        assert_eq!("m11,40".parse(), Ok(Brake { motor: Motor::M11, force_n: 40.0, from_s: 0.0 }));
-        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: Motor::M1, force_n: 40.0, from_s: 2.5 }));
+        assert_eq!("m11,40".parse(), Ok(Brake { motor: Motor::M11, force_n: 40.0, from_s: 0.0, ms: None }));
+        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: Motor::M1, force_n: 40.0, from_s: 2.5, ms: None }));
+        let brief = Brake { motor: Motor::M8, force_n: 40.0, from_s: 2.5, ms: Some(30.0) };
+        assert_eq!("m8,40,2.5,30".parse(), Ok(brief));
         let hit = |text: &str| text.parse::<Hit>().unwrap_err().to_string();
         assert_eq!(hit("1,2,3"), "X,Y,N,MS is wanted");
         assert_eq!(hit("1,nan,3,4"), "`nan` is no position in mm");
@@ -186,23 +213,23 @@ mod tests {
         assert_eq!(hit("1,2,3,inf"), "`inf` is no time of 0 to 60,000 ms");
         let brake = |text: &str| text.parse::<Brake>().unwrap_err().to_string();
         assert_eq!(brake("z1,3"), "`z1` is no belt motor: m1, m4, m8, m11");
-        assert_eq!(brake("m1"), "MOTOR,N or MOTOR,N,S is wanted");
+        assert_eq!(brake("m1"), "MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS is wanted");
         assert_eq!(brake("m1,3,-1"), "`-1` is no time in s");
     }
 
     #[test]
     fn a_hit_acts_once_and_for_its_time() {
         let hit = Hit { at_mm: [10.0, 0.0], force_n: 50.0, ms: 2.0 };
-        let mut hits = [HitState::Waiting];
+        let mut hits = [AccidentState::Waiting];
         hits[0].begin(&hit, 0, [8.9, 0.0], [100.0, 0.0]);
         hits[0].begin(&hit, 0, [9.5, 0.0], [0.5, 0.0]);
-        assert_eq!(hits, [HitState::Waiting]);
+        assert_eq!(hits, [AccidentState::Waiting]);
         hits[0].begin(&hit, 100, [9.1, 0.0], [30.0, 40.0]);
         assert_eq!((force_n(&hits), next_end(&hits)), (50.0, Some(20_100)));
-        end_hits(&mut hits, 20_099);
+        end_all(&mut hits, 20_099);
         assert_eq!(next_end(&hits), Some(20_100));
-        end_hits(&mut hits, 20_100);
+        end_all(&mut hits, 20_100);
         hits[0].begin(&hit, 30_000, [10.0, 0.0], [100.0, 0.0]);
-        assert_eq!((hits[0], force_n(&hits)), (HitState::Over, 0.0));
+        assert_eq!((hits[0], force_n(&hits)), (AccidentState::Over, 0.0));
     }
 }

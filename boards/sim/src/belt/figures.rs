@@ -1,7 +1,7 @@
 //! Figures: what became of the machine, for a person and for a program.
 
 use super::BeltPlant;
-use super::accident::HitState;
+use super::accident::AccidentState;
 use serde::Serialize;
 use std::fmt;
 
@@ -73,7 +73,7 @@ impl BeltPlant {
             off_mm: off.map(|[x, y]| rounded(x.hypot(y))),
             off_xy_mm: off.map(|off| off.map(rounded)),
             largest_off_mm: rounded(self.largest_off_mm),
-            missed_hits: self.hits.iter().filter(|hit| **hit == HitState::Waiting).count(),
+            missed_hits: self.hits.iter().filter(|hit| **hit == AccidentState::Waiting).count(),
         }
     }
 }

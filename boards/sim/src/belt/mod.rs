@@ -30,7 +30,7 @@ mod load;
 mod timeline;
 
 use crate::drivers::Drivers;
-use accident::{Accidents, HitState};
+use accident::{AccidentState, Accidents};
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
@@ -73,7 +73,8 @@ pub struct BeltPlant {
     switches: [Endstop; 2],
     powered: MotorSet,
     accidents: Accidents,
-    hits: Vec<HitState>,
+    hits: Vec<AccidentState>,
+    brakes: Vec<AccidentState>,
     /// Whether homing or printing has begun.
     has_begun: bool,
     /// How far the tool was off where each switch was met; none before.
@@ -118,7 +119,8 @@ impl BeltPlant {
             origin,
             switches: [settings.endstops.x, settings.endstops.y],
             powered: MotorSet::NONE,
-            hits: vec![HitState::Waiting; accidents.hits.len()],
+            hits: vec![AccidentState::Waiting; accidents.hits.len()],
+            brakes: vec![AccidentState::Waiting; accidents.brakes.len()],
             accidents,
             has_begun: is_known,
             met: [is_known.then_some(0.0); 2],
@@ -250,12 +252,14 @@ impl BeltPlant {
         [place.x - self.origin.x, place.y - self.origin.y]
     }
 
-    /// Moves on to `now`, with the ends of hits on the way.
+    /// Moves on to `now`, with the ends of accidents on the way.
     fn advance(&mut self, now: u64) {
-        while let Some(end) = accident::next_end(&self.hits).filter(|end| *end <= now) {
+        while let Some(end) = accident::next_end(self.hits.iter().chain(&self.brakes)).filter(|end| *end <= now) {
             self.live.advance(end);
-            accident::end_hits(&mut self.hits, end);
+            accident::end_all(&mut self.hits, end);
+            accident::end_all(&mut self.brakes, end);
             self.live.obstruct(accident::force_n(&self.hits));
+            self.rub();
         }
         self.live.advance(now);
         for skip in self.live.take_skips() {
@@ -273,7 +277,7 @@ impl BeltPlant {
 
     /// Hits and brakes begin.
     fn happen(&mut self, now: u64) {
-        if self.has_begun && self.hits.contains(&HitState::Waiting) {
+        if self.has_begun && self.hits.contains(&AccidentState::Waiting) {
             let (tool, velocity) = (self.tool_mm(), self.live.velocity_mm_s());
             for (state, hit) in self.hits.iter_mut().zip(&self.accidents.hits) {
                 state.begin(hit, now, tool, velocity);
@@ -281,11 +285,20 @@ impl BeltPlant {
             self.live.obstruct(accident::force_n(&self.hits));
         }
         let motion_s = self.timeline.now_s();
-        for brake in self.accidents.brakes.iter().filter(|brake| brake.from_s <= motion_s) {
-            let on = |drive: &layout::MotorDrive| drive.motor == brake.motor;
-            for index in (0..self.layout.drives.len()).filter(|index| self.layout.drives.get(*index).is_some_and(on)) {
-                self.live.brake(index, brake.force_n);
+        for (state, brake) in self.brakes.iter_mut().zip(&self.accidents.brakes) {
+            if brake.from_s <= motion_s {
+                state.rub(brake, now);
             }
+        }
+        self.rub();
+    }
+
+    /// Rotors are rubbed on as hard as brakes act now.
+    fn rub(&mut self) {
+        for (index, drive) in self.layout.drives.iter().enumerate() {
+            let both = self.brakes.iter().zip(&self.accidents.brakes);
+            let force_n = both.filter(|(_, brake)| brake.motor == drive.motor).map(|(state, _)| state.force_n()).sum();
+            self.live.brake(index, force_n);
         }
     }
 

@@ -5,6 +5,7 @@ mod heat;
 mod motion;
 
 use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
+use corehbot::settings::Alignment;
 use corehbot::settings::ranges::BAUD;
 pub(super) use heat::{
     FanToml, FansToml, GuardsToml, HeaterToml, HeatersToml, ModelToml, PidToml, ThermalToml, ThermistorToml,
@@ -183,6 +184,32 @@ pub(super) struct BeltToml {
     pub max_acceleration: Option<f64>,
     /// How far the belt runs on after x and y are homed, in mm, so that it does not always bend at the same teeth; 0 is not at all.
     pub homing_advance: Option<f64>,
+    /// What there is to do about motors of one belt that were not aligned (M915) since they got power.
+    pub alignment: Option<AlignmentToml>,
+    /// What motors are to strain the belt by when they are aligned, in mm of belt: their residual.
+    pub preload: Option<f64>,
+}
+
+/// Off: nothing. Warning: the host is told of the first printing move. Required: printing moves are refused. Automatic: they are aligned
+/// when x and y are homed.
+#[derive(Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum AlignmentToml {
+    Off,
+    Warning,
+    Required,
+    Automatic,
+}
+
+impl From<AlignmentToml> for Alignment {
+    fn from(alignment: AlignmentToml) -> Self {
+        match alignment {
+            AlignmentToml::Off => Self::Off,
+            AlignmentToml::Warning => Self::Warning,
+            AlignmentToml::Required => Self::Required,
+            AlignmentToml::Automatic => Self::Automatic,
+        }
+    }
 }
 
 /// A row a motor that is fitted.

@@ -79,6 +79,8 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
             ("max_speed", number(b.max_speed, &q::SPEED)),
             ("max_acceleration", number(b.max_acceleration, &q::ACCELERATION)),
             ("homing_advance", number(b.homing_advance, &q::HOMING_ADVANCE)),
+            ("alignment", b.alignment.name().into()),
+            ("preload", number(b.preload, &q::PRELOAD)),
         ]),
     );
     file.insert("homing".into(), homing(s));

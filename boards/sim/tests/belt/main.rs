@@ -2,8 +2,10 @@
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod accidents;
+mod alignment;
 mod command;
 mod loads;
 mod power;
 mod printer;
 mod quiet;
+mod skips;

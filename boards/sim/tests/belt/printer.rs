@@ -8,7 +8,9 @@ use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::world::{Desk, Host, Outcome, Sink, run_at};
+use corehbot_twin::params::Params;
 use std::collections::VecDeque;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Sends each line when the one before is answered.
 pub struct Lines {
@@ -94,4 +96,39 @@ pub fn print(start: Option<[f64; 3]>, accidents: Accidents, lines: &[&str]) -> (
     let mut plant = plant(start, None, accidents);
     let printed = print_on(&mut plant, start, lines);
     (printed, plant.unwrap())
+}
+
+/// A CoreH-bot with a belt of another stiffness.
+pub fn plant_of(params: Params, start: [f64; 3], seed: u64, accidents: Accidents) -> Option<Box<BeltPlant>> {
+    let setup = BeltSetup { params, seed: Some(seed), accidents };
+    let place = Some(start.map(Mm::from_num));
+    Some(Box::new(BeltPlant::new(&Settings::prototype(), place, true, setup, 0).unwrap()))
+}
+
+/// How many seeds a study has: a few, or as many as the soak asks for.
+pub fn seeds(few: u64) -> std::ops::Range<u64> {
+    let asked = std::env::var("COREHBOT_SOAK_SEEDS").ok().map(|text| text.parse().unwrap());
+    0..asked.unwrap_or(few)
+}
+
+/// Does the work of each seed on all processors; in the order of the seeds.
+pub fn of_each<T: Send>(seeds: std::ops::Range<u64>, work: impl Fn(u64) -> T + Sync) -> Vec<T> {
+    let next = AtomicU64::new(seeds.start);
+    let worker = || {
+        let mut done = Vec::new();
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= seeds.end {
+                return done;
+            }
+            done.push((seed, work(seed)));
+        }
+    };
+    let mut all: Vec<(u64, T)> = std::thread::scope(|scope| {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(worker)).collect();
+        handles.into_iter().flat_map(|handle| handle.join().unwrap()).collect()
+    });
+    all.sort_by_key(|(seed, _)| *seed);
+    all.into_iter().map(|(_, done)| done).collect()
 }

@@ -126,6 +126,7 @@ const ROWS: &[Row] = &[
     ("M900 K50", &["echo:M900 K50 is out of range, set to 4"]),
     ("M572 W9", &["echo:M572 W9 is out of range, set to 0.2"]),
     ("M913 X-5", &["echo:M913 X-5 is out of range, set to 0"]),
+    ("M915 D", &["echo:nothing to compare with: align the belt motors first (M915)"]),
     ("M914 X300", &["echo:M914 X300 is out of range, set to 255"]),
     ("SET_VELOCITY_LIMIT ACCEL=0", &["echo:SET_VELOCITY_LIMIT ACCEL=0 is out of range, set to 1"]),
     ("G1 X110 F0", &["echo:F0 is out of range, set to 3000"]),

@@ -92,8 +92,11 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
     let Bed { width, depth, left, front } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
-    let Belt { is_closed, settling_ms, max_speed, max_acceleration, homing_advance } = s.belt;
-    to.say(format_args!("echo:; motors of one belt get power {settling_ms} ms apart"));
+    let Belt { is_closed, settling_ms, max_speed, max_acceleration, homing_advance, alignment, preload } = s.belt;
+    let (alignment, preload) = (alignment.name(), exact(preload));
+    to.say(format_args!(
+        "echo:; motors of one belt get power {settling_ms} ms apart; alignment {alignment}, preload {preload} mm"
+    ));
     if is_closed {
         let (speed, acceleration, advance) = (shortest(max_speed), max_acceleration, exact(homing_advance));
         to.say(format_args!(

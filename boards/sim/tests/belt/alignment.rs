@@ -1,0 +1,156 @@
+//! Alignment: motors that strain the belt are turned until they do not, or the host is told that they could not be.
+
+use crate::printer::{Printed, of_each, plant_of, print_as, print_on, seeds};
+use corehbot::motors::{Motor, MotorSet};
+use corehbot::settings::{Alignment, Settings};
+use corehbot::units::Mm;
+use corehbot_sim::belt::BeltPlant;
+use corehbot_sim::belt::accident::Accidents;
+use corehbot_twin::params::Params;
+
+/// Where the tool stands when the machine is switched on.
+const START: [f64; 3] = [60.0, 40.0, 10.0];
+
+/// A sixteenth of a full step, in mm.
+const SIXTEENTH_MM: f64 = 0.2 / 16.0;
+
+/// A belt of 0.5 to 2 times the nominal stiffness, by the seed.
+fn params_of(seed: u64) -> Params {
+    let mut params = Params::default();
+    let part = (seed * 7 % 16) as f64 / 15.0;
+    params.belt_ea_n *= 0.5 * 4.0_f64.powf(part);
+    params
+}
+
+fn print(settings: &Settings, seed: u64, lines: &[&str]) -> (Printed, Box<BeltPlant>) {
+    let mut plant = plant_of(params_of(seed), START, seed, Accidents::default());
+    let printed = print_as(settings, &mut plant, Some(START), lines);
+    (printed, plant.unwrap())
+}
+
+fn has(printed: &Printed, text: &str) -> bool {
+    printed.heard.iter().any(|line| line.contains(text))
+}
+
+/// Random phases, belts from half to twice as stiff, loads with noise and rounded as by the driver: within a sixteenth of a full step, or
+/// it is told that it could not be done. `cargo xtask soak belt` does so with 1,000 seeds.
+#[test]
+fn aligned_motors_strain_the_belt_by_a_sixteenth_of_a_full_step_at_most() {
+    let settings = Settings::prototype();
+    let found = of_each(seeds(8), |seed| {
+        let before = print(&settings, seed, &["M17", "G4 P500"]).1.figures().residual_mm.unwrap();
+        let (printed, mut plant) = print(&settings, seed, &["M915", "M400"]);
+        plant.ring_out();
+        let figures = plant.figures();
+        assert!(figures.skips.is_empty(), "{seed}: {figures}");
+        (before, figures.residual_mm.unwrap(), has(&printed, "belt motors aligned"))
+    });
+    let aligned: Vec<f64> =
+        found.iter().filter(|(.., is_aligned)| *is_aligned).map(|(_, after, _)| after.abs()).collect();
+    let rms = |values: &mut dyn Iterator<Item = f64>| {
+        let (sum, number) = values.fold((0.0, 0), |(sum, number), v| (sum + v * v, number + 1));
+        (sum / f64::from(number)).sqrt()
+    };
+    let (before, after) = (rms(&mut found.iter().map(|(before, ..)| *before)), rms(&mut aligned.iter().copied()));
+    let worst = aligned.iter().copied().fold(0.0, f64::max);
+    println!(
+        "{} of {} aligned: {before:.4} mm RMS before, {after:.4} after, worst {worst:.4}",
+        aligned.len(),
+        found.len()
+    );
+    assert!(worst <= SIXTEENTH_MM, "{found:?}");
+    assert!(aligned.len() * 100 >= found.len() * 99, "{found:?}");
+    assert!(before > 10.0 * after, "{before} {after}");
+}
+
+#[test]
+fn a_preload_is_left_in_the_belt() {
+    let mut settings = Settings::prototype();
+    for preload in [-0.05, 0.05] {
+        settings.belt.preload = Mm::from_num(preload);
+        let (printed, mut plant) = print(&settings, 3, &["M915", "M400"]);
+        assert!(has(&printed, "belt motors aligned"), "{:?}", printed.heard);
+        plant.ring_out();
+        // Fields give way, so rotors are beside by less.
+        let residual = plant.figures().residual_mm.unwrap();
+        assert!((residual - preload).abs() < 0.025 && residual * preload > 0.0, "{residual}");
+    }
+}
+
+/// What follows is as it would be without: the same program leads the tool to the same place, and z has not moved.
+#[test]
+fn the_machine_is_homed_and_as_it_was_after_it() {
+    let lines = ["M915", "G1 X100 Y120 F6000", "M400", "M114", "M569", "M122"];
+    let (printed, plant) = print(&Settings::prototype(), 5, &lines);
+    assert!(has(&printed, "X:100.00 Y:120.00 Z:10.00"), "{:?}", printed.heard);
+    assert!(has(&printed, "Belt: motors aligned") && has(&printed, "m1 - m4 + m8 - m11 was "), "{:?}", printed.heard);
+    // Drivers measured in stealthChop, and are as the settings say again.
+    assert!(has(&printed, "X driver mode: spreadCycle"), "{:?}", printed.heard);
+    let [x, y] = plant.tool_mm();
+    assert!((x - 100.0).abs() < 0.03 && (y - 120.0).abs() < 0.03, "{x} {y}");
+    let [.., z1, z2, _] = printed.outcome.counts;
+    assert_eq!((z1, z2), (0, 0));
+}
+
+#[test]
+fn what_does_not_measure_cannot_align_and_says_so() {
+    // A rigid machine's loads do not change.
+    let rigid = print_on(&mut None, Some(START), &["M915", "M915 D", "M122", "G1 X50 F6000", "M400"]);
+    assert!(has(&rigid, "not aligned: the loads that the drivers measure do not change"), "{:?}", rigid.heard);
+    assert!(has(&rigid, "nothing to compare with") && has(&rigid, "Belt: motors not aligned"), "{:?}", rigid.heard);
+    assert!(!rigid.outcome.halted);
+    // Two motors for two axes have nothing to align.
+    let mut settings = Settings::prototype();
+    settings.mechanism.rows =
+        [[0, 0, 0, 0], [0, 0, 0, 0], [1, -1, 0, 0], [1, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
+    settings.belt.is_closed = false;
+    let corexy = print_as(&settings, &mut None, Some(START), &["M915", "M122"]);
+    assert!(has(&corexy, "no motors of this machine can pull against each other"), "{:?}", corexy.heard);
+    assert!(!has(&corexy, "Belt:"), "{:?}", corexy.heard);
+}
+
+#[test]
+fn a_driver_that_falls_silent_ends_it_as_it_ends_a_print() {
+    let drivers = corehbot_sim::drivers::Drivers::with_lines(MotorSet::ALL.without(MotorSet::of(Motor::M4)));
+    let mut desk = corehbot_sim::world::Desk::new(1);
+    let mut host = crate::printer::Lines::new(["M915", "M400"]);
+    let start = Some(START.map(Mm::from_num));
+    let settings = Settings::prototype();
+    let storage = corehbot::port::NoStorage;
+    let mut events = crate::printer::Events::default();
+    let outcome =
+        corehbot_sim::world::run_at(&mut desk, &settings, start, storage, &drivers, &mut [&mut host], &mut events)
+            .unwrap();
+    assert!(!outcome.halted);
+    assert!(
+        host.heard.iter().any(|line| line.contains("not aligned: its drivers cannot be asked")),
+        "{:?}",
+        host.heard
+    );
+}
+
+/// The setting decides what printing without it means.
+#[test]
+fn printing_moves_are_told_of_refused_or_aligned_for() {
+    let with = |alignment| {
+        let mut settings = Settings::prototype();
+        settings.belt.alignment = alignment;
+        settings.thermal.min_extrude = corehbot::units::Celsius::ZERO;
+        settings
+    };
+    let moves = ["G1 X70 F6000", "G1 X80 E1", "G1 X90 E2", "M400", "M114"];
+    let (off, _) = print(&with(Alignment::Off), 1, &moves);
+    assert!(has(&off, "X:90.00") && !has(&off, "aligned"), "{:?}", off.heard);
+    let (warned, _) = print(&with(Alignment::Warning), 1, &moves);
+    let told = warned.heard.iter().filter(|line| line.contains("not aligned (M915)")).count();
+    assert!(has(&warned, "X:90.00") && told == 1, "{:?}", warned.heard);
+    let (refused, _) = print(&with(Alignment::Required), 1, &moves);
+    assert!(has(&refused, "X:70.00"), "{:?}", refused.heard);
+    assert!(has(&refused, "echo:move ignored: align the belt motors first (M915)"), "{:?}", refused.heard);
+    // G28 does it by itself, once; whoever loses power has to do it again.
+    let lines = ["G28 X Y", "G28 X Y", "G1 X80 E1 F6000", "M400", "M114", "M84", "M122"];
+    let (automatic, _) = print(&with(Alignment::Automatic), 1, &lines);
+    let told = automatic.heard.iter().filter(|line| line.contains("belt motors aligned")).count();
+    assert!(has(&automatic, "X:80.00") && told == 1, "{:?}", automatic.heard);
+    assert!(has(&automatic, "Belt: motors not aligned since motors got power"), "{:?}", automatic.heard);
+}

@@ -1,0 +1,234 @@
+//! Load curve: what drivers measure of their motors' load while one motor of the belt is trimmed, and where it is least.
+//!
+//! ```text
+//!  SG_RESULT   ^        .                      one motor is turned against the others by a trim u;
+//!  (less load) |      .   .                    the belt bears |residual|, which is 0 at the apex u0:
+//!              |    .       .
+//!              |  .           .                left  = o - c (arm + u0),  right = o - c (arm - u0)
+//!              |.               .              middle = o - c |u0|, all counted from the trim in the middle
+//!              +--l-----m-----r----> u
+//! ```
+//!
+//! So `right - left = 2 c u0` and `2 middle - left - right + |right - left| = 2 c arm`. What a driver reads without load (o), the friction
+//! that goes the same way on both arms, and how much a reading falls for a newton (c) drop out: only that it falls as much to one side as
+//! to the other is assumed. The tip of the curve is rounded by friction, so u0 is taken from the arms alone.
+
+use crate::motors::{Motor, MotorSet};
+
+/// Parts of a reading and of a step in which means are counted.
+const PARTS: i64 = 256;
+
+/// Readings of each motor without which a mean says nothing.
+const LEAST_READINGS: u32 = 8;
+
+/// What has been read of each motor on one way with one trim.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Readings([Sum; Motor::ALL.len()]);
+
+/// Readings of a motor.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    count: u32,
+    sum: u32,
+    /// Of their squares; 4,000 readings of 10 bits.
+    squares: u32,
+}
+
+impl Readings {
+    /// Takes in what the driver of a motor has measured (SG_RESULT, ten bits).
+    pub fn note(&mut self, motor: Motor, reading: u32) {
+        if let Some(sum) = self.0.get_mut(motor as usize) {
+            sum.count += 1;
+            sum.sum = sum.sum.saturating_add(reading);
+            sum.squares = sum.squares.saturating_add(reading.saturating_mul(reading));
+        }
+    }
+
+    /// The load of these motors; `None` if one of them was hardly read.
+    fn load(&self, motors: MotorSet) -> Option<Load> {
+        let (mut mean, mut variance, mut number) = (0, 0, 0);
+        for (_, sum) in Motor::ALL.into_iter().zip(self.0).filter(|(motor, _)| motors.has(*motor)) {
+            if sum.count < LEAST_READINGS {
+                return None;
+            }
+            let (n, total) = (i64::from(sum.count), i64::from(sum.sum));
+            // n times the sum of squared deviations; what numbers are cut to is 2 of a reading.
+            let spread = (n * i64::from(sum.squares) - total * total).max(0) + n * n / 3;
+            mean += total * PARTS / n;
+            variance += spread * PARTS * PARTS / (n * n * (n - 1));
+            number += 1;
+        }
+        (number > 0).then(|| Load { mean: mean / number, variance: variance / (number * number) })
+    }
+}
+
+/// The mean of what was read, over motors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Load {
+    /// In parts of a reading: the higher, the less load.
+    mean: i64,
+    /// Of the mean, in parts of a reading squared.
+    variance: i64,
+}
+
+/// The load of these motors on the way there and back. Friction adds to the strain of some on one way and takes from it on the other, so
+/// each way has a mean of its own.
+pub(super) fn load_of_stroke(there: &Readings, back: &Readings, motors: MotorSet) -> Option<Load> {
+    let (there, back) = (there.load(motors)?, back.load(motors)?);
+    Some(Load { mean: (there.mean + back.mean) / 2, variance: (there.variance + back.variance) / 4 })
+}
+
+/// Where the apex lies, in parts of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Apex {
+    /// From the trim in the middle.
+    pub at: i64,
+    pub variance: i64,
+}
+
+/// How much a reading falls for a step of trim, in parts of a reading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Slope(i64);
+
+/// Whether `a` is less loaded than `b` by more than chance explains: three times the standard error.
+pub(super) fn is_less_loaded(a: Load, b: Load) -> bool {
+    let difference = a.mean - b.mean;
+    difference > 0 && difference * difference > 9 * (a.variance + b.variance)
+}
+
+/// The slope of the arms, `arm` steps to either side; `None` if readings do not tell it from 0: twice as surely as an apex needs.
+pub(super) fn slope([left, middle, right]: [Load; 3], arm: i64) -> Option<Slope> {
+    let rise = 2 * middle.mean - left.mean - right.mean + (right.mean - left.mean).abs();
+    let variance = 4 * middle.variance + 2 * left.variance + 2 * right.variance;
+    let slope = rise / (2 * arm.max(1));
+    (rise > 0 && slope > 0 && rise * rise > 36 * variance).then_some(Slope(slope))
+}
+
+/// Where arms of this slope meet.
+pub(super) fn apex(left: Load, right: Load, Slope(slope): Slope) -> Apex {
+    let at = (right.mean - left.mean) * PARTS / (2 * slope);
+    Apex { at, variance: (left.variance + right.variance) * PARTS * PARTS / (4 * slope * slope) }
+}
+
+/// Several findings of one apex, in parts of a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Findings {
+    sum: i64,
+    variance: i64,
+    count: i64,
+}
+
+impl Findings {
+    /// Takes in an apex that was looked for about a trim in steps.
+    pub fn note(&mut self, trim: i32, apex: Apex) {
+        self.sum += i64::from(trim) * PARTS + apex.at;
+        self.variance += apex.variance;
+        self.count += 1;
+    }
+
+    pub const fn count(&self) -> i64 {
+        self.count
+    }
+
+    /// The step that is nearest to their mean.
+    pub fn step(&self) -> i32 {
+        ((2 * self.sum + PARTS * self.count).div_euclid((2 * PARTS * self.count).max(1))) as i32
+    }
+
+    /// How far their mean is from that step at most, in parts of a step: three times the standard error farther than it is.
+    pub fn bound(&self) -> i64 {
+        let count = self.count.max(1);
+        let beside = (self.sum / count - i64::from(self.step()) * PARTS).abs();
+        beside + 3 * (self.variance / (count * count)).isqrt() + 1
+    }
+}
+
+/// A number of parts as thousandths of a step.
+pub(super) const fn thousandths(parts: i64) -> i64 {
+    parts * 1000 / PARTS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(mean: i64) -> Load {
+        Load { mean: mean * PARTS, variance: PARTS }
+    }
+
+    /// 400 without load, 2 less a step.
+    fn at(trim: i64, apex: i64) -> Load {
+        load(400 - 2 * (trim - apex).abs())
+    }
+
+    #[test]
+    fn the_apex_is_where_both_arms_say() {
+        for apex_at in -20..=20 {
+            let arms = [at(-32, apex_at), at(0, apex_at), at(32, apex_at)];
+            let slope = slope(arms, 32).unwrap();
+            assert_eq!(slope, Slope(2 * PARTS));
+            let found = apex(arms[0], arms[2], slope);
+            assert_eq!(found.at, apex_at * PARTS);
+            // Two readings with a standard error of 1/16 each, over twice a slope of 2.
+            assert_eq!(found.variance, 2 * PARTS * PARTS * PARTS / (4 * 4 * PARTS * PARTS));
+        }
+    }
+
+    #[test]
+    fn flat_and_inverted_curves_have_no_slope() {
+        assert_eq!(slope([load(300); 3], 32), None);
+        assert_eq!(slope([load(300), load(200), load(300)], 32), None);
+        // A reading more than the others, when each is sure to a sixteenth.
+        assert!(slope([load(300), load(320), load(300)], 32).is_some());
+    }
+
+    #[test]
+    fn a_mean_needs_readings_of_every_motor() {
+        let both = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M4));
+        let mut readings = Readings::default();
+        for n in 0..100 {
+            readings.note(Motor::M1, 300 + n % 2 * 2);
+        }
+        assert_eq!(readings.load(both), None);
+        let one = readings.load(MotorSet::of(Motor::M1)).unwrap();
+        assert_eq!(one.mean, 301 * PARTS);
+        for _ in 0..100 {
+            readings.note(Motor::M4, 200);
+        }
+        let two = readings.load(both).unwrap();
+        assert_eq!(two.mean, (301 + 200) * PARTS / 2);
+        // Of a square of 1 and the rounding's third, over 99 readings: of two motors, one of which does not change.
+        let expected = (PARTS * PARTS * 4 / 3 / 99 + PARTS * PARTS / 3 / 99) / 4;
+        assert!((two.variance - expected).abs() <= 2, "{} {expected}", two.variance);
+        assert!(!is_less_loaded(two, two) && is_less_loaded(one, two) && !is_less_loaded(two, one));
+    }
+
+    #[test]
+    fn what_differs_between_there_and_back_is_no_spread() {
+        let motor = MotorSet::of(Motor::M1);
+        let of = |reading: u32| {
+            let mut readings = Readings::default();
+            (0..50_u32).for_each(|n| readings.note(Motor::M1, reading + n % 2 * 2));
+            readings
+        };
+        let same = load_of_stroke(&of(300), &of(300), motor).unwrap();
+        let unlike = load_of_stroke(&of(290), &of(310), motor).unwrap();
+        assert_eq!(same, unlike);
+        assert_eq!(load_of_stroke(&of(300), &Readings::default(), motor), None);
+    }
+
+    #[test]
+    fn findings_are_averaged_and_rounded_to_a_step() {
+        let mut findings = Findings::default();
+        for (trim, at) in [(-3, -PARTS / 4), (-3, -PARTS / 2), (-4, PARTS / 4)] {
+            findings.note(trim, Apex { at, variance: 300 });
+        }
+        assert_eq!((findings.step(), findings.count()), (-3, 3));
+        // Half a step beside, and three times 10 parts.
+        assert_eq!(findings.bound(), PARTS / 2 + 3 * 10 + 1);
+        let mut findings = Findings::default();
+        findings.note(5, Apex { at: 130, variance: 0 });
+        assert_eq!((findings.step(), findings.bound()), (6, PARTS - 130 + 1));
+        assert_eq!(thousandths(PARTS / 2), 500);
+    }
+}

@@ -1,0 +1,129 @@
+//! What is said of motors that can pull against each other: whether they are aligned (M122, M915), what a touch found (M915 D, R).
+
+use super::report::Thousandths;
+use crate::driver::Name;
+use crate::kinematics::{Residual, Residuals};
+use crate::machine::answers::belt_answer::{AlignError, BeltAnswer, Diagnosis};
+use crate::machine::answers::speaker::Speaker;
+use crate::machine::state::trimming::{Found, Trimming};
+use crate::port::Motor;
+use crate::settings::Settings;
+use crate::units::{Mm, StepsPerMm};
+use core::fmt;
+
+/// A residual as a sum of motors: `m1 - m4 + m8 - m11`.
+struct Sum<'r>(&'r Residual);
+
+impl fmt::Display for Sum<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut is_first = true;
+        for (motor, times) in Motor::ALL.into_iter().zip(self.0).filter(|(_, times)| **times != 0) {
+            let sign = match (is_first, *times < 0) {
+                (true, true) => "-",
+                (true, false) => "",
+                (false, true) => " - ",
+                (false, false) => " + ",
+            };
+            is_first = false;
+            f.write_str(sign)?;
+            if times.abs() > 1 {
+                write!(f, "{} ", times.abs())?;
+            }
+            f.write_str(motor.name())?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for AlignError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoUart => f.write_str("its drivers cannot be asked for loads"),
+            Self::Driver(fault) => fault.fmt(f),
+            Self::TooFewReadings => f.write_str("the drivers were hardly read while the tool moved"),
+            Self::Flat => f.write_str("the loads that the drivers measure do not change with the belt's strain"),
+            Self::TooFar => f.write_str("more strain than a skip explains"),
+            Self::Unsure => f.write_str("the loads that the drivers measure do not agree"),
+        }
+    }
+}
+
+/// Steps of belt in mm.
+fn length(steps: i32, resolution: StepsPerMm) -> Thousandths {
+    let per_mm = i128::from(resolution.to_bits()).max(1);
+    Thousandths(Mm::from_bits(((i128::from(steps) << 48) / per_mm) as i64))
+}
+
+/// The lines of an answer.
+pub(in crate::machine) fn say_belt(
+    to: &mut Speaker<'_>,
+    answer: &BeltAnswer,
+    residuals: &Residuals,
+    trimming: &Trimming,
+    s: &Settings,
+) {
+    let per_mm = s.axes.x.steps_per_mm;
+    match *answer {
+        BeltAnswer::State => {
+            let state = if trimming.is_aligned() { "aligned" } else { "not aligned since motors got power (M915)" };
+            to.say(format_args!("Belt: motors {state}"));
+            say_found(to, "Belt: ", residuals, trimming);
+        }
+        BeltAnswer::Aligned => say_found(to, "echo:belt motors aligned: ", residuals, trimming),
+        BeltAnswer::NotAligned(error) => to.say(format_args!("echo:belt motors not aligned: {error}")),
+        BeltAnswer::NoResidual => to.say(format_args!("echo:no motors of this machine can pull against each other")),
+        BeltAnswer::Needed => to.say(format_args!("echo:move ignored: align the belt motors first (M915)")),
+        BeltAnswer::NothingToCompare => {
+            to.say(format_args!("echo:nothing to compare with: align the belt motors first (M915)"));
+        }
+        BeltAnswer::Touched([x, y]) => {
+            let (x, y) = (length(x, per_mm), length(y, per_mm));
+            to.say(format_args!("echo:the tool is beside its place by X{x} Y{y} mm"));
+        }
+        BeltAnswer::Diagnosis(Diagnosis::Nothing) => to.say(format_args!("echo:no motor has skipped")),
+        BeltAnswer::Diagnosis(Diagnosis::Alike) => {
+            to.say(format_args!("echo:motors have skipped alike, or a switch has moved: the belt is not strained"));
+        }
+        BeltAnswer::Diagnosis(Diagnosis::Skip { motor, full_steps }) => {
+            let name = Name(motor);
+            to.say(format_args!("echo:motor {name} has skipped by {full_steps:+} full steps"));
+        }
+        BeltAnswer::Diagnosis(Diagnosis::Several) => {
+            to.say(format_args!("echo:more than one skip: which motors cannot be told"));
+        }
+        BeltAnswer::Repaired([x, y]) => {
+            let (x, y) = (length(x, per_mm), length(y, per_mm));
+            to.say(format_args!("echo:belt repaired, x and y homed; touched again: X{x} Y{y} mm"));
+        }
+    }
+}
+
+/// What was found of each residual.
+fn say_found(to: &mut Speaker<'_>, begin: &str, residuals: &Residuals, trimming: &Trimming) {
+    for (number, residual) in residuals.iter().enumerate() {
+        let Some(Found { was, within }) = trimming.found(number) else { continue };
+        let (sum, was, within) = (Sum(residual), Thousandths(was), Thousandths(within));
+        to.say(format_args!("{begin}{sum} was {was} mm, is as wanted within {within} mm"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::kinematics::Mechanism;
+    use std::string::ToString;
+
+    #[test]
+    fn a_residual_reads_as_a_sum_of_motors() {
+        let of = |closed| Residuals::new(&Mechanism::corehbot(), closed);
+        assert_eq!(Sum(of(true).iter().next().unwrap()).to_string(), "m1 - m4 + m8 - m11");
+        assert_eq!(Sum(&[-1, 0, 2, 0, 0, 0, 0]).to_string(), "-m1 + 2 m8");
+    }
+
+    #[test]
+    fn steps_are_told_as_lengths() {
+        assert_eq!(length(64, StepsPerMm::from_num(80)).to_string(), "0.800");
+        assert_eq!(length(-7, StepsPerMm::from_num(80)).to_string(), "-0.087");
+    }
+}

@@ -1,0 +1,80 @@
+//! Trimming: where the tool stands while one motor of the belt is turned alone, and whether the motors of one belt agree.
+
+use crate::units::{Mm, Steps};
+
+/// Residuals of which the last finding is kept: an AWD CoreXY has two.
+pub(in crate::machine) const RESIDUALS: usize = 2;
+
+/// What was found of a residual when the motors were aligned.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct Found {
+    /// What it was, in mm of belt.
+    pub was: Mm,
+    /// How far from what it should be it is now at most, in mm of belt.
+    pub within: Mm,
+}
+
+/// What there is to know of motors that can pull against each other.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Trimming {
+    /// Where the tool stands, in steps of x, y, z and e.
+    held: [Steps; 4],
+    is_aligned: bool,
+    /// Drivers measure loads, and are configured for that.
+    is_measuring: bool,
+    found: [Option<Found>; RESIDUALS],
+}
+
+impl Trimming {
+    /// Nothing is known.
+    pub const fn new() -> Self {
+        Self { held: [Steps::ZERO; 4], is_aligned: false, is_measuring: false, found: [None; RESIDUALS] }
+    }
+
+    /// A motor takes the place of z while the tool stands there.
+    pub const fn begin(&mut self, held: [Steps; 4]) {
+        self.held = held;
+    }
+
+    /// Where the tool stands meanwhile.
+    pub const fn held(&self) -> [Steps; 4] {
+        self.held
+    }
+
+    /// Whether the motors agree, as far as is known.
+    pub const fn is_aligned(&self) -> bool {
+        self.is_aligned
+    }
+
+    /// They agree within what was found.
+    pub const fn align(&mut self) {
+        self.is_aligned = true;
+    }
+
+    /// Nobody knows any more.
+    pub const fn forget(&mut self) {
+        (self.is_aligned, self.found) = (false, [None; RESIDUALS]);
+    }
+
+    /// Notes what was found of a residual, by its number.
+    pub fn note(&mut self, number: usize, found: Found) {
+        if let Some(place) = self.found.get_mut(number) {
+            *place = Some(found);
+        }
+    }
+
+    /// What was found of a residual.
+    pub fn found(&self, number: usize) -> Option<Found> {
+        self.found.get(number).copied().flatten()
+    }
+
+    /// Drivers are configured to measure loads, or no more.
+    pub const fn measure(&mut self, on: bool) {
+        self.is_measuring = on;
+    }
+
+    /// Whether they are.
+    pub const fn is_measuring(&self) -> bool {
+        self.is_measuring
+    }
+}
