@@ -1,13 +1,18 @@
 //! `cargo xtask soak`: hours of simulated printing in which no guard may alarm, no switch may burn anything, and no step may be
-//! lost, and power cuts while a machine is stored. `cargo xtask test` runs the same tests for a short time.
+//! lost, power cuts while a machine is stored, and machines whose belt motors are to be aligned. `cargo xtask test` runs the same tests
+//! for a short time.
 
 use crate::checkout::{build_image, cargo, run};
 use crate::emulate;
 use anyhow::Result;
+use clap::ValueEnum;
 
 /// How long.
 #[derive(clap::Args)]
 pub struct Args {
+    /// What is run; everything if none is named.
+    #[arg(value_enum)]
+    parts: Vec<Part>,
     /// Simulated hours of prints with heat, each on a machine of its own.
     #[arg(long, value_name = "N", default_value_t = 100)]
     hours: u32,
@@ -20,24 +25,48 @@ pub struct Args {
     /// Power cuts while a machine is stored on the emulated Octopus.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
     cuts: u32,
+    /// Machines whose belt motors are aligned, and as many on which a motor is held until it skips.
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
+    seeds: u32,
+}
+
+/// What there is to run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, ValueEnum)]
+enum Part {
+    Heat,
+    Motion,
+    Segments,
+    Cuts,
+    Belt,
 }
 
 /// Runs the long forms.
 pub fn main(args: &Args) -> Result<()> {
-    let mut heat =
-        cargo(["test", "--release", "--package=corehbot", "--test=faults", "--", "--nocapture", "quiet", "f10"]);
-    heat.env("COREHBOT_SOAK_HOURS", args.hours.to_string());
-    run(heat)?;
-    let mut motion = cargo(["test", "--release", "--package=corehbot-sim", "--test=soak", "--", "--nocapture"]);
-    motion.env("COREHBOT_SOAK_HOURS", args.motion_hours.to_string());
-    run(motion)?;
-    let mut segments =
-        cargo(["test", "--release", "--package=corehbot-sim", "--test=absurd", "--", "--nocapture", "f52"]);
-    segments.env("COREHBOT_SOAK_SEGMENTS", args.segments.to_string());
-    run(segments)?;
+    let parts = if args.parts.is_empty() { Part::value_variants() } else { &args.parts };
+    for part in parts {
+        match part {
+            Part::Heat => run(test("corehbot", "faults", &["quiet", "f10"], "HOURS", args.hours))?,
+            Part::Motion => run(test("corehbot-sim", "soak", &[], "HOURS", args.motion_hours))?,
+            Part::Segments => run(test("corehbot-sim", "absurd", &["f52"], "SEGMENTS", args.segments))?,
+            Part::Cuts => cuts(args.cuts)?,
+            Part::Belt => run(test("corehbot-sim", "belt", &["aligned_motors", "a_single_skip"], "SEEDS", args.seeds))?,
+        }
+    }
+    Ok(())
+}
+
+/// The tests of these names, so much longer.
+fn test(package: &str, file: &str, names: &[&str], what: &str, amount: u32) -> std::process::Command {
+    let (package, file) = (format!("--package={package}"), format!("--test={file}"));
+    let mut test = cargo(["test", "--release", &package, &file, "--", "--nocapture"]);
+    test.args(names).env(format!("COREHBOT_SOAK_{what}"), amount.to_string());
+    test
+}
+
+fn cuts(number: u32) -> Result<()> {
     let mut cuts = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--test=machines"]);
     cuts.args(["--", "--nocapture", "a_power_cut"]);
     cuts.env("COREHBOT_ELF", build_image(emulate::Board::Octopus.package())?)
-        .env("COREHBOT_SOAK_CUTS", args.cuts.to_string());
+        .env("COREHBOT_SOAK_CUTS", number.to_string());
     run(cuts)
 }

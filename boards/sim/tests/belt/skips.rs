@@ -4,6 +4,7 @@ use crate::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::{Accidents, Brake};
 use corehbot_sim::belt::figures::SkipFigures;
+use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::params::Params;
 use corehbot_twin::sampling::random::Random;
 use std::collections::BTreeMap;
@@ -121,4 +122,34 @@ fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
     }
     println!("{} stories, {skipped} with skips, {single} with a single one, {named} named", stories.len());
     assert!(single > 0 && named * 100 >= single * 99, "{named} of {single}");
+}
+
+/// The example tells what the documentation says of it, word for word.
+#[test]
+fn the_example_in_the_documentation_is_what_happens() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let read = |path| std::fs::read_to_string(format!("{folder}/{path}")).unwrap();
+    let (gcode, docs) = (read("examples/belt/skip-and-repair.gcode"), read("docs/belt.md"));
+    let lines: Vec<&str> = gcode.lines().map(|line| line.split(';').next().unwrap().trim()).collect();
+    let lines: Vec<&str> = lines.into_iter().filter(|line| !line.is_empty()).collect();
+    for (hit, brake, skips) in [(Some("190,203.8,180,14"), "m11,5", 2), (None, "m11,170,45.66,14", 1)] {
+        let arguments = hit.map_or(String::new(), |hit| format!(" --hit {hit}")) + " --brake " + brake;
+        let command = format!("corehbot run examples/belt/skip-and-repair.gcode --plant belt --seed 7{arguments}\n");
+        assert!(docs.contains(&command) && gcode.contains(&command), "{command}");
+        let accidents = Accidents {
+            hits: hit.into_iter().map(|hit| hit.parse().unwrap()).collect(),
+            brakes: vec![brake.parse().unwrap()],
+        };
+        let setup = BeltSetup { params: Params::default(), seed: Some(7), accidents };
+        let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
+        let printed = print_as(&Settings::prototype(), &mut plant, None, &lines);
+        let figures = plant.unwrap().figures();
+        assert_eq!(figures.skips.len(), skips, "{figures}");
+        let told: Vec<&String> = printed.heard.iter().filter(|line| line.contains("beside its place")).collect();
+        assert!(!told.is_empty(), "{:?}", printed.heard);
+        let of_belt = ["belt motors aligned", "beside its place", "skip", "belt repaired"];
+        for line in printed.heard.iter().filter(|line| of_belt.iter().any(|text| line.contains(text))) {
+            assert!(docs.contains(line.as_str()), "{line}");
+        }
+    }
 }
