@@ -17,7 +17,10 @@ use crate::watch::{End, Patience};
 use crate::wiring::{NUCLEO, OCTOPUS, SettingsMemory, Wiring};
 use anyhow::{Result, bail};
 use clap::Parser;
+use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
+use corehbot_sim::belt::BeltSetup;
+use corehbot_sim::belt::args::PlantArgs;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::output::{Outputs, STANDARD, Stream};
 use corehbot_sim::stop::Stop;
@@ -58,6 +61,9 @@ struct Cli {
     /// Prints the conversation.
     #[arg(long)]
     talk: bool,
+    /// What the motors turn.
+    #[command(flatten)]
+    plant: PlantArgs,
     /// Virtual time after which the run is given up, in s.
     #[arg(long, value_name = "S", default_value_t = 3600)]
     limit: u64,
@@ -88,6 +94,7 @@ struct Prepared {
     /// The machine, and the EEPROM that holds it, if it is not that of the image.
     settings: Settings,
     eeprom: Eeprom,
+    belt: Option<BeltSetup>,
     outputs: Outputs,
     trace: Option<BufWriter<Stream>>,
     vcd: Option<BufWriter<Stream>>,
@@ -123,6 +130,7 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         SettingsMemory::Flash => firmware.put_machine(&mut settings)?,
     }
     let gcode = input::read(&cli.file)?;
+    let belt = cli.plant.setup()?;
     let inputs = [Some(&cli.elf), Some(&cli.file), cli.settings.as_ref()];
     let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());
     let mut open = |path: &Option<PathBuf>| match path.as_deref() {
@@ -132,11 +140,11 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         path => path.map(|path| outputs.open(path)).transpose(),
     };
     let (trace, vcd) = (open(&cli.trace)?, open(&cli.vcd)?);
-    Ok(Prepared { firmware, gcode, settings, eeprom, outputs, trace, vcd })
+    Ok(Prepared { firmware, gcode, settings, eeprom, belt, outputs, trace, vcd })
 }
 
 fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
-    let Prepared { firmware, gcode, settings, mut eeprom, outputs, trace, vcd } = prepared;
+    let Prepared { firmware, gcode, settings, mut eeprom, belt, outputs, trace, vcd } = prepared;
     println!("image     {}", firmware.path.display());
     println!("sha256    {}", firmware.sha256);
     if let Some(path) = &cli.settings {
@@ -163,6 +171,7 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
         flash: &FlashSectors::default(),
         thermistors: &[],
         climate: Climate::default(),
+        belt: belt.as_ref(),
         slow_oscillator: None,
         stuck: None,
         defect: Defect::None,
@@ -179,9 +188,9 @@ fn execute(cli: &Cli, prepared: Prepared) -> Result<bool> {
                 && !settings.thermal.has_heater()
                 && settings.mechanism == Settings::prototype().mechanism =>
         {
-            compare::scheduled_with(&gcode, &Settings::prototype(), &mut eeprom)?
+            compare::scheduled_with(&gcode, &Settings::prototype(), &mut eeprom, belt.as_ref())?
         }
-        _ => compare::scheduled(&gcode, &settings)?,
+        _ => compare::scheduled_with(&gcode, &settings, NoStorage, belt.as_ref())?,
     };
     let host = compare::of_motors(&host, wiring.motors());
     let pins = &seen.recorder.events;
@@ -231,6 +240,9 @@ fn print_run(cli: &Cli, seen: &Seen) {
     }
     if let Some(failure) = &seen.line.failure {
         println!("FAILED    {}", printable::line(failure));
+    }
+    if let Some(figures) = &seen.belt {
+        print!("{figures}");
     }
     for reset in &seen.resets {
         println!("RESET     {:.3} ms, {:?}", ms(reset.at.0), reset.cause);

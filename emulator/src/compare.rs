@@ -9,8 +9,10 @@ use anyhow::Result;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
+use corehbot_sim::belt::{BeltPlant, BeltSetup};
+use corehbot_sim::drivers::Drivers;
 use corehbot_sim::host::FileHost;
-use corehbot_sim::world::{self, Sink};
+use corehbot_sim::world::{self, Desk, Sink};
 use std::fmt;
 
 /// A step event of the host simulator.
@@ -29,14 +31,19 @@ pub struct Scheduled {
 /// # Errors
 /// If printer and host wait for each other.
 pub fn scheduled(gcode: &str, settings: &Settings) -> Result<Vec<Scheduled>> {
-    scheduled_with(gcode, settings, NoStorage)
+    scheduled_with(gcode, settings, NoStorage, None)
 }
 
-/// The same with settings in a storage, which stand over those that the machine was made with.
+/// The same with settings in a storage, which stand over those that the machine was made with, and with a belt.
 ///
 /// # Errors
-/// If printer and host wait for each other.
-pub fn scheduled_with(gcode: &str, settings: &Settings, storage: impl Storage) -> Result<Vec<Scheduled>> {
+/// If printer and host wait for each other, or the twin has no such machine.
+pub fn scheduled_with(
+    gcode: &str,
+    settings: &Settings,
+    storage: impl Storage,
+    belt: Option<&BeltSetup>,
+) -> Result<Vec<Scheduled>> {
     struct Steps(Vec<Scheduled>);
     impl Sink for Steps {
         fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
@@ -46,7 +53,12 @@ pub fn scheduled_with(gcode: &str, settings: &Settings, storage: impl Storage) -
         }
     }
     let mut steps = Steps(Vec::new());
-    world::run_with(settings, None, storage, &mut [&mut FileHost::new(gcode)], &mut steps)?;
+    let mut desk = Desk::new(1);
+    if let Some(setup) = belt {
+        desk.belt = Some(Box::new(BeltPlant::new(settings, None, false, setup.clone(), 0)?));
+    }
+    let (drivers, mut host) = (Drivers::new(), FileHost::new(gcode));
+    world::run_at(&mut desk, settings, None, storage, &drivers, &mut [&mut host], &mut steps)?;
     Ok(steps.0)
 }
 

@@ -180,6 +180,11 @@ impl DriverLines {
         &mut self.lines[motor as usize]
     }
 
+    /// The chip of `motor`, for what its motor does to it.
+    pub const fn chip(&mut self, motor: Motor) -> &mut Tmc2209 {
+        &mut self.lines[motor as usize].chip
+    }
+
     /// Every driver.
     pub fn iter(&self) -> impl Iterator<Item = &DriverLine> {
         self.lines.iter()

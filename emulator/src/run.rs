@@ -11,12 +11,15 @@ use crate::gaps::Gaps;
 use crate::heat::{Climate, HeatWatch};
 use crate::laps::Laps;
 use crate::line::{HostLine, Manner};
+use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::watch::{End, Injection, Patience, Watch};
 use crate::wiring::{BRR, HostPort, Pin, SettingsMemory, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
+use corehbot_sim::belt::BeltSetup;
+use corehbot_sim::belt::figures::BeltFigures;
 use rigless::emulator::{self, Start};
 use rigless::image::Image;
 use rigless::mcu::Operate;
@@ -61,6 +64,8 @@ pub struct Request<'a> {
     pub thermistors: &'a [(u8, u32)],
     /// What is round the machine's heat, if it has any.
     pub climate: Climate,
+    /// The belt that the motors turn; without one the machine is rigid.
+    pub belt: Option<&'a BeltSetup>,
     /// The rate of the slow oscillator in Hz, if it is not that of the data sheet.
     pub slow_oscillator: Option<u64>,
     /// A pin that something holds high or low all the time.
@@ -86,6 +91,8 @@ pub struct Seen {
     pub heat: HeatWatch,
     /// The motor drivers.
     pub drivers: DriverLines,
+    /// What came of the belt.
+    pub belt: Option<BeltFigures>,
     /// What the model could not stand in for.
     pub gaps: Gaps,
     /// Rules for clocks that were broken.
@@ -168,6 +175,9 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         request.manner.baud,
         request.drivers.clone(),
     );
+    if let Some(setup) = request.belt {
+        watch.mechanics = Mechanics::with_belt(request.settings, setup)?;
+    }
     watch.stack_end = request.firmware.symbol("_stack_end")?;
     watch.heat = HeatWatch::new(request.wiring, request.settings, &request.climate);
     let mut images = request.firmware.images(request.wiring)?;
@@ -206,6 +216,7 @@ pub fn run(request: &Request<'_>) -> Result<Seen> {
         laps: watch.laps,
         heat: watch.heat,
         drivers: watch.drivers,
+        belt: watch.mechanics.figures(),
         gaps,
         breaches: watch.clock_rules.breaches,
         resets,

@@ -100,6 +100,12 @@ impl Safety {
         }
     }
 
+    /// Motors with power, and since when, in ns.
+    #[must_use]
+    pub fn supplied(&self) -> (MotorSet, u64) {
+        (self.powered, self.switched.last().map_or(0, |(at, _)| *at))
+    }
+
     /// Heaters that are driven high now, or may be.
     #[must_use]
     pub fn is_hot(&self) -> bool {

@@ -12,13 +12,13 @@ use crate::clock_rules::ClockRules;
 use crate::driver_line::DriverLines;
 use crate::heat::{Climate, HeatWatch, fitted};
 use crate::laps::Laps;
+use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::steps::Recorder;
 use crate::timer::Schedule;
 use crate::wiring::{BRR, PORTS, SettingsMemory, Wiring};
 use corehbot::motors::{EndstopSet, Motor};
 use corehbot::settings::Settings;
-use corehbot_rig::Rig;
 use rigless::emulator::{AccessKind, Driver, InterruptLine, Settled, Stop};
 use rigless::mcu::Operate;
 use rigless::session::Session;
@@ -44,7 +44,8 @@ pub struct Watch {
     wiring: &'static Wiring,
     stepper: u32,
     step_interrupt: Range<u64>,
-    rig: Rig,
+    /// What the motors turn.
+    pub mechanics: Mechanics,
     endstops: Option<EndstopSet>,
     patience: Patience,
     injection: Option<Injection>,
@@ -108,7 +109,7 @@ impl Watch {
             step_interrupt,
             slow_accesses: 0,
             drivers,
-            rig: Rig::new(settings, None),
+            mechanics: Mechanics::rigid(settings),
             endstops: None,
             patience,
             injection,
@@ -144,6 +145,7 @@ impl Watch {
     ) {
         let port = session.board_mut().port(n);
         self.safety.store(at.0, n, port, self.greeted);
+        self.mechanics.attend(at.0, self.safety.supplied());
         if let Some(switch) = self.wiring.supply_switch.filter(|switch| switch.port == n) {
             self.heat.switch(at.0, port.low() & switch.mask() != 0);
         }
@@ -155,7 +157,8 @@ impl Watch {
         if let Some(event) = self.recorder.events.last_mut().filter(|event| event.schedule.is_none()) {
             event.schedule = Schedule::read(session.board_mut(), host, at, self.stepper);
         }
-        self.rig.step(steps, forward);
+        let tick = self.recorder.events.last().and_then(|event| event.schedule).map(|schedule| schedule.tick());
+        self.mechanics.step(at.0, tick, (steps, forward), &mut self.drivers, self.safety.supplied());
         self.press(session, at);
         self.inject(session, host, at);
     }
@@ -172,7 +175,7 @@ impl Watch {
 
     /// Gives the endstop inputs the levels that the machine's switches have.
     fn press(&mut self, session: &mut Session<Emulated>, at: VirtualNanos) {
-        let pressed = self.rig.endstops();
+        let pressed = self.mechanics.endstops(at.0);
         if self.endstops == Some(pressed) {
             return;
         }
@@ -200,8 +203,11 @@ impl Driver<Emulated> for Watch {
             Settled::Access { access, .. } => access,
             Settled::Stop(stop) => {
                 self.drivers.advance(session.board_mut(), stop.at);
-                self.heat.look(session.board_mut(), stop.at.0, self.rig.counts()[Motor::E0 as usize]);
+                self.heat.look(session.board_mut(), stop.at.0, self.mechanics.counts()[Motor::E0 as usize]);
                 self.inject_while_hot(session, host, stop.at);
+                if self.mechanics.next().is_some_and(|next| next <= stop.at.0) {
+                    self.press(session, stop.at);
+                }
                 self.look_at_flash(session, host, stop.at, None);
                 return self.pause(session);
             }
@@ -244,7 +250,7 @@ impl Driver<Emulated> for Watch {
             self.safety.store(access.virtual_time.0, 0, port, self.greeted);
         }
         if is_port || HEATER_TIMER.contains(&access.address) {
-            self.heat.look(session.board_mut(), access.virtual_time.0, self.rig.counts()[Motor::E0 as usize]);
+            self.heat.look(session.board_mut(), access.virtual_time.0, self.mechanics.counts()[Motor::E0 as usize]);
         }
         if is_port {
             self.port_written(session, host, access.virtual_time, port as usize);

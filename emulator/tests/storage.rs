@@ -76,7 +76,7 @@ fn a_machine_in_the_eeprom_prints_as_the_simulator_does() {
     eeprom.save(&machine).unwrap();
     let seen = talk(&At24c32::holding(eeprom.cells().to_vec()), gcode);
     assert!(seen.line.failure.is_none(), "{:?}", seen.line.failure);
-    let host = scheduled_with(gcode, &made, &mut eeprom).unwrap();
+    let host = scheduled_with(gcode, &made, &mut eeprom, None).unwrap();
     assert_eq!(difference(&seen.recorder.events, &host), None);
     assert_ne!(host, scheduled(gcode, &made).unwrap(), "the machine is another one");
 }

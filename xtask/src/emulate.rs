@@ -24,6 +24,35 @@ pub struct Args {
     /// Writes the same as VCD.
     #[arg(long, value_name = "V.vcd")]
     vcd: Option<PathBuf>,
+    #[command(flatten)]
+    plant: PlantArgs,
+}
+
+/// The machine that the image drives, as `corehbot run` has it.
+#[derive(clap::Args, Default)]
+struct PlantArgs {
+    /// What the motors turn: `belt`; without it, a rigid machine.
+    #[arg(long, value_name = "PLANT")]
+    plant: Option<String>,
+    /// Draws phases and noise.
+    #[arg(long, value_name = "N")]
+    seed: Option<String>,
+    /// Something in the tool's way.
+    #[arg(long, value_name = "X,Y,N,MS", allow_hyphen_values = true)]
+    hit: Vec<String>,
+    /// Something that rubs on a motor.
+    #[arg(long, value_name = "MOTOR,N[,S[,MS]]", allow_hyphen_values = true)]
+    brake: Vec<String>,
+}
+
+impl PlantArgs {
+    /// The options that were given, for the emulator to judge.
+    fn given(&self) -> impl Iterator<Item = (&'static str, &String)> {
+        let one = [("--plant", &self.plant), ("--seed", &self.seed)];
+        let many = [("--hit", &self.hit), ("--brake", &self.brake)];
+        let one = one.into_iter().filter_map(|(option, value)| Some((option, value.as_ref()?)));
+        one.chain(many.into_iter().flat_map(|(option, values)| values.iter().map(move |value| (option, value))))
+    }
 }
 
 /// A board that the emulator knows.
@@ -66,16 +95,21 @@ pub struct EqualArgs {
 /// Builds the image and prints a file on it; the emulator compares its steps with the simulator's.
 pub fn main(args: &Args) -> Result<()> {
     let options = [("--settings", &args.settings), ("--trace", &args.trace), ("--vcd", &args.vcd)];
-    print(args.board, &args.file, options)
+    print(args.board, &args.file, options, &args.plant)
 }
 
 /// Prints a file three times: the simulator against QEMU, byte for byte, and against the image.
 pub fn equal(args: &EqualArgs) -> Result<()> {
     check_file(&args.file, args.settings.as_deref())?;
-    print(Board::Octopus, &args.file, [("--settings", &args.settings)])
+    print(Board::Octopus, &args.file, [("--settings", &args.settings)], &PlantArgs::default())
 }
 
-fn print<const N: usize>(board: Board, file: &Path, options: [(&'static str, &Option<PathBuf>); N]) -> Result<()> {
+fn print<const N: usize>(
+    board: Board,
+    file: &Path,
+    options: [(&'static str, &Option<PathBuf>); N],
+    plant: &PlantArgs,
+) -> Result<()> {
     let mut command = cargo(["run"], &["--release", "--ignore-rust-version", "--"]);
     command.current_dir(std::env::current_dir()?).arg(checkout::build_image(board.package())?).arg(file);
     command.args(["--board", board.name()]);
@@ -83,6 +117,9 @@ fn print<const N: usize>(board: Board, file: &Path, options: [(&'static str, &Op
         if let Some(path) = path {
             command.arg(option).arg(path);
         }
+    }
+    for (option, value) in plant.given() {
+        command.arg(format!("{option}={value}"));
     }
     run(command)
 }

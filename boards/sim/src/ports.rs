@@ -2,7 +2,7 @@
 //!
 //! All of them look at one time, which only the world moves on.
 
-use crate::belt::BeltPlant;
+use crate::belt::{BeltPlant, Chips};
 use crate::drivers::Drivers;
 use crate::world::{Host, Sink};
 use corehbot::kinematics::MotorTable;
@@ -147,7 +147,7 @@ impl Pins<'_> {
     /// Time has passed, and motors may have been switched.
     pub(crate) fn attend(&mut self) {
         if let Mechanics::Belt(plant) = &mut self.mechanics {
-            plant.attend(self.shared.now.get(), self.drivers);
+            plant.attend(self.shared.now.get(), self.drivers.powered());
         }
     }
 
@@ -168,7 +168,7 @@ impl StepPort for Pins<'_> {
         let steps = self.table.motors(steps);
         match &mut self.mechanics {
             Mechanics::Rigid(rig) => rig.step(steps, self.forward),
-            Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, self.drivers),
+            Mechanics::Belt(plant) => plant.step(self.shared.now.get(), tick, steps, self.forward, &mut self.drivers),
         }
         self.sink.event(tick, steps, self.forward);
     }

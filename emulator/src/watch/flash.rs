@@ -40,6 +40,7 @@ impl Watch {
     /// Has the run stop when something happens of itself.
     pub(super) fn pause(&self, session: &mut Session<Emulated>) {
         let flash = session.board_mut().mcu.flash.as_ref().and_then(crate::flash_interface::FlashInterface::next);
-        session.pause_at([self.drivers.next, flash].into_iter().flatten().min().map(VirtualNanos));
+        session
+            .pause_at([self.drivers.next, self.mechanics.next(), flash].into_iter().flatten().min().map(VirtualNanos));
     }
 }

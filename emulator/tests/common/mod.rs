@@ -16,6 +16,7 @@ use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, run};
 use corehbot_emulator::watch::{Injection, Patience};
 use corehbot_emulator::wiring::{NUCLEO, OCTOPUS, Pin, Wiring};
+use corehbot_sim::belt::BeltSetup;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::machine_file;
 use std::path::{Path, PathBuf};
@@ -96,6 +97,8 @@ pub struct Bench<'a> {
     pub settings: Settings,
     /// What is round its heat.
     pub climate: Climate,
+    /// The belt, if the machine is not rigid.
+    pub belt: Option<BeltSetup>,
     /// The rate of the slow oscillator in Hz.
     pub slow_oscillator: Option<u64>,
     /// Virtual time to go on after a reset, in ns.
@@ -124,6 +127,7 @@ impl Default for Bench<'_> {
             is_untested: false,
             settings: Settings::prototype(),
             climate: Climate::default(),
+            belt: None,
             slow_oscillator: None,
             after_reset: 50 * MS,
             stuck: None,
@@ -216,6 +220,7 @@ pub fn print_on(firmware: &Firmware, gcode: &str, bench: &Bench<'_>) -> Seen {
         flash: &bench.flash,
         thermistors: bench.thermistors,
         climate: bench.climate,
+        belt: bench.belt.as_ref(),
         slow_oscillator: bench.slow_oscillator,
         stuck: bench.stuck,
         defect: bench.defect,

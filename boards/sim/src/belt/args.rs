@@ -1,7 +1,6 @@
 //! Args: the belt plant as commands ask for it.
 
 use super::accident::Accidents;
-use super::layout::LayoutError;
 use super::{BeltPlant, BeltSetup};
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
@@ -18,7 +17,7 @@ enum Plant {
 
 /// Which plant, and what befalls it.
 #[derive(Args)]
-pub(crate) struct PlantArgs {
+pub struct PlantArgs {
     /// What the motors turn; without it, a rigid machine.
     #[arg(long, value_enum)]
     plant: Option<Plant>,
@@ -35,17 +34,25 @@ pub(crate) struct PlantArgs {
 }
 
 impl PlantArgs {
+    /// What the plant is, if one is asked for.
+    ///
+    /// # Errors
+    /// No such accident.
+    pub fn setup(&self) -> Result<Option<BeltSetup>> {
+        let Some(Plant::Belt) = self.plant else { return Ok(None) };
+        let hits = self.hit.iter().map(|text| text.parse().with_context(|| format!("--hit {text}")));
+        let brakes = self.brake.iter().map(|text| text.parse().with_context(|| format!("--brake {text}")));
+        let accidents = Accidents { hits: hits.collect::<Result<_>>()?, brakes: brakes.collect::<Result<_>>()? };
+        Ok(Some(BeltSetup { params: Params::default(), seed: self.seed, accidents }))
+    }
+
     /// The plant of these settings, if one is asked for.
     ///
     /// # Errors
     /// No such accident, or the twin has no such machine.
     pub(crate) fn belt(&self, settings: &Settings, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
-        let Some(Plant::Belt) = self.plant else { return Ok(None) };
-        let hits = self.hit.iter().map(|text| text.parse().with_context(|| format!("--hit {text}")));
-        let brakes = self.brake.iter().map(|text| text.parse().with_context(|| format!("--brake {text}")));
-        let accidents = Accidents { hits: hits.collect::<Result<_>>()?, brakes: brakes.collect::<Result<_>>()? };
-        let setup = BeltSetup { params: Params::default(), seed: self.seed, accidents };
-        let plant: Result<_, LayoutError> = BeltPlant::new(settings, homed, homed.is_some(), setup, 0);
+        let Some(setup) = self.setup()? else { return Ok(None) };
+        let plant = BeltPlant::new(settings, homed, homed.is_some(), setup, 0);
         Ok(Some(Box::new(plant.context("--plant belt")?)))
     }
 }

@@ -99,7 +99,7 @@ impl fmt::Display for BeltFigures {
                 let at_most = self.largest_off_mm;
                 writeln!(f, "{:<18} {off:.3} mm off (x {x:.3}, y {y:.3}), {at_most:.3} at most", "tool")?;
             }
-            None => writeln!(f, "{:<18} not homed", "tool")?,
+            None => writeln!(f, "{:<18} no homing is known of", "tool")?,
         }
         if self.missed_hits > 0 {
             writeln!(f, "{:<18} {} that the tool never came by", "hits", self.missed_hits)?;

@@ -22,7 +22,7 @@
 //! | [`figures`] | what is said of it at the end |
 
 pub mod accident;
-pub(crate) mod args;
+pub mod args;
 pub mod course;
 pub mod figures;
 pub mod layout;
@@ -30,6 +30,7 @@ mod load;
 mod timeline;
 
 use crate::drivers::Drivers;
+use crate::tmc2209::Tmc2209;
 use accident::{AccidentState, Accidents};
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
@@ -49,6 +50,28 @@ const SWITCHES: [EndstopSet; 2] = [EndstopSet::X, EndstopSet::Y];
 
 /// How long a machine rings out, in ticks: 0.5 s, in which 0.1 mm at 57 Hz and 4 % damping become 0.1 um.
 const RING_OUT: u64 = 5_000_000;
+
+/// Where the tool is near a switch: within 0.1 mm.
+const NEAR_MM: f64 = 0.1;
+
+/// The drivers of the motors, on whatever board they are.
+pub trait Chips {
+    /// Motors that have power, and since when, in ticks.
+    fn powered(&self) -> (MotorSet, u64);
+
+    /// Has something done to the driver of a motor.
+    fn with(&mut self, motor: Motor, act: &mut dyn FnMut(&mut Tmc2209));
+}
+
+impl Chips for &Drivers {
+    fn powered(&self) -> (MotorSet, u64) {
+        (self.enabled(), self.switched())
+    }
+
+    fn with(&mut self, motor: Motor, act: &mut dyn FnMut(&mut Tmc2209)) {
+        act(&mut self.chip(motor));
+    }
+}
 
 /// What the belt plant is besides the machine's settings.
 #[derive(Clone, Debug, Default)]
@@ -142,10 +165,9 @@ impl BeltPlant {
     }
 
     /// Time has come to `now`, and motors may have got or lost power.
-    pub(crate) fn attend(&mut self, now: u64, drivers: &Drivers) {
-        let powered = drivers.enabled();
+    pub fn attend(&mut self, now: u64, (powered, since): (MotorSet, u64)) {
         if powered != self.powered {
-            self.advance(drivers.switched().min(now));
+            self.advance(since.min(now));
             self.powered = powered;
             for (index, drive) in self.layout.drives.iter().enumerate() {
                 self.live.give(index, if powered.has(drive.motor) { 1.0 } else { 0.0 });
@@ -155,8 +177,8 @@ impl BeltPlant {
     }
 
     /// Motors step at `now`, which is `tick` of motion time.
-    pub(crate) fn step(&mut self, now: u64, tick: u64, steps: MotorSet, forward: MotorSet, drivers: &Drivers) {
-        self.attend(now, drivers);
+    pub fn step(&mut self, now: u64, tick: u64, steps: MotorSet, forward: MotorSet, chips: &mut impl Chips) {
+        self.attend(now, chips.powered());
         self.timeline.event(now, tick);
         self.rig.step(steps, forward);
         self.has_begun |= steps.has(Motor::E0) || self.met.iter().all(Option::is_some);
@@ -171,11 +193,11 @@ impl BeltPlant {
         self.live.step(&each);
         self.happen(now);
         self.watch();
-        self.measure(now, steps, drivers);
+        self.measure(now, steps, chips);
     }
 
     /// The endstops that are pressed at `now`.
-    pub(crate) fn endstops(&mut self, now: u64) -> EndstopSet {
+    pub fn endstops(&mut self, now: u64) -> EndstopSet {
         self.advance(now);
         let tool = self.tool_mm();
         let others = self.rig.endstops().0 & !(EndstopSet::X.0 | EndstopSet::Y.0);
@@ -191,6 +213,13 @@ impl BeltPlant {
             }
         }
         pressed.and(self.inputs)
+    }
+
+    /// Whether a switch of x or y may be met or left before the tool has gone far.
+    #[must_use]
+    pub fn is_near_switch(&self) -> bool {
+        let both = self.tool_mm().into_iter().zip(self.switches);
+        both.map(|(at, switch)| at - switch.position.to_num::<f64>()).any(|inside| inside.abs() < NEAR_MM)
     }
 
     /// A switch has ended a motion: its axis is from now on where the switch is.
@@ -313,11 +342,11 @@ impl BeltPlant {
     }
 
     /// Drivers measure the load of motors that have stepped.
-    fn measure(&mut self, now: u64, steps: MotorSet, drivers: &Drivers) {
+    fn measure(&mut self, now: u64, steps: MotorSet, chips: &mut impl Chips) {
         for (index, (drive, load)) in self.layout.drives.iter().zip(&mut self.loads).enumerate() {
             if steps.has(drive.motor) {
                 let count = self.live.counts().get(index).copied().unwrap_or(0);
-                load.step(now, count, &mut drivers.chip(drive.motor), || self.live.take_share(index));
+                chips.with(drive.motor, &mut |chip| load.step(now, count, chip, || self.live.take_share(index)));
             }
         }
     }

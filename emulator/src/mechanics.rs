@@ -1,0 +1,118 @@
+//! Mechanics: what the motors turn. The rigid rig of the simulator, and with `--plant belt` its belt plant too, whose switches and
+//! loads count then.
+//!
+//! The plant lives in virtual time; motion time is that of the firmware's schedule. Switches follow the rig with each step, and the
+//! belt's tool, which moves between steps too, every [`LOOK_NS`] while it is near one of them.
+
+use crate::driver_line::DriverLines;
+use crate::timer::NS_PER_TICK;
+use anyhow::{Context, Result};
+use corehbot::motors::{EndstopSet, Motor, MotorSet};
+use corehbot::settings::Settings;
+use corehbot_rig::Rig;
+use corehbot_sim::belt::figures::BeltFigures;
+use corehbot_sim::belt::{BeltPlant, BeltSetup, Chips};
+use corehbot_sim::tmc2209::Tmc2209;
+
+/// How often switches are looked at while the belt's tool is near one: at 20 mm/s it goes 0.2 um.
+const LOOK_NS: u64 = 10_000;
+
+/// What the motors turn.
+pub struct Mechanics {
+    rig: Rig,
+    belt: Option<Box<BeltPlant>>,
+    /// Motion time of the last event.
+    tick: u64,
+    /// When the switches of the belt are to be looked at.
+    next: Option<u64>,
+}
+
+/// What the plant sees of the board's drivers.
+struct OnBoard<'w> {
+    drivers: &'w mut DriverLines,
+    /// Motors with power, and since when, in ticks.
+    powered: (MotorSet, u64),
+}
+
+impl Chips for OnBoard<'_> {
+    fn powered(&self) -> (MotorSet, u64) {
+        self.powered
+    }
+
+    fn with(&mut self, motor: Motor, act: &mut dyn FnMut(&mut Tmc2209)) {
+        act(self.drivers.chip(motor));
+    }
+}
+
+impl Mechanics {
+    /// The machine of these settings, rigid.
+    #[must_use]
+    pub fn rigid(settings: &Settings) -> Self {
+        Self { rig: Rig::new(settings, None), belt: None, tick: 0, next: None }
+    }
+
+    /// The same with a belt.
+    ///
+    /// # Errors
+    /// The twin has no such machine.
+    pub fn with_belt(settings: &Settings, setup: &BeltSetup) -> Result<Self> {
+        let plant = BeltPlant::new(settings, None, false, setup.clone(), 0).context("--plant belt")?;
+        Ok(Self { belt: Some(Box::new(plant)), ..Self::rigid(settings) })
+    }
+
+    /// Motors step at an instant in ns; `tick` is the low half of its motion time, if it is known.
+    pub fn step(
+        &mut self,
+        at: u64,
+        tick: Option<u32>,
+        (steps, forward): (MotorSet, MotorSet),
+        drivers: &mut DriverLines,
+        powered: (MotorSet, u64),
+    ) {
+        self.rig.step(steps, forward);
+        if let Some(tick) = tick {
+            self.tick += u64::from(tick.wrapping_sub(self.tick as u32));
+        }
+        if let Some(plant) = &mut self.belt {
+            let (powered, since) = powered;
+            let mut chips = OnBoard { drivers, powered: (powered, since / NS_PER_TICK) };
+            plant.step(at / NS_PER_TICK, self.tick, steps, forward, &mut chips);
+        }
+    }
+
+    /// Motors may have got or lost power, since an instant in ns.
+    pub fn attend(&mut self, at: u64, (powered, since): (MotorSet, u64)) {
+        if let Some(plant) = &mut self.belt {
+            plant.attend(at / NS_PER_TICK, (powered, since / NS_PER_TICK));
+        }
+    }
+
+    /// The endstops that are pressed at an instant in ns.
+    pub fn endstops(&mut self, at: u64) -> EndstopSet {
+        let Some(plant) = &mut self.belt else { return self.rig.endstops() };
+        let pressed = plant.endstops(at / NS_PER_TICK);
+        self.next = plant.is_near_switch().then_some(at + LOOK_NS);
+        pressed
+    }
+
+    /// When switches are to be looked at, if there is no step before, in ns.
+    #[must_use]
+    pub const fn next(&self) -> Option<u64> {
+        self.next
+    }
+
+    /// Steps of each motor.
+    #[must_use]
+    pub fn counts(&self) -> [i32; Motor::ALL.len()] {
+        self.rig.counts()
+    }
+
+    /// What came of the belt, half a second after the last step.
+    #[must_use]
+    pub fn figures(self) -> Option<BeltFigures> {
+        self.belt.map(|mut plant| {
+            plant.ring_out();
+            plant.figures()
+        })
+    }
+}

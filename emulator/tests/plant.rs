@@ -1,0 +1,30 @@
+//! The image turns the twin's belt: what its drivers tell it over their wires aligns the motors, with the steps of the simulator.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use common::{Bench, firmware, print_on};
+use corehbot::port::NoStorage;
+use corehbot::settings::Settings;
+use corehbot_emulator::compare::{difference, scheduled_with};
+use corehbot_emulator::watch::End;
+use corehbot_sim::belt::BeltSetup;
+
+/// A sixteenth of a full step, in mm.
+const SIXTEENTH_MM: f64 = 0.2 / 16.0;
+
+#[test]
+fn the_image_aligns_the_motors_of_a_belt() {
+    let setup = BeltSetup { seed: Some(3), ..BeltSetup::default() };
+    let bench = Bench { belt: Some(setup.clone()), ..Bench::default() };
+    let gcode = "G28 X Y\nM915\nG1 X20 F6000\nM400\n";
+    let seen = print_on(&firmware(), gcode, &bench);
+    assert_eq!((seen.end, seen.line.failure.as_ref()), (End::Done, None), "{:?}", seen.line.said);
+    assert!(seen.line.said.iter().any(|line| line.contains("belt motors aligned")), "{:?}", seen.line.said);
+    let figures = seen.belt.unwrap();
+    assert!(figures.skips.is_empty() && figures.residual_mm.unwrap().abs() <= SIXTEENTH_MM, "{figures}");
+    let host = scheduled_with(gcode, &Settings::prototype(), NoStorage, Some(&setup)).unwrap();
+    let difference = difference(&seen.recorder.events, &host);
+    assert!(difference.is_none(), "{}", difference.unwrap());
+    assert_eq!((seen.recorder.split_pairs, seen.recorder.unpowered), (0, 0));
+}
