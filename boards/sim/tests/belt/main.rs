@@ -4,6 +4,7 @@
 mod accidents;
 mod alignment;
 mod command;
+mod ended;
 mod loads;
 mod power;
 mod printer;
