@@ -14,7 +14,7 @@ pub(in crate::machine) enum AlignError {
     TooFewReadings,
     /// Loads do not change with the strain.
     Flat,
-    /// The strain is more than a skip and what power-up leaves.
+    /// The strain is more than motors hold.
     TooFar,
     /// The findings do not agree.
     Unsure,

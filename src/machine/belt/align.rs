@@ -29,8 +29,9 @@ const RAMP: Mm = Mm::const_from_int(4);
 /// Trim of either arm of the load curve, in full steps: as much as power-up leaves at most, so that the apex lies between.
 const ARM: i32 = 2;
 
-/// How far the apex is looked for, in arms: skips of one electrical turn, beside what power-up leaves.
-const MOST_ARMS: i32 = 3;
+/// How far the apex is looked for, in arms: three electrical turns. Four motors that pull against each other by more do not hold
+/// (docs/twin.md: a single turn takes a third of their torque).
+const MOST_ARMS: i32 = 6;
 
 /// Findings of an apex that are averaged: three at least, and more until they agree to [`SURE`].
 const ROUNDS: core::ops::Range<i64> = 3..12;
@@ -270,5 +271,5 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 }
 
-/// A skip is as far as the apex is looked for, and what power-up leaves with it.
+/// Skips of one turn are never too far, whatever power-up leaves with them.
 const _: () = assert!(MOST_ARMS * ARM >= FULL_STEPS_A_TURN + ARM);

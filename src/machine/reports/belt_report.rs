@@ -42,7 +42,7 @@ impl fmt::Display for AlignError {
             Self::Driver(fault) => fault.fmt(f),
             Self::TooFewReadings => f.write_str("the drivers were hardly read while the tool moved"),
             Self::Flat => f.write_str("the loads that the drivers measure do not change with the belt's strain"),
-            Self::TooFar => f.write_str("more strain than a skip explains"),
+            Self::TooFar => f.write_str("more strain than three turns explain"),
             Self::Unsure => f.write_str("the loads that the drivers measure do not agree"),
         }
     }
