@@ -93,8 +93,14 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
         915 => {
-            let [diagnoses, repairs] = [b'D', b'R'].map(|letter| last(text, letter).is_some());
-            Command::AlignBelt { diagnoses, repairs }
+            // RepRapFirmware's M915 is another command, with these words; its R has a number.
+            let is_foreign = b"XYZEPSFHT".iter().any(|letter| last(text, *letter).is_some());
+            let [diagnoses, repairs] = [b'D', b'R'].map(|letter| last(text, letter));
+            let has_number = [diagnoses, repairs].into_iter().flatten().any(|word| word.number.is_some());
+            if is_foreign || has_number || diagnoses.is_some() && repairs.is_some() {
+                return otherwise;
+            }
+            Command::AlignBelt { diagnoses: diagnoses.is_some(), repairs: repairs.is_some() }
         }
         999 => Command::Restart,
         _ => return otherwise,

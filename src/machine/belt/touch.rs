@@ -54,31 +54,33 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let lift = self.lift().await?;
         let aside = [self.touch(HomedAxis::X).await?, self.touch(HomedAxis::Y).await?];
         self.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
+        // Until it is known that nothing has happened, nobody is to believe it: M410 may end this with a motor on its way.
+        let (homed, trimming) = (self.homed, self.trimming);
+        self.trimming.forget();
+        self.homed.release(residuals.motors(), self.real.groups().mechanism());
         let answer = match self.examine(&residuals, aside, repairs).await {
             Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
             Err(BeltError::Align(error)) => BeltAnswer::NotAligned(error),
             Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
         };
         let is_well = matches!(answer, BeltAnswer::Diagnosis(Diagnosis::Nothing));
-        if !is_well {
-            self.homed.release(residuals.motors(), self.real.groups().mechanism());
-        }
-        let is_aligned = matches!(answer, BeltAnswer::Diagnosis(_));
-        if repairs && is_aligned && !is_well {
+        let is_known = matches!(answer, BeltAnswer::Diagnosis(_));
+        if is_well && self.has_power(residuals.motors()) {
+            (self.homed, self.trimming) = (homed, trimming);
+        } else if repairs && is_known {
+            self.trimming.align();
             self.tell(Answer::Belt(answer)).await?;
             self.home_and_align(BELT_AXES, false).await?;
             let proof = [self.touch(HomedAxis::X).await?, self.touch(HomedAxis::Y).await?];
             self.lower(lift).await?;
             return Ok(Answer::Belt(BeltAnswer::Repaired(proof)));
         }
-        if !is_well {
-            self.trimming.forget();
-        }
         self.lower(lift).await?;
         Ok(Answer::Belt(answer))
     }
 
-    /// What the switches and the residuals say together. Motors are left without strain if it is to be repaired, and as they were if not.
+    /// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be repaired; all
+    /// others are as they were.
     async fn examine(&mut self, residuals: &Residuals, aside: [i32; 2], repairs: bool) -> Result<Diagnosis, BeltError> {
         self.begin_measuring(residuals.motors()).await?;
         let result = self.examine_each(residuals, aside, repairs).await;
@@ -103,7 +105,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             let touched = Touched { aside, residual: -step * times - preload };
             let found = diagnose(&self.settings.mechanism, residual, touched, full_step);
             said = found.graver(said);
-            if repairs {
+            if repairs && found != Diagnosis::Nothing {
                 self.leave_at(number, residual, step, within).await?;
             } else {
                 self.trim(motor, -step).await?;

@@ -10,8 +10,10 @@ use crate::port::{Motor, Pend};
 use crate::units::Steps;
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Turns one motor by so many steps, and no other. All motors of the belt have power, and motion rests.
+    /// Turns one motor by so many steps, and no other, when motion rests. All motors of the belt have power.
     pub(super) async fn trim(&mut self, motor: Motor, by: i32) -> Result<(), Interrupt> {
+        // A stroke whose driver did not answer may be under way.
+        self.finish().await?;
         if by == 0 {
             return Ok(());
         }

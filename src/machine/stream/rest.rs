@@ -66,7 +66,11 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.drop_motion().await?;
         self.end_circulation().await?;
         self.end_trim().await?;
-        self.stop_measuring();
+        if self.trimming.is_measuring() {
+            // Nothing moves while drivers change their mode.
+            self.stop_measuring();
+            self.until(|c| c.drivers.is_configured()).await?;
+        }
         if self.homed.stop() {
             self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }

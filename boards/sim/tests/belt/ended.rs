@@ -1,6 +1,7 @@
 //! M915 that is ended by M410, and on a machine of two belts.
 
 use crate::printer::{Events, Lines, plant_of, print_as};
+use corehbot::motors::Motor;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
@@ -8,6 +9,7 @@ use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::machine_file;
+use corehbot_sim::tmc2209::gconf;
 use corehbot_sim::world::{Desk, Host, run_at};
 use corehbot_twin::params::Params;
 
@@ -46,6 +48,14 @@ impl Host for Stopping {
     }
 }
 
+/// What the drivers are configured for, not what the settings say.
+fn assert_in_spread_cycle(drivers: &Drivers) {
+    for motor in [Motor::M1, Motor::M4, Motor::M8, Motor::M11] {
+        let gconf = drivers.chip(motor).register(gconf::ADDRESS);
+        assert!(gconf & gconf::EN_SPREADCYCLE != 0, "{motor:?} {gconf:#x}");
+    }
+}
+
 /// Whenever it comes, in strokes, trims and waits: drivers are as before, nobody believes that motors are aligned, and after homing the
 /// tool goes where it is sent.
 #[test]
@@ -65,11 +75,37 @@ fn m410_ends_it_at_any_moment_and_the_machine_goes_on() {
         assert!(!outcome.halted && !has("belt motors aligned"), "{tenths}: {heard:?}");
         assert!(has("X driver mode: spreadCycle") && has("Belt: motors not aligned"), "{tenths}: {heard:?}");
         assert!(has("X:100.00 Y:120.00"), "{tenths}: {heard:?}");
+        assert_in_spread_cycle(&drivers);
         let mut plant = desk.belt.unwrap();
         plant.ring_out();
         let [x, y] = plant.tool_mm();
         assert!((x - 100.0).hypot(y - 120.0) < 0.06, "{tenths}: {x} {y}");
         assert!(plant.figures().skips.is_empty(), "{tenths}");
+    }
+}
+
+/// A diagnosis that is ended may leave a motor turned, so nobody believes what was so before it; and one that finds nothing leaves all as
+/// it was.
+#[test]
+fn m410_ends_a_diagnosis_and_nobody_believes_in_what_was_before() {
+    let mut settings = Settings::prototype();
+    settings.require_homing = true;
+    for (at_s, is_ended) in [(52_u64, true), (56, true), (60, true), (300, false)] {
+        let lines = ["M915", "M915 D", "M122", "G1 X100 Y120 F6000", "M400", "M114", "G4 S250"];
+        let at = at_s * u64::from(TICKS_PER_SECOND);
+        let mut host = Stopping { lines: Lines::new(lines), at, now: 0, has_stopped: false };
+        let mut desk = Desk::new(1);
+        desk.belt = plant_of(Params::default(), START, 9, Accidents::default());
+        let (drivers, mut events, start) = (Drivers::new(), Events::default(), Some(START.map(Mm::from_num)));
+        let hosts: &mut [&mut dyn Host] = &mut [&mut host];
+        run_at(&mut desk, &settings, start, NoStorage, &drivers, hosts, &mut events).unwrap();
+        let heard = host.lines.heard;
+        let has = |text: &str| heard.iter().any(|line| line.contains(text));
+        assert!(has("belt motors aligned"), "{at_s}: {heard:?}");
+        assert_eq!(has("no motor has skipped"), !is_ended, "{at_s}: {heard:?}");
+        assert_eq!(has("Belt: motors not aligned"), is_ended, "{at_s}: {heard:?}");
+        assert_eq!(has("X:100.00 Y:120.00"), !is_ended, "{at_s}: {heard:?}");
+        assert_in_spread_cycle(&drivers);
     }
 }
 
