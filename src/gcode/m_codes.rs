@@ -93,8 +93,8 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         913 => Command::HybridThreshold(axis_words(text)),
         914 => Command::StallThreshold(axis_words(text)),
         915 => {
-            // RepRapFirmware's M915 is another command, with these words; its R has a number.
-            let is_foreign = b"XYZEPSFHT".iter().any(|letter| last(text, *letter).is_some());
+            // RepRapFirmware's M915 is another command; it has these words beside its axes, and a number at its R.
+            let is_foreign = b"PSFHT".iter().any(|letter| last(text, *letter).is_some());
             let [diagnoses, repairs] = [b'D', b'R'].map(|letter| last(text, letter));
             let has_number = [diagnoses, repairs].into_iter().flatten().any(|word| word.number.is_some());
             if is_foreign || has_number || diagnoses.is_some() && repairs.is_some() {
