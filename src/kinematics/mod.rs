@@ -9,5 +9,5 @@ mod row;
 pub use forward::ForwardKinematics;
 pub use groups::{Group, Grouping, Groupings, Groups, MotorTable, SETS, count_at};
 pub use mechanism::{MOST_MULTIPLE, Mechanism, MechanismError};
-pub use residuals::{Residual, Residuals};
+pub use residuals::{Residual, Residuals, motors_in};
 pub use row::{Row, direction, multiple};

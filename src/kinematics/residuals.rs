@@ -94,7 +94,8 @@ impl Residuals {
 }
 
 /// The motors that a sum takes.
-fn motors_in(residual: &Residual) -> MotorSet {
+#[must_use]
+pub fn motors_in(residual: &Residual) -> MotorSet {
     let both = Motor::ALL.into_iter().zip(residual);
     both.filter(|(_, times)| **times != 0).fold(MotorSet::NONE, |set, (motor, _)| set.with(MotorSet::of(motor)))
 }

@@ -7,7 +7,7 @@
 use super::diagnosis::FULL_STEPS_A_TURN;
 use super::load_curve::{Findings, Load, Readings, apex, is_less_loaded, load_of_stroke, slope, thousandths};
 use crate::driver::{DriverError, Fault, Job};
-use crate::kinematics::{Residual, Residuals};
+use crate::kinematics::{Residual, Residuals, motors_in};
 use crate::machine::answers::belt_answer::AlignError;
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
@@ -64,12 +64,6 @@ impl From<AlignError> for BeltError {
 /// The motor of a residual that is turned against the others, and its part of the sum.
 pub(super) fn trimmed(residual: &Residual) -> Option<(Motor, i32)> {
     Motor::ALL.into_iter().zip(*residual).find(|(_, times)| *times != 0)
-}
-
-/// The motors of a residual.
-pub(super) fn motors_of(residual: &Residual) -> MotorSet {
-    let both = Motor::ALL.into_iter().zip(residual).filter(|(_, times)| **times != 0);
-    both.fold(MotorSet::NONE, |set, (motor, _)| set.with(MotorSet::of(motor)))
 }
 
 /// Where a scan stands: how far the motor is trimmed from where it was.
@@ -159,18 +153,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         Ok(())
     }
 
-    /// Drivers are as the settings say again, soon.
-    pub(in crate::machine) fn stop_measuring(&mut self) {
-        if self.trimming.is_measuring() {
-            self.trimming.measure(false);
-            self.drivers.want(&self.settings);
+    /// Waits until drivers are as the settings say again, if they measure loads: nothing moves while they change their mode. Motion
+    /// rests.
+    pub(in crate::machine) async fn end_measuring(&mut self) -> Result<(), Interrupt> {
+        if !self.trimming.is_measuring() {
+            return Ok(());
         }
-    }
-
-    /// The same, and waits for it.
-    pub(super) async fn end_measuring(&mut self) -> Result<(), Interrupt> {
-        self.finish().await?;
-        self.stop_measuring();
+        self.trimming.measure(false);
+        self.drivers.want(&self.settings);
         self.until(|c| c.drivers.is_configured()).await
     }
 
@@ -178,7 +168,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// and the bound of its error in 256ths of a step.
     pub(super) async fn find_apex(&mut self, residual: &Residual) -> Result<(i32, i64), BeltError> {
         let Some((motor, _)) = trimmed(residual) else { return Ok((0, 0)) };
-        let mut scan = Scan { motor, motors: motors_of(residual), at: 0 };
+        let mut scan = Scan { motor, motors: motors_in(residual), at: 0 };
         let found = self.scan(&mut scan).await;
         if let Err(BeltError::Align(_)) = found {
             // Nothing is known, so nothing is changed.

@@ -1,7 +1,7 @@
 //! Touch: the switches of x and y are met once more, to see whether the tool is where the steps say (M915 D), and what is to be done if
 //! it is not (M915 R).
 
-use super::align::{BeltError, motors_of, trimmed};
+use super::align::{BeltError, trimmed};
 use super::diagnosis::{Touched, diagnose};
 use crate::gcode::AxisFlags;
 use crate::kinematics::Residuals;
@@ -10,7 +10,7 @@ use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
 use crate::machine::console::{Console, PortSet};
 use crate::machine::interrupt::Interrupt;
 use crate::motion::Target;
-use crate::port::{EndstopSet, MotorSet, Pend};
+use crate::port::{EndstopSet, Pend};
 use crate::settings::HomedAxis;
 use crate::units::Mm;
 
@@ -152,7 +152,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.trimming.is_aligned() {
             return false;
         }
-        let motors = self.residuals().iter().fold(MotorSet::NONE, |set, residual| set.with(motors_of(residual)));
+        let motors = self.residuals().motors();
         // Who has no UART can't be aligned, and is not asked for it.
         !motors.is_empty() && motors.without(self.drivers.lines()).is_empty()
     }

@@ -55,21 +55,15 @@ fn length(steps: i32, resolution: StepsPerMm) -> Thousandths {
 }
 
 /// The lines of an answer.
-pub(in crate::machine) fn say_belt(
-    to: &mut Speaker<'_>,
-    answer: &BeltAnswer,
-    residuals: &Residuals,
-    trimming: &Trimming,
-    s: &Settings,
-) {
+pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, trimming: &Trimming, s: &Settings) {
     let per_mm = s.axes.x.steps_per_mm;
     match *answer {
         BeltAnswer::State => {
             let state = if trimming.is_aligned() { "aligned" } else { "not aligned since motors got power (M915)" };
             to.say(format_args!("Belt: motors {state}"));
-            say_found(to, "Belt: ", residuals, trimming);
+            say_found(to, "Belt: ", trimming, s);
         }
-        BeltAnswer::Aligned => say_found(to, "echo:belt motors aligned: ", residuals, trimming),
+        BeltAnswer::Aligned => say_found(to, "echo:belt motors aligned: ", trimming, s),
         BeltAnswer::NotAligned(error) => to.say(format_args!("echo:belt motors not aligned: {error}")),
         BeltAnswer::NoResidual => to.say(format_args!("echo:no motors of this machine can pull against each other")),
         BeltAnswer::Needed => to.say(format_args!("echo:move ignored: align the belt motors first (M915)")),
@@ -99,7 +93,8 @@ pub(in crate::machine) fn say_belt(
 }
 
 /// What was found of each residual.
-fn say_found(to: &mut Speaker<'_>, begin: &str, residuals: &Residuals, trimming: &Trimming) {
+fn say_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Settings) {
+    let residuals = Residuals::new(&s.mechanism, s.belt.is_closed);
     for (number, residual) in residuals.iter().enumerate() {
         let Some(Found { was, within }) = trimming.found(number) else { continue };
         let (sum, was, within) = (Sum(residual), Thousandths(was), Thousandths(within));

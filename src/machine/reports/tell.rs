@@ -84,7 +84,6 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
         }
         let temperatures = self.temperatures();
-        let residuals = self.residuals();
         let targets = Heater::ALL.map(|heater| self.target_of(heater));
         let Self {
             hosts,
@@ -177,7 +176,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
                 to.say(format_args!("echo:{code} ignored: {least} to {most} mA"));
             }
             Answer::Driver(motor, reading) => say_driver(to, (motor, reading), drivers, s),
-            Answer::Belt(answer) => say_belt(to, &answer, &residuals, trimming, s),
+            Answer::Belt(answer) => say_belt(to, &answer, trimming, s),
             Answer::Storage(news) => say_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor was given power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),

@@ -66,11 +66,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.drop_motion().await?;
         self.end_circulation().await?;
         self.end_trim().await?;
-        if self.trimming.is_measuring() {
-            // Nothing moves while drivers change their mode.
-            self.stop_measuring();
-            self.until(|c| c.drivers.is_configured()).await?;
-        }
+        self.end_measuring().await?;
         if self.homed.stop() {
             self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
         }

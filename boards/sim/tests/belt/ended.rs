@@ -1,6 +1,6 @@
 //! M915 that is ended by M410, and on a machine of two belts.
 
-use crate::printer::{Events, Lines, plant_of, print_as};
+use crate::printer::{Events, Lines, Printed, plant_of, print_as};
 use corehbot::motors::Motor;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
@@ -48,6 +48,16 @@ impl Host for Stopping {
     }
 }
 
+/// Sends these lines to a machine on the plant, and M410 at an instant in ticks.
+fn stopped<const N: usize>(settings: &Settings, lines: [&str; N], at: u64) -> (Printed, Box<BeltPlant>) {
+    let mut host = Stopping { lines: Lines::new(lines), at, now: 0, has_stopped: false };
+    let mut desk = Desk::new(1);
+    desk.belt = plant_of(Params::default(), START, 9, Accidents::default());
+    let (drivers, mut events, start) = (Drivers::new(), Events::default(), Some(START.map(Mm::from_num)));
+    let outcome = run_at(&mut desk, settings, start, NoStorage, &drivers, &mut [&mut host], &mut events).unwrap();
+    (Printed { events: events.0, outcome, heard: host.lines.heard, drivers }, desk.belt.unwrap())
+}
+
 /// What the drivers are configured for, not what the settings say.
 fn assert_in_spread_cycle(drivers: &Drivers) {
     for motor in [Motor::M1, Motor::M4, Motor::M8, Motor::M11] {
@@ -64,19 +74,13 @@ fn m410_ends_it_at_any_moment_and_the_machine_goes_on() {
     for tenths in [5, 31, 60, 87, 103, 131, 170, 222, 300] {
         let lines = ["M915", "M569", "M122", "G28 X Y", "G1 X100 Y120 F6000", "M400", "M114"];
         let at = tenths * u64::from(TICKS_PER_SECOND) / 10;
-        let mut host = Stopping { lines: Lines::new(lines), at, now: 0, has_stopped: false };
-        let mut desk = Desk::new(1);
-        desk.belt = plant_of(Params::default(), START, 9, Accidents::default());
-        let (drivers, mut events, start) = (Drivers::new(), Events::default(), Some(START.map(Mm::from_num)));
-        let hosts: &mut [&mut dyn Host] = &mut [&mut host];
-        let outcome = run_at(&mut desk, &settings, start, NoStorage, &drivers, hosts, &mut events).unwrap();
-        let heard = host.lines.heard;
+        let (printed, mut plant) = stopped(&settings, lines, at);
+        let Printed { heard, outcome, drivers, .. } = printed;
         let has = |text: &str| heard.iter().any(|line| line.contains(text));
         assert!(!outcome.halted && !has("belt motors aligned"), "{tenths}: {heard:?}");
         assert!(has("X driver mode: spreadCycle") && has("Belt: motors not aligned"), "{tenths}: {heard:?}");
         assert!(has("X:100.00 Y:120.00"), "{tenths}: {heard:?}");
         assert_in_spread_cycle(&drivers);
-        let mut plant = desk.belt.unwrap();
         plant.ring_out();
         let [x, y] = plant.tool_mm();
         assert!((x - 100.0).hypot(y - 120.0) < 0.06, "{tenths}: {x} {y}");
@@ -93,13 +97,7 @@ fn m410_ends_a_diagnosis_and_nobody_believes_in_what_was_before() {
     for (at_s, is_ended) in [(52_u64, true), (56, true), (60, true), (300, false)] {
         let lines = ["M915", "M915 D", "M122", "G1 X100 Y120 F6000", "M400", "M114", "G4 S250"];
         let at = at_s * u64::from(TICKS_PER_SECOND);
-        let mut host = Stopping { lines: Lines::new(lines), at, now: 0, has_stopped: false };
-        let mut desk = Desk::new(1);
-        desk.belt = plant_of(Params::default(), START, 9, Accidents::default());
-        let (drivers, mut events, start) = (Drivers::new(), Events::default(), Some(START.map(Mm::from_num)));
-        let hosts: &mut [&mut dyn Host] = &mut [&mut host];
-        run_at(&mut desk, &settings, start, NoStorage, &drivers, hosts, &mut events).unwrap();
-        let heard = host.lines.heard;
+        let (Printed { heard, drivers, .. }, _) = stopped(&settings, lines, at);
         let has = |text: &str| heard.iter().any(|line| line.contains(text));
         assert!(has("belt motors aligned"), "{at_s}: {heard:?}");
         assert_eq!(has("no motor has skipped"), !is_ended, "{at_s}: {heard:?}");
