@@ -18,7 +18,21 @@ from printrun.printcore import printcore
 SILENCE_S = 60
 
 
+# So often is a print begun whose stream QEMU lets run dry, because the computer was busy.
+TRIES = 3
+
+
 def run(program, file, kind, other=None):
+    """The same steps, in one of so many prints that did not run dry. Whatever else does not hold ends it at once."""
+    for _ in range(TRIES - 1):
+        try:
+            return print_once(program, file, kind, other)
+        except printer.RanDry:
+            pass
+    return print_once(program, file, kind, other)
+
+
+def print_once(program, file, kind, other):
     summary = printer.simulate(program, file)
     device = printer.Printer(other or program)
     line = None
