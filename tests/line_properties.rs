@@ -53,6 +53,22 @@ fn noise() -> impl Strategy<Value = Vec<Received>> {
     proptest::collection::vec(received, 0..20).prop_map(|pieces| pieces.concat())
 }
 
+/// What terminals send for the key that erases a character: backspace, or delete.
+const ERASING: [u8; 2] = [0x08, 0x7F];
+
+/// The same without what those keys send.
+fn without_erasing_keys(noise: Vec<Received>) -> Vec<Received> {
+    let is_key = |received: &Received| matches!(received, Received::Byte(byte) if ERASING.contains(byte));
+    noise.into_iter().filter(|received| !is_key(received)).collect()
+}
+
+/// Characters typed by mistake, with the key by which each is erased again.
+fn typing_slips() -> impl Strategy<Value = Vec<(String, u8)>> {
+    // No N: where a line begins with it nothing is erased, a host sent it.
+    let slip = ("[A-MO-Z0-9*;\"()]{0,5}", proptest::sample::select(ERASING.to_vec()));
+    proptest::collection::vec(slip, 1..5)
+}
+
 /// What a fuzzer might think of: noise, pauses, and lines in order.
 fn fuzz_data() -> impl Strategy<Value = Vec<u8>> {
     let piece = prop_oneof![
@@ -113,8 +129,10 @@ fn damage() -> impl Strategy<Value = Damage> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 600, failure_persistence: None, ..ProptestConfig::default() })]
 
+    /// The keys that erase a character have a property of their own below: what they leave of a line depends on the
+    /// lines before it.
     #[test]
-    fn every_line_that_asks_for_an_answer_gets_one(noise in noise()) {
+    fn every_line_that_asks_for_an_answer_gets_one(noise in noise().prop_map(without_erasing_keys)) {
         let mut machine = Machine::new();
         let mut answered = 0;
         let is_end = |received: &Received| matches!(received, Received::Byte(b'\n' | b'\r'));
@@ -131,6 +149,22 @@ proptest! {
         let mut lines: Vec<&[Received]> = noise.split(is_end).collect();
         lines.pop();
         prop_assert_eq!(answered, lines.iter().filter(|line| asks_for_an_answer(line)).count());
+    }
+
+    #[test]
+    fn what_is_erased_was_never_typed(line in "[GM][0-9]{1,3}( [XYZ][0-9]{1,3}){0,3}", slips in typing_slips()) {
+        let mut machine = Machine::new();
+        let mut slips = slips.iter().cycle();
+        for byte in line.bytes() {
+            let (slip, key) = slips.next().unwrap();
+            slip.bytes().for_each(|wrong| machine.feed(Received::Byte(wrong)));
+            slip.bytes().for_each(|_| machine.feed(Received::Byte(*key)));
+            machine.feed(Received::Byte(byte));
+        }
+        machine.feed(Received::Byte(b'\n'));
+        prop_assert!(machine.answer_one());
+        prop_assert_eq!(&machine.commands, &[line]);
+        prop_assert_eq!(machine.take_replies(), "ok\n");
     }
 
     #[test]
