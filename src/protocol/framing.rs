@@ -177,6 +177,7 @@ impl Frame {
             (Context::Plain, b'(') => {
                 // Within another one it says that the other is none.
                 if let Some(semicolon) = self.semicolon.take() {
+                    self.comment = self.length.saturating_sub(semicolon);
                     self.length = semicolon;
                     self.context = Context::Comment;
                     return true;

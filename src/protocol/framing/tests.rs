@@ -103,6 +103,7 @@ fn what_is_typed_can_be_erased_and_what_a_host_sends_cannot() {
         ("G1 X5 ;ab\x08\x08\x08Y6", "G1 X5 Y6"),
         ("P\"a;\x08\x08b\";c", "P\"b\""),
         ("G1 (;\x08\x08X5;c", "G1 X5"),
+        ("G1 X(;(\x08\x08\x085", "G1 X5"),
         ("G1*34\x08\x08\x08 X5", "G1 X5"),
         ("G28\x08\x08\x08\x08", ""),
     ] {
