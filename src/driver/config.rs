@@ -112,7 +112,7 @@ impl Config {
             // No motion of the driver's own, no coolStep, no delay of replies.
             Register::Vactual | Register::Coolconf | Register::Slaveconf => 0,
             // Counted or measured by the driver.
-            Register::Ifcnt | Register::Ioin | Register::SgResult | Register::DrvStatus => 0,
+            Register::Ifcnt | Register::Ioin | Register::SgResult | Register::Mscnt | Register::DrvStatus => 0,
         }
     }
 

@@ -279,7 +279,7 @@ impl Drivers {
             }
             // It lost its power in the meantime, and must prove everything before it gets it again.
             (Job::Poll | Job::Adjust, Err(_)) => driver.held = None,
-            (Job::Read | Job::Load, _) => {}
+            (Job::Read | Job::Load | Job::Phase, _) => {}
         }
         if core::mem::take(&mut self.is_awaited) {
             self.result = Some(result);

@@ -7,6 +7,9 @@ use super::registers::{Register, drv_status, gconf};
 /// Readings of its load that are kept.
 pub(super) const LOADS: usize = 4;
 
+/// The bits of MSCNT (section 5.4): places of its sine table.
+const PLACES: u32 = 0x3FF;
+
 /// The bits of SG_RESULT (datasheet rev 1.09, section 5.3).
 const STALL: u16 = 0x3FF;
 
@@ -20,6 +23,8 @@ pub struct Reading {
     /// SG_RESULT, ten bits: the last readings, the newest first.
     stalls: [u16; LOADS],
     count: u32,
+    /// MSCNT: the last two readings.
+    places: [Option<u16>; 2],
 }
 
 impl Reading {
@@ -35,6 +40,10 @@ impl Reading {
                 *newest = value as u16 & STALL;
             }
             Register::Ifcnt => self.count = value,
+            Register::Mscnt => {
+                let [newest, before] = &mut self.places;
+                (*before, *newest) = (*newest, Some((value & PLACES) as u16));
+            }
             _ => {}
         }
     }
@@ -86,6 +95,14 @@ impl Reading {
     #[must_use]
     pub const fn loads(&self) -> [u16; LOADS] {
         self.stalls
+    }
+
+    /// Where in its sine table the driver stands, in 1024ths of an electrical turn; `None` if two readings did not agree, for a damaged
+    /// one may pass its checksum.
+    #[must_use]
+    pub fn phase(&self) -> Option<u16> {
+        let [newest, before] = self.places;
+        newest.filter(|_| newest == before)
     }
 
     /// Writes that it has accepted, modulo 256.
@@ -168,6 +185,17 @@ mod tests {
         assert_eq!(reading.problem(), Some(DriverError::OverTemperature), "which is why it is off");
         assert_eq!(with(Register::Gstat, 0b100).problem(), Some(DriverError::LowSupply));
         assert_eq!(Reading::default().problem(), None);
+    }
+
+    #[test]
+    fn a_phase_is_believed_when_it_was_read_twice() {
+        let mut reading = with(Register::Mscnt, 0x2F0);
+        assert_eq!(reading.phase(), None);
+        reading.note(Register::Mscnt, 0x2F1);
+        assert_eq!(reading.phase(), None);
+        // Of the other bits nothing is said.
+        reading.note(Register::Mscnt, 0xFC00 | 0x2F1);
+        assert_eq!(reading.phase(), Some(0x2F1));
     }
 
     #[test]

@@ -31,6 +31,8 @@ pub enum Register {
     SgResult = 0x41,
     /// coolStep (5.3).
     Coolconf = 0x42,
+    /// Where in its sine table the driver stands: 1024 places are an electrical turn (5.4).
+    Mscnt = 0x6A,
     /// Chopper and microsteps (5.5.1).
     Chopconf = 0x6C,
     /// Shorts, heat, standstill (5.5.3).
@@ -63,6 +65,7 @@ impl Register {
             Self::Sgthrs => "SGTHRS",
             Self::SgResult => "SG_RESULT",
             Self::Coolconf => "COOLCONF",
+            Self::Mscnt => "MSCNT",
             Self::Chopconf => "CHOPCONF",
             Self::DrvStatus => "DRV_STATUS",
             Self::Pwmconf => "PWMCONF",
@@ -142,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_register_has_the_address_and_the_name_of_the_datasheet() {
-        // Rev 1.09, sections 5.1, 5.2, 5.3, 5.5.
+        // Rev 1.09, sections 5.1 to 5.5.
         for (register, address, name) in [
             (Register::Gconf, 0x00, "GCONF"),
             (Register::Gstat, 0x01, "GSTAT"),
@@ -157,6 +160,7 @@ mod tests {
             (Register::Sgthrs, 0x40, "SGTHRS"),
             (Register::SgResult, 0x41, "SG_RESULT"),
             (Register::Coolconf, 0x42, "COOLCONF"),
+            (Register::Mscnt, 0x6A, "MSCNT"),
             (Register::Chopconf, 0x6C, "CHOPCONF"),
             (Register::DrvStatus, 0x6F, "DRV_STATUS"),
             (Register::Pwmconf, 0x70, "PWMCONF"),

@@ -31,6 +31,8 @@ pub enum Job {
     Read,
     /// Read several times how hard the motor pulls.
     Load,
+    /// Read twice where in its sine table the driver stands.
+    Phase,
 }
 
 /// One exchange, and what is made of it.
@@ -72,6 +74,8 @@ const READ: &[Step] = &[
 
 /// As many readings as fit between two polls: the drivers measure anew every full step.
 const LOAD: &[Step] = &[Step::Note(Register::SgResult); LOADS];
+
+const PHASE: &[Step] = &[Step::Note(Register::Mscnt); 2];
 
 /// Another firmware may have asked for late replies, so the first word is to answer soon. The flags are cleared
 /// before everything else: a reset from there on is seen.
@@ -158,6 +162,7 @@ impl Run {
             Job::Poll => POLL,
             Job::Read => READ,
             Job::Load => LOAD,
+            Job::Phase => PHASE,
         };
         let reading = Reading::default();
         Self { motor, job, config, steps, at: 0, tries: 0, rounds: 0, doubt: Doubt::None, count: 0, reading }
@@ -272,7 +277,7 @@ impl Run {
     /// A driver is not as it should be: writes what it must hold, if that may be written now.
     fn fail(&mut self, error: DriverError) -> Next {
         let again = match (self.job, error) {
-            (Job::Poll | Job::Read | Job::Load, _) | (_, DriverError::WrongChip(_)) => false,
+            (Job::Poll | Job::Read | Job::Load | Job::Phase, _) | (_, DriverError::WrongChip(_)) => false,
             (Job::Verify, _) => true,
             (Job::Adjust, _) => {
                 matches!(error, DriverError::NotTaken | DriverError::Differs(_) | DriverError::Microsteps)

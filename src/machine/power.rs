@@ -29,7 +29,10 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Err(Interrupt::NoPower);
         }
         let before = self.drivers.powered();
-        let result = self.power_in_turn(self.residuals().with_opponents(motors), before).await;
+        let mut result = self.power_in_turn(self.residuals().with_opponents(motors), before).await;
+        if result.is_ok() {
+            result = self.align_by_phases(&self.residuals()).await;
+        }
         if result.is_err() {
             // A part of a belt is worse than nothing.
             self.unpower(self.drivers.powered().without(before));
@@ -56,6 +59,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             let residuals = self.residuals();
             let next = residuals.first_of(missing);
+            self.meet_phases(&residuals, next).await?;
             // All of them have proved what they hold.
             let _ = self.drivers.power(powered.with(next), &mut self.ports.drivers, now);
             // The idle timeout must not take it away before the move that it is for.

@@ -21,7 +21,13 @@ pub struct Belt {
     pub alignment: Alignment,
     /// What the motors are to strain the belt by when they are aligned: the sum of their residual, in mm of belt.
     pub preload: Mm,
+    /// Where the sine tables of the motors' drivers stood to each other when nothing strained the belt: the sum of each residual, in
+    /// 1024ths of an electrical turn, or [`NO_PHASE`](Self::NO_PHASE). It is a mark of the machine: where rotors and pulleys sit on the belt.
+    pub phases: [u16; PHASES],
 }
+
+/// Residuals that a machine may have phases of: an AWD CoreXY has two.
+pub const PHASES: usize = 2;
 
 /// What there is to do about motors that pull against each other and were not aligned since they got power.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -49,6 +55,9 @@ impl Alignment {
 }
 
 impl Belt {
+    /// No phase: it is not known. Phases are less than an electrical turn.
+    pub const NO_PHASE: u16 = 1024;
+
     /// That of the CoreH-bot.
     ///
     /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/twin.md, modes with rotors): within
@@ -62,6 +71,7 @@ impl Belt {
             homing_advance: Mm::ZERO,
             alignment: Alignment::Off,
             preload: Mm::ZERO,
+            phases: [Self::NO_PHASE; PHASES],
         }
     }
 }

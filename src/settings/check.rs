@@ -44,8 +44,8 @@ impl<T: PartialOrd + Copy> Range<T> {
 /// The legal ranges, by kind of quantity.
 pub mod ranges {
     use super::{
-        AxisEnd, Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Range, Ratio, Seconds, StepsPerMm, Watts,
-        WattsPerKelvin,
+        AxisEnd, Belt, Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Range, Ratio, Seconds, StepsPerMm,
+        Watts, WattsPerKelvin,
     };
 
     /// Resolution: from a full-step rack to 256 microsteps on a fine screw.
@@ -81,6 +81,8 @@ pub mod ranges {
     pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
     /// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it may be twice.
     pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
+    /// Phase of a residual: less than an electrical turn, or [`Belt::NO_PHASE`].
+    pub const PHASE: Range<u16> = Range { least: 0, most: Belt::NO_PHASE };
     /// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/belt.md).
     pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
     /// How far a belt runs on after homing.
@@ -247,7 +249,8 @@ fn belt(b: Belt) -> Result<(), SettingsError> {
     within(ranges::SPEED, b.max_speed, "belt.max_speed")?;
     within(ranges::ACCELERATION, b.max_acceleration, "belt.max_acceleration")?;
     within(ranges::HOMING_ADVANCE, b.homing_advance, "belt.homing_advance")?;
-    within(ranges::PRELOAD, b.preload, "belt.preload")
+    within(ranges::PRELOAD, b.preload, "belt.preload")?;
+    b.phases.into_iter().try_for_each(|phase| within(ranges::PHASE, phase, "belt.phases"))
 }
 
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {

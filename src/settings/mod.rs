@@ -38,7 +38,7 @@ mod wiring;
 
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
-pub use belt::{Alignment, Belt};
+pub use belt::{Alignment, Belt, PHASES};
 pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
@@ -229,6 +229,7 @@ impl Settings {
                     homing_advance: _,
                     alignment: _,
                     preload: _,
+                    phases: _,
                 },
             axes: _,
             motor_max_speed: _,

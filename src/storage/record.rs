@@ -22,9 +22,12 @@ use crate::settings::{
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 12;
+pub const FORMAT: u16 = 13;
 
-/// The format before motors of one belt were aligned: the same up to [`Belt::alignment`](crate::settings::Belt::alignment).
+/// The format before the phases of a belt were known: the same up to [`Belt::phases`].
+const WITHOUT_PHASES: u16 = 12;
+
+/// The format before motors of one belt were aligned: the same up to [`Belt::alignment`].
 const WITHOUT_ALIGNMENT: u16 = 11;
 
 /// The format before the belt had settings: the same up to [`Settings::belt`].
@@ -170,9 +173,8 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     let mut longer = [0; LONGEST];
     let whole = match header.format {
         FORMAT => payload,
-        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED | WITHOUT_BELT | WITHOUT_ALIGNMENT => {
-            completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?
-        }
+        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED | WITHOUT_BELT | WITHOUT_ALIGNMENT
+        | WITHOUT_PHASES => completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?,
         format => return Err(Rejected::Format(format)),
     };
     match postcard::take_from_bytes::<Settings>(whole) {
@@ -212,8 +214,11 @@ fn completed<'a>(payload: &[u8], format: u16, whole: &'a mut [u8; LONGEST]) -> O
     }
     end += if format <= WITHOUT_BELT {
         postcard::to_slice(&new.belt, whole.get_mut(end..)?).ok()?.len()
+    } else if format <= WITHOUT_ALIGNMENT {
+        let aligned = (new.belt.alignment, new.belt.preload, new.belt.phases);
+        postcard::to_slice(&aligned, whole.get_mut(end..)?).ok()?.len()
     } else {
-        postcard::to_slice(&(new.belt.alignment, new.belt.preload), whole.get_mut(end..)?).ok()?.len()
+        postcard::to_slice(&new.belt.phases, whole.get_mut(end..)?).ok()?.len()
     };
     whole.get(..end)
 }

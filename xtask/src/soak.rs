@@ -25,7 +25,7 @@ pub struct Args {
     /// Power cuts while a machine is stored on the emulated Octopus.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..))]
     cuts: u32,
-    /// Machines whose belt motors are aligned, and as many on which a motor is held until it skips.
+    /// Machines whose belt motors are aligned, and as many on which motors are held until they skip.
     #[arg(long, value_name = "N", default_value_t = 1000, value_parser = clap::value_parser!(u32).range(1..))]
     seeds: u32,
 }
@@ -40,6 +40,9 @@ enum Part {
     Belt,
 }
 
+/// Studies of the belt: alignment by load and by phases, skips, trust in a place.
+const BELT: [&str; 4] = ["aligned_motors", "a_machine_that_was_aligned_once", "a_single_skip", "a_place_that_is_said"];
+
 /// Runs the long forms.
 pub fn main(args: &Args) -> Result<()> {
     let parts = if args.parts.is_empty() { Part::value_variants() } else { &args.parts };
@@ -49,7 +52,7 @@ pub fn main(args: &Args) -> Result<()> {
             Part::Motion => run(test("corehbot-sim", "soak", &[], "HOURS", args.motion_hours))?,
             Part::Segments => run(test("corehbot-sim", "absurd", &["f52"], "SEGMENTS", args.segments))?,
             Part::Cuts => cuts(args.cuts)?,
-            Part::Belt => run(test("corehbot-sim", "belt", &["aligned_motors", "a_single_skip"], "SEEDS", args.seeds))?,
+            Part::Belt => run(test("corehbot-sim", "belt", &BELT, "SEEDS", args.seeds))?,
         }
     }
     Ok(())

@@ -22,7 +22,7 @@ use crate::host::{command_of, words};
 use corehbot::gcode::{Command, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;
-use corehbot::settings::{Alignment, AxisEnd, AxisSettings, CornerRule, Settings, ranges};
+use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
 use std::f64::consts::SQRT_2;
 
 /// What one coordinate may do, in mm and s.
@@ -145,16 +145,22 @@ pub struct Widening {
     unit: f64,
 }
 
+/// Whether motors are trimmed as they get power.
+fn has_phases(s: &Settings) -> bool {
+    s.belt.phases.iter().any(|phase| *phase < Belt::NO_PHASE)
+}
+
 impl Widening {
     /// The limits of a machine that was made with settings `s` and has others `stored`.
     #[must_use]
     pub fn new(s: &Settings, stored: Option<&Settings>) -> Self {
-        let mut limits = Limits { of: limits_of(s), is_judged: true, circulates: false, trims: false };
+        let mut limits = Limits { of: limits_of(s), is_judged: true, circulates: false, trims: has_phases(s) };
         let mut widest = Widest::NONE;
         widest.widen(s);
         if let Some(stored) = stored {
             limits.is_judged = stored.axes.map(|a| a.steps_per_mm) == s.axes.map(|a| a.steps_per_mm);
             widest.widen(stored);
+            limits.trims |= has_phases(stored);
             for (limit, other) in limits.of.iter_mut().zip(limits_of(stored)) {
                 limit.speed = limit.speed.max(other.speed);
                 limit.acceleration = limit.acceleration.max(other.acceleration);

@@ -22,7 +22,7 @@ use corehbot::connectors::{BoardConnectors, SIM};
 use corehbot::kinematics::{MOST_MULTIPLE, Mechanism, Row, direction, multiple};
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, Bed, Belt, CornerRule, DriverSettings, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
+    AxisSettings, Bed, Belt, CornerRule, DriverSettings, PHASES, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
 };
 pub use error::MachineFileError;
 use form::{AxisToml, BedToml, BeltToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
@@ -31,7 +31,7 @@ pub(crate) use place::{with_suggestion, words};
 pub use problems::{Problem, problems};
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BED_EDGE, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
-    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, PRELOAD, SETTLING, SPEED,
+    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, PHASE, PRELOAD, SETTLING, SPEED,
     TOLERANCE, put, put_whole, quantity,
 };
 use resolution::resolution;
@@ -173,7 +173,16 @@ fn belt(b: &mut Belt, file: &BeltToml) -> Result<(), MachineFileError> {
     put(&mut b.max_acceleration, "belt.max_acceleration", file.max_acceleration, &ACCELERATION)?;
     put(&mut b.homing_advance, "belt.homing_advance", file.homing_advance, &HOMING_ADVANCE)?;
     b.alignment = file.alignment.map_or(b.alignment, Into::into);
-    put(&mut b.preload, "belt.preload", file.preload, &PRELOAD)
+    put(&mut b.preload, "belt.preload", file.preload, &PRELOAD)?;
+    let Some(phases) = &file.phases else { return Ok(()) };
+    if phases.len() > b.phases.len() {
+        return Err(MachineFileError::Phases);
+    }
+    b.phases = [Belt::NO_PHASE; PHASES];
+    for (place, phase) in b.phases.iter_mut().zip(phases) {
+        put(place, "belt.phases", Some(*phase), &PHASE)?;
+    }
+    Ok(())
 }
 
 /// Without a word on it, the bed is what the tool reaches.

@@ -8,8 +8,8 @@ mod registers;
 
 use registers::{Access, TABLE};
 pub use registers::{
-    DRV_STATUS, GSTAT, IFCNT, IHOLD_IRUN, IOIN, PWMCONF, SG_RESULT, SGTHRS, TCOOLTHRS, TPWMTHRS, VACTUAL, chopconf,
-    gconf,
+    DRV_STATUS, GSTAT, IFCNT, IHOLD_IRUN, IOIN, MSCNT, PWMCONF, SG_RESULT, SGTHRS, TCOOLTHRS, TPWMTHRS, VACTUAL,
+    chopconf, gconf,
 };
 use std::collections::VecDeque;
 
@@ -242,6 +242,13 @@ impl Tmc2209 {
         }
         let mres = (self.register(chopconf::ADDRESS) >> chopconf::MRES) & 0xF;
         256 >> mres.min(8)
+    }
+
+    /// Step pulses have brought it so many microsteps from where it began, of which those with the direction line high count down: where in
+    /// its sine table of 1024 places it stands now (section 5.4). It counts without motor current too.
+    pub fn step_to(&mut self, low_steps: i64) {
+        let places = low_steps * i64::from(256 / self.microsteps());
+        self.set(MSCNT, places.rem_euclid(1024) as u32);
     }
 
     /// Root mean square of the current at full run current, in mA, with sense resistors of 110 mOhm and the

@@ -149,8 +149,8 @@ fn changed(path: &str, file: &Table) -> Option<Settings> {
     let numbers = [0.05, 0.3, 1.0, 9.0, 0.002, 32.0, 200.0, 900.0, 115_200.0].into_iter().map(toml::Value::Float);
     let names =
         ["mzv", "he2", "hotend2", "pt1000", "pid", "hotend", "controller", "max", "warning"].map(toml::Value::from);
-    let order = toml::Value::from(["z", "x", "y"].to_vec());
-    [true.into(), false.into(), order].into_iter().chain(names).chain(numbers).find_map(legal)
+    let (order, phases) = (toml::Value::from(["z", "x", "y"].to_vec()), toml::Value::from([517, 3].to_vec()));
+    [true.into(), false.into(), order, phases].into_iter().chain(names).chain(numbers).find_map(legal)
 }
 
 /// Settings that M503 does not say: they describe the machine, and no line can change them.
@@ -167,7 +167,7 @@ const NOT_SAID: [&str; 9] = [
 ];
 
 /// Settings that M503 says as a comment, and only a machine file sets.
-const FILE_ONLY: [&str; 21] = [
+const FILE_ONLY: [&str; 22] = [
     "back_off",
     "baud",
     "belt.max_acceleration",
@@ -179,6 +179,7 @@ const FILE_ONLY: [&str; 21] = [
     "homing_advance",
     "alignment",
     "preload",
+    "phases",
     "homing_order",
     "is_closed",
     "left",
@@ -199,8 +200,8 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 /// `boards/sim/tests/heat.rs` sends its lines back; how a closed belt runs round it says where one is
 /// (`boards/sim/tests/machines/circulation.rs`); the mechanism and the connectors are no numbers.
 fn is_of_all_machines(path: &str) -> bool {
-    let is_of_closed_belt =
-        path.starts_with("belt.") && !["belt.settling_ms", "belt.alignment", "belt.preload"].contains(&path);
+    let is_of_closed_belt = path.starts_with("belt.")
+        && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases"].contains(&path);
     !["mechanism", "probe"].contains(&path)
         && !is_of_closed_belt
         && !path.starts_with("thermal.")

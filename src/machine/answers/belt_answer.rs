@@ -18,6 +18,8 @@ pub(in crate::machine) enum AlignError {
     TooFar,
     /// The findings do not agree.
     Unsure,
+    /// The drivers of motors that have just got power do not stand to each other as the phases of the belt say.
+    Phase,
 }
 
 /// What has happened to the motors of one belt since they were aligned.
@@ -54,6 +56,10 @@ impl Diagnosis {
 pub(in crate::machine) enum BeltAnswer {
     /// M122: whether they are aligned, and what was found.
     State,
+    /// M122: by how many steps the places of their drivers differ from what the firmware counts, in the sum of a residual.
+    Fields(i32),
+    /// M122: the path of the tool in mm since x and y met their switches; none if they did not, or lost their place since.
+    Met([Option<u32>; 2]),
     /// They are aligned: what was found.
     Aligned,
     /// They could not be aligned.
@@ -68,6 +74,8 @@ pub(in crate::machine) enum BeltAnswer {
     Touched([i32; 2]),
     /// What has happened.
     Diagnosis(Diagnosis),
+    /// It was to be set right, but the switches were met so far beside their places then, in steps: something has happened meanwhile.
+    NotRepaired([i32; 2]),
     /// It was set right; and how far beside their places the switches were met then, in steps.
     Repaired([i32; 2]),
 }

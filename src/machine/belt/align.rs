@@ -5,7 +5,7 @@
 //! strain in the middle ([`load_curve`](super::load_curve)). Drivers measure in stealthChop, which they are put into meanwhile.
 
 use super::diagnosis::FULL_STEPS_A_TURN;
-use super::load_curve::{Findings, Load, Readings, apex, is_less_loaded, load_of_stroke, slope, thousandths};
+use super::load_curve::{Findings, Load, Readings, Slope, apex, is_less_loaded, load_of_stroke, slope, thousandths};
 use crate::driver::{DriverError, Fault, Job};
 use crate::kinematics::{Residual, Residuals, motors_in};
 use crate::machine::answers::belt_answer::AlignError;
@@ -66,6 +66,21 @@ pub(super) fn trimmed(residual: &Residual) -> Option<(Motor, i32)> {
     Motor::ALL.into_iter().zip(*residual).find(|(_, times)| *times != 0)
 }
 
+/// What a preload of so many steps makes of a residual: as the trimmed motor turns by it.
+pub(super) fn preload_of(residual: &Residual, preload: i32) -> i32 {
+    trimmed(residual).map_or(0, |(_, times)| preload * times.abs())
+}
+
+/// The trim with which the motors of a residual bear least.
+#[derive(Clone, Copy)]
+pub(super) struct ApexFound {
+    /// In steps from where the trimmed motor was.
+    pub step: i32,
+    /// How far it is from there at most, in 256ths of a step.
+    within: i64,
+    slope: Slope,
+}
+
 /// Where a scan stands: how far the motor is trimmed from where it was.
 struct Scan {
     motor: Motor,
@@ -84,6 +99,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     pub(super) async fn align(&mut self) -> Result<(), BeltError> {
         let residuals = self.residuals();
         self.trimming.forget();
+        self.trimming.note_phase(false);
         self.homed.release(residuals.motors(), self.real.groups().mechanism());
         self.begin_measuring(residuals.motors()).await?;
         let result = self.align_each(&residuals).await;
@@ -95,8 +111,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     async fn align_each(&mut self, residuals: &Residuals) -> Result<(), BeltError> {
         for (number, residual) in residuals.iter().enumerate() {
-            let (step, within) = self.find_apex(residual).await?;
-            self.leave_at(number, residual, step, within).await?;
+            let Some(found) = self.find_apex(residual).await? else { continue };
+            self.learn_phase(number, residual).await?;
+            self.leave_at(number, residual, found).await?;
         }
         self.trimming.align();
         Ok(())
@@ -107,13 +124,14 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         &mut self,
         number: usize,
         residual: &Residual,
-        step: i32,
-        within: i64,
+        ApexFound { step, within, slope }: ApexFound,
     ) -> Result<(), Interrupt> {
         let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
-        self.trim(motor, self.preload_steps() * times.signum()).await?;
+        self.trim(motor, preload_of(residual, self.preload_steps()) / times).await?;
         let was = self.belt_length(i64::from(-step * times) * 1000);
-        self.trimming.note(number, Found { was, within: self.belt_length(thousandths(within)) });
+        let per_mm = slope.readings_per_mm(self.settings.axes.x.steps_per_mm.to_num());
+        let found = Found { was, within: self.belt_length(thousandths(within)), readings_per_mm: Some(per_mm) };
+        self.trimming.note(number, found);
         Ok(())
     }
 
@@ -129,7 +147,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Thousandths of a step of belt as a length.
-    fn belt_length(&self, thousandths: i64) -> Mm {
+    pub(super) fn belt_length(&self, thousandths: i64) -> Mm {
         let per_mm = i64::from(self.settings.axes.x.steps_per_mm.to_bits()).max(1);
         Mm::from_bits((i128::from(thousandths) * (1 << 48) / (i128::from(per_mm) * 1000)) as i64)
     }
@@ -164,20 +182,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.until(|c| c.drivers.is_configured()).await
     }
 
-    /// Looks for the trim at which the motors of a residual do not pull against each other, and leaves it there. Gives the trim in steps
-    /// and the bound of its error in 256ths of a step.
-    pub(super) async fn find_apex(&mut self, residual: &Residual) -> Result<(i32, i64), BeltError> {
-        let Some((motor, _)) = trimmed(residual) else { return Ok((0, 0)) };
+    /// Looks for the trim at which the motors of a residual do not pull against each other, and leaves it there.
+    pub(super) async fn find_apex(&mut self, residual: &Residual) -> Result<Option<ApexFound>, BeltError> {
+        let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
         let mut scan = Scan { motor, motors: motors_in(residual), at: 0 };
         let found = self.scan(&mut scan).await;
         if let Err(BeltError::Align(_)) = found {
             // Nothing is known, so nothing is changed.
             self.trim(motor, -scan.at).await?;
         }
-        found
+        found.map(Some)
     }
 
-    async fn scan(&mut self, scan: &mut Scan) -> Result<(i32, i64), BeltError> {
+    async fn scan(&mut self, scan: &mut Scan) -> Result<ApexFound, BeltError> {
         let arm = ARM * i32::from(self.settings.drivers.belt.microsteps);
         let mut middle = 0;
         let mut loads = [self.load_at(scan, -arm).await?, self.load_at(scan, 0).await?, self.load_at(scan, arm).await?];
@@ -212,7 +229,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             about = findings.step();
         }
         self.go_to(scan, about).await?;
-        Ok((about, findings.bound()))
+        Ok(ApexFound { step: about, within: findings.bound(), slope })
     }
 
     /// Turns the trimmed motor to a place, counted from where the scan began.

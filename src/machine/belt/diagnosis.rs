@@ -20,12 +20,16 @@ pub(super) struct Touched {
     pub residual: i32,
 }
 
+/// Whether a tool is aside, given the microsteps of a full step. What is less than an eighth of one may be friction and the switch; the
+/// least that a skip does is three times that (at the corner of the reach; `boards/sim/tests/belt`).
+pub(super) const fn is_aside(steps: i32, full_step: i32) -> bool {
+    steps.abs() * 8 >= full_step
+}
+
 /// Says what has happened, given the microsteps of a full step.
 pub(super) fn diagnose(mechanism: &Mechanism, residual: &Residual, touched: Touched, full_step: i32) -> Diagnosis {
     let turn = FULL_STEPS_A_TURN * full_step;
-    // A tool that is aside by less than an eighth of a full step may be friction and the switch; the least that a skip does is
-    // three times that (at the corner of the reach; `boards/sim/tests/belt`).
-    let signs = touched.aside.map(|aside| if aside.abs() * 8 < full_step { 0 } else { aside.signum() });
+    let signs = touched.aside.map(|aside| if is_aside(aside, full_step) { aside.signum() } else { 0 });
     let [x, y] = signs;
     let turns = (2 * touched.residual + turn).div_euclid(2 * turn);
     if (touched.residual - turns * turn).abs() > full_step {

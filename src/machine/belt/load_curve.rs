@@ -90,6 +90,13 @@ pub(super) struct Apex {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slope(i64);
 
+impl Slope {
+    /// How many steps of trim are a mm of belt, given: how much a reading falls for a mm.
+    pub fn readings_per_mm(self, steps_per_mm: i64) -> u16 {
+        u16::try_from(self.0 * steps_per_mm / PARTS).unwrap_or(u16::MAX)
+    }
+}
+
 /// Whether `a` is less loaded than `b` by more than chance explains: three times the standard error.
 pub(super) fn is_less_loaded(a: Load, b: Load) -> bool {
     let difference = a.mean - b.mean;
@@ -166,7 +173,7 @@ mod tests {
         for apex_at in -20..=20 {
             let arms = [at(-32, apex_at), at(0, apex_at), at(32, apex_at)];
             let slope = slope(arms, 32).unwrap();
-            assert_eq!(slope, Slope(2 * PARTS));
+            assert_eq!((slope, slope.readings_per_mm(80)), (Slope(2 * PARTS), 160));
             let found = apex(arms[0], arms[2], slope);
             assert_eq!(found.at, apex_at * PARTS);
             // Two readings with a standard error of 1/16 each, over twice a slope of 2.

@@ -15,6 +15,7 @@
 //! | aligned | the residual is what it should be: 0, or the preload |
 //! | apex | the trim with which motors bear least |
 //! | skip | a rotor that settled an electrical turn of four full steps beside its field |
+//! | phase | the sum of a residual over the places of the drivers in their sine tables |
 //! | aside | how far the tool is from where the steps say, as its switches tell |
 //!
 //! While the belt runs round, its circulation has the place of z, which stands: the planner, the generator and the step pins are
@@ -27,12 +28,16 @@
 //! | [`trim`] | one motor is turned alone |
 //! | [`load_curve`] | where motors bear least, from what their drivers measure |
 //! | [`align`] | motors are aligned (M915, G28) |
+//! | [`phase`] | motors are aligned as they get power, by their drivers' sine tables |
 //! | [`diagnosis`] | which motor has skipped |
+//! | [`report`] | what M122 says of it |
 //! | [`touch`] | the switches are met once more, and what to do then (M915 D, R) |
 
 mod align;
 mod circulate;
 mod diagnosis;
 mod load_curve;
+mod phase;
+mod report;
 mod touch;
 mod trim;

@@ -2,7 +2,7 @@
 //! it is not (M915 R).
 
 use super::align::{BeltError, trimmed};
-use super::diagnosis::{Touched, diagnose};
+use super::diagnosis::{Touched, diagnose, is_aside};
 use crate::gcode::AxisFlags;
 use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
@@ -52,31 +52,53 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
         }
         let lift = self.lift().await?;
-        let aside = [self.touch(HomedAxis::X).await?, self.touch(HomedAxis::Y).await?];
+        let aside = self.touch_both().await?;
         self.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
         // Until it is known that nothing has happened, nobody is to believe it: M410 may end this with a motor on its way.
         let (homed, trimming) = (self.homed, self.trimming);
         self.trimming.forget();
         self.homed.release(residuals.motors(), self.real.groups().mechanism());
-        let answer = match self.examine(&residuals, aside, repairs).await {
+        let mut answer = match self.examine(&residuals, aside, repairs).await {
             Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
             Err(BeltError::Align(error)) => BeltAnswer::NotAligned(error),
             Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
         };
         let is_well = matches!(answer, BeltAnswer::Diagnosis(Diagnosis::Nothing));
         let is_known = matches!(answer, BeltAnswer::Diagnosis(_));
-        if is_well && self.has_power(residuals.motors()) {
-            (self.homed, self.trimming) = (homed, trimming);
+        if is_well {
+            // Something may have happened while loads were measured.
+            let again = self.touch_both().await?;
+            if self.is_aside(again) {
+                self.tell(Answer::Belt(BeltAnswer::Touched(again))).await?;
+                answer = BeltAnswer::Diagnosis(Diagnosis::Several);
+            } else if self.has_power(residuals.motors()) {
+                (self.homed, self.trimming) = (homed, trimming);
+            }
         } else if repairs && is_known {
             self.trimming.align();
             self.tell(Answer::Belt(answer)).await?;
             self.home_and_align(BELT_AXES, false).await?;
-            let proof = [self.touch(HomedAxis::X).await?, self.touch(HomedAxis::Y).await?];
-            self.lower(lift).await?;
-            return Ok(Answer::Belt(BeltAnswer::Repaired(proof)));
+            let proof = self.touch_both().await?;
+            answer = BeltAnswer::Repaired(proof);
+            if self.is_aside(proof) {
+                answer = BeltAnswer::NotRepaired(proof);
+                self.trimming.forget();
+                self.homed.release(residuals.motors(), self.real.groups().mechanism());
+            }
         }
         self.lower(lift).await?;
         Ok(Answer::Belt(answer))
+    }
+
+    /// Meets the switches of x and y, and backs off. Gives how many steps beside their places they were met.
+    async fn touch_both(&mut self) -> Result<[i32; 2], Interrupt> {
+        Ok([self.touch(HomedAxis::X).await?, self.touch(HomedAxis::Y).await?])
+    }
+
+    /// Whether a tool that is so many steps beside its place is where it should not be.
+    fn is_aside(&self, aside: [i32; 2]) -> bool {
+        let full_step = i32::from(self.settings.drivers.belt.microsteps);
+        aside.into_iter().any(|aside| is_aside(aside, full_step))
     }
 
     /// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be repaired; all
@@ -101,12 +123,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         for (number, residual) in residuals.iter().enumerate() {
             let Some((motor, times)) = trimmed(residual) else { continue };
             let preload = self.preload_steps();
-            let (step, within) = self.find_apex(residual).await?;
+            let Some(apex) = self.find_apex(residual).await? else { continue };
+            let step = apex.step;
             let touched = Touched { aside, residual: -step * times - preload };
             let found = diagnose(&self.settings.mechanism, residual, touched, full_step);
             said = found.graver(said);
             if repairs && found != Diagnosis::Nothing {
-                self.leave_at(number, residual, step, within).await?;
+                self.leave_at(number, residual, apex).await?;
             } else {
                 self.trim(motor, -step).await?;
             }

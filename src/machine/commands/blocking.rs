@@ -10,7 +10,6 @@ use crate::connectors::Heater;
 use crate::driver::Job;
 use crate::gcode::{AxisFlags, AxisWords, MachineRecord, Number};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
 use crate::machine::console::{Console, PortSet};
@@ -150,9 +149,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             }
             Blocking::Diagnose => {
                 self.report_drivers().await?;
-                if !self.residuals().is_empty() {
-                    self.tell(Answer::Belt(BeltAnswer::State)).await?;
-                }
+                self.report_belt().await?;
                 self.tell(Answer::Overload).await?;
                 return Ok(Answer::Heat);
             }

@@ -199,6 +199,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         if self.real_steps() == before {
             return Err(STILL_PRESSED);
         }
+        self.homed.note_met(axis.index, self.planner.path());
         Ok(back_off)
     }
 

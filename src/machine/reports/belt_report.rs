@@ -43,6 +43,7 @@ impl fmt::Display for AlignError {
             Self::TooFewReadings => f.write_str("the drivers were hardly read while the tool moved"),
             Self::Flat => f.write_str("the loads that the drivers measure do not change with the belt's strain"),
             Self::TooFar => f.write_str("more strain than three turns explain"),
+            Self::Phase => f.write_str("their drivers do not count microsteps as they should (M915 aligns by load)"),
             Self::Unsure => f.write_str("the loads that the drivers measure do not agree"),
         }
     }
@@ -62,8 +63,28 @@ pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, tr
             let state = if trimming.is_aligned() { "aligned" } else { "not aligned since motors got power (M915)" };
             to.say(format_args!("Belt: motors {state}"));
             say_found(to, "Belt: ", trimming, s);
+            for (number, residual) in Residuals::new(&s.mechanism, s.belt.is_closed).iter().enumerate() {
+                if let Some(readings) = trimming.found(number).and_then(|found| found.readings_per_mm) {
+                    to.say(format_args!("Belt: {}: a mm of strain takes {readings} of SG_RESULT", Sum(residual)));
+                }
+            }
         }
-        BeltAnswer::Aligned => say_found(to, "echo:belt motors aligned: ", trimming, s),
+        BeltAnswer::Fields(0) => to.say(format_args!("Belt: drivers have made the steps that are counted")),
+        BeltAnswer::Fields(steps) => {
+            to.say(format_args!(
+                "Belt: drivers stand {steps} steps apart: steps were lost on their lines (M915 aligns)"
+            ));
+        }
+        BeltAnswer::Met([Some(x), Some(y)]) => {
+            to.say(format_args!("Belt: x met its switch {x} mm of path ago, y {y} (M915 D meets them again)"));
+        }
+        BeltAnswer::Met(_) => to.say(format_args!("Belt: x and y have not met their switches (G28)")),
+        BeltAnswer::Aligned => {
+            say_found(to, "echo:belt motors aligned: ", trimming, s);
+            if trimming.has_new_phase() {
+                to.say(format_args!("echo:stored settings lack the new phase of the belt: M500 keeps it, and motors align as they get power"));
+            }
+        }
         BeltAnswer::NotAligned(error) => to.say(format_args!("echo:belt motors not aligned: {error}")),
         BeltAnswer::NoResidual => to.say(format_args!("echo:no motors of this machine can pull against each other")),
         BeltAnswer::Needed => to.say(format_args!("echo:move ignored: align the belt motors first (M915)")),
@@ -85,6 +106,10 @@ pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, tr
         BeltAnswer::Diagnosis(Diagnosis::Several) => {
             to.say(format_args!("echo:more than one skip: which motors cannot be told"));
         }
+        BeltAnswer::NotRepaired([x, y]) => {
+            let (x, y) = (length(x, per_mm), length(y, per_mm));
+            to.say(format_args!("echo:belt not repaired: touched again, the tool is beside its place by X{x} Y{y} mm"));
+        }
         BeltAnswer::Repaired([x, y]) => {
             let (x, y) = (length(x, per_mm), length(y, per_mm));
             to.say(format_args!("echo:belt repaired, x and y homed; touched again: X{x} Y{y} mm"));
@@ -96,7 +121,7 @@ pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, tr
 fn say_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Settings) {
     let residuals = Residuals::new(&s.mechanism, s.belt.is_closed);
     for (number, residual) in residuals.iter().enumerate() {
-        let Some(Found { was, within }) = trimming.found(number) else { continue };
+        let Some(Found { was, within, .. }) = trimming.found(number) else { continue };
         let (sum, was, within) = (Sum(residual), Thousandths(was), Thousandths(within));
         to.say(format_args!("{begin}{sum} was {was} mm, is as wanted within {within} mm"));
     }

@@ -14,12 +14,14 @@ pub(in crate::machine) struct Homed {
     axes: [bool; 3],
     /// An axis is being homed.
     is_under_way: bool,
+    /// The path of the tool in mm when x and y met their switches last.
+    met: [Option<u32>; 2],
 }
 
 impl Homed {
     /// These of x, y and z are homed.
     pub const fn new(axes: [bool; 3]) -> Self {
-        Self { axes, is_under_way: false }
+        Self { axes, is_under_way: false, met: [None; 2] }
     }
 
     /// Whether x, y and z are homed.
@@ -41,6 +43,20 @@ impl Homed {
     /// The axis has met its endstop.
     pub fn arrive(&mut self, axis: usize) {
         self.set(axis, true);
+    }
+
+    /// The axis met its endstop when the path of the tool was so long.
+    pub fn note_met(&mut self, axis: usize, path_mm: u32) {
+        if let Some(met) = self.met.get_mut(axis) {
+            *met = Some(path_mm);
+        }
+    }
+
+    /// How much longer the path is since x and y met their endstops, of those that are homed.
+    pub fn since_met(&self, path_mm: u32) -> [Option<u32>; 2] {
+        let [x, y, _] = self.axes;
+        let [met_x, met_y] = self.met.map(|met| met.map(|met| path_mm.wrapping_sub(met)));
+        [met_x.filter(|_| x), met_y.filter(|_| y)]
     }
 
     fn set(&mut self, axis: usize, is_homed: bool) {

@@ -1,9 +1,10 @@
 //! Trimming: where the tool stands while one motor of the belt is turned alone, and whether the motors of one belt agree.
 
+use crate::settings::PHASES;
 use crate::units::{Mm, Steps};
 
-/// Residuals of which the last finding is kept: an AWD CoreXY has two.
-pub(in crate::machine) const RESIDUALS: usize = 2;
+/// Residuals of which the last finding is kept.
+const RESIDUALS: usize = PHASES;
 
 /// What was found of a residual when the motors were aligned.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -12,6 +13,8 @@ pub(in crate::machine) struct Found {
     pub was: Mm,
     /// How far from what it should be it is now at most, in mm of belt.
     pub within: Mm,
+    /// How much the load that drivers measure (SG_RESULT) falls for a mm of strain, if they measured it.
+    pub readings_per_mm: Option<u16>,
 }
 
 /// What there is to know of motors that can pull against each other.
@@ -22,13 +25,21 @@ pub(in crate::machine) struct Trimming {
     is_aligned: bool,
     /// Drivers measure loads, and are configured for that.
     is_measuring: bool,
+    /// A phase of the belt was found that settings had not.
+    has_new_phase: bool,
     found: [Option<Found>; RESIDUALS],
 }
 
 impl Trimming {
     /// Nothing is known.
     pub const fn new() -> Self {
-        Self { held: [Steps::ZERO; 4], is_aligned: false, is_measuring: false, found: [None; RESIDUALS] }
+        Self {
+            held: [Steps::ZERO; 4],
+            is_aligned: false,
+            is_measuring: false,
+            has_new_phase: false,
+            found: [None; RESIDUALS],
+        }
     }
 
     /// A motor takes the place of z while the tool stands there.
@@ -66,6 +77,16 @@ impl Trimming {
     /// What was found of a residual.
     pub fn found(&self, number: usize) -> Option<Found> {
         self.found.get(number).copied().flatten()
+    }
+
+    /// A phase of the belt was found that settings had not, or none.
+    pub const fn note_phase(&mut self, is_new: bool) {
+        self.has_new_phase = is_new;
+    }
+
+    /// Whether one was when motors were last aligned.
+    pub const fn has_new_phase(&self) -> bool {
+        self.has_new_phase
     }
 
     /// Drivers are configured to measure loads, or no more.

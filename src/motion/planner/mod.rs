@@ -355,6 +355,12 @@ impl<'m> Planner<'m> {
         (self.moves, ((self.path as u128 * 1000) >> 32) as u32)
     }
 
+    /// The path of the tool that was planned so far, in mm; it wraps after 4,294 km.
+    #[must_use]
+    pub const fn path(&self) -> u32 {
+        (self.path >> 32) as u32
+    }
+
     /// Looks at a few more moves whether they are final. Gives the nominal time of those that are known to be, in ticks, and
     /// whether that is all of them.
     pub fn final_time(&mut self) -> (u64, bool) {

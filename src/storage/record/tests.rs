@@ -70,8 +70,12 @@ fn as_of(format: u16) -> Settings {
         WITHOUT_BELT => Settings { belt: Settings::prototype().belt, ..spelled_out() },
         WITHOUT_ALIGNMENT => {
             let Belt { alignment, preload, .. } = Settings::prototype().belt;
-            let settings = spelled_out();
+            let settings = as_of(WITHOUT_PHASES);
             Settings { belt: Belt { alignment, preload, ..settings.belt }, ..settings }
+        }
+        WITHOUT_PHASES => {
+            let (Belt { phases, .. }, settings) = (Settings::prototype().belt, spelled_out());
+            Settings { belt: Belt { phases, ..settings.belt }, ..settings }
         }
         _ => spelled_out(),
     }
@@ -163,6 +167,7 @@ fn spelled_out() -> Settings {
             homing_advance: Mm::lit("2.5"),
             alignment: Alignment::Required,
             preload: Mm::lit("-0.025"),
+            phases: [517, 1023],
         },
     }
 }
@@ -270,6 +275,7 @@ fn the_longest_values_fit() {
         homing_advance: Mm::MIN,
         alignment: Alignment::Automatic,
         preload: Mm::MIN,
+        phases: [u16::MAX; 2],
     };
     assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
 }

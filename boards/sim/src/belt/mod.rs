@@ -94,6 +94,8 @@ pub struct BeltPlant {
     /// Where G-code's X0 Y0 is for the twin.
     origin: Place,
     switches: [Endstop; 2],
+    /// Motors whose direction line is low for forward.
+    reversed: MotorSet,
     powered: MotorSet,
     accidents: Accidents,
     hits: Vec<AccidentState>,
@@ -108,6 +110,12 @@ pub struct BeltPlant {
     timeline: Timeline,
     skips: Vec<SkipFigures>,
     seed: Option<u64>,
+}
+
+/// The motors whose direction line is low for forward.
+fn reversed(settings: &Settings) -> MotorSet {
+    let all = Motor::ALL.into_iter().filter(|motor| settings.wiring.of(*motor).is_reversed);
+    all.fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(motor)))
 }
 
 impl BeltPlant {
@@ -141,6 +149,7 @@ impl BeltPlant {
             layout,
             origin,
             switches: [settings.endstops.x, settings.endstops.y],
+            reversed: reversed(settings),
             powered: MotorSet::NONE,
             hits: vec![AccidentState::Waiting; accidents.hits.len()],
             brakes: vec![AccidentState::Waiting; accidents.brakes.len()],
@@ -346,7 +355,12 @@ impl BeltPlant {
         for (index, (drive, load)) in self.layout.drives.iter().zip(&mut self.loads).enumerate() {
             if steps.has(drive.motor) {
                 let count = self.live.counts().get(index).copied().unwrap_or(0);
-                chips.with(drive.motor, &mut |chip| load.step(now, count, chip, || self.live.take_share(index)));
+                let forward = count * i64::from(drive.sense);
+                chips.with(drive.motor, &mut |chip| {
+                    load.step(now, count, chip, || self.live.take_share(index));
+                    // A direction line is high for forward, unless its motor is reversed.
+                    chip.step_to(if self.reversed.has(drive.motor) { forward } else { -forward });
+                });
             }
         }
     }

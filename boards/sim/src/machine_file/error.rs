@@ -1,7 +1,7 @@
 //! What can be wrong with a machine file, and where in the file it is.
 
 use super::place::{self, Place};
-use corehbot::settings::{ConnectorError, Plugged, SettingsError};
+use corehbot::settings::{ConnectorError, PHASES, Plugged, SettingsError};
 use std::fmt::{self, Display};
 
 /// What is wrong with a machine file.
@@ -20,6 +20,8 @@ pub enum MachineFileError {
     },
     /// `corner` names no rule, or both.
     Corner,
+    /// More phases than a belt may have.
+    Phases,
     /// A row of `mechanism` that is none.
     Row {
         /// The key with its table.
@@ -55,6 +57,7 @@ impl Display for MachineFileError {
             Self::Corner => f.write_str(
                 "corner wants either of its keys (junction_deviation, square_corner), not both and not none",
             ),
+            Self::Phases => write!(f, "belt.phases has a number for each residual, {PHASES} at most"),
             Self::Row { key, row } => {
                 write!(
                     f,
@@ -96,6 +99,7 @@ impl MachineFileError {
                 return Place::of_key(text, &plugged(error)).or_else(|| Place::of_key(text, "board"));
             }
             Self::Corner => "corner.square_corner".to_owned(),
+            Self::Phases => "belt.phases".to_owned(),
             Self::Settings(SettingsError::OutOfRange(key)) => (*key).to_owned(),
             Self::Settings(SettingsError::TooManySteps(table)) => format!("{table}.max_speed"),
             Self::Settings(SettingsError::NoSuchMicrosteps(table)) => format!("{table}.microsteps"),

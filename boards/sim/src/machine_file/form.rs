@@ -188,6 +188,9 @@ pub(super) struct BeltToml {
     pub alignment: Option<AlignmentToml>,
     /// What motors are to strain the belt by when they are aligned, in mm of belt: their residual.
     pub preload: Option<f64>,
+    /// Where the drivers of a belt's motors stood to each other when nothing strained it, in 1024ths of an electrical turn, a number for each
+    /// residual: M915 finds it, and nobody else knows. Left out, it is not known.
+    pub phases: Option<Vec<f64>>,
 }
 
 /// Off: nothing. Warning: the host is told of the first printing move. Required: printing moves are refused. Automatic: they are aligned

@@ -40,6 +40,10 @@ pub(super) const LOOKAHEAD_TIME: Kind<Seconds> = Kind { range: ranges::LOOKAHEAD
 pub(super) const PATIENCE: Kind<u16> =
     Kind { range: Range { least: 0, most: ranges::PATIENCE_MS.most }, convert: |ms| ms as u16 };
 pub(super) const SETTLING: Kind<u16> = Kind { range: ranges::SETTLING_MS, ..PATIENCE };
+pub(super) const PHASE: Kind<u16> = Kind {
+    range: Range { least: 0, most: ranges::PHASE.most - 1 },
+    convert: |phase| if phase.fract() == 0.0 { phase as u16 } else { u16::MAX },
+};
 pub(super) const KEEPALIVE: Kind<u8> = Kind { range: ranges::KEEPALIVE_S, convert: |s| s as u8 };
 
 pub(super) const HOTEND: Kind<Celsius> = Kind { range: ranges::HOTEND, convert: Celsius::saturating_from_num::<f64> };

@@ -4,8 +4,8 @@ use super::quantity::{self as q, Kind};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, Control, CornerRule, DriverSettings, Endstop, FanRole, FanSettings, HeaterSettings, Homing, Settings,
-    Shaper, ShaperKind, Thermistor,
+    AxisSettings, Belt, Control, CornerRule, DriverSettings, Endstop, FanRole, FanSettings, HeaterSettings, Homing,
+    Settings, Shaper, ShaperKind, Thermistor,
 };
 use corehbot::units::{Celsius, Mm};
 use fixed::traits::Fixed;
@@ -71,6 +71,7 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
         ]),
     );
     let b = &s.belt;
+    let phases = b.phases.iter().take_while(|phase| **phase < Belt::NO_PHASE).map(|phase| whole(*phase)).collect();
     file.insert(
         "belt".into(),
         table([
@@ -81,6 +82,7 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
             ("homing_advance", number(b.homing_advance, &q::HOMING_ADVANCE)),
             ("alignment", b.alignment.name().into()),
             ("preload", number(b.preload, &q::PRELOAD)),
+            ("phases", Value::Array(phases)),
         ]),
     );
     file.insert("homing".into(), homing(s));

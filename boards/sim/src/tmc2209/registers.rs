@@ -29,7 +29,7 @@ pub(super) const TABLE: [(u8, Access, u32, u32); 24] = [
     (SGTHRS, Access::Write, 8, 0),
     (SG_RESULT, Access::Read, 10, 0),
     (0x42, Access::Write, 16, 0),
-    (0x6A, Access::Read, 10, 0),
+    (MSCNT, Access::Read, 10, 0),
     (0x6B, Access::Read, 25, 0),
     (chopconf::ADDRESS, Access::ReadWrite, 32, 0x1000_0053),
     (DRV_STATUS, Access::Read, 32, 0x8000_0000),
@@ -76,6 +76,8 @@ pub const VACTUAL: u8 = 0x22;
 pub const SGTHRS: u8 = 0x40;
 /// SG_RESULT.
 pub const SG_RESULT: u8 = 0x41;
+/// MSCNT.
+pub const MSCNT: u8 = 0x6A;
 /// DRV_STATUS.
 pub const DRV_STATUS: u8 = 0x6F;
 /// PWMCONF.

@@ -92,11 +92,15 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
     let Bed { width, depth, left, front } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
-    let Belt { is_closed, settling_ms, max_speed, max_acceleration, homing_advance, alignment, preload } = s.belt;
+    let Belt { is_closed, settling_ms, max_speed, max_acceleration, homing_advance, alignment, preload, phases } =
+        s.belt;
     let (alignment, preload) = (alignment.name(), exact(preload));
     to.say(format_args!(
         "echo:; motors of one belt get power {settling_ms} ms apart; alignment {alignment}, preload {preload} mm"
     ));
+    for phase in phases.into_iter().filter(|phase| *phase < Belt::NO_PHASE) {
+        to.say(format_args!("echo:; aligned at a phase of {phase}/1024 of an electrical turn"));
+    }
     if is_closed {
         let (speed, acceleration, advance) = (shortest(max_speed), max_acceleration, exact(homing_advance));
         to.say(format_args!(

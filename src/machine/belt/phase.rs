@@ -1,0 +1,193 @@
+//! Phase: the motors of one belt are aligned as they get power, by where their drivers stand in their sine tables.
+//!
+//! A rotor rests where the sine table of its driver says, up to whole electrical turns of four full steps. So the sum of a residual over
+//! the places in these tables (MSCNT; TMC2209 datasheet rev 1.09, section 5.4) is the same whenever nothing strains the belt, wherever the
+//! tool stands and however far the belt has run round. It is a mark of the machine: it tells how rotors and pulleys sit on
+//! their shafts and on the belt. M915 finds it by load; it is kept as a setting (`belt.phases`).
+//!
+//! ```text
+//!   power for 1, 4, 8, in turn ──▶ read all four places ──▶ step 11 until the sum is right ──▶ power for 11 ──▶ read once more
+//!                                                           (its rotor is free, the belt slack)
+//! ```
+//!
+//! A rotor without power strains nothing, so its field is brought to where it rests, and not the rotor to where its field is. If a driver
+//! does not count steps without power the sum is still wrong then, and the motor is trimmed with power.
+
+use super::align::{preload_of, trimmed};
+use crate::driver::Job;
+use crate::kinematics::{Residual, Residuals};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
+use crate::machine::console::{Console, PortSet};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::state::trimming::Found;
+use crate::port::{Motor, MotorSet, Pend};
+use crate::settings::{Belt, Settings};
+
+/// Places of a sine table: an electrical turn of four full steps.
+const TURN: i32 = 1024;
+
+/// Places of a full step.
+const FULL_STEP: i32 = TURN / 4;
+
+/// How far the belt's strain may be from what is wanted, in thousandths of a step: the half step that nothing can be trimmed to, and
+/// what M915 may have been wrong by when it found the phase (half a step, and 0.4).
+const WITHIN: i64 = 1400;
+
+/// How a motor's place goes when it steps forward: it falls while its direction line is high (Klipper, klippy/extras/tmc.py, where a
+/// phase is `1023 - MSCNT` if the line is not inverted).
+fn way(s: &Settings, motor: Motor) -> i32 {
+    if s.wiring.of(motor).is_reversed { 1 } else { -1 }
+}
+
+/// The difference of two phases, at most half a turn.
+fn difference(a: i32, b: i32) -> i32 {
+    (a - b + TURN / 2).rem_euclid(TURN) - TURN / 2
+}
+
+/// The motor of `motors` that a residual takes, and how often, if there is just one.
+fn only_one(residual: &Residual, motors: MotorSet) -> Option<(Motor, i32)> {
+    let mut found = Motor::ALL.into_iter().zip(*residual).filter(|(motor, times)| *times != 0 && motors.has(*motor));
+    found.next().filter(|_| found.next().is_none())
+}
+
+impl<P: PortSet, W: Pend> Console<'_, P, W> {
+    /// The sum of a residual over the places in the sine tables; `None` if a driver does not tell.
+    async fn phase_sum(&mut self, residual: &Residual) -> Result<Option<i32>, Interrupt> {
+        let mut sum = 0;
+        for (motor, times) in Motor::ALL.into_iter().zip(*residual).filter(|(_, times)| *times != 0) {
+            let reading = self.ask_driver(Job::Phase, motor).await?;
+            let Some(phase) = reading.ok().and_then(|reading| reading.phase()) else { return Ok(None) };
+            sum += times * way(&self.settings, motor) * i32::from(phase);
+        }
+        Ok(Some(sum.rem_euclid(TURN)))
+    }
+
+    /// The phase that is known of a residual.
+    fn known_phase(&self, number: usize) -> Option<i32> {
+        let phase = self.settings.belt.phases.get(number).filter(|phase| **phase < Belt::NO_PHASE);
+        phase.map(|phase| i32::from(*phase))
+    }
+
+    /// By how many steps fields strain a residual beside what is wanted, if its phase is known.
+    pub(super) async fn strain(&mut self, number: usize, residual: &Residual) -> Result<Option<i32>, Interrupt> {
+        let Some(phase) = self.known_phase(number) else { return Ok(None) };
+        let Some(sum) = self.phase_sum(residual).await? else { return Ok(None) };
+        let microsteps = i32::from(self.settings.drivers.belt.microsteps);
+        let strained = difference(sum, phase) * microsteps - preload_of(residual, self.preload_steps()) * FULL_STEP;
+        // To the nearest step, half a step being a half; a preload may have led beyond half a turn.
+        let steps = (2 * strained + FULL_STEP).div_euclid(2 * FULL_STEP);
+        let turn = 4 * microsteps;
+        Ok(Some((steps + turn / 2).rem_euclid(turn) - turn / 2))
+    }
+
+    /// Where motors are about to get power of which each is the last of its residual: their fields are brought to their rotors.
+    pub(in crate::machine) async fn meet_phases(
+        &mut self,
+        residuals: &Residuals,
+        next: MotorSet,
+    ) -> Result<(), Interrupt> {
+        let missing = residuals.motors().without(self.drivers.powered());
+        for (number, residual) in residuals.iter().enumerate() {
+            let Some((motor, times)) = only_one(residual, missing).filter(|(motor, _)| next.has(*motor)) else {
+                continue;
+            };
+            if let Some(strain) = self.strain(number, residual).await?.filter(|strain| *strain != 0) {
+                self.trim(motor, -strain / times).await?;
+                if self.strain(number, residual).await?.is_none_or(|left| left / times != 0) {
+                    // It does not count without power: as it was.
+                    self.trim(motor, strain / times).await?;
+                } else {
+                    self.note_strain(number, strain);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Motors have power: those whose phases are known are aligned, or the host is told that they are not.
+    pub(in crate::machine) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
+        let is_known = residuals.iter().enumerate().all(|(number, _)| self.known_phase(number).is_some());
+        if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.has_power(residuals.motors()) {
+            return Ok(());
+        }
+        for (number, residual) in residuals.iter().enumerate() {
+            if !self.is_in_phase(number, residual).await? {
+                self.trimming.forget();
+                return self.tell(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase))).await;
+            }
+        }
+        self.trimming.align();
+        Ok(())
+    }
+
+    /// Whether a residual is as it should be; it is trimmed once if it is not.
+    async fn is_in_phase(&mut self, number: usize, residual: &Residual) -> Result<bool, Interrupt> {
+        let Some((motor, times)) = trimmed(residual) else { return Ok(true) };
+        let found = self.strain(number, residual).await?;
+        let left = match found {
+            Some(strain) if strain / times != 0 => {
+                self.trim(motor, -strain / times).await?;
+                let left = self.strain(number, residual).await?;
+                if left.is_none_or(|left| left / times != 0) {
+                    // It did not do what it should: as it was.
+                    self.trim(motor, strain / times).await?;
+                }
+                left
+            }
+            found => found,
+        };
+        if self.trimming.found(number).is_none() {
+            self.note_strain(number, found.unwrap_or_default());
+        }
+        Ok(left.is_some_and(|left| left / times == 0))
+    }
+
+    /// Notes by how many steps fields would strain a residual, or have strained it.
+    fn note_strain(&mut self, number: usize, steps: i32) {
+        let was = self.belt_length(i64::from(steps) * 1000);
+        self.trimming.note(number, Found { was, within: self.belt_length(WITHIN), readings_per_mm: None });
+    }
+
+    /// Notes the phase of a residual whose motors strain nothing, if the driver of the trimmed motor counts as it should.
+    pub(super) async fn learn_phase(&mut self, number: usize, residual: &Residual) -> Result<(), Interrupt> {
+        let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
+        let full_step = i32::from(self.settings.drivers.belt.microsteps);
+        let here = self.phase_sum(residual).await?;
+        self.trim(motor, full_step).await?;
+        let there = self.phase_sum(residual).await?;
+        self.trim(motor, -full_step).await?;
+        let counts =
+            here.zip(there).filter(|(here, there)| difference(*there, *here) == difference(times * FULL_STEP, 0));
+        let phase = counts.and_then(|(here, _)| u16::try_from(here).ok());
+        let known = self.settings.belt.phases.get(number).copied();
+        if let Some(phase) = phase.filter(|phase| known.is_some_and(|known| known != *phase)) {
+            if let Some(place) = self.settings.belt.phases.get_mut(number) {
+                *place = phase;
+            }
+            self.trimming.note_phase(true);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_differ_by_half_a_turn_at_most() {
+        for (a, b, expected) in [(5, 3, 2), (3, 1020, 7), (1020, 3, -7), (512, 0, -512), (511, 0, 511), (0, 0, 0)] {
+            assert_eq!(difference(a, b), expected, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn the_last_motor_of_a_residual_is_found() {
+        let residual = [1, -1, 1, -1, 0, 0, 0];
+        let of = |motors: &[Motor]| motors.iter().fold(MotorSet::NONE, |set, motor| set.with(MotorSet::of(*motor)));
+        assert_eq!(only_one(&residual, of(&[Motor::M11, Motor::Z1])), Some((Motor::M11, -1)));
+        assert_eq!(only_one(&residual, of(&[Motor::M8, Motor::M11])), None);
+        assert_eq!(only_one(&residual, MotorSet::NONE), None);
+    }
+}
