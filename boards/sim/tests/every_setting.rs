@@ -243,7 +243,7 @@ fn every_setting_is_said_by_m503_or_is_known_not_to_be() {
         assert_eq!(
             is_said,
             !is_one_of(path, &NOT_SAID) && !is_e_length,
-            "{path}: src/machine/commands/settings/shown.rs, and src/machine/answers/setting.rs if it has a line of its own"
+            "{path}: src/machine/reports/settings_report.rs, and src/machine/answers/setting.rs if it has a line of its own"
         );
     }
 }

@@ -14,11 +14,13 @@ use crate::connectors::Heater;
 use crate::driver::{DriverError, Fault, Reading};
 use crate::gcode::{Flaw, Form};
 use crate::machine::state::clamps::Clamp;
+use crate::machine::state::retraction::RetractionSettings;
 use crate::port::{EndstopSet, Motor};
 use crate::protocol::ResendReason;
 use crate::status::Tuned;
 
-/// What there is to say. Numbers that the Console knows are looked up when they are written.
+/// What there is to say. Numbers that everybody knows are looked up when they are written; those that a command keeps for itself are part
+/// of the answer.
 #[derive(Clone, Copy)]
 pub(in crate::machine) enum Answer<'a> {
     /// Nothing, but for the `ok`.
@@ -51,8 +53,10 @@ pub(in crate::machine) enum Answer<'a> {
     /// M900.
     Advance,
     FeedPercent,
-    FlowPercent,
-    DebugFlags,
+    /// M221.
+    FlowPercent(u16),
+    /// M111: whether it is a dry run.
+    DebugFlags(bool),
     Keepalive,
     InvalidTool(u8),
     Position {
@@ -70,8 +74,8 @@ pub(in crate::machine) enum Answer<'a> {
     /// M106 for a fan that something else decides on.
     NotCommanded(u8),
     HeatSetting(HeatSetting),
-    /// M302.
-    ColdExtrusion,
+    /// M302: whether it is allowed whatever the temperature.
+    ColdExtrusion(bool),
     /// M303: cycles that are done.
     TuningCycle(Heater, u8),
     /// M303: what was found.
@@ -80,8 +84,12 @@ pub(in crate::machine) enum Answer<'a> {
     Overload,
     /// A setting as the line that sets it.
     Setting(Setting),
+    /// M207, and how G10 and G11 retract.
+    Retraction(RetractionSettings),
+    /// M208, likewise.
+    Recovery(RetractionSettings),
     /// M503: all of them.
-    Settings,
+    Settings(RetractionSettings),
     /// A command whose X and Y differ.
     OneBelt(&'static str),
     /// M92 would give axes that share motors different steps.
@@ -96,7 +104,7 @@ pub(in crate::machine) enum Answer<'a> {
     Belt(BeltAnswer),
     Storage(StorageNews),
     /// A machine over the serial line.
-    Machine(MachineAnswer),
+    Machine(MachineAnswer<'a>),
     /// Why motors have no power.
     NoPower(Fault),
     /// Motors get no power for this reason, whatever their drivers say.

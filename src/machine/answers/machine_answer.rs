@@ -7,9 +7,11 @@ use core::fmt;
 
 /// What there is to say of it.
 #[derive(Clone, Copy)]
-pub(in crate::machine) enum MachineAnswer {
-    /// MACHINE_GET: the piece at this place; the last one is followed by the whole length.
-    Piece(usize),
+pub(in crate::machine) enum MachineAnswer<'p> {
+    /// MACHINE_GET: the piece at this place.
+    Piece(usize, &'p [u8]),
+    /// Behind the last piece: the whole length.
+    End(usize),
     /// MACHINE_PUT or MACHINE_STORE refuse.
     Refused(MachineRefusal),
     /// MACHINE_STORE did it: the record, and whether it counts from now on.

@@ -21,14 +21,10 @@ pub(in crate::machine) enum Setting {
     Shapers,
     /// M900 and M572.
     Advance,
-    /// M207.
-    Retraction,
-    /// M208.
-    Recovery,
 }
 
 impl Setting {
-    /// All of them, in the order of M503.
+    /// All of them, in the order of M503, which goes on with those of the heaters and of G10 and G11.
     pub fn all() -> impl Iterator<Item = Self> {
         core::iter::successors(Some(Self::Resolutions), |setting| setting.next())
     }
@@ -43,9 +39,7 @@ impl Setting {
             Self::Corners => Some(Self::VelocityLimit),
             Self::VelocityLimit => Some(Self::Shapers),
             Self::Shapers => Some(Self::Advance),
-            Self::Advance => Some(Self::Retraction),
-            Self::Retraction => Some(Self::Recovery),
-            Self::Recovery => None,
+            Self::Advance => None,
         }
     }
 }
@@ -61,4 +55,13 @@ pub(in crate::machine) enum HeatSetting {
     ColdExtrusion,
     /// M710.
     ControllerFan,
+}
+
+/// The command that sets the gains of a heater.
+pub(in crate::machine) const fn pid_code(heater: Heater) -> &'static str {
+    match heater {
+        Heater::Hotend => "M301",
+        Heater::Bed => "M304",
+        Heater::Chamber => "M309",
+    }
 }

@@ -27,7 +27,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             });
         }
         if least.is_none() && allow.is_none() {
-            return Answer::ColdExtrusion;
+            return Answer::ColdExtrusion(self.allows_cold);
         }
         if let Some(least) = least {
             let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };

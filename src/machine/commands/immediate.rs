@@ -162,12 +162,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 modal.kept_feed_percent = self.planner.feed_percent();
                 Answer::Nothing
             }
-            Command::FlowPercent(None) => Answer::FlowPercent,
+            Command::FlowPercent(None) => Answer::FlowPercent(modal.flow_percent),
             Command::FlowPercent(Some(number)) => {
                 modal.flow_percent = clamps.whole(["M221", "S"], number, PERCENT);
                 Answer::Nothing
             }
-            Command::Debug(None) => Answer::DebugFlags,
+            Command::Debug(None) => Answer::DebugFlags(modal.dry_run),
             Command::Debug(Some(bits)) => {
                 modal.dry_run = bits.to_u32() & DRY_RUN != 0;
                 Answer::Nothing
@@ -178,7 +178,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             Command::ReportTemperatures => Answer::Temperatures,
             Command::ReportPosition { real } => Answer::Position { real },
             Command::ReportFirmware => Answer::Firmware,
-            Command::ReportSettings => Answer::Settings,
+            Command::ReportSettings => Answer::Settings(retraction.settings),
             Command::ReportLevelling => Answer::Line("echo:Bed Leveling OFF"),
             Command::AutoPosition(seconds) => {
                 self.report_every(Report::Position, seconds);

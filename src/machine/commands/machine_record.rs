@@ -14,6 +14,7 @@ use crate::machine::state::machine_pieces::PIECE;
 use crate::port::{DriverBus, Pend};
 use crate::settings::Settings;
 use crate::storage::{Receipt, machine_in, record_of};
+use heapless::Vec;
 
 impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// MACHINE_GET, MACHINE_PUT and MACHINE_STORE.
@@ -44,15 +45,16 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Says the pieces of the machine's record, and gives its end.
-    async fn say_pieces(&mut self) -> Result<MachineAnswer, Interrupt> {
+    async fn say_pieces(&mut self) -> Result<MachineAnswer<'static>, Interrupt> {
         let length = record_of(&self.settings, self.machine_pieces.begin()).unwrap_or_default();
         self.machine_pieces.end(length);
         let mut at = 0;
-        while at < length {
-            self.tell(Answer::Machine(MachineAnswer::Piece(at))).await?;
+        while let Some(piece) = self.machine_pieces.piece(at).and_then(|piece| Vec::<u8, PIECE>::from_slice(piece).ok())
+        {
+            self.tell(Answer::Machine(MachineAnswer::Piece(at, &piece))).await?;
             at += PIECE;
         }
-        Ok(MachineAnswer::Piece(length))
+        Ok(MachineAnswer::End(length))
     }
 
     /// The machine that was put together from pieces, if this board can be it.

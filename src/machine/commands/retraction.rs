@@ -1,10 +1,7 @@
-//! How G10 and G11 retract, as lines set and show it: M207, M208. The moves themselves are in `moves`.
+//! How G10 and G11 retract, as lines set it: M207, M208. The moves themselves are in `moves`.
 
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::setting::Setting;
-use crate::machine::answers::speaker::Speaker;
-use crate::machine::numbers::exact;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::retraction::RetractionSettings;
@@ -22,7 +19,7 @@ pub(in crate::machine) fn set_retraction(
     clamps: &mut Clamps,
 ) -> Answer<'static> {
     if length.or(feed).or(lift).is_none() {
-        return Answer::Setting(Setting::Retraction);
+        return Answer::Retraction(*settings);
     }
     if let Some(length) = length {
         settings.length = clamps.length(modal, ["M207", "S"], length, RETRACTION);
@@ -44,7 +41,7 @@ pub(in crate::machine) fn set_recovery(
     clamps: &mut Clamps,
 ) -> Answer<'static> {
     if extra.or(feed).is_none() {
-        return Answer::Setting(Setting::Recovery);
+        return Answer::Recovery(*settings);
     }
     if let Some(extra) = extra {
         settings.extra = clamps.length(modal, ["M208", "S"], extra, RETRACTION);
@@ -53,16 +50,4 @@ pub(in crate::machine) fn set_recovery(
         settings.recover_speed = clamps.speed_a_minute(modal, ["M208", "F"], feed);
     }
     Answer::Nothing
-}
-
-/// M503, the line of M207.
-pub(in crate::machine) fn say_retraction(to: &mut Speaker<'_>, settings: &RetractionSettings) {
-    let (length, feed, lift) = (exact(settings.length), exact(Mm::from(settings.speed) * 60), exact(settings.lift));
-    to.say(format_args!("echo:  M207 S{length} F{feed} Z{lift}"));
-}
-
-/// M503, the line of M208.
-pub(in crate::machine) fn say_recovery(to: &mut Speaker<'_>, settings: &RetractionSettings) {
-    let (extra, feed) = (exact(settings.extra), exact(Mm::from(settings.recover_speed) * 60));
-    to.say(format_args!("echo:  M208 S{extra} F{feed}"));
 }

@@ -1,8 +1,6 @@
 //! Shaping: input shapers (M593) and pressure advance (M900, M572) as lines set them.
 
 use crate::gcode::{AxisFlags, Number, ShaperName};
-use crate::machine::answers::speaker::Speaker;
-use crate::machine::numbers::shortest;
 use crate::machine::state::clamps::Clamps;
 use crate::settings::{Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Hertz, Ratio};
@@ -14,18 +12,6 @@ pub(in crate::machine) struct ShaperWords {
     pub frequency: Option<Number>,
     pub damping: Option<Number>,
     pub kind: Option<Number>,
-}
-
-/// What M593 calls a kind of shaper, if it is one.
-const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
-    match kind {
-        ShaperKind::None => None,
-        ShaperKind::Zv => Some(ShaperName::Zv),
-        ShaperKind::Zvd => Some(ShaperName::Zvd),
-        ShaperKind::Mzv => Some(ShaperName::Mzv),
-        ShaperKind::Ei => Some(ShaperName::Ei),
-        ShaperKind::TwoHumpEi => Some(ShaperName::TwoHumpEi),
-    }
 }
 
 /// The kind of shaper with that number in M593 T.
@@ -115,14 +101,5 @@ pub(in crate::machine) fn set_advance(
     }
     if let Some(window) = window {
         wanted.advance.window = clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW);
-    }
-}
-
-/// M503, a line of M593.
-pub(in crate::machine) fn say_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
-    let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
-    match name_of(shaper.kind).map(|name| name as usize) {
-        Some(number) => to.say(format_args!("echo:  M593 {axis} F{frequency} D{damping} T{number}")),
-        None => to.say(format_args!("echo:  M593 {axis} F0")),
     }
 }

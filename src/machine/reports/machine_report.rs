@@ -2,16 +2,13 @@
 
 use crate::machine::answers::machine_answer::MachineAnswer;
 use crate::machine::answers::speaker::Speaker;
-use crate::machine::state::machine_pieces::MachinePieces;
 use core::fmt;
 
 /// Says what there is to tell of it.
-pub(in crate::machine) fn say_machine(to: &mut Speaker<'_>, answer: &MachineAnswer, pieces: &MachinePieces) {
+pub(in crate::machine) fn say_machine(to: &mut Speaker<'_>, answer: &MachineAnswer<'_>) {
     match answer {
-        MachineAnswer::Piece(at) => match pieces.piece(*at) {
-            Some(piece) => to.say(format_args!("machine AT={at} HEX={}", Hex(piece))),
-            None => to.say(format_args!("machine END={at}")),
-        },
+        MachineAnswer::Piece(at, piece) => to.say(format_args!("machine AT={at} HEX={}", Hex(piece))),
+        MachineAnswer::End(length) => to.say(format_args!("machine END={length}")),
         MachineAnswer::Refused(why) => to.say(format_args!("echo:machine not stored: {why}")),
         MachineAnswer::Stored(receipt, counts) => {
             let since = if *counts { "it counts from now on" } else { "it counts after the next reset" };

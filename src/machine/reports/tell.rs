@@ -3,17 +3,17 @@
 use super::belt_report::say_belt;
 use super::driver_report::{say_driver, say_driver_values};
 use super::heat_report::{Temperatures, say_heat, say_tuned};
+use super::heat_settings_report::say_heat_setting;
 use super::machine_report::say_machine;
 use super::message::say_message;
 use super::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
+use super::settings_report::{say_recovery, say_retraction, say_setting, say_settings};
 use super::storage_report::say_storage;
 use crate::connectors::Heater;
 use crate::gcode::Flaw;
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::{Progress, Speaker};
-use crate::machine::commands::heater_settings::say_heat_setting;
-use crate::machine::commands::settings::shown::{say_setting, say_settings};
 use crate::machine::console::{Console, PortSet};
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
@@ -85,22 +85,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
         }
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.target_of(heater));
-        let Self {
-            hosts,
-            progress,
-            settings,
-            modal,
-            retraction,
-            planner,
-            link,
-            ports,
-            homed,
-            drivers,
-            machine_pieces,
-            trimming,
-            ..
-        } = self;
-        let allows_cold = &self.allows_cold;
+        let Self { hosts, progress, settings, planner, link, ports, homed, drivers, trimming, .. } = self;
         let s = &**settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -122,9 +107,9 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
             Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),
             Answer::HeatSetting(setting) => say_heat_setting(to, setting, &s.thermal),
-            Answer::ColdExtrusion => {
+            Answer::ColdExtrusion(allows_cold) => {
                 let least = s.thermal.min_extrude;
-                let state = if *allows_cold || least <= Celsius::ZERO { "enabled" } else { "disabled" };
+                let state = if allows_cold || least <= Celsius::ZERO { "enabled" } else { "disabled" };
                 to.say(format_args!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
             }
             Answer::TuningCycle(heater, done) => to.say(format_args!("echo:{}: {done} cycles done", heater.name())),
@@ -137,10 +122,8 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             Answer::Message(form, text) => say_message(to, form, text),
             Answer::Advance => to.say(format_args!("echo:Advance K={}", shortest(s.advance.time))),
             Answer::FeedPercent => to.say(format_args!("FR:{}%", planner.feed_percent())),
-            Answer::FlowPercent => to.say(format_args!("echo:E0 Flow: {}%", modal.flow_percent)),
-            Answer::DebugFlags => {
-                to.say(format_args!("echo:DEBUG:{}", if modal.dry_run { "DRYRUN" } else { "off" }));
-            }
+            Answer::FlowPercent(percent) => to.say(format_args!("echo:E0 Flow: {percent}%")),
+            Answer::DebugFlags(is_dry) => to.say(format_args!("echo:DEBUG:{}", if is_dry { "DRYRUN" } else { "off" })),
             Answer::Keepalive => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
             Answer::InvalidTool(number) => to.say(format_args!("echo:T{number} Invalid extruder")),
             Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage)),
@@ -153,9 +136,11 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
                     to.say(format_args!("echo:{warning}"));
                 }
             }
-            Answer::Machine(answer) => say_machine(to, &answer, machine_pieces),
-            Answer::Setting(setting) => say_setting(to, setting, s, &retraction.settings),
-            Answer::Settings => say_settings(to, s, &retraction.settings, !drivers.lines().is_empty()),
+            Answer::Machine(answer) => say_machine(to, &answer),
+            Answer::Setting(setting) => say_setting(to, setting, s),
+            Answer::Retraction(settings) => say_retraction(to, &settings),
+            Answer::Recovery(settings) => say_recovery(to, &settings),
+            Answer::Settings(retraction) => say_settings(to, s, &retraction, !drivers.lines().is_empty()),
             Answer::OneBelt(code) => {
                 to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
             }

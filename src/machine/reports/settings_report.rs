@@ -1,15 +1,14 @@
 //! Settings as they are shown: as the lines that set them, one each for the command without words, all of them for M503.
 
-use crate::gcode::Number;
+use super::heat_settings_report::say_heat_settings;
+use crate::gcode::{Number, ShaperName};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::Speaker;
-use crate::machine::commands::heater_settings::say_heat_settings;
-use crate::machine::commands::retraction::{say_recovery, say_retraction};
-use crate::machine::commands::shaping::say_shaper;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
-use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Settings};
+use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Settings, Shaper, ShaperKind};
+use crate::units::Mm;
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
 pub(in crate::machine) fn say_settings(
@@ -20,8 +19,10 @@ pub(in crate::machine) fn say_settings(
 ) {
     to.say(format_args!("echo:  G21"));
     for setting in Setting::all() {
-        say_setting(to, setting, s, retraction);
+        say_setting(to, setting, s);
     }
+    say_retraction(to, retraction);
+    say_recovery(to, retraction);
     if has_drivers {
         say_driver_settings(to, s);
     }
@@ -35,12 +36,7 @@ pub(in crate::machine) fn say_settings(
 }
 
 /// The line or lines of one setting.
-pub(in crate::machine) fn say_setting(
-    to: &mut Speaker<'_>,
-    setting: Setting,
-    s: &Settings,
-    retraction: &RetractionSettings,
-) {
+pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings) {
     match setting {
         Setting::Resolutions => say_axes(to, "M92", s.axes.map(|a| exact(a.steps_per_mm)).to_array()),
         Setting::MaxSpeeds => say_axes(to, "M203", s.axes.map(|a| exact(a.max_speed)).to_array()),
@@ -75,8 +71,6 @@ pub(in crate::machine) fn say_setting(
             to.say(format_args!("echo:  M900 K{time}"));
             to.say(format_args!("echo:  M572 W{window}"));
         }
-        Setting::Retraction => say_retraction(to, retraction),
-        Setting::Recovery => say_recovery(to, retraction),
     }
 }
 
@@ -132,5 +126,38 @@ fn say_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
     for value in [DriverValue::Current, DriverValue::HybridThreshold, DriverValue::StallThreshold] {
         let [belt, z, e] = [groups.belt, groups.z, groups.e].map(|group| value.number(&group));
         say_axes(to, value.code(), [belt, belt, z, e]);
+    }
+}
+
+/// M503, the line of M207.
+pub(in crate::machine) fn say_retraction(to: &mut Speaker<'_>, settings: &RetractionSettings) {
+    let (length, feed, lift) = (exact(settings.length), exact(Mm::from(settings.speed) * 60), exact(settings.lift));
+    to.say(format_args!("echo:  M207 S{length} F{feed} Z{lift}"));
+}
+
+/// M503, the line of M208.
+pub(in crate::machine) fn say_recovery(to: &mut Speaker<'_>, settings: &RetractionSettings) {
+    let (extra, feed) = (exact(settings.extra), exact(Mm::from(settings.recover_speed) * 60));
+    to.say(format_args!("echo:  M208 S{extra} F{feed}"));
+}
+
+/// What M593 calls a kind of shaper, if it is one.
+const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
+    match kind {
+        ShaperKind::None => None,
+        ShaperKind::Zv => Some(ShaperName::Zv),
+        ShaperKind::Zvd => Some(ShaperName::Zvd),
+        ShaperKind::Mzv => Some(ShaperName::Mzv),
+        ShaperKind::Ei => Some(ShaperName::Ei),
+        ShaperKind::TwoHumpEi => Some(ShaperName::TwoHumpEi),
+    }
+}
+
+/// M503, a line of M593.
+fn say_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
+    let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
+    match name_of(shaper.kind).map(|name| name as usize) {
+        Some(number) => to.say(format_args!("echo:  M593 {axis} F{frequency} D{damping} T{number}")),
+        None => to.say(format_args!("echo:  M593 {axis} F0")),
     }
 }

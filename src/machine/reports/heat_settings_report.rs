@@ -1,0 +1,66 @@
+//! How heaters behave, as the lines that set it: M301, M304, M306, M302 and M710, alone and in M503.
+//!
+//! M503 says the control in use last, so that its lines, sent back, leave it in use.
+
+use crate::connectors::Heater;
+use crate::machine::answers::setting::{HeatSetting, pid_code};
+use crate::machine::answers::speaker::Speaker;
+use crate::machine::numbers::shortest;
+use crate::settings::{Control, FanRole, Pid, ThermalSettings};
+use crate::units::{Ratio, Seconds};
+
+/// The rate of a time constant, in 1/s.
+pub(in crate::machine) fn rate(lag: Seconds) -> Ratio {
+    let bits = (1u64 << 40) + u64::from(lag.to_bits() / 2);
+    Ratio::from_bits((bits / u64::from(lag.to_bits().max(1))).min(u64::from(u32::MAX)) as u32)
+}
+
+/// The line of one of them.
+pub(in crate::machine) fn say_heat_setting(to: &mut Speaker<'_>, setting: HeatSetting, thermal: &ThermalSettings) {
+    match setting {
+        HeatSetting::Pid(heater) => {
+            let Pid { p, i, d } = thermal.heater(heater).pid;
+            let [p, i, d] = [p, i, d].map(shortest);
+            to.say(format_args!("echo:  {} P{p} I{i} D{d}", pid_code(heater)));
+        }
+        HeatSetting::Model(heater) => {
+            let settings = thermal.heater(heater);
+            let model = settings.model;
+            let (power, capacity, lag) =
+                (shortest(settings.power), shortest(model.capacity), shortest(model.heater_lag));
+            let [a, f] = [model.loss, model.loss.saturating_add(model.fan_loss)].map(shortest);
+            let (rate, filament) = (shortest(rate(model.sensor_lag)), shortest(thermal.filament));
+            let e = -(heater as i32);
+            to.say(format_args!("echo:  M306 E{e} P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}"));
+        }
+        HeatSetting::ColdExtrusion => to.say(format_args!("echo:  M302 S{}", shortest(thermal.min_extrude))),
+        HeatSetting::ControllerFan => {
+            let fan = thermal.fans.iter().find(|fan| fan.role == FanRole::Controller);
+            let speed = fan.map_or(0, |fan| (u64::from(fan.most.to_bits()) * 255 + (1 << 15)) >> 16);
+            to.say(format_args!("echo:  M710 S{speed} D{}", thermal.fan_run_on_s));
+        }
+    }
+}
+
+/// M503, the part of heaters that are fitted.
+pub(in crate::machine) fn say_heat_settings(to: &mut Speaker<'_>, thermal: &ThermalSettings) {
+    let fitted = || Heater::ALL.into_iter().filter(|heater| thermal.heater(*heater).is_fitted);
+    for heater in fitted() {
+        let (pid, model) = (HeatSetting::Pid(heater), HeatSetting::Model(heater));
+        let lines = match (heater, thermal.heater(heater).control) {
+            // There is no command for the chamber's gains.
+            (Heater::Chamber, _) => [None, Some(model)],
+            (_, Control::Model) => [Some(pid), Some(model)],
+            (_, Control::Pid) => [Some(model), Some(pid)],
+        };
+        for line in lines.into_iter().flatten() {
+            say_heat_setting(to, line, thermal);
+        }
+    }
+    if thermal.heater(Heater::Hotend).is_fitted {
+        say_heat_setting(to, HeatSetting::ColdExtrusion, thermal);
+    }
+    if fitted().next().is_some() {
+        say_heat_setting(to, HeatSetting::ControllerFan, thermal);
+    }
+}
