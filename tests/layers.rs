@@ -239,6 +239,80 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
     assert!(wrong.is_empty(), "files that use each other in a circle:\n{}", wrong.join("\n"));
 }
 
+/// What the parts of the room `machine` may use of each other, each only those above it: a command gets the crank and the states that
+/// it names, and the Console hands them to it.
+const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
+    ("ports", &[]),
+    ("interrupt", &[]),
+    ("numbers", &[]),
+    ("release", &[]),
+    ("hosts", &[]),
+    ("state", &["numbers"]),
+    ("answers", &["hosts", "numbers", "state"]),
+    ("reports", &["answers", "numbers", "state"]),
+    ("crank", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
+    ("belt", &["answers", "crank", "interrupt", "ports", "state"]),
+    ("commands", &["answers", "belt", "crank", "hosts", "interrupt", "numbers", "ports", "state"]),
+    ("console", &["answers", "belt", "commands", "crank", "hosts", "interrupt", "ports"]),
+];
+
+#[test]
+fn the_parts_of_the_machine_use_only_those_above_them() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src.join("machine"), &mut files);
+    let within = arrows_within(&src, &files);
+    let (mut wrong, mut above) = (Vec::new(), BTreeSet::new());
+    let arrows = &within[&vec!["machine".to_owned()]];
+    for (part, may) in WITHIN_MACHINE {
+        assert!(may.iter().all(|used| above.contains(used)), "{part} uses what is not above it: {may:?}");
+        above.insert(part);
+        let used = arrows.get(part).into_iter().flatten();
+        wrong.extend(used.filter(|used| !may.contains(&used.as_str())).map(|used| format!("{part} -> {used}")));
+    }
+    wrong.extend(
+        arrows.keys().filter(|part| !above.contains(part.as_str())).map(|part| format!("{part} is not in the table")),
+    );
+    assert!(wrong.is_empty(), "arrows that the table does not hold:\n{}", wrong.join("\n"));
+}
+
+/// Whether a name stands in code, not as a part of another.
+fn names(code: &str, name: &str) -> bool {
+    let is_other = |c: char| c.is_alphanumeric() || c == '_';
+    code.match_indices(name).any(|(at, found)| {
+        !code[..at].chars().next_back().is_some_and(is_other)
+            && !code[at + found.len()..].chars().next().is_some_and(is_other)
+    })
+}
+
+#[test]
+fn no_command_gets_the_console_and_nobody_widens_the_crank() {
+    let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/machine");
+    let mut files = Vec::new();
+    sources(&machine, &mut files);
+    let mut wrong = Vec::new();
+    for file in files {
+        let relative = file.strip_prefix(&machine).unwrap().to_str().unwrap().to_owned();
+        let text = fs::read_to_string(&file).unwrap();
+        let code = code_of(&text);
+        if names(&code, "Console") && !["console.rs", "mod.rs"].contains(&relative.as_str()) {
+            wrong.push(format!("{relative} names the Console: it gets the crank, and the states that it names"));
+        }
+        let widens = code.lines().any(|line| line.starts_with("impl") && line.contains("> Crank<"));
+        if widens && !relative.starts_with("crank/") {
+            wrong.push(format!("{relative} adds to the crank: write a function that gets it"));
+        }
+        for owner in ["struct Crank<", "struct Console<"] {
+            let fields =
+                code.split_once(owner).map(|(_, begin)| begin.split_once("\n}").unwrap().0).unwrap_or_default();
+            if fields.lines().any(|line| line.trim_start().starts_with("pub")) {
+                wrong.push(format!("{relative}: a field of {owner} is not private"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 fn a_circle_is_found_through_names_that_are_handed_on() {
     let arrows = |list: &[(&str, &str)]| {

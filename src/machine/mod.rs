@@ -1,8 +1,8 @@
 //! The machine: what each command does, from the line that asked for it to the `ok` that answers it.
 //!
 //! ```text
-//!   bytes ──▶ hosts ── line ──▶ gcode::parse ── Command ──▶ commands ── moves ──▶ stream ──▶ look-ahead ──▶ move queue
-//!               ▲                                            │  ▲ state
+//!   bytes ──▶ crank ── line ──▶ gcode::parse ── Command ──▶ commands ── moves ──▶ crank ──▶ look-ahead ──▶ move queue
+//!               ▲                                            │  ▲ states
 //!               └────────────── reports ◀── Answer ──────────┘
 //! ```
 //!
@@ -10,30 +10,24 @@
 //! executor and no waker. Every wait in it turns the same crank: take bytes in, see to emergencies, hand
 //! released moves on, send replies out.
 //!
+//! It owns two things. The `Crank` holds what must go on in every wait, with private fields; a command that waits gets it, and may do with it
+//! what its door allows. The `States` are what commands keep for themselves; a command gets the ones that it names. Nobody gets the
+//! Console.
+//!
 //! | file or folder | for |
 //! |---|---|
-//! | `console` | the loop and the crank |
+//! | `console` | the loop: take a line, carry it out, answer it |
 //! | `commands` | what each command does |
-//! | `reports` | how it is worded what there is to say, and the telling of it |
-//! | `stream` | moves into the look-ahead and out of it, and the machine to rest |
-//! | `power` | power for the motors, and talks with their drivers |
-//! | `belt` | a closed belt runs round |
-//! | `heat` | orders for heaters and fans, and what is looked at while they are on |
-//! | `scrub` | whether settings in RAM are what was put in |
-//! | `halted` | after a stop: what hosts are told until M999 |
+//! | `belt` | a closed belt runs round, and its motors are aligned |
+//! | `crank` | what goes on in every wait, and what a command may have it do: plan, finish, power, tell |
+//! | `reports` | how it is worded what there is to say |
 //! | `answers` | what there is to say, as values |
+//! | `state` | what earlier lines said, where the machine stands, what was noticed |
 //! | `hosts` | lines from several hosts, served in turn |
 //! | `release` | when moves leave the look-ahead |
-//! | `state` | what earlier lines said, where the machine stands, what was noticed |
 //! | `ports`, `interrupt`, `numbers` | what is needed of a board; why a command ends early; numbers of lines |
 //!
-//! Each uses only those of the lines above its own (`tests/layers.rs` finds circles):
-//!
-//! 1. `ports`, `interrupt`, `release`, `hosts`, `numbers`, and `state`, which uses `numbers`
-//! 2. `answers`
-//! 3. `console`, which owns all of the above; none of them knows it
-//! 4. `halted`, `scrub`, `heat`, `power`, `belt`, `stream`, `commands`, and `reports`, which uses `commands`: they are `impl Console`, parts of the
-//!    crank and what waits, for every wait turns the crank
+//! Each uses only those below it (`WITHIN_MACHINE` in `tests/layers.rs` has the arrows, and holds that no command names the Console).
 //!
 //! | word | means |
 //! |---|---|
@@ -42,25 +36,21 @@
 //! | interrupt | why a command ends before it is done: M112, M410, no power |
 //! | rest | nothing moves |
 //! | tell, say | see `reports`, `answers` |
-//! | waiting, queued, dry, underrun | see `stream`, `release` |
+//! | waiting, queued, dry, underrun | see `crank::stream`, `release` |
 //! | served, urgent, forgotten | see `hosts` |
 
 mod answers;
 mod belt;
 mod commands;
 mod console;
-mod halted;
-mod heat;
+mod crank;
 mod hosts;
 mod interrupt;
 mod numbers;
 mod ports;
-mod power;
 mod release;
 mod reports;
-mod scrub;
 mod state;
-mod stream;
 
 pub use console::{Console, PortSet, Ports};
 pub use interrupt::Restart;

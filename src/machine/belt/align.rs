@@ -8,14 +8,17 @@ use super::diagnosis::FULL_STEPS_A_TURN;
 use super::load_curve::{Findings, Load, Readings, Slope, apex, is_less_loaded, load_of_stroke, slope, thousandths};
 use crate::driver::{DriverError, Fault, Job};
 use crate::kinematics::{Residual, Residuals, motors_in};
-use crate::machine::answers::belt_answer::AlignError;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
+use crate::machine::crank::Crank;
+use crate::machine::crank::trim::{preload_of, trimmed};
 use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
 use crate::motion::Target;
-use crate::port::{Clock, EndstopSet, Motor, MotorSet, Pend};
+use crate::port::{EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::Settings;
-use crate::units::{Mm, MmPerSec, Steps};
+use crate::units::{Mm, MmPerSec};
 
 /// Speed of a stroke: a turn a second of a pulley of 40 mm. Load is measured too coarsely far below (section 11: "a few 10 rpm").
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
@@ -44,7 +47,7 @@ const TUNING_MS: u32 = 200;
 
 /// Why work on the belt ended early.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum BeltError {
+pub(in crate::machine) enum BeltError {
     Align(AlignError),
     Interrupted(Interrupt),
 }
@@ -61,19 +64,9 @@ impl From<AlignError> for BeltError {
     }
 }
 
-/// The motor of a residual that is turned against the others, and its part of the sum.
-pub(super) fn trimmed(residual: &Residual) -> Option<(Motor, i32)> {
-    Motor::ALL.into_iter().zip(*residual).find(|(_, times)| *times != 0)
-}
-
-/// What a preload of so many steps makes of a residual: as the trimmed motor turns by it.
-pub(super) fn preload_of(residual: &Residual, preload: i32) -> i32 {
-    trimmed(residual).map_or(0, |(_, times)| preload * times.abs())
-}
-
 /// The trim with which the motors of a residual bear least.
 #[derive(Clone, Copy)]
-pub(super) struct ApexFound {
+pub(in crate::machine) struct ApexFound {
     /// In steps from where the trimmed motor was.
     pub step: i32,
     /// How far it is from there at most, in 256ths of a step.
@@ -88,194 +81,207 @@ struct Scan {
     at: i32,
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// What the motors of x and y could do to the belt.
-    pub(in crate::machine) fn residuals(&self) -> Residuals {
-        Residuals::new(&self.settings.mechanism, self.settings.belt.is_closed)
+/// Aligns all motors that can pull against each other. They have power, and the tool has room along x. It ends somewhere near: x and y
+/// are to be homed again.
+pub(in crate::machine) async fn align<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), BeltError> {
+    let residuals = crank.residuals();
+    crank.trimming_mut().forget();
+    crank.trimming_mut().note_phase(false);
+    let mechanism = crank.groups().mechanism();
+    crank.homed_mut().release(residuals.motors(), mechanism);
+    begin_measuring(crank, residuals.motors()).await?;
+    let result = align_each(crank, &residuals).await;
+    if !matches!(result, Err(BeltError::Interrupted(_))) {
+        end_measuring(crank).await?;
     }
+    result
+}
 
-    /// Aligns all motors that can pull against each other. They have power, and the tool has room along x. It ends somewhere near: x and y
-    /// are to be homed again.
-    pub(super) async fn align(&mut self) -> Result<(), BeltError> {
-        let residuals = self.residuals();
-        self.trimming.forget();
-        self.trimming.note_phase(false);
-        self.homed.release(residuals.motors(), self.real.groups().mechanism());
-        self.begin_measuring(residuals.motors()).await?;
-        let result = self.align_each(&residuals).await;
-        if !matches!(result, Err(BeltError::Interrupted(_))) {
-            self.end_measuring().await?;
+async fn align_each<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, residuals: &Residuals) -> Result<(), BeltError> {
+    for (number, residual) in residuals.iter().enumerate() {
+        let Some(found) = find_apex(crank, residual).await? else { continue };
+        crank.learn_phase(number, residual).await?;
+        leave_at(crank, number, residual, found).await?;
+    }
+    crank.trimming_mut().align();
+    Ok(())
+}
+
+/// Leaves the trimmed motor of a residual, which stands at the apex, with the preload that is wanted, and notes what was found.
+pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    number: usize,
+    residual: &Residual,
+    ApexFound { step, within, slope }: ApexFound,
+) -> Result<(), Interrupt> {
+    let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
+    crank.trim(motor, preload_of(residual, crank.preload_steps()) / times).await?;
+    let was = crank.belt_length(i64::from(-step * times) * 1000);
+    let per_mm = slope.readings_per_mm(crank.settings().axes.x.steps_per_mm.to_num());
+    let found = Found { was, within: crank.belt_length(thousandths(within)), readings_per_mm: Some(per_mm) };
+    crank.trimming_mut().note(number, found);
+    Ok(())
+}
+
+/// Has the drivers of these motors measure loads.
+pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    motors: MotorSet,
+) -> Result<(), BeltError> {
+    if !motors.without(crank.uarts()).is_empty() {
+        return Err(AlignError::NoUart.into());
+    }
+    crank.finish().await?;
+    let mut measuring: Settings = *crank.settings();
+    measuring.drivers.belt.stealth = true;
+    measuring.drivers.belt.hybrid_threshold = MmPerSec::ZERO;
+    // A motor at rest has all its torque: the belt is strained on purpose.
+    measuring.drivers.belt.hold_percent = 100;
+    crank.trimming_mut().measure(true);
+    crank.configure_drivers(&measuring).await?;
+    let tuned = crank.now().after_ms(TUNING_MS);
+    crank.settle(tuned).await?;
+    Ok(())
+}
+
+/// Waits until drivers are as the settings say again, if they measure loads: nothing moves while they change their mode. Motion
+/// rests.
+pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<(), Interrupt> {
+    if !crank.trimming().is_measuring() {
+        return Ok(());
+    }
+    crank.trimming_mut().measure(false);
+    crank.restore_drivers().await
+}
+
+/// Looks for the trim at which the motors of a residual do not pull against each other, and leaves it there.
+pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    residual: &Residual,
+) -> Result<Option<ApexFound>, BeltError> {
+    let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
+    let mut scan = Scan { motor, motors: motors_in(residual), at: 0 };
+    let found = climb(crank, &mut scan).await;
+    if let Err(BeltError::Align(_)) = found {
+        // Nothing is known, so nothing is changed.
+        crank.trim(motor, -scan.at).await?;
+    }
+    found.map(Some)
+}
+
+async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan) -> Result<ApexFound, BeltError> {
+    let arm = ARM * i32::from(crank.settings().drivers.belt.microsteps);
+    let mut middle = 0;
+    let mut loads =
+        [load_at(crank, scan, -arm).await?, load_at(crank, scan, 0).await?, load_at(crank, scan, arm).await?];
+    // Uphill, until the summit is in the middle.
+    loop {
+        let [left, here, right] = loads;
+        if is_less_loaded(left, here) {
+            middle -= arm;
+            loads = [load_at(crank, scan, middle - arm).await?, left, here];
+        } else if is_less_loaded(right, here) {
+            middle += arm;
+            loads = [here, right, load_at(crank, scan, middle + arm).await?];
+        } else {
+            break;
         }
-        result
-    }
-
-    async fn align_each(&mut self, residuals: &Residuals) -> Result<(), BeltError> {
-        for (number, residual) in residuals.iter().enumerate() {
-            let Some(found) = self.find_apex(residual).await? else { continue };
-            self.learn_phase(number, residual).await?;
-            self.leave_at(number, residual, found).await?;
+        if middle.abs() > MOST_ARMS * arm {
+            return Err(AlignError::TooFar.into());
         }
-        self.trimming.align();
-        Ok(())
     }
-
-    /// Leaves the trimmed motor of a residual, which stands at the apex, with the preload that is wanted, and notes what was found.
-    pub(super) async fn leave_at(
-        &mut self,
-        number: usize,
-        residual: &Residual,
-        ApexFound { step, within, slope }: ApexFound,
-    ) -> Result<(), Interrupt> {
-        let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
-        self.trim(motor, preload_of(residual, self.preload_steps()) / times).await?;
-        let was = self.belt_length(i64::from(-step * times) * 1000);
-        let per_mm = slope.readings_per_mm(self.settings.axes.x.steps_per_mm.to_num());
-        let found = Found { was, within: self.belt_length(thousandths(within)), readings_per_mm: Some(per_mm) };
-        self.trimming.note(number, found);
-        Ok(())
-    }
-
-    /// The preload in steps of belt.
-    pub(super) fn preload_steps(&self) -> i32 {
-        self.belt_steps(self.settings.belt.preload).wrapping_round().to_num()
-    }
-
-    /// A length of belt in steps.
-    fn belt_steps(&self, length: Mm) -> Steps {
-        let per_mm = self.settings.axes.x.steps_per_mm;
-        Steps::from_bits(((i128::from(length.to_bits()) * i128::from(per_mm.to_bits())) >> 16) as i64)
-    }
-
-    /// Thousandths of a step of belt as a length.
-    pub(super) fn belt_length(&self, thousandths: i64) -> Mm {
-        let per_mm = i64::from(self.settings.axes.x.steps_per_mm.to_bits()).max(1);
-        Mm::from_bits((i128::from(thousandths) * (1 << 48) / (i128::from(per_mm) * 1000)) as i64)
-    }
-
-    /// Has the drivers of these motors measure loads.
-    pub(super) async fn begin_measuring(&mut self, motors: MotorSet) -> Result<(), BeltError> {
-        if !motors.without(self.drivers.lines()).is_empty() {
-            return Err(AlignError::NoUart.into());
+    let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
+    let [left, _, right] = loads;
+    let mut findings = Findings::default();
+    findings.note(middle, apex(left, right, slope));
+    let mut about = findings.step();
+    findings = Findings::default();
+    while findings.count() < ROUNDS.start || findings.bound() > 128 + SURE {
+        if findings.count() >= ROUNDS.end {
+            return Err(AlignError::Unsure.into());
         }
-        self.finish().await?;
-        let mut measuring: Settings = *self.settings;
-        measuring.drivers.belt.stealth = true;
-        measuring.drivers.belt.hybrid_threshold = MmPerSec::ZERO;
-        // A motor at rest has all its torque: the belt is strained on purpose.
-        measuring.drivers.belt.hold_percent = 100;
-        self.trimming.measure(true);
-        self.drivers.want(&measuring);
-        self.until(|c| c.drivers.is_configured()).await?;
-        let tuned = self.ports.clock.now().after_ms(TUNING_MS);
-        self.settle(tuned).await?;
-        Ok(())
+        let (left, right) = (load_at(crank, scan, about - arm).await?, load_at(crank, scan, about + arm).await?);
+        findings.note(about, apex(left, right, slope));
+        about = findings.step();
     }
+    go_to(crank, scan, about).await?;
+    Ok(ApexFound { step: about, within: findings.bound(), slope })
+}
 
-    /// Waits until drivers are as the settings say again, if they measure loads: nothing moves while they change their mode. Motion
-    /// rests.
-    pub(in crate::machine) async fn end_measuring(&mut self) -> Result<(), Interrupt> {
-        if !self.trimming.is_measuring() {
-            return Ok(());
-        }
-        self.trimming.measure(false);
-        self.drivers.want(&self.settings);
-        self.until(|c| c.drivers.is_configured()).await
-    }
+/// Turns the trimmed motor to a place, counted from where the scan began.
+async fn go_to<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan, place: i32) -> Result<(), Interrupt> {
+    crank.trim(scan.motor, place - scan.at).await?;
+    scan.at = place;
+    Ok(())
+}
 
-    /// Looks for the trim at which the motors of a residual do not pull against each other, and leaves it there.
-    pub(super) async fn find_apex(&mut self, residual: &Residual) -> Result<Option<ApexFound>, BeltError> {
-        let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
-        let mut scan = Scan { motor, motors: motors_in(residual), at: 0 };
-        let found = self.scan(&mut scan).await;
-        if let Err(BeltError::Align(_)) = found {
-            // Nothing is known, so nothing is changed.
-            self.trim(motor, -scan.at).await?;
-        }
-        found.map(Some)
-    }
+/// How hard the motors pull with this trim, on a stroke along x and back.
+async fn load_at<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    scan: &mut Scan,
+    place: i32,
+) -> Result<Load, BeltError> {
+    go_to(crank, scan, place).await?;
+    let ([x, ..], length) = (crank.planned_end_mm(), crank.settings().axes.x.length);
+    let stroke = STROKE.min(length / 3);
+    let stroke = if x > length / 2 { -stroke } else { stroke };
+    let (mut there, mut back) = (Readings::default(), Readings::default());
+    go_along(crank, stroke, scan.motors, &mut there).await?;
+    go_along(crank, -stroke, scan.motors, &mut back).await?;
+    Ok(load_of_stroke(&there, &back, scan.motors).ok_or(AlignError::TooFewReadings)?)
+}
 
-    async fn scan(&mut self, scan: &mut Scan) -> Result<ApexFound, BeltError> {
-        let arm = ARM * i32::from(self.settings.drivers.belt.microsteps);
-        let mut middle = 0;
-        let mut loads = [self.load_at(scan, -arm).await?, self.load_at(scan, 0).await?, self.load_at(scan, arm).await?];
-        // Uphill, until the summit is in the middle.
-        loop {
-            let [left, here, right] = loads;
-            if is_less_loaded(left, here) {
-                middle -= arm;
-                loads = [self.load_at(scan, middle - arm).await?, left, here];
-            } else if is_less_loaded(right, here) {
-                middle += arm;
-                loads = [here, right, self.load_at(scan, middle + arm).await?];
-            } else {
-                break;
-            }
-            if middle.abs() > MOST_ARMS * arm {
-                return Err(AlignError::TooFar.into());
-            }
-        }
-        let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
-        let [left, _, right] = loads;
-        let mut findings = Findings::default();
-        findings.note(middle, apex(left, right, slope));
-        let mut about = findings.step();
-        findings = Findings::default();
-        while findings.count() < ROUNDS.start || findings.bound() > 128 + SURE {
-            if findings.count() >= ROUNDS.end {
-                return Err(AlignError::Unsure.into());
-            }
-            let (left, right) = (self.load_at(scan, about - arm).await?, self.load_at(scan, about + arm).await?);
-            findings.note(about, apex(left, right, slope));
-            about = findings.step();
-        }
-        self.go_to(scan, about).await?;
-        Ok(ApexFound { step: about, within: findings.bound(), slope })
-    }
-
-    /// Turns the trimmed motor to a place, counted from where the scan began.
-    async fn go_to(&mut self, scan: &mut Scan, place: i32) -> Result<(), Interrupt> {
-        self.trim(scan.motor, place - scan.at).await?;
-        scan.at = place;
-        Ok(())
-    }
-
-    /// How hard the motors pull with this trim, on a stroke along x and back.
-    async fn load_at(&mut self, scan: &mut Scan, place: i32) -> Result<Load, BeltError> {
-        self.go_to(scan, place).await?;
-        let ([x, ..], length) = (self.planner.mm(self.planner.end()), self.settings.axes.x.length);
-        let stroke = STROKE.min(length / 3);
-        let stroke = if x > length / 2 { -stroke } else { stroke };
-        let (mut there, mut back) = (Readings::default(), Readings::default());
-        self.stroke(stroke, scan.motors, &mut there).await?;
-        self.stroke(-stroke, scan.motors, &mut back).await?;
-        Ok(load_of_stroke(&there, &back, scan.motors).ok_or(AlignError::TooFewReadings)?)
-    }
-
-    async fn stroke(&mut self, by: Mm, motors: MotorSet, readings: &mut Readings) -> Result<(), BeltError> {
-        let [start, ..] = self.real_steps();
-        let mut position = self.planner.mm(self.planner.end());
-        let [x, ..] = &mut position;
-        *x = x.saturating_add(by);
-        self.plan(Target { position, speed: SPEED, has_overrides: false, watch: EndstopSet::NONE }).await?;
-        let cruise = self.belt_steps(RAMP)..self.belt_steps(by.abs() - RAMP);
-        let mut is_in_cruise = false;
-        while self.has_motion() {
-            self.policy.note_awaited();
-            self.planner.release_all();
-            for motor in Motor::ALL.into_iter().filter(|motor| motors.has(*motor)) {
-                let reading = self.ask_driver(Job::Load, motor).await?;
-                let reading = reading.map_err(|error: DriverError| AlignError::Driver(Fault { motor, error }))?;
-                let was_in_cruise = is_in_cruise;
-                let [x, ..] = self.real_steps();
-                is_in_cruise = cruise.contains(&x.wrapping_sub(start).wrapping_abs());
-                if was_in_cruise && is_in_cruise {
-                    reading.loads().into_iter().for_each(|load| readings.note(motor, load.into()));
-                }
+async fn go_along<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    by: Mm,
+    motors: MotorSet,
+    readings: &mut Readings,
+) -> Result<(), BeltError> {
+    let [start, ..] = crank.real_steps();
+    let mut position = crank.planned_end_mm();
+    let [x, ..] = &mut position;
+    *x = x.saturating_add(by);
+    crank.plan(Target { position, speed: SPEED, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    let cruise = crank.belt_steps(RAMP)..crank.belt_steps(by.abs() - RAMP);
+    let mut is_in_cruise = false;
+    while crank.has_motion() {
+        crank.release_all();
+        for motor in Motor::ALL.into_iter().filter(|motor| motors.has(*motor)) {
+            let reading = crank.ask_driver(Job::Load, motor).await?;
+            let reading = reading.map_err(|error: DriverError| AlignError::Driver(Fault { motor, error }))?;
+            let was_in_cruise = is_in_cruise;
+            let [x, ..] = crank.real_steps();
+            is_in_cruise = cruise.contains(&x.wrapping_sub(start).wrapping_abs());
+            if was_in_cruise && is_in_cruise {
+                reading.loads().into_iter().for_each(|load| readings.note(motor, load.into()));
             }
         }
-        self.finish().await?;
-        Ok(())
     }
+    crank.finish().await?;
+    Ok(())
+}
+
+/// Aligns the motors where the tool stands, and tells what came of it. Then x and y have to be homed again.
+pub(in crate::machine) async fn align_and_tell<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<(), Interrupt> {
+    match align(crank).await {
+        Ok(()) => crank.tell(Answer::Belt(BeltAnswer::Aligned)).await,
+        Err(BeltError::Align(error)) => crank.tell(Answer::Belt(BeltAnswer::NotAligned(error))).await,
+        Err(BeltError::Interrupted(interrupt)) => Err(interrupt),
+    }
+}
+
+/// Whether printing moves may be made: the motors of a belt are aligned, or need not be.
+pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>) -> bool {
+    if crank.trimming().is_aligned() {
+        return false;
+    }
+    let motors = crank.residuals().motors();
+    // Who has no UART can't be aligned, and is not asked for it.
+    !motors.is_empty() && motors.without(crank.uarts()).is_empty()
 }
 
 /// Skips of one turn are never too far, whatever power-up leaves with them.

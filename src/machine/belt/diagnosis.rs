@@ -9,11 +9,11 @@ use crate::machine::answers::belt_answer::Diagnosis;
 use crate::motors::Motor;
 
 /// Full steps of an electrical turn of any two-phase motor.
-pub(super) const FULL_STEPS_A_TURN: i32 = 4;
+pub(in crate::machine) const FULL_STEPS_A_TURN: i32 = 4;
 
 /// What was found, in steps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Touched {
+pub(in crate::machine) struct Touched {
     /// How far beside its place each switch was met: the tool stands so far beside where the steps say.
     pub aside: [i32; 2],
     /// What the rotors strain the belt by: the sum of the residual.
@@ -22,12 +22,17 @@ pub(super) struct Touched {
 
 /// Whether a tool is aside, given the microsteps of a full step. What is less than an eighth of one may be friction and the switch; the
 /// least that a skip does is three times that (at the corner of the reach; `boards/sim/tests/belt`).
-pub(super) const fn is_aside(steps: i32, full_step: i32) -> bool {
+pub(in crate::machine) const fn is_aside(steps: i32, full_step: i32) -> bool {
     steps.abs() * 8 >= full_step
 }
 
 /// Says what has happened, given the microsteps of a full step.
-pub(super) fn diagnose(mechanism: &Mechanism, residual: &Residual, touched: Touched, full_step: i32) -> Diagnosis {
+pub(in crate::machine) fn diagnose(
+    mechanism: &Mechanism,
+    residual: &Residual,
+    touched: Touched,
+    full_step: i32,
+) -> Diagnosis {
     let turn = FULL_STEPS_A_TURN * full_step;
     let signs = touched.aside.map(|aside| if is_aside(aside, full_step) { aside.signum() } else { 0 });
     let [x, y] = signs;

@@ -20,24 +20,21 @@
 //!
 //! While the belt runs round, its circulation has the place of z, which stands: the planner, the generator and the step pins are
 //! regrouped at rest ([`Mechanism::circulating`](crate::kinematics::Mechanism::circulating)), as if the machine were a CoreXYZ, and back at rest.
-
+//!
+//! What lines ask for stands in `commands`: C of G0 and G1 in `circulate`, M915 in `belt`, G28 in `homing`.
 //!
 //! | file | what |
 //! |---|---|
-//! | [`circulate`] | the belt runs round (C in G0, G1) |
-//! | [`trim`] | one motor is turned alone |
+//! | [`circulate`] | the belt runs round |
+//! | `crank::trim` | one motor is turned alone |
 //! | [`load_curve`] | where motors bear least, from what their drivers measure |
-//! | [`align`] | motors are aligned (M915, G28) |
-//! | [`phase`] | motors are aligned as they get power, by their drivers' sine tables |
+//! | [`align`] | motors are aligned |
+//! | `crank::phase` | motors are aligned as they get power, by their drivers' sine tables |
 //! | [`diagnosis`] | which motor has skipped |
 //! | [`report`] | what M122 says of it |
-//! | [`touch`] | the switches are met once more, and what to do then (M915 D, R) |
 
-mod align;
-mod circulate;
-mod diagnosis;
+pub(in crate::machine) mod align;
+pub(in crate::machine) mod circulate;
+pub(in crate::machine) mod diagnosis;
 mod load_curve;
-mod phase;
-mod report;
-mod touch;
-mod trim;
+pub(in crate::machine) mod report;

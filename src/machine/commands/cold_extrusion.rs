@@ -3,21 +3,36 @@
 use crate::connectors::Heater;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
-use crate::machine::state::notices::Notice;
+use crate::machine::ports::PortSet;
+use crate::machine::state::clamps::Clamps;
+use crate::machine::state::notices::{Notice, Notices};
 use crate::port::Pend;
 use crate::settings::{Range, ranges};
 use crate::units::Celsius;
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+/// Whether filament may move at any temperature.
+pub(in crate::machine) struct ColdExtrusion {
+    /// M302 P1.
+    is_allowed: bool,
+}
+
+impl ColdExtrusion {
+    /// As after a reset: no filament moves in a hotend that is too cold.
+    pub const fn new() -> Self {
+        Self { is_allowed: false }
+    }
+
     /// M302. Without a hotend nothing can be too cold.
-    pub(in crate::machine) fn set_cold_extrusion(
+    pub fn set<P: PortSet, W: Pend>(
         &mut self,
+        crank: &mut Crank<'_, P, W>,
+        clamps: &mut Clamps,
         least: Option<Number>,
         allow: Option<bool>,
     ) -> Answer<'static> {
-        let hotend = self.settings.thermal.heater(Heater::Hotend);
+        let hotend = crank.settings().thermal.heater(Heater::Hotend);
         if !hotend.is_fitted {
             let forbids = least.is_some_and(|least| least > Number::ZERO) || allow == Some(false);
             return Answer::Line(if forbids {
@@ -27,34 +42,37 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             });
         }
         if least.is_none() && allow.is_none() {
-            return Answer::ColdExtrusion(self.allows_cold);
+            return Answer::ColdExtrusion(self.is_allowed);
         }
         if let Some(least) = least {
             let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };
-            self.settings.thermal.min_extrude = self.clamps.near(["M302", "S"], least, range);
-            self.allows_cold = false;
+            crank.settings_mut().thermal.min_extrude = clamps.near(["M302", "S"], least, range);
+            self.is_allowed = false;
         }
         if let Some(allow) = allow {
-            self.allows_cold = allow;
+            self.is_allowed = allow;
         }
-        self.heat_orders.note_settings();
+        crank.note_heat_settings();
         Answer::Nothing
     }
 
     /// Whether no filament may move: the hotend is too cold for it, or nobody knows.
-    pub(in crate::machine) fn is_too_cold(&self) -> bool {
-        let thermal = &self.settings.thermal;
+    pub fn is_too_cold<P: PortSet, W: Pend>(&self, crank: &Crank<'_, P, W>) -> bool {
+        let thermal = &crank.settings().thermal;
         thermal.heater(Heater::Hotend).is_fitted
-            && !self.allows_cold
+            && !self.is_allowed
             && thermal.min_extrude > Celsius::ZERO
-            && self.measured()[Heater::Hotend as usize] < thermal.min_extrude
+            && crank.measured()[Heater::Hotend as usize] < thermal.min_extrude
     }
+}
 
-    /// Tells once a print that filament was left out.
-    pub(in crate::machine) async fn tell_of_cold(&mut self) -> Result<(), Interrupt> {
-        if self.notices.give(Notice::Cold) {
-            self.tell(Answer::Line("echo: cold extrusion prevented")).await?;
-        }
-        Ok(())
+/// Tells once a print that filament was left out.
+pub(super) async fn tell_of_cold<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+) -> Result<(), Interrupt> {
+    if notices.give(Notice::Cold) {
+        crank.tell(Answer::Line("echo: cold extrusion prevented")).await?;
     }
+    Ok(())
 }

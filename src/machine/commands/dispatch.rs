@@ -8,19 +8,31 @@
 //! Neither match has a wildcard, so a new command does not compile before it has an arm in `immediate`: it is done
 //! there, or it is named as a [`Blocking`](super::blocking::Blocking), which does not compile before it has an arm in `blocking`.
 
-use super::immediate::Outcome;
+use super::blocking::carry_out_blocking;
+use super::immediate::{Outcome, carry_out_immediate};
+use super::states::States;
 use crate::gcode::Command;
 use crate::machine::answers::answer::Answer;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::port::Pend;
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Carries out a command, and returns what there is to say before its `ok`.
-    pub(in crate::machine) async fn execute<'a>(&mut self, command: &Command<'a>) -> Result<Answer<'a>, Interrupt> {
-        match self.carry_out_immediate(command) {
-            Outcome::Done(answer) => Ok(answer),
-            Outcome::TakesTime(command) => self.carry_out_blocking(command).await,
-        }
+/// Carries out a command, tells what was out of range, and returns what else there is to say before its `ok`.
+pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    states: &mut States,
+    command: &Command<'a>,
+) -> Result<Answer<'a>, Interrupt> {
+    states.clamps.clear();
+    let done = match carry_out_immediate(crank, states, command) {
+        Outcome::Done(answer) => Ok(answer),
+        Outcome::TakesTime(command) => carry_out_blocking(crank, states, command).await,
+    };
+    match done {
+        // Why, `power` has told.
+        Err(Interrupt::NoPower) => Ok(Answer::Nothing),
+        Ok(answer) => crank.tell_clamps(&mut states.clamps).await.map(|()| answer),
+        Err(interrupt) => Err(interrupt),
     }
 }

@@ -3,25 +3,27 @@
 //! X and Y both mean the four belt motors, which have one set of settings. A change reaches the drivers of motors
 //! with power within a second, in the background and without stopping the motion; the others before they get it.
 
-use crate::driver::Drivers;
 use crate::gcode::{AxisFlags, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::settings::{DriverGroups, DriverSettings, Range, Settings, ranges};
+use crate::port::Pend;
+use crate::settings::{DriverGroups, DriverSettings, Range, ranges};
 use crate::units::MmPerSec;
 
 /// M906, M913, M914, and M569. What `words` name is changed, without words all is reported.
-pub(in crate::machine) fn set_drivers(
+pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
     value: DriverValue,
     words: &AxisWords,
-    settings: &mut Settings,
-    drivers: &mut Drivers,
     modal: &Modal,
     clamps: &mut Clamps,
 ) -> Answer<'static> {
-    if drivers.lines().is_empty() {
+    if crank.uarts().is_empty() {
         return Answer::Line("echo:drivers are set by their jumpers");
     }
     if *words == AxisWords::default() {
@@ -31,7 +33,7 @@ pub(in crate::machine) fn set_drivers(
     if words.x.is_some() && words.y.is_some() && words.x != words.y {
         return Answer::OneBelt(code);
     }
-    let mut wanted = settings.drivers;
+    let mut wanted = crank.settings().drivers;
     let DriverGroups { belt, z, e } = &mut wanted;
     let mut is_legal = true;
     let xy = if words.x.is_some() { "X" } else { "Y" };
@@ -44,8 +46,7 @@ pub(in crate::machine) fn set_drivers(
         // A current that nobody asked for could burn a motor.
         return Answer::IllegalCurrent(code);
     }
-    settings.drivers = wanted;
-    drivers.want(settings);
+    crank.use_driver_settings(wanted);
     Answer::Nothing
 }
 
@@ -77,8 +78,26 @@ fn change(
 }
 
 /// M569 S as a word for each axis that it names, all if it names none.
-pub(in crate::machine) fn mode_words(stealth: bool, axes: AxisFlags) -> AxisWords {
+fn mode_words(stealth: bool, axes: AxisFlags) -> AxisWords {
     let all = axes == AxisFlags::default();
     let word = |is_named: bool| (is_named || all).then_some(Number::from(i32::from(stealth)));
     AxisWords { x: word(axes.x), y: word(axes.y), z: word(axes.z), e: word(axes.e) }
+}
+
+/// M569. The motion rests first: a motor that changes its mode at speed may lose steps.
+pub(in crate::machine) async fn change_mode<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &Modal,
+    clamps: &mut Clamps,
+    stealth: Option<bool>,
+    axes: AxisFlags,
+) -> Result<Answer<'static>, Interrupt> {
+    let mut words = AxisWords::default();
+    if let Some(stealth) = stealth.filter(|_| !crank.uarts().is_empty()) {
+        crank.finish().await?;
+        words = mode_words(stealth, axes);
+    }
+    let answer = set_drivers(crank, DriverValue::Mode, &words, modal, clamps);
+    crank.await_drivers().await?;
+    Ok(answer)
 }

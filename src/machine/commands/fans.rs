@@ -3,10 +3,11 @@
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::HeatSetting;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
-use crate::machine::state::notices::Notice;
+use crate::machine::state::notices::{Notice, Notices};
 use crate::port::Pend;
 use crate::settings::{FanRole, Range, ThermalSettings, ranges};
 use crate::units::Ratio;
@@ -19,28 +20,23 @@ const fn duty(speed: Ratio) -> u16 {
     ((speed.to_bits() as u64 * 257) >> 16) as u16
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// M106, M107. With as many speeds on their way as there may be, it waits as a move does that finds the look-ahead full:
-    /// only as long as that changes no speed of a move.
-    pub(in crate::machine) async fn set_fan(&mut self, fan: u8, speed: Number) -> Result<Answer<'static>, Interrupt> {
-        // Slicers name fans of other machines.
-        let Some(settings) = self.settings.thermal.fans.get(usize::from(fan)) else { return Ok(Answer::Nothing) };
-        if settings.role != FanRole::Commanded {
-            let is_news = self.notices.give(Notice::Fan);
-            return Ok(if is_news { Answer::NotCommanded(fan) } else { Answer::Nothing });
-        }
-        let speed = duty(self.clamps.near(["M106", "S"], speed, FULL));
-        if !self.has_motion() && self.fan_schedule.is_empty() {
-            self.heat_orders.blow(fan, speed);
-            return Ok(Answer::Nothing);
-        }
-        while !self.fan_schedule.has_room() && !self.planner.lacks_moves() {
-            self.policy.note_full();
-            self.turn().await?;
-        }
-        self.fan_schedule.add(self.planner.planned().0, fan, speed);
-        Ok(Answer::Nothing)
+/// M106, M107.
+pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    clamps: &mut Clamps,
+    fan: u8,
+    speed: Number,
+) -> Result<Answer<'static>, Interrupt> {
+    // Slicers name fans of other machines.
+    let Some(settings) = crank.settings().thermal.fans.get(usize::from(fan)) else { return Ok(Answer::Nothing) };
+    if settings.role != FanRole::Commanded {
+        let is_news = notices.give(Notice::Fan);
+        return Ok(if is_news { Answer::NotCommanded(fan) } else { Answer::Nothing });
     }
+    let speed = duty(clamps.near(["M106", "S"], speed, FULL));
+    crank.blow(fan, speed).await?;
+    Ok(Answer::Nothing)
 }
 
 /// M710.

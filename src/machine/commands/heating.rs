@@ -6,11 +6,13 @@
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
-use crate::machine::state::notices::Notice;
+use crate::machine::ports::PortSet;
+use crate::machine::state::clamps::Clamps;
+use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::waiting::Waiting;
-use crate::port::{Clock, Pend};
+use crate::port::Pend;
 use crate::settings::Range;
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
@@ -30,6 +32,14 @@ const COOLING_MS: u32 = 60_000;
 
 /// From one line with temperatures to the next, in whatever wait.
 pub(super) const LINE_MS: u32 = 1000;
+
+/// The heater and the temperature that a line asks for.
+#[derive(Clone, Copy)]
+pub(in crate::machine) struct TargetWords {
+    pub heater: Heater,
+    pub tool: u8,
+    pub target: Option<Number>,
+}
 
 /// Whether heaters have been at their targets for long enough.
 struct Residency {
@@ -68,169 +78,162 @@ impl Cooling {
     }
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// What to say of a command for a heater that is not fitted; `None` if it is.
-    fn missing(&mut self, heater: Heater) -> Option<Answer<'static>> {
-        let thermal = &self.settings.thermal;
-        if thermal.heater(heater).is_fitted {
-            return None;
-        }
-        let has_any = thermal.has_heater();
-        Some(match heater {
-            // Slicers write M141 and M191 for machines without a chamber's heater too.
-            Heater::Chamber => Answer::Nothing,
-            Heater::Hotend | Heater::Bed if has_any => {
-                let notice = if heater == Heater::Bed { Notice::NoBed } else { Notice::NoHotend };
-                if self.notices.give(notice) { Answer::NoHeater(heater) } else { Answer::Nothing }
-            }
-            Heater::Hotend | Heater::Bed if self.notices.give(Notice::NoHeaters) => {
-                Answer::Line("echo:no heaters configured")
-            }
-            Heater::Hotend | Heater::Bed => Answer::Nothing,
-        })
+/// What to say of a command for a heater that is not fitted; `None` if it is.
+fn missing<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    heater: Heater,
+) -> Option<Answer<'static>> {
+    let thermal = &crank.settings().thermal;
+    if thermal.heater(heater).is_fitted {
+        return None;
     }
+    let has_any = thermal.has_heater();
+    Some(match heater {
+        // Slicers write M141 and M191 for machines without a chamber's heater too.
+        Heater::Chamber => Answer::Nothing,
+        Heater::Hotend | Heater::Bed if has_any => {
+            let notice = if heater == Heater::Bed { Notice::NoBed } else { Notice::NoHotend };
+            if notices.give(notice) { Answer::NoHeater(heater) } else { Answer::Nothing }
+        }
+        Heater::Hotend | Heater::Bed if notices.give(Notice::NoHeaters) => Answer::Line("echo:no heaters configured"),
+        Heater::Hotend | Heater::Bed => Answer::Nothing,
+    })
+}
 
-    /// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target.
-    pub(in crate::machine) fn set_target(
-        &mut self,
-        code: &'static str,
-        heater: Heater,
-        tool: u8,
-        target: Option<Number>,
-    ) -> Result<bool, Answer<'static>> {
-        if let Some(answer) = self.missing(heater) {
-            return Err(answer);
-        }
-        if tool > 0 {
-            return Err(Answer::InvalidTool(tool));
-        }
-        let Some(number) = target else { return Ok(false) };
-        let range = Range { least: Celsius::ZERO, most: self.settings.thermal.heater(heater).most };
-        let target = self.clamps.near([code, "S"], number, range);
-        if target > Celsius::ZERO {
-            self.test_before_heating();
-        }
-        self.heat_orders.heat(heater, target);
-        self.heaters_used = self.ports.clock.now();
-        self.send_orders();
-        Ok(true)
+/// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target.
+pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    clamps: &mut Clamps,
+    code: &'static str,
+    words: &TargetWords,
+) -> Result<bool, Answer<'static>> {
+    let TargetWords { heater, tool, target } = *words;
+    if let Some(answer) = missing(crank, notices, heater) {
+        return Err(answer);
     }
+    if tool > 0 {
+        return Err(Answer::InvalidTool(tool));
+    }
+    let Some(number) = target else { return Ok(false) };
+    let range = Range { least: Celsius::ZERO, most: crank.settings().thermal.heater(heater).most };
+    let target = clamps.near([code, "S"], number, range);
+    if target > Celsius::ZERO {
+        crank.test_before_heating();
+    }
+    crank.heat(heater, target);
+    crank.note_heaters_used();
+    crank.send_orders();
+    Ok(true)
+}
 
-    /// M109, M190, M191.
-    pub(in crate::machine) async fn heat_and_wait(
-        &mut self,
-        heater: Heater,
-        tool: u8,
-        target: Option<Number>,
-        cools: bool,
-    ) -> Result<Answer<'static>, Interrupt> {
-        let code = ["M109", "M190", "M191"][heater as usize];
-        match self.set_target(code, heater, tool, target) {
-            Err(answer) => return Ok(answer),
-            Ok(false) => {}
-            Ok(true) => {
-                // What was asked for is told before the wait, not minutes later.
-                self.tell_clamps().await?;
-                self.await_heat(Heater::ALL.map(|other| other == heater), cools).await?;
-            }
+/// M109, M190, M191.
+pub(in crate::machine) async fn heat_and_wait<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    clamps: &mut Clamps,
+    words: &TargetWords,
+    cools: bool,
+) -> Result<Answer<'static>, Interrupt> {
+    let code = ["M109", "M190", "M191"][words.heater as usize];
+    match set_target(crank, notices, clamps, code, words) {
+        Err(answer) => return Ok(answer),
+        Ok(false) => {}
+        Ok(true) => {
+            // What was asked for is told before the wait, not minutes later.
+            crank.tell_clamps(clamps).await?;
+            await_heat(crank, Heater::ALL.map(|other| other == words.heater), cools).await?;
         }
-        Ok(Answer::Nothing)
     }
+    Ok(Answer::Nothing)
+}
 
-    /// M116: waits for all that are on.
-    pub(in crate::machine) async fn await_heaters(&mut self) -> Result<Answer<'static>, Interrupt> {
-        if !self.settings.thermal.has_heater() {
-            return Ok(self.missing(Heater::Hotend).unwrap_or(Answer::Nothing));
-        }
-        let are_on = Heater::ALL.map(|heater| self.target_of(heater) > Celsius::ZERO);
-        self.await_heat(are_on, true).await?;
-        Ok(Answer::Nothing)
+/// M116: waits for all that are on.
+pub(in crate::machine) async fn await_heaters<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+) -> Result<Answer<'static>, Interrupt> {
+    if !crank.settings().thermal.has_heater() {
+        return Ok(missing(crank, notices, Heater::Hotend).unwrap_or(Answer::Nothing));
     }
+    let are_on = Heater::ALL.map(|heater| crank.target_of(heater) > Celsius::ZERO);
+    await_heat(crank, are_on, true).await?;
+    Ok(Answer::Nothing)
+}
 
-    /// What each heater is at; the coldest there is without a reading.
-    pub(super) fn measured(&self) -> [Celsius; HEATERS] {
-        Heater::ALL.map(|heater| self.link.status().heat().measured(heater).unwrap_or(Celsius::MIN))
+/// Waits until heaters have reached their targets, or if `cools` is not set, have no need to warm up any more.
+async fn await_heat<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    heaters: [bool; HEATERS],
+    cools: bool,
+) -> Result<(), Interrupt> {
+    let begun = crank.now();
+    let measured = crank.measured();
+    let targets = Heater::ALL.map(|heater| crank.target_of(heater));
+    let mut awaited = heaters;
+    for ((awaited, measured), target) in awaited.iter_mut().zip(measured).zip(targets) {
+        *awaited &= cools || measured < target;
     }
+    if awaited == [false; HEATERS] {
+        return Ok(());
+    }
+    crank.pauses_mut().begin(Waiting::Heat);
+    let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
+    let (mut next_line, mut moves) = (begun, true);
+    crank.come_again();
+    while !crank.pauses().is_over() {
+        let (now, measured) = (crank.now(), crank.measured());
+        let off_by = |place: usize| measured[place].saturating_sub(targets[place]);
+        let is_within =
+            |most: Celsius| (0..HEATERS).all(|place| !awaited[place] || off_by(place).saturating_abs() <= most);
+        let missing = residency.follow(is_within(NEAR), !is_within(FAR), now);
+        if now >= next_line {
+            next_line = next_line.after_ms(LINE_MS);
+            crank.tell(Answer::Heating(missing)).await?;
+        }
+        let are_hot = [0, 1, 2].map(|place| awaited[place] && off_by(place) > NEAR);
+        if missing == Some(0) || (cools && cooling.has_ended(are_hot, measured, now)) {
+            break;
+        }
+        moves = moves && crank.let_motion_end();
+        crank.turn().await?;
+    }
+    crank.pauses_mut().end();
+    Ok(())
+}
 
-    /// Waits until heaters have reached their targets, or if `cools` is not set, have no need to warm up any more.
-    async fn await_heat(&mut self, heaters: [bool; HEATERS], cools: bool) -> Result<(), Interrupt> {
-        let begun = self.ports.clock.now();
-        let measured = self.measured();
-        let targets = Heater::ALL.map(|heater| self.target_of(heater));
-        let mut awaited = heaters;
-        for ((awaited, measured), target) in awaited.iter_mut().zip(measured).zip(targets) {
-            *awaited &= cools || measured < target;
-        }
-        if awaited == [false; HEATERS] {
-            return Ok(());
-        }
-        self.pauses.begin(Waiting::Heat);
-        let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
-        let (mut next_line, mut moves) = (begun, true);
-        self.come_again();
-        while !self.pauses.is_over() {
-            let (now, measured) = (self.ports.clock.now(), self.measured());
-            let off_by = |place: usize| measured[place].saturating_sub(targets[place]);
-            let is_within =
-                |most: Celsius| (0..HEATERS).all(|place| !awaited[place] || off_by(place).saturating_abs() <= most);
-            let missing = residency.follow(is_within(NEAR), !is_within(FAR), now);
-            if now >= next_line {
-                next_line = next_line.after_ms(LINE_MS);
-                self.tell(Answer::Heating(missing)).await?;
-            }
-            let are_hot = [0, 1, 2].map(|place| awaited[place] && off_by(place) > NEAR);
-            if missing == Some(0) || (cools && cooling.has_ended(are_hot, measured, now)) {
-                break;
-            }
-            moves = moves && self.let_motion_end();
-            self.turn().await?;
-        }
-        self.pauses.end();
-        Ok(())
+/// Heats again what was switched off while the user was waited for.
+pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
+    let Some(targets) = crank.take_targets_before() else { return Ok(()) };
+    crank.tell(Answer::Line("echo:Heating again")).await?;
+    for (heater, target) in Heater::ALL.into_iter().zip(targets) {
+        crank.heat(heater, target);
     }
+    crank.send_orders();
+    // The answer that ended the wait for the user is not for this one.
+    crank.pauses_mut().end_command();
+    await_heat(crank, targets.map(|target| target > Celsius::ZERO), false).await
+}
 
-    /// Moves that were planned before a command that waits go on to their end. False if nothing moves any more.
-    fn let_motion_end(&mut self) -> bool {
-        self.policy.note_awaited();
-        self.planner.release_all();
-        let has_motion = self.has_motion();
-        if !has_motion {
-            self.policy.come_to_rest(self.ports.clock.now());
-        }
-        has_motion
+/// The heater that a command for its behaviour means, if it is fitted.
+pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
+    crank: &Crank<'_, P, W>,
+    heater: Option<Heater>,
+) -> Result<Heater, Answer<'static>> {
+    let thermal = &crank.settings().thermal;
+    match heater {
+        None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
+        Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
+        Some(heater) if thermal.has_heater() => Err(Answer::NoHeater(heater)),
+        Some(_) => Err(Answer::Line("echo:no heaters configured, ignored")),
     }
+}
 
-    /// Heats again what was switched off while the user was waited for.
-    pub(in crate::machine) async fn heat_again(&mut self) -> Result<(), Interrupt> {
-        let Some(targets) = self.targets_before.take() else { return Ok(()) };
-        self.tell(Answer::Line("echo:Heating again")).await?;
-        for (heater, target) in Heater::ALL.into_iter().zip(targets) {
-            self.heat_orders.heat(heater, target);
-        }
-        self.send_orders();
-        // The answer that ended the wait for the user is not for this one.
-        self.pauses.end_command();
-        self.await_heat(targets.map(|target| target > Celsius::ZERO), false).await
-    }
-
-    /// The heater that a command for its behaviour means, if it is fitted.
-    pub(in crate::machine) fn model_of(&self, heater: Option<Heater>) -> Result<Heater, Answer<'static>> {
-        let thermal = &self.settings.thermal;
-        match heater {
-            None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
-            Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
-            Some(heater) if thermal.has_heater() => Err(Answer::NoHeater(heater)),
-            Some(_) => Err(Answer::Line("echo:no heaters configured, ignored")),
-        }
-    }
-
-    /// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
-    pub(in crate::machine) fn switch_off(&mut self) -> Answer<'static> {
-        self.heat_orders.switch_off();
-        self.fan_schedule.clear();
-        self.send_orders();
-        Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
-    }
+/// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
+pub(in crate::machine) fn switch_off<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Answer<'static> {
+    crank.switch_off_heat();
+    Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
-//!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`reports/tell.rs`);
+//!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`crank/tell.rs`);
 //! - another word than "Probing" in boards/*/README.md, among what is not there.
 //!
 //! To home Z by the probe instead, moreover:
@@ -27,9 +27,12 @@
 
 use crate::gcode::AxisFlags;
 use crate::machine::answers::answer::Answer;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::belt::align::{align_and_tell, lacks_alignment};
+use crate::machine::belt::circulate::advance_belt;
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
-use crate::machine::state::notices::Notice;
+use crate::machine::ports::PortSet;
+use crate::machine::state::notices::{Notice, Notices};
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::{Alignment, Endstop, HomedAxis, Homing};
@@ -82,173 +85,200 @@ struct Axis {
     length: Mm,
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// G28. Whichever axis fails, the print must not go on: the machine halts.
-    pub(in crate::machine) async fn home(&mut self, flags: AxisFlags) -> Result<(), Interrupt> {
-        let aligns = self.settings.belt.alignment == Alignment::Automatic && self.lacks_alignment();
-        self.home_and_align(flags, aligns).await
-    }
+/// G28. Whichever axis fails, the print must not go on: the machine halts.
+pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    flags: AxisFlags,
+) -> Result<(), Interrupt> {
+    let aligns = crank.settings().belt.alignment == Alignment::Automatic && lacks_alignment(crank);
+    home_and_align(crank, notices, flags, aligns).await
+}
 
-    /// The same; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
-    pub(in crate::machine) async fn home_and_align(&mut self, flags: AxisFlags, aligns: bool) -> Result<(), Interrupt> {
-        self.finish().await?;
-        // Power first: where there is none, nothing is homed and the axes keep their homes.
-        self.power(self.real.groups().fitted()).await?;
-        let all = !(flags.x || flags.y || flags.z);
-        let mut is_home = [false; 3];
-        let mut aligns = aligns;
-        for axis in self.settings.homing_order {
-            if !(all || is_named(flags, axis)) {
-                continue;
-            }
-            self.home_named(axis).await?;
-            if let Some(is_home) = is_home.get_mut(axis as usize) {
-                *is_home = true;
-            }
-            if let [true, true, _] = is_home
-                && core::mem::take(&mut aligns)
-            {
-                self.align_and_tell().await?;
-                self.home_named(HomedAxis::X).await?;
-                self.home_named(HomedAxis::Y).await?;
-            }
+/// The same; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
+pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    flags: AxisFlags,
+    aligns: bool,
+) -> Result<(), Interrupt> {
+    crank.finish().await?;
+    // Power first: where there is none, nothing is homed and the axes keep their homes.
+    crank.power(crank.groups().fitted()).await?;
+    let all = !(flags.x || flags.y || flags.z);
+    let mut is_home = [false; 3];
+    let mut aligns = aligns;
+    for axis in crank.settings().homing_order {
+        if !(all || is_named(flags, axis)) {
+            continue;
         }
-        if let [true, true, _] = is_home {
-            self.advance_belt().await?;
+        home_named(crank, axis).await?;
+        if let Some(is_home) = is_home.get_mut(axis as usize) {
+            *is_home = true;
         }
-        self.notices.renew(Notice::Edge);
-        Ok(())
+        if let [true, true, _] = is_home
+            && core::mem::take(&mut aligns)
+        {
+            align_and_tell(crank).await?;
+            home_named(crank, HomedAxis::X).await?;
+            home_named(crank, HomedAxis::Y).await?;
+        }
     }
+    if let [true, true, _] = is_home {
+        advance_belt(crank).await?;
+    }
+    notices.renew(Notice::Edge);
+    Ok(())
+}
 
-    async fn home_named(&mut self, axis: HomedAxis) -> Result<(), Interrupt> {
-        let axis = self.axis(axis);
-        self.homed.begin(axis.index);
-        let result = self.home_axis(&axis).await;
-        self.end_homing(&axis, result).await
-    }
+async fn home_named<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: HomedAxis) -> Result<(), Interrupt> {
+    let axis = facts(crank, axis);
+    crank.homed_mut().begin(axis.index);
+    let result = home_axis(crank, &axis).await;
+    end_homing(crank, &axis, result).await
+}
 
-    /// Tells why homing failed, if it did; then the print must not go on.
-    async fn end_homing<T>(&mut self, axis: &Axis, result: Result<T, HomeError>) -> Result<T, Interrupt> {
-        if !matches!(result, Err(HomeError::Interrupted(_))) {
-            self.homed.stop();
-        }
-        match result {
-            Ok(found) => Ok(found),
-            Err(HomeError::Interrupted(interrupt)) => Err(interrupt),
-            Err(HomeError::Failed(why)) => {
-                self.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
-                Err(Interrupt::Halt)
-            }
+/// Tells why homing failed, if it did; then the print must not go on.
+async fn end_homing<T, P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: &Axis,
+    result: Result<T, HomeError>,
+) -> Result<T, Interrupt> {
+    if !matches!(result, Err(HomeError::Interrupted(_))) {
+        crank.homed_mut().stop();
+    }
+    match result {
+        Ok(found) => Ok(found),
+        Err(HomeError::Interrupted(interrupt)) => Err(interrupt),
+        Err(HomeError::Failed(why)) => {
+            crank.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
+            Err(Interrupt::Halt)
         }
     }
+}
 
-    /// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool stands so far
-    /// beside where the steps say.
-    pub(in crate::machine) async fn touch(&mut self, axis: HomedAxis) -> Result<i32, Interrupt> {
-        let axis = self.axis(axis);
-        let result = self.touch_axis(&axis).await;
-        self.end_homing(&axis, result).await
-    }
+/// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool stands so far
+/// beside where the steps say.
+pub(in crate::machine) async fn touch<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: HomedAxis,
+) -> Result<i32, Interrupt> {
+    let axis = facts(crank, axis);
+    let result = touch_axis(crank, &axis).await;
+    end_homing(crank, &axis, result).await
+}
 
-    async fn touch_axis(&mut self, axis: &Axis) -> Result<i32, HomeError> {
-        let back_off = self.find_switch(axis).await?;
-        let met = self.real_steps();
-        let places = self.planner.steps([axis.endstop.position; 4]);
-        let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
-        self.travel(axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
-        self.modal.position = self.retraction.commanded(self.planner.mm(self.planner.end()));
-        Ok(aside.unwrap_or_default().wrapping_round().to_num())
-    }
+async fn touch_axis<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
+    let back_off = find_switch(crank, axis).await?;
+    let met = crank.real_steps();
+    let places = crank.to_steps([axis.endstop.position; 4]);
+    let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
+    travel(crank, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    crank.stand_at_end();
+    Ok(aside.unwrap_or_default().wrapping_round().to_num())
+}
 
-    /// What there is to know of an axis.
-    fn axis(&self, axis: HomedAxis) -> Axis {
-        let s = &self.settings;
-        let (switch, length) = match axis {
-            HomedAxis::X => (EndstopSet::X, s.axes.x.length),
-            HomedAxis::Y => (EndstopSet::Y, s.axes.y.length),
-            HomedAxis::Z => (EndstopSet::Z, s.axes.z.length),
-        };
-        let (endstop, homing) = (s.endstops.of(axis), s.homing.of(axis));
-        Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, length }
-    }
+/// What there is to know of an axis.
+fn facts<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, axis: HomedAxis) -> Axis {
+    let s = crank.settings();
+    let (switch, length) = match axis {
+        HomedAxis::X => (EndstopSet::X, s.axes.x.length),
+        HomedAxis::Y => (EndstopSet::Y, s.axes.y.length),
+        HomedAxis::Z => (EndstopSet::Z, s.axes.z.length),
+    };
+    let (endstop, homing) = (s.endstops.of(axis), s.homing.of(axis));
+    Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, length }
+}
 
-    async fn home_axis(&mut self, axis: &Axis) -> Result<(), HomeError> {
-        self.find_switch(axis).await?;
-        self.stand_at_switch(axis).await?;
-        self.homed.arrive(axis.index);
-        self.modal.forget_origin(axis.index);
-        Ok(())
-    }
+async fn home_axis<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<(), HomeError> {
+    find_switch(crank, axis).await?;
+    stand_at_switch(crank, axis).await?;
+    crank.homed_mut().arrive(axis.index);
+    crank.commanded_mut().forget_origin(axis.index);
+    Ok(())
+}
 
-    /// Finds the switch fast, backs off and finds it slowly. Gives how far it backed off.
-    async fn find_switch(&mut self, axis: &Axis) -> Result<Mm, HomeError> {
-        let start = self.real_steps();
-        if !self.approach(axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
-            return Err(NO_TRIGGER);
-        }
-        // Who did not move stood at the switch already, or anywhere behind it.
-        let depth = if self.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
-        let back_off = axis.homing.back_off + depth;
-        self.travel(axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
-        // Twice the distance backed off finds any switch that is still there.
-        let sought = back_off * 2;
-        let before = self.real_steps();
-        if !self.approach(axis, sought, axis.homing.slow).await? {
-            return Err(NO_TRIGGER);
-        }
-        if self.real_steps() == before {
-            return Err(STILL_PRESSED);
-        }
-        self.homed.note_met(axis.index, self.planner.path());
-        Ok(back_off)
+/// Finds the switch fast, backs off and finds it slowly. Gives how far it backed off.
+async fn find_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
+    let start = crank.real_steps();
+    if !approach(crank, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
+        return Err(NO_TRIGGER);
     }
+    // Who did not move stood at the switch already, or anywhere behind it.
+    let depth = if crank.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
+    let back_off = axis.homing.back_off + depth;
+    travel(crank, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    // Twice the distance backed off finds any switch that is still there.
+    let sought = back_off * 2;
+    let before = crank.real_steps();
+    if !approach(crank, axis, sought, axis.homing.slow).await? {
+        return Err(NO_TRIGGER);
+    }
+    if crank.real_steps() == before {
+        return Err(STILL_PRESSED);
+    }
+    let path = crank.planned_path();
+    crank.homed_mut().note_met(axis.index, path);
+    Ok(back_off)
+}
 
-    /// Moves towards the switch; true if it was met.
-    async fn approach(&mut self, axis: &Axis, distance: Mm, speed: MmPerSec) -> Result<bool, HomeError> {
-        if !self.link.status().inputs().has(axis.switch) {
-            return Err(NOT_FITTED);
-        }
-        self.travel(axis, axis.endstop.towards(distance), speed, axis.switch).await?;
-        let met = !self.link.status().triggered().is_empty();
-        self.drop_motion().await?;
-        Ok(met)
+/// Moves towards the switch; true if it was met.
+async fn approach<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: &Axis,
+    distance: Mm,
+    speed: MmPerSec,
+) -> Result<bool, HomeError> {
+    if !crank.status().inputs().has(axis.switch) {
+        return Err(NOT_FITTED);
     }
+    travel(crank, axis, axis.endstop.towards(distance), speed, axis.switch).await?;
+    let met = !crank.status().triggered().is_empty();
+    crank.drop_motion().await?;
+    Ok(met)
+}
 
-    /// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
-    /// the move takes them to whole steps, where all counts agree. From there an axis alone takes all its motors along at
-    /// once, and the counts agree wherever a switch ends the move.
-    async fn travel(&mut self, axis: &Axis, distance: Mm, speed: MmPerSec, watch: EndstopSet) -> Result<(), Interrupt> {
-        let mut steps = self.planner.end();
-        if self.real.groups().is_redundant() {
-            steps = steps.map(Steps::wrapping_round);
-        }
-        let mut position = self.planner.mm(steps);
-        if let Some(at) = position.get_mut(axis.index) {
-            *at = at.saturating_add(distance);
-        }
-        self.plan(Target { position, speed, has_overrides: false, watch }).await?;
-        self.finish().await
+/// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
+/// the move takes them to whole steps, where all counts agree. From there an axis alone takes all its motors along at
+/// once, and the counts agree wherever a switch ends the move.
+async fn travel<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: &Axis,
+    distance: Mm,
+    speed: MmPerSec,
+    watch: EndstopSet,
+) -> Result<(), Interrupt> {
+    let mut steps = crank.planned_end();
+    if crank.groups().is_redundant() {
+        steps = steps.map(Steps::wrapping_round);
     }
+    let mut position = crank.to_mm(steps);
+    if let Some(at) = position.get_mut(axis.index) {
+        *at = at.saturating_add(distance);
+    }
+    crank.plan(Target { position, speed, has_overrides: false, watch }).await?;
+    crank.finish().await
+}
 
-    /// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares them
-    /// with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors have pulleys of
-    /// different sizes the step of an axis is long, and no whole one is where all of them stand.
-    async fn stand_at_switch(&mut self, axis: &Axis) -> Result<(), Interrupt> {
-        let mechanism = self.real.groups().mechanism();
-        let mut position = self.real_steps();
-        let [x, y, z, _] = self.planner.steps([axis.endstop.position; 4]);
-        for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
-            if other == axis.index {
-                *at = if mechanism.has_multiples() { switch } else { switch.wrapping_round() };
-            } else if !mechanism.has_multiples() && mechanism.share(other, axis.index) {
-                *at = at.wrapping_round();
-            }
+/// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares them
+/// with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors have pulleys of
+/// different sizes the step of an axis is long, and no whole one is where all of them stand.
+async fn stand_at_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<(), Interrupt> {
+    let mechanism = crank.groups().mechanism();
+    let mut position = crank.real_steps();
+    let [x, y, z, _] = crank.to_steps([axis.endstop.position; 4]);
+    for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
+        if other == axis.index {
+            *at = if mechanism.has_multiples() { switch } else { switch.wrapping_round() };
+        } else if !mechanism.has_multiples() && mechanism.share(other, axis.index) {
+            *at = at.wrapping_round();
         }
-        self.adopt_position(position).await?;
-        if axis.index == 2 {
-            self.retraction.forget_lift();
-        }
-        self.modal.position = self.retraction.commanded(self.planner.mm(position));
-        Ok(())
     }
+    crank.adopt_position(position).await?;
+    if axis.index == 2 {
+        crank.commanded_mut().forget_lift();
+    }
+    let stands = crank.to_mm(position);
+    crank.commanded_mut().stand_at(stands);
+    Ok(())
 }

@@ -1,18 +1,21 @@
-//! Commands: what each of them does. The state that they keep is in `state`.
+//! Commands: what each of them does.
 //!
 //! ```text
 //!   Command ──▶ dispatch ──┬──▶ immediate ──▶ settings::set, drivers, retraction, modal state ...   done at once
 //!                          └──▶ blocking  ──▶ moves, homing, waits, settings::stored ...           awaited
 //! ```
 //!
-//! The Console calls `execute` for a line and tells the answer that comes back, then the `ok`. Files that only decide
-//! (retraction, shaping, drivers, heater settings, `settings::set`) are plain functions that get what they need as arguments. Files that wait (blocking, moves, homing, waits, `settings::stored`) are parts of
-//! the Console, because every wait turns its crank.
+//! The Console calls `carry_out` for a line and tells the answer that comes back, then the `ok`. A command is a function of what it needs:
+//! a file that only decides gets the settings that it changes; one that waits gets `&mut Crank`, which goes on turning meanwhile, and of
+//! [`states`] the one to three that it names. Where several functions need the same four, they are methods of a struct that borrows them
+//! ([`moves::Moves`]).
 //!
 //! | looking for | see |
 //! |---|---|
-//! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`retraction`] |
+//! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`circulate`], [`retraction`] |
 //! | G28 | [`homing`] |
+//! | M17, M84, M122 | [`motors`] |
+//! | M915 | [`belt`] |
 //! | G4, M0, M24, M25, M600 | [`waits`] |
 //! | M104, M109, M116, M140, M141, M190, M191, M81 | [`heating`] |
 //! | M302 | [`cold_extrusion`] |
@@ -24,6 +27,7 @@
 //! | M593, M900, M572 | [`shaping`] |
 //! | M569, M906, M913, M914 | [`drivers`] |
 //! | M92, M201 to M205, M500 to M504 | [`settings`] |
+//! | what is kept from line to line | [`states`] |
 //! | anything else | its arm in [`immediate`] or [`blocking`] |
 //!
 //! | word | means |
@@ -31,21 +35,25 @@
 //! | words | the letters with numbers of a line |
 //! | clamp, away | see `state` |
 
-pub(in crate::machine) mod arcs;
-pub(in crate::machine) mod blocking;
-pub(in crate::machine) mod cold_extrusion;
+mod arcs;
+mod belt;
+mod blocking;
+mod circulate;
+mod cold_extrusion;
 pub(in crate::machine) mod dispatch;
-pub(in crate::machine) mod drivers;
-pub(in crate::machine) mod fans;
-pub(in crate::machine) mod heater_settings;
-pub(in crate::machine) mod heating;
-pub(in crate::machine) mod homing;
-pub(in crate::machine) mod immediate;
-pub(in crate::machine) mod machine_record;
-pub(in crate::machine) mod moves;
-pub(in crate::machine) mod retraction;
-pub(in crate::machine) mod self_test;
+mod drivers;
+mod fans;
+mod heater_settings;
+mod heating;
+mod homing;
+mod immediate;
+mod machine_record;
+mod motors;
+mod moves;
+mod retraction;
+mod self_test;
 pub(in crate::machine) mod settings;
-pub(in crate::machine) mod shaping;
-pub(in crate::machine) mod tuning;
-pub(in crate::machine) mod waits;
+mod shaping;
+pub(in crate::machine) mod states;
+mod tuning;
+mod waits;

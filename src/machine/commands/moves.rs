@@ -1,20 +1,26 @@
 //! Commands that move: straight moves (G0, G1), arcs (G2, G3), retraction (G10, G11).
 //!
-//! Each ends in `go` or `plan` of `stream`, which wait until there is room for the move.
+//! Each ends in `plan` of the crank, which waits until there is room for the move.
 
 use super::arcs::arc::{Arc, Shape, join, split};
+use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
 use crate::gcode::{ArcShape, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::belt::align::lacks_alignment;
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
-use crate::machine::state::modal::Wanted;
-use crate::machine::state::notices::Notice;
-use crate::machine::state::retraction::RetractionMove;
+use crate::machine::ports::PortSet;
+use crate::machine::state::clamps::Clamps;
+use crate::machine::state::commanded::Wanted;
+use crate::machine::state::modal::{FARTHEST, Modal};
+use crate::machine::state::notices::{Notice, Notices};
+use crate::machine::state::retraction::{RetractionMove, RetractionSettings};
+use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::Alignment;
-use crate::units::{Mm, part_of};
+use crate::units::{Mm, MmPerSec, part_of};
 
 /// The arguments of G2 and G3.
 #[derive(Clone, Copy)]
@@ -26,16 +32,28 @@ pub(in crate::machine) struct ArcWords<'c> {
     pub turns: u16,
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+/// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
+fn bounded(position: [Mm; 4]) -> [Mm; 4] {
+    let [x, y, z, e] = position;
+    let [x, y, z] = [x, y, z].map(|at| FARTHEST.clamp(at));
+    [x, y, z, e]
+}
+
+/// What a line of motion needs: what goes on meanwhile, what numbers mean, what is told of them, and whether filament may move.
+pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
+    pub crank: &'c mut Crank<'m, P, W>,
+    pub modal: &'c mut Modal,
+    pub clamps: &'c mut Clamps,
+    pub notices: &'c mut Notices,
+    pub cold: &'c ColdExtrusion,
+}
+
+impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// G0, G1. A line that is refused changes nothing, F included.
-    pub(in crate::machine) async fn line(
-        &mut self,
-        to: &AxisWords,
-        feed: Option<Number>,
-    ) -> Result<Answer<'static>, Interrupt> {
-        let feed = self.clamps.feed(&self.modal, feed).unwrap_or(self.modal.feed);
+    pub async fn line(&mut self, to: &AxisWords, feed: Option<Number>) -> Result<Answer<'static>, Interrupt> {
+        let feed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
         let wanted = self.target(to).await?;
-        let at = self.modal.position;
+        let at = self.crank.commanded().position();
         let moves = [0, 1, 2].map(|axis| wanted.position.get(axis) != at.get(axis));
         if !self.may_move(moves).await? {
             return Ok(Answer::NotHomed);
@@ -46,21 +64,23 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         self.go(wanted.position, feed).await?;
         self.modal.feed = feed;
-        self.modal.extrusion = wanted.extrusion;
+        self.crank.commanded_mut().count_extrusion(wanted.extrusion);
         Ok(Answer::Nothing)
     }
 
     /// Whether these axes may move: they were homed, or need not be, of which the host is told once.
-    pub(in crate::machine) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
-        if !self.homed.lacks_one_of(moves) {
+    pub(super) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
+        if !self.crank.homed().lacks_one_of(moves) {
             return Ok(true);
         }
-        if self.settings.require_homing {
+        if self.crank.settings().require_homing {
             self.clamps.clear();
             return Ok(false);
         }
         if self.notices.give(Notice::MotionBeforeHoming) {
-            self.tell(Answer::Line("echo:motion before homing (G28), the ends of the axes are not known")).await?;
+            self.crank
+                .tell(Answer::Line("echo:motion before homing (G28), the ends of the axes are not known"))
+                .await?;
         }
         Ok(true)
     }
@@ -68,9 +88,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// Whether a move of x and y to `position` may be made: it does not print, or the motors of the belt are aligned, or need not be, of
     /// which the host is told once.
     async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
-        let ([.., to], [.., from]) = (position, self.modal.position);
-        let rule = self.settings.belt.alignment;
-        if rule == Alignment::Off || to.wrapping_sub(from) <= 0 || !self.lacks_alignment() {
+        let ([.., to], [.., from]) = (position, self.crank.commanded().position());
+        let rule = self.crank.settings().belt.alignment;
+        if rule == Alignment::Off || to.wrapping_sub(from) <= 0 || !lacks_alignment(self.crank) {
             return Ok(true);
         }
         if rule == Alignment::Required {
@@ -78,19 +98,43 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Ok(false);
         }
         if self.notices.give(Notice::NotAligned) {
-            self.tell(Answer::Line("echo:printing with belt motors that are not aligned (M915)")).await?;
+            self.crank.tell(Answer::Line("echo:printing with belt motors that are not aligned (M915)")).await?;
         }
         Ok(true)
     }
 
+    /// Plans a move within the reachable space and takes it as the commanded position.
+    async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
+        let (inside, moved) = {
+            let crank = &*self.crank;
+            clamp(bounded(position), crank.commanded().position(), crank.homed(), crank.settings())
+        };
+        if moved {
+            self.tell_of_edge().await?;
+        }
+        let position = self.crank.commanded().of_machine(inside);
+        self.crank.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
+        self.crank.commanded_mut().go_to(inside);
+        Ok(())
+    }
+
+    /// Tells once that a target was beyond the edge.
+    pub(super) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
+        if self.notices.give(Notice::Edge) {
+            self.crank.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
+        }
+        Ok(())
+    }
+
     /// Where the words of a line lead; the host is told what they ask for beyond the possible.
-    pub(in crate::machine) async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
-        let wanted = self.modal.target(to, &self.settings, self.is_too_cold());
+    pub(super) async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
+        let crank = &*self.crank;
+        let wanted = crank.commanded().target(to, self.modal, crank.settings(), self.cold.is_too_cold(crank));
         if wanted.is_held_back {
-            self.tell_of_cold().await?;
+            tell_of_cold(self.crank, self.notices).await?;
         }
         if wanted.too_much {
-            self.tell(Answer::TooMuchFilament).await?;
+            self.crank.tell(Answer::TooMuchFilament).await?;
         }
         if wanted.is_too_far {
             self.tell_of_edge().await?;
@@ -99,14 +143,15 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// G2, G3. The axis across the plane and E run evenly along the arc.
-    pub(in crate::machine) async fn arc(&mut self, words: &ArcWords<'_>) -> Result<Answer<'static>, Interrupt> {
-        let speed = self.clamps.feed(&self.modal, words.feed).unwrap_or(self.modal.feed);
+    pub async fn arc(&mut self, words: &ArcWords<'_>) -> Result<Answer<'static>, Interrupt> {
+        let speed = self.clamps.feed(self.modal, words.feed).unwrap_or(self.modal.feed);
         let wanted = self.target(words.to).await?;
         let plane = self.modal.plane;
-        let (start, [sz, se]) = split(plane, self.modal.position);
+        let (start, [sz, se]) = split(plane, self.crank.commanded().position());
         let (end, [ez, ee]) = split(plane, wanted.position);
-        let arc = Shape::new(words.shape, plane, |n| self.modal.length(n))
-            .and_then(|shape| Arc::new(start, end, shape, words.clockwise, words.turns, self.settings.arc_tolerance));
+        let arc = Shape::new(words.shape, plane, |n| self.modal.length(n)).and_then(|shape| {
+            Arc::new(start, end, shape, words.clockwise, words.turns, self.crank.settings().arc_tolerance)
+        });
         let arc = match arc {
             Ok(arc) => arc,
             Err(error) => {
@@ -122,7 +167,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
         self.modal.feed = speed;
-        let begin = self.modal.extrusion;
+        let begin = self.crank.commanded().extrusion();
         let between = |from: Mm, to: Mm, part: u32| {
             let length = to.to_bits().wrapping_sub(from.to_bits());
             Mm::from_bits(from.to_bits().wrapping_add(part_of(length, u64::from(part), u64::from(arc.chords()))))
@@ -130,27 +175,36 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         for part in 1..=arc.chords() {
             let along = [between(sz, ez, part), between(se, ee, part)];
             self.go(join(plane, arc.point(part), along), speed).await?;
-            self.modal.extrusion = between(begin, wanted.extrusion, part);
+            self.crank.commanded_mut().count_extrusion(between(begin, wanted.extrusion, part));
         }
         Ok(Answer::Nothing)
     }
 
-    /// G10 and G11: plans moves away from the commanded position, or back to it.
+    /// G10.
+    pub async fn retract(&mut self, settings: &RetractionSettings) -> Result<(), Interrupt> {
+        self.plan_retraction(self.crank.commanded().moves_away(settings, self.crank.settings().axes.z.max_speed)).await
+    }
+
+    /// G11.
+    pub async fn recover(&mut self, settings: &RetractionSettings) -> Result<(), Interrupt> {
+        self.plan_retraction(self.crank.commanded().moves_back(settings, self.crank.settings().axes.z.max_speed)).await
+    }
+
+    /// Plans moves away from the commanded position, or back to it.
     ///
     /// Not with a cold hotend: what was pulled back stays so until it is hot.
-    pub(in crate::machine) async fn retract(&mut self, moves: Option<[RetractionMove; 2]>) -> Result<(), Interrupt> {
-        if self.is_too_cold() {
-            return self.tell_of_cold().await;
+    async fn plan_retraction(&mut self, moves: Option<[RetractionMove; 2]>) -> Result<(), Interrupt> {
+        if self.cold.is_too_cold(self.crank) {
+            return tell_of_cold(self.crank, self.notices).await;
         }
         for step in moves.into_iter().flatten() {
-            let position = self.retraction.after(step, self.modal.position);
-            self.plan(Target { position, speed: step.speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
-            self.retraction.note_planned(step);
+            let position = self.crank.commanded().after(step);
+            self.crank
+                .plan(Target { position, speed: step.speed, has_overrides: false, watch: EndstopSet::NONE })
+                .await?;
+            self.crank.commanded_mut().note_retraction(step);
         }
-        if let Some(extra) = self.retraction.take_extra() {
-            let [_, _, _, e] = &mut self.modal.position;
-            *e = e.wrapping_add(extra);
-        }
+        self.crank.commanded_mut().take_extra();
         Ok(())
     }
 }

@@ -1,7 +1,13 @@
 //! Shaping: input shapers (M593) and pressure advance (M900, M572) as lines set them.
 
 use crate::gcode::{AxisFlags, Number, ShaperName};
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::setting::Setting;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
+use crate::port::Pend;
 use crate::settings::{Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Hertz, Ratio};
 
@@ -64,12 +70,12 @@ impl LegalWords {
 
 impl ShaperWords {
     /// Whether they change nothing and ask for a report.
-    pub fn are_a_question(&self) -> bool {
+    fn are_a_question(&self) -> bool {
         self.frequency.or(self.damping).or(self.kind).is_none()
     }
 
     /// `shapers` as these words want them; `None` if there is no such kind of shaper.
-    pub fn change(&self, mut shapers: Shapers, clamps: &mut Clamps) -> Option<Shapers> {
+    fn change(&self, mut shapers: Shapers, clamps: &mut Clamps) -> Option<Shapers> {
         let kind = self.kind.and_then(kind_of);
         if self.kind.is_some() && kind.is_none() {
             return None;
@@ -86,20 +92,58 @@ impl ShaperWords {
 }
 
 /// What M593 says of a kind that there is not.
-pub(in crate::machine) const NO_SUCH_KIND: &str =
+const NO_SUCH_KIND: &str =
     "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
 
 /// M900 K and M572 W, brought into range.
-pub(in crate::machine) fn set_advance(
-    time: Option<Number>,
-    window: Option<Number>,
-    wanted: &mut Settings,
-    clamps: &mut Clamps,
-) {
+fn set_advance(time: Option<Number>, window: Option<Number>, wanted: &mut Settings, clamps: &mut Clamps) {
     if let Some(time) = time {
         wanted.advance.time = clamps.near(["M900", "K"], time, ranges::ADVANCE);
     }
     if let Some(window) = window {
         wanted.advance.window = clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW);
     }
+}
+
+/// M593. Motion comes to rest before a shaper changes.
+pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    clamps: &mut Clamps,
+    words: &ShaperWords,
+) -> Result<Answer<'static>, Interrupt> {
+    if words.are_a_question() {
+        return Ok(Answer::Setting(Setting::Shapers));
+    }
+    let mut wanted = *crank.settings();
+    let Some(shapers) = words.change(wanted.shapers, clamps) else {
+        return Ok(Answer::Line(NO_SUCH_KIND));
+    };
+    wanted.shapers = shapers;
+    if wanted.shapers != crank.settings().shapers {
+        crank.finish().await?;
+        crank.use_settings(wanted).await?;
+    }
+    Ok(Answer::Nothing)
+}
+
+/// M900, M572. The advance counts for the following moves. Motion comes to rest only before its window changes, and
+/// before the generator follows it for the first time: all axes are later from then on.
+pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    clamps: &mut Clamps,
+    time: Option<Number>,
+    window: Option<Number>,
+) -> Result<Answer<'static>, Interrupt> {
+    if time.or(window).is_none() {
+        return Ok(Answer::Advance);
+    }
+    let mut wanted = *crank.settings();
+    set_advance(time, window, &mut wanted, clamps);
+    if crank.needs_rest(&wanted) {
+        crank.finish().await?;
+        crank.use_settings(wanted).await?;
+    } else {
+        *crank.settings_mut() = wanted;
+    }
+    Ok(Answer::Nothing)
 }

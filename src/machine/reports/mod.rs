@@ -1,7 +1,7 @@
 //! Reports and replies: what the machine says, when a command asks and by itself.
 //!
 //! ```text
-//!   command ── Answer ──▶ tell::write ── which report ──▶ report, driver_report, sensors, message, ...
+//!   command ── Answer ──▶ crank::tell ── which report ──▶ report, driver_report, sensors, message, ...
 //!                                                           └── Speaker: one part after the other ──▶ host
 //! ```
 //!
@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `answers` | **what** a command has to say, as a value |
 //! | [`report`] and the files beside it | **how** it is worded |
-//! | [`tell`] | the Console's part: writes an answer, and waits for room |
+//! | `crank::tell` | chooses the report, and waits for room |
 //!
 //! | word | means |
 //! |---|---|
@@ -27,4 +27,3 @@ pub(in crate::machine) mod report;
 pub(in crate::machine) mod sensors;
 pub(in crate::machine) mod settings_report;
 pub(in crate::machine) mod storage_report;
-pub(in crate::machine) mod tell;

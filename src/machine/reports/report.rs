@@ -4,7 +4,7 @@
 
 use crate::kinematics::Groups;
 use crate::machine::answers::speaker::Speaker;
-use crate::machine::state::modal::Modal;
+use crate::machine::state::commanded::Commanded;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::motors::MOST_GROUPS;
 use crate::port::EndstopSet;
@@ -91,10 +91,10 @@ impl<'m> Position<'m> {
         position: [Mm; 4],
         circulation: Option<Mm>,
         counts: [i32; MOST_GROUPS],
-        modal: &Modal,
+        commanded: &Commanded,
         real: &RealPosition<'m>,
     ) -> Self {
-        let (at, counts) = (modal.named_position(position), real.of_groups(counts));
+        let (at, counts) = (commanded.named(position), real.of_groups(counts));
         Self { at, counts, groups: real.groups(), circulation }
     }
 }

@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn what_is_in_range_is_not_reported() {
-        let (mut clamps, modal) = (Clamps::new(), Modal::new([Mm::ZERO; 3]));
+        let (mut clamps, modal) = (Clamps::new(), Modal::new());
         for text in ["0.01", "3000", "250.3", "0.1234567"] {
             clamps.length(&modal, ["M203", "X"], number(text), ranges::SPEED);
         }
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn what_is_beyond_is_reported_in_the_units_of_the_line() {
-        let (mut clamps, mut modal) = (Clamps::new(), Modal::new([Mm::ZERO; 3]));
+        let (mut clamps, mut modal) = (Clamps::new(), Modal::new());
         assert_eq!(clamps.length(&modal, ["M203", "X"], number("99999"), ranges::SPEED), ranges::SPEED.most);
         assert_eq!(clamps.length(&modal, ["M201", "X"], number("0"), ranges::ACCELERATION), MmPerSec2::ONE);
         // A type without a sign holds 0 of it, which is legal.

@@ -1,12 +1,13 @@
 //! State: what earlier lines said that still holds, what is known of the machine, and what the present line asked for
 //! beyond its ranges.
 //!
-//! Each struct owns its fields; the Console holds the structs and hands each command the ones that it needs. Pure: nothing
-//! here knows the Console.
+//! Each struct owns its fields. What goes on changing while a command waits is held by the crank, the rest by `commands::states`, which
+//! hands each command the ones that it needs. Pure: nothing here knows either.
 //!
 //! | looking for | see |
 //! |---|---|
-//! | G90 to G92, G20, F, overrides | [`modal`] |
+//! | G90, G91, G20, F, overrides | [`modal`] |
+//! | where the program has sent the tool, G92 | [`commanded`] |
 //! | G10, G11 | [`retraction`] |
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
 //! | a belt that runs round, motors of one belt that agree | [`circulation`], [`trimming`] |
@@ -30,6 +31,7 @@
 pub(in crate::machine) mod advance_in_use;
 pub(in crate::machine) mod circulation;
 pub(in crate::machine) mod clamps;
+pub(in crate::machine) mod commanded;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;

@@ -17,7 +17,7 @@ pub(in crate::machine) struct RetractionSettings {
 
 impl RetractionSettings {
     /// Marlin's values (Configuration_adv.h, RETRACT_LENGTH and those below it).
-    const fn new() -> Self {
+    pub const fn new() -> Self {
         Self {
             length: Mm::const_from_int(3),
             speed: MmPerSec::const_from_int(45),
@@ -28,10 +28,9 @@ impl RetractionSettings {
     }
 }
 
-/// Whether the filament is retracted, and how that is done.
+/// Whether the filament is retracted.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Retraction {
-    pub settings: RetractionSettings,
     /// How far the tool is lifted above the commanded position, and the filament pulled back from it.
     away: Option<[Mm; 2]>,
 }
@@ -46,7 +45,7 @@ pub(in crate::machine) struct RetractionMove {
 impl Retraction {
     /// The filament is where the program wants it.
     pub const fn new() -> Self {
-        Self { settings: RetractionSettings::new(), away: None }
+        Self { away: None }
     }
 
     /// Where the machine goes for a commanded position.
@@ -64,25 +63,25 @@ impl Retraction {
     }
 
     /// G10: the filament first, then the lift. Nothing if that was done.
-    pub fn moves_away(&self, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
-        let (lift, length) = (self.settings.lift, self.settings.length);
+    pub fn moves_away(&self, settings: &RetractionSettings, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
+        let (lift, length) = (settings.lift, settings.length);
         let moves = [
-            RetractionMove { away: [Mm::ZERO, length], speed: self.settings.speed },
+            RetractionMove { away: [Mm::ZERO, length], speed: settings.speed },
             RetractionMove { away: [lift, length], speed: z_speed },
         ];
         self.away.is_none().then_some(moves)
     }
 
     /// G11: the lift first, then the filament.
-    pub fn moves_back(&self, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
+    pub fn moves_back(&self, settings: &RetractionSettings, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
         let [_, length] = self.away?;
-        let recovered = RetractionMove { away: [Mm::ZERO, -self.settings.extra], speed: self.settings.recover_speed };
+        let recovered = RetractionMove { away: [Mm::ZERO, -settings.extra], speed: settings.recover_speed };
         Some([RetractionMove { away: [Mm::ZERO, length], speed: z_speed }, recovered])
     }
 
     /// Where the machine stands after that move.
     pub fn after(&self, step: RetractionMove, commanded: [Mm; 4]) -> [Mm; 4] {
-        Self { away: Some(step.away), ..*self }.away_from(commanded)
+        Self { away: Some(step.away) }.away_from(commanded)
     }
 
     /// That move is planned.

@@ -1,14 +1,18 @@
 //! Settings as lines set them: each value is brought into its legal range, and following moves obey.
 //!
-//! Plain functions on the settings; M92 alone needs the machine at rest, which is `commands::blocking`'s part.
+//! Plain functions on the settings; M92 alone needs the machine at rest.
 
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
 use crate::machine::numbers::exact;
+use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::{Notice, Notices};
+use crate::port::Pend;
 use crate::settings::{AxisSettings, CornerRule, Range, Settings, ranges};
 use crate::units::{MmPerSec, Ratio, StepsPerMm, mul_div};
 
@@ -75,7 +79,7 @@ pub(in crate::machine) fn set_max_speed(
 
 /// What M92 has changed beside the resolutions.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum Resolved {
+enum Resolved {
     /// Nothing.
     Resolutions,
     /// Speed limits too, for a motor makes so many steps a second at most.
@@ -86,11 +90,7 @@ pub(in crate::machine) enum Resolved {
 ///
 /// # Errors
 /// The axes that would share motors and have different steps.
-pub(in crate::machine) fn set_resolution(
-    words: &AxisWords,
-    s: &mut Settings,
-    clamps: &mut Clamps,
-) -> Result<Resolved, &'static str> {
+fn set_resolution(words: &AxisWords, s: &mut Settings, clamps: &mut Clamps) -> Result<Resolved, &'static str> {
     let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
     let before = speeds(s);
     let mechanism = s.mechanism;
@@ -110,6 +110,29 @@ pub(in crate::machine) fn set_resolution(
     let belt = x.min(y);
     s.motor_max_speed = s.motor_max_speed.min(belt);
     Ok(if speeds(s) == before { Resolved::Resolutions } else { Resolved::LoweredSpeeds })
+}
+
+/// M92. The machine comes to rest first: a step must not change its size under way.
+pub(in crate::machine) async fn change_resolution<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    clamps: &mut Clamps,
+    words: &AxisWords,
+) -> Result<Answer<'static>, Interrupt> {
+    if *words == AxisWords::default() {
+        return Ok(Answer::Setting(Setting::Resolutions));
+    }
+    let mut wanted = *crank.settings();
+    match set_resolution(words, &mut wanted, clamps) {
+        Ok(Resolved::Resolutions) => {}
+        Ok(Resolved::LoweredSpeeds) => crank.tell(Answer::LoweredSpeeds).await?,
+        Err(axes) => {
+            clamps.clear();
+            return Ok(Answer::SharedMotors(axes));
+        }
+    }
+    crank.finish().await?;
+    crank.use_settings(wanted).await?;
+    Ok(Answer::Nothing)
 }
 
 /// M204.

@@ -2,28 +2,30 @@
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::storage_news::StorageNews;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
-use crate::port::{DriverBus, Pend, Storage, StorageError};
+use crate::machine::ports::PortSet;
+use crate::machine::state::machine_pieces::MachinePieces;
+use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
 use crate::storage::{self, Receipt, SaveError, Survey};
 
 /// The storage, with the world going round once after every transfer, so that M112 is heard while settings
 /// are being saved.
 struct Paced<'c, 'm, P: PortSet, W: Pend> {
-    console: &'c mut Console<'m, P, W>,
+    crank: &'c mut Crank<'m, P, W>,
     interrupt: Option<Interrupt>,
 }
 
 impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
-    const fn new(console: &'c mut Console<'m, P, W>) -> Self {
-        Self { console, interrupt: None }
+    const fn new(crank: &'c mut Crank<'m, P, W>) -> Self {
+        Self { crank, interrupt: None }
     }
 
     /// An interrupt ends the transfers, but for an M410 that finds no motion to stop.
     async fn go_round(&mut self) -> Result<(), StorageError> {
-        match self.console.turn().await {
-            Err(interrupt) if interrupt == Interrupt::Halt || self.console.has_motion() => {
+        match self.crank.turn().await {
+            Err(interrupt) if interrupt == Interrupt::Halt || self.crank.has_motion() => {
                 self.interrupt = Some(interrupt);
                 Err(StorageError::Failed)
             }
@@ -42,135 +44,132 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
 
 impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
     fn capacity(&self) -> u32 {
-        self.console.ports.storage.capacity()
+        self.crank.storage().capacity()
     }
 
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        self.console.ports.storage.read(at, into).await?;
+        self.crank.storage_mut().read(at, into).await?;
         self.go_round().await
     }
 
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        self.console.ports.storage.write(at, bytes).await?;
+        self.crank.storage_mut().write(at, bytes).await?;
         self.go_round().await?;
-        while !self.console.ports.storage.is_done()? {
+        while !self.crank.storage_mut().is_done()? {
             self.go_round().await?;
         }
         Ok(())
     }
 
     fn image(&self) -> Option<u32> {
-        self.console.ports.storage.image()
+        self.crank.storage().image()
     }
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// Looks into the storage.
-    pub(in crate::machine) async fn survey(&mut self) -> Result<Result<Survey, StorageError>, Interrupt> {
-        let mut paced = Paced::new(self);
-        let survey = storage::survey(&mut paced).await;
-        paced.into_result()?;
-        Ok(survey.map(|survey| survey.on(&self.defaults().mechanism)))
-    }
+/// Looks into the storage.
+pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<Result<Survey, StorageError>, Interrupt> {
+    let mut paced = Paced::new(crank);
+    let survey = storage::survey(&mut paced).await;
+    paced.into_result()?;
+    Ok(survey.map(|survey| survey.on(&crank.defaults().mechanism)))
+}
 
-    /// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
-    /// host listens only then. A machine without storage has nothing to tell, and on a board that is no machine nothing stored counts.
-    pub(in crate::machine) async fn load_at_start(&mut self) -> Result<Answer<'static>, Interrupt> {
-        let survey = match self.survey().await? {
-            Ok(survey) => survey,
-            Err(StorageError::Absent) => return Ok(Answer::Nothing),
-            Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
-        };
-        if self.ports.drivers.refusal().is_some() {
-            return Ok(Answer::Nothing);
-        }
-        if let Some(stored) = survey.newest {
-            self.use_settings(stored.settings).await?;
-        }
-        let mut paced = Paced::new(self);
-        let passed = storage::passed_test(&mut paced).await;
-        paced.into_result()?;
-        // A note that cannot be read costs a test, and no more.
-        self.self_tests.know(passed.unwrap_or_default());
-        Ok(Answer::Storage(StorageNews::loaded(&survey)))
+/// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
+/// host listens only then. A machine without storage has nothing to tell, and on a board that is no machine nothing stored counts.
+pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<Answer<'static>, Interrupt> {
+    let survey = match survey(crank).await? {
+        Ok(survey) => survey,
+        Err(StorageError::Absent) => return Ok(Answer::Nothing),
+        Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
+    };
+    if crank.refusal().is_some() {
+        return Ok(Answer::Nothing);
     }
+    if let Some(stored) = survey.newest {
+        crank.use_settings(stored.settings).await?;
+    }
+    let mut paced = Paced::new(crank);
+    let passed = storage::passed_test(&mut paced).await;
+    paced.into_result()?;
+    // A note that cannot be read costs a test, and no more.
+    crank.know_passed_test(passed.unwrap_or_default());
+    Ok(Answer::Storage(StorageNews::loaded(&survey)))
+}
 
-    /// Notes the self-test that was passed, for starts to come.
-    pub(in crate::machine) async fn note_self_test(&mut self) -> Result<(), Interrupt> {
-        let Some(tested) = self.self_tests.take_news() else { return Ok(()) };
-        let mut paced = Paced::new(self);
-        let _ = storage::note_passed_test(&mut paced, tested).await;
-        paced.into_result()
-    }
+/// Notes the self-test that was passed, if there is one to be noted and the machine rests, for starts to come.
+pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let Some(tested) = crank.take_passed_test() else { return Ok(()) };
+    let mut paced = Paced::new(crank);
+    let _ = storage::note_passed_test(&mut paced, tested).await;
+    paced.into_result()
+}
 
-    /// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not become one.
-    pub(in crate::machine) async fn save_settings(&mut self) -> Result<StorageNews, Interrupt> {
-        if self.machine_pieces.is_stored {
-            return Ok(StorageNews::MachineWaits);
-        }
-        if let Some(why) = self.ports.drivers.refusal() {
-            return Ok(StorageNews::NoMachine(why));
-        }
-        let settings = *self.settings;
-        Ok(self.save(&settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+/// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not become one.
+pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    pieces: &MachinePieces,
+) -> Result<StorageNews, Interrupt> {
+    if pieces.is_stored {
+        return Ok(StorageNews::MachineWaits);
     }
+    if let Some(why) = crank.refusal() {
+        return Ok(StorageNews::NoMachine(why));
+    }
+    let settings = *crank.settings();
+    Ok(save(crank, &settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+}
 
-    /// Stores settings. The machine rests: storage may be flash, whose erasing stops the processor.
-    pub(in crate::machine) async fn save(
-        &mut self,
-        settings: &Settings,
-    ) -> Result<Result<Receipt, SaveError>, Interrupt> {
-        self.finish().await?;
-        let mut paced = Paced::new(self);
-        let saved = storage::save(&mut paced, settings).await;
-        paced.into_result()?;
-        Ok(saved)
-    }
+/// Stores settings. The machine rests: storage may be flash, whose erasing stops the processor.
+pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    settings: &Settings,
+) -> Result<Result<Receipt, SaveError>, Interrupt> {
+    crank.finish().await?;
+    let mut paced = Paced::new(crank);
+    let saved = storage::save(&mut paced, settings).await;
+    paced.into_result()?;
+    Ok(saved)
+}
 
-    /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a board without
-    /// a machine.
-    pub(in crate::machine) async fn load_settings(&mut self) -> Result<StorageNews, Interrupt> {
-        if let Some(why) = self.ports.drivers.refusal() {
-            return Ok(StorageNews::NotLoaded(why));
-        }
-        self.finish().await?;
-        let survey = match self.survey().await? {
-            Ok(survey) => survey,
-            Err(error) => return Ok(StorageNews::Unchanged(error)),
-        };
-        let settings = survey.newest.map_or(*self.defaults(), |stored| stored.settings);
-        self.use_settings(settings).await?;
-        Ok(StorageNews::loaded(&survey))
+/// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a board without
+/// a machine.
+pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<StorageNews, Interrupt> {
+    if let Some(why) = crank.refusal() {
+        return Ok(StorageNews::NotLoaded(why));
     }
+    crank.finish().await?;
+    let survey = match survey(crank).await? {
+        Ok(survey) => survey,
+        Err(error) => return Ok(StorageNews::Unchanged(error)),
+    };
+    let settings = survey.newest.map_or(*crank.defaults(), |stored| stored.settings);
+    crank.use_settings(settings).await?;
+    Ok(StorageNews::loaded(&survey))
+}
 
-    /// M502.
-    pub(in crate::machine) async fn reset_settings(&mut self) -> Result<StorageNews, Interrupt> {
-        self.finish().await?;
-        self.use_settings(*self.defaults()).await?;
-        Ok(StorageNews::Defaults)
-    }
+/// M502.
+pub(in crate::machine) async fn reset_settings<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<StorageNews, Interrupt> {
+    crank.finish().await?;
+    crank.use_settings(*crank.defaults()).await?;
+    Ok(StorageNews::Defaults)
+}
 
-    /// M504.
-    pub(in crate::machine) async fn check_storage(&mut self) -> Result<StorageNews, Interrupt> {
-        Ok(match self.survey().await? {
-            Ok(survey) => StorageNews::checked(&survey),
-            Err(error) => StorageNews::Unanswered(error),
-        })
-    }
-
-    /// Takes over other settings. Motion rests: a step must not change its size under way.
-    pub(in crate::machine) async fn use_settings(&mut self, wanted: Settings) -> Result<(), Interrupt> {
-        let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
-        let is_same = resolutions(&wanted) == resolutions(&self.settings);
-        self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
-        *self.settings = wanted;
-        self.drivers.want(&wanted);
-        self.heat_orders.note_settings();
-        if is_same {
-            return self.follow().await;
-        }
-        self.planner.set_resolution(&wanted);
-        let position = self.planner.steps(self.retraction.away_from(self.modal.position));
-        self.adopt_position(position).await
-    }
+/// M504.
+pub(in crate::machine) async fn check_storage<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+) -> Result<StorageNews, Interrupt> {
+    Ok(match survey(crank).await? {
+        Ok(survey) => StorageNews::checked(&survey),
+        Err(error) => StorageNews::Unanswered(error),
+    })
 }

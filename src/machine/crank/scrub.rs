@@ -1,16 +1,17 @@
-//! The scrub, a part of the crank: settings of motion in RAM, and what was made of them, are looked at twice a second. What has
+//! The scrub, a part of every turn: settings of motion in RAM, and what was made of them, are looked at twice a second. What has
 //! changed by itself is a fault, which ends motion and heat.
 
 use crate::fault::{Cause, Fault};
 use crate::kinematics::Groups;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
+use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::units::Instant;
 
 /// So often, in ms: a flipped bit is found within a second even by a Console that storage keeps busy.
 const EVERY_MS: u32 = 500;
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Takes legal changes for right, and looks whether there were others.
     pub(super) fn scrub(&mut self, now: Instant) {
         self.settings.settle();
@@ -42,7 +43,7 @@ mod tests {
     extern crate std;
     use crate::fault::Cause;
     use crate::kinematics::{Groupings, Mechanism};
-    use crate::machine::console::Console;
+    use crate::machine::crank::Crank;
     use crate::machine::interrupt::Interrupt;
     use crate::machine::ports::Ports;
     use crate::motion::{Link, MoveMemory, MoveQueue, StepQueue};
@@ -89,9 +90,9 @@ mod tests {
         fn pend_stepper(&self) {}
     }
 
-    type Machine<'m> = Console<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage>, Nobody>;
+    type Machine<'m> = Crank<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage>, Nobody>;
 
-    /// What a Console with the groups of a mechanism finds within a second after each of the changes.
+    /// What a crank with the groups of a mechanism finds within a second after each of the changes.
     fn find(mechanism: &Mechanism, changes: &[fn(&mut Machine<'_>)]) -> Option<(u32, Cause)> {
         let settings = Settings::prototype();
         let (mut moves, mut events, mut orders) = (MoveQueue::new(), StepQueue::new(), OrderQueue::new());
@@ -104,11 +105,11 @@ mod tests {
         let now = Cell::new(Instant::default());
         let serial: Lines<_> = [Nothing].into_iter().collect();
         let ports = Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage };
-        let mut console = Console::new(settings, None, &mut memory, orders_in, &groupings, link, ports);
+        let mut crank = Crank::new(settings, None, &mut memory, orders_in, &groupings, link, ports);
         for change in changes {
             for ms in 0..=1000 {
                 now.set(now.get().after_ms(1));
-                match console.crank() {
+                match crank.go_on() {
                     Ok(()) => assert_eq!(status.fault().fault(), None, "a fault ends the turn"),
                     Err(interrupt) => {
                         assert_eq!(interrupt, Interrupt::Halt);
@@ -116,7 +117,7 @@ mod tests {
                     }
                 }
                 if ms == 0 {
-                    change(&mut console);
+                    change(&mut crank);
                 }
             }
         }

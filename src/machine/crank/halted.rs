@@ -10,9 +10,10 @@ use crate::fault::Fault;
 use crate::gcode::{self, Command};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
-use crate::machine::console::{Console, PortSet, yield_once};
+use crate::machine::crank::{Crank, yield_once};
 use crate::machine::hosts::host::{Asked, Text};
 use crate::machine::interrupt::Restart;
+use crate::machine::ports::PortSet;
 use crate::port::{Clock, LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
 
@@ -57,9 +58,9 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
     )
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
-    /// The Console after a stop, until M999.
-    pub(super) async fn stay_halted(&mut self) -> Restart {
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+    /// After a stop, until M999.
+    pub async fn stay_halted(&mut self) -> Restart {
         self.link.status().set_halted();
         self.stop_and_cut();
         self.link.status().set_awaiting_input(true);

@@ -1,24 +1,24 @@
 //! To rest: the end of the motion is awaited, or the motion is stopped; and where the machine stands then.
 
-use crate::machine::answers::answer::Answer;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::machine::state::waiting::Waiting;
 use crate::motion::{Work, stiffenings, taps};
 use crate::port::{Clock, Pend};
-use crate::units::Steps;
+use crate::units::{Steps, SubTicks, TICKS_PER_MS};
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Whether anything planned has not been stepped yet.
-    pub(in crate::machine) fn has_motion(&self) -> bool {
+    pub fn has_motion(&self) -> bool {
         !self.planner.is_empty() || !self.link.is_idle()
     }
 
     /// Waits until everything planned has been stepped.
-    pub(in crate::machine) async fn finish(&mut self) -> Result<(), Interrupt> {
+    pub async fn finish(&mut self) -> Result<(), Interrupt> {
         self.come_again();
         self.until(|c| {
-            c.policy.note_awaited();
-            c.planner.release_all();
+            c.release_all();
             !c.has_motion()
         })
         .await?;
@@ -27,7 +27,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Drops all motion and waits until the steps have stopped. The commanded position becomes the real one.
-    pub(in crate::machine) async fn drop_motion(&mut self) -> Result<(), Interrupt> {
+    pub async fn drop_motion(&mut self) -> Result<(), Interrupt> {
         self.planner.stand_at(self.planner.end());
         self.link.abort();
         let mut halted = Ok(());
@@ -46,41 +46,61 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         self.planner.fall_short(real);
         self.note_path();
         self.adopt_position(real).await?;
-        let real = self.retraction.commanded(self.seen(self.planner.mm(real)));
-        self.modal.extrusion = self.modal.named_position(real)[3];
-        self.modal.position = real;
+        self.commanded.fall_short(self.seen(self.planner.mm(real)));
         Ok(())
     }
 
-    /// M410: motion slows down along its path and ends; the position stays true.
-    pub(in crate::machine) async fn quick_stop(&mut self) -> Result<(), Interrupt> {
-        if !self.pauses.is_dwelling() {
-            self.link.brake();
-            while !self.link.has_stopped() {
-                // The path may lead on into moves that have not left the planner, so they go on leaving it.
-                if self.turn().await == Err(Interrupt::Halt) {
-                    return Err(Interrupt::Halt);
-                }
+    /// M410: motion slows down along its path, until it has stopped. Time that is let pass has no path.
+    pub async fn slow_down(&mut self) -> Result<(), Interrupt> {
+        if self.pauses.is_dwelling() {
+            return Ok(());
+        }
+        self.link.brake();
+        while !self.link.has_stopped() {
+            // The path may lead on into moves that have not left the planner, so they go on leaving it.
+            if self.turn().await == Err(Interrupt::Halt) {
+                return Err(Interrupt::Halt);
             }
         }
-        self.drop_motion().await?;
-        self.end_circulation().await?;
-        self.end_trim().await?;
-        self.end_measuring().await?;
-        if self.homed.stop() {
-            self.tell(Answer::Line("echo:homing was ended, the axis has no known position")).await?;
+        Ok(())
+    }
+
+    /// Moves that are planned go on to their end while a command waits for something else. False if nothing moves any more.
+    pub fn let_motion_end(&mut self) -> bool {
+        self.release_all();
+        let has_motion = self.has_motion();
+        if !has_motion {
+            self.policy.come_to_rest(self.ports.clock.now());
+        }
+        has_motion
+    }
+
+    /// All planned moves leave, for a command waits for them.
+    pub fn release_all(&mut self) {
+        self.policy.note_awaited();
+        self.planner.release_all();
+    }
+
+    /// Lets time pass in the motion itself, which rests; M108 ends it.
+    pub async fn let_pass(&mut self, ms: u32) -> Result<(), Interrupt> {
+        self.until(|c| c.link.has_room()).await?;
+        self.pauses.begin(Waiting::Time);
+        self.link.send(Work::Dwell(SubTicks::of_ticks(u64::from(ms) * u64::from(TICKS_PER_MS))));
+        self.until(|c| c.pauses.is_over() || c.link.is_idle()).await?;
+        if !self.link.is_idle() {
+            self.drop_motion().await?;
         }
         Ok(())
     }
 
     /// Tells the planner and the generator where the machine stands, and the generator anew what it follows, which may
     /// have been dropped with the motion. Motion rests.
-    pub(in crate::machine) async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
+    pub async fn adopt_position(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
         self.adopt_exactly(self.real.whole_steps_away(position, self.link.counts())).await
     }
 
     /// The same of a position that rounds to where every motor stands.
-    pub(in crate::machine) async fn adopt_exactly(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
+    pub(in crate::machine::crank) async fn adopt_exactly(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
         self.planner.stand_at(position);
         self.real.adopt(position, self.link.counts());
         self.until(|c| c.link.has_room()).await?;
@@ -93,7 +113,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Tells the generator what each axis follows. Motion rests.
-    pub(in crate::machine) async fn follow(&mut self) -> Result<(), Interrupt> {
+    pub(in crate::machine::crank) async fn follow(&mut self) -> Result<(), Interrupt> {
         let window = self.advance_in_use.window(&self.settings);
         for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
             self.until(|c| c.link.has_room()).await?;
@@ -107,7 +127,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Where the machine really is, in steps of x, y, z and e.
-    pub(in crate::machine) fn real_steps(&self) -> [Steps; 4] {
+    pub fn real_steps(&self) -> [Steps; 4] {
         self.real.of_axes(self.link.counts())
     }
 }

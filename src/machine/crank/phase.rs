@@ -13,13 +13,14 @@
 //! A rotor without power strains nothing, so its field is brought to where it rests, and not the rotor to where its field is. If a driver
 //! does not count steps without power the sum is still wrong then, and the motor is trimmed with power.
 
-use super::align::{preload_of, trimmed};
+use super::trim::{preload_of, trimmed};
 use crate::driver::Job;
 use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
 use crate::port::{Motor, MotorSet, Pend};
 use crate::settings::{Belt, Settings};
@@ -51,7 +52,7 @@ fn only_one(residual: &Residual, motors: MotorSet) -> Option<(Motor, i32)> {
     found.next().filter(|_| found.next().is_none())
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// The sum of a residual over the places in the sine tables; `None` if a driver does not tell.
     async fn phase_sum(&mut self, residual: &Residual) -> Result<Option<i32>, Interrupt> {
         let mut sum = 0;
@@ -70,7 +71,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// By how many steps fields strain a residual beside what is wanted, if its phase is known.
-    pub(super) async fn strain(&mut self, number: usize, residual: &Residual) -> Result<Option<i32>, Interrupt> {
+    pub async fn strain(&mut self, number: usize, residual: &Residual) -> Result<Option<i32>, Interrupt> {
         let Some(phase) = self.known_phase(number) else { return Ok(None) };
         let Some(sum) = self.phase_sum(residual).await? else { return Ok(None) };
         let microsteps = i32::from(self.settings.drivers.belt.microsteps);
@@ -82,11 +83,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Where motors are about to get power of which each is the last of its residual: their fields are brought to their rotors.
-    pub(in crate::machine) async fn meet_phases(
-        &mut self,
-        residuals: &Residuals,
-        next: MotorSet,
-    ) -> Result<(), Interrupt> {
+    pub(super) async fn meet_phases(&mut self, residuals: &Residuals, next: MotorSet) -> Result<(), Interrupt> {
         let missing = residuals.motors().without(self.drivers.powered());
         for (number, residual) in residuals.iter().enumerate() {
             let Some((motor, times)) = only_one(residual, missing).filter(|(motor, _)| next.has(*motor)) else {
@@ -106,7 +103,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Motors have power: those whose phases are known are aligned, or the host is told that they are not.
-    pub(in crate::machine) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
+    pub(super) async fn align_by_phases(&mut self, residuals: &Residuals) -> Result<(), Interrupt> {
         let is_known = residuals.iter().enumerate().all(|(number, _)| self.known_phase(number).is_some());
         if residuals.is_empty() || !is_known || self.trimming.is_aligned() || !self.has_power(residuals.motors()) {
             return Ok(());
@@ -150,7 +147,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Notes the phase of a residual whose motors strain nothing, if the driver of the trimmed motor counts as it should.
-    pub(super) async fn learn_phase(&mut self, number: usize, residual: &Residual) -> Result<(), Interrupt> {
+    pub async fn learn_phase(&mut self, number: usize, residual: &Residual) -> Result<(), Interrupt> {
         let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
         let full_step = i32::from(self.settings.drivers.belt.microsteps);
         let here = self.phase_sum(residual).await?;

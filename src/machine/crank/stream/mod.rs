@@ -6,8 +6,7 @@
 //!                                       └── release: what may leave now, how much of the feed
 //! ```
 //!
-//! All of it are parts of the Console: a command that moves calls [`plan`], one that needs the machine at rest calls
-//! [`rest`], and the crank calls [`hand_on`].
+//! A command that moves calls [`plan`], one that needs the machine at rest calls [`rest`], and every turn calls [`hand_on`].
 //!
 //! | word | means |
 //! |---|---|

@@ -3,8 +3,9 @@
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::fault::{self, Cause};
 use crate::machine::answers::answer::Answer;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
 use crate::units::Instant;
 
@@ -12,9 +13,9 @@ use crate::units::Instant;
 /// bad that the first proofs are too old when the last ones come is not one to print with.
 const MOST_PROOFS: usize = 6 * Motor::ALL.len();
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Whether these motors have power, and their steps are of the size that is counted on.
-    pub(super) fn has_power(&self, motors: MotorSet) -> bool {
+    pub fn has_power(&self, motors: MotorSet) -> bool {
         motors.without(self.drivers.powered()).is_empty() && self.drivers.is_drivable()
     }
 
@@ -23,7 +24,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each other get it one
     /// after another, and settle in between: then only what the last of them finds strains the belt. Talking to drivers and
     /// settling take up to a second and a half and happen before anything is planned, so they change no step.
-    pub(super) async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
+    pub async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         if let Some(why) = self.ports.drivers.refusal() {
             self.tell(Answer::Refused(why)).await?;
             return Err(Interrupt::NoPower);
@@ -75,7 +76,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Lets rotors come to rest.
-    pub(super) async fn settle(&mut self, until: Instant) -> Result<(), Interrupt> {
+    pub async fn settle(&mut self, until: Instant) -> Result<(), Interrupt> {
         while self.ports.clock.now() < until {
             self.turn().await?;
         }
@@ -83,7 +84,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Takes power from motors, and from all that would go on pulling at the same belt; what they held is no longer where it was.
-    pub(super) fn unpower(&mut self, motors: MotorSet) {
+    pub fn unpower(&mut self, motors: MotorSet) {
         let motors = self.residuals().with_opponents(motors);
         let on = self.drivers.powered().without(motors);
         // Nobody gets power that had none, so nobody has anything to prove.
@@ -106,11 +107,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Has a job done with one driver.
-    pub(super) async fn ask_driver(
-        &mut self,
-        job: Job,
-        motor: Motor,
-    ) -> Result<Result<Reading, DriverError>, Interrupt> {
+    pub async fn ask_driver(&mut self, job: Job, motor: Motor) -> Result<Result<Reading, DriverError>, Interrupt> {
         self.drivers.ask(job, motor);
         loop {
             if let Some(result) = self.drivers.answer() {

@@ -1,9 +1,12 @@
-//! Heat, the part of the crank: orders on their way, faults, filament, and heaters that nobody uses.
+//! Heat, a part of every turn: orders on their way, faults, filament, the self-test, and heaters that nobody uses. What commands order
+//! stands in [`heat_door`](super::heat_door).
 
 use crate::connectors::Heater;
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
 use crate::port::Pend;
+use crate::status::SelfTest;
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND};
 
 /// Heat is looked after so often, in ms: a quarter of a control period.
@@ -12,7 +15,7 @@ const TURN_MS: u32 = 5;
 /// And what the look-ahead knows of it so often: a fraction of any heater's lag.
 const AHEAD_MS: u32 = 50;
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Everything about heat that must go on whatever the Console waits for. A fault ends the motion here and now.
     pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
         if self.link.status().fault().is_set() {
@@ -34,7 +37,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// Hands on the orders for which there is room.
-    pub(super) fn send_orders(&mut self) {
+    pub fn send_orders(&mut self) {
         let (heat, thermal) = (self.link.status().heat(), &self.settings.thermal);
         let (period, fitted) = (heat.periods(), |heater: &Heater| thermal.heater(*heater).is_fitted);
         let are_read = || Heater::ALL.into_iter().filter(fitted).all(|heater| heat.measured(heater).is_some());
@@ -58,7 +61,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     }
 
     /// What a heater is to be kept at; 0 is off.
-    pub(super) fn target_of(&self, heater: Heater) -> Celsius {
+    pub fn target_of(&self, heater: Heater) -> Celsius {
         self.heat_orders.target(heater, self.link.status().heat())
     }
 
@@ -104,5 +107,21 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             u32::try_from(bits).unwrap_or(u32::MAX)
         };
         self.link.status().heat().set_filament_ahead(ahead.map(heat_of));
+    }
+
+    /// Tells how a self-test ended. One that fails is a fault, which tells of itself.
+    fn follow_self_test(&mut self) {
+        let heat = self.link.status().heat();
+        let state = heat.self_test();
+        let Some(end) = self.self_tests.follow(!self.heat_orders.is_test_waiting(), heat.periods(), state) else {
+            return;
+        };
+        self.hosts.tell_all(match end {
+            SelfTest::Passed => format_args!("echo:Self-test passed: each heater warms its own sensor"),
+            SelfTest::PutOff => {
+                format_args!("echo:Self-test put off until all heaters have readings, and these are below 50 C")
+            }
+            SelfTest::None | SelfTest::Testing => format_args!("echo:Self-test ended"),
+        });
     }
 }

@@ -1,32 +1,36 @@
-//! Telling: the Console writes an answer, and waits wherever there is no room for a part of it.
+//! Telling: an answer is written, and whoever tells it waits wherever there is no room for a part of it.
+//!
+//! How an answer is worded stands in `reports`; which report it is, here. A report of what the crank does not hold gets it in its answer.
 
-use super::belt_report::say_belt;
-use super::driver_report::{say_driver, say_driver_values};
-use super::heat_report::{Temperatures, say_heat, say_tuned};
-use super::heat_settings_report::say_heat_setting;
-use super::machine_report::say_machine;
-use super::message::say_message;
-use super::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
-use super::settings_report::{say_recovery, say_retraction, say_setting, say_settings};
-use super::storage_report::say_storage;
 use crate::connectors::Heater;
 use crate::gcode::Flaw;
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::{Progress, Speaker};
-use crate::machine::console::{Console, PortSet};
+use crate::machine::crank::Crank;
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::numbers::shortest;
+use crate::machine::ports::PortSet;
+use crate::machine::reports::belt_report::say_belt;
+use crate::machine::reports::driver_report::{say_driver, say_driver_values};
+use crate::machine::reports::heat_report::{Temperatures, say_heat, say_tuned};
+use crate::machine::reports::heat_settings_report::say_heat_setting;
+use crate::machine::reports::machine_report::say_machine;
+use crate::machine::reports::message::say_message;
+use crate::machine::reports::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
+use crate::machine::reports::settings_report::{say_recovery, say_retraction, say_setting, say_settings};
+use crate::machine::reports::storage_report::say_storage;
+use crate::machine::state::clamps::Clamps;
 use crate::port::{Clock, DriverBus, Pend};
 use crate::protocol::{Echo, Replies};
 use crate::settings::ranges;
 use crate::storage;
 use crate::units::Celsius;
 
-impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
+impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     /// Tells the host being served, as soon as there is room for it.
-    pub(in crate::machine) async fn tell(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
+    pub async fn tell(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
         self.progress = Progress::default();
         while !self.write(&answer) {
             self.turn().await?;
@@ -35,18 +39,18 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     }
 
     /// Tells the host what was brought into range.
-    pub(in crate::machine) async fn tell_clamps(&mut self) -> Result<(), Interrupt> {
+    pub async fn tell_clamps(&mut self, clamps: &mut Clamps) -> Result<(), Interrupt> {
         let mut place = 0;
-        while let Some(clamp) = self.clamps.get(place) {
+        while let Some(clamp) = clamps.get(place) {
             self.tell(Answer::Clamp(clamp)).await?;
             place += 1;
         }
-        self.clamps.clear();
+        clamps.clear();
         Ok(())
     }
 
     /// Writes the parts of an answer for which there is room; true if all are written.
-    pub(in crate::machine) fn write(&mut self, answer: &Answer<'_>) -> bool {
+    pub(super) fn write(&mut self, answer: &Answer<'_>) -> bool {
         self.progress.begin();
         match answer {
             Answer::Nothing => {}
@@ -60,7 +64,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     fn position(&self, real: bool) -> Position<'m> {
         let counts = self.link.counts();
         let at_motors = self.planner.mm(self.real.of_axes(counts));
-        let at = if real { self.seen(at_motors) } else { self.modal.position };
+        let at = if real { self.seen(at_motors) } else { self.commanded.position() };
         let ran = match (real, self.real.grouping()) {
             (false, _) => self.circulation.commanded,
             (true, Grouping::Tool | Grouping::Trim) => self.circulation.length(self.settings.axes.x.steps_per_mm),
@@ -70,7 +74,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
             }
         };
         let circulation = self.settings.belt.is_closed.then_some(ran);
-        Position::new(at, circulation, counts, &self.modal, &self.real)
+        Position::new(at, circulation, counts, &self.commanded, &self.real)
     }
 
     /// What the heaters are at.
@@ -181,7 +185,7 @@ impl<'m, P: PortSet, W: Pend> Console<'m, P, W> {
     }
 
     /// Tells hosts what they want to be told by itself.
-    pub(in crate::machine) fn report_unasked(&mut self) {
+    pub(super) fn report_unasked(&mut self) {
         let now = self.ports.clock.now();
         if self.hosts.is_due(Report::Temperatures, now) {
             let temperatures = self.temperatures();

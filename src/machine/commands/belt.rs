@@ -1,0 +1,179 @@
+//! The motors of a belt, as M915 asks for them: aligned; or the switches of x and y are met once more, to see whether the tool is where
+//! the steps say (D), and what is to be done if it is not (R). How it is done stands in `belt`.
+
+use super::homing::{home_and_align, touch};
+use crate::gcode::AxisFlags;
+use crate::kinematics::Residuals;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
+use crate::machine::belt::align::{BeltError, begin_measuring, end_measuring, find_apex, leave_at};
+use crate::machine::belt::diagnosis::{Touched, diagnose, is_aside};
+use crate::machine::crank::Crank;
+use crate::machine::crank::trim::trimmed;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::machine::state::notices::Notices;
+use crate::motion::Target;
+use crate::port::{EndstopSet, Pend};
+use crate::settings::HomedAxis;
+use crate::units::Mm;
+
+/// How far z is lifted while the tool goes to the switches, so that the nozzle does not touch the print.
+const LIFT: Mm = Mm::const_from_int(5);
+
+/// The axes of the belt.
+const BELT_AXES: AxisFlags = AxisFlags { x: true, y: true, z: false, e: false };
+
+/// M915: x and y are homed, their motors aligned, and x and y homed again.
+pub(in crate::machine) async fn align_belt<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+) -> Result<Answer<'static>, Interrupt> {
+    if crank.residuals().is_empty() {
+        return Ok(Answer::Belt(BeltAnswer::NoResidual));
+    }
+    let lift = lift(crank).await?;
+    home_and_align(crank, notices, BELT_AXES, true).await?;
+    lower(crank, lift).await?;
+    Ok(Answer::Nothing)
+}
+
+/// M915 D and R: what has happened since the motors were aligned; with `repairs` it is set right.
+pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    repairs: bool,
+) -> Result<Answer<'static>, Interrupt> {
+    let residuals = crank.residuals();
+    if residuals.is_empty() {
+        return Ok(Answer::Belt(BeltAnswer::NoResidual));
+    }
+    let [x, y, _] = crank.homed().axes();
+    if !(crank.trimming().is_aligned() && x && y && crank.has_power(residuals.motors())) {
+        return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
+    }
+    let lift = lift(crank).await?;
+    let aside = touch_both(crank).await?;
+    crank.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
+    // Until it is known that nothing has happened, nobody is to believe it: M410 may end this with a motor on its way.
+    let (homed, trimming) = (crank.homed(), *crank.trimming());
+    crank.trimming_mut().forget();
+    let mechanism = crank.groups().mechanism();
+    crank.homed_mut().release(residuals.motors(), mechanism);
+    let mut answer = match examine(crank, &residuals, aside, repairs).await {
+        Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
+        Err(BeltError::Align(error)) => BeltAnswer::NotAligned(error),
+        Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
+    };
+    let is_well = matches!(answer, BeltAnswer::Diagnosis(Diagnosis::Nothing));
+    let is_known = matches!(answer, BeltAnswer::Diagnosis(_));
+    if is_well {
+        // Something may have happened while loads were measured.
+        let again = touch_both(crank).await?;
+        if is_anywhere_aside(crank, again) {
+            crank.tell(Answer::Belt(BeltAnswer::Touched(again))).await?;
+            answer = BeltAnswer::Diagnosis(Diagnosis::Several);
+        } else if crank.has_power(residuals.motors()) {
+            *crank.homed_mut() = homed;
+            *crank.trimming_mut() = trimming;
+        }
+    } else if repairs && is_known {
+        crank.trimming_mut().align();
+        crank.tell(Answer::Belt(answer)).await?;
+        home_and_align(crank, notices, BELT_AXES, false).await?;
+        let proof = touch_both(crank).await?;
+        answer = BeltAnswer::Repaired(proof);
+        if is_anywhere_aside(crank, proof) {
+            answer = BeltAnswer::NotRepaired(proof);
+            crank.trimming_mut().forget();
+            crank.homed_mut().release(residuals.motors(), mechanism);
+        }
+    }
+    lower(crank, lift).await?;
+    Ok(Answer::Belt(answer))
+}
+
+/// Meets the switches of x and y, and backs off. Gives how many steps beside their places they were met.
+async fn touch_both<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<[i32; 2], Interrupt> {
+    Ok([touch(crank, HomedAxis::X).await?, touch(crank, HomedAxis::Y).await?])
+}
+
+/// Whether a tool that is so many steps beside its place is where it should not be.
+fn is_anywhere_aside<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, aside: [i32; 2]) -> bool {
+    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+    aside.into_iter().any(|aside| is_aside(aside, full_step))
+}
+
+/// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be repaired; all
+/// others are as they were.
+async fn examine<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    residuals: &Residuals,
+    aside: [i32; 2],
+    repairs: bool,
+) -> Result<Diagnosis, BeltError> {
+    begin_measuring(crank, residuals.motors()).await?;
+    let result = examine_each(crank, residuals, aside, repairs).await;
+    if !matches!(result, Err(BeltError::Interrupted(_))) {
+        end_measuring(crank).await?;
+    }
+    result
+}
+
+async fn examine_each<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    residuals: &Residuals,
+    aside: [i32; 2],
+    repairs: bool,
+) -> Result<Diagnosis, BeltError> {
+    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+    let mut said = Diagnosis::Nothing;
+    for (number, residual) in residuals.iter().enumerate() {
+        let Some((motor, times)) = trimmed(residual) else { continue };
+        let preload = crank.preload_steps();
+        let Some(apex) = find_apex(crank, residual).await? else { continue };
+        let step = apex.step;
+        let touched = Touched { aside, residual: -step * times - preload };
+        let found = diagnose(&crank.settings().mechanism, residual, touched, full_step);
+        said = found.graver(said);
+        if repairs && found != Diagnosis::Nothing {
+            leave_at(crank, number, residual, apex).await?;
+        } else {
+            crank.trim(motor, -step).await?;
+        }
+    }
+    Ok(said)
+}
+
+/// Lifts z if it is known where it is, and says by how much.
+async fn lift<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<Mm, Interrupt> {
+    crank.finish().await?;
+    let [.., z] = crank.homed().axes();
+    let position = crank.planned_end_mm();
+    let [_, _, at, _] = position;
+    let lift = LIFT.min(crank.settings().axes.z.length.saturating_sub(at)).max(Mm::ZERO);
+    if !z {
+        return Ok(Mm::ZERO);
+    }
+    shift_z(crank, lift).await?;
+    Ok(lift)
+}
+
+/// Takes back what [`lift`] did.
+async fn lower<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
+    shift_z(crank, -lift).await
+}
+
+async fn shift_z<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, by: Mm) -> Result<(), Interrupt> {
+    if by == Mm::ZERO {
+        return Ok(());
+    }
+    let mut position = crank.planned_end_mm();
+    let [_, _, z, _] = &mut position;
+    *z = z.saturating_add(by);
+    let speed = crank.settings().axes.z.max_speed;
+    crank.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    crank.finish().await?;
+    crank.stand_at_end();
+    Ok(())
+}

@@ -1,0 +1,48 @@
+//! C in G0 and G1: the belt runs round, with the tool standing or moving in x and y.
+
+use super::moves::Moves;
+use crate::gcode::{AxisWords, Flaw, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::belt::circulate::run_round;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::machine::state::modal::FARTHEST;
+use crate::machine::state::soft_endstops::clamp;
+use crate::port::Pend;
+
+impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
+    /// G0, G1 with C. The move begins and ends at rest.
+    pub async fn circulate(
+        &mut self,
+        to: &AxisWords,
+        belt: Number,
+        feed: Option<Number>,
+    ) -> Result<Answer<'static>, Interrupt> {
+        if !self.crank.settings().belt.is_closed {
+            return Ok(Answer::Malformed(Flaw::NoAxis(b'C')));
+        }
+        if to.z.is_some() || to.e.is_some() {
+            return Ok(Answer::Line("echo:line ignored: C goes with X, Y and F alone"));
+        }
+        let speed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
+        let wanted = self.target(to).await?.position;
+        let at = self.crank.commanded().position();
+        if !self.may_move([0, 1, 2].map(|axis| wanted.get(axis) != at.get(axis))).await? {
+            return Ok(Answer::NotHomed);
+        }
+        let (inside, moved) = clamp(wanted, at, self.crank.homed(), self.crank.settings());
+        if moved {
+            self.tell_of_edge().await?;
+        }
+        let belt = self.modal.length(belt);
+        let target = if self.modal.absolute { belt } else { self.crank.circulation().commanded.saturating_add(belt) };
+        if !FARTHEST.holds(target) {
+            self.tell_of_edge().await?;
+        }
+        let [x, y, ..] = inside;
+        run_round(self.crank, [x, y], FARTHEST.clamp(target), speed).await?;
+        self.modal.feed = speed;
+        self.crank.commanded_mut().go_to(inside);
+        Ok(Answer::Nothing)
+    }
+}

@@ -1,0 +1,33 @@
+//! The motors: which ones axes mean (M17, M84), and how their drivers are (M122).
+
+use crate::driver::Job;
+use crate::gcode::AxisFlags;
+use crate::kinematics::Groups;
+use crate::machine::answers::answer::Answer;
+use crate::machine::belt::report::report_belt;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::port::{Motor, MotorSet, Pend};
+
+/// The motors that move the named axes; all if none is named.
+pub(super) fn motors_of(groups: &Groups, flags: AxisFlags) -> MotorSet {
+    let AxisFlags { x, y, z, e, .. } = flags;
+    let mechanism = groups.mechanism();
+    let named = [x, y, z, e].into_iter().enumerate().filter(|(_, named)| *named);
+    let set = named.fold(MotorSet::NONE, |set, (axis, _)| set.with(mechanism.motors_of(axis)));
+    if set.is_empty() { groups.fitted() } else { set }
+}
+
+/// M122.
+pub(super) async fn diagnose<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<Answer<'static>, Interrupt> {
+    let fitted = crank.groups().fitted();
+    for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
+        let has_uart = crank.uarts().has(motor);
+        let reading = if has_uart { Some(crank.ask_driver(Job::Read, motor).await?) } else { None };
+        crank.tell(Answer::Driver(motor, reading)).await?;
+    }
+    report_belt(crank).await?;
+    crank.tell(Answer::Overload).await?;
+    Ok(Answer::Heat)
+}

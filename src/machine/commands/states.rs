@@ -1,0 +1,43 @@
+//! What commands keep from line to line, and nobody needs while one of them waits.
+
+use super::cold_extrusion::ColdExtrusion;
+use crate::machine::state::clamps::Clamps;
+use crate::machine::state::machine_pieces::MachinePieces;
+use crate::machine::state::modal::Modal;
+use crate::machine::state::notices::Notices;
+use crate::machine::state::retraction::RetractionSettings;
+
+/// All of it. The dispatch hands each command those that it names.
+pub(in crate::machine) struct States {
+    /// What numbers of lines mean.
+    pub(super) modal: Modal,
+    /// How G10 and G11 retract.
+    pub(super) retraction: RetractionSettings,
+    /// Values of the present command that were out of range.
+    pub(super) clamps: Clamps,
+    /// What hosts were told once.
+    pub(super) notices: Notices,
+    /// A machine on its way over the line.
+    pub(super) pieces: MachinePieces,
+    /// M302.
+    pub(super) cold: ColdExtrusion,
+}
+
+impl States {
+    /// As after a reset.
+    pub const fn new() -> Self {
+        Self {
+            modal: Modal::new(),
+            retraction: RetractionSettings::new(),
+            clamps: Clamps::new(),
+            notices: Notices::new(),
+            pieces: MachinePieces::new(),
+            cold: ColdExtrusion::new(),
+        }
+    }
+
+    /// Another print begins.
+    pub fn begin_print(&mut self) {
+        self.notices.renew_for_print();
+    }
+}

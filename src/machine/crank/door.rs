@@ -1,0 +1,173 @@
+//! The door: what a command may look at and change at once, of what the crank goes on with.
+
+use super::Crank;
+use crate::connectors::BoardConnectors;
+use crate::kinematics::Groups;
+use crate::machine::hosts::schedule::Report;
+use crate::machine::ports::PortSet;
+use crate::machine::state::commanded::Commanded;
+use crate::machine::state::pauses::Pauses;
+use crate::machine::state::position::Homed;
+use crate::port::{Clock, DriverBus, Pend};
+use crate::settings::Settings;
+use crate::status::Status;
+use crate::units::{Instant, Mm, Steps};
+use core::fmt;
+
+impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
+    /// What time it is.
+    pub fn now(&self) -> Instant {
+        self.ports.clock.now()
+    }
+
+    /// What the contexts know of each other.
+    pub const fn status(&self) -> &'m Status {
+        self.link.status()
+    }
+
+    /// The settings as they are now.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// The settings, of which the following moves make their plans. What is counted in steps has to be taken over by
+    /// `use_settings` instead, what drivers hold by `use_driver_settings`.
+    pub fn settings_mut(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
+    /// The settings that the machine was made with.
+    pub fn defaults(&self) -> &Settings {
+        &self.defaults
+    }
+
+    /// Memory for settings.
+    pub const fn storage(&self) -> &P::Storage {
+        &self.ports.storage
+    }
+
+    /// The same, to read and write.
+    pub const fn storage_mut(&mut self) -> &mut P::Storage {
+        &mut self.ports.storage
+    }
+
+    /// Why this board is no machine, if it is none.
+    pub fn refusal(&self) -> Option<&'static str> {
+        self.ports.drivers.refusal()
+    }
+
+    /// What the board has.
+    pub fn connectors(&self) -> &'static BoardConnectors {
+        self.ports.drivers.connectors()
+    }
+
+    /// How many hosts there are.
+    pub fn hosts(&self) -> usize {
+        self.hosts.len()
+    }
+
+    /// Has a host hear what is told from now on.
+    pub fn turn_to(&mut self, host: usize) {
+        self.hosts.turn_to(host);
+    }
+
+    /// Says the same line to all hosts; one that has no room for it misses it.
+    pub fn tell_all(&mut self, line: fmt::Arguments<'_>) {
+        self.hosts.tell_all(line);
+    }
+
+    /// Says the same line to all but the host being served; one that has no room for it misses it.
+    pub fn tell_others(&mut self, line: fmt::Arguments<'_>) {
+        self.hosts.tell_others(line);
+    }
+
+    /// Has the host being served told a report every `period_s`.
+    pub fn schedule(&mut self, report: Report, period_s: u8) {
+        self.hosts.schedule(report, period_s, self.ports.clock.now());
+    }
+
+    /// M84 S.
+    pub fn set_idle_timeout(&mut self, seconds: u32) {
+        self.idle_timeout.set(seconds, self.ports.clock.now());
+    }
+
+    /// What is waited for.
+    pub const fn pauses(&self) -> &Pauses {
+        &self.pauses
+    }
+
+    /// The same: a command says what it waits for.
+    pub const fn pauses_mut(&mut self) -> &mut Pauses {
+        &mut self.pauses
+    }
+
+    /// Whether nothing was asked of the motion since the start.
+    pub const fn is_fresh(&self) -> bool {
+        self.link.is_fresh()
+    }
+
+    /// Has the Stepper look at the endstops.
+    pub fn look_at_endstops(&self) {
+        self.link.look_at_endstops();
+    }
+
+    /// M220.
+    pub const fn feed_percent(&self) -> u16 {
+        self.planner.feed_percent()
+    }
+
+    /// Where the program is.
+    pub const fn commanded(&self) -> &Commanded {
+        &self.commanded
+    }
+
+    /// The same: a command has sent it elsewhere, or calls it something else.
+    pub const fn commanded_mut(&mut self) -> &mut Commanded {
+        &mut self.commanded
+    }
+
+    /// Which axes are homed.
+    pub const fn homed(&self) -> Homed {
+        self.homed
+    }
+
+    /// The same, for those that home.
+    pub const fn homed_mut(&mut self) -> &mut Homed {
+        &mut self.homed
+    }
+
+    /// The groups of motors in use.
+    pub const fn groups(&self) -> &'m Groups {
+        self.real.groups()
+    }
+
+    /// Where the last planned move ends.
+    pub const fn planned_end(&self) -> [Steps; 4] {
+        self.planner.end()
+    }
+
+    /// The same in mm.
+    pub fn planned_end_mm(&self) -> [Mm; 4] {
+        self.planner.mm(self.planner.end())
+    }
+
+    /// The path of the tool that was planned so far, in mm; it wraps.
+    pub const fn planned_path(&self) -> u32 {
+        self.planner.path()
+    }
+
+    /// A position in steps.
+    pub fn to_steps(&self, position: [Mm; 4]) -> [Steps; 4] {
+        self.planner.steps(position)
+    }
+
+    /// A position in mm.
+    pub fn to_mm(&self, position: [Steps; 4]) -> [Mm; 4] {
+        self.planner.mm(position)
+    }
+
+    /// The program stands where the last planned move ends.
+    pub fn stand_at_end(&mut self) {
+        self.commanded.stand_at(self.planner.mm(self.planner.end()));
+    }
+}

@@ -1,0 +1,60 @@
+//! Hearing: lines of hosts in, the urgent ones first, and what a host is about while it is silent.
+
+use super::Crank;
+use crate::machine::hosts::host::{Asked, Text};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::port::{Clock, DriverBus, MotorSet, Pend};
+use crate::protocol::Activity;
+
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+    /// No motor has power, and hosts are listened to from now on.
+    pub fn begin(&mut self) {
+        self.ports.drivers.enable(MotorSet::NONE);
+        self.hosts.open(self.ports.clock.now());
+    }
+
+    /// What a host asks for next; a command's text is put into `text`.
+    pub fn next_line(&mut self, text: &mut Text) -> Option<Asked> {
+        let now = self.ports.clock.now();
+        let patience = (u32::from(self.settings.patience_ms), self.activity());
+        let asked = self.hosts.next_line(now, patience, text);
+        self.link.status().set_awaiting_input(asked.is_none());
+        asked
+    }
+
+    /// The line is answered.
+    pub const fn end_line(&mut self) {
+        self.hosts.note_answered();
+        self.pauses.end_command();
+    }
+
+    /// Whether the host being served waits for the answer to a line.
+    pub const fn owes_ok(&self) -> bool {
+        self.hosts.owes_ok()
+    }
+
+    /// What the machine is about while a host is silent.
+    fn activity(&self) -> Activity {
+        if self.has_motion() {
+            Activity::Moving
+        } else if !self.policy.has_waited() {
+            Activity::Resting
+        } else if self.pauses.is_print_paused() {
+            Activity::Paused
+        } else {
+            Activity::Waited
+        }
+    }
+
+    /// Takes in what has arrived.
+    pub(super) fn receive(&mut self) -> Option<Interrupt> {
+        let urgent = self.hosts.receive();
+        self.pauses.note(urgent.go_on, urgent.resume);
+        if urgent.stop {
+            self.is_to_restart = urgent.restart;
+            return Some(Interrupt::Halt);
+        }
+        urgent.quick_stop.then_some(Interrupt::QuickStop)
+    }
+}

@@ -1,0 +1,107 @@
+//! Heat, the door: what commands order of heaters and fans, and what they may know of them.
+
+use super::Crank;
+use crate::connectors::{HEATERS, Heater};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::port::{Clock, Pend, Storage};
+use crate::thermal::test_subject;
+use crate::units::Celsius;
+
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+    /// What each heater is at; the coldest there is without a reading.
+    pub fn measured(&self) -> [Celsius; HEATERS] {
+        Heater::ALL.map(|heater| self.link.status().heat().measured(heater).unwrap_or(Celsius::MIN))
+    }
+
+    /// A heater is to be kept at `target`; 0 is off. It is sent with the next orders.
+    pub fn heat(&mut self, heater: Heater, target: Celsius) {
+        self.heat_orders.heat(heater, target);
+    }
+
+    /// Somebody uses the heaters.
+    pub fn note_heaters_used(&mut self) {
+        self.heaters_used = self.ports.clock.now();
+    }
+
+    /// What heaters were at before they went off while the user was waited for. It is not known any more then.
+    pub const fn take_targets_before(&mut self) -> Option<[Celsius; HEATERS]> {
+        self.targets_before.take()
+    }
+
+    /// Settings of heaters or fans may have changed.
+    pub const fn note_heat_settings(&mut self) {
+        self.heat_orders.note_settings();
+    }
+
+    /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. With as many speeds on their way as there
+    /// may be, it waits as a move does that finds the look-ahead full: only as long as that changes no speed of a move.
+    pub async fn blow(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
+        if !self.has_motion() && self.fan_schedule.is_empty() {
+            self.heat_orders.blow(fan, speed);
+            return Ok(());
+        }
+        while !self.fan_schedule.has_room() && !self.planner.lacks_moves() {
+            self.policy.note_full();
+            self.turn().await?;
+        }
+        self.fan_schedule.add(self.planner.planned().0, fan, speed);
+        Ok(())
+    }
+
+    /// Heaters and fans go off, and no fan waits for its turn.
+    pub fn switch_off_heat(&mut self) {
+        self.heat_orders.switch_off();
+        self.fan_schedule.clear();
+        self.send_orders();
+    }
+
+    /// Find out how a heater behaves.
+    pub const fn order_tuning(&mut self, heater: Heater, target: Celsius, cycles: u8) {
+        self.heat_orders.tune(heater, target, cycles);
+    }
+
+    /// Whether all orders have left but those of fans.
+    pub const fn are_orders_gone(&self) -> bool {
+        self.heat_orders.is_empty()
+    }
+
+    /// Heaters are about to be switched on: those that were not tested since the last update are tested first. Their targets
+    /// wait in the thermal context.
+    pub fn test_before_heating(&mut self) {
+        let Some(image) = self.ports.storage.image() else { return };
+        let subject = test_subject(&self.settings.thermal, image);
+        if self.self_tests.is_needed(subject) {
+            self.begin_self_test(subject, false);
+        }
+    }
+
+    /// Somebody has asked for a self-test.
+    pub fn begin_asked_test(&mut self) {
+        if !self.self_tests.is_under_way() {
+            let image = self.ports.storage.image().unwrap_or_default();
+            self.begin_self_test(test_subject(&self.settings.thermal, image), true);
+        }
+    }
+
+    fn begin_self_test(&mut self, subject: u32, is_asked: bool) {
+        self.self_tests.begin(subject, is_asked);
+        self.heat_orders.test();
+        self.send_orders();
+    }
+
+    /// Whether a self-test is under way.
+    pub const fn is_testing(&self) -> bool {
+        self.self_tests.is_under_way()
+    }
+
+    /// What passed its self-test before the start, if anything did.
+    pub const fn know_passed_test(&mut self, passed: Option<u32>) {
+        self.self_tests.know(passed);
+    }
+
+    /// What has passed its self-test and is to be noted, once the machine rests: flash may stop the processor while it is written.
+    pub fn take_passed_test(&mut self) -> Option<u32> {
+        if self.self_tests.has_news() && !self.has_motion() { self.self_tests.take_news() } else { None }
+    }
+}

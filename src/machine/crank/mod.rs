@@ -1,0 +1,228 @@
+//! The crank: everything that must go on whatever a command waits for.
+//!
+//! ```text
+//!   a command ── plan, finish, power, tell, ... ──▶ door ──▶ owners
+//!        └────── waits: turn ──▶ bytes in ▶ emergencies ▶ drivers ▶ moves ▶ settings ▶ heat ▶ replies out
+//! ```
+//!
+//! A waiting command holds `&mut Crank` and the states that it names, and nothing else. The fields are private to this folder: what a
+//! command may do with them are the methods that it can see. Nothing here knows a command.
+//!
+//! | file or folder | for |
+//! |---|---|
+//! | this one | a turn, and what all of it needs |
+//! | [`door`] | what commands may look at and change at once |
+//! | [`hear`] | lines of hosts in |
+//! | [`tell`] | answers out, as soon as there is room for them |
+//! | [`stream`] | moves into the look-ahead and out of it, and the machine to rest |
+//! | [`take_over`] | settings that more than the next plan depends on |
+//! | [`regroup`] | a belt, or one motor of it, has the place of z |
+//! | [`trim`], [`phase`] | one motor of a belt is turned alone; its motors are aligned as they get power |
+//! | [`power`] | power for the motors, and talks with their drivers |
+//! | [`heat`], [`heat_door`] | orders for heaters and fans, and what is looked at while they are on; what commands order |
+//! | [`scrub`] | whether settings in RAM are what was put in |
+//! | [`halted`] | after a stop: what hosts are told until M999 |
+//!
+//! | word | means |
+//! |---|---|
+//! | turn | everybody else goes on, and then everything here, once |
+//! | door | the methods that commands see |
+
+mod door;
+mod halted;
+mod hear;
+mod heat;
+mod heat_door;
+mod phase;
+mod power;
+mod regroup;
+mod scrub;
+mod stream;
+mod take_over;
+mod tell;
+pub(in crate::machine) mod trim;
+
+use crate::connectors::HEATERS;
+use crate::driver::Drivers;
+use crate::kinematics::Groupings;
+use crate::machine::answers::speaker::Progress;
+use crate::machine::hosts::serving::Hosts;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::{Devices, PortSet, Ports};
+use crate::machine::release::policy::ReleasePolicy;
+use crate::machine::state::advance_in_use::AdvanceInUse;
+use crate::machine::state::circulation::Circulation;
+use crate::machine::state::commanded::Commanded;
+use crate::machine::state::fan_schedule::FanSchedule;
+use crate::machine::state::heat_orders::HeatOrders;
+use crate::machine::state::idle_timeout::IdleTimeout;
+use crate::machine::state::pauses::Pauses;
+use crate::machine::state::position::{Homed, RealPosition};
+use crate::machine::state::self_tests::SelfTests;
+use crate::machine::state::trimming::Trimming;
+use crate::motion::{Link, MoveMemory, Planner};
+use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
+use crate::protocol::Replies;
+use crate::settings::{Kept, Settings};
+use crate::thermal::Orders;
+use crate::units::{Celsius, Instant, Mm};
+use core::future::poll_fn;
+use core::task::Poll;
+
+/// What goes on in every wait.
+pub(in crate::machine) struct Crank<'m, P: PortSet, W: Pend> {
+    ports: Devices<P>,
+    hosts: Hosts<P::Serial>,
+    link: Link<'m, W>,
+    planner: Planner<'m>,
+    policy: ReleasePolicy,
+    /// There is more to do at once: the next turn is wanted before anything happens.
+    comes_again: bool,
+    /// How far the present answer has been written.
+    progress: Progress,
+    settings: Kept<Settings>,
+    /// The settings that the machine was made with.
+    defaults: Kept<Settings>,
+    /// When they are looked at next.
+    scrub_due: Instant,
+    commanded: Commanded,
+    homed: Homed,
+    real: RealPosition<'m>,
+    circulation: Circulation,
+    trimming: Trimming,
+    /// What the motor drivers hold, and which motors have power.
+    drivers: Drivers,
+    idle_timeout: IdleTimeout,
+    pauses: Pauses,
+    advance_in_use: AdvanceInUse,
+    /// M999 came after M112.
+    is_to_restart: bool,
+    /// To the heaters and fans, and what is yet to go there.
+    orders: Orders<'m>,
+    heat_orders: HeatOrders,
+    fan_schedule: FanSchedule,
+    self_tests: SelfTests,
+    /// When heaters were last used, and what they were at before they went off while the user was waited for.
+    heaters_used: Instant,
+    targets_before: Option<[Celsius; HEATERS]>,
+    /// When heat is looked after next, and when the filament in the look-ahead is told next.
+    heat_due: Instant,
+    ahead_due: Instant,
+}
+
+impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Crank<'m, Ports<S, D, K, T>, W> {
+    /// That of a machine with these groups of motors that stands at `start` if that is known, as if homed.
+    pub fn new(
+        settings: Settings,
+        start: Option<[Mm; 3]>,
+        memory: &'m mut MoveMemory,
+        orders: Orders<'m>,
+        groupings: &'m Groupings,
+        link: Link<'m, W>,
+        ports: Ports<S, D, K, T>,
+    ) -> Self {
+        let [x, y, z] = start.unwrap_or_default();
+        let Ports { serial, drivers: bus, clock, storage } = ports;
+        let now = clock.now();
+        let drivers = Drivers::new(bus.lines(), &settings);
+        Self {
+            ports: Devices { drivers: bus, clock, storage },
+            hosts: Hosts::new(serial),
+            link,
+            planner: Planner::new(memory, &settings, [x, y, z, Mm::ZERO]),
+            policy: ReleasePolicy::new(),
+            comes_again: false,
+            progress: Progress::default(),
+            settings: Kept::new(settings),
+            defaults: Kept::new(settings),
+            scrub_due: now,
+            commanded: Commanded::new([x, y, z]),
+            homed: Homed::new([start.is_some(); 3]),
+            real: RealPosition::new(groupings),
+            circulation: Circulation::new(),
+            trimming: Trimming::new(),
+            drivers,
+            idle_timeout: IdleTimeout::new(now),
+            pauses: Pauses::new(),
+            advance_in_use: AdvanceInUse::new(),
+            is_to_restart: false,
+            orders,
+            heat_orders: HeatOrders::new(&settings.thermal),
+            fan_schedule: FanSchedule::new(),
+            self_tests: SelfTests::new(),
+            heaters_used: now,
+            targets_before: None,
+            heat_due: now,
+            ahead_due: now,
+        }
+    }
+}
+
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+    /// There is more to do at once: the next turn is wanted before anything happens.
+    pub const fn come_again(&mut self) {
+        self.comes_again = true;
+    }
+
+    /// Lets the world go round once, without waiting for anything to happen.
+    async fn turn_again(&mut self) -> Result<(), Interrupt> {
+        self.come_again();
+        self.turn().await
+    }
+
+    /// Lets the world go round once.
+    pub async fn turn(&mut self) -> Result<(), Interrupt> {
+        let comes_again = core::mem::take(&mut self.comes_again);
+        yield_once(comes_again).await;
+        if !comes_again {
+            // Time has passed.
+            self.follow_stream();
+        }
+        self.go_on()
+    }
+
+    /// Waits until `done`.
+    async fn until(&mut self, done: fn(&mut Self) -> bool) -> Result<(), Interrupt> {
+        while !done(self) {
+            self.turn().await?;
+        }
+        Ok(())
+    }
+
+    /// Everything that must go on whatever the Console waits for. Bounded by what has arrived. Emergencies are heard first and
+    /// returned last, when all else has had its turn: moves that M112 may still hand on are dropped by the abort that follows.
+    fn go_on(&mut self) -> Result<(), Interrupt> {
+        self.link.status().heat().beat_of_console();
+        let emergency = self.receive();
+        self.hosts.greet(Replies::start);
+        self.tend_drivers()?;
+        self.feed_motion();
+        let now = self.ports.clock.now();
+        self.scrub(now);
+        self.tend_heat(now)?;
+        let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
+        self.hosts.keep_alive(now, keepalive_ms, self.pauses.is_for_user());
+        self.report_unasked();
+        self.watch_idleness();
+        self.hosts.send();
+        match emergency {
+            Some(interrupt) => Err(interrupt),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Gives everybody else a turn; has itself woken if it wants the next one at once.
+async fn yield_once(comes_again: bool) {
+    let mut yielded = false;
+    poll_fn(|context| {
+        if core::mem::replace(&mut yielded, true) {
+            return Poll::Ready(());
+        }
+        if comes_again {
+            context.waker().wake_by_ref();
+        }
+        Poll::Pending
+    })
+    .await;
+}

@@ -1,0 +1,121 @@
+//! Regrouping: a belt that runs round, or one motor of it, has the place of z in the planner, the generator and the step pins.
+//!
+//! Motors are regrouped at rest. `belt` says what for.
+
+use super::Crank;
+use crate::fault::{Cause, Fault};
+use crate::kinematics::{Grouping, Residuals};
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::machine::state::circulation::Circulation;
+use crate::machine::state::trimming::Trimming;
+use crate::motion::Target;
+use crate::motors::Coupling;
+use crate::port::{DriverBus, EndstopSet, Pend};
+use crate::settings::{AxisSettings, Settings};
+use crate::units::{Mm, MmPerSec, Steps};
+
+/// The settings of motion while the belt has the place of z.
+fn circulating(s: &Settings) -> Settings {
+    let z = AxisSettings {
+        steps_per_mm: s.axes.x.steps_per_mm,
+        max_speed: s.belt.max_speed,
+        max_acceleration: s.belt.max_acceleration,
+        length: s.axes.z.length,
+    };
+    let mut settings = *s;
+    settings.axes.z = z;
+    settings
+}
+
+impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
+    /// What the motors of x and y could do to the belt.
+    pub fn residuals(&self) -> Residuals {
+        Residuals::new(&self.settings.mechanism, self.settings.belt.is_closed)
+    }
+
+    /// For which coordinates motors step together.
+    pub const fn grouping(&self) -> Grouping {
+        self.real.grouping()
+    }
+
+    /// How far the belt has run round.
+    pub const fn circulation(&self) -> &Circulation {
+        &self.circulation
+    }
+
+    /// The same, for the belt.
+    pub const fn circulation_mut(&mut self) -> &mut Circulation {
+        &mut self.circulation
+    }
+
+    /// Whether motors of one belt agree.
+    pub const fn trimming(&self) -> &Trimming {
+        &self.trimming
+    }
+
+    /// The same, for those that align them.
+    pub const fn trimming_mut(&mut self) -> &mut Trimming {
+        &mut self.trimming
+    }
+
+    /// What the planner has its resolutions and limits from.
+    pub(super) fn with_motion_settings<R>(&self, work: impl FnOnce(&Settings) -> R) -> R {
+        match self.real.grouping() {
+            Grouping::Tool => work(&self.settings),
+            Grouping::Circulation | Grouping::Trim => work(&circulating(&self.settings)),
+        }
+    }
+
+    /// A position of the planner as people see it: z stands where it stood when the belt took its place.
+    pub(super) fn seen(&self, position: [Mm; 4]) -> [Mm; 4] {
+        match self.real.grouping() {
+            Grouping::Tool => position,
+            Grouping::Circulation => {
+                let ([x, y, _, e], (_, z)) = (position, self.circulation.z());
+                [x, y, z, e]
+            }
+            Grouping::Trim => {
+                let ([.., e], [x, y, z, _]) = (position, self.planner.mm(self.trimming.held()));
+                [x, y, z, e]
+            }
+        }
+    }
+
+    /// Plans a move to the whole steps next to a position, where the counts of all motors agree.
+    pub fn plan_whole(&mut self, position: [Steps; 4], speed: MmPerSec, has_overrides: bool) {
+        let [x, y, c, e] = position;
+        let [x, y, c] = [x, y, c].map(Steps::wrapping_round);
+        let target = Target { position: self.planner.mm([x, y, c, e]), speed, has_overrides, watch: EndstopSet::NONE };
+        self.planner.push(&target, &circulating(&self.settings));
+        self.policy.note_news();
+        self.note_path();
+    }
+
+    /// Regroups the motors at rest; the machine stands at `position` then.
+    pub async fn regroup(&mut self, grouping: Grouping, position: [Steps; 4]) -> Result<(), Interrupt> {
+        let coupling = self.real.groups_in(grouping).coupling();
+        self.couple(grouping, &coupling, position).await
+    }
+
+    /// The same with a coupling of its own.
+    pub async fn couple(
+        &mut self,
+        grouping: Grouping,
+        coupling: &Coupling,
+        position: [Steps; 4],
+    ) -> Result<(), Interrupt> {
+        self.real.regroup(grouping);
+        if !self.are_groups_whole() {
+            // Nobody has looked at those that were not in use.
+            self.link.status().fault().set(Fault::plain(Cause::SettingsDamaged));
+        }
+        self.ports.drivers.couple(coupling);
+        let groups = self.real.groups();
+        match grouping {
+            Grouping::Tool => self.planner.regroup(&self.settings, groups),
+            Grouping::Circulation | Grouping::Trim => self.planner.regroup(&circulating(&self.settings), groups),
+        }
+        self.adopt_exactly(position).await
+    }
+}

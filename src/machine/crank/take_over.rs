@@ -1,0 +1,58 @@
+//! Taking over settings that more than the next plan depends on: the size of a step, what the generator follows, what drivers hold.
+
+use super::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::port::{MotorSet, Pend};
+use crate::settings::{DriverGroups, Settings};
+
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+    /// Whether motion must rest before an advance counts that is another.
+    pub fn needs_rest(&self, wanted: &Settings) -> bool {
+        self.advance_in_use.needs_rest(&self.settings, wanted)
+    }
+
+    /// Motors whose drivers have a UART.
+    pub const fn uarts(&self) -> MotorSet {
+        self.drivers.lines()
+    }
+
+    /// Takes over what drivers are to hold. They get to know it in the background.
+    pub fn use_driver_settings(&mut self, wanted: DriverGroups) {
+        self.settings.drivers = wanted;
+        self.drivers.want(&self.settings);
+    }
+
+    /// Has drivers hold something else for a while, and waits until they do.
+    pub async fn configure_drivers(&mut self, wanted: &Settings) -> Result<(), Interrupt> {
+        self.drivers.want(wanted);
+        self.await_drivers().await
+    }
+
+    /// Has drivers hold what the settings say again, and waits until they do.
+    pub async fn restore_drivers(&mut self) -> Result<(), Interrupt> {
+        self.drivers.want(&self.settings);
+        self.await_drivers().await
+    }
+
+    /// Waits until the drivers of motors with power hold what is wanted.
+    pub async fn await_drivers(&mut self) -> Result<(), Interrupt> {
+        self.until(|c| c.drivers.is_configured()).await
+    }
+
+    /// Takes over other settings. Motion rests: a step must not change its size under way.
+    pub async fn use_settings(&mut self, wanted: Settings) -> Result<(), Interrupt> {
+        let resolutions = |s: &Settings| s.axes.map(|a| a.steps_per_mm);
+        let is_same = resolutions(&wanted) == resolutions(&self.settings);
+        self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
+        *self.settings = wanted;
+        self.drivers.want(&wanted);
+        self.heat_orders.note_settings();
+        if is_same {
+            return self.follow().await;
+        }
+        self.planner.set_resolution(&wanted);
+        let position = self.planner.steps(self.commanded.of_machine(self.commanded.position()));
+        self.adopt_position(position).await
+    }
+}

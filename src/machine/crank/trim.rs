@@ -1,0 +1,69 @@
+//! Trim: one motor of a belt turns against the others, which strains the belt or takes strain from it.
+//!
+//! The motor has the place of z meanwhile, as a belt that runs round has (`belt::circulate`). What the firmware calls its
+//! position stays the same, though the tool goes aside by a quarter of the trim or so.
+
+use crate::kinematics::{Grouping, Residual};
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::port::{Motor, Pend};
+use crate::units::{Mm, Steps};
+
+/// The motor of a residual that is turned against the others, and its part of the sum.
+pub(in crate::machine) fn trimmed(residual: &Residual) -> Option<(Motor, i32)> {
+    Motor::ALL.into_iter().zip(*residual).find(|(_, times)| *times != 0)
+}
+
+/// What a preload of so many steps makes of a residual: as the trimmed motor turns by it.
+pub(in crate::machine) fn preload_of(residual: &Residual, preload: i32) -> i32 {
+    trimmed(residual).map_or(0, |(_, times)| preload * times.abs())
+}
+
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+    /// The preload in steps of belt.
+    pub fn preload_steps(&self) -> i32 {
+        self.belt_steps(self.settings.belt.preload).wrapping_round().to_num()
+    }
+
+    /// A length of belt in steps.
+    pub fn belt_steps(&self, length: Mm) -> Steps {
+        let per_mm = self.settings.axes.x.steps_per_mm;
+        Steps::from_bits(((i128::from(length.to_bits()) * i128::from(per_mm.to_bits())) >> 16) as i64)
+    }
+
+    /// Thousandths of a step of belt as a length.
+    pub fn belt_length(&self, thousandths: i64) -> Mm {
+        let per_mm = i64::from(self.settings.axes.x.steps_per_mm.to_bits()).max(1);
+        Mm::from_bits((i128::from(thousandths) * (1 << 48) / (i128::from(per_mm) * 1000)) as i64)
+    }
+
+    /// Turns one motor by so many steps, and no other, when motion rests. All motors of the belt have power.
+    pub async fn trim(&mut self, motor: Motor, by: i32) -> Result<(), Interrupt> {
+        // A stroke whose driver did not answer may be under way.
+        self.finish().await?;
+        if by == 0 {
+            return Ok(());
+        }
+        let ([x, y, ..], [.., z, e]) = (self.real_steps(), self.planner.end());
+        self.trimming.begin([x, y, z, e]);
+        let coupling = self.real.groups_in(Grouping::Trim).trim_coupling(motor);
+        let [x, y] = [x, y].map(Steps::wrapping_round);
+        self.couple(Grouping::Trim, &coupling, [x, y, Steps::ZERO, e]).await?;
+        self.plan_whole([x, y, Steps::wrapping_from_num(by), e], self.settings.belt.max_speed, false);
+        self.finish().await?;
+        self.end_trim().await
+    }
+
+    /// The motor has turned as far as it should, or was stopped: z has its place again. Motion rests.
+    pub async fn end_trim(&mut self) -> Result<(), Interrupt> {
+        if self.real.grouping() != Grouping::Trim {
+            return Ok(());
+        }
+        let held = self.trimming.held();
+        let coupling = self.real.groups_in(Grouping::Tool).coupling();
+        self.couple(Grouping::Tool, &coupling, held).await?;
+        self.stand_at_end();
+        Ok(())
+    }
+}

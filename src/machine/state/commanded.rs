@@ -1,0 +1,242 @@
+//! The commanded position: where the program has sent the tool, what it calls that place, and how far a retraction keeps the machine
+//! from it.
+
+use super::modal::{FARTHEST, Modal};
+use super::retraction::{Retraction, RetractionMove, RetractionSettings};
+use crate::gcode::{AxisWords, Number};
+use crate::settings::Settings;
+use crate::units::{Mm, MmPerSec, part_of};
+
+/// Where the program is.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Commanded {
+    /// Where the machine is commanded to: x, y, z as machine coordinates, e as filament really asked for.
+    position: [Mm; 4],
+    /// What a program calls 0, as machine coordinates (G92).
+    origin: [Mm; 3],
+    /// E as the program counts it.
+    extrusion: Mm,
+    /// How far the machine is away from it.
+    retraction: Retraction,
+}
+
+/// What a line of motion asks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct Wanted {
+    /// Target in machine coordinates.
+    pub position: [Mm; 4],
+    /// E as the program will count it then.
+    pub extrusion: Mm,
+    /// Whether filament was asked for that must not move.
+    pub is_held_back: bool,
+    /// Whether the filament asked for in one move was more than there may be; it is left out then.
+    pub too_much: bool,
+    /// Whether the target was farther away than any machine reaches, and lies at the farthest place now.
+    pub is_too_far: bool,
+}
+
+impl Commanded {
+    /// As after a reset, at `position`.
+    pub const fn new(position: [Mm; 3]) -> Self {
+        let [x, y, z] = position;
+        Self {
+            position: [x, y, z, Mm::ZERO],
+            origin: [Mm::ZERO; 3],
+            extrusion: Mm::ZERO,
+            retraction: Retraction::new(),
+        }
+    }
+
+    /// Where the program has sent the tool.
+    pub const fn position(&self) -> [Mm; 4] {
+        self.position
+    }
+
+    /// The program has sent the tool there.
+    pub const fn go_to(&mut self, position: [Mm; 4]) {
+        self.position = position;
+    }
+
+    /// E as the program counts it.
+    pub const fn extrusion(&self) -> Mm {
+        self.extrusion
+    }
+
+    /// The program counts E so.
+    pub const fn count_extrusion(&mut self, extrusion: Mm) {
+        self.extrusion = extrusion;
+    }
+
+    /// Where the machine goes for a commanded position.
+    pub fn of_machine(&self, position: [Mm; 4]) -> [Mm; 4] {
+        self.retraction.away_from(position)
+    }
+
+    /// The machine stands there, and that is where the program has sent it.
+    pub fn stand_at(&mut self, machine: [Mm; 4]) {
+        self.position = self.retraction.commanded(machine);
+    }
+
+    /// The machine was stopped there: filament that did not move was not asked for.
+    pub fn fall_short(&mut self, machine: [Mm; 4]) {
+        let real = self.retraction.commanded(machine);
+        let [.., extrusion] = self.named(real);
+        (self.extrusion, self.position) = (extrusion, real);
+    }
+
+    /// The moves of G10; `None` if they were made.
+    pub fn moves_away(&self, settings: &RetractionSettings, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
+        self.retraction.moves_away(settings, z_speed)
+    }
+
+    /// The moves of G11; `None` if there is nothing to take back.
+    pub fn moves_back(&self, settings: &RetractionSettings, z_speed: MmPerSec) -> Option<[RetractionMove; 2]> {
+        self.retraction.moves_back(settings, z_speed)
+    }
+
+    /// Where the machine stands after a move of them.
+    pub fn after(&self, step: RetractionMove) -> [Mm; 4] {
+        self.retraction.after(step, self.position)
+    }
+
+    /// That move is planned.
+    pub const fn note_retraction(&mut self, step: RetractionMove) {
+        self.retraction.note_planned(step);
+    }
+
+    /// Filament that was recovered in addition counts as asked for.
+    pub fn take_extra(&mut self) {
+        if let Some(extra) = self.retraction.take_extra() {
+            let [_, _, _, e] = &mut self.position;
+            *e = e.wrapping_add(extra);
+        }
+    }
+
+    /// Z was homed, so its lift is gone.
+    pub fn forget_lift(&mut self) {
+        self.retraction.forget_lift();
+    }
+
+    /// Where the words of a line lead. No filament moves if it `is_cold`; the program counts it all the same.
+    pub fn target(&self, words: &AxisWords, modal: &Modal, settings: &Settings, is_cold: bool) -> Wanted {
+        let mut is_too_far = false;
+        let mut axis = |word: Option<Number>, at: Mm, origin: Mm| match word.map(|n| modal.length(n)) {
+            None => at,
+            Some(v) => {
+                let target = if modal.absolute { origin.saturating_add(v) } else { at.saturating_add(v) };
+                is_too_far |= !FARTHEST.holds(target);
+                FARTHEST.clamp(target)
+            }
+        };
+        let [x, y, z, e] = self.position;
+        let [ox, oy, oz] = self.origin;
+        let extrusion = match words.e.map(|n| modal.length(n)) {
+            None => self.extrusion,
+            Some(v) if modal.absolute && modal.absolute_extrusion => v,
+            Some(v) => self.extrusion.saturating_add(v),
+        };
+        let asked = extrusion.saturating_sub(self.extrusion);
+        let flow_percent = if modal.dry_run || is_cold { 0 } else { modal.flow_percent };
+        let flow = Mm::from_bits(part_of(asked.to_bits(), u64::from(flow_percent), 100));
+        let too_much = flow.saturating_abs() > settings.axes.e.length;
+        Wanted {
+            position: [
+                axis(words.x, x, ox),
+                axis(words.y, y, oy),
+                axis(words.z, z, oz),
+                if too_much { e } else { e.wrapping_add(flow) },
+            ],
+            extrusion,
+            is_held_back: is_cold && asked != Mm::ZERO,
+            too_much,
+            is_too_far,
+        }
+    }
+
+    /// From now on the present position is called what the words say (G92).
+    pub fn rename(&mut self, words: &AxisWords, modal: &Modal) {
+        let names = [words.x, words.y, words.z].map(|word| word.map(|n| FARTHEST.clamp(modal.length(n))));
+        for ((origin, at), name) in self.origin.iter_mut().zip(self.position).zip(names) {
+            if let Some(name) = name {
+                *origin = at.saturating_sub(name);
+            }
+        }
+        if let Some(e) = words.e {
+            self.extrusion = modal.length(e);
+        }
+    }
+
+    /// The axis carries the machine's own zero again (G28).
+    pub fn forget_origin(&mut self, axis: usize) {
+        if let Some(origin) = self.origin.get_mut(axis) {
+            *origin = Mm::ZERO;
+        }
+    }
+
+    /// Where the program believes to be.
+    pub fn named(&self, position: [Mm; 4]) -> [Mm; 4] {
+        let [x, y, z, e] = position;
+        let [ox, oy, oz] = self.origin;
+        // Filament that was commanded and not yet moved, as the program counts it.
+        let missing = self.position[3].wrapping_sub(e);
+        [x - ox, y - oy, z - oz, self.extrusion.saturating_sub(missing)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(text: &str) -> Option<Number> {
+        Number::read(text.as_bytes()).map(|(n, _)| n)
+    }
+
+    fn start() -> (Commanded, Modal, Settings) {
+        (Commanded::new([Mm::from_num(10), Mm::from_num(20), Mm::from_num(5)]), Modal::new(), Settings::prototype())
+    }
+
+    fn words(x: &str, e: &str) -> AxisWords {
+        AxisWords { x: number(x), e: number(e), ..AxisWords::default() }
+    }
+
+    #[test]
+    fn relative_extrusion_needs_only_one_of_its_two_switches() {
+        let (mut c, mut m, s) = start();
+        c.extrusion = Mm::from_num(7);
+        assert_eq!(c.target(&words("1", "8"), &m, &s, false).extrusion, Mm::from_num(8));
+        m.absolute_extrusion = false;
+        assert_eq!(c.target(&words("1", "8"), &m, &s, false).extrusion, Mm::from_num(15));
+        m.absolute_extrusion = true;
+        m.absolute = false;
+        assert_eq!(c.target(&words("1", "8"), &m, &s, false).extrusion, Mm::from_num(15));
+        assert_eq!(c.target(&words("1", "8"), &m, &s, false).position[0], Mm::from_num(11));
+    }
+
+    #[test]
+    fn flow_stretches_the_filament_but_not_the_program_count() {
+        let (c, mut m, s) = start();
+        m.flow_percent = 150;
+        let w = c.target(&words("1", "2"), &m, &s, false);
+        assert_eq!((w.extrusion, w.position[3]), (Mm::from_num(2), Mm::from_num(3)));
+    }
+
+    #[test]
+    fn a_new_name_moves_nothing() {
+        let (mut c, m, s) = start();
+        c.rename(&words("0", "0"), &m);
+        assert_eq!(c.position[0], Mm::from_num(10));
+        assert_eq!(c.target(&words("5", ""), &m, &s, false).position[0], Mm::from_num(15));
+        assert_eq!(c.named(c.position)[0], Mm::ZERO);
+    }
+
+    #[test]
+    fn inches_are_exact_and_huge_numbers_end_at_the_farthest_place() {
+        let (c, mut m, s) = start();
+        m.inches = true;
+        assert_eq!(c.target(&words("5", ""), &m, &s, false).position[0], Mm::from_num(127));
+        assert_eq!(c.target(&words("999999999999", ""), &m, &s, false).position[0], Mm::from_num(10_000));
+        assert!(c.target(&words("999999999999", ""), &m, &s, false).is_too_far);
+        assert!(c.target(&words("1", "99999"), &m, &s, false).too_much);
+        assert!(!c.target(&words("1", "99999"), &m, &s, false).is_too_far);
+    }
+}
