@@ -99,7 +99,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     }
 
     /// The same with a coupling of its own.
-    pub async fn couple(
+    pub(super) async fn couple(
         &mut self,
         grouping: Grouping,
         coupling: &Coupling,
