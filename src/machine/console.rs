@@ -95,7 +95,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         let Self { crank, states } = self;
         let mut text = Text::new();
         loop {
-            note_self_test(crank).await?;
+            if crank.has_passed_test() {
+                note_self_test(crank).await?;
+            }
             let Some(asked) = crank.next_line(&mut text) else {
                 crank.turn().await?;
                 continue;

@@ -100,8 +100,13 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.self_tests.know(passed);
     }
 
-    /// What has passed its self-test and is to be noted, once the machine rests: flash may stop the processor while it is written.
+    /// Whether a self-test that was passed is to be noted: at rest, for flash may stop the processor while it is written.
+    pub fn has_passed_test(&self) -> bool {
+        self.self_tests.has_news() && !self.has_motion()
+    }
+
+    /// What has passed it.
     pub fn take_passed_test(&mut self) -> Option<u32> {
-        if self.self_tests.has_news() && !self.has_motion() { self.self_tests.take_news() } else { None }
+        self.self_tests.take_news()
     }
 }

@@ -100,7 +100,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     Ok(Answer::Storage(StorageNews::loaded(&survey)))
 }
 
-/// Notes the self-test that was passed, if there is one to be noted and the machine rests, for starts to come.
+/// Notes the self-test that was passed, for starts to come.
 pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
 ) -> Result<(), Interrupt> {
