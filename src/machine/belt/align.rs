@@ -18,7 +18,7 @@ use crate::machine::state::trimming::Found;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::Settings;
-use crate::units::{Mm, MmPerSec};
+use crate::units::{Mm, MmPerSec, Steps};
 
 /// Speed of a stroke: a turn a second of a pulley of 40 mm. Load is measured too coarsely far below (section 11: "a few 10 rpm").
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
@@ -78,10 +78,12 @@ pub(in crate::machine) struct ApexFound {
 struct Scan {
     motor: Motor,
     motors: MotorSet,
+    /// Strokes go along y, for not all of the motors turn for x.
+    is_along_y: bool,
     at: i32,
 }
 
-/// Aligns all motors that can pull against each other. They have power, and the tool has room along x. It ends somewhere near: x and y
+/// Aligns all motors that can pull against each other. They have power, and the tool has room along x and y. It ends somewhere near: x and y
 /// are to be homed again.
 pub(in crate::machine) async fn align<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), BeltError> {
     let residuals = crank.residuals();
@@ -162,7 +164,9 @@ pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
     residual: &Residual,
 ) -> Result<Option<ApexFound>, BeltError> {
     let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
-    let mut scan = Scan { motor, motors: motors_in(residual), at: 0 };
+    let (motors, mechanism) = (motors_in(residual), crank.groups().mechanism());
+    let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
+    let mut scan = Scan { motor, motors, is_along_y, at: 0 };
     let found = climb(crank, &mut scan).await;
     if let Err(BeltError::Align(_)) = found {
         // Nothing is known, so nothing is changed.
@@ -224,36 +228,38 @@ async fn load_at<P: PortSet, W: Pend>(
     place: i32,
 ) -> Result<Load, BeltError> {
     go_to(crank, scan, place).await?;
-    let ([x, ..], length) = (crank.planned_end_mm(), crank.settings().axes.x.length);
+    let ([x, y, ..], axes) = (crank.planned_end_mm(), &crank.settings().axes);
+    let (at, length) = if scan.is_along_y { (y, axes.y.length) } else { (x, axes.x.length) };
     let stroke = STROKE.min(length / 3);
-    let stroke = if x > length / 2 { -stroke } else { stroke };
+    let stroke = if at > length / 2 { -stroke } else { stroke };
     let (mut there, mut back) = (Readings::default(), Readings::default());
-    go_along(crank, stroke, scan.motors, &mut there).await?;
-    go_along(crank, -stroke, scan.motors, &mut back).await?;
+    go_along(crank, scan, stroke, &mut there).await?;
+    go_along(crank, scan, -stroke, &mut back).await?;
     Ok(load_of_stroke(&there, &back, scan.motors).ok_or(AlignError::TooFewReadings)?)
 }
 
 async fn go_along<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
+    scan: &Scan,
     by: Mm,
-    motors: MotorSet,
     readings: &mut Readings,
 ) -> Result<(), BeltError> {
-    let [start, ..] = crank.real_steps();
+    let along = |[x, y, ..]: [Steps; 4]| if scan.is_along_y { y } else { x };
+    let start = along(crank.real_steps());
     let mut position = crank.planned_end_mm();
-    let [x, ..] = &mut position;
-    *x = x.saturating_add(by);
+    let [x, y, ..] = &mut position;
+    let at = if scan.is_along_y { y } else { x };
+    *at = at.saturating_add(by);
     crank.plan(Target { position, speed: SPEED, has_overrides: false, watch: EndstopSet::NONE }).await?;
-    let cruise = crank.belt_steps(RAMP)..crank.belt_steps(by.abs() - RAMP);
+    let cruise = along(crank.to_steps([RAMP; 4]))..along(crank.to_steps([by.abs() - RAMP; 4]));
     let mut is_in_cruise = false;
     while crank.has_motion() {
         crank.release_all();
-        for motor in Motor::ALL.into_iter().filter(|motor| motors.has(*motor)) {
+        for motor in Motor::ALL.into_iter().filter(|motor| scan.motors.has(*motor)) {
             let reading = crank.ask_driver(Job::Load, motor).await?;
             let reading = reading.map_err(|error: DriverError| AlignError::Driver(Fault { motor, error }))?;
             let was_in_cruise = is_in_cruise;
-            let [x, ..] = crank.real_steps();
-            is_in_cruise = cruise.contains(&x.wrapping_sub(start).wrapping_abs());
+            is_in_cruise = cruise.contains(&along(crank.real_steps()).wrapping_sub(start).wrapping_abs());
             if was_in_cruise && is_in_cruise {
                 reading.loads().into_iter().for_each(|load| readings.note(motor, load.into()));
             }

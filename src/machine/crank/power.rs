@@ -61,7 +61,8 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             let residuals = self.residuals();
             let next = residuals.first_of(missing);
             self.meet_phases(&residuals, next).await?;
-            // All of them have proved what they hold.
+            // All of them have proved what they hold, or are asked once more if that was too long ago.
+            let now = self.ports.clock.now();
             let _ = self.drivers.power(powered.with(next), &mut self.ports.drivers, now);
             // The idle timeout must not take it away before the move that it is for.
             self.idle_timeout.note_motion(now);

@@ -109,6 +109,21 @@ fn what_does_not_measure_cannot_align_and_says_so() {
     assert!(!has(&corexy, "Belt:"), "{:?}", corexy.heard);
 }
 
+/// Two motors of one portal, each with a belt or a screw of its own: strokes go where both of them turn.
+#[test]
+fn motors_that_turn_for_y_alone_are_measured_along_y() {
+    let mut settings = Settings::prototype();
+    settings.mechanism.rows =
+        [[1, 0, 0, 0], [0; 4], [0, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 0], [0, 0, 0, 1]];
+    settings.belt.is_closed = false;
+    let printed = print_as(&settings, &mut None, Some(START), &["M915", "M400"]);
+    assert!(has(&printed, "not aligned: the loads that the drivers measure do not change"), "{:?}", printed.heard);
+    let number = |motors: MotorSet| printed.events.iter().filter(|(_, steps, _)| *steps == motors.0).count();
+    let both = MotorSet::of(Motor::M8).with(MotorSet::of(Motor::M11));
+    // Three strains, a stroke of 60 mm there and back for each. Motor 1 is homed twice, from X60.
+    assert!(number(both) > 3 * 2 * 60 * 80 && number(MotorSet::of(Motor::M1)) < 2 * 80 * 80, "{}", number(both));
+}
+
 #[test]
 fn a_driver_that_falls_silent_ends_it_as_it_ends_a_print() {
     let drivers = corehbot_sim::drivers::Drivers::with_lines(MotorSet::ALL.without(MotorSet::of(Motor::M4)));
