@@ -1,8 +1,12 @@
 //! The Console: lines in, replies out, one command after the other.
 //!
 //! Its loop is `serve`: take a line, carry it out, tell the answer, say `ok`. It owns two things: the crank, which turns in every wait
-//! of every command, and the states of commands, which nobody needs in a wait. A command gets the crank and the states that it names;
+//! of every command, and the states of commands, which no turn of the crank needs. A command gets the crank and the states that it names;
 //! no file but this one knows the Console.
+//!
+//! M410 ends whatever is awaited by an error, which comes up to here: `quick_stop` brakes, drops the motion and puts right what a
+//! command had changed for a while (grouping, trim, drivers that measure, an axis that was being homed); then the line is answered. A
+//! command that must tidy up by itself catches the error where it waits (`await_user`, `tune`, `settings::stored`).
 
 use crate::gcode;
 use crate::kinematics::Groupings;

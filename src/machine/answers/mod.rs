@@ -8,6 +8,7 @@
 //! | [`answer`] | **what** there is to say: one variant a reply |
 //! | [`setting`], [`driver_value`] | names for what a line sets and shows |
 //! | [`machine_answer`] | what there is to say of a machine that comes or goes over the line |
+//! | [`belt_answer`] | what there is to say of motors that can pull against each other |
 //! | [`storage_news`] | what M500 to M504 and the start have found |
 //! | [`speaker`] | says each part once and in order, whatever room there is |
 //!

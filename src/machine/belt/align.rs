@@ -39,7 +39,8 @@ const MOST_ARMS: i32 = 6;
 /// Findings of an apex that are averaged: three at least, and more until they agree to [`SURE`].
 const ROUNDS: core::ops::Range<i64> = 3..12;
 
-/// How sure a finding has to be, in 256ths of a step, beyond the half step that nothing can be trimmed to: 0.4.
+/// How sure a finding has to be, in 256ths of a step, beyond the half step that nothing can be trimmed to: 0.4. `WITHIN` in `crank::phase`
+/// counts with it.
 const SURE: i64 = 102;
 
 /// stealthChop tunes itself at standstill, for more than 130 ms (section 6.2.1).
@@ -221,7 +222,7 @@ async fn go_to<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
     Ok(())
 }
 
-/// How hard the motors pull with this trim, on a stroke along x and back.
+/// How hard the motors pull with this trim, on a stroke along x or y and back.
 async fn load_at<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     scan: &mut Scan,

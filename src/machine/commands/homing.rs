@@ -12,6 +12,9 @@
 //! - a probe in QEMU's port, where `StepPort::inputs` is the default, without one; and one in `emulator/src/wiring.rs`;
 //! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the rig, and
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
+//! - what says "nothing probes by it": `boards/sim/src/machine_file/form.rs` (and so the schema), `Settings::probe`,
+//!   `examples/machines/prototype.toml`, docs/machines.md;
+//! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
 //!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`crank/tell.rs`);
@@ -19,7 +22,7 @@
 //!
 //! To home Z by the probe instead, moreover:
 //!
-//! - a setting that says so, by which `axis` chooses the endstop, and the probe's offset;
+//! - a setting that says so, by which `facts` chooses the endstop, and the probe's offset;
 //! - `Settings::check_connectors` must ask for a probe in the file, which it holds to `BoardConnectors::probes`, and not for a switch of z, which
 //!   `Plugged`, `Endstops` (`chips/stm32f446/src/step_pins.rs`), `StepPort::inputs` and M119 take for granted as well;
 //! - a probe that is low when it triggers and whose wire is cut reads as not triggered: before each descent it must be seen to work;

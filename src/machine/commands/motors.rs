@@ -1,4 +1,4 @@
-//! The motors: which ones axes mean (M17, M84), and how their drivers are (M122).
+//! The motors: which ones axes mean (M17, M84), and M122: drivers, belt, what was too slow, heat.
 
 use crate::driver::Job;
 use crate::gcode::AxisFlags;

@@ -1,4 +1,5 @@
-//! The self-test of the heaters: by itself before the first heating after an update, and SELF_TEST.
+//! SELF_TEST, and the wait for a self-test of the heaters that is under way. The one before the first heating after an update begins in
+//! `crank::heat_door` (`test_before_heating`).
 //!
 //! No firmware has an M-code for it, so it has a name, as Klipper's commands do.
 

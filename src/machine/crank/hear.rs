@@ -1,4 +1,4 @@
-//! Hearing: lines of hosts in, the urgent ones first, and what a host is about while it is silent.
+//! Hearing: lines of hosts in, the urgent ones first, and what the machine is about while a host is silent.
 
 use super::Crank;
 use crate::machine::hosts::host::{Asked, Text};

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A waiting command holds `&mut Crank` and the states that it names, and nothing else. The fields are private to this folder: what a
-//! command may do with them are the methods that it can see. Nothing here knows a command.
+//! command may do with them are the methods that it can see. Nothing here uses
+//! `commands`; `halted` alone reads lines, those of a machine that has stopped.
 //!
 //! | file or folder | for |
 //! |---|---|

@@ -1,6 +1,6 @@
 //! Telling: an answer is written, and whoever tells it waits wherever there is no room for a part of it.
 //!
-//! How an answer is worded stands in `reports`; which report it is, here. A report of what the crank does not hold gets it in its answer.
+//! An answer of one line is worded here, one of several lines in `reports`. A report of what the crank does not hold gets it in its answer.
 
 use crate::connectors::Heater;
 use crate::gcode::Flaw;

@@ -1,4 +1,4 @@
-//! How heaters behave, as the lines that set it: M301, M304, M306, M302 and M710, alone and in M503.
+//! How heaters behave, as the lines that set it: M301, M304, M306 and M710, alone and in M503; M302 in M503.
 //!
 //! M503 says the control in use last, so that its lines, sent back, leave it in use.
 

@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `answers` | **what** a command has to say, as a value |
 //! | [`report`] and the files beside it | **how** it is worded |
-//! | `crank::tell` | chooses the report, and waits for room |
+//! | `crank::tell` | words single lines, chooses the report of several, and waits for room |
 //!
 //! | word | means |
 //! |---|---|

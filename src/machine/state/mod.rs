@@ -1,8 +1,8 @@
 //! State: what earlier lines said that still holds, what is known of the machine, and what the present line asked for
 //! beyond its ranges.
 //!
-//! Each struct owns its fields. What goes on changing while a command waits is held by the crank, the rest by `commands::states`, which
-//! hands each command the ones that it needs. Pure: nothing here knows either.
+//! Each struct owns its fields. What goes on changing while a command waits is held by the crank, the rest by `commands::states`, of
+//! which `immediate` and `blocking` hand each command the ones that it needs. Pure: nothing here knows either.
 //!
 //! | looking for | see |
 //! |---|---|
@@ -14,6 +14,7 @@
 //! | what a command waits for, M25 | [`pauses`], [`waiting`] |
 //! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | a machine on its way over the line | [`machine_pieces`] |
+//! | what pressure advance the motion follows, when motors lose their power at rest | [`advance_in_use`], [`idle_timeout`] |
 //! | values out of range | [`clamps`] |
 //! | what a host was told once | [`notices`] |
 //!

@@ -1,6 +1,6 @@
 //! What the Console waits for, and which timers that stops.
 //!
-//! Every wait of a command has its state here, and every timer an exhaustive match on it: whoever adds a state has to decide
+//! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`. Every timer has an exhaustive match on it: whoever adds a state has to decide
 //! whether heaters may stay on in it.
 
 /// What the present command waits for.

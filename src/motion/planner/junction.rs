@@ -24,7 +24,9 @@
 //!
 //! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion` (`corners`, `model`,
 //! `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of [`CornerRule`], which the compiler asks for
-//! in all these places, and `boards/sim/tests/every_setting.rs` for its key in machine files and its letter of M205.
+//! in all these places, and `boards/sim/tests/every_setting.rs` for its key in machine files and its letter of M205. What the checker of
+//! prints takes for granted stands in `boards/sim/src/check.rs` and `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law
+//! may need another bound there.
 //!
 //! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number, as a jerk of
 //! each axis, needs a `corner` and laws for bends of its own.

@@ -1,4 +1,5 @@
-//! Settings as they are stored: what is stored counts from the start on, and M500, M501, M502, M504.
+//! Settings as they are stored: what is stored counts from the start on, and M500, M501, M502, M504; and the note of a
+//! self-test that was passed.
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::storage_news::StorageNews;

@@ -1,4 +1,7 @@
 //! Into the look-ahead: a move is planned as soon as there is room for it.
+//!
+//! How much motion waits before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`, whose default is in
+//! `Settings::prototype`. M220 is here too.
 
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
