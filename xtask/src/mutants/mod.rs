@@ -3,6 +3,7 @@
 //! The work is cargo-mutants'. All rooms take hours, so a part of the mutants can be asked for (`--shard 0/20` is every
 //! twentieth); whoever changes a room runs that room.
 
+mod excerpt;
 mod survivors;
 
 use crate::checkout::{cargo, root, run, target_dir};
@@ -80,44 +81,52 @@ struct Outcome {
     unviable: usize,
 }
 
-/// Tries the mutants of a room: first with the unit tests, which take a second, and those that these miss with all the
-/// tests that look at the room.
+/// Tries the mutants of a room: first with the unit tests, which take a second, and those that these miss with the tests that
+/// look at the room.
 fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
-    let output = target_dir()?.join("mutants").join(room.name);
-    std::fs::create_dir_all(&output).with_context(|| format!("cannot make {}", output.display()))?;
-    let mut unit = mutants(args, &output.join("unit"));
-    unit.arg(format!("--file=src/{}/**", room.name)).arg("--minimum-test-timeout=15");
+    let folder = target_dir()?.join("mutants").join(room.name);
+    let unit_folder = folder.join("unit");
+    let mut unit = mutants(room, &[], args, &unit_folder)?;
+    unit.args(["--minimum-test-timeout=15", "--cargo-arg=--lib"]);
     if let Some(shard) = &args.shard {
         unit.args(["--sharding=round-robin", "--shard", shard]);
     }
-    unit.arg("--cargo-arg=--lib");
     // The build takes longer than the tests.
     unit.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
-    let first = outcome(unit, &output.join("unit"))?;
+    let first = outcome(unit, &unit_folder)?;
     if first.missed.is_empty() {
         return Ok(first);
     }
-    let wanted = output.join("missed.toml");
+    let all_folder = folder.join("all");
+    let mut all = mutants(room, room.tests, args, &all_folder)?;
+    let wanted = folder.join("missed.toml");
     std::fs::write(&wanted, only(&first.missed)?).with_context(|| format!("cannot write {}", wanted.display()))?;
-    let mut all = mutants(args, &output.join("all"));
     // The pattern does not keep back mutants that delete a field: those that were noticed already do not count here.
-    all.arg(format!("--file=src/{}/**", room.name)).arg("--config").arg(&wanted);
-    all.arg("--minimum-test-timeout=60");
+    all.arg("--config").arg(&wanted).arg("--minimum-test-timeout=60");
     room.tests.iter().for_each(|test| _ = all.arg(format!("--cargo-arg=--test={test}")));
-    let second = outcome(all, &output.join("all"))?;
+    let second = outcome(all, &all_folder)?;
     let missed: Vec<_> = first.missed.iter().filter(|mutant| second.missed.contains(mutant)).cloned().collect();
     let noticed = first.noticed + first.missed.len() - missed.len();
     Ok(Outcome { noticed, missed, unviable: first.unviable })
 }
 
-/// cargo-mutants, for the core and its tests. What is to be built and run is told by `--cargo-arg`: what stands after `--` would
-/// count when tests are run only, and all of them would be built for each mutant.
-fn mutants(args: &Args, output: &Path) -> Command {
-    let mut command = cargo(["mutants", "--package=corehbot", "--test-package=corehbot"]);
-    command.arg("--output").arg(output).arg(format!("--jobs={}", args.jobs));
+/// cargo-mutants, for a room in an excerpt of the core. What is to be built and run is told by `--cargo-arg`: what stands after
+/// `--` would count when tests are run only, and all of them would be built for each mutant.
+fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Command> {
+    let core = folder.join("core");
+    excerpt::write(&core, room.name, tests)?;
+    let mut command = cargo(["mutants"]);
+    command.arg("--dir").arg(core).arg("--output").arg(folder).arg(format!("--file=src/{}/**", room.name));
+    if args.jobs == 1 {
+        // The excerpt is a copy already. What it depends on is built once for all rooms.
+        command.arg("--in-place").env("CARGO_TARGET_DIR", target_dir()?.join("mutants").join("target"));
+    } else {
+        // Git does not know the folder for what is built.
+        command.arg("--gitignore=false").arg(format!("--jobs={}", args.jobs));
+    }
     // Nobody looks at these programs with a debugger.
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
-    command
+    Ok(command)
 }
 
 /// Settings of cargo-mutants with which it tries these mutants and no others.
