@@ -142,6 +142,15 @@ impl Bench {
         }
     }
 
+    /// Until something has come to pass, which takes less than a second.
+    fn run_until(&mut self, is_so: impl Fn(&Self) -> bool) {
+        let begin = self.ms;
+        while !is_so(self) {
+            assert!(self.ms < begin + 1000, "still not so: {:?}", self.bus.requests);
+            self.run(1);
+        }
+    }
+
     fn verify(&mut self, motor: Motor) -> Result<(), DriverError> {
         self.drivers.ask(Job::Verify, motor);
         self.run(200);
@@ -293,10 +302,7 @@ fn a_driver_that_is_being_written_has_proved_nothing() {
     bench.run(60);
     assert!(bench.drivers.is_configured());
     bench.drivers.want(&old);
-    let is_written = |bench: &Bench| bench.bus.requests.iter().filter(|(_, bytes)| bytes[2] == 0x90).count() == 3;
-    while !is_written(&bench) {
-        bench.run(1);
-    }
+    bench.run_until(|bench| bench.count(0x90) == 3);
     bench.drivers.want(&new);
     bench.drivers.cut(&mut bench.bus);
     assert_eq!(bench.drivers.known(Motor::Z1).0, Some(Config::new(Motor::Z1, &new)), "held as far as is known");
@@ -343,9 +349,7 @@ fn while_a_driver_is_written_it_holds_nothing_that_counts() {
     let mut bench = Bench::powered();
     new.drivers.z.microsteps = 32;
     bench.drivers.want(&new);
-    while bench.count(0xEC) == 0 {
-        bench.run(1);
-    }
+    bench.run_until(|bench| bench.count(0xEC) > 0);
     bench.drivers.want(&old);
     assert!(!bench.drivers.is_drivable(), "the old microsteps are wanted, the new ones on their way");
     bench.run(100);
@@ -369,9 +373,7 @@ fn under_power_no_flag_is_cleared_however_often_a_change_is_written() {
     settings.drivers.z.current_ma = 500;
     bench.bus.lost = Some(Register::IholdIrun as usize);
     bench.drivers.want(&settings);
-    while bench.count(0x90) < 2 {
-        bench.run(1);
-    }
+    bench.run_until(|bench| bench.count(0x90) == 2);
     bench.bus.lost = None;
     bench.run(100);
     assert!(bench.drivers.is_configured());
@@ -435,9 +437,7 @@ fn nobody_asks_a_driver_without_a_wire_or_configures_one_whose_motor_has_power()
 #[test]
 fn what_a_poll_finds_after_the_power_has_gone_is_no_fault() {
     let mut bench = Bench::powered();
-    while bench.bus.requests.is_empty() {
-        bench.run(1);
-    }
+    bench.run_until(|bench| !bench.bus.requests.is_empty());
     bench.drivers.cut(&mut bench.bus);
     bench.bus.registers[GSTAT] = 1;
     bench.run(100);
