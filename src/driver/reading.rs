@@ -199,6 +199,16 @@ mod tests {
     }
 
     #[test]
+    fn the_last_four_loads_are_kept_and_the_newest_comes_first() {
+        let mut reading = Reading::default();
+        // SG_RESULT, 5.3: ten bits.
+        for load in [510, 400, 300, 200, 0xFFFF_FC00 | 100] {
+            reading.note(Register::SgResult, load);
+        }
+        assert_eq!((reading.loads(), reading.stall()), ([100, 200, 300, 400], 100));
+    }
+
+    #[test]
     fn numbers_are_told_as_they_were_read() {
         let mut reading = with(Register::SgResult, 510);
         assert_eq!((reading.stall(), reading.writes()), (510, 0));
