@@ -27,3 +27,18 @@ pub fn record_of(machine: &Settings, into: &mut [u8; LONGEST]) -> Option<usize> 
     *into = record.bytes;
     Some(record.receipt.bytes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_has_the_machine_that_was_written_and_says_how_long_it_is() {
+        let machine = Settings::prototype();
+        let mut bytes = [0; LONGEST];
+        let length = record_of(&machine, &mut bytes).unwrap();
+        assert_eq!(machine_in(&bytes[..length]), Ok(machine));
+        // All of it counts.
+        assert_eq!(machine_in(&bytes[..length - 1]).ok(), None);
+    }
+}

@@ -142,6 +142,27 @@ mod tests {
     }
 
     #[test]
+    fn the_parts_of_a_block_lie_where_images_of_earlier_versions_have_them() {
+        let mut block = blank_block(&[&OCTOPUS, &NUCLEO]);
+        let receipt = put_machine(&mut block, &Settings::prototype()).unwrap();
+        let text = |place: &[u8], text: &str| {
+            place.starts_with(text.as_bytes()) && place[text.len()..].iter().all(|b| *b == 0)
+        };
+        assert_eq!(block.len(), 96 + LONGEST);
+        assert_eq!(block[..16], *b"corehbot machine");
+        assert!(text(&block[16..32], "octopus") && text(&block[32..96], "octopus nucleo "));
+        assert_eq!(machine_in(&block[96..]), Ok(Settings::prototype()));
+        assert!(block[96 + receipt.bytes..].iter().all(|byte| *byte == 0xFF));
+    }
+
+    #[test]
+    fn a_key_may_fill_its_place() {
+        let board = BoardConnectors { key: "sixteen-letters!", ..OCTOPUS };
+        let block = blank_block(&[&board]);
+        assert_eq!(board_of(&block), Some("sixteen-letters!"));
+    }
+
+    #[test]
     fn a_block_gives_back_the_machine_that_was_put_in() {
         let mut block = blank_block(&[&OCTOPUS]);
         assert_eq!(machine_of(&block), Err(Rejected::Blank));
@@ -156,6 +177,8 @@ mod tests {
             assert!(machine_of(&block).is_err(), "{at}");
             block[HEAD + at] ^= 1 << (at % 8);
         }
+        clear_machine(&mut block);
+        assert_eq!(block, blank_block(&[&OCTOPUS]));
     }
 
     #[test]

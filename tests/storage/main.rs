@@ -62,7 +62,25 @@ fn what_was_saved_last_is_read() {
         let receipt = now(storage::save(&mut eeprom, &variant(n))).unwrap();
         let stored = now(storage::survey(&mut eeprom)).unwrap().newest.unwrap();
         assert_eq!((stored.settings, stored.receipt), (variant(n), receipt));
+        assert_eq!(stored.address(), [0, STRIDE][usize::from(n % 2)], "save {n} goes to the other slot");
     }
+}
+
+#[test]
+fn a_printer_starts_as_the_machine_that_was_saved_last_if_it_is_one() {
+    let mut eeprom = Eeprom::blank();
+    assert_eq!(now(storage::stored_machine(&mut eeprom)), None);
+    for n in 0..3 {
+        now(storage::save(&mut eeprom, &variant(n))).unwrap();
+        assert_eq!(now(storage::stored_machine(&mut eeprom)), Some(variant(n)));
+    }
+    // No motor turns anything; a save looks at the other settings alone.
+    let mut loose = variant(3);
+    loose.mechanism.rows = Default::default();
+    now(storage::save(&mut eeprom, &loose)).unwrap();
+    assert_eq!(newest(&mut eeprom), Some(loose));
+    assert_eq!(now(storage::stored_machine(&mut eeprom)), None);
+    assert_eq!(now(storage::stored_machine(&mut NoStorage)), None);
 }
 
 #[test]
@@ -137,8 +155,9 @@ fn an_update_finds_the_slots_of_earlier_firmware() {
         let mut fresh = Eeprom::blank();
         fresh.cells[..a.len()].copy_from_slice(a);
         fresh.cells[1024..1024 + b.len()].copy_from_slice(b);
-        let found = newest(&mut fresh).unwrap();
-        assert_eq!(found.baud, 250_000, "what format 8 does not know is as in a new machine");
+        let found = now(storage::survey(&mut fresh)).unwrap().newest.unwrap();
+        assert_eq!(found.address(), if a == newer { 0 } else { 1024 });
+        assert_eq!(found.settings.baud, 250_000, "what format 8 does not know is as in a new machine");
         let size = size_of_save(&fresh, &variant(0));
         for left in 0..size {
             let mut cut = fresh.clone();
