@@ -52,15 +52,17 @@ pub(super) const HEADER: usize = 16;
 /// Bytes of the longest record.
 pub const LONGEST: usize = 1280;
 
+/// What of the settings has no u16, as far as it lies together without padding.
+type Wide =
+    (Axes<AxisSettings>, Cartesian<Homing>, Shapers, Cartesian<Endstop>, [(HeaterModel, Pid); HEATERS], Bed, Belt);
+
+/// Names of connectors: eight bytes, before which stands their length, and a `bool`.
+type Plugs = (Wiring, EndstopPlug);
+
 /// The longest payload. Postcard writes an integer of n bytes in at most n * 8 / 7 rounded up: 3 for u16, 5 for u32, 19 for i128,
-/// which the mechanism is stored as. `wide` is what has no u16. A plug is a name of eight bytes, before which stands its length, and
-/// a `bool`.
+/// which the mechanism is stored as.
 const LONGEST_PAYLOAD: usize = {
-    let wide = size_of::<Axes<AxisSettings>>() + size_of::<Cartesian<Homing>>() + size_of::<Shapers>();
-    let wide = wide + size_of::<Cartesian<Endstop>>() + size_of::<u32>();
-    let wide = wide + HEATERS * (size_of::<HeaterModel>() + size_of::<Pid>());
-    let wide = wide + size_of::<Bed>() + size_of::<Belt>();
-    let plugs = size_of::<Wiring>() + size_of::<EndstopPlug>();
+    let (wide, plugs) = (size_of::<Wide>(), size_of::<Plugs>());
     let rest = size_of::<Settings>() - size_of::<Mechanism>() - plugs - wide;
     rest * 3 / 2 + wide * 5 / 4 + 19 + plugs * 10 / 9
 };

@@ -277,7 +277,60 @@ fn the_longest_values_fit() {
         preload: Mm::MIN,
         phases: [u16::MAX; 2],
     };
-    assert!(encode(&s, u32::MAX).unwrap().receipt.bytes <= LONGEST);
+    for acceleration in [
+        &mut s.motor_max_acceleration,
+        &mut s.print_acceleration,
+        &mut s.retract_acceleration,
+        &mut s.travel_acceleration,
+    ] {
+        *acceleration = MmPerSec2::MAX;
+    }
+    for speed in [&mut s.motor_max_speed, &mut s.extruder_jerk, &mut s.min_feed, &mut s.min_travel] {
+        *speed = MmPerSec::MAX;
+    }
+    (s.arc_tolerance, s.lookahead_time, s.minimum_cruise_ratio) = (Mm::MIN, Seconds::MAX, Ratio::MAX);
+    (s.keepalive_s, s.patience_ms) = (u8::MAX, u16::MAX);
+    s.thermal = hottest();
+    let longest = encode(&s, u32::MAX).unwrap().receipt.bytes - HEADER;
+    // What is reckoned with counts padding as well, so it is more, but not by much.
+    assert!((longest..=longest * 5 / 4).contains(&LONGEST_PAYLOAD), "{longest}, reckoned with {LONGEST_PAYLOAD}");
+}
+
+/// Heat of which every number takes the most bytes.
+fn hottest() -> ThermalSettings {
+    let heater = HeaterSettings {
+        thermistor: Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX },
+        most: Celsius::MIN,
+        power: Watts::MAX,
+        max_duty: Ratio::MAX,
+        period_ms: u16::MAX,
+        model: HeaterModel {
+            capacity: JoulesPerKelvin::MAX,
+            loss: WattsPerKelvin::MAX,
+            fan_loss: WattsPerKelvin::MAX,
+            heater_lag: Seconds::MAX,
+            sensor_lag: Seconds::MAX,
+        },
+        pid: Pid { p: Ratio::MAX, i: Ratio::MAX, d: Ratio::MAX },
+        guards: Guards {
+            heating: Ratio::MAX,
+            lost: Celsius::MIN,
+            lost_s: u8::MAX,
+            off_rise: Celsius::MIN,
+            overshoot: Celsius::MIN,
+        },
+        ..heat().heaters.bed
+    };
+    let fan = FanSettings { role: FanRole::Controller, kick_ms: u16::MAX, least: Ratio::MAX, most: Ratio::MAX };
+    ThermalSettings {
+        heaters: Heaters { hotend: heater, bed: heater, chamber: heater },
+        fans: heat().fans.map(|_| fan),
+        min_extrude: Celsius::MIN,
+        hotend_fan_above: Celsius::MIN,
+        fan_run_on_s: u16::MAX,
+        idle_min: u8::MAX,
+        filament: WattsPerKelvin::MAX,
+    }
 }
 
 #[test]
