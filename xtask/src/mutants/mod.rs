@@ -8,6 +8,7 @@ mod survivors;
 
 use crate::checkout::{cargo, root, run, target_dir};
 use anyhow::{Context as _, Result, bail};
+use std::fs::File;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use survivors::Survivors;
@@ -53,6 +54,7 @@ pub struct Args {
 /// Puts the faults in and tells what was noticed.
 pub fn main(args: &Args) -> Result<()> {
     install()?;
+    let _alone = alone()?;
     let known = Survivors::known()?;
     let mut rows = Vec::new();
     let mut is_reached = true;
@@ -72,6 +74,17 @@ pub fn main(args: &Args) -> Result<()> {
     println!("\nroom     tried  noticed  missed  unviable");
     rows.iter().for_each(|row| println!("{row}"));
     if is_reached { Ok(()) } else { bail!("less than {} % were noticed", 100.0 * GOAL) }
+}
+
+/// Makes sure that nobody else tries mutants here, as long as the file is held. Cargo takes excerpts for the same crate wherever
+/// they lie, so tests would be run that are built of another one.
+fn alone() -> Result<File> {
+    let folder = target_dir()?.join("mutants");
+    std::fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let path = folder.join("lock");
+    let file = File::create(&path).with_context(|| format!("cannot make {}", path.display()))?;
+    file.try_lock().with_context(|| format!("mutants are being tried: {} is held", path.display()))?;
+    Ok(file)
 }
 
 /// What became of mutants. One that makes the tests go on for ever is noticed.
