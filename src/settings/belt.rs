@@ -75,3 +75,15 @@ impl Belt {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_way_to_align_has_the_name_that_machine_files_use() {
+        let names =
+            [Alignment::Off, Alignment::Warning, Alignment::Required, Alignment::Automatic].map(Alignment::name);
+        assert_eq!(names, ["off", "warning", "required", "automatic"]);
+    }
+}

@@ -303,6 +303,33 @@ mod tests {
         decodes(count - 1) && !decodes(count)
     }
 
+    #[test]
+    fn a_board_starts_anew_for_other_motors_plugs_lines_or_belts_and_for_nothing_else() {
+        let made = Settings::prototype();
+        let is_built_alike = |change: fn(&mut Settings)| {
+            let mut other = made;
+            change(&mut other);
+            assert_ne!(other, made);
+            made.is_built_as(&other)
+        };
+        let building: [fn(&mut Settings); 5] = [
+            |s| s.mechanism.rows.reverse(),
+            |s| s.wiring.motors[0].is_reversed ^= true,
+            |s| s.baud = 9600,
+            |s| s.probe.is_normally_open ^= true,
+            |s| s.belt.is_closed ^= true,
+        ];
+        assert_eq!(building.map(is_built_alike), [false; 5]);
+        let others: [fn(&mut Settings); 4] = [
+            |s| s.axes.x.length = Mm::ZERO,
+            |s| s.belt.settling_ms = 200,
+            |s| s.advanced_ok ^= true,
+            |s| s.endstops.x.end = AxisEnd::Max,
+        ];
+        assert_eq!(others.map(is_built_alike), [true; 4]);
+        assert!(made.is_built_as(&made));
+    }
+
     /// Tests that go through `all` look at every variant.
     #[test]
     fn no_variant_is_left_out() {

@@ -127,3 +127,39 @@ fn errors_name_the_setting_that_is_wrong() {
         assert_eq!(error.to_string(), text);
     }
 }
+
+#[test]
+fn the_nearest_legal_value_is_the_value_or_an_end_of_its_range() {
+    let range = Range { least: 10, most: 20 };
+    assert_eq!([9, 10, 15, 20, 21].map(|value| range.clamp(value)), [10, 10, 15, 20, 20]);
+}
+
+#[test]
+fn a_switch_sits_in_its_half_of_the_axis_or_as_far_outside_as_the_axis_backs_off() {
+    for (end, from, to) in [(AxisEnd::Min, -50, 150), (AxisEnd::Max, 150, 350)] {
+        for at in -60..=360 {
+            let mut s = Settings::prototype();
+            s.axes.x.length = Mm::const_from_int(300);
+            s.endstops.x = Endstop { end, position: Mm::const_from_int(at) };
+            assert_eq!(s.check().is_ok(), (from..=to).contains(&at), "{end:?} at {at} mm");
+        }
+    }
+}
+
+#[test]
+fn two_heaters_that_are_fitted_share_no_output_and_no_sensor() {
+    let mut s = Settings::prototype();
+    let heaters = |s: &mut Settings, hotend, bed| {
+        (s.thermal.heaters.hotend.is_fitted, s.thermal.heaters.bed.is_fitted) = (hotend, bed);
+        s.check()
+    };
+    assert_eq!(heaters(&mut s, true, true), Ok(()), "each has its own");
+    let own = s.thermal.heaters.bed;
+    s.thermal.heaters.bed.output = s.thermal.heaters.hotend.output;
+    assert_eq!(heaters(&mut s, true, true), Err(SettingsError::SharedHeater("output")));
+    assert_eq!([heaters(&mut s, true, false), heaters(&mut s, false, true)], [Ok(()); 2]);
+    s.thermal.heaters.bed = own;
+    s.thermal.heaters.bed.sensor = s.thermal.heaters.hotend.sensor;
+    assert_eq!(heaters(&mut s, true, true), Err(SettingsError::SharedHeater("sensor")));
+    assert_eq!([heaters(&mut s, true, false), heaters(&mut s, false, true)], [Ok(()); 2]);
+}

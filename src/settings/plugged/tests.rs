@@ -3,7 +3,7 @@
 extern crate std;
 
 use super::*;
-use crate::connectors::{NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM};
+use crate::connectors::{NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
 use crate::kinematics::Mechanism;
 use crate::settings::Wiring;
 use std::format;
@@ -30,6 +30,18 @@ fn the_prototype_is_an_octopus() {
     assert_eq!(names, ["M0", "M1", "M4", "M3", "M2", "M5", "M6"]);
     assert_eq!(s.wiring.endstops.z.connector.as_str(), "Z-STOP");
     assert!(s.wiring.motors.iter().all(|plug| !plug.is_reversed) && !s.wiring.endstops.x.is_normally_open);
+}
+
+#[test]
+fn a_machine_that_names_no_connectors_is_plugged_in_as_usual_on_its_board() {
+    let mut s = Settings::prototype();
+    assert!(s.check_connectors(&SPIDER).is_err());
+    s.name_connectors(&SPIDER);
+    assert_eq!(s.check_connectors(&SPIDER), Ok(()));
+    assert_eq!(s.wiring.of(Motor::M1).connector.as_str(), "X-MOT");
+    let mut named = plugged(Motor::M1, "M7");
+    named.name_connectors(&SPIDER);
+    assert_eq!(named.wiring.of(Motor::M1).connector.as_str(), "M7", "what is named stays");
 }
 
 #[test]
