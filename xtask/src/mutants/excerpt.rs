@@ -40,8 +40,13 @@ fn rooms(room: &str, tests: &[&str]) -> Result<BTreeSet<String>> {
     while let Some(path) = left.pop() {
         for file in files(&path)?.iter().filter(|file| file.extension().is_some_and(|end| end == "rs")) {
             let text = read(file)?;
-            if text.lines().any(|line| line == "mod support;") {
-                left.extend(sources("tests", "support"));
+            for line in text.lines().map(str::trim) {
+                if line == "mod support;" {
+                    left.extend(sources("tests", "support"));
+                }
+                // A file of another test.
+                let path = line.strip_prefix("#[path = \"").and_then(|rest| rest.strip_suffix("\"]"));
+                left.extend(path.map(|path| file.with_file_name(path)).filter(|path| root().join(path).exists()));
             }
             // Within the core, and from its tests.
             for used in ["crate::", "corehbot::"].into_iter().flat_map(|root| names(&text, root)) {
@@ -114,6 +119,13 @@ mod tests {
         let rooms = rooms("driver", &[]).unwrap();
         assert!(["driver", "settings", "kinematics", "units", "port"].iter().all(|room| rooms.contains(*room)));
         assert!(["machine", "thermal", "motion", "gcode"].iter().all(|room| !rooms.contains(*room)), "{rooms:?}");
+    }
+
+    #[test]
+    fn an_excerpt_has_what_tests_use_in_files_that_they_share() {
+        let rooms = |test| super::rooms("settings", &[test]).unwrap();
+        assert!(rooms("mechanisms").contains("motion") && !rooms("setting_ranges").contains("motion"));
+        assert!(rooms("line_noise").contains("thermal"));
     }
 
     #[test]
