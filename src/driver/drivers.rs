@@ -1,19 +1,19 @@
-//! All drivers: who holds what, who has power, and the one job that goes on.
+//! All drivers: who holds what, who has power, the one job that goes on, and the looks in between.
+
+mod turns;
 
 use super::config::Config;
 use super::error::{DriverError, Fault, News};
 use super::reading::Reading;
 use super::run::{Job, Next, Run};
+use super::watch::Watch;
 use crate::motors::{Motor, MotorSet};
-use crate::port::DriverBus;
+use crate::port::{BusError, DriverBus, Frame};
 use crate::settings::Settings;
 use crate::units::Instant;
+use turns::Turn;
 
-/// One driver is looked at every so many ms while motors have power: each of seven every 175 ms. It takes 22 ms of
-/// wire at 19,200 baud, so the wire has little rest.
-const POLL_MS: u32 = 25;
-
-/// A proof is this many ms old at most when power comes: seven quick ones take 150 ms, and 330 with a poll after each.
+/// A proof is this many ms old at most when power comes: seven quick ones take 170 ms, and 400 with looks in between.
 const FRESH_MS: u32 = 500;
 
 const MOTORS: usize = Motor::ALL.len();
@@ -38,15 +38,19 @@ pub struct Drivers {
     lines: MotorSet,
     powered: MotorSet,
     drivers: [Driver; MOTORS],
+    watch: Watch,
+    /// The urgent look that goes on, or the poll that follows from a look.
+    urgent: Option<Run>,
+    /// The look in the background that goes on. Between two of its exchanges others have theirs.
+    background: Option<Run>,
+    /// The job that goes on. Between two of its exchanges there are looks.
     run: Option<Run>,
+    /// Whose exchange is on the wire.
+    on_wire: Option<Turn>,
     /// The job that somebody waits for, and its result.
     asked: Option<(Job, Motor)>,
     is_awaited: bool,
     result: Option<Result<Reading, DriverError>>,
-    next_poll: Instant,
-    polled: Motor,
-    /// The last job was a poll, so that others that wait come first.
-    has_polled: bool,
     fault: Option<Fault>,
 }
 
@@ -66,13 +70,14 @@ impl Drivers {
             lines: lines.without(not_fitted),
             powered: MotorSet::NONE,
             drivers,
+            watch: Watch::new(),
+            urgent: None,
+            background: None,
             run: None,
+            on_wire: None,
             asked: None,
             is_awaited: false,
             result: None,
-            next_poll: Instant::default(),
-            polled: Motor::E0,
-            has_polled: false,
             fault: None,
         }
     }
@@ -89,7 +94,7 @@ impl Drivers {
         self.powered
     }
 
-    /// The fault that took the power from all motors; only a reset ends it.
+    /// The first fault; only a reset ends it.
     #[must_use]
     pub const fn fault(&self) -> Option<Fault> {
         self.fault
@@ -134,9 +139,6 @@ impl Drivers {
         if self.fault.is_some() {
             return Ok(());
         }
-        if self.powered.is_empty() {
-            self.next_poll = now.after_ms(POLL_MS);
-        }
         for (motor, driver) in Motor::ALL.into_iter().zip(&mut self.drivers) {
             driver.proved = driver.proved.filter(|_| !on.has(motor));
         }
@@ -177,79 +179,71 @@ impl Drivers {
         self.result.take()
     }
 
+    /// Motors that can pull against each other: one of them that fails is to be known within 100 ms.
+    pub const fn watch_closely(&mut self, motors: MotorSet) {
+        self.watch.hurry(motors);
+    }
+
+    /// After a fault of one driver: takes the power from its motor alone, and looks at all others at once. They are watched on, and a
+    /// second fault is told; jobs are forgotten.
+    pub fn go_on_without(&mut self, motor: Motor, bus: &mut impl DriverBus) {
+        self.powered = self.powered.without(MotorSet::of(motor));
+        bus.enable(self.powered);
+        (self.run, self.asked, self.is_awaited) = (None, None, false);
+        self.watch.ask_at_once(MotorSet::ALL);
+    }
+
+    /// Whether a driver whose motor has power has yet to be seen without a fault since [`go_on_without`](Self::go_on_without).
+    #[must_use]
+    pub const fn are_unseen(&self) -> bool {
+        !self.watch.unseen(self.watched()).is_empty()
+    }
+
+    /// Motors with power whose drivers can be talked to.
+    const fn watched(&self) -> MotorSet {
+        self.lines.without(MotorSet::ALL.without(self.powered))
+    }
+
     /// Goes on. Never waits; call it every millisecond.
     pub fn step(&mut self, bus: &mut impl DriverBus, now: Instant) -> Option<News> {
-        if self.lines.is_empty() || self.fault.is_some() {
+        if self.lines.is_empty() || self.is_over() {
             return None;
         }
-        let Some(mut run) = self.run else {
-            self.run = self.begin(now);
-            self.exchange(bus);
-            return None;
-        };
-        let outcome = bus.outcome()?;
-        let (next, has_failed) = run.take(outcome);
-        if let Some(driver) = self.get_mut(run.motor) {
-            driver.errors = driver.errors.saturating_add(u16::from(has_failed));
+        let mut news = None;
+        if let Some(turn) = self.on_wire {
+            let outcome = bus.outcome()?;
+            self.on_wire = None;
+            news = self.take(turn, outcome, now);
         }
-        self.run = Some(run);
-        let news = match next {
-            Next::Exchange => None,
-            Next::Done(result) => {
-                self.run = None;
-                self.finish(&run, result, now)
-            }
-        };
-        if self.run.is_none() && self.fault.is_none() {
-            self.run = self.begin(now);
+        if !matches!(news, Some(News::Stopped(_))) {
+            self.exchange(bus, now);
         }
-        self.exchange(bus);
         news
     }
 
-    /// Sends what the present run wants sent.
-    fn exchange(&mut self, bus: &mut impl DriverBus) {
-        let Some(run) = self.run else { return };
-        if run.writes()
-            && let Some(driver) = self.get_mut(run.motor)
-        {
-            // Under power the old values are as good as the new ones, unless a step changes its size.
-            let microsteps = run.config.microsteps();
-            driver.held = driver.held.filter(|held| run.job == Job::Adjust && held.microsteps() == microsteps);
-        }
-        if let Some((request, reply)) = run.request() {
-            bus.begin(run.motor, &request, reply);
-        }
+    /// Whether nobody is talked to any more: a driver has failed, and no motor has power.
+    const fn is_over(&self) -> bool {
+        self.fault.is_some() && self.powered.is_empty()
     }
 
-    /// The job that is to be done now: health, changes, what somebody asked for. On a bad wire a poll takes so long
-    /// that the next is due, and the others get every second turn nevertheless.
-    fn begin(&mut self, now: Instant) -> Option<Run> {
-        let watched = self.lines.without(MotorSet::ALL.without(self.powered));
-        let is_awaited = self.stale().is_some() || self.asked.is_some();
-        let others_first = core::mem::take(&mut self.has_polled) && is_awaited;
-        if !watched.is_empty() && now >= self.next_poll && !others_first {
-            self.has_polled = true;
-            self.next_poll = now.after_ms(POLL_MS);
-            let mut order = Motor::ALL.into_iter().cycle().skip(self.polled as usize + 1).take(MOTORS);
-            if let Some(motor) = order.find(|motor| watched.has(*motor)) {
-                self.polled = motor;
-                let driver = self.get(motor)?;
-                return Some(Run::new(motor, Job::Poll, driver.held.unwrap_or(driver.wanted), true));
-            }
+    fn take(&mut self, turn: Turn, outcome: Result<Frame, BusError>, now: Instant) -> Option<News> {
+        let place = match turn {
+            Turn::Urgent => &mut self.urgent,
+            Turn::Background => &mut self.background,
+            Turn::Job => &mut self.run,
+        };
+        let mut run = place.take()?;
+        let (next, has_failed) = run.take(outcome);
+        if next == Next::Exchange {
+            *place = Some(run);
         }
-        if let Some(motor) = self.stale() {
-            return Some(Run::new(motor, Job::Adjust, self.get(motor)?.wanted, true));
+        if let Some(driver) = self.get_mut(run.motor) {
+            driver.errors = driver.errors.saturating_add(u16::from(has_failed));
         }
-        let (job, motor) = self.asked.take()?;
-        if !self.lines.has(motor) || (job == Job::Verify && self.powered.has(motor)) {
-            // Nothing to say, or nothing to prove: the flags of a motor with power are not to be cleared.
-            self.result = Some(Ok(Reading::default()));
-            return None;
+        match next {
+            Next::Exchange => None,
+            Next::Done(result) => self.finish(&run, result, now),
         }
-        self.is_awaited = true;
-        let driver = self.get(motor)?;
-        Some(Run::new(motor, job, driver.wanted, driver.held == Some(driver.wanted)))
     }
 
     /// A motor with power that does not hold what it is to hold.
@@ -268,17 +262,29 @@ impl Drivers {
             (Job::Verify | Job::Adjust, Ok(_)) => (driver.held, driver.proved) = (Some(run.config), Some(now)),
             (Job::Verify, Err(_)) => driver.held = None,
             (Job::Poll, Ok(reading)) => {
+                if run.is_of_flags() {
+                    self.watch.note_well(motor);
+                }
+                let driver = self.get_mut(motor)?;
                 let is_new = reading.is_hot() && !driver.is_warned;
                 driver.is_warned |= is_new;
                 return is_new.then_some(News::Hot(motor));
             }
+            (Job::Poll, Err(error)) if has_power && run.is_part_of_the_story(error) => {
+                self.urgent = Some(Run::new(motor, Job::Poll, run.config, true));
+                return None;
+            }
             (Job::Poll | Job::Adjust, Err(error)) if has_power => {
                 let fault = Fault { motor, error };
-                self.fault = Some(fault);
+                self.fault.get_or_insert(fault);
                 return Some(News::Stopped(fault));
             }
             // It lost its power in the meantime, and must prove everything before it gets it again.
-            (Job::Poll | Job::Adjust, Err(_)) => driver.held = None,
+            (Job::Adjust, Err(_)) => driver.held = None,
+            (Job::Poll, Err(_)) => {
+                driver.held = None;
+                return None;
+            }
             (Job::Read | Job::Load | Job::Phase, _) => {}
         }
         if core::mem::take(&mut self.is_awaited) {

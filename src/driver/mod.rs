@@ -14,7 +14,7 @@
 //! - **job**: what is to be done with a driver. **run**: a job on its way, several exchanges one after the other (`run`).
 //! - **proof**: a run which has shown that the driver holds its configuration. It counts for a short time and for getting
 //!   power once. A **quick proof** reads three registers, of a driver that was configured before.
-//! - **poll**: a look at a driver whose motor has power.
+//! - **look**: one register of a driver whose motor has power is read (`watch`). **poll**: all that tell why a driver failed.
 
 mod config;
 mod datagram;
@@ -23,6 +23,7 @@ mod error;
 mod reading;
 mod registers;
 mod run;
+mod watch;
 
 pub use config::Config;
 pub use drivers::Drivers;

@@ -25,7 +25,7 @@ pub enum Job {
     Verify,
     /// Change the configuration of a motor that has power.
     Adjust,
-    /// See whether all is well with a motor that has power.
+    /// See whether all is well with a motor that has power, or what is wrong.
     Poll,
     /// Read what a report tells.
     Read,
@@ -58,6 +58,27 @@ enum Step {
     Note(Register),
 }
 
+/// What a look is at: one register of a motor that has power.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Look {
+    /// GSTAT.
+    Flags,
+    /// DRV_STATUS.
+    Status,
+    /// CHOPCONF.
+    Chopper,
+}
+
+impl Look {
+    const fn steps(self) -> &'static [Step] {
+        match self {
+            Self::Flags => &[Step::Flags],
+            Self::Status => &[Step::Status],
+            Self::Chopper => &[Step::Same(Register::Chopconf)],
+        }
+    }
+}
+
 /// The quick proof, for a driver that was configured before.
 const CHECK: &[Step] = &[Step::Flags, Step::Same(Register::Gconf), Step::Same(Register::Chopconf)];
 
@@ -72,7 +93,7 @@ const READ: &[Step] = &[
     Step::Note(Register::Ifcnt),
 ];
 
-/// As many readings as fit between two polls: the drivers measure anew every full step.
+/// The drivers measure anew every full step.
 const LOAD: &[Step] = &[Step::Note(Register::SgResult); LOADS];
 
 const PHASE: &[Step] = &[Step::Note(Register::Mscnt); 2];
@@ -166,6 +187,23 @@ impl Run {
         };
         let reading = Reading::default();
         Self { motor, job, config, steps, at: 0, tries: 0, rounds: 0, doubt: Doubt::None, count: 0, reading }
+    }
+
+    /// A look at a driver whose motor has power, and that holds `config`.
+    pub fn look(motor: Motor, look: Look, config: Config) -> Self {
+        Self { steps: look.steps(), ..Self::new(motor, Job::Poll, config, true) }
+    }
+
+    /// Whether it is a look at GSTAT alone.
+    pub fn is_of_flags(&self) -> bool {
+        matches!(self.steps, [Step::Flags])
+    }
+
+    /// Whether another register may tell why a look has found this: DRV_STATUS why a driver has switched itself off, GSTAT that it was
+    /// reset and so has another CHOPCONF.
+    pub fn is_part_of_the_story(&self, error: DriverError) -> bool {
+        let is_of_others = matches!(error, DriverError::ShutDown | DriverError::Microsteps | DriverError::Differs(_));
+        self.steps.len() == 1 && is_of_others
     }
 
     /// Whether it may write, so that what the driver holds is not known until it is done.

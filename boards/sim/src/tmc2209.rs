@@ -22,6 +22,15 @@ const MASTER: u8 = 0xFF;
 /// The version of a TMC2209 in IOIN (section 5.1).
 const VERSION: u32 = 0x21;
 
+/// drv_err in GSTAT (section 5.1).
+const DRV_ERR: u32 = 1 << 1;
+
+/// uv_cp in GSTAT (section 5.1).
+const UV_CP: u32 = 1 << 2;
+
+/// Over-temperature and shorts in DRV_STATUS (section 5.5.3).
+const SHUT_DOWN: u32 = 0x1F << 1;
+
 /// What a reply suffers on its way.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Corruption {
@@ -199,8 +208,12 @@ impl Tmc2209 {
         places.filter(|((at, ..), _)| *at == address).map(|(_, value)| *value).next().unwrap_or(0)
     }
 
-    /// Puts something into a register as the chip itself would: a status, or the trace of a fault.
+    /// Puts something into a register as the chip itself would: a status, or the trace of a fault. A short circuit or heat switches it
+    /// off, which GSTAT keeps (drv_err, section 5.1).
     pub fn set(&mut self, address: u8, value: u32) {
+        if address == DRV_STATUS && value & SHUT_DOWN != 0 {
+            self.set(GSTAT, self.register(GSTAT) | DRV_ERR);
+        }
         for ((at, ..), register) in TABLE.iter().zip(&mut self.registers) {
             if *at == address {
                 *register = value;
@@ -234,10 +247,23 @@ impl Tmc2209 {
         self.is_powered
     }
 
+    /// Whether it drives its motor when it is enabled: it has supply, and has neither switched itself off nor too low a charge pump
+    /// (section 5.1: drv_err, uv_cp).
+    #[must_use]
+    pub fn is_driving(&self) -> bool {
+        self.is_powered && self.register(GSTAT) & (DRV_ERR | UV_CP) == 0
+    }
+
+    /// Whether its registers size its steps, so that somebody has configured it; otherwise its pins do.
+    #[must_use]
+    pub fn is_configured(&self) -> bool {
+        self.register(gconf::ADDRESS) & gconf::MSTEP_REG_SELECT != 0
+    }
+
     /// Microsteps that a full step really has: by MRES (section 5.5.1), or by the pins MS2 and MS1 (pin table).
     #[must_use]
     pub fn microsteps(&self) -> u32 {
-        if self.register(gconf::ADDRESS) & gconf::MSTEP_REG_SELECT == 0 {
+        if !self.is_configured() {
             return [8, 32, 64, 16][usize::from(self.address)];
         }
         let mres = (self.register(chopconf::ADDRESS) >> chopconf::MRES) & 0xF;

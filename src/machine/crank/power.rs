@@ -29,10 +29,12 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             self.tell(Answer::Refused(why)).await?;
             return Err(Interrupt::NoPower);
         }
+        let residuals = self.residuals();
+        self.drivers.watch_closely(residuals.motors());
         let before = self.drivers.powered();
-        let mut result = self.power_in_turn(self.residuals().with_opponents(motors), before).await;
+        let mut result = self.power_in_turn(residuals.with_opponents(motors), before).await;
         if result.is_ok() {
-            result = self.align_by_phases(&self.residuals()).await;
+            result = self.align_by_phases(&residuals).await;
         }
         if result.is_err() {
             // A part of a belt is worse than nothing.

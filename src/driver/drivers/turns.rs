@@ -1,0 +1,96 @@
+//! Turns: whose exchange is the next on the wires, which take one at a time.
+
+use super::Drivers;
+use crate::driver::reading::Reading;
+use crate::driver::run::{Job, Look, Run};
+use crate::driver::watch::{Slot, Wanted};
+use crate::motors::Motor;
+use crate::port::DriverBus;
+use crate::units::Instant;
+
+/// Whose exchange it is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Turn {
+    Urgent,
+    Background,
+    Job,
+}
+
+impl Drivers {
+    /// Sends what is to be sent now.
+    pub(super) fn exchange(&mut self, bus: &mut impl DriverBus, now: Instant) {
+        let turn = self.next_turn(now);
+        let run = match turn {
+            Turn::Urgent => self.urgent,
+            Turn::Background => self.background,
+            Turn::Job => self.run,
+        };
+        let Some(run) = run else { return };
+        if run.writes()
+            && let Some(driver) = self.get_mut(run.motor)
+        {
+            // Under power the old values are as good as the new ones, unless a step changes its size.
+            let microsteps = run.config.microsteps();
+            driver.held = driver.held.filter(|held| run.job == Job::Adjust && held.microsteps() == microsteps);
+        }
+        if let Some((request, reply)) = run.request() {
+            bus.begin(run.motor, &request, reply);
+            self.on_wire = Some(turn);
+        }
+    }
+
+    /// Whose exchange comes next. An urgent look that was not answered, or told of trouble, is repeated at once; so is one in the
+    /// background whose motor has lost its power since.
+    fn next_turn(&mut self, now: Instant) -> Turn {
+        if self.urgent.is_some() {
+            return Turn::Urgent;
+        }
+        if self.background.is_some_and(|look| !self.powered.has(look.motor)) {
+            return Turn::Background;
+        }
+        if self.run.is_none() {
+            self.run = self.begin_job();
+        }
+        let wanted = Wanted {
+            watched: self.watched(),
+            writing: self.run.filter(Run::writes).map(|run| run.motor),
+            has_job: self.run.is_some(),
+            has_look: self.background.is_some(),
+        };
+        match self.watch.next(wanted, now) {
+            Slot::Job => Turn::Job,
+            Slot::Again => Turn::Background,
+            Slot::Urgent(motor) => {
+                self.urgent = self.look_at(motor, Look::Flags);
+                Turn::Urgent
+            }
+            Slot::Background(motor, look) => {
+                self.background = self.look_at(motor, look);
+                Turn::Background
+            }
+        }
+    }
+
+    fn look_at(&self, motor: Motor, look: Look) -> Option<Run> {
+        self.get(motor).map(|driver| Run::look(motor, look, driver.held.unwrap_or(driver.wanted)))
+    }
+
+    /// The job that is to be done next: changes, what somebody asked for.
+    fn begin_job(&mut self) -> Option<Run> {
+        if self.fault.is_some() {
+            return None;
+        }
+        if let Some(motor) = self.stale() {
+            return Some(Run::new(motor, Job::Adjust, self.get(motor)?.wanted, true));
+        }
+        let (job, motor) = self.asked.take()?;
+        if !self.lines.has(motor) || (job == Job::Verify && self.powered.has(motor)) {
+            // Nothing to say, or nothing to prove: the flags of a motor with power are not to be cleared.
+            self.result = Some(Ok(Reading::default()));
+            return None;
+        }
+        self.is_awaited = true;
+        let driver = self.get(motor)?;
+        Some(Run::new(motor, job, driver.wanted, driver.held == Some(driver.wanted)))
+    }
+}

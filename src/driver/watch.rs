@@ -1,0 +1,201 @@
+//! Watch: which driver with power is looked at next, and at which of its registers.
+//!
+//! The wires take one exchange at a time, of 7.4 ms at 19,200 baud: a **slot**. Motors that can pull against each other (the machine's residuals)
+//! are **urgent**: one that fails is to be off within 100 ms, so every second slot reads GSTAT of one of them, in turn. It has all that
+//! ends a motor's torque or makes its steps others: reset, a short circuit or heat (drv_err), a low charge pump (uv_cp); and who has no
+//! supply does not answer. The slots in between belong to jobs, and without one to the **background**: GSTAT of the other motors, and of all of them
+//! CHOPCONF and DRV_STATUS, which warns of heat. Background looks get every [`BETWEEN`]th of these slots even if jobs wait.
+//!
+//! Four urgent motors are looked at every 64 ms each. A driver that has lost its supply is asked four times, 32 ms, before it counts as
+//! silent: 96 ms at most. Without urgent motors all slots are background, which looks at each driver of seven every 168 ms.
+
+use super::run::Look;
+use crate::motors::{Motor, MotorSet};
+use crate::units::Instant;
+
+/// A look after a look begins no earlier than so many ms after it: an exchange and the Console's next turn.
+const SLOT_MS: u32 = 8;
+
+/// Of so many slots between urgent looks the background gets one although a job waits.
+const BETWEEN: u8 = 5;
+
+/// Registers in the background beside urgent looks. One of three is GSTAT of a motor that is not urgent: each of three every 144 ms.
+/// CHOPCONF of each of seven comes every 224 ms, DRV_STATUS every 672 ms.
+const BESIDE: [Look; 12] = [
+    Look::Flags,
+    Look::Chopper,
+    Look::Chopper,
+    Look::Flags,
+    Look::Chopper,
+    Look::Status,
+    Look::Flags,
+    Look::Chopper,
+    Look::Chopper,
+    Look::Flags,
+    Look::Chopper,
+    Look::Status,
+];
+
+/// The same while jobs wait: GSTAT of each of three every 320 ms, the others when there is time.
+const BUSY: [Look; 8] =
+    [Look::Flags, Look::Flags, Look::Flags, Look::Chopper, Look::Flags, Look::Flags, Look::Flags, Look::Status];
+
+/// Registers if no motor is urgent.
+const ALONE: [Look; 3] = [Look::Status, Look::Flags, Look::Chopper];
+
+/// Whose slot it is.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Slot {
+    /// An urgent look at GSTAT of this driver.
+    Urgent(Motor),
+    /// A look in the background, at this register of this driver.
+    Background(Motor, Look),
+    /// The look in the background that is under way, once more.
+    Again,
+    /// A job, or nobody.
+    Job,
+}
+
+/// What there is to be looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// Motors with power whose drivers can be talked to.
+    pub watched: MotorSet,
+    /// The driver that is being written: its CHOPCONF may be the old or the new one.
+    pub writing: Option<Motor>,
+    /// A job waits for a slot.
+    pub has_job: bool,
+    /// A look in the background has not come to an end.
+    pub has_look: bool,
+}
+
+/// A motor after the other.
+#[derive(Clone, Copy, Debug)]
+struct Round(Motor);
+
+impl Round {
+    fn next(&mut self, of: MotorSet) -> Option<Motor> {
+        let mut order = Motor::ALL.into_iter().cycle().skip(self.0 as usize + 1).take(Motor::ALL.len());
+        let next = order.find(|motor| of.has(*motor))?;
+        self.0 = next;
+        Some(next)
+    }
+}
+
+/// The order of looks.
+#[derive(Debug)]
+pub(super) struct Watch {
+    urgent: MotorSet,
+    /// Motors whose GSTAT is to be read before anything else.
+    at_once: MotorSet,
+    is_urgent_turn: bool,
+    /// Slots that jobs have had since the background's last one.
+    given: u8,
+    place: usize,
+    urgent_round: Round,
+    flags: Round,
+    chopper: Round,
+    status: Round,
+    due: Instant,
+}
+
+impl Watch {
+    pub fn new() -> Self {
+        let round = Round(Motor::E0);
+        Self {
+            urgent: MotorSet::NONE,
+            at_once: MotorSet::NONE,
+            is_urgent_turn: true,
+            given: 0,
+            place: ALONE.len() - 1,
+            urgent_round: round,
+            flags: round,
+            chopper: round,
+            status: round,
+            due: Instant::default(),
+        }
+    }
+
+    /// These motors can pull against each other.
+    pub const fn hurry(&mut self, urgent: MotorSet) {
+        self.urgent = urgent;
+    }
+
+    /// GSTAT of these is read before anything else.
+    pub const fn ask_at_once(&mut self, motors: MotorSet) {
+        self.at_once = motors;
+    }
+
+    /// GSTAT of this driver was without fault.
+    pub const fn note_well(&mut self, motor: Motor) {
+        self.at_once = self.at_once.without(MotorSet::of(motor));
+    }
+
+    /// Those of `motors` whose GSTAT was to be read at once, and was not yet.
+    pub const fn unseen(&self, motors: MotorSet) -> MotorSet {
+        motors.without(MotorSet::ALL.without(self.at_once))
+    }
+
+    /// Whose slot it is now.
+    pub fn next(&mut self, wanted: Wanted, now: Instant) -> Slot {
+        let Wanted { watched, has_job, has_look, .. } = wanted;
+        if watched.is_empty() || now < self.due {
+            return Slot::Job;
+        }
+        let (unseen, urgent) = (self.unseen(watched), watched.without(MotorSet::ALL.without(self.urgent)));
+        let has_urgent = !urgent.is_empty();
+        let first = if unseen.is_empty() { urgent } else { unseen };
+        let is_urgent_turn = self.is_urgent_turn && has_urgent;
+        self.is_urgent_turn = !self.is_urgent_turn;
+        let slot = if is_urgent_turn || !unseen.is_empty() {
+            self.urgent_round.next(first).map_or(Slot::Job, Slot::Urgent)
+        } else if has_job && self.is_for_job(has_urgent) {
+            return Slot::Job;
+        } else if has_look {
+            Slot::Again
+        } else {
+            self.background(wanted, has_urgent)
+        };
+        self.due = now.after_ms(SLOT_MS);
+        slot
+    }
+
+    /// Whether a job that waits gets a slot that is not for an urgent look.
+    const fn is_for_job(&mut self, has_urgent: bool) -> bool {
+        let most = if has_urgent { BETWEEN - 1 } else { 1 };
+        let is_for_job = self.given < most;
+        self.given = if is_for_job { self.given + 1 } else { 0 };
+        is_for_job
+    }
+
+    fn background(&mut self, wanted: Wanted, has_urgent: bool) -> Slot {
+        let order = match (has_urgent, wanted.has_job) {
+            (true, false) => &BESIDE[..],
+            (true, true) => &BUSY[..],
+            (false, _) => &ALONE[..],
+        };
+        self.place = (self.place + 1) % order.len();
+        let look = order.get(self.place).copied().unwrap_or(Look::Flags);
+        if !has_urgent && look == Look::Status {
+            // The three registers of one driver follow each other.
+            (self.flags, self.chopper) = (self.status, self.status);
+        }
+        let (round, motors) = match look {
+            Look::Flags if has_urgent => (&mut self.flags, wanted.watched.without(self.urgent)),
+            Look::Flags => (&mut self.flags, wanted.watched),
+            Look::Chopper => (&mut self.chopper, wanted.watched),
+            Look::Status => (&mut self.status, wanted.watched),
+        };
+        match round.next(motors) {
+            Some(motor) if look == Look::Chopper && wanted.writing == Some(motor) => {
+                Slot::Background(motor, Look::Flags)
+            }
+            Some(motor) => Slot::Background(motor, look),
+            // All of them are urgent.
+            None => self.chopper.next(wanted.watched).map_or(Slot::Job, |motor| Slot::Background(motor, Look::Status)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
