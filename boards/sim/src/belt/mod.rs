@@ -18,12 +18,14 @@
 //! | [`accident`] | hits and brakes, as the command line has them |
 //! | `timeline` | motion time of an instant that has passed |
 //! | [`course`] | shares and residual over time |
+//! | `field` | by how much a driver turns its field at a step |
 //! | `load` | what a driver measures of its motor's load |
 //! | [`figures`] | what is said of it at the end |
 
 pub mod accident;
 pub mod args;
 pub mod course;
+mod field;
 pub mod figures;
 pub mod layout;
 mod load;
@@ -40,6 +42,7 @@ use corehbot_twin::live::{Live, phases_mm};
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::Place;
 use course::{Course, CourseBin};
+use field::Field;
 use figures::SkipFigures;
 use layout::{Layout, LayoutError};
 use load::Load;
@@ -56,7 +59,7 @@ const NEAR_MM: f64 = 0.1;
 
 /// The drivers of the motors, on whatever board they are.
 pub trait Chips {
-    /// Motors that have power, and since when, in ticks.
+    /// Motors whose drivers give them current, and since when, in ticks, if that was the firmware's doing.
     fn powered(&self) -> (MotorSet, u64);
 
     /// Has something done to the driver of a motor.
@@ -65,7 +68,9 @@ pub trait Chips {
 
 impl Chips for &Drivers {
     fn powered(&self) -> (MotorSet, u64) {
-        (self.enabled(), self.switched())
+        let is_driving = |motor: &Motor| self.enabled().has(*motor) && self.chip(*motor).is_driving();
+        let driving = Motor::ALL.into_iter().filter(is_driving);
+        (driving.fold(MotorSet::NONE, |all, motor| all.with(MotorSet::of(motor))), self.switched())
     }
 
     fn with(&mut self, motor: Motor, act: &mut dyn FnMut(&mut Tmc2209)) {
@@ -106,6 +111,7 @@ pub struct BeltPlant {
     met: [Option<f64>; 2],
     largest_off_mm: f64,
     loads: Vec<Load>,
+    fields: Vec<Field>,
     course: Course,
     timeline: Timeline,
     skips: Vec<SkipFigures>,
@@ -145,6 +151,7 @@ impl BeltPlant {
             rig: Rig::new(settings, Some(place)),
             inputs: EndstopSet::SWITCHES,
             loads: (0..motors).map(|motor| Load::new(noise, motor)).collect(),
+            fields: vec![Field::new(settings.drivers.belt.microsteps.into()); motors],
             course: Course::default(),
             layout,
             origin,
@@ -195,9 +202,13 @@ impl BeltPlant {
             return;
         }
         let mut each = [0; layout::MOST_MOTORS];
-        for (step, drive) in each.iter_mut().zip(&self.layout.drives) {
+        let counts = self.live.counts();
+        let drives = self.layout.drives.iter().zip(&mut self.fields).zip(counts);
+        for (step, ((drive, field), count)) in each.iter_mut().zip(drives) {
             let sense = if forward.has(drive.motor) { drive.sense } else { -drive.sense };
-            *step = if steps.has(drive.motor) { i64::from(sense) } else { 0 };
+            if steps.has(drive.motor) {
+                chips.with(drive.motor, &mut |chip| *step = field.step(i64::from(sense), *count, chip));
+            }
         }
         self.live.step(&each);
         self.happen(now);
