@@ -45,8 +45,9 @@ const LEAST: [i64; 3] = [i64::MIN, i32::MIN as i64, 0];
 
 /// Numbers of which all are legal; and those of which 0 is, which mostly switches something off.
 const ANY: [&str; 1] = ["stall_threshold"];
-const MAY_BE_0: [&str; 20] = [
+const MAY_BE_0: [&str; 21] = [
     "preload",
+    "limp_lift",
     "phases",
     "settling_ms",
     "homing_advance",

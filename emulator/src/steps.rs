@@ -58,6 +58,8 @@ pub struct Recorder {
     pub split_pairs: u64,
     /// Steps of motors without power.
     pub unpowered: u64,
+    /// Those motors.
+    pub without_power: MotorSet,
 }
 
 /// Pairs of motors that share a belt half, and must step in one store.
@@ -89,6 +91,7 @@ impl Recorder {
             pulse: Pulse { high: u64::MAX, low: u64::MAX, set_up: u64::MAX },
             split_pairs: 0,
             unpowered: 0,
+            without_power: MotorSet::NONE,
         }
     }
 
@@ -138,6 +141,7 @@ impl Recorder {
             }
         }
         self.unpowered += u64::from(rises.without(powered).0.count_ones());
+        self.without_power = self.without_power.with(rises.without(powered));
         let forward = MotorSet(self.forward.0 & rises.0);
         let split = |before: MotorSet| {
             PAIRS.iter().filter(|pair| before.0 & pair.0 != 0 && rises.0 & pair.0 != 0).count() as u64

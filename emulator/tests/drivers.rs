@@ -5,7 +5,7 @@ mod common;
 
 use common::{Bench, MS, drivers, firmware, print, root};
 use corehbot::driver::Name;
-use corehbot::motors::Motor;
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
 use corehbot_emulator::driver_line::DriverLines;
@@ -104,41 +104,70 @@ fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
     assert_refused(&print_on(&drivers), "motor");
 }
 
-/// From a fault of drivers in mid-motion to the last step, in ns; the host is told one of `causes`.
-fn stops_after(injection: Injection, causes: &[&str]) -> u64 {
+/// From a fault of drivers in mid-motion to when the motors of `failed` have no power, in ns; the host is told one of `causes`.
+fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, Seen) {
     let seen = print(&firmware(), GCODE, Some(injection));
     let at = seen.injected.expect("a fault");
     let last = seen.recorder.events.last().map_or(0, |event| event.at);
-    let off = seen.safety.switched.iter().find(|(when, on)| *when >= at && on.is_empty());
-    let off = off.expect("motors without power").0;
+    let without = |motors: MotorSet| {
+        let mut later = seen.safety.switched.iter().filter(|(when, _)| *when >= at);
+        later.find(|(_, on)| on.without(motors) == *on).expect("motors without power").0
+    };
+    let (off, all_off) = (without(failed), without(MotorSet::ALL));
     println!(
-        "{injection:?}: last step {:.1} ms and no power {:.1} ms after it, {:?}",
-        (last as f64 - at as f64) / 1e6,
+        "{injection:?}: off {:.1} ms, last step {:.1} ms and no power {:.1} ms after it, {:?}",
         (off - at) as f64 / 1e6,
+        (last as f64 - at as f64) / 1e6,
+        (all_off - at) as f64 / 1e6,
         seen.line.said.iter().find(|line| line.starts_with("Error"))
     );
-    assert!(last <= off, "steps after the power was cut");
-    assert_eq!(seen.recorder.unpowered, 0);
+    assert!(last <= all_off, "steps after the power was cut");
+    // The steps of a motor that has failed while the others bring the tool to its place move nobody.
+    assert!(seen.recorder.without_power.without(failed).is_empty(), "{:?}", seen.recorder.without_power);
     let is_reported = causes.iter().any(|cause| is_reported(&seen, cause));
     assert!(seen.safety.powered.is_empty() && is_reported, "{:?}", seen.line.said);
     assert!(seen.resets.is_empty() && seen.line.failure.is_some(), "the host knows");
-    last.saturating_sub(at)
+    (off - at, seen)
 }
 
-/// A driver that was reset makes the microsteps of its pins, eight instead of sixteen. Which of both is found depends on
-/// which register was being read.
+/// Z screws rise by so many steps after an instant.
+fn raised(seen: &Seen, at: u64) -> i64 {
+    let later = seen.recorder.events.iter().filter(|event| event.at >= at && event.steps.has(Motor::Z1));
+    later.map(|event| if event.forward.has(Motor::Z1) { 1 } else { -1 }).sum()
+}
+
+/// A driver that was reset makes the microsteps of its pins, eight instead of sixteen. If it turns the belt it is off within 100 ms, and
+/// the other three raise z by 10 mm and park the tool.
 #[test]
-fn a_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
-    for (motor, after) in [(Motor::M1, 45_000), (Motor::M11, 45_000), (Motor::Z2, 46_000)] {
-        let fault = Injection::DriverReset { after, motor };
-        let causes = ["was reset", "makes other microsteps"].map(|cause| format!("motor {} {cause}", Name(motor)));
-        assert!(stops_after(fault, &[&causes[0], &causes[1]]) < 250 * MS);
+fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of_its_belt_park_the_tool() {
+    for motor in [Motor::M1, Motor::M11] {
+        let fault = Injection::DriverReset { after: 45_000, motor };
+        let reset = format!("motor {} was reset", Name(motor));
+        let (off, seen) = off_after(fault, MotorSet::of(motor), &[&reset]);
+        assert!(off < 100 * MS, "{off} ns");
+        assert!(
+            seen.line.said.iter().any(|line| line == "echo:tool parked, z raised by 10 mm"),
+            "{:?}",
+            seen.line.said
+        );
+        assert_eq!(raised(&seen, seen.injected.unwrap()), 8000);
     }
 }
 
 #[test]
+fn a_z_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
+    let fault = Injection::DriverReset { after: 46_000, motor: Motor::Z2 };
+    assert!(off_after(fault, MotorSet::ALL, &["motor Z2 was reset"]).0 < 200 * MS);
+}
+
+#[test]
 fn a_motor_supply_that_goes_away_stops_all_motors() {
-    assert!(stops_after(Injection::SupplyLost { after: 45_000 }, &["does not answer"]) < 100 * MS);
+    let (off, seen) = off_after(Injection::SupplyLost { after: 45_000 }, MotorSet::ALL, &["does not answer"]);
+    assert!(
+        off < 100 * MS && !seen.line.said.iter().any(|line| line.contains("parked, ")),
+        "{off} {:?}",
+        seen.line.said
+    );
 }
 
 /// Exchanges go on beside the densest steps that there are, and neither disturbs the other.

@@ -67,6 +67,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             while stopped == Err(Interrupt::QuickStop) {
                 stopped = self.quick_stop().await;
             }
+            if stopped == Err(Interrupt::Limp) {
+                self.crank.limp().await;
+            }
             if stopped.is_err() {
                 return self.crank.stay_halted().await;
             }

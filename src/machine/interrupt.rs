@@ -5,6 +5,8 @@
 pub(super) enum Interrupt {
     /// M112, or a fault that only a reset ends.
     Halt,
+    /// A motor of the belt has failed, and the others are to park the tool; then it is a halt.
+    Limp,
     /// M410.
     QuickStop,
     /// Motors may not have power; the host was told why. Nothing was planned.

@@ -24,6 +24,8 @@ pub struct Belt {
     /// Where the sine tables of the motors' drivers stood to each other when nothing strained the belt: the sum of each residual, in
     /// 1024ths of an electrical turn, or [`NO_PHASE`](Self::NO_PHASE). It is a mark of the machine: where rotors and pulleys sit on the belt.
     pub phases: [u16; PHASES],
+    /// How far z is raised when a motor of the belt has failed, before the others park the tool; with 0 all power is cut at once.
+    pub limp_lift: Mm,
 }
 
 /// Residuals that a machine may have phases of: an AWD CoreXY has two.
@@ -61,7 +63,8 @@ impl Belt {
     /// That of the CoreH-bot.
     ///
     /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/twin.md, modes with rotors): within
-    /// 100 ms to a quarter. The limits are a fifth of the motors' own, for nobody is in a hurry.
+    /// 100 ms to a quarter. The limits are a fifth of the motors' own, for nobody is in a hurry. 10 mm are out of reach of what a hot
+    /// nozzle softens, and of what it drips.
     pub(super) const fn prototype() -> Self {
         Self {
             is_closed: true,
@@ -72,6 +75,7 @@ impl Belt {
             alignment: Alignment::Off,
             preload: Mm::ZERO,
             phases: [Self::NO_PHASE; PHASES],
+            limp_lift: Mm::const_from_int(10),
         }
     }
 }

@@ -85,6 +85,8 @@ pub mod ranges {
     pub const PHASE: Range<u16> = Range { least: 0, most: Belt::NO_PHASE };
     /// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/belt.md).
     pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
+    /// How far z is raised when a motor of the belt has failed.
+    pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
     /// How far a belt runs on after homing.
     pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
     /// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
@@ -250,6 +252,7 @@ fn belt(b: Belt) -> Result<(), SettingsError> {
     within(ranges::ACCELERATION, b.max_acceleration, "belt.max_acceleration")?;
     within(ranges::HOMING_ADVANCE, b.homing_advance, "belt.homing_advance")?;
     within(ranges::PRELOAD, b.preload, "belt.preload")?;
+    within(ranges::LIMP_LIFT, b.limp_lift, "belt.limp_lift")?;
     b.phases.into_iter().try_for_each(|phase| within(ranges::PHASE, phase, "belt.phases"))
 }
 

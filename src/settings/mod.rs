@@ -230,6 +230,7 @@ impl Settings {
                     alignment: _,
                     preload: _,
                     phases: _,
+                    limp_lift: _,
                 },
             axes: _,
             motor_max_speed: _,

@@ -22,7 +22,10 @@ use crate::settings::{
 
 /// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
 /// notices when that was forgotten.
-pub const FORMAT: u16 = 13;
+pub const FORMAT: u16 = 14;
+
+/// The format before a belt could limp: the same up to [`Belt::limp_lift`].
+const WITHOUT_LIMP: u16 = 13;
 
 /// The format before the phases of a belt were known: the same up to [`Belt::phases`].
 const WITHOUT_PHASES: u16 = 12;
@@ -176,7 +179,7 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     let whole = match header.format {
         FORMAT => payload,
         WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED | WITHOUT_BELT | WITHOUT_ALIGNMENT
-        | WITHOUT_PHASES => completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?,
+        | WITHOUT_PHASES | WITHOUT_LIMP => completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?,
         format => return Err(Rejected::Format(format)),
     };
     match postcard::take_from_bytes::<Settings>(whole) {
@@ -217,10 +220,12 @@ fn completed<'a>(payload: &[u8], format: u16, whole: &'a mut [u8; LONGEST]) -> O
     end += if format <= WITHOUT_BELT {
         postcard::to_slice(&new.belt, whole.get_mut(end..)?).ok()?.len()
     } else if format <= WITHOUT_ALIGNMENT {
-        let aligned = (new.belt.alignment, new.belt.preload, new.belt.phases);
+        let aligned = (new.belt.alignment, new.belt.preload, new.belt.phases, new.belt.limp_lift);
         postcard::to_slice(&aligned, whole.get_mut(end..)?).ok()?.len()
+    } else if format <= WITHOUT_PHASES {
+        postcard::to_slice(&(new.belt.phases, new.belt.limp_lift), whole.get_mut(end..)?).ok()?.len()
     } else {
-        postcard::to_slice(&new.belt.phases, whole.get_mut(end..)?).ok()?.len()
+        postcard::to_slice(&new.belt.limp_lift, whole.get_mut(end..)?).ok()?.len()
     };
     whole.get(..end)
 }

@@ -31,8 +31,8 @@ pub(crate) use place::{with_suggestion, words};
 pub use problems::{Problem, problems};
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BED_EDGE, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
-    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, PHASE, PRELOAD, SETTLING, SPEED,
-    TOLERANCE, put, put_whole, quantity,
+    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LIMP_LIFT, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, PHASE, PRELOAD,
+    SETTLING, SPEED, TOLERANCE, put, put_whole, quantity,
 };
 use resolution::resolution;
 pub use schema::schema;
@@ -174,6 +174,7 @@ fn belt(b: &mut Belt, file: &BeltToml) -> Result<(), MachineFileError> {
     put(&mut b.homing_advance, "belt.homing_advance", file.homing_advance, &HOMING_ADVANCE)?;
     b.alignment = file.alignment.map_or(b.alignment, Into::into);
     put(&mut b.preload, "belt.preload", file.preload, &PRELOAD)?;
+    put(&mut b.limp_lift, "belt.limp_lift", file.limp_lift, &LIMP_LIFT)?;
     let Some(phases) = &file.phases else { return Ok(()) };
     if phases.len() > b.phases.len() {
         return Err(MachineFileError::Phases);

@@ -167,7 +167,7 @@ const NOT_SAID: [&str; 9] = [
 ];
 
 /// Settings that M503 says as a comment, and only a machine file sets.
-const FILE_ONLY: [&str; 22] = [
+const FILE_ONLY: [&str; 23] = [
     "back_off",
     "baud",
     "belt.max_acceleration",
@@ -179,6 +179,7 @@ const FILE_ONLY: [&str; 22] = [
     "homing_advance",
     "alignment",
     "preload",
+    "limp_lift",
     "phases",
     "homing_order",
     "is_closed",
@@ -201,7 +202,7 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 /// (`boards/sim/tests/machines/circulation.rs`); the mechanism and the connectors are no numbers.
 fn is_of_all_machines(path: &str) -> bool {
     let is_of_closed_belt = path.starts_with("belt.")
-        && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases"].contains(&path);
+        && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases", "belt.limp_lift"].contains(&path);
     !["mechanism", "probe"].contains(&path)
         && !is_of_closed_belt
         && !path.starts_with("thermal.")

@@ -32,6 +32,7 @@
 //! | `crank::phase` | motors are aligned as they get power, by their drivers' sine tables |
 //! | [`diagnosis`] | which motor has skipped |
 //! | [`report`] | what M122 says of it |
+//! | `crank::limp` | one motor has failed, and the others park the tool |
 
 pub(in crate::machine) mod align;
 pub(in crate::machine) mod circulate;

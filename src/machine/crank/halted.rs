@@ -13,6 +13,7 @@ use crate::machine::answers::speaker::Progress;
 use crate::machine::crank::{Crank, yield_once};
 use crate::machine::hosts::host::{Asked, Text};
 use crate::machine::interrupt::Restart;
+use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::port::{Clock, LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
@@ -73,6 +74,14 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             (None, Some(fault)) => Reason::Fault(fault),
             (None, None) => Reason::Host,
         };
+        if let Some(parked) = self.limping.outcome() {
+            match parked {
+                Some(raised) => {
+                    self.hosts.tell_all(format_args!("echo:tool parked, z raised by {} mm", shortest(raised)));
+                }
+                None => self.hosts.tell_all(format_args!("echo:the tool was not parked")),
+            }
+        }
         self.hosts.greet(|replies| say_killed(replies, reason));
         // Hosts that came later.
         let mut are_new = [false; LINES];

@@ -18,7 +18,8 @@ const AHEAD_MS: u32 = 50;
 impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Everything about heat that must go on whatever the Console waits for. A fault ends the motion here and now.
     pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
-        if self.link.status().fault().is_set() {
+        let faults = self.link.status().fault();
+        if faults.is_set() && !self.limping.allows(faults.more()) {
             return Err(Interrupt::Halt);
         }
         if now < self.heat_due {

@@ -22,6 +22,7 @@
 //! | [`power`] | power for the motors, and talks with their drivers |
 //! | [`heat`], [`heat_door`] | orders for heaters and fans, and what is looked at while they are on; what commands order |
 //! | [`scrub`] | whether settings in RAM are what was put in |
+//! | [`limp`] | a motor of a belt has failed, and the others park the tool |
 //! | [`halted`] | after a stop: what hosts are told until M999 |
 //!
 //! | word | means |
@@ -34,6 +35,7 @@ mod halted;
 mod hear;
 mod heat;
 mod heat_door;
+mod limp;
 mod phase;
 mod power;
 mod regroup;
@@ -57,6 +59,7 @@ use crate::machine::state::commanded::Commanded;
 use crate::machine::state::fan_schedule::FanSchedule;
 use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::idle_timeout::IdleTimeout;
+use crate::machine::state::limping::Limping;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::{Homed, RealPosition};
 use crate::machine::state::self_tests::SelfTests;
@@ -91,6 +94,8 @@ pub(in crate::machine) struct Crank<'m, P: PortSet, W: Pend> {
     real: RealPosition<'m>,
     circulation: Circulation,
     trimming: Trimming,
+    /// A motor of the belt has failed, and the others park the tool.
+    limping: Limping,
     /// What the motor drivers hold, and which motors have power.
     drivers: Drivers,
     idle_timeout: IdleTimeout,
@@ -142,6 +147,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Crank<'m, Ports
             real: RealPosition::new(groupings),
             circulation: Circulation::new(),
             trimming: Trimming::new(),
+            limping: Limping::new(),
             drivers,
             idle_timeout: IdleTimeout::new(now),
             pauses: Pauses::new(),

@@ -1,7 +1,6 @@
 //! Power for the motors: only with proof from their drivers, not a step longer, and for the motors of one belt in turn, or for none of them.
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
-use crate::fault::{self, Cause};
 use crate::machine::answers::answer::Answer;
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
@@ -125,17 +124,14 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     pub(super) fn stop_and_cut(&mut self) {
         self.link.abort();
         self.drivers.cut(&mut self.ports.drivers);
+        self.limping.end();
     }
 
     /// Goes on with the drivers. A fault ends the motion here and now.
     pub(super) fn tend_drivers(&mut self) -> Result<(), Interrupt> {
         let now = self.ports.clock.now();
         match self.drivers.step(&mut self.ports.drivers, now) {
-            Some(News::Stopped(Fault { motor, .. })) => {
-                self.stop_and_cut();
-                let fault = fault::Fault { cause: Cause::Driver, subject: motor as u8, value: 0, limit: 0 };
-                self.link.status().fault().set(fault);
-            }
+            Some(News::Stopped(fault)) => self.meet_driver_fault(fault),
             Some(News::Hot(motor)) => {
                 let name = Name(motor);
                 self.hosts.tell_all(format_args!(
@@ -144,7 +140,16 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             }
             None => {}
         }
+        if self.limping.is_late(now) {
+            self.stop_and_cut();
+        }
         // Asked at every turn: who is in the middle of a transfer may overhear it once.
-        if self.drivers.fault().is_some() { Err(Interrupt::Halt) } else { Ok(()) }
+        if self.limping.is_wanted() {
+            Err(Interrupt::Limp)
+        } else if self.drivers.fault().is_some() && !self.limping.is_under_way() {
+            Err(Interrupt::Halt)
+        } else {
+            Ok(())
+        }
     }
 }

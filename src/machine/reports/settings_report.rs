@@ -86,12 +86,27 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
     let Bed { width, depth, left, front } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
-    let Belt { is_closed, settling_ms, max_speed, max_acceleration, homing_advance, alignment, preload, phases } =
-        s.belt;
+    let Belt {
+        is_closed,
+        settling_ms,
+        max_speed,
+        max_acceleration,
+        homing_advance,
+        alignment,
+        preload,
+        phases,
+        limp_lift,
+    } = s.belt;
     let (alignment, preload) = (alignment.name(), exact(preload));
     to.say(format_args!(
         "echo:; motors of one belt get power {settling_ms} ms apart; alignment {alignment}, preload {preload} mm"
     ));
+    if limp_lift > Mm::ZERO {
+        let lift = exact(limp_lift);
+        to.say(format_args!("echo:; if a motor of a belt fails, z is raised by {lift} mm and the tool parked"));
+    } else {
+        to.say(format_args!("echo:; if a motor of a belt fails, all power is cut"));
+    }
     for phase in phases.into_iter().filter(|phase| *phase < Belt::NO_PHASE) {
         to.say(format_args!("echo:; aligned at a phase of {phase}/1024 of an electrical turn"));
     }

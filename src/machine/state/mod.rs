@@ -11,6 +11,7 @@
 //! | G10, G11 | [`retraction`] |
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
 //! | a belt that runs round, motors of one belt that agree | [`circulation`], [`trimming`] |
+//! | a belt that has lost a motor | [`limping`] |
 //! | what a command waits for, M25 | [`pauses`], [`waiting`] |
 //! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | a machine on its way over the line | [`machine_pieces`] |
@@ -36,6 +37,7 @@ pub(in crate::machine) mod commanded;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
+pub(in crate::machine) mod limping;
 pub(in crate::machine) mod machine_pieces;
 pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;

@@ -74,8 +74,12 @@ fn as_of(format: u16) -> Settings {
             Settings { belt: Belt { alignment, preload, ..settings.belt }, ..settings }
         }
         WITHOUT_PHASES => {
-            let (Belt { phases, .. }, settings) = (Settings::prototype().belt, spelled_out());
+            let (Belt { phases, .. }, settings) = (Settings::prototype().belt, as_of(WITHOUT_LIMP));
             Settings { belt: Belt { phases, ..settings.belt }, ..settings }
+        }
+        WITHOUT_LIMP => {
+            let (Belt { limp_lift, .. }, settings) = (Settings::prototype().belt, spelled_out());
+            Settings { belt: Belt { limp_lift, ..settings.belt }, ..settings }
         }
         _ => spelled_out(),
     }
@@ -168,6 +172,7 @@ fn spelled_out() -> Settings {
             alignment: Alignment::Required,
             preload: Mm::lit("-0.025"),
             phases: [517, 1023],
+            limp_lift: Mm::lit("12.5"),
         },
     }
 }
@@ -276,6 +281,7 @@ fn the_longest_values_fit() {
         alignment: Alignment::Automatic,
         preload: Mm::MIN,
         phases: [u16::MAX; 2],
+        limp_lift: Mm::MIN,
     };
     for acceleration in [
         &mut s.motor_max_acceleration,

@@ -191,6 +191,8 @@ pub(super) struct BeltToml {
     /// Where the drivers of a belt's motors stood to each other when nothing strained it, in 1024ths of an electrical turn, a number for each
     /// residual: M915 finds it, and nobody else knows. Left out, it is not known.
     pub phases: Option<Vec<f64>>,
+    /// How far z is raised when a motor of the belt has failed, in mm, before the others park the tool; 0 cuts all power at once.
+    pub limp_lift: Option<f64>,
 }
 
 /// Off: nothing. Warning: the host is told of the first printing move. Required: printing moves are refused. Automatic: they are aligned

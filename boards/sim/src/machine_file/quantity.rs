@@ -23,6 +23,7 @@ pub(super) const ACCELERATION: Kind<MmPerSec2> =
 pub(super) const AXIS_LENGTH: Kind<Mm> = Kind { range: ranges::AXIS_LENGTH, convert: Mm::saturating_from_num::<f64> };
 pub(super) const BED_EDGE: Kind<Mm> = Kind { range: ranges::BED_EDGE, ..AXIS_LENGTH };
 pub(super) const HOMING_ADVANCE: Kind<Mm> = Kind { range: ranges::HOMING_ADVANCE, ..AXIS_LENGTH };
+pub(super) const LIMP_LIFT: Kind<Mm> = Kind { range: ranges::LIMP_LIFT, ..AXIS_LENGTH };
 pub(super) const PRELOAD: Kind<Mm> = Kind { range: ranges::PRELOAD, ..AXIS_LENGTH };
 pub(super) const TOLERANCE: Kind<Mm> = Kind { range: ranges::TOLERANCE, ..AXIS_LENGTH };
 pub(super) const BACK_OFF: Kind<Mm> = Kind { range: ranges::BACK_OFF, ..AXIS_LENGTH };

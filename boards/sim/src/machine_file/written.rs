@@ -83,6 +83,7 @@ pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String>
             ("alignment", b.alignment.name().into()),
             ("preload", number(b.preload, &q::PRELOAD)),
             ("phases", Value::Array(phases)),
+            ("limp_lift", number(b.limp_lift, &q::LIMP_LIFT)),
         ]),
     );
     file.insert("homing".into(), homing(s));

@@ -5,6 +5,7 @@ mod accidents;
 mod alignment;
 mod command;
 mod ended;
+mod limp;
 mod loads;
 mod phases;
 mod power;

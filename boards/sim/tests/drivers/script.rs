@@ -104,6 +104,13 @@ impl Steps<'_> {
     }
 }
 
+/// A machine that cuts all power at once whichever driver fails; `belt/limp.rs` has one that parks its tool first.
+pub fn cutting() -> Settings {
+    let mut settings = Settings::prototype();
+    settings.belt.limp_lift = Mm::ZERO;
+    settings
+}
+
 /// What a script led to.
 pub struct Played<'d> {
     pub heard: Vec<String>,
@@ -136,7 +143,7 @@ pub fn play_with<'d>(
     let mut host = Script { drivers, acts, is_awaiting: false, heard, interjection, interjected: 0 };
     let mut steps = Steps { drivers: Some(drivers), strike, ..Steps::default() };
     let start = Some([Mm::ZERO; 3]);
-    let outcome = run_on(&Settings::prototype(), start, NoStorage, drivers, &mut [&mut host], &mut steps).unwrap();
+    let outcome = run_on(&cutting(), start, NoStorage, drivers, &mut [&mut host], &mut steps).unwrap();
     assert_eq!(steps.unfit, 0);
     assert_eq!(drivers.betrayed(), MotorSet::NONE);
     Played { heard: host.heard.into_iter().skip(2).collect(), outcome, steps, interjected: host.interjected }

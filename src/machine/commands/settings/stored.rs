@@ -26,7 +26,7 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
     /// An interrupt ends the transfers, but for an M410 that finds no motion to stop.
     async fn go_round(&mut self) -> Result<(), StorageError> {
         match self.crank.turn().await {
-            Err(interrupt) if interrupt == Interrupt::Halt || self.crank.has_motion() => {
+            Err(interrupt) if matches!(interrupt, Interrupt::Halt | Interrupt::Limp) || self.crank.has_motion() => {
                 self.interrupt = Some(interrupt);
                 Err(StorageError::Failed)
             }

@@ -34,7 +34,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         while !self.link.is_idle() {
             // A second quick stop changes nothing; a halt does.
             match self.turn().await {
-                Err(Interrupt::Halt) => halted = Err(Interrupt::Halt),
+                Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => halted = Err(interrupt),
                 Err(Interrupt::QuickStop | Interrupt::NoPower) | Ok(()) => {}
             }
             halted?;
@@ -58,8 +58,8 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.link.brake();
         while !self.link.has_stopped() {
             // The path may lead on into moves that have not left the planner, so they go on leaving it.
-            if self.turn().await == Err(Interrupt::Halt) {
-                return Err(Interrupt::Halt);
+            if let Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) = self.turn().await {
+                return Err(interrupt);
             }
         }
         Ok(())

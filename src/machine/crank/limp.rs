@@ -1,0 +1,144 @@
+//! Limp: a motor of the belt has failed in mid-print, and the others take the nozzle off the print.
+//!
+//! Motors that can pull against each other are more than it takes to hold x and y: without one of them the others still do. So if one
+//! driver fails, its motor alone loses its power, at once, for a driver that was reset makes other steps and pulls against the others;
+//! the motion brakes along its path; z is raised, the tool goes beside its switches, and then all power is cut and the machine is
+//! halted as after any other fault. Heaters are off from the first moment on.
+//!
+//! It needs to know where the tool is: all axes are homed, and nothing is being homed, measured, trimmed or run round. It ends at once, with all
+//! power cut, if another driver fails (a dip of the whole supply resets them all, and all others are looked at before anything but
+//! braking happens), if any other fault comes, at M112 and M410, and after [`MOST_MS`]. It comes once, and nothing but a reset follows.
+
+use crate::driver::{self, Name};
+use crate::fault::{self, Cause};
+use crate::kinematics::Grouping;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::motion::Target;
+use crate::port::{Clock, EndstopSet, Motor, MotorSet, Pend};
+use crate::settings::{HomedAxis, Settings};
+use crate::units::{Mm, MmPerSec, MmPerSec2};
+
+/// Speed of the tool on its way to its place. Nobody is in a hurry once z is raised; a motor at a turn a second of a pulley of 40 mm has
+/// all its torque (docs/twin.md, torque at speed).
+const SPEED: MmPerSec = MmPerSec::const_from_int(40);
+
+/// Acceleration on that way: a tenth of what four motors are run with. On a diagonal a single motor drives a tool of 0.6 kg and four rotors of
+/// 0.134 kg each, which takes 1 N of its 63 (docs/twin.md).
+const ACCELERATION: MmPerSec2 = MmPerSec2::const_from_int(500);
+
+/// It is over after so many ms at the latest: braking, raising and the longest diagonal take 25 s with the settings of the prototype.
+const MOST_MS: u32 = 60_000;
+
+/// The tool rings at 57 Hz, and with one motor less more softly, before it is let go.
+const RING_MS: u32 = 200;
+
+impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+    /// A driver has failed. Either its motor alone loses its power and the tool brakes to be parked by the others, or the motion ends and
+    /// all motors lose their power, at once.
+    pub(super) fn meet_driver_fault(&mut self, fault: driver::Fault) {
+        let driver::Fault { motor, .. } = fault;
+        let cause = fault::Fault { cause: Cause::Driver, subject: motor as u8, value: 0, limit: 0 };
+        if !self.may_limp(motor) {
+            self.stop_and_cut();
+            self.link.status().fault().set(cause);
+            return;
+        }
+        self.drivers.go_on_without(motor, &mut self.ports.drivers);
+        self.link.brake();
+        let faults = self.link.status().fault();
+        faults.set(cause);
+        self.limping.begin(self.ports.clock.now().after_ms(MOST_MS), faults.more());
+        self.homed.release(MotorSet::of(motor), self.real.groups().mechanism());
+        self.trimming.forget();
+        let name = Name(motor);
+        self.hosts.tell_all(format_args!("echo:{fault}; motor {name} is off, the others park the tool"));
+    }
+
+    /// Whether the tool can be parked without this motor.
+    fn may_limp(&self, motor: Motor) -> bool {
+        let mechanism = self.real.groups().mechanism();
+        let needed = mechanism.belt_motors().with(mechanism.motors_of(2));
+        self.settings.belt.limp_lift > Mm::ZERO
+            && self.drivers.fault().is_none_or(|first| first.motor == motor)
+            && !self.link.status().fault().is_set()
+            && self.residuals().motors().has(motor)
+            && !mechanism.motors_of(2).has(motor)
+            && self.homed.axes() == [true; 3]
+            && self.real.grouping() == Grouping::Tool
+            && !self.trimming.is_measuring()
+            && self.has_power(needed)
+    }
+
+    /// Parks the tool, if nothing comes in between. All power is to be cut then.
+    pub async fn limp(&mut self) {
+        self.limping.go();
+        let parked = self.park().await;
+        // Whatever has come of it: from here on nothing moves.
+        self.stop_and_cut();
+        if let Ok(raised) = parked {
+            self.limping.park(raised);
+        }
+        self.limping.end();
+    }
+
+    async fn park(&mut self) -> Result<Mm, Interrupt> {
+        self.slow_down().await?;
+        self.drop_motion().await?;
+        // A dip of the whole supply has reset the others as well.
+        self.until(|c| !c.drivers.are_unseen()).await?;
+        let mut place = self.planner.mm(self.planner.end());
+        let [x, y, z, _] = &mut place;
+        let raised = self.settings.belt.limp_lift.min(self.settings.axes.z.length.saturating_sub(*z)).max(Mm::ZERO);
+        *z = z.saturating_add(raised);
+        let [beside_x, beside_y] = [HomedAxis::X, HomedAxis::Y].map(|axis| self.beside_switch(axis));
+        let raise = place_of([*x, *y], &place);
+        let park = place_of([beside_x, beside_y], &place);
+        self.go_gently(raise, self.settings.axes.z.max_speed).await?;
+        self.go_gently(park, SPEED).await?;
+        let quiet = self.ports.clock.now().after_ms(RING_MS);
+        self.settle(quiet).await?;
+        Ok(raised)
+    }
+
+    /// Where an axis stands when it has just left its switch.
+    fn beside_switch(&self, axis: HomedAxis) -> Mm {
+        let s = &self.settings;
+        let (endstop, homing) = (s.endstops.of(axis), s.homing.of(axis));
+        let length = match axis {
+            HomedAxis::X => s.axes.x.length,
+            HomedAxis::Y => s.axes.y.length,
+            HomedAxis::Z => s.axes.z.length,
+        };
+        (endstop.position - endstop.towards(homing.back_off)).clamp(Mm::ZERO, length)
+    }
+
+    /// Goes to a place with what three motors hold without effort. The motor that has failed has no power, so none is asked for.
+    async fn go_gently(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
+        while !self.planner.prepare() {
+            self.turn_again().await?;
+        }
+        let target = Target { position, speed, has_overrides: false, watch: EndstopSet::NONE };
+        self.planner.push(&target, &gentle(&self.settings));
+        self.policy.note_news();
+        self.note_path();
+        self.finish().await
+    }
+}
+
+/// The same height and filament at another place.
+fn place_of([x, y]: [Mm; 2], other: &[Mm; 4]) -> [Mm; 4] {
+    let [_, _, z, e] = *other;
+    [x, y, z, e]
+}
+
+/// The same settings with less acceleration in x and y.
+#[inline(never)]
+fn gentle(settings: &Settings) -> Settings {
+    let mut s = *settings;
+    for axis in [&mut s.axes.x, &mut s.axes.y] {
+        axis.max_acceleration = axis.max_acceleration.min(ACCELERATION);
+    }
+    s
+}

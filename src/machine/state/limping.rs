@@ -1,0 +1,86 @@
+//! Limping: a motor of the belt has failed, and the others still hold the tool for a little while.
+//!
+//! | now | then | when |
+//! |---|---|---|
+//! | no | wanted | a driver fails, and the others may go on without it |
+//! | wanted | under way | the command of that moment has ended |
+//! | wanted, under way | over | the tool is parked; another fault, M112, M410, or it takes too long |
+//!
+//! It never begins twice: after it all motors are without power until a reset.
+
+use crate::units::{Instant, Mm};
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Stage {
+    No,
+    Wanted,
+    UnderWay,
+    Over,
+}
+
+/// How far it has come.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Limping {
+    stage: Stage,
+    /// When it ends at the latest.
+    until: Instant,
+    /// Faults that were known when it began.
+    faults: u32,
+    /// How far z was raised before the tool was parked; none if it was not parked.
+    parked: Option<Mm>,
+}
+
+impl Limping {
+    pub const fn new() -> Self {
+        Self { stage: Stage::No, until: Instant(0), faults: 0, parked: None }
+    }
+
+    /// A driver has failed; this is to be over at `until`, and so many faults are known besides.
+    pub const fn begin(&mut self, until: Instant, faults: u32) {
+        *self = Self { stage: Stage::Wanted, until, faults, parked: None };
+    }
+
+    /// Whether every command is to end for it.
+    pub const fn is_wanted(&self) -> bool {
+        matches!(self.stage, Stage::Wanted)
+    }
+
+    /// The command has ended.
+    pub const fn go(&mut self) {
+        self.stage = Stage::UnderWay;
+    }
+
+    /// Whether motors have power although there is a fault: no more faults are known than at its begin.
+    pub const fn allows(&self, faults: u32) -> bool {
+        matches!(self.stage, Stage::Wanted | Stage::UnderWay) && self.faults == faults
+    }
+
+    /// Whether it goes on.
+    pub const fn is_under_way(&self) -> bool {
+        matches!(self.stage, Stage::Wanted | Stage::UnderWay)
+    }
+
+    /// Whether it takes too long.
+    pub fn is_late(&self, now: Instant) -> bool {
+        self.is_under_way() && now >= self.until
+    }
+
+    /// The tool is parked, with z raised by so much.
+    pub const fn park(&mut self, raised: Mm) {
+        self.parked = Some(raised);
+    }
+
+    /// It is over, whatever came of it; true if it was under way.
+    pub fn end(&mut self) -> bool {
+        let was = self.is_under_way();
+        if was {
+            self.stage = Stage::Over;
+        }
+        was
+    }
+
+    /// What came of it, if it ever began: how far z was raised before the tool was parked, if it was.
+    pub const fn outcome(&self) -> Option<Option<Mm>> {
+        if matches!(self.stage, Stage::No) { None } else { Some(self.parked) }
+    }
+}
