@@ -67,6 +67,10 @@ fn points_are_answered_with_units_in_the_keys() {
     let geometry = json("geometry");
     assert!(near(&geometry["belt_lengths_mm"][0], 3593.091, 1e-6), "{geometry}");
     assert_eq!(geometry["segments"].as_array().unwrap().len(), 14);
+    assert!(near(&geometry["transmission_error_mm"], 0.099_75, 1e-4), "{geometry}");
+    assert_eq!(geometry["toothed_pulleys"], serde_json::json!([1, 4, 5, 7, 8, 11, 12, 14]));
+    let short = geometry["machines"].as_array().unwrap();
+    assert!(short.len() == 4 && near(&short[1]["belt_mm"], 2704.095, 1e-6), "{geometry}");
 }
 
 #[test]
@@ -100,6 +104,9 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
     // The corner is where G-code's (130, 100) is.
     assert!(near(&a["corners"][0]["x_mm"], 170.0, 1e-3) && near(&a["corners"][0]["y_mm"], 126.2, 1e-3), "{a}");
     assert_eq!(a["corners_total"], 1);
+    // Where the tool crosses the bisector it is off by no more than at its worst.
+    let [worst, bisector] = ["max_mm", "bisector_max_mm"].map(|key| a["contour"][key].as_f64().unwrap());
+    assert!(a["corners"][0]["bisector_mm"].as_f64() == Some(bisector) && bisector.abs() <= worst + 0.001, "{a}");
     assert_eq!(a["motors"].as_array().unwrap().len(), 4);
     assert!(a["motors"].as_array().unwrap().iter().all(|motor| motor["slips"] == 0));
     assert!(a["tension_N"]["lo"][0].as_f64().unwrap() > 30.0, "{a}");
@@ -120,6 +127,9 @@ fn a_page_shows_the_path_with_its_errors_and_needs_no_network() {
     let data: Value = serde_json::from_str(data).unwrap();
     let [lines, errors] = ["x", "error_um"].map(|key| data["path"][key].as_array().unwrap().len());
     assert!(lines == errors && (3..10).contains(&lines), "{data}");
+    let [places, aside] = ["x", "off_x_um"].map(|key| data["trail"][key].as_array().unwrap().len());
+    assert!(places == aside && places > 1000, "{places} {aside}");
+    assert!(text.contains("id=\"times\"") && text.contains("showCorner"));
     assert_eq!(data["spans"].as_array().unwrap().len(), 4);
     assert!(data["error"].as_array().unwrap().iter().any(|mm| mm.as_f64().unwrap() > 0.001));
 }
@@ -153,6 +163,10 @@ fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
     let text = String::from_utf8(run.stdout).unwrap();
     assert!(run.status.success() && !text.contains("ignored"), "{text}");
     assert_eq!(twin("resonance --grid 1x4").status.code(), Some(2));
+    let page = gcode.with_file_name("resonance.html");
+    assert!(twin(&format!("resonance --grid 3x4 --report {}", page.display())).status.success());
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains(told["y"]["line"].as_str().unwrap()) && !page.contains("/*"), "{page}");
 }
 
 #[test]
@@ -163,7 +177,14 @@ fn mechanisms_are_compared_on_an_area_and_on_a_file() {
     assert!(deflections[0] < deflections[1] && deflections[0] < deflections[2], "{plain}");
     assert!(plain.get("runs").is_none());
     let gcode = file("side.gcode", "G1 X130 F12000\nG1 Y130\nM400\n");
-    let played = json(&format!("compare {} --grid 3x3 --assume-homed 100,100,0", gcode.display()));
+    let page = gcode.with_file_name("compare.html");
+    let words = format!("compare {} --grid 3x3 --assume-homed 100,100,0 --report {}", gcode.display(), page.display());
+    let played = json(&words);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(
+        page.contains("side.gcode") && page.contains("\"racking_y_um_per_m_s2\"") && !page.contains("/*"),
+        "{page}"
+    );
     let errors: Vec<f64> =
         played["runs"].as_array().unwrap().iter().map(|r| r["contour"]["max_mm"].as_f64().unwrap()).collect();
     assert!(errors.len() == 3 && errors.iter().all(|e| *e > 0.001 && *e < 0.2), "{errors:?}");

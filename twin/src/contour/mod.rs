@@ -8,3 +8,4 @@
 
 pub mod error;
 pub mod path;
+pub mod trail;

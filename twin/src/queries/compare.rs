@@ -11,6 +11,7 @@ use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
 use crate::solve::balance::condensed;
 use crate::solve::modes::modes;
+use nalgebra::DVector;
 use serde::Serialize;
 
 /// The mechanisms that are compared.
@@ -56,6 +57,10 @@ pub struct Compared {
     /// What the belts alone resist the bar's yaw with, in the middle of the area.
     #[serde(rename = "belt_yaw_stiffness_Nm_per_rad")]
     pub belt_yaw_stiffness_nm_per_rad: f64,
+    /// How far yaw of the bar on its guides takes the tool aside for 1 m/s2 along x, at the worst place, at rest.
+    pub racking_x_um_per_m_s2: f64,
+    /// The same along y.
+    pub racking_y_um_per_m_s2: f64,
 }
 
 impl Compare {
@@ -108,6 +113,12 @@ fn compared(
         coupling_n_per_mm = coupling_n_per_mm.max(stiffness.kxy.abs());
         take(&mut first_mode_hz, modes(&setup.elastic())?.first().map_or(0.0, |mode| mode.frequency_hz));
     }
+    let mut racking = [0.0_f64; 2];
+    for place in places {
+        for (most, um) in racking.iter_mut().zip(racking_um(machine, params, *place)?) {
+            *most = most.max(um);
+        }
+    }
     let middle = Stiffness::new(&setup(centre))?;
     let reach = workspace(machine, params);
     Ok(Compared {
@@ -120,7 +131,27 @@ fn compared(
         first_mode_hz,
         coupling_n_per_mm,
         belt_yaw_stiffness_nm_per_rad: belt_yaw(machine, params, centre)?,
+        racking_x_um_per_m_s2: racking[0],
+        racking_y_um_per_m_s2: racking[1],
     })
+}
+
+/// How far the tool is from where it would be with a bar that cannot yaw, for 1 m/s2 along x and along y that lasts: all that
+/// moves is pulled back by its mass.
+fn racking_um(machine: Machine, params: &Params, tool: Place) -> Result<[f64; 2], NotHeld> {
+    let elastic = Elastic::new(machine, params, tool, Freedom { yaw: true, ..Freedom::default() });
+    let index = |coordinate| elastic.links.index(coordinate).ok_or(NotHeld);
+    let kept = [index(Coordinate::X)?, index(Coordinate::Y)?, index(Coordinate::Yaw)?];
+    let stiffness = condensed(&elastic, &kept)?;
+    let translation = stiffness.view((0, 0), (2, 2)).into_owned().cholesky().ok_or(NotHeld)?;
+    let all = stiffness.cholesky().ok_or(NotHeld)?;
+    let aside = |axis: usize| {
+        // 1 kg by 1 m/s2 is 1 N, 1 kg mm by as much 1 N mm.
+        let force = DVector::from_iterator(3, kept.iter().map(|i| -elastic.mass[(*i, kept[axis])]));
+        let (moved, square) = (all.solve(&force), translation.solve(&force.rows(0, 2).into_owned()));
+        1000.0 * (moved[0] - square[0]).hypot(moved[1] - square[1] + moved[2] * (tool.x - params.width_mm / 2.0))
+    };
+    Ok([aside(0), aside(1)])
 }
 
 /// With guides that resist nothing, motors that hold, and the tool free to give way.
@@ -150,6 +181,8 @@ impl std::fmt::Display for Compare {
         row(&format!("{} N move the tool by, um", self.force_n), &|m| shown(m.deflection_um, 1))?;
         row("greatest |Kxy|, N/mm", &|m| shown(m.coupling_n_per_mm, 1))?;
         row("first mode, Hz", &|m| pair(m.first_mode_hz, " to "))?;
-        row("belts resist yaw, N m/rad", &|m| shown(m.belt_yaw_stiffness_nm_per_rad, 0))
+        row("belts resist yaw, N m/rad", &|m| shown(m.belt_yaw_stiffness_nm_per_rad, 0))?;
+        row("racking by 1 m/s2 of x, um", &|m| shown(m.racking_x_um_per_m_s2, 1))?;
+        row("racking by 1 m/s2 of y, um", &|m| shown(m.racking_y_um_per_m_s2, 1))
     }
 }

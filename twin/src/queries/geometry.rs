@@ -3,8 +3,12 @@
 use super::{At, Setup, shown};
 use crate::geometry::{Layout, layout, workspace};
 use crate::model::ways::Ways;
-use crate::routing::Stop;
+use crate::params::Params;
+use crate::routing::{Machine, Role, Side, Stop};
 use serde::Serialize;
+
+/// The error of an angle that the paper takes for every motor: half a full step of 1.8 degrees (equation 25).
+const ANGLE_DEG: f64 = 0.9;
 
 /// The belts for one place of the tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -24,6 +28,29 @@ pub struct Geometry {
     pub wraps: Vec<WrapAnswer>,
     /// Motors, and how far each turns for the tool.
     pub motors: Vec<MotorAnswer>,
+    /// How far the tool is off at most if each motor is by half a full step, as far as rigid belts allow.
+    pub transmission_error_mm: f64,
+    /// Pulleys that the teeth of a belt lie on; on another belt's back they may be smooth.
+    pub toothed_pulleys: Vec<u8>,
+    /// The same in short of every machine of these numbers.
+    pub machines: Vec<InShort>,
+}
+
+/// A machine in short.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InShort {
+    /// Its name.
+    pub machine: &'static str,
+    /// Length of all its belts.
+    pub belt_mm: f64,
+    /// Where its tool can be, left and right.
+    pub reach_x_mm: [f64; 2],
+    /// The same, front and back.
+    pub reach_y_mm: [f64; 2],
+    /// How far its tool is off at most if each motor is by half a full step.
+    pub transmission_error_mm: f64,
+    /// How many pulleys the teeth lie on, motors' among them, of how many.
+    pub toothed_of: [usize; 2],
 }
 
 /// A straight part of a belt.
@@ -86,7 +113,35 @@ impl Geometry {
             segments: segments.iter().map(segment).collect(),
             wraps: wraps.iter().map(wrap).collect(),
             motors: motors.map(|(motor, belt_per_mm)| MotorAnswer { motor, belt_per_mm }).collect(),
+            transmission_error_mm: transmission_error_mm(machine, params),
+            toothed_pulleys: toothed(machine),
+            machines: Machine::ALL.into_iter().map(|machine| in_short(machine, params)).collect(),
         }
+    }
+}
+
+fn transmission_error_mm(machine: Machine, params: &Params) -> f64 {
+    Ways::new(machine, params).greatest_error_mm(machine, params, ANGLE_DEG.to_radians())
+}
+
+/// The numbers of pulleys on the toothed side of the belt, ascending.
+fn toothed(machine: Machine) -> Vec<u8> {
+    let is_toothed = |stop: &&Stop| matches!(stop.role, Role::Motor | Role::Idler(Side::Inside));
+    let mut numbers: Vec<u8> = machine.stops().filter(is_toothed).map(|stop| stop.number).collect();
+    numbers.sort_unstable();
+    numbers
+}
+
+fn in_short(machine: Machine, params: &Params) -> InShort {
+    let reach = workspace(machine, params);
+    let pulleys = machine.stops().filter(|stop| stop.role != Role::Clamp).count();
+    InShort {
+        machine: machine.key(),
+        belt_mm: layout(machine, params, reach.centre()).belt_lengths_mm.iter().sum(),
+        reach_x_mm: reach.x,
+        reach_y_mm: reach.y,
+        transmission_error_mm: transmission_error_mm(machine, params),
+        toothed_of: [toothed(machine).len(), pulleys],
     }
 }
 
@@ -97,6 +152,13 @@ impl std::fmt::Display for Geometry {
         writeln!(f, "  belt   {}", lengths.join(", "))?;
         let ([left, right], [front, back]) = (self.reach_x_mm, self.reach_y_mm);
         writeln!(f, "  reach  x {left:.2} to {right:.2}, y {front:.2} to {back:.2} mm")?;
+        let toothed: Vec<String> = self.toothed_pulleys.iter().map(u8::to_string).collect();
+        writeln!(f, "  toothed pulleys     {}", toothed.join(", "))?;
+        writeln!(
+            f,
+            "  transmission error  {:.5} mm for {ANGLE_DEG} degrees of every motor",
+            self.transmission_error_mm
+        )?;
         for SegmentAnswer { between: [from, to], length_mm, .. } in &self.segments {
             let end = |number: &u8| if *number == 0 { "clamp".to_owned() } else { number.to_string() };
             writeln!(f, "  segment {:>5} - {:<5} {length_mm:>9.3} mm", end(from), end(to))?;
@@ -106,6 +168,18 @@ impl std::fmt::Display for Geometry {
         }
         for MotorAnswer { motor, belt_per_mm: [x, y] } in &self.motors {
             writeln!(f, "  motor {motor:<2} turns {} mm/mm of x, {} of y", shown(*x, 0), shown(*y, 0))?;
+        }
+        writeln!(
+            f,
+            "{:<12}{:>11}{:>16}{:>16}{:>11}{:>13}",
+            "", "belt, mm", "x, mm", "y, mm", "error, mm", "toothed of"
+        )?;
+        for m in &self.machines {
+            let name = Machine::ALL.into_iter().find(|one| one.key() == m.machine).map_or(m.machine, Machine::name);
+            let pair = |[low, high]: [f64; 2]| format!("{low:.1} to {high:.1}");
+            let (x, y, [toothed, all]) = (pair(m.reach_x_mm), pair(m.reach_y_mm), m.toothed_of);
+            write!(f, "{name:<12}{:>11.3}{x:>16}{y:>16}{:>11.5}", m.belt_mm, m.transmission_error_mm)?;
+            writeln!(f, "{:>13}", format!("{toothed} of {all}"))?;
         }
         Ok(())
     }

@@ -98,13 +98,14 @@ impl<'t> Run<'t> {
         Ok(Self { trace, drives, plant, state, watch, tick: 0, next_look: 0 })
     }
 
-    /// Measures the tool's errors from the line of another trace: that which was meant, where this one was made of it.
+    /// Measures the tool's errors from the line of another trace: that which was meant, where this one was made of it. The two
+    /// need not keep the same time.
     ///
     /// # Errors
     /// The other trace is of another kind of machine.
     pub fn against(mut self, meant: &StepTrace) -> Result<Self, RunError> {
         let drives = drives(meant, &self.plant.ways).map_err(RunError::NoColumn)?;
-        self.watch.contour = ContourError::new(line(self.watch.machine(), &self.plant, &drives, meant).0);
+        self.watch.contour = ContourError::untimed(line(self.watch.machine(), &self.plant, &drives, meant).0);
         Ok(self)
     }
 

@@ -58,6 +58,8 @@ pub struct ContourFigures {
     pub rounding_max_mm: f64,
     /// Greatest on the outside of corners.
     pub overshoot_max_mm: f64,
+    /// Farthest from a corner at which the tool crossed its bisector, by equation 17 of Yin et al.; inside positive.
+    pub bisector_max_mm: f64,
 }
 
 /// A corner.
@@ -75,6 +77,8 @@ pub struct CornerFigures {
     pub rounding_mm: f64,
     /// Greatest error on its outside.
     pub overshoot_mm: f64,
+    /// How far from it the tool crossed its bisector (equation 17 of Yin et al.), inside positive; none where it did not.
+    pub bisector_mm: Option<f64>,
 }
 
 /// A motor.
@@ -115,6 +119,10 @@ impl Report {
             rms_mm: watch.contour.rms_mm(),
             rounding_max_mm: worst(|corner| corner.rounding_mm),
             overshoot_max_mm: worst(|corner| corner.overshoot_mm),
+            bisector_max_mm: corners
+                .iter()
+                .filter_map(|corner| corner.bisector_mm)
+                .fold(0.0, |most: f64, mm| if mm.abs() > most.abs() { mm } else { most }),
         };
         let motor = |(motor, watch): (u8, &super::watch::MotorWatch)| MotorFigures {
             motor,
@@ -152,6 +160,7 @@ fn figures(corner: &Corner) -> CornerFigures {
         turn_deg: corner.turn_rad.to_degrees(),
         rounding_mm: corner.rounding_mm,
         overshoot_mm: corner.overshoot_mm,
+        bisector_mm: corner.bisector_mm,
     }
 }
 
@@ -164,17 +173,18 @@ impl std::fmt::Display for Report {
         let Self { model, duration_s, events, wall_time_s, times_real_time, .. } = self;
         writeln!(f, "{name}, {model}: {duration_s:.2} s, {events} instants of steps")?;
         writeln!(f, "  computed in {wall_time_s:.2} s, {times_real_time:.1} times as fast as the machine")?;
-        let ContourFigures { max_mm, rms_mm, rounding_max_mm, overshoot_max_mm } = self.contour;
+        let ContourFigures { max_mm, rms_mm, rounding_max_mm, overshoot_max_mm, bisector_max_mm } = self.contour;
         writeln!(f, "  contour error   max {max_mm:.4} mm, RMS {rms_mm:.4} mm")?;
         writeln!(
             f,
-            "  at {} corners   inside {rounding_max_mm:.4} mm, outside {overshoot_max_mm:.4} mm",
+            "  at {} corners   inside {rounding_max_mm:.4} mm, outside {overshoot_max_mm:.4}, on the bisector {bisector_max_mm:.4}",
             self.corners_total
         )?;
         for c in self.corners.iter().take(SHOWN) {
             let (x, y, turn, time) = (c.x_mm, c.y_mm, c.turn_deg, c.time_s);
             write!(f, "    ({x:.2}, {y:.2}) at {time:.3} s, turning {turn:.0} degrees: ")?;
-            writeln!(f, "inside {:.4}, outside {:.4} mm", c.rounding_mm, c.overshoot_mm)?;
+            write!(f, "inside {:.4}, outside {:.4} mm", c.rounding_mm, c.overshoot_mm)?;
+            writeln!(f, "{}", c.bisector_mm.map_or(String::new(), |mm| format!(", on the bisector {mm:.4}")))?;
         }
         for (span, [least, greatest]) in &self.tension_n {
             writeln!(f, "  span {span:<8} {least:>7.2} to {greatest:.2} N")?;

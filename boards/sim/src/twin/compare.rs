@@ -1,6 +1,7 @@
 //! `twin compare`: three mechanisms side by side.
 
 use super::answer::Json;
+use super::page::fill;
 use super::play::{RunModel, play};
 use super::resonance::parse_grid;
 use super::setup::{ModelArg, ParamsArgs};
@@ -15,6 +16,9 @@ use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::run::report::Report;
 use serde::Serialize;
 use std::path::PathBuf;
+
+/// The page.
+pub(super) const TEMPLATE: &str = include_str!("compare.html");
 
 /// `twin compare`.
 #[derive(Args)]
@@ -38,8 +42,19 @@ pub(crate) struct Compare {
     run_model: RunModel,
     #[command(flatten)]
     printer: Printer,
+    /// Writes a page with the figures side by side.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
+}
+
+/// What the page is made of.
+#[derive(Serialize)]
+struct Data<'a> {
+    file: String,
+    names: [&'static str; 3],
+    answer: &'a Answer,
 }
 
 /// Figures of the area, and those of the file.
@@ -62,7 +77,13 @@ impl Compare {
             return Ok(status);
         }
         let files = self.params.files().chain(self.printer.files()).chain(self.file.as_deref());
-        self.json.give(&Answer { area, runs: runs? }, files)
+        let answer = Answer { area, runs: runs? };
+        self.json.give_with(&answer, files, |outputs| {
+            let Some(path) = &self.report else { return Ok(()) };
+            let file = self.file.as_ref().map_or(String::new(), |file| file.display().to_string());
+            let data = Data { file, names: COMPARED.map(Machine::name), answer: &answer };
+            fill(&mut outputs.open(path)?, TEMPLATE, &data).context("cannot write the report")
+        })
     }
 
     fn runs(&self, stop: &Stop) -> Result<Vec<Report>> {

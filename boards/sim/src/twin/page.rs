@@ -3,6 +3,7 @@
 use super::setup::ModelArg;
 use crate::report::STYLE;
 use anyhow::{Context as _, Result};
+use corehbot_twin::contour::trail::Beside;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::Params;
 use corehbot_twin::queries::Setup;
@@ -17,8 +18,14 @@ use std::io::Write;
 /// The page.
 const TEMPLATE: &str = include_str!("page.html");
 
-/// Where the style goes, and the data.
-const MARKS: [&str; 2] = ["/*STYLE*/\n", "/*DATA*/"];
+/// What the twin's pages have in common.
+const SHARED: &str = include_str!("shared.js");
+
+/// The page of `twin resonance`.
+const RESONANCE: &str = include_str!("resonance.html");
+
+/// Where the style goes, what pages share, and the data.
+const MARKS: [&str; 3] = ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/"];
 
 /// Lines that are drawn; of a longer path neighbours are drawn as one.
 const MOST_LINES: usize = 200_000;
@@ -40,6 +47,7 @@ struct Data<'a> {
     spans: Vec<Curve>,
     torques: Vec<Curve>,
     path: Path,
+    trail: Trail,
     resonance: Resonance,
 }
 
@@ -58,6 +66,15 @@ struct Path {
     x: Vec<f64>,
     y: Vec<f64>,
     error_um: Vec<f64>,
+}
+
+/// The nearest places of the line, and the tool's way from there.
+#[derive(Serialize)]
+struct Trail {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    off_x_um: Vec<f64>,
+    off_y_um: Vec<f64>,
 }
 
 /// Writes the page.
@@ -108,6 +125,7 @@ pub(super) fn write(
         spans: spans.map(span).collect(),
         torques: machine.motors().into_iter().enumerate().map(torque).collect(),
         path: path(watch),
+        trail: trail(watch),
         resonance: Resonance::new(&setup, GRID, GRID)?,
     };
     fill(out, TEMPLATE, &data).context("cannot write the report")
@@ -118,20 +136,44 @@ pub(super) fn write(
 /// # Errors
 /// What `out` reports, or the page has no places for them.
 pub(super) fn fill(out: &mut impl Write, template: &'static str, data: &impl Serialize) -> Result<()> {
-    let cut = |text: &'static str, mark| text.split_once(mark).context("the page has no place for its data");
-    let (head, rest) = cut(template, MARKS[0])?;
-    let (middle, end) = cut(rest, MARKS[1])?;
     // A file name with "</script>" in it must not end the script.
     let json = serde_json::to_string(data)?.replace('<', "\\u003c");
-    for text in [head, STYLE, middle, &json, end] {
+    let page = template.replacen(MARKS[0], STYLE, 1).replacen(MARKS[1], SHARED, 1);
+    let (head, end) = page.split_once(MARKS[2]).context("the page has no place for its data")?;
+    for text in [head, &json, end] {
         out.write_all(text.as_bytes())?;
     }
     Ok(out.flush()?)
 }
 
+/// Writes the page of frequencies alone.
+///
+/// # Errors
+/// What `out` reports.
+pub(super) fn write_resonance(
+    out: &mut impl Write,
+    (machine, model): (Machine, &'static str),
+    resonance: &Resonance,
+) -> Result<()> {
+    #[derive(Serialize)]
+    struct Data<'a> {
+        machine: &'static str,
+        model: &'static str,
+        resonance: &'a Resonance,
+    }
+    fill(out, RESONANCE, &Data { machine: machine.name(), model, resonance }).context("cannot write the report")
+}
+
 /// Two decimals.
 fn fine(value: f64) -> f64 {
     (value * 100.0).round() / 100.0
+}
+
+fn trail(watch: &Watch) -> Trail {
+    let places = &watch.contour.trail.places;
+    let all = |of: fn(&Beside) -> f64, digits: f64| places.iter().map(|p| (of(p) * digits).round() / digits).collect();
+    let um = |of: fn(&Beside) -> f64| places.iter().map(|p| (of(p) * 1e4).round() / 10.0).collect();
+    Trail { x: all(|p| p.at[0], 1e3), y: all(|p| p.at[1], 1e3), off_x_um: um(|p| p.off[0]), off_y_um: um(|p| p.off[1]) }
 }
 
 fn path(watch: &Watch) -> Path {
@@ -153,8 +195,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_template_has_places_for_style_and_data_and_needs_no_network() {
-        assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
-        assert!(!TEMPLATE.contains("http://") && !TEMPLATE.contains("https://"));
+    fn templates_have_places_for_style_and_data_and_need_no_network() {
+        for (template, marks) in
+            [(TEMPLATE, &MARKS[..]), (RESONANCE, &MARKS), (super::super::compare::TEMPLATE, &MARKS)]
+        {
+            assert!(marks.iter().all(|mark| template.matches(mark).count() == 1));
+            assert!(!template.contains("http://") && !template.contains("https://"));
+        }
     }
 }

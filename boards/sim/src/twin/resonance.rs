@@ -1,12 +1,14 @@
 //! `twin resonance`: frequencies over the reach.
 
 use super::answer::Json;
+use super::page;
 use super::setup::{MachineArgs, ModelArg};
 use anyhow::Result;
 use clap::Args;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::resonance::Resonance as Answer;
+use std::path::PathBuf;
 
 /// Most columns or rows of a grid: some seconds.
 const MOST: usize = 200;
@@ -22,6 +24,9 @@ pub(crate) struct Resonance {
     /// What may move besides the tool.
     #[arg(long, value_enum, default_value = "rotors")]
     model: ModelArg,
+    /// Writes a page with maps of the frequencies, shapers and the lines that set them.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
@@ -33,7 +38,10 @@ impl Resonance {
         let freedom = self.model.freedom();
         let [columns, rows] = self.grid;
         let answer = Answer::new(&Setup { machine, params, tool, freedom }, columns, rows)?;
-        self.json.give(&answer, self.machine.files())
+        self.json.give_with(&answer, self.machine.files(), |outputs| {
+            let Some(path) = &self.report else { return Ok(()) };
+            page::write_resonance(&mut outputs.open(path)?, (machine, self.model.name()), &answer)
+        })
     }
 }
 

@@ -58,6 +58,15 @@ impl ModelArg {
         };
         Freedom { idlers, rotors, ..Freedom::default() }
     }
+
+    /// What pages call it.
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Reduced => "without idlers and rotors",
+            Self::Full => "with idlers",
+            Self::Rotors => "with idlers and rotors",
+        }
+    }
 }
 
 /// The machine's numbers.
@@ -174,13 +183,13 @@ impl SetupArgs {
     }
 }
 
-/// Two finite numbers.
 /// A number that is finite.
 pub(super) fn parse_finite(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
     number.ok_or_else(|| format!("{text} is no number"))
 }
 
+/// Two finite numbers.
 pub(super) fn parse_pair(text: &str) -> Result<[f64; 2], String> {
     let number = |part: &str| match part.trim().parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(v),
