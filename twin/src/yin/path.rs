@@ -6,7 +6,7 @@
 use super::parameters::PULSE;
 
 /// Side of the square, m; assumed, for the paper does not say it.
-const SIDE: f64 = 0.020;
+pub(super) const SIDE: f64 = 0.020;
 
 /// How the motors are told where to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

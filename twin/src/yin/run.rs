@@ -90,8 +90,16 @@ fn checked(rig: &Parameters, case: &Case) -> Result<Parameters, Error> {
     Ok(rig.scaled(case.friction, case.stiffness, case.mass))
 }
 
-/// Goes round with time steps of at most `longest` s. A corner is watched on the side before and the side after it.
+/// Goes round with time steps of at most `longest` s.
 pub(super) fn round_the_square(system: &System, sides: &[Vec<Piece>], longest: f64) -> Result<Corners, Error> {
+    let corners = corners(system, sides, longest)?;
+    let error_mm = |i: usize| corners[i].error.map(|error| error * 1e3).ok_or(Error::NotTurned(i + 1));
+    let beyond = corners.iter().map(|corner| corner.beyond).fold(0.0, f64::max);
+    Ok(Corners { x_to_y_mm: (error_mm(0)? + error_mm(2)?) / 2.0, y_to_x_mm: error_mm(1)?, overshoot_mm: beyond * 1e3 })
+}
+
+/// What was seen at each corner, which is watched on the side before and the side after it.
+pub(super) fn corners(system: &System, sides: &[Vec<Piece>], longest: f64) -> Result<[Watch; 3], Error> {
     if sides.iter().flatten().map(|piece| steps(piece, longest)).sum::<usize>() > MOST_STEPS {
         return Err(Error::TooManySteps(MOST_STEPS));
     }
@@ -106,7 +114,5 @@ pub(super) fn round_the_square(system: &System, sides: &[Vec<Piece>], longest: f
             });
         }
     }
-    let error_mm = |i: usize| corners[i].error.map(|error| error * 1e3).ok_or(Error::NotTurned(i + 1));
-    let beyond = corners.iter().map(|corner| corner.beyond).fold(0.0, f64::max);
-    Ok(Corners { x_to_y_mm: (error_mm(0)? + error_mm(2)?) / 2.0, y_to_x_mm: error_mm(1)?, overshoot_mm: beyond * 1e3 })
+    Ok(corners)
 }
