@@ -4,7 +4,7 @@
 //! own inertia and friction over its field. For a mass on a spring this is the inverse of its motion, not only of its rest:
 //! it takes away ringing as well, as far as the acceleration is known. The bar's yaw is not in it (docs/twin.md says why).
 
-use super::path::{Path, RATE};
+use super::path::RATE;
 use crate::geometry::workspace;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
@@ -32,12 +32,12 @@ pub struct Lag<'p> {
     start: Place,
 }
 
-/// What is added to the motors.
+/// By how much the tool is sent ahead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ahead {
-    /// In steps, motor by motor, over time.
-    pub motors: Vec<Vec<f64>>,
-    /// The most that the tool is ahead, along x and y.
+    /// Along x and y in mm, over time; what the rotors' own inertia takes is in it.
+    pub tool: Vec<[f64; 2]>,
+    /// The most, without the rotors' part.
     pub greatest_mm: [f64; 2],
 }
 
@@ -48,10 +48,10 @@ impl<'p> Lag<'p> {
         Self { machine, params, start }
     }
 
-    /// What is added on a path, on which the tool goes so ([`Path::tool`]), that is smoothed by a Gaussian of this width before its
-    /// acceleration is taken.
+    /// What is added where the tool goes so ([`Path::tool`](super::path::Path::tool)), smoothed by a Gaussian of this width before
+    /// its acceleration is taken.
     #[must_use]
-    pub fn of(&self, path: &Path, tool: &[[f64; 2]], width_s: f64) -> Ahead {
+    pub fn of(&self, tool: &[[f64; 2]], width_s: f64) -> Ahead {
         let p = self.params;
         let [gaussian, slope, curvature] = kernels(width_s);
         let masses = [p.head_mass_kg, p.head_mass_kg + p.bar_mass_kg].map(|kg| kg / MM_PER_M);
@@ -59,7 +59,7 @@ impl<'p> Lag<'p> {
         let dry = [p.dry_friction_x_n, p.dry_friction_y_n];
         let field = p.field_stiffness_n_per_mm();
         let mut compliances = BTreeMap::new();
-        let mut motors = vec![Vec::with_capacity(tool.len()); path.rows.len()];
+        let mut added = Vec::with_capacity(tool.len());
         let mut greatest_mm = [0.0_f64; 2];
         for sample in 0..tool.len() {
             let [at, v, a] = [&gaussian, &slope, &curvature].map(|kernel| convolved(tool, sample, kernel));
@@ -69,13 +69,10 @@ impl<'p> Lag<'p> {
             let force = [0, 1].map(|i| masses[i] * a[i] + guides[i] * v[i] + dry[i] * (v[i] / CREEP).tanh());
             let ahead = [xx * force[0] + xy * force[1], yx * force[0] + yy * force[1]];
             greatest_mm = [greatest_mm[0].max(ahead[0].abs()), greatest_mm[1].max(ahead[1].abs())];
-            for (row, added) in path.rows.iter().zip(&mut motors) {
-                let along = |v: [f64; 2]| row[0] * v[0] + row[1] * v[1];
-                let rotor = p.rotor_mass_kg() / MM_PER_M * along(a) + p.rotor_damping_n_s_per_mm() * along(v);
-                added.push(along(ahead) + rotor / field);
-            }
+            let rotors = [0, 1].map(|i| p.rotor_mass_kg() / MM_PER_M * a[i] + p.rotor_damping_n_s_per_mm() * v[i]);
+            added.push([0, 1].map(|i| ahead[i] + rotors[i] / field));
         }
-        Ahead { motors, greatest_mm }
+        Ahead { tool: added, greatest_mm }
     }
 }
 

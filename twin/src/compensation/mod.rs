@@ -2,8 +2,9 @@
 //!
 //! What lags is known: belts and fields give way under inertia and friction ([`lag`]). The acceleration that this takes is
 //! that of the path that was meant, which the times of the steps tell far more finely than the steps themselves ([`path`]).
-//! The sum is cut into steps anew (`stepping`).
+//! The sum is cut into steps anew (`stepping`), or into the chords that a planner is given ([`chords`]).
 
+pub mod chords;
 mod error;
 pub mod lag;
 pub mod path;
@@ -42,15 +43,57 @@ pub fn compensate(
     trace: &StepTrace,
     width_s: f64,
 ) -> Result<Compensated, CompensationError> {
+    let path = path_of(machine, believed, trace)?;
+    let lead = lead(machine, believed, start, &path, width_s)?;
+    let ways = path.rows.iter().map(|row| lead.added.iter().map(|[x, y]| row[0] * x + row[1] * y).collect());
+    let motors: Vec<Vec<f64>> = ways.collect();
+    Ok(Compensated { steps: path.steps(trace, &motors)?, ahead_mm: lead.ahead_mm })
+}
+
+/// Where the tool was meant to be, and by how much it is sent ahead, [`RATE`](path::RATE) times a second.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lead {
+    /// In mm from the start.
+    pub meant: Vec<[f64; 2]>,
+    /// In mm.
+    pub added: Vec<[f64; 2]>,
+    /// By how much at most, along x and y.
+    pub ahead_mm: [f64; 2],
+}
+
+/// The tool's path of [`compensate`], for whoever plans it anew.
+///
+/// # Errors
+/// As there.
+pub fn lead_of(
+    machine: Machine,
+    believed: &Params,
+    start: Place,
+    trace: &StepTrace,
+    width_s: f64,
+) -> Result<Lead, CompensationError> {
+    lead(machine, believed, start, &path_of(machine, believed, trace)?, width_s)
+}
+
+fn path_of(machine: Machine, believed: &Params, trace: &StepTrace) -> Result<Path, CompensationError> {
     if trace.duration_s() > LONGEST_S {
         return Err(CompensationError::TooLong(trace.duration_s()));
     }
-    let path = Path::new(machine, believed, trace).map_err(CompensationError::NoColumn)?;
-    let tool = path.tool();
-    let (taken, reach) = (path::taken(&tool, start), workspace(machine, believed));
+    Path::new(machine, believed, trace).map_err(CompensationError::NoColumn)
+}
+
+fn lead(
+    machine: Machine,
+    believed: &Params,
+    start: Place,
+    path: &Path,
+    width_s: f64,
+) -> Result<Lead, CompensationError> {
+    let meant = path.tool();
+    let (taken, reach) = (path::taken(&meant, start), workspace(machine, believed));
     if !reach.bears(&taken) {
         return Err(CompensationError::OutOfReach { path: taken, reach });
     }
-    let lag = Lag::new(machine, believed, start).of(&path, &tool, width_s);
-    Ok(Compensated { steps: path.steps(trace, &lag.motors)?, ahead_mm: lag.greatest_mm })
+    let ahead = Lag::new(machine, believed, start).of(&meant, width_s);
+    Ok(Lead { meant, added: ahead.tool, ahead_mm: ahead.greatest_mm })
 }

@@ -11,7 +11,7 @@ use crate::steps::drive::{NoColumn, drives};
 use crate::steps::{StepTrace, TICKS_PER_SECOND};
 
 /// Samples of the path in a second: 45 a period of the faster axis, 17 of the slowest mode of the rotors.
-pub(super) const RATE: f64 = 5000.0;
+pub const RATE: f64 = 5000.0;
 
 /// A motor without a step for so long in s rests, and comes to rest or sets off within a part of it.
 const REST_S: f64 = 0.02;
@@ -57,7 +57,7 @@ impl Path {
             for (((column, sense), knots), before) in columns.iter().zip(&mut motors).zip(&mut before) {
                 let now = counts.get(*column).copied().unwrap_or(0) * i64::from(*sense);
                 if now != *before {
-                    step(knots, time, *before, now);
+                    step(knots, time, *before as f64, now as f64);
                     *before = now;
                 }
             }
@@ -100,13 +100,30 @@ pub(super) fn taken(tool: &[[f64; 2]], start: Place) -> Workspace {
 }
 
 /// A motor steps.
-fn step(knots: &mut Vec<Knot>, time: f64, before: i64, now: i64) {
+fn step(knots: &mut Vec<Knot>, time: f64, before: f64, now: f64) {
     let last = knots.last().map_or(0.0, |(time, _)| *time);
     if time - last > REST_S {
-        knots.push((last + SET_OFF * REST_S, before as f64));
-        knots.push((time - SET_OFF * REST_S, before as f64));
+        knots.push((last + SET_OFF * REST_S, before));
+        knots.push((time - SET_OFF * REST_S, before));
     }
-    knots.push((time, (before + now) as f64 / 2.0));
+    knots.push((time, f64::midpoint(before, now)));
+}
+
+/// What steps from 0 on is meant to be at each of so many samples, from the times in s at which it became something else.
+pub fn sampled(steps: impl IntoIterator<Item = (f64, f64)>, count: usize) -> Vec<f64> {
+    let mut knots = vec![(0.0, 0.0)];
+    let mut before = 0.0;
+    for (time, now) in steps {
+        if now != before {
+            step(&mut knots, time, before, now);
+            before = now;
+        }
+    }
+    let end = count as f64 / RATE;
+    let last = knots.last().map_or(0.0, |(time, _)| *time);
+    knots.push((end.min(last + SET_OFF * REST_S), before));
+    let mut at = Walk::new(&knots);
+    (0..count).map(|sample| at.at(sample as f64 / RATE)).collect()
 }
 
 /// Goes along a motor's knots.

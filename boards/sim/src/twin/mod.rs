@@ -46,7 +46,7 @@ pub(crate) enum Twin {
     Sweep(sweep::Sweep),
     /// Belt, preload, masses and motors of a CoreH-bot from what was measured on it.
     Fit(fit::Fit),
-    /// Bends a step trace against what belts and motors give way, for `twin run` to play.
+    /// Makes G-code, or a step trace, that goes ahead by what belts and motors will give way, for the firmware as it is.
     Compensate(compensate::Compensate),
     /// Yin et al.'s CoreXY on a square of 20 mm: how far the tool cuts the corners.
     Yin(yin::Yin),

@@ -65,8 +65,8 @@ pub(crate) struct Play {
     /// What moves besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: RunModel,
-    /// Measures errors from the line of this trace, of which the file was made (corehbot twin compensate).
-    #[arg(long, value_name = "TRACE.csv")]
+    /// Measures errors from the line of this file, of which the other was made (corehbot twin compensate).
+    #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
     /// Where the tool is at the begin, in mm from motor 1's axis; without it, where the firmware is told to be.
     #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
@@ -86,7 +86,8 @@ impl Play {
         let stop = Stop::at_signals()?;
         let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
             let start = self.start(machine, &params, source.begin);
-            let meant = self.against.as_deref().map(meant).transpose()?;
+            let meant = |file: &PathBuf| Ok::<_, anyhow::Error>(Source::read(file, &self.printer, &stop)?.steps);
+            let meant = self.against.as_ref().map(meant).transpose()?;
             play(machine, &params, start, self.model, (&source.steps, meant.as_ref()), &stop)
                 .with_context(|| self.file.display().to_string())
         });
@@ -121,11 +122,6 @@ impl Play {
             None => Place { x: origin.x + begin[0], y: origin.y + begin[1] },
         }
     }
-}
-
-/// The trace from whose line errors are measured.
-fn meant(file: &Path) -> Result<StepTrace> {
-    Source::trace(file)?.with_context(|| format!("{} is no step trace", file.display()))
 }
 
 /// Plays steps on a machine, with a bar. Errors are those from the line of other steps, if there are any.

@@ -87,12 +87,12 @@ fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
     Ok(log.0)
 }
 
-fn step_mm(settings: &corehbot::settings::Settings) -> f64 {
+pub(super) fn step_mm(settings: &corehbot::settings::Settings) -> f64 {
     1.0 / settings.axes.x.steps_per_mm.to_num::<f64>()
 }
 
 /// The motors over x and y.
-fn columns(header: &Header) -> Vec<Column> {
+pub(super) fn columns(header: &Header) -> Vec<Column> {
     let fitted = header.mechanism.fitted();
     let column = |(motor, [x, y, ..]): (Motor, [i8; 4])| {
         let row = if fitted.has(motor) { [x, y] } else { [0, 0] };
