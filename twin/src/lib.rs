@@ -22,8 +22,8 @@
 //! | [`queries`] | answers ready to be printed |
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
 //! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
-//! | [`compensation`] | steps bent against what belts and motors give way |
 //! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
+//! | [`compensation`] | steps, or chords for a planner, sent ahead by what belts and motors give way |
 //! | [`run`] | a trace played, and what there is to say of it |
 //! | [`sampling`] | which points of a space of parameters a study looks at |
 //! | [`live`] | a machine whose steps come as they are made, with power, pushes and skips |

@@ -16,6 +16,7 @@ use crate::sampler::Counts;
 use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
+use corehbot_twin::contour::cut::ends;
 use filament::Filament;
 use std::io;
 use store::Store;
@@ -121,8 +122,8 @@ impl ToolPath {
 
     /// Makes lines of the places; the last line may still grow unless it is the end.
     fn cut(&mut self, is_end: bool) {
-        let ends = self.ends();
         let last = self.places.len() - 1;
+        let ends = ends(last, |begin, end| self.furthest(begin, end));
         // A last line that would be looked at again and again is ended as well.
         let is_long = |begin: usize| last - begin > BLOCK / 2;
         let mut begin = 0;
@@ -134,20 +135,6 @@ impl ToolPath {
             begin = end;
         }
         self.places.drain(..begin);
-    }
-
-    /// The places that are ends of lines, but for the first.
-    fn ends(&self) -> Vec<usize> {
-        let mut ends = Vec::new();
-        let mut pending = vec![(0, self.places.len() - 1)];
-        while let Some((begin, end)) = pending.pop() {
-            match self.furthest(begin, end) {
-                Some(between) => pending.extend([(between, end), (begin, between)]),
-                None if end > begin => ends.push(end),
-                None => {}
-            }
-        }
-        ends
     }
 
     /// The place between two others that is furthest from the line between them, if it is too far.

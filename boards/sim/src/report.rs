@@ -30,6 +30,9 @@ const HEAT: &str = include_str!("report/heat.js");
 /// Its script that draws the belt plant.
 const BELT: &str = include_str!("report/belt.js");
 
+/// What every page begins with.
+pub(crate) const HEAD: &str = include_str!("report/head.html");
+
 /// How pages look.
 pub(crate) const STYLE: &str = include_str!("report/page.css");
 
@@ -116,7 +119,7 @@ impl Page<'_> {
         let (setting, end) = cut(rest, MARKS[4])?;
         // A file name with "</script>" in it must not end the script.
         let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
-        for text in [begin, STYLE, head] {
+        for text in [HEAD, begin, STYLE, head] {
             out.write_all(text.as_bytes())?;
         }
         write_path(stored, out)?;

@@ -6,7 +6,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
 use crate::solve::balance::balance;
-use crate::solve::modes::modes;
+use crate::solve::modes::{mode_of, modes};
 
 /// An axis of the tool.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,8 +116,7 @@ impl Figure {
             }
             Self::Ring { at, along } => {
                 let modes = modes(&Elastic::new(machine, params, at, freedom))?;
-                let mode = modes.iter().max_by(|a, b| a.share(along.into()).total_cmp(&b.share(along.into())));
-                mode.ok_or(NotHeld)?.frequency_hz
+                mode_of(&modes, along.into()).ok_or(NotHeld)?.frequency_hz
             }
             Self::Weight(Weighed::Head) => params.head_mass_kg,
             Self::Weight(Weighed::Bar) => params.bar_mass_kg,

@@ -3,6 +3,8 @@
 //! A stretch is cut where it is furthest from its chord until nothing is further than the tolerance. Along the path a chord may
 //! be early or late by more than it may lie beside it: the first is not seen on the plate.
 
+use crate::contour::cut::ends;
+
 /// How far the tool may be beside its chord, in mm: a twelfth of a step.
 const BESIDE_MM: f64 = 0.001;
 
@@ -21,18 +23,9 @@ const LEAST_MM: f64 = 1e-6;
 /// The samples that chords begin and end at, of x, y, z and e in mm at equal distances in time.
 #[must_use]
 pub fn vertices(samples: &[[f64; 4]]) -> Vec<usize> {
-    let mut vertices = Vec::new();
-    let Some(last) = samples.len().checked_sub(1) else { return vertices };
-    vertices.push(0);
-    let mut pending = vec![(0, last)];
-    while let Some((begin, end)) = pending.pop() {
-        match furthest(samples, begin, end) {
-            Some(between) => pending.extend([(between, end), (begin, between)]),
-            None if end > begin => vertices.push(end),
-            None => {}
-        }
-    }
-    vertices
+    let Some(last) = samples.len().checked_sub(1) else { return Vec::new() };
+    let ends = ends(last, |begin, end| furthest(samples, begin, end));
+    std::iter::once(0).chain(ends).collect()
 }
 
 /// The sample between two others that is furthest from where the chord has it at that time, if it is too far.

@@ -5,6 +5,7 @@
 //! it takes away ringing as well, as far as the acceleration is known. The bar's yaw is not in it (docs/twin.md says why).
 
 use super::path::RATE;
+use crate::dynamics::plant::CREEP;
 use crate::geometry::workspace;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
@@ -14,9 +15,6 @@ use std::collections::BTreeMap;
 
 /// Places nearer than this in mm have one stiffness: it changes by 0.3 % over so much.
 const CELL_MM: f64 = 5.0;
-
-/// Friction is on both sides of this speed in mm/s.
-const CREEP: f64 = 2.0;
 
 /// Half of the Gaussian's length in widths.
 const WIDTHS: f64 = 4.0;

@@ -6,6 +6,7 @@
 //! The line is as good as steps are: on slanted moves the places are whole steps beside the line that was meant, so up to
 //! half a step (6 um) of error there is the line's own.
 
+pub mod cut;
 pub mod error;
 pub mod path;
 pub mod trail;

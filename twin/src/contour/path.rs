@@ -1,6 +1,8 @@
 //! Path: the line along which steps send the tool, cut where it is furthest from its chord until nothing is further than the
 //! tolerance (Douglas and Peucker, 1973).
 
+use super::cut::ends;
+
 /// A corner of the line, or its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vertex {
@@ -49,7 +51,7 @@ impl PathBuilder {
     fn cut(&mut self, is_end: bool) {
         let last = self.places.len() - 1;
         let mut begin = 0;
-        for end in self.ends() {
+        for end in ends(last, |begin, end| self.furthest(begin, end)) {
             if end == last && !is_end && last - begin <= BLOCK / 2 {
                 break;
             }
@@ -57,20 +59,6 @@ impl PathBuilder {
             begin = end;
         }
         self.places.drain(..begin);
-    }
-
-    /// The places that end lines, in order.
-    fn ends(&self) -> Vec<usize> {
-        let mut ends = Vec::new();
-        let mut pending = vec![(0, self.places.len() - 1)];
-        while let Some((begin, end)) = pending.pop() {
-            match self.furthest(begin, end) {
-                Some(between) => pending.extend([(between, end), (begin, between)]),
-                None if end > begin => ends.push(end),
-                None => {}
-            }
-        }
-        ends
     }
 
     /// The place between two others that is furthest from the line between them, if it is too far.

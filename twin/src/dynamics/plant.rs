@@ -18,7 +18,7 @@ use crate::routing::{Machine, Place};
 const MM_PER_M: f64 = 1000.0;
 
 /// Dry friction changes its sign over this speed, in mm/s.
-const CREEP: f64 = 1.0;
+pub(crate) const CREEP: f64 = 1.0;
 
 /// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, so that the integration bears it.
 const BRAKED_IN_S: f64 = 60e-6;

@@ -2,7 +2,7 @@
 //!
 //! Over the whole reach, the worst place counts. Torque is that at standstill; [`super::torque`] has it at speed.
 
-use super::resonance::{mode_of, points};
+use super::resonance::points;
 use super::{Setup, shown};
 use crate::geometry::workspace;
 use crate::model::coordinate::Coordinate;
@@ -11,7 +11,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
 use crate::solve::balance::balance;
-use crate::solve::modes::modes;
+use crate::solve::modes::{mode_of, modes};
 use serde::Serialize;
 use std::f64::consts::TAU;
 

@@ -11,7 +11,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::shaping::design::{Design, designs};
 use crate::solve::NotHeld;
-use crate::solve::modes::{Mode, modes};
+use crate::solve::modes::{Mode, mode_of, modes};
 use serde::Serialize;
 
 /// Pitch of the belt's teeth: GT2, \[H\] table 2.
@@ -90,11 +90,6 @@ pub(super) fn points([low, high]: [f64; 2], count: usize) -> Vec<f64> {
         0 | 1 => vec![(low + high) / 2.0],
         _ => (0..count).map(|i| low + (high - low) * i as f64 / (count - 1) as f64).collect(),
     }
-}
-
-/// The mode in which a coordinate has most.
-pub(super) fn mode_of(modes: &[Mode], coordinate: Coordinate) -> Option<&Mode> {
-    modes.iter().max_by(|a, b| a.share(coordinate).total_cmp(&b.share(coordinate)))
 }
 
 fn axis(

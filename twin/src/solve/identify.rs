@@ -6,7 +6,7 @@
 //! within a hundredfold.
 
 use super::NotHeld;
-use super::modes::{Mode, modes};
+use super::modes::{mode_of, modes};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
 use crate::params::Params;
@@ -99,9 +99,7 @@ fn differences(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Vec<f
     for Rung { at, frequencies_hz } in rung {
         let modes = modes(&Elastic::new(machine, params, *at, freedom))?;
         for (coordinate, measured) in [Coordinate::X, Coordinate::Y].into_iter().zip(frequencies_hz) {
-            let share = |mode: &Mode| mode.share(coordinate);
-            let mode = modes.iter().max_by(|a, b| share(a).total_cmp(&share(b)));
-            if let (Some(mode), Some(measured)) = (mode, measured) {
+            if let (Some(mode), Some(measured)) = (mode_of(&modes, coordinate), measured) {
                 differences.push((mode.frequency_hz / measured).ln());
             }
         }

@@ -42,6 +42,12 @@ impl Mode {
     }
 }
 
+/// The mode of an axis: that in which a coordinate has most.
+#[must_use]
+pub fn mode_of(modes: &[Mode], coordinate: Coordinate) -> Option<&Mode> {
+    modes.iter().max_by(|a, b| a.share(coordinate).total_cmp(&b.share(coordinate)))
+}
+
 /// N/mm over kg, in 1/s^2: 1 N moves 1 kg by 1000 mm/s^2.
 const MM_PER_M: f64 = 1000.0;
 

@@ -1,7 +1,7 @@
 //! Page: one file that shows what became of a path, without any network; of one family with `corehbot run --report`.
 
 use super::setup::ModelArg;
-use crate::report::STYLE;
+use crate::report::{HEAD, STYLE};
 use anyhow::{Context as _, Result};
 use corehbot_twin::contour::trail::Beside;
 use corehbot_twin::geometry::workspace;
@@ -140,7 +140,7 @@ pub(super) fn fill(out: &mut impl Write, template: &'static str, data: &impl Ser
     let json = serde_json::to_string(data)?.replace('<', "\\u003c");
     let page = template.replacen(MARKS[0], STYLE, 1).replacen(MARKS[1], SHARED, 1);
     let (head, end) = page.split_once(MARKS[2]).context("the page has no place for its data")?;
-    for text in [head, &json, end] {
+    for text in [HEAD, head, &json, end] {
         out.write_all(text.as_bytes())?;
     }
     Ok(out.flush()?)
