@@ -62,10 +62,15 @@ fn square() -> StepTrace {
     trace
 }
 
+const ROTORS: Detail = Detail { idlers: false, rotors: true };
+
 /// RMS of the error in um, on the nominal machine with rotors.
 fn rms_um(steps: &StepTrace, meant: &StepTrace, params: &Params) -> f64 {
-    let rotors = Detail { idlers: false, rotors: true };
-    let run = Run::new(Machine::CoreHBot, params, START, rotors, steps).unwrap().against(meant).unwrap();
+    rms_um_of(ROTORS, steps, meant, params)
+}
+
+fn rms_um_of(detail: Detail, steps: &StepTrace, meant: &StepTrace, params: &Params) -> f64 {
+    let run = Run::new(Machine::CoreHBot, params, START, detail, steps).unwrap().against(meant).unwrap();
     1000.0 * run.play(|_| true).unwrap().contour.rms_mm()
 }
 
@@ -93,6 +98,16 @@ fn the_error_of_a_square_becomes_a_third_and_with_wrong_stiffness_a_half() {
     });
     assert!(before > 5.0, "{before}");
     assert!(after[0] < before / 3.0 && after[1] < before / 2.0 && after[2] < before / 2.0, "{before} {after:?}");
+}
+
+/// The lead knows nothing of the idlers' inertia.
+#[test]
+fn idlers_with_mass_leave_the_error_of_a_square_at_a_third() {
+    let meant = square();
+    let bent = compensate(Machine::CoreHBot, &believed(1.0), START, &meant, 0.001).unwrap();
+    let full = Detail { idlers: true, ..ROTORS };
+    let [before, after] = [&meant, &bent.steps].map(|steps| rms_um_of(full, steps, &meant, &Params::default()));
+    assert!(after < before / 3.0, "{before} {after}");
 }
 
 /// M a / K in the middle of the reach: 0.6 kg and 1.8 kg by 20 m/s^2 on 251.2 and 244.1 N/mm (docs/twin.md), without friction.

@@ -62,6 +62,7 @@ fn points_are_answered_with_units_in_the_keys() {
     let yin = json("yin --speed 0.079 --model 4dof");
     assert!(near(&yin["x_to_y_mm"], 0.7690, 5e-3) && near(&yin["y_to_x_mm"], 0.1962, 5e-3), "{yin}");
     assert!(complaint("yin --speed 7").contains("speed"));
+    assert!(complaint("yin --speed 0.02 --friction -1").contains("the factor of friction, -1, is outside"));
     let push = json("push --force 5,-5 --machine corexy --at 147.5,339.4");
     assert!(push["dx_mm"].as_f64().unwrap() > 0.0 && push["residual_mm"].is_null(), "{push}");
     let geometry = json("geometry");

@@ -34,6 +34,8 @@ pub(super) enum RunModel {
     Full,
     /// Rotors in the sine of their fields, which may slip; idlers have no mass.
     Rotors,
+    /// Rotors, and idlers each with its inertia; some five times slower.
+    FullRotors,
 }
 
 impl RunModel {
@@ -42,6 +44,7 @@ impl RunModel {
             Self::Reduced => Detail { idlers: false, rotors: false },
             Self::Full => Detail { idlers: true, rotors: false },
             Self::Rotors => Detail { idlers: false, rotors: true },
+            Self::FullRotors => Detail { idlers: true, rotors: true },
         }
     }
 
@@ -50,6 +53,7 @@ impl RunModel {
             Self::Reduced => "reduced",
             Self::Full => "full",
             Self::Rotors => "rotors",
+            Self::FullRotors => "full-rotors",
         }
     }
 }

@@ -11,19 +11,19 @@ use std::fmt;
 #[derive(Args)]
 pub(crate) struct Yin {
     /// The speed along the square, in m/s.
-    #[arg(long, value_name = "M_PER_S")]
+    #[arg(long, value_name = "M_PER_S", allow_negative_numbers = true)]
     speed: f64,
     /// How much of the machine is modelled.
     #[arg(long, value_name = "MODEL", default_value = "full")]
     model: Degrees,
     /// Factor of all friction.
-    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    #[arg(long, value_name = "F", default_value_t = 1.0, allow_negative_numbers = true)]
     friction: f64,
     /// Factor of the belt's stiffness.
-    #[arg(long, value_name = "K", default_value_t = 1.0)]
+    #[arg(long, value_name = "K", default_value_t = 1.0, allow_negative_numbers = true)]
     stiffness: f64,
     /// Factor of all masses.
-    #[arg(long, value_name = "M", default_value_t = 1.0)]
+    #[arg(long, value_name = "M", default_value_t = 1.0, allow_negative_numbers = true)]
     mass: f64,
     /// The motors go in pulses of 0.0812 mm instead of continuously.
     #[arg(long)]

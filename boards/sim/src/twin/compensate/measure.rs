@@ -44,7 +44,7 @@ pub(super) struct Measured {
 
 impl Measured {
     pub(super) fn new(
-        (machine, params): (Machine, &Params),
+        (machine, params, model): (Machine, &Params, RunModel),
         start: Place,
         meant: &StepTrace,
         bent: &StepTrace,
@@ -52,7 +52,7 @@ impl Measured {
         stop: &Stop,
     ) -> Result<Self> {
         let error = |params: &Params, steps: &StepTrace| -> Result<Error> {
-            let (report, _) = play(machine, params, start, RunModel::Rotors, (steps, Some(meant)), stop)?;
+            let (report, _) = play(machine, params, start, model, (steps, Some(meant)), stop)?;
             Ok(Error { rms_um: 1000.0 * report.contour.rms_mm, max_um: 1000.0 * report.contour.max_mm })
         };
         let before = error(params, meant)?;

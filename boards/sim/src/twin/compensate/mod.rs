@@ -5,6 +5,7 @@ mod measure;
 mod sections;
 
 use super::answer::Json;
+use super::play::RunModel;
 use super::setup::MachineArgs;
 use super::source::Source;
 use crate::cli::Printer;
@@ -42,6 +43,9 @@ pub(crate) struct Compensate {
     /// Plays both on the machine with rotors, as it is believed to be and with belts and fields 20 % off, and tells what is left.
     #[arg(long)]
     measure: bool,
+    /// What moves besides the tool where it is measured.
+    #[arg(long, value_enum, default_value = "rotors", requires = "measure")]
+    run_model: RunModel,
     #[command(flatten)]
     json: Json,
 }
@@ -126,7 +130,7 @@ impl Compensate {
                 Given::Trace(steps) => (steps.clone(), start),
                 Given::Gcode(played) => played.after_homing(&played.steps, played.ends(), start),
             };
-            Some(Measured::new((machine, params), begin, &meant, &done.steps, bent, stop)?)
+            Some(Measured::new((machine, params, self.run_model), begin, &meant, &done.steps, bent, stop)?)
         } else {
             None
         };
