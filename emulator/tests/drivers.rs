@@ -104,8 +104,8 @@ fn a_driver_that_does_not_take_writes_keeps_all_motors_without_power() {
     assert_refused(&print_on(&drivers), "motor");
 }
 
-/// From a fault of drivers in mid-motion to when the motors of `failed` have no power, in ns; the host is told one of `causes`.
-fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, Seen) {
+/// From a fault of drivers in mid-motion to when the motors of `failed` have no power, and to the last step, in ns; the host is told one of `causes`.
+fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, u64, Seen) {
     let seen = print(&firmware(), GCODE, Some(injection));
     let at = seen.injected.expect("a fault");
     let last = seen.recorder.events.last().map_or(0, |event| event.at);
@@ -127,7 +127,7 @@ fn off_after(injection: Injection, failed: MotorSet, causes: &[&str]) -> (u64, S
     let is_reported = causes.iter().any(|cause| is_reported(&seen, cause));
     assert!(seen.safety.powered.is_empty() && is_reported, "{:?}", seen.line.said);
     assert!(seen.resets.is_empty() && seen.line.failure.is_some(), "the host knows");
-    (off - at, seen)
+    (off - at, last.saturating_sub(at), seen)
 }
 
 /// Z screws rise by so many steps after an instant.
@@ -143,7 +143,7 @@ fn a_driver_that_loses_its_configuration_while_it_steps_is_off_and_the_others_of
     for motor in [Motor::M1, Motor::M11] {
         let fault = Injection::DriverReset { after: 45_000, motor };
         let reset = format!("motor {} was reset", Name(motor));
-        let (off, seen) = off_after(fault, MotorSet::of(motor), &[&reset]);
+        let (off, _, seen) = off_after(fault, MotorSet::of(motor), &[&reset]);
         assert!(off < 100 * MS, "{off} ns");
         assert!(
             seen.line.said.iter().any(|line| line == "echo:tool parked, z raised by 10 mm"),
@@ -162,12 +162,9 @@ fn a_z_driver_that_loses_its_configuration_while_it_steps_stops_all_motors() {
 
 #[test]
 fn a_motor_supply_that_goes_away_stops_all_motors() {
-    let (off, seen) = off_after(Injection::SupplyLost { after: 45_000 }, MotorSet::ALL, &["does not answer"]);
-    assert!(
-        off < 100 * MS && !seen.line.said.iter().any(|line| line.contains("parked, ")),
-        "{off} {:?}",
-        seen.line.said
-    );
+    let (_, last, seen) = off_after(Injection::SupplyLost { after: 45_000 }, MotorSet::ALL, &["does not answer"]);
+    assert!(last < 100 * MS, "{last} ns");
+    assert!(!seen.line.said.iter().any(|line| line.contains("parked, ")), "{:?}", seen.line.said);
 }
 
 /// Exchanges go on beside the densest steps that there are, and neither disturbs the other.
