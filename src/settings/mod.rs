@@ -16,7 +16,8 @@
 //! | its sum in RAM | `kept`, by `Hash` | compiler |
 //! | documents | README.md (commands), docs/host-protocol.md, docs/machines.md (what is plugged in where), CHANGELOG.md | review |
 //!
-//! A new [`ShaperKind`] is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
+//! A new [`ShaperKind`] comes last (records hold its number, so `FORMAT` stays), and its T is the next one: `tail` in
+//! `boards/sim/src/twin/compensate/gcode.rs` counts them. It is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
 //! (`gcode::shaping`), `kind_of` with M593's text (`machine/commands/shaping.rs`) and `name_of` (`machine/reports/settings_report.rs`),
 //! which translate between kind and number, `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses, `name_of` and `written.rs`, `boards/sim/tests/every_setting.rs` and `twin.rs` for the rest, and
 //! `tests/motion/shapers.rs` for figures from the literature. By hand: `boards/sim/tests/shaping.rs`, which prints with each T, `FREQUENCY` in `check` if it lasts longer than the others,

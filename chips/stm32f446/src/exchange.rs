@@ -38,8 +38,8 @@ const REST: u8 = 12;
 /// for more of a request, which it gives up after 63 bit times (section 4.1.1).
 const LONG_REST: u8 = 80 + REST;
 
-/// Bit times that a reply may take longer than its bits. It begins after eight (TMC2209 datasheet rev 1.09, section
-/// 4.1.2, SENDDELAY as it is after reset).
+/// Bit times that a reply may take longer than its bits, and in which it must have begun. It begins after eight (TMC2209
+/// datasheet rev 1.09, section 4.1.2, SENDDELAY as it is after reset, and as the firmware sets it before it asks anything).
 const LATE: u16 = 24;
 
 /// Bits of a byte with its start and stop bit.
@@ -194,7 +194,7 @@ impl Exchange {
 
     fn listen(&mut self, is_high: bool) -> Action {
         self.patience = self.patience.saturating_sub(u16::from(self.count));
-        if self.patience == 0 {
+        if self.patience == 0 || self.is_unanswered() {
             return self.end(Err(BusError::Silent));
         }
         if self.bits == WAITING {
@@ -213,6 +213,12 @@ impl Exchange {
         } else {
             self.sample_after(OVERSAMPLING)
         }
+    }
+
+    /// Whether nobody has begun to answer while a reply could begin: what is left of the time is that of a reply's bits.
+    fn is_unanswered(&self) -> bool {
+        let of_reply = self.wanted as u16 * BYTE * u16::from(OVERSAMPLING);
+        self.bits == WAITING && self.reply.is_empty() && self.patience <= of_reply
     }
 
     /// The next tick comes so many samples after this one.

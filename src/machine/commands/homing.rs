@@ -5,7 +5,8 @@
 //!
 //! The Z probe ([`EndstopSet::PROBE`]) takes no part: it is read and reported (M119), but nothing homes by it, and G29,
 //! G30 and their relatives (`Command::Probing`) are answered and not carried out. A command that probes would use `approach`,
-//! which refuses an endstop that the board does not have. It also needs:
+//! which refuses an endstop that the board does not have, and goes towards the end at which the axis has its switch: a probe needs an `Axis` with
+//! `EndstopSet::PROBE` and `AxisEnd::Min`, whatever z's switch is, and so does its hard stop in `widen`. It also needs:
 //!
 //! - `Command::Probing` taken apart, and letters in `gcode::grammar` (`tests/gcode.rs` asks for them);
 //! - a probe in the rig: `Rig::inputs` says which inputs there are, `Rig::endstops` presses them;

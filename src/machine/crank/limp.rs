@@ -8,6 +8,9 @@
 //! It needs to know where the tool is: all axes are homed, and nothing is being homed, measured, trimmed or run round. It ends at once, with all
 //! power cut, if another driver fails (a dip of the whole supply resets them all, and all others are looked at before anything but
 //! braking happens), if any other fault comes, at M112 and M410, and after [`MOST_MS`]. It comes once, and nothing but a reset follows.
+//!
+//! `park` has the place and the lift, `halted` the words; `boards/sim/tests/belt/limp.rs` and `emulator/tests/drivers.rs` hold both; times are in
+//! docs/belt.md and docs/safety.md.
 
 use crate::driver::{self, Name};
 use crate::fault::{self, Cause};

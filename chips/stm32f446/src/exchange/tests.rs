@@ -152,6 +152,17 @@ fn a_driver_that_says_nothing_is_silent_and_so_is_one_that_stops() {
     }
 }
 
+/// Who is silent is asked again, up to four times, while a motor turns without a driver.
+#[test]
+fn nobody_is_waited_for_when_no_reply_has_begun() {
+    let mut exchange = Exchange::new();
+    exchange.begin(&Frame::from_slice(&REQUEST).unwrap(), 8);
+    while exchange.tick(true) != Action::Listen {}
+    let samples = 1 + (0..1000).take_while(|_| exchange.tick(true) == Action::Stay).count();
+    assert_eq!(samples, usize::from(LATE) * usize::from(OVERSAMPLING));
+    assert_eq!(exchange.outcome(), Some(Err(BusError::Silent)));
+}
+
 #[test]
 fn a_line_that_is_stuck_ends_the_exchange() {
     assert_eq!(exchange(&REQUEST, 8, &Far::Stuck(true), &[0.0]).outcome, Err(BusError::Silent));

@@ -1,7 +1,10 @@
 //! Into the look-ahead: a move is planned as soon as there is room for it.
 //!
 //! How much motion waits before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`, whose default is in
-//! `Settings::prototype`. M220 is here too.
+//! `Settings::prototype`. Without room the look-ahead counts as full to `release` (`note_full`): motion begins, and a slow host's share
+//! ends. `crank::heat_door` (`blow`) waits by the same exemption; `crank::tell` (P of `advanced_ok`) asks `has_room`.
+//! `boards/sim/tests/lookahead_time.rs` holds it; it is told in docs/flow.md, docs/host-protocol.md, README.md, `machine_file/form.rs` and
+//! `examples/machines/prototype.toml`. M220 is here too.
 
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
