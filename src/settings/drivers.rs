@@ -49,3 +49,14 @@ impl DriverGroups {
         Self { belt, z: DriverSettings { hold_percent: 100, ..belt }, e: belt }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn screws_hold_with_all_of_their_current_and_the_other_motors_with_half() {
+        let DriverGroups { belt, z, e } = DriverGroups::prototype();
+        assert_eq!([belt, z, e].map(|group| group.hold_percent), [50, 100, 50]);
+    }
+}
