@@ -34,3 +34,25 @@ pub(super) fn put(text: &[u8]) -> Command<'_> {
         _ => Command::Malformed(Flaw::NoPair(text.trim_ascii())),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_of_a_machine_has_a_place_and_bytes() {
+        let piece = Command::MachineRecord(MachineRecord::Put { at: 32, hex: b"0aFF" });
+        assert_eq!([put(b"AT=32 HEX=0aFF"), put(b"hex=0aFF at=32")], [piece, piece]);
+        for (text, word) in [
+            ("AT= HEX=00", "AT="),
+            ("AT=1x HEX=00", "AT=1x"),
+            ("AT=-1 HEX=00", "AT=-1"),
+            ("AT=1 BYTES=00", "BYTES=00"),
+            ("AT=1 HEX", "HEX"),
+            ("AT=1", "AT=1"),
+            ("HEX=00", "HEX=00"),
+        ] {
+            assert_eq!(put(text.as_bytes()), Command::Malformed(Flaw::NoPair(word.as_bytes())), "{text}");
+        }
+    }
+}
