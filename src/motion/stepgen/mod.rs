@@ -339,7 +339,7 @@ impl<'m> StepGenerator<'m> {
 
 #[cfg(test)]
 mod tests {
-    use super::{BATCH, LEAST_ROOM, SCRUB, StepGenerator};
+    use super::{BATCH, LEAST_ROOM, LONGEST_INTERVAL, SCRUB, StepGenerator, SubTicks};
     use crate::fault::Cause;
     use crate::kinematics::Groupings;
     use crate::motion::planner::{Planner, Target};
@@ -379,6 +379,30 @@ mod tests {
                 };
             }
             assert_eq!(call_for_each_axis(&mut generator), Some(Cause::SettingsDamaged), "axis {axis}, bit {bit}");
+        }
+    }
+
+    #[test]
+    fn a_dwell_passes_to_the_tick_in_events_without_steps() {
+        // Shorter than one event can be, as long, and longer.
+        let longest = u64::from(LONGEST_INTERVAL);
+        for ticks in [1, longest - 1, longest, longest + 1, 3 * longest + 7] {
+            let groupings = Groupings::new(&Settings::prototype().mechanism);
+            let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+            let ((mut moves_in, moves_out), (steps_in, mut steps_out)) = (move_queue.split(), step_queue.split());
+            let (mut spans, status) = (SpanMemory::new(), Status::new());
+            let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
+            let work = Work::Dwell(SubTicks::of_ticks(ticks));
+            assert!(moves_in.enqueue(Entry { epoch: 0, work }).is_ok());
+            let mut passed = 0u64;
+            for _ in 0..10 {
+                generator.make_events();
+                for event in core::iter::from_fn(|| steps_out.dequeue()) {
+                    passed += u64::from(event.interval);
+                    status.event_played(passed as u32);
+                }
+            }
+            assert_eq!(passed, ticks);
         }
     }
 
