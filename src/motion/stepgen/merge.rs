@@ -27,7 +27,7 @@ const OF_SECOND: u32 = PackedEvent::steps_of(1);
 
 /// Directions are set so many ticks ahead of the step that needs them, if that step comes no sooner than twice as many after the one
 /// before: 3 us, more than twice what the Stepper takes to set them.
-const TURN_AHEAD: u32 = 30;
+pub(super) const TURN_AHEAD: u32 = 30;
 
 /// Whether the steps of an event leave no motor pulling against another of its group.
 fn is_unstrained(groups: &Groups, word: PackedEvent) -> bool {

@@ -339,6 +339,7 @@ impl<'m> StepGenerator<'m> {
 
 #[cfg(test)]
 mod tests {
+    use super::merge::TURN_AHEAD;
     use super::{BATCH, LEAST_ROOM, LONGEST_INTERVAL, SCRUB, StepGenerator, SubTicks};
     use crate::fault::Cause;
     use crate::kinematics::Groupings;
@@ -404,6 +405,29 @@ mod tests {
             }
             assert_eq!(passed, ticks);
         }
+    }
+
+    #[test]
+    fn the_lines_of_direction_turn_a_set_time_before_the_first_step() {
+        let settings = Settings::prototype();
+        let mut memory = MoveMemory::new();
+        let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
+        let position = [Mm::const_from_int(10), Mm::ZERO, Mm::ZERO, Mm::ZERO];
+        let speed = MmPerSec::const_from_int(50);
+        planner.push(&Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }, &settings);
+        planner.release_all();
+        let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
+        let ((mut moves_in, moves_out), (steps_in, mut steps_out)) = (move_queue.split(), step_queue.split());
+        let (mut spans, status, groupings) = (SpanMemory::new(), Status::new(), Groupings::new(&settings.mechanism));
+        let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
+        if let Some(m) = planner.pop() {
+            assert!(moves_in.enqueue(Entry { epoch: 0, work: Work::Move(m) }).is_ok());
+        }
+        (0..10).for_each(|_| _ = generator.make_events());
+        let [turn, step] =
+            [steps_out.dequeue(), steps_out.dequeue()].map(|event| event.map(|e| (e.steps.is_empty(), e.interval)));
+        assert!(turn.is_some_and(|(is_without_steps, _)| is_without_steps), "{turn:?}");
+        assert_eq!(step, Some((false, TURN_AHEAD)));
     }
 
     /// Reproducer: at 300,000 events a second the generator filled every slot as the Stepper freed it, one event a call,
