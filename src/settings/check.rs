@@ -113,7 +113,7 @@ pub mod ranges {
     /// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
     pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
     /// Window of the pressure advance: some milliseconds at least, for the speed is averaged over it, and without a window the advance
-    /// would jump at every change of speed (`trajectory::taps`); a fifth of a second is more than any shaper is late.
+    /// would jump at every change of speed (`trajectory::taps`); a fifth of a second is more than any shaper is late. Delays hold 1.67 s.
     pub const ADVANCE_WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
     /// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
     /// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.

@@ -20,7 +20,8 @@
 //! `boards/sim/src/twin/compensate/gcode.rs` counts them. It is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
 //! (`gcode::shaping`), `kind_of` with M593's text (`machine/commands/shaping.rs`) and `name_of` (`machine/reports/settings_report.rs`),
 //! which translate between kind and number, `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses, `name_of` and `written.rs`, `boards/sim/tests/every_setting.rs` and `twin.rs` for the rest, and
-//! `tests/motion/shapers.rs` for figures from the literature. By hand: `boards/sim/tests/shaping.rs`, which prints with each T, `FREQUENCY` in `check` if it lasts longer than the others,
+//! `tests/motion/shapers.rs` for figures from the literature. By hand: `boards/sim/tests/shaping.rs`, which prints with each T,
+//! `examples/shaping.gcode`, which has one of each, the table of the literature in the tests of `twin/src/shaping/shaper.rs`, `FREQUENCY` in `check` if it lasts longer than the others,
 //! docs/shaping.md, M593 in docs/host-protocol.md, README.md, the comment in `examples/machines/prototype.toml`.
 //!
 //! A new [`CornerRule`] or [`Thermistor`]: CONTRIBUTING.md lists where it is known.

@@ -9,8 +9,8 @@
 //! power cut, if another driver fails (a dip of the whole supply resets them all, and all others are looked at before anything but
 //! braking happens), if any other fault comes, at M112 and M410, and after [`MOST_MS`]. It comes once, and nothing but a reset follows.
 //!
-//! `park` has the place and the lift, `halted` the words; `boards/sim/tests/belt/limp.rs` and `emulator/tests/drivers.rs` hold both; times are in
-//! docs/belt.md and docs/safety.md.
+//! `park` has the place and the lift, `halted` the words; `boards/sim/tests/belt/limp.rs` holds both, `emulator/tests/drivers.rs` the lift and
+//! the words; the place is told in docs/belt.md (*Limp*), times there and in docs/safety.md.
 
 use crate::driver::{self, Name};
 use crate::fault::{self, Cause};

@@ -121,8 +121,14 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
         let early = delay - mean(&impulses);
         impulses.into_iter().map(|(time, weight)| tap((early + time, weight))).collect()
     };
-    // No window is no advance; `boards/sim/src/limits.rs` divides by it too.
-    debug_assert!(ranges::ADVANCE_WINDOW.least > Seconds::ZERO);
+    // No window is no advance; `boards/sim/src/limits.rs` divides by it too. A delay holds 1.67 s; longer than `SPANS` of short moves
+    // remember, short moves take longer (docs/shaping.md has the delays, and the events of `examples/shaping.gcode`).
+    const {
+        assert!(
+            ranges::ADVANCE_WINDOW.least.to_bits() > 0
+                && ranges::ADVANCE_WINDOW.most.to_bits() < Seconds::ONE.to_bits()
+        )
+    };
     let late: Taps = [tap((delay, 1.0))].into_iter().collect();
     let advance = if window > 0.0 {
         [tap((delay - half, 1.0 / window)), tap((delay + half, -1.0 / window))].into_iter().collect()
