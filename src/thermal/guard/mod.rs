@@ -18,7 +18,7 @@
 //! or in `thermal/control.rs` if it is not of one heater; a [`Cause`] (`fault/cause.rs`); what it measures, in `port::ThermalPort`
 //! (`chips/stm32f446/src/heat.rs`, `rig/src/heat.rs`, `tests/thermal/printer.rs` and `tests/support/wild_heat.rs` implement it,
 //! `emulator/src/wiring.rs` has the pins); its threshold, if it has one,
-//! in `settings::Guards`. Then a fault of the plant that it finds (`rig/src/plant/faults.rs`), a test in `tests/faults`, and a row
+//! in `settings::Guards`. Then a fault of the plant that it finds (`rig/src/plant/faults.rs`, tested in `rig/src/plant/tests/broken.rs`), a test in `tests/faults`, and a row
 //! in both tables of docs/safety.md.
 
 mod at_target;

@@ -39,7 +39,7 @@ impl Bench {
 fn all_orders(interrupts: u32, before: fn(&mut Bench), calls: fn(&mut Bench), check: fn(&Bench)) {
     let runs = explore(|| {
         atomic::reset();
-        // The interrupt lives as long as the thread; a queue is 8 KiB.
+        // The interrupt lives as long as the thread; a queue is leaked with it.
         let (events, events_out) = Box::leak(Box::<StepQueue>::default()).split();
         let (played, epoch) = (Played::default(), Rc::<Cell<u8>>::default());
         let mut bench = Bench {

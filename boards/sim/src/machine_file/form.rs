@@ -70,7 +70,7 @@ pub(super) struct MachineToml {
     pub motors: MotorsToml,
     /// Which input of the board the switch of each axis is plugged into.
     pub endstops: EndstopsToml,
-    /// Speed in corners: either of the two keys.
+    /// Speed in corners: one of the keys.
     pub corner: CornerToml,
     /// Input shapers against ringing (M593).
     pub shaper: ShapersToml,
