@@ -140,16 +140,19 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             }
             None => {}
         }
+        // Asked at every turn: who is in the middle of a transfer may overhear it once. Without a fault nothing limps.
+        if self.drivers.fault().is_none() {
+            return Ok(());
+        }
         if self.limping.is_late(now) {
             self.stop_and_cut();
         }
-        // Asked at every turn: who is in the middle of a transfer may overhear it once.
         if self.limping.is_wanted() {
             Err(Interrupt::Limp)
-        } else if self.drivers.fault().is_some() && !self.limping.is_under_way() {
-            Err(Interrupt::Halt)
-        } else {
+        } else if self.limping.is_under_way() {
             Ok(())
+        } else {
+            Err(Interrupt::Halt)
         }
     }
 }
