@@ -133,10 +133,11 @@ pub fn machine(dice: &mut Dice) -> Settings {
     s.motor_max_speed = MmPerSec::from_num(between(100.0, 900.0));
     s.minimum_cruise_ratio = Ratio::from_num(cruise);
     s.extruder_jerk = MmPerSec::from_num(between(0.5, 20.0));
-    s.corner = if between(1.0, 4.0) < 2.0 {
-        CornerRule::SquareCorner(MmPerSec::from_num(between(1.0, 20.0)))
-    } else {
-        CornerRule::JunctionDeviation(Mm::from_num(between(0.001, 0.5)))
+    let rules: Vec<CornerRule> = CornerRule::all().collect();
+    let from_the_last = (between(1.0, std::f64::consts::E).ln() * rules.len() as f64) as usize;
+    s.corner = match rules[rules.len() - 1 - from_the_last.min(rules.len() - 1)] {
+        CornerRule::SquareCorner(_) => CornerRule::SquareCorner(MmPerSec::from_num(between(1.0, 20.0))),
+        CornerRule::JunctionDeviation(_) => CornerRule::JunctionDeviation(Mm::from_num(between(0.001, 0.5))),
     };
     s
 }

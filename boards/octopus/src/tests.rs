@@ -2,7 +2,7 @@
 
 use crate::IMAGE;
 use crate::wiring::{BOARD, PRO};
-use corehbot::connectors::{ConnectorName, OCTOPUS};
+use corehbot::connectors::{BoardConnectors, ConnectorName, OCTOPUS};
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::port::{EndstopSet, GroupSet, Motor, MotorSet, Output};
 use corehbot::settings::Settings;
@@ -35,6 +35,8 @@ fn the_image_has_a_table_for_every_board_that_it_names() {
 fn the_core_knows_what_every_board_offers() {
     for board in IMAGE.boards {
         let connectors = board.connectors;
+        // By that table the commands find a board.
+        assert!(BoardConnectors::ALL.iter().any(|known| known.key == connectors.key), "{}", board.name);
         assert_eq!(connectors.outputs, board.outputs());
         assert!(connectors.sensors.iter().eq(board.thermistors.iter().map(|thermistor| &thermistor.sensor)));
         assert_eq!((connectors.fans, !connectors.probes.is_empty()), (board.fans.len(), board.probe.is_some()));
