@@ -136,7 +136,7 @@ fn pulse(from: usize, settings: [&HeaterSettings; HEATERS], readings: &Readings)
     }
     let settings = settings[ORDER[place] as usize];
     // W: power and duty have 16 fractional bits each.
-    let power = (i64::from(settings.power.to_bits()) * i64::from(settings.max_duty.to_bits())) >> 32;
+    let power = ((u64::from(settings.power.to_bits()) * u64::from(settings.max_duty.to_bits())) >> 32) as i64;
     let rate = i64::from(RATE);
     let capacity = settings.model.capacity.to_num::<i64>().max(1);
     let periods = (RISE * capacity * rate / power.max(1)).clamp(1, LONGEST);
@@ -157,6 +157,7 @@ fn pulse(from: usize, settings: [&HeaterSettings; HEATERS], readings: &Readings)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::{Ratio, Watts};
 
     /// How a test of hotend and bed ends if the bed's pulse has their sensors rise by so much, and the hotend's by so much.
     fn ends(by_bed: [i32; 2], by_hotend: [i32; 2]) -> End {
@@ -177,6 +178,18 @@ mod tests {
             }
         }
         panic!("it has no end")
+    }
+
+    /// Reproducer: power and duty beyond their ranges, as only memory that fails may have them, overflowed.
+    #[test]
+    fn any_power_and_duty_have_a_pulse() {
+        let mut thermal = ThermalSettings::prototype();
+        let hotend = &mut thermal.heaters.hotend;
+        (hotend.is_fitted, hotend.power, hotend.max_duty) = (true, Watts::MAX, Ratio::MAX);
+        let settings = Heater::ALL.map(|heater| thermal.heater(heater));
+        let readings = [Some(Celsius::const_from_int(25)), None, None];
+        let test = SelfTest::new(settings, &readings, [Celsius::ZERO; HEATERS]).unwrap();
+        assert_eq!((test.powered(), test.pulse.power), (Some(Heater::Hotend), 1));
     }
 
     #[test]
