@@ -22,7 +22,7 @@
 //! which translate between kind and number, `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses, `name_of` and `written.rs`, `boards/sim/tests/every_setting.rs` and `twin.rs` for the rest, and
 //! `tests/motion/shapers.rs` for figures from the literature. By hand: `boards/sim/tests/shaping.rs`, which prints with each T,
 //! `examples/shaping.gcode`, which has one of each, the table of the literature in the tests of `twin/src/shaping/shaper.rs`, `FREQUENCY` in `check` if it lasts longer than the others,
-//! docs/shaping.md, M593 in docs/host-protocol.md, README.md, the comment in `examples/machines/prototype.toml`.
+//! docs/shaping.md, docs/twin.md (what `twin resonance` suggests), M593 in docs/host-protocol.md, README.md, the comment in `examples/machines/prototype.toml`.
 //!
 //! A new [`CornerRule`] or [`Thermistor`]: CONTRIBUTING.md lists where it is known.
 

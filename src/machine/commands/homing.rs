@@ -16,6 +16,7 @@
 //! - what says "nothing probes by it": `boards/sim/src/machine_file/form.rs` (and so the schema), `Settings::probe`,
 //!   `examples/machines/prototype.toml`, docs/machines.md;
 //! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
+//! - a row of `STATES` in `boards/sim/tests/emergencies.rs`, for its descent;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
 //!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`crank/tell.rs`);
