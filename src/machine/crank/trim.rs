@@ -27,7 +27,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     }
 
     /// A length of belt in steps.
-    pub fn belt_steps(&self, length: Mm) -> Steps {
+    fn belt_steps(&self, length: Mm) -> Steps {
         let per_mm = self.settings.axes.x.steps_per_mm;
         Steps::from_bits(((i128::from(length.to_bits()) * i128::from(per_mm.to_bits())) >> 16) as i64)
     }
