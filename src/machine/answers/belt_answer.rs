@@ -18,6 +18,8 @@ pub(in crate::machine) enum AlignError {
     TooFar,
     /// The findings do not agree.
     Unsure,
+    /// Something has happened to the motors meanwhile.
+    Changed,
     /// The drivers of motors that have just got power do not stand to each other as the phases of the belt say.
     Phase,
 }
@@ -74,8 +76,8 @@ pub(in crate::machine) enum BeltAnswer {
     Touched([i32; 2]),
     /// What has happened.
     Diagnosis(Diagnosis),
-    /// It was to be set right, but the switches were met so far beside their places then, in steps: something has happened meanwhile.
-    NotRepaired([i32; 2]),
+    /// It was to be set right, but something kept it from being so.
+    NotRepaired(AlignError),
     /// It was set right; and how far beside their places the switches were met then, in steps.
     Repaired([i32; 2]),
 }

@@ -5,11 +5,12 @@
 //! strain in the middle ([`load_curve`](super::load_curve)). Drivers measure in stealthChop, which they are put into meanwhile.
 
 use super::diagnosis::FULL_STEPS_A_TURN;
-use super::load_curve::{Findings, Load, Readings, Slope, apex, is_less_loaded, load_of_stroke, slope, thousandths};
+use super::load_curve::{
+    Findings, Load, PARTS, Readings, Slope, apex, is_less_loaded, load_of_stroke, slope, thousandths,
+};
 use crate::driver::{DriverError, Fault, Job};
 use crate::kinematics::{Residual, Residuals, motors_in};
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
+use crate::machine::answers::belt_answer::AlignError;
 use crate::machine::crank::Crank;
 use crate::machine::crank::trim::{preload_of, trimmed};
 use crate::machine::interrupt::Interrupt;
@@ -84,8 +85,17 @@ struct Scan {
     at: i32,
 }
 
+impl Scan {
+    /// Of a residual, with the motor as it is now.
+    fn new<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, motor: Motor, residual: &Residual) -> Self {
+        let (motors, mechanism) = (motors_in(residual), crank.groups().mechanism());
+        let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
+        Self { motor, motors, is_along_y, at: 0 }
+    }
+}
+
 /// Aligns all motors that can pull against each other. They have power, and the tool has room along x and y. It ends somewhere near: x and y
-/// are to be homed again.
+/// are to be homed again, and then it is to be proved ([`measure_again`]).
 pub(in crate::machine) async fn align<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), BeltError> {
     let residuals = crank.residuals();
     crank.trimming_mut().forget();
@@ -103,25 +113,60 @@ pub(in crate::machine) async fn align<P: PortSet, W: Pend>(crank: &mut Crank<'_,
 async fn align_each<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, residuals: &Residuals) -> Result<(), BeltError> {
     for (number, residual) in residuals.iter().enumerate() {
         let Some(found) = find_apex(crank, residual).await? else { continue };
-        crank.learn_phase(number, residual).await?;
-        leave_at(crank, number, residual, found).await?;
+        let phase = crank.find_phase(residual).await?;
+        leave_at(crank, number, residual, found, phase).await?;
     }
-    crank.trimming_mut().align();
     Ok(())
 }
 
-/// Leaves the trimmed motor of a residual, which stands at the apex, with the preload that is wanted, and notes what was found.
+/// Measures once more whether the belt bears what it should: a motor that skipped while it was measured, or after, strains it by four
+/// full steps. Nothing that was found before is relied on.
+pub(in crate::machine) async fn measure_again<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    residuals: &Residuals,
+) -> Result<(), BeltError> {
+    begin_measuring(crank, residuals.motors()).await?;
+    let result = measure_each_again(crank, residuals).await;
+    if !matches!(result, Err(BeltError::Interrupted(_))) {
+        end_measuring(crank).await?;
+    }
+    result
+}
+
+async fn measure_each_again<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    residuals: &Residuals,
+) -> Result<(), BeltError> {
+    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+    for residual in residuals.iter() {
+        let Some((motor, times)) = trimmed(residual) else { continue };
+        let mut scan = Scan::new(crank, motor, residual);
+        let (middle, arm) = (-preload_of(residual, crank.preload_steps()) / times, ARM * full_step);
+        let loads = loads_about(crank, &mut scan, middle, arm).await?;
+        go_to(crank, &mut scan, 0).await?;
+        let [left, _, right] = loads;
+        let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
+        if apex(left, right, slope).is_beyond(full_step) {
+            return Err(AlignError::Changed.into());
+        }
+    }
+    Ok(())
+}
+
+/// Leaves the trimmed motor of a residual, which stands at the apex, with the preload that is wanted, and notes what was found; the
+/// phase too, if it was looked for.
 pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     number: usize,
     residual: &Residual,
     ApexFound { step, within, slope }: ApexFound,
+    phase: Option<u16>,
 ) -> Result<(), Interrupt> {
     let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
     crank.trim(motor, preload_of(residual, crank.preload_steps()) / times).await?;
     let was = crank.belt_length(i64::from(-step * times) * 1000);
     let per_mm = slope.readings_per_mm(crank.settings().axes.x.steps_per_mm.to_num());
-    let found = Found { was, within: crank.belt_length(thousandths(within)), readings_per_mm: Some(per_mm) };
+    let found = Found { was, within: crank.belt_length(thousandths(within)), readings_per_mm: Some(per_mm), phase };
     crank.trimming_mut().note(number, found);
     Ok(())
 }
@@ -165,9 +210,7 @@ pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
     residual: &Residual,
 ) -> Result<Option<ApexFound>, BeltError> {
     let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
-    let (motors, mechanism) = (motors_in(residual), crank.groups().mechanism());
-    let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
-    let mut scan = Scan { motor, motors, is_along_y, at: 0 };
+    let mut scan = Scan::new(crank, motor, residual);
     let found = climb(crank, &mut scan).await;
     if let Err(BeltError::Align(_)) = found {
         // Nothing is known, so nothing is changed.
@@ -177,10 +220,10 @@ pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
 }
 
 async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan) -> Result<ApexFound, BeltError> {
-    let arm = ARM * i32::from(crank.settings().drivers.belt.microsteps);
+    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+    let arm = ARM * full_step;
     let mut middle = 0;
-    let mut loads =
-        [load_at(crank, scan, -arm).await?, load_at(crank, scan, 0).await?, load_at(crank, scan, arm).await?];
+    let mut loads = loads_about(crank, scan, middle, arm).await?;
     // Uphill, until the summit is in the middle.
     loop {
         let [left, here, right] = loads;
@@ -210,6 +253,9 @@ async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
         let (left, right) = (load_at(crank, scan, about - arm).await?, load_at(crank, scan, about + arm).await?);
         findings.note(about, apex(left, right, slope));
         about = findings.step();
+        if findings.spread() > i64::from(full_step) * PARTS / 2 {
+            return Err(AlignError::Unsure.into());
+        }
     }
     go_to(crank, scan, about).await?;
     Ok(ApexFound { step: about, within: findings.bound(), slope })
@@ -220,6 +266,17 @@ async fn go_to<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
     crank.trim(scan.motor, place - scan.at).await?;
     scan.at = place;
     Ok(())
+}
+
+/// How hard the motors pull with a trim, and with an arm less and more.
+async fn loads_about<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    scan: &mut Scan,
+    middle: i32,
+    arm: i32,
+) -> Result<[Load; 3], BeltError> {
+    let left = load_at(crank, scan, middle - arm).await?;
+    Ok([left, load_at(crank, scan, middle).await?, load_at(crank, scan, middle + arm).await?])
 }
 
 /// How hard the motors pull with this trim, on a stroke along x or y and back.
@@ -268,17 +325,6 @@ async fn go_along<P: PortSet, W: Pend>(
     }
     crank.finish().await?;
     Ok(())
-}
-
-/// Aligns the motors where the tool stands, and tells what came of it. Then x and y have to be homed again.
-pub(in crate::machine) async fn align_and_tell<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
-) -> Result<(), Interrupt> {
-    match align(crank).await {
-        Ok(()) => crank.tell(Answer::Belt(BeltAnswer::Aligned)).await,
-        Err(BeltError::Align(error)) => crank.tell(Answer::Belt(BeltAnswer::NotAligned(error))).await,
-        Err(BeltError::Interrupted(interrupt)) => Err(interrupt),
-    }
 }
 
 /// Whether printing moves may be made: the motors of a belt are aligned, or need not be.

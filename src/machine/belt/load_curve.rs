@@ -16,7 +16,7 @@
 use crate::motors::{Motor, MotorSet};
 
 /// Parts of a reading and of a step in which means are counted.
-const PARTS: i64 = 256;
+pub(super) const PARTS: i64 = 256;
 
 /// Readings of each motor without which a mean says nothing.
 const LEAST_READINGS: u32 = 8;
@@ -86,6 +86,13 @@ pub(super) struct Apex {
     pub variance: i64,
 }
 
+impl Apex {
+    /// Whether it is so many steps from the trim in the middle, or farther.
+    pub const fn is_beyond(self, steps: i32) -> bool {
+        self.at.abs() >= steps as i64 * PARTS
+    }
+}
+
 /// How much a reading falls for a step of trim, in parts of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slope(i64);
@@ -123,18 +130,29 @@ pub(super) struct Findings {
     sum: i64,
     variance: i64,
     count: i64,
+    least: i64,
+    greatest: i64,
 }
 
 impl Findings {
     /// Takes in an apex that was looked for about a trim in steps.
     pub fn note(&mut self, trim: i32, apex: Apex) {
-        self.sum += i64::from(trim) * PARTS + apex.at;
+        let at = i64::from(trim) * PARTS + apex.at;
+        let is_first = self.count == 0;
+        self.least = if is_first { at } else { self.least.min(at) };
+        self.greatest = if is_first { at } else { self.greatest.max(at) };
+        self.sum += at;
         self.variance += apex.variance;
         self.count += 1;
     }
 
     pub const fn count(&self) -> i64 {
         self.count
+    }
+
+    /// How far they lie apart.
+    pub const fn spread(&self) -> i64 {
+        self.greatest - self.least
     }
 
     /// The step that is nearest to their mean.
@@ -176,8 +194,18 @@ mod tests {
             assert_eq!((slope, slope.readings_per_mm(80)), (Slope(2 * PARTS), 160));
             let found = apex(arms[0], arms[2], slope);
             assert_eq!(found.at, apex_at * PARTS);
+            assert!(found.is_beyond(apex_at.abs() as i32) && !found.is_beyond(apex_at.abs() as i32 + 1));
             // Two readings with a standard error of 1/16 each, over twice a slope of 2.
             assert_eq!(found.variance, 2 * PARTS * PARTS * PARTS / (4 * 4 * PARTS * PARTS));
+        }
+    }
+
+    #[test]
+    fn an_apex_beside_the_arms_is_as_far_as_they_reach() {
+        for apex_at in [-64, -40, 40, 64] {
+            let arms = [at(-32, apex_at), at(0, apex_at), at(32, apex_at)];
+            let found = apex(arms[0], arms[2], slope(arms, 32).unwrap());
+            assert_eq!(found.at, 32 * PARTS * apex_at.signum());
         }
     }
 
@@ -230,12 +258,12 @@ mod tests {
         for (trim, at) in [(-3, -PARTS / 4), (-3, -PARTS / 2), (-4, PARTS / 4)] {
             findings.note(trim, Apex { at, variance: 300 });
         }
-        assert_eq!((findings.step(), findings.count()), (-3, 3));
+        assert_eq!((findings.step(), findings.count(), findings.spread()), (-3, 3, PARTS / 2 + PARTS / 4));
         // Half a step beside, and three times 10 parts.
         assert_eq!(findings.bound(), PARTS / 2 + 3 * 10 + 1);
         let mut findings = Findings::default();
         findings.note(5, Apex { at: 130, variance: 0 });
-        assert_eq!((findings.step(), findings.bound()), (6, PARTS - 130 + 1));
+        assert_eq!((findings.step(), findings.bound(), findings.spread()), (6, PARTS - 130 + 1, 0));
         assert_eq!(thousandths(PARTS / 2), 500);
     }
 }

@@ -1,13 +1,14 @@
 //! The motors of a belt, as M915 asks for them: aligned; or the switches of x and y are met once more, to see whether the tool is where
 //! the steps say (D), and what is to be done if it is not (R). How it is done stands in `belt`.
 
-use super::homing::{home_and_align, touch};
+use super::homing::home_and_align;
+use super::proof::{is_anywhere_aside, prove, touch_both};
 use crate::gcode::AxisFlags;
 use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
 use crate::machine::belt::align::{BeltError, begin_measuring, end_measuring, find_apex, leave_at};
-use crate::machine::belt::diagnosis::{Touched, diagnose, is_aside};
+use crate::machine::belt::diagnosis::{Touched, diagnose};
 use crate::machine::crank::Crank;
 use crate::machine::crank::trim::trimmed;
 use crate::machine::interrupt::Interrupt;
@@ -15,7 +16,6 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
-use crate::settings::HomedAxis;
 use crate::units::Mm;
 
 /// How far z is lifted while the tool goes to the switches, so that the nozzle does not touch the print.
@@ -78,30 +78,16 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
             *crank.trimming_mut() = trimming;
         }
     } else if repairs && is_known {
-        crank.trimming_mut().align();
         crank.tell(Answer::Belt(answer)).await?;
         home_and_align(crank, notices, BELT_AXES, false).await?;
-        let proof = touch_both(crank).await?;
-        answer = BeltAnswer::Repaired(proof);
-        if is_anywhere_aside(crank, proof) {
-            answer = BeltAnswer::NotRepaired(proof);
-            crank.trimming_mut().forget();
-            crank.homed_mut().release(residuals.motors(), mechanism);
-        }
+        answer = match prove(crank).await {
+            Ok(aside) => BeltAnswer::Repaired(aside),
+            Err(BeltError::Align(error)) => BeltAnswer::NotRepaired(error),
+            Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
+        };
     }
     lower(crank, lift).await?;
     Ok(Answer::Belt(answer))
-}
-
-/// Meets the switches of x and y, and backs off. Gives how many steps beside their places they were met.
-async fn touch_both<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<[i32; 2], Interrupt> {
-    Ok([touch(crank, HomedAxis::X).await?, touch(crank, HomedAxis::Y).await?])
-}
-
-/// Whether a tool that is so many steps beside its place is where it should not be.
-fn is_anywhere_aside<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, aside: [i32; 2]) -> bool {
-    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
-    aside.into_iter().any(|aside| is_aside(aside, full_step))
 }
 
 /// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be repaired; all
@@ -137,7 +123,7 @@ async fn examine_each<P: PortSet, W: Pend>(
         let found = diagnose(&crank.settings().mechanism, residual, touched, full_step);
         said = found.graver(said);
         if repairs && found != Diagnosis::Nothing {
-            leave_at(crank, number, residual, apex).await?;
+            leave_at(crank, number, residual, apex, None).await?;
         } else {
             crank.trim(motor, -step).await?;
         }

@@ -14,9 +14,9 @@
 //! | looking for | see |
 //! |---|---|
 //! | G0 to G3, G10, G11 | [`moves`], [`arcs`], [`circulate`], [`retraction`] |
-//! | G28 | [`homing`] |
+//! | G28 | [`homing`], [`switch`] |
 //! | M17, M84, M122 | [`motors`] |
-//! | M915 | [`belt`] |
+//! | M915 | [`belt`], [`proof`] |
 //! | G4, M0, M24, M25, M600 | [`waits`] |
 //! | M104, M109, M116, M140, M141, M190, M191, M81 | [`heating`] |
 //! | M302 | [`cold_extrusion`] |
@@ -51,10 +51,12 @@ mod immediate;
 mod machine_record;
 mod motors;
 mod moves;
+mod proof;
 mod retraction;
 mod self_test;
 pub(in crate::machine) mod settings;
 mod shaping;
 pub(in crate::machine) mod states;
+mod switch;
 mod tuning;
 mod waits;

@@ -143,12 +143,12 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Notes by how many steps fields would strain a residual, or have strained it.
     fn note_strain(&mut self, number: usize, steps: i32) {
         let was = self.belt_length(i64::from(steps) * 1000);
-        self.trimming.note(number, Found { was, within: self.belt_length(WITHIN), readings_per_mm: None });
+        self.trimming.note(number, Found { was, within: self.belt_length(WITHIN), readings_per_mm: None, phase: None });
     }
 
-    /// Notes the phase of a residual whose motors strain nothing, if the driver of the trimmed motor counts as it should.
-    pub async fn learn_phase(&mut self, number: usize, residual: &Residual) -> Result<(), Interrupt> {
-        let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
+    /// The phase of a residual whose motors strain nothing, if the driver of the trimmed motor counts as it should.
+    pub async fn find_phase(&mut self, residual: &Residual) -> Result<Option<u16>, Interrupt> {
+        let Some((motor, times)) = trimmed(residual) else { return Ok(None) };
         let full_step = i32::from(self.settings.drivers.belt.microsteps);
         let here = self.phase_sum(residual).await?;
         self.trim(motor, full_step).await?;
@@ -156,15 +156,18 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.trim(motor, -full_step).await?;
         let counts =
             here.zip(there).filter(|(here, there)| difference(*there, *here) == difference(times * FULL_STEP, 0));
-        let phase = counts.and_then(|(here, _)| u16::try_from(here).ok());
-        let known = self.settings.belt.phases.get(number).copied();
-        if let Some(phase) = phase.filter(|phase| known.is_some_and(|known| known != *phase)) {
-            if let Some(place) = self.settings.belt.phases.get_mut(number) {
-                *place = phase;
+        Ok(counts.and_then(|(here, _)| u16::try_from(here).ok()))
+    }
+
+    /// The phases that were found are those of the belt from now on.
+    pub fn keep_phases(&mut self) {
+        for (number, known) in self.settings.belt.phases.iter_mut().enumerate() {
+            let found = self.trimming.found(number).and_then(|found| found.phase);
+            if let Some(phase) = found.filter(|phase| phase != known) {
+                *known = phase;
+                self.trimming.note_phase(true);
             }
-            self.trimming.note_phase(true);
         }
-        Ok(())
     }
 }
 

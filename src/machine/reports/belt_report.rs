@@ -44,6 +44,7 @@ impl fmt::Display for AlignError {
             Self::Flat => f.write_str("the loads that the drivers measure do not change with the belt's strain"),
             Self::TooFar => f.write_str("more strain than three turns explain"),
             Self::Phase => f.write_str("their drivers do not count microsteps as they should (M915 aligns by load)"),
+            Self::Changed => f.write_str("a motor has skipped meanwhile"),
             Self::Unsure => f.write_str("the loads that the drivers measure do not agree"),
         }
     }
@@ -107,10 +108,7 @@ pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, tr
         BeltAnswer::Diagnosis(Diagnosis::Several) => {
             to.say(format_args!("echo:more than one skip: which motors cannot be told"));
         }
-        BeltAnswer::NotRepaired([x, y]) => {
-            let (x, y) = (length(x, per_mm), length(y, per_mm));
-            to.say(format_args!("echo:belt not repaired: touched again, the tool is beside its place by X{x} Y{y} mm"));
-        }
+        BeltAnswer::NotRepaired(error) => to.say(format_args!("echo:belt not repaired: {error}")),
         BeltAnswer::Repaired([x, y]) => {
             let (x, y) = (length(x, per_mm), length(y, per_mm));
             to.say(format_args!("echo:belt repaired, x and y homed; touched again: X{x} Y{y} mm"));

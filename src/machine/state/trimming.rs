@@ -15,6 +15,8 @@ pub(in crate::machine) struct Found {
     pub within: Mm,
     /// How much the load that drivers measure (SG_RESULT) falls for a mm of strain, if they measured it.
     pub readings_per_mm: Option<u16>,
+    /// The phase at which nothing strains the belt (`crank::phase`), if it was looked for.
+    pub phase: Option<u16>,
 }
 
 /// What there is to know of motors that can pull against each other.

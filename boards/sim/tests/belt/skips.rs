@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 const START: [f64; 3] = [60.0, 40.0, 10.0];
 
 /// Motion time in s at which alignment is over, and moves of the file are under way.
-const BEGIN_S: f64 = 45.0;
+const BEGIN_S: f64 = 57.0;
 
 /// How long accidents may come, in s, and how much longer there are moves.
 const WINDOW_S: f64 = 30.0;
@@ -132,7 +132,7 @@ fn the_example_in_the_documentation_is_what_happens() {
     let (gcode, docs) = (read("examples/belt/skip-and-repair.gcode"), read("docs/belt.md"));
     let lines: Vec<&str> = gcode.lines().map(|line| line.split(';').next().unwrap().trim()).collect();
     let lines: Vec<&str> = lines.into_iter().filter(|line| !line.is_empty()).collect();
-    for (hit, brake, skips) in [(Some("190,203.8,180,14"), "m11,5", 2), (None, "m11,170,45.66,14", 1)] {
+    for (hit, brake, skips) in [(Some("190,203.8,180,14"), "m11,5", 2), (None, "m11,170,57.36,14", 1)] {
         let arguments = hit.map_or(String::new(), |hit| format!(" --hit {hit}")) + " --brake " + brake;
         let command = format!("corehbot run examples/belt/skip-and-repair.gcode --plant belt --seed 7{arguments}\n");
         assert!(docs.contains(&command) && gcode.contains(&command), "{command}");

@@ -1,4 +1,5 @@
-//! Trust: whatever befalls the motors, how often and when, a place that the firmware says is right is right to a full step.
+//! Trust: whatever befalls the motors, how often and when, a place that the firmware says is right is right to a full step, and a belt
+//! that it calls aligned is not strained.
 //!
 //! No driver tells of a skip, so a place is trusted for no longer than its proof: what M915 D or R has just said. M122 tells how
 //! long ago the switches were met.
@@ -16,7 +17,7 @@ const START: [f64; 3] = [60.0, 40.0, 10.0];
 const FULL_STEP_MM: f64 = 0.2;
 
 /// Motion time of the whole dialogue, in s: accidents come at any moment of it.
-const ALL_S: f64 = 120.0;
+const ALL_S: f64 = 140.0;
 
 /// One to three motors that are held for a moment, some time.
 fn accidents(random: &mut Random) -> Vec<Brake> {
@@ -82,19 +83,14 @@ fn story(seed: u64) -> Story {
 fn a_place_that_is_said_to_be_right_is_right_to_a_full_step() {
     let stories = of_each(seeds(2), story);
     for (seed, Story { is_trusted, skips, off_mm: [x, y], residual_mm, heard }) in stories.iter().enumerate() {
-        let is_right = x.abs() <= FULL_STEP_MM && y.abs() <= FULL_STEP_MM;
+        let is_right = [x, y, residual_mm].iter().all(|off| off.abs() <= FULL_STEP_MM);
         assert!(
             !is_trusted || is_right,
             "{seed}: off {x:.3} {y:.3}, residual {residual_mm:.3}, {skips} skips, {heard:#?}"
         );
     }
     let number = |what: fn(&Story) -> bool| stories.iter().filter(|story| what(story)).count();
-    // What befalls a motor after the loads were measured strains the belt, and nobody can know.
-    let strained = number(|s| s.is_trusted && s.residual_mm.abs() > 0.1);
     let (skipped, trusted) = (number(|s| s.skips > 0), number(|s| s.is_trusted));
-    println!(
-        "{} stories, {skipped} with skips, {trusted} trusted, {strained} of them with a strained belt",
-        stories.len()
-    );
+    println!("{} stories, {skipped} with skips, {trusted} trusted", stories.len());
     assert!(number(|s| s.is_trusted) > 0 && number(|s| s.skips > 0) > 0);
 }

@@ -1,0 +1,47 @@
+//! Proof: whether the tool is where the steps say, and nobody strains the belt. No driver tells of a skip, so it has to be looked for.
+//!
+//! Loads first, then the switches: a motor that has skipped before loads are measured strains the belt, and one that skips later has
+//! led the tool aside when the switches are met.
+
+use super::switch::touch;
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
+use crate::machine::belt::align::{BeltError, measure_again};
+use crate::machine::belt::diagnosis::is_aside;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use crate::settings::HomedAxis;
+
+/// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Then, and only then, they are held
+/// to be aligned; while it goes on, and if it fails, nobody is to believe in x and y. Gives how many steps beside their places the switches
+/// were met.
+pub(super) async fn prove<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<[i32; 2], BeltError> {
+    let (homed, residuals) = (crank.homed(), crank.residuals());
+    let mechanism = crank.groups().mechanism();
+    crank.homed_mut().release(residuals.motors(), mechanism);
+    measure_again(crank, &residuals).await?;
+    let aside = touch_both(crank).await?;
+    if is_anywhere_aside(crank, aside) {
+        crank.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
+        return Err(AlignError::Changed.into());
+    }
+    if !crank.has_power(residuals.motors()) {
+        return Err(AlignError::Changed.into());
+    }
+    *crank.homed_mut() = homed;
+    crank.trimming_mut().align();
+    Ok(aside)
+}
+
+/// Meets the switches of x and y, and backs off. Gives how many steps beside their places they were met.
+pub(super) async fn touch_both<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<[i32; 2], Interrupt> {
+    Ok([touch(crank, HomedAxis::X).await?, touch(crank, HomedAxis::Y).await?])
+}
+
+/// Whether a tool that is so many steps beside its place is where it should not be.
+pub(super) fn is_anywhere_aside<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, aside: [i32; 2]) -> bool {
+    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+    aside.into_iter().any(|aside| is_aside(aside, full_step))
+}

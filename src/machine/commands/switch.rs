@@ -1,0 +1,201 @@
+//! Switches: an axis finds its endstop fast, backs off, and finds it again slowly; to be homed by it, or only to see where it is met.
+
+use crate::machine::answers::answer::Answer;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::motion::Target;
+use crate::port::{EndstopSet, Pend};
+use crate::settings::{Endstop, HomedAxis, Homing};
+use crate::units::{Mm, MmPerSec, Steps};
+
+/// How far beyond an axis' length the switch is looked for: the machine may stand a little outside.
+const BEYOND: Mm = Mm::const_from_int(10);
+
+/// Why homing failed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum HomeError {
+    /// The switch did not do what it should.
+    Failed(&'static str),
+    /// Something else ended it.
+    Interrupted(Interrupt),
+}
+
+/// The board has no such input: nothing would end the move.
+const NOT_FITTED: HomeError = HomeError::Failed("not on this board");
+
+/// The switch was not met on the whole length of the axis.
+const NO_TRIGGER: HomeError = HomeError::Failed("not found");
+
+/// The switch was still pressed after backing off.
+const STILL_PRESSED: HomeError = HomeError::Failed("does not release");
+
+impl From<Interrupt> for HomeError {
+    fn from(interrupt: Interrupt) -> Self {
+        Self::Interrupted(interrupt)
+    }
+}
+
+/// An axis that can be homed.
+#[derive(Clone, Copy)]
+struct Axis {
+    index: usize,
+    name: char,
+    switch: EndstopSet,
+    endstop: Endstop,
+    homing: Homing,
+    length: Mm,
+}
+
+/// Homes an axis. If that fails the host is told why, and the print must not go on.
+pub(super) async fn home_named<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: HomedAxis,
+) -> Result<(), Interrupt> {
+    let axis = facts(crank, axis);
+    crank.homed_mut().begin(axis.index);
+    let result = home_axis(crank, &axis).await;
+    end_homing(crank, &axis, result).await
+}
+
+/// Tells why homing failed, if it did; then the print must not go on.
+async fn end_homing<T, P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: &Axis,
+    result: Result<T, HomeError>,
+) -> Result<T, Interrupt> {
+    if !matches!(result, Err(HomeError::Interrupted(_))) {
+        crank.homed_mut().stop();
+    }
+    match result {
+        Ok(found) => Ok(found),
+        Err(HomeError::Interrupted(interrupt)) => Err(interrupt),
+        Err(HomeError::Failed(why)) => {
+            crank.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
+            Err(Interrupt::Halt)
+        }
+    }
+}
+
+/// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool stands so far
+/// beside where the steps say.
+pub(super) async fn touch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: HomedAxis) -> Result<i32, Interrupt> {
+    let axis = facts(crank, axis);
+    let result = touch_axis(crank, &axis).await;
+    end_homing(crank, &axis, result).await
+}
+
+async fn touch_axis<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
+    let back_off = find_switch(crank, axis).await?;
+    let met = crank.real_steps();
+    let places = crank.to_steps([axis.endstop.position; 4]);
+    let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
+    travel(crank, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    crank.stand_at_end();
+    Ok(aside.unwrap_or_default().wrapping_round().to_num())
+}
+
+/// What there is to know of an axis.
+fn facts<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, axis: HomedAxis) -> Axis {
+    let s = crank.settings();
+    let (switch, length) = match axis {
+        HomedAxis::X => (EndstopSet::X, s.axes.x.length),
+        HomedAxis::Y => (EndstopSet::Y, s.axes.y.length),
+        HomedAxis::Z => (EndstopSet::Z, s.axes.z.length),
+    };
+    let (endstop, homing) = (s.endstops.of(axis), s.homing.of(axis));
+    Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, length }
+}
+
+async fn home_axis<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<(), HomeError> {
+    find_switch(crank, axis).await?;
+    stand_at_switch(crank, axis).await?;
+    crank.homed_mut().arrive(axis.index);
+    crank.commanded_mut().forget_origin(axis.index);
+    Ok(())
+}
+
+/// Finds the switch fast, backs off and finds it slowly. Gives how far it backed off.
+async fn find_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
+    let start = crank.real_steps();
+    if !approach(crank, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
+        return Err(NO_TRIGGER);
+    }
+    // Who did not move stood at the switch already, or anywhere behind it.
+    let depth = if crank.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
+    let back_off = axis.homing.back_off + depth;
+    travel(crank, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    // Twice the distance backed off finds any switch that is still there.
+    let sought = back_off * 2;
+    let before = crank.real_steps();
+    if !approach(crank, axis, sought, axis.homing.slow).await? {
+        return Err(NO_TRIGGER);
+    }
+    if crank.real_steps() == before {
+        return Err(STILL_PRESSED);
+    }
+    let path = crank.planned_path();
+    crank.homed_mut().note_met(axis.index, path);
+    Ok(back_off)
+}
+
+/// Moves towards the switch; true if it was met.
+async fn approach<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: &Axis,
+    distance: Mm,
+    speed: MmPerSec,
+) -> Result<bool, HomeError> {
+    if !crank.status().inputs().has(axis.switch) {
+        return Err(NOT_FITTED);
+    }
+    travel(crank, axis, axis.endstop.towards(distance), speed, axis.switch).await?;
+    let met = !crank.status().triggered().is_empty();
+    crank.drop_motion().await?;
+    Ok(met)
+}
+
+/// Moves one axis, and waits until it is there or has met what it watches for. Where four coordinates hold three axes,
+/// the move takes them to whole steps, where all counts agree. From there an axis alone takes all its motors along at
+/// once, and the counts agree wherever a switch ends the move.
+async fn travel<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: &Axis,
+    distance: Mm,
+    speed: MmPerSec,
+    watch: EndstopSet,
+) -> Result<(), Interrupt> {
+    let mut steps = crank.planned_end();
+    if crank.groups().is_redundant() {
+        steps = steps.map(Steps::wrapping_round);
+    }
+    let mut position = crank.to_mm(steps);
+    if let Some(at) = position.get_mut(axis.index) {
+        *at = at.saturating_add(distance);
+    }
+    crank.plan(Target { position, speed, has_overrides: false, watch }).await?;
+    crank.finish().await
+}
+
+/// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares them
+/// with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors have pulleys of
+/// different sizes the step of an axis is long, and no whole one is where all of them stand.
+async fn stand_at_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<(), Interrupt> {
+    let mechanism = crank.groups().mechanism();
+    let mut position = crank.real_steps();
+    let [x, y, z, _] = crank.to_steps([axis.endstop.position; 4]);
+    for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
+        if other == axis.index {
+            *at = if mechanism.has_multiples() { switch } else { switch.wrapping_round() };
+        } else if !mechanism.has_multiples() && mechanism.share(other, axis.index) {
+            *at = at.wrapping_round();
+        }
+    }
+    crank.adopt_position(position).await?;
+    if axis.index == 2 {
+        crank.commanded_mut().forget_lift();
+    }
+    let stands = crank.to_mm(position);
+    crank.commanded_mut().stand_at(stands);
+    Ok(())
+}
