@@ -258,7 +258,7 @@ mod tests {
         for (trim, at) in [(-3, -PARTS / 4), (-3, -PARTS / 2), (-4, PARTS / 4)] {
             findings.note(trim, Apex { at, variance: 300 });
         }
-        assert_eq!((findings.step(), findings.count(), findings.spread()), (-3, 3, PARTS / 2 + PARTS / 4));
+        assert_eq!((findings.step(), findings.count(), findings.spread()), (-3, 3, PARTS / 2));
         // Half a step beside, and three times 10 parts.
         assert_eq!(findings.bound(), PARTS / 2 + 3 * 10 + 1);
         let mut findings = Findings::default();

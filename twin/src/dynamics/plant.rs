@@ -21,7 +21,7 @@ const MM_PER_M: f64 = 1000.0;
 pub(crate) const CREEP: f64 = 1.0;
 
 /// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, so that the integration bears it.
-const BRAKED_IN_S: f64 = 60e-6;
+const BRAKED_IN_S: f64 = 3.0 * LONGEST_STEP_S;
 
 /// What moves besides the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -67,8 +67,8 @@ pub struct Plant {
     longest_step_s: f64,
 }
 
-/// Longest step of an integration in any case, in s: a 145th of a period of the fastest rotor mode.
-const LONGEST_STEP_S: f64 = 20e-6;
+/// Longest step of an integration in any case, in s: an 80th of a period of the fastest rotor mode. Undamped energy falls by 7e-7 in a second.
+const LONGEST_STEP_S: f64 = 36e-6;
 
 /// The same with idlers, which ring at 1.5 kHz in the middle of the machine.
 const LONGEST_STEP_OF_IDLERS_S: f64 = 8e-6;
