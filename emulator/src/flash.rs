@@ -31,9 +31,6 @@ pub enum Tear {
     Anything,
 }
 
-/// All of them.
-pub const TEARS: [Tear; 6] = [Tear::Not, Tear::Bits, Tear::FirstHalf, Tear::SecondHalf, Tear::Ends, Tear::Anything];
-
 impl Tear {
     /// What becomes of the byte at `at` of `length` that was to be `new`. `any` is what may come of it by chance.
     const fn byte(self, at: usize, length: usize, old: u8, new: u8, any: u8) -> u8 {

@@ -4,7 +4,7 @@
 mod common;
 
 use common::{Bench, MS, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
-use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, TEARS, Tear};
+use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, Tear};
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
@@ -161,13 +161,13 @@ fn a_power_cut_while_a_word_is_programmed_leaves_the_old_settings() {
 }
 
 /// Reproducer: erases that were cut so that both ends were erased, or the last alone, were not noticed by the log that
-/// settings were kept in.
+/// settings were kept in. All ways to tear a sector are tried on the host (`flash_pages` of the chip); here each costs three seconds.
 #[test]
 fn a_power_cut_while_a_sector_is_erased_leaves_the_old_settings_whatever_is_left_of_the_sector() {
     let [first, second] = operations_of_a_save();
     // The second save has made the mark of the first one firm before. The third erases a sector that holds a slot.
     let erase = first + second + (second - first) + BEFORE_ERASE;
-    for tear in TEARS {
+    for tear in [Tear::Ends, Tear::SecondHalf, Tear::Anything] {
         assert_eq!(cut(&FlashSectors::default(), erase, tear, 1..4), 0);
     }
 }
@@ -197,9 +197,8 @@ fn settings_of_earlier_firmware_are_found_and_outlive_cuts() {
     assert_eq!(cut(&log, whole.flash.operations.len() - BEFORE_PAGES, Tear::Bits, 10..11), 0);
     // Which makes the mark of the first one firm before.
     let erase = whole.flash.operations.len() + 4 + BEFORE_ERASE;
-    for tear in [Tear::SecondHalf, Tear::Ends, Tear::Anything] {
-        assert_eq!(cut(&log, erase, tear, 10..12), 0);
-    }
+    // The log took this for a sector that is erased.
+    assert_eq!(cut(&log, erase, Tear::Ends, 10..12), 0);
     let both = talk(&log, &saves(10..12));
     assert_eq!(both.flash.operations.get(erase), Some(&Operation::Erase { sector: 1 }));
 }
