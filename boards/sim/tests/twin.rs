@@ -355,20 +355,46 @@ fn compensated_g_code_takes_the_error_to_a_third_if_steps_are_fine_and_motors_ha
     assert!(divided(&told, "divided") > 3.0 && divided(&told, "divided_off") > 2.0, "{told}");
     assert!(divided(&coarse, "divided_at_most") < divided(&told, "divided_at_most") / 2.5, "{coarse} {told}");
     // The firmware ends where it would have, to the step, and nothing is wrong with its steps.
-    let net = |path: &Path| {
-        let words = format!("run {} {home} {fine}", path.display());
-        let run = Command::new(env!("CARGO_BIN_EXE_corehbot")).args(words.split_whitespace()).output().unwrap();
-        let text = String::from_utf8(run.stdout).unwrap();
-        assert!(run.status.success(), "{text}");
-        let rows =
-            text.lines().filter(|line| ["m1 ", "m4 ", "m8 ", "m11", "z1 ", "e0 "].iter().any(|m| line.starts_with(m)));
-        rows.map(|row| row.split_whitespace().last().unwrap().to_owned()).collect::<Vec<_>>()
-    };
+    let net = |path: &Path| net_steps(&format!("run {} {home} {fine}", path.display()));
     assert_eq!(net(&gcode), net(&out));
     let text = std::fs::read_to_string(&out).unwrap();
     assert_eq!(text.matches("M106 S80\n").count(), 1);
     assert!(text.matches("G4 P100\nM400\n").count() == 1, "{text}");
     assert!(text.contains("M204 P4000 T4000\nM400\nG4 P100"), "limits of the file hold where it rests: {text}");
+}
+
+/// Inches, places with other names, relative moves, overrides and pressure advance: motors end where they would have, filament too, and
+/// what is said afterwards means what it did.
+#[test]
+fn compensated_g_code_means_what_the_file_does() {
+    let lines = "M302 S0\nM900 K0.05\nG1 X110 Y100 E1 F6000\nG92 X10 E0\nG1 X20 Y105 E1\nG91\nG1 X-5 Y5 E1\nG20\nG1 X.2 E.02\n\
+                 G90\nG92 Y1 E0\nG1 Y1.5 E.03\nSET_PRESSURE_ADVANCE ADVANCE=0.03\nM220 S150\nG1 X1\nM83\nG1 X.5 Y1 E.05\nM400\n\
+                 G92 X2\nM400\nG1 X2.5\nG21\nM400\nM114\nM900\n";
+    let gcode = file("modes.gcode", lines);
+    let out = gcode.with_file_name("modes-out.gcode");
+    json(&format!("compensate {} -o {} --assume-homed 100,100,0", gcode.display(), out.display()));
+    // The same is said after both.
+    let net = |path: &Path| {
+        let after = "G90\nM82\nG1 X30 Y7 Z1 E3 F3000\nG91\nG1 X1 E1\nM400\n";
+        let path_after = path.with_extension("after.gcode");
+        std::fs::write(&path_after, std::fs::read_to_string(path).unwrap() + after).unwrap();
+        net_steps(&format!("run {} --assume-homed 100,100,0", path_after.display()))
+    };
+    assert_eq!(net(&gcode), net(&out));
+    let text = std::fs::read_to_string(&out).unwrap();
+    let is_advance = |line: &&str| line.starts_with("M900") || line.starts_with("SET_PRESSURE");
+    let advances: Vec<&str> = text.lines().filter(is_advance).collect();
+    assert_eq!(advances, ["M900 K0", "M900 K0", "M900 K0.05", "SET_PRESSURE_ADVANCE ADVANCE=0.03", "M900"], "{text}");
+}
+
+/// Steps of the motors forward less backward, as a run tells them.
+fn net_steps(words: &str) -> Vec<String> {
+    let run = Command::new(env!("CARGO_BIN_EXE_corehbot")).args(words.split_whitespace()).output().unwrap();
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(run.status.success(), "{text}");
+    let rows =
+        text.lines().filter(|line| ["m1 ", "m4 ", "m8 ", "m11", "z1 ", "e0 "].iter().any(|m| line.starts_with(m)));
+    rows.map(|row| row.split_whitespace().last().unwrap().to_owned()).collect()
 }
 
 #[test]

@@ -89,17 +89,33 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             let Some((motor, times)) = only_one(residual, missing).filter(|(motor, _)| next.has(*motor)) else {
                 continue;
             };
-            if let Some(strain) = self.strain(number, residual).await?.filter(|strain| *strain != 0) {
-                self.trim(motor, -strain / times).await?;
-                if self.strain(number, residual).await?.is_none_or(|left| left / times != 0) {
-                    // It does not count without power: as it was.
-                    self.trim(motor, strain / times).await?;
-                } else {
-                    self.note_strain(number, strain);
-                }
+            if let [Some(strain), Some(left)] = self.unstrain(number, residual, motor, times).await?
+                && strain != 0
+                && left / times == 0
+            {
+                self.note_strain(number, strain);
             }
         }
         Ok(())
+    }
+
+    /// Steps a motor until fields strain a residual as is wanted, if they do not; or back to where it was, if its driver does not count
+    /// as it should, which one without power may not. Gives what fields strained the residual by, and what they do now.
+    async fn unstrain(
+        &mut self,
+        number: usize,
+        residual: &Residual,
+        motor: Motor,
+        times: i32,
+    ) -> Result<[Option<i32>; 2], Interrupt> {
+        let found = self.strain(number, residual).await?;
+        let Some(strain) = found.filter(|strain| strain / times != 0) else { return Ok([found; 2]) };
+        self.trim(motor, -strain / times).await?;
+        let left = self.strain(number, residual).await?;
+        if left.is_none_or(|left| left / times != 0) {
+            self.trim(motor, strain / times).await?;
+        }
+        Ok([found, left])
     }
 
     /// Motors have power: those whose phases are known are aligned, or the host is told that they are not.
@@ -121,19 +137,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Whether a residual is as it should be; it is trimmed once if it is not.
     async fn is_in_phase(&mut self, number: usize, residual: &Residual) -> Result<bool, Interrupt> {
         let Some((motor, times)) = trimmed(residual) else { return Ok(true) };
-        let found = self.strain(number, residual).await?;
-        let left = match found {
-            Some(strain) if strain / times != 0 => {
-                self.trim(motor, -strain / times).await?;
-                let left = self.strain(number, residual).await?;
-                if left.is_none_or(|left| left / times != 0) {
-                    // It did not do what it should: as it was.
-                    self.trim(motor, strain / times).await?;
-                }
-                left
-            }
-            found => found,
-        };
+        let [found, left] = self.unstrain(number, residual, motor, times).await?;
         if self.trimming.found(number).is_none() {
             self.note_strain(number, found.unwrap_or_default());
         }

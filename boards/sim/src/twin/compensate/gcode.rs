@@ -5,7 +5,7 @@
 //! must not slow them down: accelerations and corners are set so high that belt motors alone limit them (`motor_max_acceleration`
 //! of the machine). What the file's own limits asked for is in the times of the chords.
 
-use super::sections::{Kind, Line, Modes, Section, is_kept, sections};
+use super::sections::{Kind, Line, Modes, Section, is_kept, is_origin, sections};
 use crate::cli::Printer;
 use crate::host::FileHost;
 use crate::stop::Stop;
@@ -110,6 +110,7 @@ impl Played {
                     planned.for_each(|line| limits.extend([&line.text, "\n"]));
                     if stretch.steps.events.is_empty() {
                         lines.iter().filter(|line| line.kind != Kind::Move).for_each(|line| pass(line, &mut done.text));
+                        done.text.push_str(&modes.text(lines));
                         done.text.push_str(&limits);
                         done.text.extend([REST, "\n"]);
                         continue;
@@ -120,7 +121,7 @@ impl Played {
                         *most = most.max(ahead);
                     }
                     done.chords += stretch.write(&lead, lines, &mut done.text);
-                    done.text.push_str(&modes.text());
+                    done.text.push_str(&modes.text(lines));
                     done.text.push_str(&limits);
                 }
             }
@@ -360,6 +361,8 @@ fn chord(way: [i64; 4], duration_s: f64, text: &mut String) -> bool {
 /// Writes what is left of a command beside moves that come planned.
 fn pass(line: &Line, text: &mut String) {
     match line.kind {
+        // Places get their names where the stretch ends.
+        Kind::Aside if is_origin(&line.text) => {}
         Kind::Aside => text.extend([&line.text, "\n"]),
         Kind::Plan if is_kept(&line.text) => text.extend([&line.text, "\n"]),
         Kind::Plan | Kind::Move | Kind::Mode | Kind::Still => {}

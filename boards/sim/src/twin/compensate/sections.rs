@@ -5,6 +5,7 @@
 //! else, as homing, waiting or switching motors off, stands by itself between two stretches.
 
 use crate::host::{command_of, words};
+use std::fmt::Write as _;
 
 /// A part of a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +56,11 @@ impl Kind {
     }
 }
 
+/// Whether a command gives the place where the tool is another name.
+pub(super) fn is_origin(text: &str) -> bool {
+    matches!(words(text).next(), Some(('G', Some(92.0))))
+}
+
 /// Whether a command about planning is said where moves come planned, too: greatest speeds are, for they are of motors and screws.
 pub(super) fn is_kept(text: &str) -> bool {
     matches!(words(text).next(), Some(('M', Some(203.0))))
@@ -66,12 +72,12 @@ pub(super) struct Modes {
     pub is_relative: bool,
     pub is_e_relative: bool,
     pub are_inches: bool,
-    at: [f64; 3],
+    at: [f64; 4],
 }
 
 impl Modes {
     /// As a printer begins.
-    pub(super) const NEW: Self = Self { is_relative: false, is_e_relative: false, are_inches: false, at: [0.0; 3] };
+    pub(super) const NEW: Self = Self { is_relative: false, is_e_relative: false, are_inches: false, at: [0.0; 4] };
 
     /// Takes a command and says how long the path is that it makes, roughly: it tells where on the way a fan is switched.
     pub(super) fn take(&mut self, text: &str) -> f64 {
@@ -99,6 +105,7 @@ impl Modes {
                 'X' => 0,
                 'Y' => 1,
                 'Z' => 2,
+                'E' => 3,
                 'I' => {
                     centre.get_or_insert([0.0; 2])[0] = value;
                     continue;
@@ -110,7 +117,8 @@ impl Modes {
                 _ => continue,
             };
             let is_set = matches!(first, Some(('G', Some(92.0))));
-            self.at[axis] = if self.is_relative && !is_set { self.at[axis] + value } else { value };
+            let is_relative = if axis == 3 { self.is_e_relative } else { self.is_relative };
+            self.at[axis] = if is_relative && !is_set { self.at[axis] + value } else { value };
         }
         match (first, centre) {
             (Some(('G', Some(92.0))), _) => 0.0,
@@ -121,18 +129,32 @@ impl Modes {
                     * if turn.abs() < 1e-9 { std::f64::consts::TAU } else { turn.rem_euclid(std::f64::consts::TAU) }
             }
             _ => {
-                let way: f64 = self.at.iter().zip(from).map(|(to, from)| (to - from).powi(2)).sum();
+                let way: f64 = self.at.iter().zip(from).take(3).map(|(to, from)| (to - from).powi(2)).sum();
                 way.sqrt()
             }
         }
     }
 
-    /// The lines that set them.
-    pub(super) fn text(self) -> String {
+    /// The lines that set them after a stretch, and say what its end is called: on the way the tool is ahead of its path, and filament
+    /// goes by its steps, flow and all.
+    pub(super) fn text(self, stretch: &[Line]) -> String {
+        let mut origin = String::new();
+        for (letter, at) in ['X', 'Y', 'Z', 'E'].into_iter().zip(self.at) {
+            let named = |line: &Line| {
+                let is_said = letter == 'E' && line.kind == Kind::Move || is_origin(&line.text);
+                is_said && words(&line.text).any(|(word, _)| word == letter)
+            };
+            if stretch.iter().any(named) {
+                let _ = write!(origin, " {letter}{:.5}", at);
+            }
+        }
+        if !origin.is_empty() {
+            origin = format!("G21\nG92{origin}\n");
+        }
         let units = if self.are_inches { "G20" } else { "G21" };
         let places = if self.is_relative { "G91" } else { "G90" };
         let filament = if self.is_e_relative { "M83" } else { "M82" };
-        format!("{units}\n{places}\n{filament}\n")
+        format!("{origin}{units}\n{places}\n{filament}\n")
     }
 }
 
