@@ -119,8 +119,8 @@ async fn align_each<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, residuals:
     Ok(())
 }
 
-/// Measures once more whether the belt bears what it should: a motor that skipped while it was measured, or after, strains it by four
-/// full steps. Nothing that was found before is relied on.
+/// Measures once more whether the belt bears what it should: a motor that skipped after it was trimmed, or so that what was found is
+/// wrong, strains it by four full steps or some. Nothing that was found before is relied on.
 pub(in crate::machine) async fn measure_again<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     residuals: &Residuals,
@@ -142,9 +142,11 @@ async fn measure_each_again<P: PortSet, W: Pend>(
         let Some((motor, times)) = trimmed(residual) else { continue };
         let mut scan = Scan::new(crank, motor, residual);
         let (middle, arm) = (-preload_of(residual, crank.preload_steps()) / times, ARM * full_step);
-        let loads = loads_about(crank, &mut scan, middle, arm).await?;
-        go_to(crank, &mut scan, 0).await?;
-        let [left, _, right] = loads;
+        let loads = loads_about(crank, &mut scan, middle, arm).await;
+        if !matches!(loads, Err(BeltError::Interrupted(_))) {
+            go_to(crank, &mut scan, 0).await?;
+        }
+        let loads @ [left, _, right] = loads?;
         let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
         if apex(left, right, slope).is_beyond(full_step) {
             return Err(AlignError::Changed.into());
@@ -200,8 +202,9 @@ pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
     if !crank.trimming().is_measuring() {
         return Ok(());
     }
+    crank.restore_drivers().await?;
     crank.trimming_mut().measure(false);
-    crank.restore_drivers().await
+    Ok(())
 }
 
 /// Looks for the trim at which the motors of a residual do not pull against each other, and leaves it there.

@@ -20,10 +20,10 @@ pub(in crate::machine) struct Touched {
     pub residual: i32,
 }
 
-/// Whether a tool is aside, given the microsteps of a full step. What is less than an eighth of one may be friction and the switch; the
-/// least that a skip does is three times that (at the corner of the reach; `boards/sim/tests/belt`).
+/// Whether a tool is aside, given the microsteps of a full step. What is less than three sixteenths of one may be friction and the
+/// switch; the least that a skip does is twice that (at the corner of the reach; `boards/sim/tests/belt`).
 pub(in crate::machine) const fn is_aside(steps: i32, full_step: i32) -> bool {
-    steps.abs() * 8 >= full_step
+    steps.abs() * 16 >= 3 * full_step
 }
 
 /// Says what has happened, given the microsteps of a full step.

@@ -74,7 +74,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
             crank.tell(Answer::Belt(BeltAnswer::Touched(again))).await?;
             answer = BeltAnswer::Diagnosis(Diagnosis::Several);
         } else if crank.has_power(residuals.motors()) {
-            *crank.homed_mut() = homed;
+            crank.homed_mut().believe(&homed);
             *crank.trimming_mut() = trimming;
         }
     } else if repairs && is_known {

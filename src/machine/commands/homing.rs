@@ -59,6 +59,9 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     notices: &mut Notices,
     flags: AxisFlags,
 ) -> Result<(), Interrupt> {
+    crank.finish().await?;
+    // As motors get power they may be aligned by their phases.
+    crank.power(crank.groups().fitted()).await?;
     let aligns = crank.settings().belt.alignment == Alignment::Automatic && lacks_alignment(crank);
     home_and_align(crank, notices, flags, aligns).await
 }

@@ -4,6 +4,7 @@
 //! led the tool aside when the switches are met.
 
 use super::switch::touch;
+use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::belt::align::{BeltError, measure_again};
@@ -15,24 +16,33 @@ use crate::port::Pend;
 use crate::settings::HomedAxis;
 
 /// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Then, and only then, they are held
-/// to be aligned; while it goes on, and if it fails, nobody is to believe in x and y. Gives how many steps beside their places the switches
-/// were met.
+/// to be aligned; while it goes on, and if it fails, nobody is to believe in either. Gives how many steps beside their places the
+/// switches were met.
 pub(super) async fn prove<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<[i32; 2], BeltError> {
-    let (homed, residuals) = (crank.homed(), crank.residuals());
-    let mechanism = crank.groups().mechanism();
+    let homed = crank.homed();
+    let (residuals, mechanism) = (crank.residuals(), crank.groups().mechanism());
     crank.homed_mut().release(residuals.motors(), mechanism);
-    measure_again(crank, &residuals).await?;
+    let result = look_again(crank, &residuals).await;
+    if result.is_ok() {
+        crank.homed_mut().believe(&homed);
+        crank.trimming_mut().align();
+    } else {
+        crank.trimming_mut().forget();
+    }
+    result
+}
+
+async fn look_again<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    residuals: &Residuals,
+) -> Result<[i32; 2], BeltError> {
+    measure_again(crank, residuals).await?;
     let aside = touch_both(crank).await?;
     if is_anywhere_aside(crank, aside) {
         crank.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
         return Err(AlignError::Changed.into());
     }
-    if !crank.has_power(residuals.motors()) {
-        return Err(AlignError::Changed.into());
-    }
-    *crank.homed_mut() = homed;
-    crank.trimming_mut().align();
-    Ok(aside)
+    if crank.has_power(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }
 }
 
 /// Meets the switches of x and y, and backs off. Gives how many steps beside their places they were met.

@@ -32,7 +32,8 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.drivers.watch_closely(residuals.motors());
         let before = self.drivers.powered();
         let mut result = self.power_in_turn(residuals.with_opponents(motors), before).await;
-        if result.is_ok() {
+        // A phase tells nothing of a skip: it speaks of rotors that have just come to rest.
+        if result.is_ok() && !residuals.motors().without(before).is_empty() {
             result = self.align_by_phases(&residuals).await;
         }
         if result.is_err() {
@@ -101,7 +102,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Takes power from all motors when nothing has moved for long enough.
     pub(super) fn watch_idleness(&mut self) {
         let now = self.ports.clock.now();
-        if !self.pauses.waiting().is_idle_for_motors() || self.has_motion() {
+        if !self.pauses.waiting().is_idle_for_motors() || self.has_motion() || self.trimming.is_measuring() {
             self.idle_timeout.note_motion(now);
         } else if self.idle_timeout.is_over(now) && !self.drivers.powered().is_empty() {
             self.unpower(MotorSet::ALL);

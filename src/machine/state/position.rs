@@ -65,6 +65,11 @@ impl Homed {
         }
     }
 
+    /// What was believed of the axes before holds again; when they met their switches since then is remembered.
+    pub const fn believe(&mut self, before: &Self) {
+        self.axes = before.axes;
+    }
+
     /// No axis is being homed any more; true if one was.
     pub const fn stop(&mut self) -> bool {
         core::mem::replace(&mut self.is_under_way, false)
