@@ -20,10 +20,15 @@ pub(in crate::machine) struct Touched {
     pub residual: i32,
 }
 
-/// Whether a tool is aside, given the microsteps of a full step. What is less than three sixteenths of one may be friction and the
-/// switch; the least that a skip does is twice that (at the corner of the reach; `boards/sim/tests/belt`).
-pub(in crate::machine) const fn is_aside(steps: i32, full_step: i32) -> bool {
-    steps.abs() * 16 >= 3 * full_step
+/// Which way a tool is aside along x and y, if it is, given the microsteps of a full step. What is less than three sixteenths of one may
+/// be friction and the switch; the least that a skip does is twice that (at the corner of the reach; `boards/sim/tests/belt`).
+pub(in crate::machine) fn ways_aside(mechanism: &Mechanism, aside: [i32; 2], full_step: i32) -> [i32; 2] {
+    of_motors(mechanism, aside).map(|steps| if steps.abs() * 16 >= 3 * full_step { steps.signum() } else { 0 })
+}
+
+/// Steps of x and y as those of the motors that turn farthest for them.
+fn of_motors(mechanism: &Mechanism, [x, y]: [i32; 2]) -> [i32; 2] {
+    [x.saturating_mul(mechanism.most_times(0).into()), y.saturating_mul(mechanism.most_times(1).into())]
 }
 
 /// Says what has happened, given the microsteps of a full step.
@@ -34,7 +39,7 @@ pub(in crate::machine) fn diagnose(
     full_step: i32,
 ) -> Diagnosis {
     let turn = FULL_STEPS_A_TURN * full_step;
-    let signs = touched.aside.map(|aside| if is_aside(aside, full_step) { aside.signum() } else { 0 });
+    let signs = ways_aside(mechanism, touched.aside, full_step);
     let [x, y] = signs;
     let turns = (2 * touched.residual + turn).div_euclid(2 * turn);
     if (touched.residual - turns * turn).abs() > full_step {
@@ -46,7 +51,7 @@ pub(in crate::machine) fn diagnose(
         (-1 | 1, ..) => {}
         _ => return Diagnosis::Several,
     }
-    let is_one_skip = touched.aside.iter().all(|aside| 2 * aside.abs() <= turn);
+    let is_one_skip = of_motors(mechanism, touched.aside).iter().all(|aside| 2 * aside.abs() <= turn);
     let motors = Motor::ALL.into_iter().zip(residual).zip(mechanism.rows);
     let mut explaining = motors.filter_map(|((motor, times), [its_x, its_y, ..])| {
         // The way that this motor must have gone to strain the belt so.
@@ -84,6 +89,16 @@ mod tests {
                 assert_eq!(found, Diagnosis::Skip { motor, full_steps: 4 * way });
             }
         }
+    }
+
+    /// Where motors turn four and five steps for a step of an axis, a step of it is a long way.
+    #[test]
+    fn a_tool_is_aside_by_steps_of_motors() {
+        let mut mechanism = Mechanism::corehbot();
+        assert_eq!(ways_aside(&mechanism, [2, -3], FULL_STEP), [0, -1]);
+        mechanism.rows = mechanism.rows.map(|[x, y, z, e]| [4 * x, 5 * y, z, e]);
+        assert_eq!(ways_aside(&mechanism, [1, -1], FULL_STEP), [1, -1]);
+        assert_eq!(ways_aside(&mechanism, [0, 0], FULL_STEP), [0, 0]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::belt::align::{BeltError, measure_again};
-use crate::machine::belt::diagnosis::is_aside;
+use crate::machine::belt::diagnosis::ways_aside;
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
@@ -53,5 +53,5 @@ pub(super) async fn touch_both<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>)
 /// Whether a tool that is so many steps beside its place is where it should not be.
 pub(super) fn is_anywhere_aside<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, aside: [i32; 2]) -> bool {
     let full_step = i32::from(crank.settings().drivers.belt.microsteps);
-    aside.into_iter().any(|aside| is_aside(aside, full_step))
+    ways_aside(&crank.settings().mechanism, aside, full_step) != [0, 0]
 }
