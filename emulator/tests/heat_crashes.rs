@@ -80,6 +80,10 @@ fn fall_at_once(place: Place, trap: Trap, with: With, told: &str) -> Seen {
     let (times, seen) = fall(place, trap, with, told);
     assert!(times.heaters <= AT_ONCE && times.motors <= AT_ONCE && times.reset < 2 * MS, "{times:?}");
     assert_eq!(seen.resets.len(), 1);
+    // The step interrupt that is under way may come to its end.
+    let at = seen.fallen.or(seen.injected).expect("a fault");
+    let last = seen.recorder.events.last().map(|event| event.at);
+    assert!(last.is_none_or(|last| last <= at + AT_ONCE), "a step {last:?} after {at}");
     seen
 }
 

@@ -59,11 +59,10 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     notices: &mut Notices,
     flags: AxisFlags,
 ) -> Result<(), Interrupt> {
-    crank.finish().await?;
-    // As motors get power they may be aligned by their phases.
-    crank.power(crank.groups().fitted()).await?;
+    power_up(crank).await?;
+    // As motors got power they may have been aligned by their phases.
     let aligns = crank.settings().belt.alignment == Alignment::Automatic && lacks_alignment(crank);
-    home_and_align(crank, notices, flags, aligns).await
+    home_axes(crank, notices, flags, aligns).await
 }
 
 /// The same; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
@@ -73,9 +72,22 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
     flags: AxisFlags,
     aligns: bool,
 ) -> Result<(), Interrupt> {
+    power_up(crank).await?;
+    home_axes(crank, notices, flags, aligns).await
+}
+
+/// Power first: where there is none, nothing is homed and the axes keep their homes.
+async fn power_up<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
     crank.finish().await?;
-    // Power first: where there is none, nothing is homed and the axes keep their homes.
-    crank.power(crank.groups().fitted()).await?;
+    crank.power(crank.groups().fitted()).await
+}
+
+async fn home_axes<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    notices: &mut Notices,
+    flags: AxisFlags,
+    aligns: bool,
+) -> Result<(), Interrupt> {
     let all = !(flags.x || flags.y || flags.z);
     let mut is_home = [false; 3];
     let mut aligns = aligns;

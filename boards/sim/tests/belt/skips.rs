@@ -93,7 +93,7 @@ fn story(gcode: &str, seed: u64) -> Story {
 fn a_single_skip_names_its_motor_and_every_skip_is_repaired() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/first-print.gcode");
     let gcode = std::fs::read_to_string(path).unwrap();
-    let stories = of_each(seeds(4), |seed| story(&gcode, seed));
+    let stories = of_each(seeds(6), |seed| story(&gcode, seed));
     let (mut single, mut named, mut skipped) = (0, 0, 0);
     for (seed, story) in stories.iter().enumerate() {
         let Story { turns, skips, heard, off_mm, residual_mm } = story;

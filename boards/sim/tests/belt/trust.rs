@@ -81,9 +81,9 @@ fn story(seed: u64) -> Story {
 /// `cargo xtask soak belt` tells 1,000 such stories.
 #[test]
 fn a_place_that_is_said_to_be_right_is_right_to_a_full_step() {
-    let stories = of_each(seeds(2), story);
+    let stories = of_each(seeds(4), story);
     for (seed, Story { is_trusted, skips, off_mm: [x, y], residual_mm, heard }) in stories.iter().enumerate() {
-        let is_right = [x, y, residual_mm].iter().all(|off| off.abs() <= FULL_STEP_MM);
+        let is_right = x.abs() <= FULL_STEP_MM && y.abs() <= FULL_STEP_MM && residual_mm.abs() < 0.1;
         assert!(
             !is_trusted || is_right,
             "{seed}: off {x:.3} {y:.3}, residual {residual_mm:.3}, {skips} skips, {heard:#?}"
