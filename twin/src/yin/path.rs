@@ -1,7 +1,8 @@
 //! The commanded rectangle, as belt travel of the two motors over time.
 //!
-//! The tool is sent round a square at constant speed, with no ramps, counter-clockwise from the lower left corner, which is
-//! the origin, as in section III A of the paper. Equation 1 turns places into belt travel: r phi1 = x + y, r phi2 = x - y.
+//! The tool is sent round a square at constant speed, with no ramps, clockwise from the lower left corner, which is the
+//! origin (section III A of the paper; it does not say which way round). Equation 1 turns places into belt travel:
+//! r phi1 = x + y, r phi2 = x - y.
 
 use super::parameters::PULSE;
 
@@ -13,7 +14,8 @@ pub(super) const SIDE: f64 = 0.020;
 pub enum Command {
     /// At every instant where the path is.
     Continuous,
-    /// In pulses of 0.0812 mm of belt travel: each motor stands at the multiple that is nearest to its continuous command.
+    /// In pulses of 0.0812 mm: x and y each are at the multiple that is nearest to the path, as in a controller that turns
+    /// whole steps of x and y into those of the motors, whose sums and differences they are.
     Pulses,
 }
 
@@ -28,11 +30,11 @@ pub(super) struct Corner {
     pub out_of: [f64; 2],
 }
 
-/// The three corners: x to y, y to x, x to y again.
+/// The three corners: y to x, x to y, y to x again. The first is reached from rest.
 pub(super) const CORNERS: [Corner; 3] = [
-    Corner { place: [SIDE, 0.0], into: [1.0, 0.0], out_of: [0.0, 1.0] },
-    Corner { place: [SIDE, SIDE], into: [0.0, 1.0], out_of: [-1.0, 0.0] },
-    Corner { place: [0.0, SIDE], into: [-1.0, 0.0], out_of: [0.0, -1.0] },
+    Corner { place: [0.0, SIDE], into: [0.0, 1.0], out_of: [1.0, 0.0] },
+    Corner { place: [SIDE, SIDE], into: [1.0, 0.0], out_of: [0.0, -1.0] },
+    Corner { place: [SIDE, 0.0], into: [0.0, -1.0], out_of: [-1.0, 0.0] },
 ];
 
 /// A time in which the inputs of the motors go evenly from one value to another.
@@ -58,14 +60,12 @@ pub(super) fn sides(speed: f64, command: Command) -> Vec<Vec<Piece>> {
     let [first, second, third] = CORNERS.map(|corner| corner.place);
     let start = [0.0, 0.0];
     let ends = [(start, first), (first, second), (second, third), (third, start)];
-    let side = |(from, to)| Piece { duration: SIDE / speed, from: belt(from), to: belt(to) };
-    ends.map(side)
-        .into_iter()
-        .map(|side| match command {
-            Command::Continuous => vec![side],
-            Command::Pulses => pulses(&side),
-        })
-        .collect()
+    let duration = SIDE / speed;
+    let side = |(from, to)| match command {
+        Command::Continuous => vec![Piece { duration, from: belt(from), to: belt(to) }],
+        Command::Pulses => pulses(from, to, duration),
+    };
+    ends.map(side).into_iter().collect()
 }
 
 /// Belt travel of motors 1 and 2 (equation 1).
@@ -73,22 +73,21 @@ fn belt([x, y]: [f64; 2]) -> [f64; 2] {
     [x + y, x - y]
 }
 
-/// The same piece with the motors standing still between pulses.
-fn pulses(piece: &Piece) -> Vec<Piece> {
-    let held = |part: f64| piece.at(part).map(|travel| (travel / PULSE).round() * PULSE);
+/// A side along x or y on which the motors stand still between pulses.
+fn pulses(from: [f64; 2], to: [f64; 2], duration: f64) -> Vec<Piece> {
+    let place = |part: f64| [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
+    let held = |part: f64| belt(place(part).map(|travel| (travel / PULSE).round() * PULSE));
     let mut cuts = vec![0.0, 1.0];
-    cuts.extend([0, 1].into_iter().flat_map(|motor| pulse_times(piece.from[motor], piece.to[motor])));
+    cuts.extend([0, 1].into_iter().flat_map(|axis| pulse_times(from[axis], to[axis])));
     cuts.sort_by(f64::total_cmp);
-    // Motors that step together do so within rounding errors: no piece for these.
-    cuts.dedup_by(|later, earlier| *later - *earlier < 1e-9);
     let between = |cut: &[f64]| {
         let at = held(0.5 * (cut[0] + cut[1]));
-        Piece { duration: (cut[1] - cut[0]) * piece.duration, from: at, to: at }
+        Piece { duration: (cut[1] - cut[0]) * duration, from: at, to: at }
     };
     cuts.windows(2).map(between).collect()
 }
 
-/// When a motor gets its pulses, as parts of the piece: where it is half a pulse from both places.
+/// When a coordinate makes its pulses, as parts of the side: where it is half a pulse from both places.
 fn pulse_times(from: f64, to: f64) -> Vec<f64> {
     let number = |travel: f64| travel / PULSE - 0.5;
     let first = number(from.min(to)).ceil() as i64;

@@ -7,7 +7,7 @@ use super::error::Error;
 use super::integrator::{advance, step_for, steps};
 use super::model::Model;
 use super::parameters::{NOMINAL, Parameters};
-use super::path::{CORNERS, Command, Piece, sides};
+use super::path::{CORNERS, Command, Corner, Piece, sides};
 use super::system::{State, System};
 
 /// Speeds that a case may have, m/s; the paper ran 0.020 to 0.079.
@@ -47,9 +47,9 @@ impl Case {
 /// Contour errors by equation 17: positive where the tool cuts the corner, negative where it overshoots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Corners {
-    /// Turning from x to y, mean of the first and the third corner, mm.
+    /// Turning from x to y, the second corner, mm.
     pub x_to_y_mm: f64,
-    /// Turning from y to x, the second corner, mm.
+    /// Turning from y to x, the third corner, mm. The first, which turns so too, counts not: the tool came to it from rest.
     pub y_to_x_mm: f64,
     /// How far the tool goes beyond a corner in the direction in which it came, at the worst of the three, mm. Equation 17
     /// does not see this: a lightly damped tool overshoots without cutting the corner.
@@ -92,18 +92,24 @@ fn checked(rig: &Parameters, case: &Case) -> Result<Parameters, Error> {
 
 /// Goes round with time steps of at most `longest` s.
 pub(super) fn round_the_square(system: &System, sides: &[Vec<Piece>], longest: f64) -> Result<Corners, Error> {
-    let corners = corners(system, sides, longest)?;
+    let corners = corners(system, CORNERS, sides, longest)?;
     let error_mm = |i: usize| corners[i].error.map(|error| error * 1e3).ok_or(Error::NotTurned(i + 1));
     let beyond = corners.iter().map(|corner| corner.beyond).fold(0.0, f64::max);
-    Ok(Corners { x_to_y_mm: (error_mm(0)? + error_mm(2)?) / 2.0, y_to_x_mm: error_mm(1)?, overshoot_mm: beyond * 1e3 })
+    let [_, x_to_y_mm, y_to_x_mm] = [error_mm(0)?, error_mm(1)?, error_mm(2)?];
+    Ok(Corners { x_to_y_mm, y_to_x_mm, overshoot_mm: beyond * 1e3 })
 }
 
 /// What was seen at each corner, which is watched on the side before and the side after it.
-pub(super) fn corners(system: &System, sides: &[Vec<Piece>], longest: f64) -> Result<[Watch; 3], Error> {
+pub(super) fn corners(
+    system: &System,
+    corners: [Corner; 3],
+    sides: &[Vec<Piece>],
+    longest: f64,
+) -> Result<[Watch; 3], Error> {
     if sides.iter().flatten().map(|piece| steps(piece, longest)).sum::<usize>() > MOST_STEPS {
         return Err(Error::TooManySteps(MOST_STEPS));
     }
-    let mut corners = CORNERS.map(Watch::new);
+    let mut corners = corners.map(Watch::new);
     let mut state = State::REST;
     for (side, pieces) in sides.iter().enumerate() {
         for piece in pieces {

@@ -25,7 +25,7 @@ pub(crate) struct Yin {
     /// Factor of all masses.
     #[arg(long, value_name = "M", default_value_t = 1.0, allow_negative_numbers = true)]
     mass: f64,
-    /// The motors go in pulses of 0.0812 mm instead of continuously.
+    /// x and y go in pulses of 0.0812 mm instead of continuously.
     #[arg(long)]
     pulses: bool,
     #[command(flatten)]
