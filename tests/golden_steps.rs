@@ -1,0 +1,142 @@
+//! The steps of some paths, kept: the same on every computer and in every version, but for a change of the law of motion that is
+//! meant. Then the test says what is to be kept instead. That steps are right is what `tests/motion` holds to models; this finds,
+//! within a second, that they are others.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+#[path = "motion/dice.rs"]
+mod dice;
+#[path = "motion/line.rs"]
+#[allow(dead_code, reason = "other tests need all of it")]
+mod line;
+
+use corehbot::kinematics::Mechanism;
+use corehbot::settings::{Settings, Shaper, ShaperKind};
+use corehbot::units::{Hertz, Mm, Ratio, Seconds};
+use dice::Dice;
+use line::{Step, generate, generate_on, generate_shaped, plan};
+use std::f64::consts::TAU;
+
+/// A place in mm (x, y, z, filament), and the speed on the way there in mm/s.
+type Path = Vec<([f64; 4], f64)>;
+
+/// How many events, the tick of the last, and the FNV-1a hash of all (Fowler, Noll and Vo).
+type Kept = (usize, u64, u64);
+
+fn kept(steps: &[Step]) -> Kept {
+    let mut hash = 0xCBF2_9CE4_8422_2325_u64;
+    let mut take = |bytes: &[u8]| {
+        bytes.iter().for_each(|byte| hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3));
+    };
+    for step in steps {
+        take(&step.tick.to_le_bytes());
+        take(&[step.steps.0, step.forward.0]);
+    }
+    (steps.len(), steps.last().map_or(0, |step| step.tick), hash)
+}
+
+fn check(name: &str, steps: &[Step], expected: Kept) {
+    let (count, last, hash) = kept(steps);
+    assert_eq!((count, last, hash), expected, "{name}: the steps are others: ({count}, {last}, {hash:#018X})");
+}
+
+/// Corners of every kind, fast and slow, with filament.
+fn corners() -> Path {
+    let mut place = [0.0; 4];
+    let turn = |(i, degrees): (usize, f64)| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let length = [8.0, 0.9, 3.0, 0.05][i % 4];
+        place = [place[0] + length * cos, place[1] + length * sin, 0.0, place[3] + 0.04 * length];
+        (place, [150.0, 20.0, 300.0, 3.0][i % 4])
+    };
+    [10.0, 12.0, 100.0, 190.0, 185.0, 280.0, 275.0, 5.0, 50.0, 48.0, 300.0, 120.0]
+        .into_iter()
+        .enumerate()
+        .map(turn)
+        .collect()
+}
+
+/// A circle in fine chords, rounded as slicers do, and back to its begin.
+fn circle() -> Path {
+    let rounded = |mm: f64| (mm * 1e3).round() / 1e3;
+    let at = |i: u32| {
+        let (sin, cos) = (f64::from(i) / 90.0 * TAU).sin_cos();
+        ([rounded(10.0 + 3.0 * cos), rounded(10.0 + 3.0 * sin), 0.2, 0.01 * f64::from(i)], 80.0)
+    };
+    (0..=90).map(at).collect()
+}
+
+/// Moves in all directions, some of a step and less, at 0.5 to 250 mm/s.
+fn wild(seed: u64, count: usize) -> Path {
+    let mut dice = Dice(seed);
+    let mut place = [0.0; 4];
+    let moves = (0..count).map(|_| {
+        let length = 10f64.powf(-2.5 + 3.2 * dice.roll());
+        for (axis, share) in [1.0, 1.0, 0.05, 0.05].into_iter().enumerate() {
+            place[axis] += length * share * (2.0 * dice.roll() - 1.0);
+        }
+        (place, 0.5 * 500f64.powf(dice.roll()))
+    });
+    moves.collect()
+}
+
+/// Each axis alone, there and back; belt motors of both pairs, and one.
+fn axes() -> Path {
+    let to = |x, y, z, e, speed| ([x, y, z, e], speed);
+    vec![
+        to(5.0, 0.0, 0.0, 0.0, 120.0),
+        to(5.0, 4.0, 0.0, 0.0, 120.0),
+        to(1.0, 0.0, 0.0, 0.0, 60.0),
+        to(1.0, 0.0, 1.0, 0.0, 8.0),
+        to(1.0, 0.0, 1.0, 2.0, 40.0),
+        to(1.003, 0.0, 1.0, 1.0, 25.0),
+        to(0.0, 1.003, 0.5, 1.5, 30.0),
+    ]
+}
+
+/// The prototype with shapers, whose taps stand closer away from the middle if belts have these lengths in mm, and pressure advance.
+fn shaped(kinds: [ShaperKind; 2], spans: [u16; 2]) -> Settings {
+    let mut settings = Settings::prototype();
+    let axes = [&mut settings.shapers.x, &mut settings.shapers.y];
+    for (axis, shaper) in axes.into_iter().enumerate() {
+        *shaper = Shaper::new(kinds[axis], Hertz::from_num([57, 41][axis]), Ratio::from_num(0.08));
+        (shaper.span, shaper.motor_frequency) = (Mm::from_num(spans[axis]), Hertz::from_num(spans[axis] / 4));
+    }
+    settings.advance.time = Seconds::from_num(0.045);
+    settings
+}
+
+/// A CoreXY with pulleys of different sizes.
+const UNEQUAL: [[i8; 4]; 7] = [[0; 4], [0; 4], [5, -5, 0, 0], [4, 4, 0, 0], [0, 0, 1, 0], [0; 4], [0, 0, 0, 1]];
+
+#[test]
+fn corners_and_speeds() {
+    let settings = Settings::prototype();
+    check("corners", &generate(&plan(&corners(), &settings)), (5_868, 6_850_298, 0x6AE4_8B02_FB8B_33B6));
+    check("circle", &generate(&plan(&circle(), &settings)), (5_230, 4_730_621, 0xE992_BFA0_9C2B_3950));
+    check("axes", &generate(&plan(&axes(), &settings)), (4_120, 5_758_940, 0x37FB_ECD1_A516_380F));
+}
+
+#[test]
+fn wild_moves() {
+    let settings = Settings::prototype();
+    check("wild", &generate(&plan(&wild(0x5EED_0001, 120), &settings)), (12_416, 226_820_609, 0x3A7D_2EB2_3751_317D));
+    let mut elsewhere = Settings { mechanism: Mechanism { rows: UNEQUAL }, ..settings };
+    elsewhere.travel_acceleration = elsewhere.travel_acceleration / 8;
+    check(
+        "unequal",
+        &generate_on(&plan(&wild(0x5EED_0002, 60), &elsewhere), &elsewhere),
+        (18_903, 70_715_099, 0xD95B_D13E_99B2_81EB),
+    );
+}
+
+#[test]
+fn shapers_and_pressure_advance() {
+    for (kinds, spans, expected) in [
+        ([ShaperKind::Zv, ShaperKind::Mzv], [0, 0], (16_514, 17_530_783, 0x03F5_B755_D379_1FE8)),
+        ([ShaperKind::Ei, ShaperKind::TwoHumpEi], [835, 862], (16_543, 17_530_783, 0xD5F9_E342_0B0E_57C8)),
+    ] {
+        let settings = shaped(kinds, spans);
+        let path: Path = [corners(), circle(), axes()].concat();
+        check(&format!("{kinds:?}"), &generate_shaped(&plan(&path, &settings), &settings), expected);
+    }
+}
