@@ -18,7 +18,7 @@ from printrun.printcore import printcore
 SILENCE_S = 60
 
 
-# So often is a print begun whose stream QEMU lets run dry, because the computer was busy.
+# So often is a print begun whose stream runs dry, because the computer was busy.
 TRIES = 3
 
 
