@@ -8,6 +8,7 @@ use crate::clock_tree::Defect;
 use crate::eeprom::At24c32;
 use crate::flash::FlashSectors;
 use crate::line::HostLine;
+use crate::warm;
 use crate::wiring::{HostPort, Load, Pin, ROOM, SettingsMemory, Timer, Wiring};
 use anyhow::{Context, Result, ensure};
 use rigless::cpu::armv7m::windows;
@@ -217,7 +218,7 @@ impl Store for Emulated {}
 /// The core as the board runs it.
 fn core(mcu: &Chip) -> CoreSpec {
     let lines = u32::from(mcu.cpu().interrupt_lines);
-    armv7m::Core {
+    let core = armv7m::Core {
         variant: armv7m::Variant::M4,
         clock_hz: CLOCK_HZ,
         interrupt_lines: NonZeroU32::new(lines).unwrap_or(NonZeroU32::MIN),
@@ -225,8 +226,10 @@ fn core(mcu: &Chip) -> CoreSpec {
         refclk_divider: SYSTICK_DIVIDER,
         instructions_per_second: INSTRUCTIONS_PER_SECOND,
         boot: "flash",
-    }
-    .spec_with_parts(&windows(mcu.bus()), armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight)
+    };
+    let mut spec = core.spec_with_parts(&windows(mcu.bus()), armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
+    warm::up(&mut spec);
+    spec
 }
 
 impl Board for Emulated {

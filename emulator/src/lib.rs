@@ -32,5 +32,6 @@ pub mod safety;
 pub mod steps;
 pub mod timer;
 pub mod trap;
+mod warm;
 pub mod watch;
 pub mod wiring;

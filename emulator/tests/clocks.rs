@@ -1,9 +1,6 @@
 //! The image takes the clocks over from a bootloader by the rules, and says so if there are none.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, firmware, print_on};
+use crate::common::{Bench, MS, firmware, print_on};
 use corehbot_emulator::bootloader::Bootloader;
 use corehbot_emulator::clock_rules::Rule;
 use corehbot_emulator::clock_tree::Defect;

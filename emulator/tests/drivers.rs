@@ -1,9 +1,6 @@
 //! Motors have power only while their drivers prove that they are as they should be.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, drivers, firmware, print, root};
+use crate::common::{Bench, MS, drivers, firmware, print, root};
 use corehbot::driver::Name;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
@@ -16,7 +13,7 @@ use corehbot_sim::tmc2209::chopconf;
 const GCODE: &str = "G28\nG1 X200 Y100 F6000\nG1 X20 Y150\nM400\n";
 
 fn print_on(drivers: &DriverLines) -> Seen {
-    common::print_on(&firmware(), GCODE, &Bench { drivers: drivers.clone(), ..Bench::default() })
+    crate::common::print_on(&firmware(), GCODE, &Bench { drivers: drivers.clone(), ..Bench::default() })
 }
 
 /// Whether the board said so in an error of its own.

@@ -1,10 +1,7 @@
 //! Whatever happens to the chip: motors off, heaters off, and the cause is told after the reset. Panics, processor faults, hangs, a
 //! full stack and a crystal that stops are in `heat_crashes`, with heaters on and motors stepping or not.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{MS, firmware, print};
+use crate::common::{MS, firmware, print};
 use corehbot_emulator::firmware::branch;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::trap::Trap;

@@ -1,9 +1,6 @@
 //! The image heats: the plant's heaters hang on its pins, and the plant's sensors on its converter.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, bench_of, firmware, heated, heated_bench, print_on, self_test_subject};
+use crate::common::{Bench, MS, bench_of, firmware, heated, heated_bench, print_on, self_test_subject};
 use corehbot::connectors::{Heater, Output};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;

@@ -1,10 +1,7 @@
 //! Whatever ends the firmware while a heater is on: the heater's pin is low within its time, motors lose their power, the cause
 //! is told after the reset, and nothing heats by itself any more. Times are those of pins.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, firmware, heated_bench, print_on};
+use crate::common::{Bench, MS, firmware, heated_bench, print_on};
 use corehbot_emulator::heat::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;

@@ -1,9 +1,6 @@
 //! What the image reads on its inputs is what is there.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, firmware, plain_firmware, print_on};
+use crate::common::{Bench, MS, firmware, plain_firmware, print_on};
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::{End, Injection};

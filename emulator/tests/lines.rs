@@ -1,9 +1,6 @@
 //! Two hosts at once, fast and slow lines, and lines that damage what they carry.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{firmware, print, root, serve};
+use crate::common::{firmware, print, root, serve};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::line::Manner;

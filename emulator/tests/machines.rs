@@ -1,9 +1,7 @@
 //! The image starts as the machine that is stored, whatever moves it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, bench_of, firmware, lines_of, plain_firmware, print_on, root};
+use crate::common::{Bench, bench_of, firmware, lines_of, plain_firmware, print_on, root};
 use corehbot::connectors::{ConnectorName, Heater};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, HomedAxis, Settings};

@@ -1,9 +1,6 @@
 //! The Nucleo's own image: four drivers that nobody watches, one enable line, the ST-LINK's clock and serial port.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, lines_of, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
+use crate::common::{Bench, MS, lines_of, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
 use corehbot::connectors::ConnectorName;
 use corehbot::motors::{EndstopSet, Motor, MotorSet};
 use corehbot::settings::Settings;

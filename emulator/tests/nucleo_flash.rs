@@ -1,9 +1,6 @@
 //! Settings in the Nucleo's flash, by the driver of the image: what it says, and what a power cut leaves.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
+use crate::common::{Bench, MS, nucleo_bench, nucleo_firmware, nucleo_machine, print_on};
 use corehbot_emulator::flash::{FlashCut, FlashSectors, Operation, Tear};
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;

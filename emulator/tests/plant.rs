@@ -1,9 +1,6 @@
 //! The image turns the twin's belt: what its drivers tell it over their wires aligns the motors, with the steps of the simulator.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, firmware, print_on};
+use crate::common::{Bench, firmware, print_on};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled_with};

@@ -1,9 +1,6 @@
 //! M999 after a stop: the chip resets with motors and heaters off, and the host is greeted again.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, firmware, print_on};
+use crate::common::{Bench, firmware, print_on};
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::watch::End;
 

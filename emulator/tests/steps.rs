@@ -1,9 +1,6 @@
 //! The pins of the image do what the host simulator does.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{MS, firmware, print, root};
+use crate::common::{MS, firmware, print, root};
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
@@ -73,7 +70,7 @@ fn homing_steps_as_on_the_host() {
     check_file(&root().join("examples/home.gcode"));
 }
 
-/// Prints examples one after the other: what a run costs most is the emulator's translation of the image.
+/// Prints examples one after the other.
 fn check_in_a_row(names: &[&str]) {
     let gcode: Vec<_> = names.iter().map(|name| from_home(&format!("{name}.gcode"))).collect();
     check_gcode(&names.join(", "), &gcode.join("\nG21\nG90\nM82\nG92 E0\n"));

@@ -1,9 +1,6 @@
 //! Settings in the EEPROM, by the driver of the image: what it says, and what a power cut leaves.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod common;
-
-use common::{Bench, MS, firmware, print_on};
+use crate::common::{Bench, MS, firmware, print_on};
 use corehbot::settings::Settings;
 use corehbot::units::{MmPerSec, MmPerSec2};
 use corehbot_emulator::compare::{difference, scheduled, scheduled_with};

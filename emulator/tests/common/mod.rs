@@ -1,5 +1,4 @@
 //! The image under test, and how it is run.
-#![allow(dead_code, reason = "each test is a program of its own and needs but some of this")]
 
 use corehbot::connectors::Heater;
 use corehbot::settings::Settings;

@@ -1,6 +1,6 @@
 //! The steps that are calls of cargo.
 
-use super::{Verdict, processes};
+use super::Verdict;
 use crate::checkout::{self, cargo, run, words};
 use crate::emulate;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -79,11 +79,10 @@ fn lint_emulator() -> Command {
 
 /// The tests of the emulator, which run the images of the Octopus and of the Nucleo.
 pub fn emulate() -> Result<Verdict> {
-    let images = [
-        ("COREHBOT_ELF", checkout::build_image(emulate::Board::Octopus.package())?),
-        ("COREHBOT_NUCLEO_ELF", checkout::build_image(emulate::Board::Nucleo.package())?),
-    ];
-    processes::run(build_emulator_tests(), &checkout::root().join("emulator"), &images)
+    let mut tests = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-fail-fast"]);
+    tests.env("COREHBOT_ELF", checkout::build_image(emulate::Board::Octopus.package())?);
+    tests.env("COREHBOT_NUCLEO_ELF", checkout::build_image(emulate::Board::Nucleo.package())?);
+    count_tests(tests)
 }
 
 /// Runs tests; their results are counted while they scroll by.

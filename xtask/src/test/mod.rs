@@ -10,7 +10,6 @@ mod diff;
 mod exchanges;
 mod halt;
 mod lane;
-mod processes;
 mod side_by_side;
 mod size;
 mod tools;

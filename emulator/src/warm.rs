@@ -1,0 +1,377 @@
+//! A core that goes on with what another has translated.
+//!
+//! The crate translates the image block by block while it runs, which is most of the time of a short run. A core keeps its
+//! translation until it is dropped, and throws it away when it is reset or its MPU is set. So a run begins on a new core, and as
+//! soon as the image has its MPU on, the state goes over to a core of an earlier run that is set alike. The crate allows for that:
+//! a loaded state leaves the translation of memory that has not changed, and what has is named to the core
+//! ([`Processor::load`]). The core of a run that has ended, or was reset, is kept for others, on memory of its own.
+//!
+//! What the run does is the same to the instruction, with a translation and without.
+#![allow(unsafe_code, reason = "a core has its memory by its address in this process")]
+
+use rigless::emulator::{CoreBus, CoreSpec, DataModel, Error, Exit, Processor, ProcessorConstructor, Queued};
+use rigless::soc::{Endian, Width};
+use rigless::time::VirtualNanos;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::mem::ManuallyDrop;
+use std::ptr;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// MPU_CTRL and its ENABLE (PM0214 rev 10, section 4.2.6).
+const MPU_CONTROL: u64 = 0xE000_ED94;
+const IS_ON: u64 = 1;
+
+/// What is compared, and translated anew if it differs.
+const PAGE: usize = 1024;
+
+/// Pages of flash in which another image may differ and still be taken for the same: a machine, settings, a patch. Of two
+/// different images most pages differ.
+const MOST_DIFFERENT: usize = 64;
+
+/// Cores whose runs have ended.
+static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
+
+/// Has the cores of a part take over what others have translated.
+pub fn up(spec: &mut CoreSpec) {
+    let make = spec.processor.clone();
+    spec.processor = Arc::new(move |endian| Ok(Box::new(Core::new(make.clone(), endian)?)));
+}
+
+/// As many bytes as a core's page, which begin where a page may.
+#[derive(Clone, Debug)]
+#[repr(C, align(1024))]
+struct Page([u8; PAGE]);
+
+/// Memory of the run that a core knows the address of.
+#[derive(Clone, Copy, Debug)]
+struct Mapped {
+    start: u64,
+    length: usize,
+    host: usize,
+    is_writable: bool,
+}
+
+impl Mapped {
+    fn address(self) -> *mut u8 {
+        ptr::with_exposed_provenance_mut(self.host)
+    }
+
+    /// # Safety
+    /// The run has not ended, and its memory is not written meanwhile.
+    unsafe fn bytes(&self) -> &[u8] {
+        // SAFETY: what maps it promises so many bytes until the core is dropped (`Processor::map`).
+        unsafe { std::slice::from_raw_parts(self.address(), self.length) }
+    }
+}
+
+/// A core between two runs, or before the same run needs it again.
+#[derive(Debug)]
+struct Kept {
+    core: Box<dyn Processor>,
+    /// The memory that it was translated from; the core is dropped first.
+    memory: Vec<(Mapped, Vec<Page>)>,
+}
+
+impl Kept {
+    /// Takes a core from the run that has this memory.
+    ///
+    /// # Safety
+    /// The run has not ended.
+    unsafe fn new(mut core: Box<dyn Processor>, memory: &[Mapped]) -> Self {
+        let keep = |mapped: &Mapped| {
+            let mut pages = vec![Page([0; PAGE]); mapped.length.div_ceil(PAGE)];
+            let host = pages.as_mut_ptr().cast::<u8>();
+            // SAFETY: both have so many bytes, one by the caller's promise; `pages` moves with what holds it, its bytes do not, and
+            // nobody else has them.
+            unsafe {
+                ptr::copy_nonoverlapping(mapped.address(), host, mapped.length);
+                core.map(mapped.start, mapped.length as u64, host, mapped.is_writable);
+            }
+            (Mapped { host: host.expose_provenance(), ..*mapped }, pages)
+        };
+        let memory = memory.iter().map(keep).collect();
+        Self { core, memory }
+    }
+
+    /// Where pages of a run's memory are other ones than those that this core has translated, as far as they are asked for; nothing if
+    /// the run has other memory altogether.
+    ///
+    /// # Safety
+    /// As of [`Mapped::bytes`].
+    unsafe fn differing(&self, memory: &[Mapped], is_asked: fn(&Mapped) -> bool) -> Option<Vec<u64>> {
+        if memory.len() != self.memory.len() {
+            return None;
+        }
+        let mut differing = Vec::new();
+        for (now, (then, _)) in memory.iter().zip(&self.memory) {
+            if (now.start, now.length, now.is_writable) != (then.start, then.length, then.is_writable) {
+                return None;
+            }
+            if !is_asked(now) {
+                continue;
+            }
+            // SAFETY: the caller's promise for one, and the other is this one's own.
+            let (now_bytes, then_bytes) = unsafe { (now.bytes(), then.bytes()) };
+            let pages = now_bytes.chunks(PAGE).zip(then_bytes.chunks(PAGE)).zip((now.start..).step_by(PAGE));
+            differing.extend(pages.filter(|((now, then), _)| now != then).map(|(_, start)| start));
+        }
+        Some(differing)
+    }
+}
+
+/// Keeps a core for runs to come.
+fn keep(core: Kept) {
+    KEPT.lock().unwrap_or_else(PoisonError::into_inner).push(core);
+}
+
+/// The core that was kept with the most similar flash, if it is similar enough.
+///
+/// # Safety
+/// As of [`Mapped::bytes`].
+unsafe fn take(memory: &[Mapped]) -> Option<Kept> {
+    let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
+    // SAFETY: the caller's promise.
+    let differing =
+        |core: &Kept| unsafe { core.differing(memory, |mapped| !mapped.is_writable) }.map(|pages| pages.len());
+    let all = kept.iter().enumerate().filter_map(|(place, core)| Some((differing(core)?, place)));
+    let (_, place) = all.filter(|(pages, _)| *pages <= MOST_DIFFERENT).min()?;
+    Some(kept.swap_remove(place))
+}
+
+/// How a core is made.
+struct Make(ProcessorConstructor, Endian);
+
+impl Make {
+    fn core(&self) -> Result<Box<dyn Processor>, Error> {
+        (self.0)(self.1)
+    }
+}
+
+impl fmt::Debug for Make {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Make").field(&self.1).finish()
+    }
+}
+
+/// The core of a run.
+#[derive(Debug)]
+struct Core {
+    core: ManuallyDrop<Box<dyn Processor>>,
+    make: Make,
+    /// Its MPU is not on yet.
+    is_cold: bool,
+    memory: Vec<Mapped>,
+    breakpoints: BTreeMap<u64, u32>,
+    /// The next instruction runs in spite of its breakpoint.
+    is_passing: bool,
+    /// Pages whose accesses go to the bus.
+    routed: BTreeSet<u64>,
+}
+
+impl Core {
+    fn new(make: ProcessorConstructor, endian: Endian) -> Result<Self, Error> {
+        let make = Make(make, endian);
+        Ok(Self {
+            core: ManuallyDrop::new(make.core()?),
+            make,
+            is_cold: true,
+            memory: Vec::new(),
+            breakpoints: BTreeMap::new(),
+            is_passing: false,
+            routed: BTreeSet::new(),
+        })
+    }
+
+    /// Gives a core of its own what the run has asked of this one.
+    fn ask_again(&self, core: &mut dyn Processor) {
+        for mapped in &self.memory {
+            // SAFETY: what the run has promised to this one; that core will be this one's own, or be dropped at once.
+            unsafe { core.map(mapped.start, mapped.length as u64, mapped.address(), mapped.is_writable) };
+        }
+        for (&address, &times) in &self.breakpoints {
+            for _ in 0..times {
+                core.add_breakpoint(address);
+            }
+        }
+        for &page in &self.routed {
+            core.ask(Queued::Route(page));
+        }
+    }
+
+    /// Takes a core out of the run.
+    fn release(&self, mut core: Box<dyn Processor>) -> Kept {
+        for (&address, &times) in &self.breakpoints {
+            for _ in 0..times {
+                core.remove_breakpoint(address);
+            }
+        }
+        for &page in &self.routed {
+            core.ask(Queued::Unroute(page));
+        }
+        // SAFETY: the run has not ended, for this is not dropped, and nobody else is called meanwhile.
+        unsafe { Kept::new(core, &self.memory) }
+    }
+
+    /// Goes on with a core that has translated this image, if there is one.
+    fn warm_up(&mut self) -> Result<(), Error> {
+        self.is_cold = false;
+        // SAFETY: as in `release`.
+        let Some(kept) = (unsafe { take(&self.memory) }) else { return Ok(()) };
+        // SAFETY: as in `release`.
+        let changed = unsafe { kept.differing(&self.memory, |_| true) }.unwrap_or_default();
+        // Dropped after the core, if that is not taken over.
+        let Kept { mut core, memory: _memory } = kept;
+        self.ask_again(&mut *core);
+        for page in changed {
+            core.ask(Queued::Invalidate(page, page + PAGE as u64));
+        }
+        core.load(&self.core.save())?;
+        // What was left of its last run.
+        core.take_reset_request();
+        *self.core = core;
+        Ok(())
+    }
+
+    /// Restarts on another core, and keeps this one as it is.
+    fn restart(&mut self) -> Result<(), Error> {
+        let mut core = self.make.core()?;
+        self.ask_again(&mut *core);
+        core.load(&self.core.save())?;
+        core.reset();
+        let old = std::mem::replace(&mut *self.core, core);
+        self.is_cold = true;
+        keep(self.release(old));
+        Ok(())
+    }
+}
+
+impl Drop for Core {
+    fn drop(&mut self) {
+        // SAFETY: it is not used after this.
+        let core = unsafe { ManuallyDrop::take(&mut self.core) };
+        if !self.is_cold && !std::thread::panicking() {
+            keep(self.release(core));
+        }
+    }
+}
+
+/// All that the run needs of a core. What the crate asks for a debugger's sake is not here, for none is served.
+impl Processor for Core {
+    fn run(&mut self, budget: u32, bus: &mut dyn CoreBus) -> (Exit, u64) {
+        let is_passing = std::mem::take(&mut self.is_passing);
+        if self.is_cold && !is_passing {
+            let control = self.core.debugger_access(None, MPU_CONTROL, Width::W32, VirtualNanos(0));
+            // A core that does not take the state leaves the run with the one that it has.
+            if control.is_some_and(|control| control & IS_ON != 0) && self.warm_up().is_err() {
+                return self.core.run(budget, bus);
+            }
+        }
+        self.core.run(budget, bus)
+    }
+
+    fn retired(&self) -> u64 {
+        self.core.retired()
+    }
+
+    fn ask(&mut self, queued: Queued) {
+        match queued {
+            Queued::Route(page) => drop(self.routed.insert(page)),
+            Queued::Unroute(page) => drop(self.routed.remove(&page)),
+            Queued::Line(..) | Queued::Invalidate(..) | Queued::Return => {}
+        }
+        self.core.ask(queued);
+    }
+
+    fn maps(&self, start: u64, length: u64) -> bool {
+        self.core.maps(start, length)
+    }
+
+    fn page_size(&self) -> u64 {
+        self.core.page_size()
+    }
+
+    unsafe fn map(&mut self, start: u64, length: u64, host: *mut u8, is_writable: bool) {
+        self.memory.push(Mapped { start, length: length as usize, host: host.expose_provenance(), is_writable });
+        // SAFETY: the caller's promise.
+        unsafe { self.core.map(start, length, host, is_writable) };
+    }
+
+    fn boot(&mut self, table: u64, read: &dyn Fn(u64, Width) -> Option<u64>) {
+        self.core.boot(table, read);
+    }
+
+    fn reset(&mut self) {
+        if self.is_cold || self.restart().is_err() {
+            self.core.reset();
+        }
+    }
+
+    fn take_reset_request(&mut self) -> bool {
+        self.core.take_reset_request()
+    }
+
+    fn next_event(&self) -> Option<VirtualNanos> {
+        self.core.next_event()
+    }
+
+    fn on_event(&mut self, now: VirtualNanos) {
+        self.core.on_event(now);
+    }
+
+    fn waiting(&self) -> bool {
+        self.core.waiting()
+    }
+
+    fn pc(&self) -> u64 {
+        self.core.pc()
+    }
+
+    fn add_breakpoint(&mut self, address: u64) -> bool {
+        let can_stop = self.core.add_breakpoint(address);
+        if can_stop {
+            *self.breakpoints.entry(address).or_default() += 1;
+        }
+        can_stop
+    }
+
+    fn remove_breakpoint(&mut self, address: u64) {
+        if let Some(times) = self.breakpoints.get_mut(&address) {
+            *times = times.saturating_sub(1);
+        }
+        self.core.remove_breakpoint(address);
+    }
+
+    fn pass_breakpoint(&mut self, address: u64) {
+        self.is_passing = true;
+        self.core.pass_breakpoint(address);
+    }
+
+    fn debugger_access(&mut self, write: Option<u64>, address: u64, width: Width, now: VirtualNanos) -> Option<u64> {
+        self.core.debugger_access(write, address, width, now)
+    }
+
+    fn data_model(&self) -> DataModel {
+        self.core.data_model()
+    }
+
+    fn byte_order(&self, address: u64) -> Endian {
+        self.core.byte_order(address)
+    }
+
+    fn save(&self) -> Vec<u8> {
+        self.core.save()
+    }
+
+    fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        self.core.load(bytes)
+    }
+
+    fn own_ranges(&self) -> Vec<std::ops::Range<u64>> {
+        self.core.own_ranges()
+    }
+}
+
+#[cfg(test)]
+#[path = "warm_tests.rs"]
+mod tests;

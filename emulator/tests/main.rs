@@ -1,0 +1,18 @@
+//! Tests of the images, in one program: what one test has translated of an image, the others go on with (`src/warm.rs`).
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod clocks;
+mod common;
+mod drivers;
+mod faults;
+mod heat;
+mod heat_crashes;
+mod inputs;
+mod lines;
+mod machines;
+mod nucleo;
+mod nucleo_flash;
+mod plant;
+mod restart;
+mod steps;
+mod storage;
