@@ -37,3 +37,21 @@ pub(in crate::motion) const fn fraction(part: u64, whole: u64) -> u32 {
         _ => WHOLE,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_speed_is_the_root_of_its_square_however_slow() {
+        for bits in 0..63 {
+            for square in [1u64 << bits, (1 << bits) | (1 << bits >> 1), (1 << bits) + ((1 << bits) - 1)] {
+                // 32 fractional bits of the square make 16 of the speed, and the speed has 32.
+                let exact = (square as f64).sqrt() * 65_536.0;
+                let found = speed_of(SpeedSq(square)) as f64;
+                assert!((found - exact).abs() < 1.0 + 1.5e-9 * exact, "{square}: {found}, not {exact}");
+            }
+        }
+        assert_eq!(speed_of(SpeedSq(0)), 0);
+    }
+}

@@ -1,7 +1,22 @@
-//! How a move's length is divided among its three phases: no phase has time but no length.
+//! Lengths: of the path, and how a move's is divided among its three phases, of which none has time but no length.
 
-use super::line::plan;
+use super::line::{plan, target};
+use corehbot::motion::{MoveMemory, Planner};
 use corehbot::settings::Settings;
+use corehbot::units::Mm;
+
+#[test]
+fn moves_and_their_path_are_counted() {
+    let (mut memory, settings) = (MoveMemory::new(), Settings::prototype());
+    let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
+    for (i, (place, um)) in [([3.3, 4.4, 0.0, 0.0], 5_500), ([3.3, 4.4, 1.75, 0.0], 7_250)].into_iter().enumerate() {
+        planner.push(&target(place, 100.0), &settings);
+        let (moves, path_um) = planner.planned();
+        assert_eq!((moves, planner.path()), (i as u32 + 1, um / 1000));
+        // The length of a move has 24 bits.
+        assert!(path_um.abs_diff(um) <= 1, "{path_um} um");
+    }
+}
 
 /// Reproducer: what rounding left of a move that is all ramps was a cruise with time and no way, whose speed was 0; a brake
 /// (M410) that began with it took the tool for standing.

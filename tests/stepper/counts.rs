@@ -115,5 +115,6 @@ proptest! {
             link.restart();
         }
         prop_assert_eq!(counts.read(), bench.counts.get());
+        prop_assert_eq!(link.counts(), bench.counts.get());
     }
 }

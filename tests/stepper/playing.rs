@@ -257,6 +257,26 @@ fn events_of_a_past_epoch_make_no_steps_and_are_taken_back() {
 }
 
 #[test]
+fn another_coupling_has_the_direction_lines_set_anew() {
+    let (bench, status) = (Bench::default(), Status::new());
+    let mut queue = StepQueue::new();
+    let (mut events_in, events_out) = queue.split();
+    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), Nobody);
+    events_in.enqueue(event(1000, V, V)).unwrap();
+    play_on(&bench, &mut stepper);
+    let before = bench.lines.take();
+    let mut is_changed = false;
+    stepper.recouple(|_| {
+        assert_eq!(bench.lines.take(), [], "the lines are those of the new coupling");
+        is_changed = true;
+    });
+    assert!(is_changed);
+    let forward = Line::Dir(machine().tool.coupling().forward_motors(V).0);
+    assert!(before.contains(&forward), "{before:?}");
+    assert_eq!(bench.lines.take(), [forward]);
+}
+
+#[test]
 fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
     let (bench, status) = (Bench::default(), Status::new());
     bench.pressed.set(EndstopSet::X.0);

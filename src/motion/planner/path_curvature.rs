@@ -146,6 +146,9 @@ mod tests {
         assert_eq!((curvature.lead_with([0.0; 3]), curvature.greatest_lead()), ([0.0; 3], 0.125));
         curvature.follow_lead(curvature.lead_with([0.0; 3]), 0.0, 0.5);
         assert_eq!(curvature.greatest_lead(), 0.0);
+        // Each coordinate by the same part.
+        curvature.follow_lead([0.25, -0.5, 1.0], 2.0, 0.5);
+        assert_eq!(curvature.lead_with([0.0; 3]), [0.1875, -0.375, 0.75]);
     }
 
     #[test]
