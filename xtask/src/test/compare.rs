@@ -32,7 +32,7 @@ pub fn check() -> Result<Verdict> {
     let mut files = examples()?;
     let mut remark = format!("{} examples", files.len());
     if let Some(sliced) = sliced_file() {
-        files.push(beginning(&sliced)?);
+        files.push(beginning(&sliced, LINES)?);
         remark += &format!(" and {LINES} lines of a sliced file");
     } else {
         println!("skipped the sliced file: there is no {SLICED}/{QUICKEST}");
@@ -53,12 +53,12 @@ pub fn check() -> Result<Verdict> {
     Ok(Verdict::Tested { passed: tests - failed, failed, remark })
 }
 
-/// The beginning of a file, as a file of its own.
-fn beginning(file: &Path) -> Result<PathBuf> {
+/// So many lines of a file, as a file of their own.
+pub fn beginning(file: &Path, lines: usize) -> Result<PathBuf> {
     let folder = checkout::target_dir()?.join("qemu");
     std::fs::create_dir_all(&folder)?;
     let path = folder.join(name(file));
-    let lines: String = qemu::read_gcode(file)?.split_inclusive('\n').take(LINES).collect();
+    let lines: String = qemu::read_gcode(file)?.split_inclusive('\n').take(lines).collect();
     std::fs::write(&path, lines).with_context(|| format!("cannot write {}", path.display()))?;
     Ok(path)
 }
