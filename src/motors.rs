@@ -70,8 +70,9 @@ impl MotorSet {
 
     /// Whether `motor` is in the set.
     #[must_use]
+    #[inline(always)]
     pub const fn has(self, motor: Motor) -> bool {
-        self.0 & Self::of(motor).0 != 0
+        self.0 & (1 << motor as u8) != 0
     }
 
     /// Whether the set is empty.

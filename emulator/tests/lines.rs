@@ -1,6 +1,6 @@
 //! Two hosts at once, fast and slow lines, and lines that damage what they carry.
 
-use crate::common::{firmware, print, root, serve};
+use crate::common::{firmware, from_home, print, root, serve};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled};
 use corehbot_emulator::line::Manner;
@@ -9,7 +9,7 @@ use corehbot_emulator::watch::End;
 
 /// A file that moves, of so many lines that the receiver's ring of 2048 bytes is gone round several times.
 fn file() -> String {
-    std::fs::read_to_string(root().join("examples/tiny.gcode")).unwrap()
+    from_home(&root().join("examples/tiny.gcode"))
 }
 
 /// What the other host asks in the meantime: so much that it outlasts the print. This host too says M400 when it is done, and

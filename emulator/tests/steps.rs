@@ -1,22 +1,15 @@
 //! The pins of the image do what the host simulator does.
 
-use crate::common::{MS, firmware, print, root};
+use crate::common::{MS, firmware, from_home, print, root};
 use corehbot::motors::Motor;
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Edges are no later than this: the bound for 100,000 events a second.
 const LATE_NS: i64 = 5000;
-
-/// An example that takes the place where it is for its home: eight seconds of homing are looked at once.
-fn from_home(name: &str) -> String {
-    let gcode = std::fs::read_to_string(root().join("examples").join(name)).unwrap();
-    assert!(gcode.contains("\nG28\n"), "{name} homes");
-    gcode.replace("\nG28\n", "\nG92 X0 Y0 Z0\n")
-}
 
 fn check_file(path: &Path) {
     check_gcode(&path.file_name().unwrap().display().to_string(), &std::fs::read_to_string(path).unwrap());
@@ -67,12 +60,16 @@ fn check_gcode(name: &str, gcode: &str) -> Seen {
 /// running: half a second for Z, and the watchdog bit.
 #[test]
 fn homing_steps_as_on_the_host() {
-    check_file(&root().join("examples/home.gcode"));
+    check_file(&example("home"));
+}
+
+fn example(name: &str) -> PathBuf {
+    root().join("examples").join(name).with_extension("gcode")
 }
 
 /// Prints examples one after the other.
 fn check_in_a_row(names: &[&str]) {
-    let gcode: Vec<_> = names.iter().map(|name| from_home(&format!("{name}.gcode"))).collect();
+    let gcode: Vec<_> = names.iter().map(|name| from_home(&example(name))).collect();
     check_gcode(&names.join(", "), &gcode.join("\nG21\nG90\nM82\nG92 E0\n"));
 }
 
@@ -89,7 +86,7 @@ fn the_other_examples_step_as_on_the_host() {
 /// The belt runs round: motors of a pair step each for itself then, and the pins take other words and the usual ones again.
 #[test]
 fn a_belt_runs_round_as_on_the_host() {
-    let seen = check_gcode("circulation", &from_home("circulation.gcode"));
+    let seen = check_gcode("circulation", &from_home(&example("circulation")));
     let alone = seen.recorder.events.iter().filter(|event| event.steps.has(Motor::M11) && !event.steps.has(Motor::M4));
     assert!(alone.count() > 1000, "pairs are parted while the belt runs round");
     let position = seen.line.said.iter().rfind(|line| line.starts_with("X:")).unwrap();
@@ -103,9 +100,9 @@ const LINES: usize = 300;
 #[test]
 fn a_print_steps_as_on_the_host() {
     let sliced = root().join("../shared/gcode/prusaslicer292_cubehelix_small.gcode");
-    let path = if sliced.is_file() { sliced } else { root().join("examples/first-print.gcode") };
+    let path = if sliced.is_file() { sliced } else { example("first-print") };
     println!("the begin of {}", path.display());
-    let gcode: String = std::fs::read_to_string(&path).unwrap().split_inclusive('\n').take(LINES).collect();
+    let gcode: String = from_home(&path).split_inclusive('\n').take(LINES).collect();
     check_gcode(&path.file_name().unwrap().display().to_string(), &gcode);
 }
 

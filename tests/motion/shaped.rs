@@ -93,7 +93,9 @@ impl Follow {
             // An impulse is as far from the mean as the period is long where the copy is.
             let copy = |time: f64| {
                 let late = |at: f64| self.delay + (time - mean) * period(shaper, length, at);
-                (0..5).fold(t - self.delay, |when, _| t - late(motion.at(when)[axis]))
+                // The same all along the axis, or sought for.
+                let rounds = if shaper.span == 0 { 1 } else { 5 };
+                (0..rounds).fold(t - self.delay, |when, _| t - late(motion.at(when)[axis]))
             };
             impulses.iter().map(|(time, weight)| weight * motion.at(copy(*time))[axis]).sum::<f64>()
         };

@@ -79,6 +79,9 @@ impl Findings {
     }
 }
 
+/// Steps of each motor.
+type Counts = [i64; Motor::ALL.len()];
+
 /// Checks a run event by event.
 pub struct Checker {
     sampler: Sampler,
@@ -131,7 +134,7 @@ impl Checker {
         changes.event(findings, tick, steps, forward);
         sampler.event(tick, steps, forward, |sample| gauge.measure(findings, sample));
         self.note_trim(steps, forward);
-        self.check_mechanism(tick);
+        self.check_mechanism(tick, steps);
     }
 
     fn note_trim(&mut self, steps: MotorSet, forward: MotorSet) {
@@ -143,7 +146,7 @@ impl Checker {
     }
 
     /// The steps of each motor but for its trims.
-    fn untrimmed(&self) -> [i64; Motor::ALL.len()] {
+    fn untrimmed(&self) -> Counts {
         let counts = self.sampler.counts();
         std::array::from_fn(|motor| counts[motor] - self.trimmed[motor])
     }
@@ -151,9 +154,9 @@ impl Checker {
     /// Ends the run, which should have made `expected` steps.
     #[must_use]
     pub fn finish(mut self, expected: Option<[i32; Motor::ALL.len()]>) -> Findings {
-        let strain = self.strain();
-        if self.residual() != 0 {
-            let residual = self.residual();
+        let counts = self.untrimmed();
+        let (strain, residual) = (self.strain(&counts), self.residual(&counts));
+        if residual != 0 {
             self.findings.add(self.last_tick, || format!("motors rest {residual} steps against each other"));
         }
         let Self { sampler, gauge, changes, findings, last_tick, .. } = &mut self;
@@ -195,21 +198,17 @@ impl Checker {
         }
     }
 
-    fn check_mechanism(&mut self, tick: u64) {
+    fn check_mechanism(&mut self, tick: u64, steps: MotorSet) {
         let counts = self.untrimmed();
-        let stands = |group: &Group| {
-            let at = counts[group.lead as usize];
-            Motor::ALL.into_iter().zip(counts).all(|(motor, count)| {
-                (!group.with.has(motor) || count == at) && (!group.against.has(motor) || count == -at)
-            })
-        };
-        let is_fitted = |group: &&Group| !group.motors().is_empty();
         let is_consistent = match &self.residuals {
             // Four counts are rounded to half a step each.
-            Some(_) => self.residual() <= 2,
+            Some(_) => self.residual(&counts) <= 2,
             None => {
-                let is_strained = self.strain().is_some_and(|(sum, most)| sum.abs() > most);
-                !is_strained && self.groups.iter().filter(is_fitted).all(stands)
+                let is_strained = self.strain(&counts).is_some_and(|(sum, most)| sum.abs() > most);
+                // Groups that were together and rest still are.
+                let has_stepped = |group: &&Group| group.motors().without(steps) != group.motors();
+                let mut groups = self.groups.iter().filter(|group| !self.is_consistent || has_stepped(group));
+                !is_strained && groups.all(|group| is_together(group, &counts))
             }
         };
         // Once per episode: a lost step strains the machine until the end.
@@ -222,22 +221,32 @@ impl Checker {
     }
 
     /// The greatest residual of a belt that may run round, in steps.
-    fn residual(&self) -> i64 {
-        let counts = self.untrimmed();
+    fn residual(&self, counts: &Counts) -> i64 {
         let sum =
             |residual: &Residual| residual.iter().zip(counts).map(|(times, count)| i64::from(*times) * count).sum();
         self.residuals.iter().flat_map(Residuals::iter).map(sum).map(i64::abs).max().unwrap_or_default()
     }
 
     /// The sum of counts that no position changes, if the mechanism has one, and what rounding keeps it below.
-    fn strain(&self) -> Option<(i64, i64)> {
+    fn strain(&self, counts: &Counts) -> Option<(i64, i64)> {
         let constraint = self.constraint?;
-        let counts = self.untrimmed();
         let parts =
             self.groups.iter().zip(constraint).map(|(group, times)| i64::from(times) * counts[group.lead as usize]);
         let most = constraint.iter().map(|times| i64::from(times.abs())).sum::<i64>() / 2;
         Some((parts.sum(), most))
     }
+}
+
+/// Whether the motors of a group have made the same steps; those that turn the other way round, the opposite ones.
+fn is_together(group: &Group, counts: &Counts) -> bool {
+    let at = counts[group.lead as usize];
+    // A loop, as every event is looked at.
+    for (motor, count) in Motor::ALL.into_iter().zip(counts) {
+        if (group.with.has(motor) && *count != at) || (group.against.has(motor) && *count != -at) {
+            return false;
+        }
+    }
+    true
 }
 
 /// What measures the coordinates.

@@ -1,6 +1,7 @@
 //! Lines: each is answered once, whatever it holds.
 
 use super::talk::{HOMED, keep, talk, talk_to};
+use corehbot::gcode::{Command, parse};
 use corehbot::settings::Settings;
 use corehbot_sim::eeprom::Eeprom;
 use proptest::prelude::*;
@@ -48,10 +49,11 @@ proptest! {
                 1 => "M(17|18|84|82|83|92 E[0-9]{1,4}|105|114 ?R?|115|119|220 S[0-9]{1,5}|221|400|410|50[0-4]|122)",
                 1 => "M(569|906|91[34])( [SXYZE]-?[0-9]{0,4}(\\.[0-9]{0,3})?){0,4}",
                 1 => "G1 [XYE]-?[0-9]{5,30}",
-                1 => "[ -~]{1,40}".prop_filter("it must not be blank, a comment, numbered or a stop", |l| {
+                1 => "[ -~]{1,40}".prop_filter("it must not be blank, a comment, a condition, numbered or a stop", |l| {
                     let l = l.trim();
                     let stop = l.to_ascii_uppercase().replace(' ', "");
-                    !l.is_empty() && !l.starts_with([';', '!', '~']) && !l.contains('*')
+                    let is_condition = matches!(parse(l.as_bytes()), Command::Conditional);
+                    !is_condition && !l.is_empty() && !l.starts_with([';', '!', '~']) && !l.contains('*')
                         && !stop.starts_with('N') && !stop.contains("M112") && !stop.starts_with("G4")
                 }),
             ],
