@@ -70,6 +70,7 @@ impl MotorSet {
 
     /// Whether `motor` is in the set.
     #[must_use]
+    // Asked for every motor in every event, also in builds that inline nothing else.
     #[inline(always)]
     pub const fn has(self, motor: Motor) -> bool {
         self.0 & (1 << motor as u8) != 0
@@ -91,6 +92,12 @@ impl MotorSet {
     #[must_use]
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
+    }
+
+    /// Whether a motor is in both sets.
+    #[must_use]
+    pub const fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
     }
 }
 

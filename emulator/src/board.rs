@@ -228,7 +228,7 @@ fn core(mcu: &Chip) -> CoreSpec {
         boot: "flash",
     };
     let mut spec = core.spec_with_parts(&windows(mcu.bus()), armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
-    warm::up(&mut spec);
+    warm::share_translations(&mut spec);
     spec
 }
 

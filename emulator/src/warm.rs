@@ -7,9 +7,13 @@
 //! ([`Processor::load`]). The core of a run that has ended, or was reset, is kept for others, on memory of its own.
 //!
 //! What the run does is the same to the instruction, with a translation and without.
+//!
+//! This rests on two things in the crate's version 0.4.0, to which Cargo.toml pins it: a core that memory is mapped to anew forgets the
+//! address that it had for it, and code that it has made holds no addresses of that memory. Nor does it see two things, which the emulator
+//! does not do: that memory is watched (`Watch::Writes`), and that code is written at the stop that ends a run.
 #![allow(unsafe_code, reason = "a core has its memory by its address in this process")]
 
-use rigless::emulator::{CoreBus, CoreSpec, DataModel, Error, Exit, Processor, ProcessorConstructor, Queued};
+use rigless::emulator::{CoreBus, CoreSpec, DataModel, Error, Exit, HostCall, Processor, ProcessorConstructor, Queued};
 use rigless::soc::{Endian, Width};
 use rigless::time::VirtualNanos;
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,18 +26,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 const MPU_CONTROL: u64 = 0xE000_ED94;
 const IS_ON: u64 = 1;
 
-/// What is compared, and translated anew if it differs.
+/// What is compared, and translated anew if it differs: a page of the crate's cores, which memory has to be aligned to.
 const PAGE: usize = 1024;
 
-/// Pages of flash in which another image may differ and still be taken for the same: a machine, settings, a patch. Of two
-/// different images most pages differ.
-const MOST_DIFFERENT: usize = 64;
+/// Pages of flash in which another image may differ and still be taken for the same. Flash is mapped twice, at 0 too, so the settings
+/// of the Nucleo are 64, and a machine or a patch a few more. Of two different images 700 differ.
+const MOST_DIFFERENT: usize = 160;
 
 /// Cores whose runs have ended.
 static KEPT: Mutex<Vec<Kept>> = Mutex::new(Vec::new());
 
-/// Has the cores of a part take over what others have translated.
-pub fn up(spec: &mut CoreSpec) {
+/// Has the cores of a part take over what other cores have translated. All parts have to have the same core.
+pub fn share_translations(spec: &mut CoreSpec) {
     let make = spec.processor.clone();
     spec.processor = Arc::new(move |endian| Ok(Box::new(Core::new(make.clone(), endian)?)));
 }
@@ -79,27 +83,26 @@ impl Kept {
     /// # Safety
     /// The run has not ended.
     unsafe fn new(mut core: Box<dyn Processor>, memory: &[Mapped]) -> Self {
-        let keep = |mapped: &Mapped| {
+        let copy = |mapped: &Mapped| {
             let mut pages = vec![Page([0; PAGE]); mapped.length.div_ceil(PAGE)];
             let host = pages.as_mut_ptr().cast::<u8>();
             // SAFETY: both have so many bytes, one by the caller's promise; `pages` moves with what holds it, its bytes do not, and
-            // nobody else has them.
+            // nobody else has them. The core is mapped to other memory, or dropped, before they are.
             unsafe {
                 ptr::copy_nonoverlapping(mapped.address(), host, mapped.length);
                 core.map(mapped.start, mapped.length as u64, host, mapped.is_writable);
             }
             (Mapped { host: host.expose_provenance(), ..*mapped }, pages)
         };
-        let memory = memory.iter().map(keep).collect();
+        let memory = memory.iter().map(copy).collect();
         Self { core, memory }
     }
 
-    /// Where pages of a run's memory are other ones than those that this core has translated, as far as they are asked for; nothing if
-    /// the run has other memory altogether.
+    /// Pages of a run's memory, of the wanted kind, that are not as this core has them; nothing if the run has other memory altogether.
     ///
     /// # Safety
     /// As of [`Mapped::bytes`].
-    unsafe fn differing(&self, memory: &[Mapped], is_asked: fn(&Mapped) -> bool) -> Option<Vec<u64>> {
+    unsafe fn differing(&self, memory: &[Mapped], is_wanted: fn(&Mapped) -> bool) -> Option<Vec<u64>> {
         if memory.len() != self.memory.len() {
             return None;
         }
@@ -108,7 +111,7 @@ impl Kept {
             if (now.start, now.length, now.is_writable) != (then.start, then.length, then.is_writable) {
                 return None;
             }
-            if !is_asked(now) {
+            if !is_wanted(now) {
                 continue;
             }
             // SAFETY: the caller's promise for one, and the other is this one's own.
@@ -125,18 +128,21 @@ fn keep(core: Kept) {
     KEPT.lock().unwrap_or_else(PoisonError::into_inner).push(core);
 }
 
-/// The core that was kept with the most similar flash, if it is similar enough.
+/// The core that was kept with the most similar flash, if it is similar enough, and all pages that differ.
 ///
 /// # Safety
 /// As of [`Mapped::bytes`].
-unsafe fn take(memory: &[Mapped]) -> Option<Kept> {
+unsafe fn take(memory: &[Mapped]) -> Option<(Kept, Vec<u64>)> {
     let mut kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner);
     // SAFETY: the caller's promise.
     let differing =
         |core: &Kept| unsafe { core.differing(memory, |mapped| !mapped.is_writable) }.map(|pages| pages.len());
     let all = kept.iter().enumerate().filter_map(|(place, core)| Some((differing(core)?, place)));
     let (_, place) = all.filter(|(pages, _)| *pages <= MOST_DIFFERENT).min()?;
-    Some(kept.swap_remove(place))
+    let core = kept.swap_remove(place);
+    // SAFETY: the caller's promise.
+    let changed = unsafe { core.differing(memory, |_| true) }?;
+    Some((core, changed))
 }
 
 /// How a core is made.
@@ -183,10 +189,10 @@ impl Core {
         })
     }
 
-    /// Gives a core of its own what the run has asked of this one.
+    /// Gives another core the memory of the run, and asks of it what the run has asked of this one.
     fn ask_again(&self, core: &mut dyn Processor) {
         for mapped in &self.memory {
-            // SAFETY: what the run has promised to this one; that core will be this one's own, or be dropped at once.
+            // SAFETY: what the run has promised to this one; the other will be in its place, or be dropped at once.
             unsafe { core.map(mapped.start, mapped.length as u64, mapped.address(), mapped.is_writable) };
         }
         for (&address, &times) in &self.breakpoints {
@@ -217,11 +223,8 @@ impl Core {
     fn warm_up(&mut self) -> Result<(), Error> {
         self.is_cold = false;
         // SAFETY: as in `release`.
-        let Some(kept) = (unsafe { take(&self.memory) }) else { return Ok(()) };
-        // SAFETY: as in `release`.
-        let changed = unsafe { kept.differing(&self.memory, |_| true) }.unwrap_or_default();
-        // Dropped after the core, if that is not taken over.
-        let Kept { mut core, memory: _memory } = kept;
+        let Some((kept, changed)) = (unsafe { take(&self.memory) }) else { return Ok(()) };
+        let (_memory, mut core) = (kept.memory, kept.core);
         self.ask_again(&mut *core);
         for page in changed {
             core.ask(Queued::Invalidate(page, page + PAGE as u64));
@@ -256,15 +259,15 @@ impl Drop for Core {
     }
 }
 
-/// All that the run needs of a core. What the crate asks for a debugger's sake is not here, for none is served.
+/// All that a run without a debugger asks of a core of this family.
 impl Processor for Core {
     fn run(&mut self, budget: u32, bus: &mut dyn CoreBus) -> (Exit, u64) {
         let is_passing = std::mem::take(&mut self.is_passing);
         if self.is_cold && !is_passing {
             let control = self.core.debugger_access(None, MPU_CONTROL, Width::W32, VirtualNanos(0));
-            // A core that does not take the state leaves the run with the one that it has.
-            if control.is_some_and(|control| control & IS_ON != 0) && self.warm_up().is_err() {
-                return self.core.run(budget, bus);
+            // If the other core does not take the state, the run goes on with the one that it has.
+            if control.is_some_and(|control| control & IS_ON != 0) {
+                self.warm_up().ok();
             }
         }
         self.core.run(budget, bus)
@@ -347,8 +350,12 @@ impl Processor for Core {
         self.core.pass_breakpoint(address);
     }
 
-    fn debugger_access(&mut self, write: Option<u64>, address: u64, width: Width, now: VirtualNanos) -> Option<u64> {
-        self.core.debugger_access(write, address, width, now)
+    fn host_call(&self, read: &mut dyn FnMut(u64, Width) -> Option<u64>) -> Option<HostCall> {
+        self.core.host_call(read)
+    }
+
+    fn answer_host_call(&mut self, answer: Option<u64>) {
+        self.core.answer_host_call(answer);
     }
 
     fn data_model(&self) -> DataModel {
@@ -365,10 +372,6 @@ impl Processor for Core {
 
     fn load(&mut self, bytes: &[u8]) -> Result<(), Error> {
         self.core.load(bytes)
-    }
-
-    fn own_ranges(&self) -> Vec<std::ops::Range<u64>> {
-        self.core.own_ranges()
     }
 }
 

@@ -167,7 +167,8 @@ fn a_motor_supply_that_goes_away_stops_all_motors() {
 /// Exchanges go on beside the densest steps that there are, and neither disturbs the other.
 #[test]
 fn drivers_are_watched_while_motors_step_fast() {
-    let gcode = std::fs::read_to_string(root().join("emulator/tests/rush.gcode")).unwrap() + "M122\n";
+    let rush = std::fs::read_to_string(root().join("emulator/tests/rush.gcode")).unwrap();
+    let gcode = format!("G28\n{rush}M122\n");
     let seen = print(&firmware(), &gcode, None);
     assert_printed(&seen, &gcode);
     for line in seen.drivers.iter() {

@@ -291,7 +291,7 @@ impl Mechanism {
     /// rows are opposite in opposite directions.
     #[must_use]
     pub fn is_unstrained(&self, steps: MotorSet, forward: MotorSet) -> bool {
-        // Every event is looked at in tests, so this is a loop: closures in closures take six times as long unoptimised.
+        // Every event is looked at in tests, whose build makes calls of closures: these loops have none.
         for (motor, row) in self.motors() {
             if !steps.has(motor) {
                 continue;

@@ -53,6 +53,10 @@ fn a_step_of_one_motor_alone_strains_the_belt() {
     assert!(!is_unstrained(MotorSet::of(Motor::M8), pair));
     assert!(is_unstrained(MotorSet::Z, MotorSet::NONE));
     assert!(!is_unstrained(MotorSet::Z, MotorSet::of(Motor::Z1)));
+    // A motor that is not there does not step.
+    let mut bare = Mechanism::corehbot();
+    bare.rows[Motor::E0 as usize] = [0; 4];
+    assert!(!bare.is_unstrained(MotorSet::E, MotorSet::E) && bare.is_unstrained(pair, MotorSet::of(Motor::M8)));
 }
 
 /// u = x + y leads with motor 11, v = x - y with motor 8.

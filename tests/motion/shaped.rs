@@ -93,7 +93,7 @@ impl Follow {
             // An impulse is as far from the mean as the period is long where the copy is.
             let copy = |time: f64| {
                 let late = |at: f64| self.delay + (time - mean) * period(shaper, length, at);
-                // The same all along the axis, or sought for.
+                // The period depends on the place only if the belts are elastic; then it takes some rounds to find.
                 let rounds = if shaper.span == 0 { 1 } else { 5 };
                 (0..rounds).fold(t - self.delay, |when, _| t - late(motion.at(when)[axis]))
             };

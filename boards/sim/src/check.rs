@@ -23,7 +23,7 @@
 
 use self::changes::Changes;
 use crate::limits::{Limit, Limits, belts};
-use crate::sampler::{LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
+use crate::sampler::{Counts, LONGEST_WINDOW, SAMPLE_TICKS, SAMPLES_PER_SECOND, Sample, Sampler};
 use corehbot::kinematics::{ForwardKinematics, Group, Groups, Residual, Residuals};
 use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::motors::{MOST_GROUPS, Motor, MotorSet};
@@ -78,9 +78,6 @@ impl Findings {
         }
     }
 }
-
-/// Steps of each motor.
-type Counts = [i64; Motor::ALL.len()];
 
 /// Checks a run event by event.
 pub struct Checker {
@@ -206,8 +203,8 @@ impl Checker {
             None => {
                 let is_strained = self.strain(&counts).is_some_and(|(sum, most)| sum.abs() > most);
                 // Groups that were together and rest still are.
-                let has_stepped = |group: &&Group| group.motors().without(steps) != group.motors();
-                let mut groups = self.groups.iter().filter(|group| !self.is_consistent || has_stepped(group));
+                let may_differ = |group: &&Group| !self.is_consistent || group.motors().intersects(steps);
+                let mut groups = self.groups.iter().filter(may_differ);
                 !is_strained && groups.all(|group| is_together(group, &counts))
             }
         };

@@ -51,11 +51,13 @@ pub fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// A file that takes the place where it is for its home. Eight seconds of homing are looked at where they are meant.
+/// A file in which the tool is said to be at home where the file has it go there: homing takes eight seconds.
 pub fn from_home(path: &Path) -> String {
     let gcode = std::fs::read_to_string(path).unwrap();
-    let here = |line: &str| if line.starts_with("G28") { "G92 X0 Y0 Z0\n".to_owned() } else { line.to_owned() };
-    gcode.split_inclusive('\n').map(here).collect()
+    let is_homing = |line: &&str| line.split(';').next().is_some_and(|command| command.trim() == "G28");
+    let homing: Vec<_> = gcode.split_inclusive('\n').filter(is_homing).collect();
+    let [homing] = homing[..] else { panic!("{} homes {} times", path.display(), homing.len()) };
+    gcode.replacen(homing, "G92 X0 Y0 Z0\n", 1)
 }
 
 /// Prints `gcode` with the image, and with a fault if there is one.

@@ -28,7 +28,8 @@ const HEAT: &str = "xtask/clients/heat.gcode";
 /// The example that is most like a sliced file.
 const EXAMPLE: &str = "examples/first-print.gcode";
 
-/// So many lines of it are printed in QEMU, which keeps a processor busy; `cargo xtask test` compares the steps of all.
+/// The first lines of it, which are printed in QEMU: a line takes 17 ms there. The whole is compared with the simulator by the
+/// step `qemu` of `cargo xtask test`.
 const LINES_IN_QEMU: usize = 400;
 
 /// Where the firmware runs.

@@ -34,11 +34,11 @@ pub fn build_boards() -> Result<Verdict> {
     lint.args(["--package", "corehbot"]);
     boards.iter().for_each(|board| _ = lint.args(["--package", board]));
     lint.args(["--", "-D", "warnings"]);
-    run(lint)?;
+    let lint = run(lint);
     // Each by itself, as it is released: together they would be built of crates with the features of all.
-    for board in &boards {
-        checkout::build_image(board)?;
-    }
+    let builds: Vec<_> = boards.iter().map(|board| checkout::build_image(board)).collect();
+    lint?;
+    builds.into_iter().collect::<Result<Vec<_>>>()?;
     Ok(Verdict::Passed(boards.join(", ")))
 }
 

@@ -53,7 +53,7 @@ pub fn check() -> Result<Verdict> {
     Ok(Verdict::Tested { passed: tests - failed, failed, remark })
 }
 
-/// So many lines of a file, as a file of their own.
+/// The first lines of a file, as a file of their own.
 pub fn beginning(file: &Path, lines: usize) -> Result<PathBuf> {
     let folder = checkout::target_dir()?.join("qemu");
     std::fs::create_dir_all(&folder)?;

@@ -81,7 +81,7 @@ const STEPS: [Step; 16] = [
     Step {
         name: "emulator",
         lane: Images,
-        heading: "the emulator builds, and clippy finds nothing in it",
+        heading: "the emulator is formatted, builds, and clippy finds nothing in it",
         run: cargo::build_emulator,
     },
     Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },

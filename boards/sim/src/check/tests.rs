@@ -171,6 +171,20 @@ fn a_missing_step_a_short_pulse_and_falling_time_are_found() {
 }
 
 #[test]
+fn motors_out_of_step_are_told_once_until_they_are_in_step_again() {
+    let mut m = Motion::new("");
+    // Motor 1 misses a step, others go on, it makes the step, and misses another.
+    for (n, (steps, forward)) in
+        [(0x0E, 0x0C), (0x30, 0x30), (0x01, 0), (0x30, 0), (0x0E, 0x0C)].into_iter().enumerate()
+    {
+        m.event(1000 * (n as u64 + 1), steps, forward);
+    }
+    let findings = m.checker.finish(None);
+    let ticks: Vec<_> = findings.first.iter().filter(|v| v.text.contains("out of step")).map(|v| v.tick).collect();
+    assert_eq!(ticks, [1000, 5000], "{findings:?}");
+}
+
+#[test]
 fn a_wrong_end_is_found() {
     let mut m = Motion::new("");
     m.event(100, 0x40, 0x40);

@@ -53,7 +53,8 @@ fn moves_before_homing_are_warned_of_once_or_refused() {
 #[test]
 fn conditions_stop_the_print_with_a_reason() {
     let names = ["if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"no\""];
-    for line in ["M622 J1", "M623"].into_iter().chain(names) {
+    let of_slicers = ["{if layer_num > 2}", "{elsif true}", "{else}", "{endif}"];
+    for line in ["M622 J1", "M623"].into_iter().chain(names).chain(of_slicers) {
         let lines = ["G1 X110", line, "G1 X120"].map(str::to_owned).to_vec();
         let mut host = Asker { lines, next: 0, awaiting: 0, has_gone_on: false, heard: Vec::new() };
         let start = Some([100, 100, 50].map(Mm::from_num));

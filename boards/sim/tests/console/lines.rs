@@ -1,4 +1,4 @@
-//! Lines: each is answered once, whatever it holds.
+//! Lines: each is answered once, whatever it holds. Conditions end the print: `commands/effects.rs`.
 
 use super::talk::{HOMED, keep, talk, talk_to};
 use corehbot::gcode::{Command, parse};
