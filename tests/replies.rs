@@ -92,6 +92,8 @@ fn every_answer_has_its_words() {
     assert_eq!(reply(Replies::killed), "Error:Printer halted. kill() called! Send M999 or reset\n");
     let killed_by = "Error:Printer halted. kill() called! (no steps) Send M999 or reset\n";
     assert_eq!(reply(|r| r.killed_by("no steps")), killed_by);
+    let killed_after = "Error:too hot\nError:Printer halted. kill() called! Send M999 or reset\n";
+    assert_eq!(reply(|r| r.killed_after("too hot")), killed_after);
     assert_eq!(reply(|r| r.question(12)), "Resend: 13\nok\n");
     assert_eq!(
         (reply(|r| r.line_number(Some(5))), reply(|r| r.line_number(None))),
