@@ -55,6 +55,18 @@ fn drivers() {
 }
 
 #[test]
+fn the_belt_is_aligned_and_looked_at() {
+    let align = |diagnoses, repairs| Command::AlignBelt { diagnoses, repairs };
+    assert_eq!(parse(b"M915"), align(false, false));
+    assert_eq!(parse(b"M915 D"), align(true, false));
+    assert_eq!(parse(b"M915 R"), align(false, true));
+    // Of another firmware, or two things at once.
+    for line in ["M915 D R", "M915 R1", "M915 D0", "M915 X S3", "M915 R F0", "M915 H200 T1"] {
+        assert_eq!(parse(line.as_bytes()), Command::Unknown(line.as_bytes()), "{line}");
+    }
+}
+
+#[test]
 fn what_cannot_be_done_has_a_name() {
     assert_eq!(parse(b"M81"), Command::PowerOff);
     assert_eq!(parse(b"M413 S1"), Command::PowerLossRecovery(Some(true)));
@@ -125,7 +137,9 @@ fn heaters_and_fans() {
     }
     let tune = |heater, target, cycles, applies| Command::TuneHeater { heater, target, cycles, applies };
     assert_eq!(parse(b"M303 E-1 S60 C8 U"), tune(Some(Heater::Bed), number("60"), number("8"), true));
+    assert_eq!(parse(b"M303 E-2 S45"), tune(Some(Heater::Chamber), number("45"), None, false));
     assert_eq!(parse(b"M303 E7 U0"), tune(None, None, None, false));
+    assert_eq!(parse(b"M116"), Command::AwaitHeaters);
     assert_eq!(parse(b"M306 T"), tune(Some(Heater::Hotend), None, None, true));
     let words = ModelWords { loss: number(".07"), ..ModelWords::default() };
     assert_eq!(parse(b"M306 A.07"), Command::HeaterModel { heater: Some(Heater::Hotend), words });
