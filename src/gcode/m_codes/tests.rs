@@ -124,6 +124,8 @@ fn heaters_and_fans() {
     assert_eq!(parse(b"M109 S205;"), wait(Heater::Hotend, number("205"), false));
     assert_eq!(parse(b"M190 R60"), wait(Heater::Bed, number("60"), true));
     assert_eq!(parse(b"M191 R40 S50"), wait(Heater::Chamber, number("50"), false));
+    let chamber = Command::HeaterTarget { heater: Heater::Chamber, tool: 0, target: number("45") };
+    assert_eq!(parse(b"M141 S45"), chamber);
     assert_eq!(parse(b"M109"), wait(Heater::Hotend, None, false));
     let fan = |fan, speed| Command::FanSpeed { fan, speed: number(speed).unwrap() };
     for (line, expected) in [
