@@ -133,13 +133,6 @@ pub(super) fn mirrored(row: Row) -> Row {
     row.map(i8::wrapping_neg)
 }
 
-/// Whether two rows are the same, and whether they are each other's opposite.
-#[inline(always)]
-const fn relation([a, b, c, d]: Row, [p, q, r, s]: Row) -> [bool; 2] {
-    let sums = [a as i16 + p as i16, b as i16 + q as i16, c as i16 + r as i16, d as i16 + s as i16];
-    [a == p && b == q && c == r && d == s, sums[0] | sums[1] | sums[2] | sums[3] == 0]
-}
-
 impl Mechanism {
     /// The CoreH-bot: four motors on one belt, two ball screws, one extruder.
     #[must_use]
@@ -299,8 +292,9 @@ impl Mechanism {
             if row == NOT_FITTED {
                 return false;
             }
+            let opposite = mirrored(row);
             for (other, its_row) in self.motors() {
-                let [is_alike, is_opposite] = relation(row, its_row);
+                let (is_alike, is_opposite) = (its_row == row, its_row == opposite);
                 let turns_alike = forward.has(other) == forward.has(motor);
                 if (is_alike || is_opposite) && (!steps.has(other) || turns_alike != is_alike) {
                     return false;

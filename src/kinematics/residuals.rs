@@ -71,7 +71,7 @@ impl Residuals {
         // Each round takes one residual more, or none and then all are in.
         for _ in self.iter() {
             for residual in self.iter().map(motors_in) {
-                if residual.without(all) != residual {
+                if residual.intersects(all) {
                     all = all.with(residual);
                 }
             }
@@ -83,9 +83,9 @@ impl Residuals {
     #[must_use]
     pub fn first_of(&self, motors: MotorSet) -> MotorSet {
         let mut first = MotorSet::NONE;
-        for motor in Motor::ALL.into_iter().map(MotorSet::of).filter(|motor| motors.without(*motor) != motors) {
+        for motor in Motor::ALL.into_iter().map(MotorSet::of).filter(|motor| motors.intersects(*motor)) {
             let opponents = self.with_opponents(motor);
-            if first.without(opponents) == first {
+            if !first.intersects(opponents) {
                 first = first.with(motor);
             }
         }

@@ -68,7 +68,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             let _ = self.drivers.power(powered.with(next), &mut self.ports.drivers, now);
             // The idle timeout must not take it away before the move that it is for.
             self.idle_timeout.note_motion(now);
-            if residuals.motors().without(next) != residuals.motors() {
+            if residuals.motors().intersects(next) {
                 self.settle(now.after_ms(self.settings.belt.settling_ms.into())).await?;
             } else if !self.has_power(motors) {
                 // Other microsteps are on their way to motors that have power.
@@ -94,7 +94,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         let _ = self.drivers.power(on, &mut self.ports.drivers, self.ports.clock.now());
         self.homed.release(motors, self.real.groups().mechanism());
         let belt = self.residuals().motors();
-        if belt.without(motors) != belt {
+        if belt.intersects(motors) {
             self.trimming.forget();
         }
     }

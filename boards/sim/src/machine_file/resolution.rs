@@ -54,7 +54,7 @@ pub(super) fn resolution(s: &mut Settings, number: usize, file: &AxisToml) -> Re
 fn microsteps(s: &Settings, axis: usize) -> Option<u16> {
     let motors = s.mechanism.motors_of(axis);
     let groups = [(MotorSet::BELT, s.drivers.belt), (MotorSet::Z, s.drivers.z), (MotorSet::E, s.drivers.e)];
-    let mut of_axis = groups.into_iter().filter(|(group, _)| group.0 & motors.0 != 0).map(|(_, d)| d.microsteps);
+    let mut of_axis = groups.into_iter().filter(|(group, _)| group.intersects(motors)).map(|(_, d)| d.microsteps);
     let first = of_axis.next()?;
     of_axis.all(|other| other == first).then_some(first)
 }

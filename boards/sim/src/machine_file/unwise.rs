@@ -22,7 +22,7 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
     let groups =
         [("belt", s.drivers.belt, MotorSet::BELT), ("z", s.drivers.z, MotorSet::Z), ("e", s.drivers.e, MotorSet::E)];
     for (name, driver, motors) in groups {
-        if driver.current_ma > MODULE_MA && s.mechanism.fitted().0 & motors.0 != 0 {
+        if driver.current_ma > MODULE_MA && s.mechanism.fitted().intersects(motors) {
             let key = format!("drivers.{name}.current_ma");
             let text = format!("{key} = {}: above {MODULE_MA} mA a TMC2209 on a module needs a fan", driver.current_ma);
             warn(&key, text);
