@@ -20,7 +20,8 @@ const MM_PER_M: f64 = 1000.0;
 /// Dry friction changes its sign over this speed, in mm/s.
 pub(crate) const CREEP: f64 = 1.0;
 
-/// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, so that the integration bears it.
+/// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, or one and a half of the longest of a
+/// [live](crate::live) machine, so that the integration bears it.
 const BRAKED_IN_S: f64 = 3.0 * LONGEST_STEP_S;
 
 /// What moves besides the tool.
@@ -63,7 +64,8 @@ pub struct Plant {
     pub(super) springs: Vec<Spring>,
     /// Names of the spans, and the first spring of each.
     pub(super) spans: Vec<(&'static str, usize)>,
-    /// Longest step of an integration, in s.
+    /// Longest step of an integration, in s: in any case, and where all vibrations bear it.
+    most_step_s: f64,
     longest_step_s: f64,
 }
 
@@ -115,11 +117,20 @@ impl Plant {
             are_rotors: detail.rotors,
             springs: elastic.links.links.iter().map(spring).collect(),
             spans,
+            most_step_s: if detail.idlers { LONGEST_STEP_OF_IDLERS_S } else { LONGEST_STEP_S },
             longest_step_s: LONGEST_STEP_S,
             ways,
         };
         plant.send(&vec![0.0; plant.ways.motors.len()]);
         plant
+    }
+
+    /// The same, integrated in steps of so many s at most; vibrations may ask for shorter ones.
+    #[must_use]
+    pub fn in_steps_of(mut self, seconds: f64) -> Self {
+        self.most_step_s = seconds;
+        self.longest_step_s = self.stable_step_s();
+        self
     }
 
     /// Coordinates: x, y, idlers, motors.
@@ -195,9 +206,8 @@ impl Plant {
             }
             fastest = fastest.max(sum * mobility);
         }
-        let most = if self.has_idlers() { LONGEST_STEP_OF_IDLERS_S } else { LONGEST_STEP_S };
         let settling = MOST_SETTLING / (self.params.belt_damping_s * fastest).max(f64::MIN_POSITIVE);
-        most.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
+        self.most_step_s.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
     }
 
     /// What a held motor's step does to the speeds of all that moves: the belt's damping passes an instant's turn on as a
