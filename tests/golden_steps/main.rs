@@ -3,11 +3,13 @@
 //! within a second, that they are others.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "motion/dice.rs"]
+mod console;
+#[path = "../motion/dice.rs"]
 mod dice;
-#[path = "motion/line.rs"]
+#[path = "../motion/line.rs"]
 #[allow(dead_code, reason = "other tests need all of it")]
 mod line;
+mod planner;
 
 use corehbot::kinematics::Mechanism;
 use corehbot::settings::{Settings, Shaper, ShaperKind, sum};
@@ -132,5 +134,24 @@ fn shapers_and_pressure_advance() {
         let settings = shaped(kinds, spans);
         let path: Path = [corners(), circle(), axes()].concat();
         check(&format!("{kinds:?}"), &generate_shaped(&plan(&path, &settings), &settings), expected);
+    }
+}
+
+#[test]
+fn a_console_that_does_all_that_it_may() {
+    for (seed, expected) in [(0x5EED_0003, (50_838, 0xB73D_075D)), (0x5EED_0004, (51_882, 0x8AEA_2573))] {
+        let (count, all) = console::dialogue(seed);
+        assert_eq!((count, all), expected, "{seed}: what is seen is another: ({count}, {all:#010X})");
+    }
+}
+
+#[test]
+fn a_planner_that_does_all_that_it_may() {
+    let settings = Settings::prototype();
+    for (seed, expected) in
+        [(0x5EED_0005, (130, 0x114E_99A1)), (0x5EED_0006, (107, 0xCBE9_FB85)), (0x5EED_0007, (139, 0xAD89_ACAF))]
+    {
+        let (count, all) = planner::planned(seed, &settings);
+        assert_eq!((count, all), expected, "{seed}: what is planned is another: ({count}, {all:#010X})");
     }
 }

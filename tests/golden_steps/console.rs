@@ -1,0 +1,225 @@
+//! A Console that does all that it may, at moments that dice choose: queues moves, dwells and taps, looks at what is left and
+//! made, brakes, aborts, and runs the belt round. An endstop is pressed in some moves, and interrupts are late.
+
+use super::dice::Dice;
+use super::line::plan;
+use super::{circle, corners, shaped, wild};
+use corehbot::kinematics::{Grouping, Groupings, MotorTable};
+use corehbot::motion::{Link, Move, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper, Work, stiffenings, taps};
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
+use corehbot::settings::{Settings, ShaperKind, sum};
+use corehbot::status::Status;
+use corehbot::units::{Steps, SubTicks, Tick};
+use std::cell::Cell;
+use std::hash::Hash;
+
+/// What other contexts are asked for.
+#[derive(Default)]
+struct Pended {
+    generator: Cell<bool>,
+    stepper: Cell<bool>,
+}
+
+impl Pend for &Pended {
+    fn pend_generator(&self) {
+        self.generator.set(true);
+    }
+
+    fn pend_stepper(&self) {
+        self.stepper.set(true);
+    }
+}
+
+/// The step timer: its counter, and the alarm.
+#[derive(Default)]
+struct Timer {
+    now: Cell<u32>,
+    alarm: Cell<Option<u32>>,
+}
+
+impl StepClock for &Timer {
+    fn now(&self) -> Tick {
+        Tick(self.now.get())
+    }
+
+    fn alarm(&mut self, at: Tick) -> bool {
+        let is_ahead = at.0.wrapping_sub(self.now.get()).cast_signed() > 0;
+        self.alarm.set(is_ahead.then_some(at.0));
+        is_ahead
+    }
+
+    fn silence(&mut self) {
+        self.alarm.set(None);
+    }
+}
+
+/// A sum of all that is seen, in its order.
+#[derive(Default)]
+struct Seen {
+    count: Cell<usize>,
+    sum: Cell<u32>,
+}
+
+impl Seen {
+    fn add(&self, what: &impl Hash) {
+        self.count.set(self.count.get() + 1);
+        self.sum.set(sum(&(self.sum.get(), what)));
+    }
+}
+
+struct Pins<'s> {
+    table: MotorTable,
+    pressed: &'s Cell<u8>,
+    seen: &'s Seen,
+}
+
+impl StepPort for Pins<'_> {
+    fn dir(&mut self, forward: GroupSet) {
+        self.seen.add(&(1u8, self.table.forward_motors(forward).0));
+    }
+
+    fn rise(&mut self, steps: GroupSet, tick: u64) {
+        let MotorSet(motors) = self.table.motors(steps);
+        self.seen.add(&(2u8, motors, tick as u32, (tick >> 32) as u32));
+    }
+
+    fn fall(&mut self, steps: GroupSet) {
+        self.seen.add(&(3u8, self.table.motors(steps).0));
+    }
+
+    fn endstops(&mut self) -> EndstopSet {
+        EndstopSet(self.pressed.get())
+    }
+}
+
+/// A machine whose contexts run when dice say so.
+struct Machine<'m> {
+    link: Link<'m, &'m Pended>,
+    generator: StepGenerator<'m>,
+    stepper: Stepper<'m, Pins<'m>, &'m Timer, &'m Pended>,
+    pended: &'m Pended,
+    timer: &'m Timer,
+    status: &'m Status,
+    seen: &'m Seen,
+    pressed: &'m Cell<u8>,
+    dice: Dice,
+}
+
+impl Machine<'_> {
+    /// Lets the contexts run once, the generator only if it was asked or dice say so, and looks at what the Console sees.
+    fn run(&mut self) {
+        if self.pended.generator.replace(false) || self.dice.roll() < 0.1 {
+            self.generator.run(&self.pended);
+        }
+        for _ in 0..1 + (12.0 * self.dice.roll()) as u32 {
+            if let Some(alarm) = self.timer.alarm.take() {
+                // Mostly at once, now and then too late.
+                let late = if self.dice.roll() < 0.02 { (400.0 * self.dice.roll()) as u32 } else { 0 };
+                self.timer.now.set(alarm.wrapping_add(late));
+            } else if !self.pended.stepper.replace(false) {
+                break;
+            }
+            self.stepper.on_alarm();
+        }
+        self.look();
+    }
+
+    fn look(&mut self) {
+        let link = &mut self.link;
+        let states = [link.is_idle(), link.is_fresh(), link.has_room(), link.has_stopped()];
+        self.seen.add(&(4u8, states, link.left() as u32, link.level() as u32, link.entries(), link.entries_done()));
+        self.seen.add(&(5u8, link.counts(), self.stepper.tick() as u32, self.status.triggered().0));
+    }
+
+    /// Queues all of it, and runs until it is done, or for some rounds.
+    fn play(&mut self, work: impl IntoIterator<Item = Work>, rounds: usize) {
+        let mut left = work.into_iter().peekable();
+        for _ in 0..rounds {
+            while self.link.has_room() && left.peek().is_some() {
+                left.next().into_iter().for_each(|work| self.link.send(work));
+            }
+            self.run();
+            if left.peek().is_none() && self.link.is_idle() {
+                break;
+            }
+        }
+    }
+
+    /// Comes to rest, drops what is left, and stands at the origin whatever happened.
+    fn stop(&mut self, brakes: bool) {
+        if brakes {
+            self.link.brake();
+            while !self.link.has_stopped() {
+                self.run();
+            }
+        }
+        self.link.abort();
+        for _ in 0..100 {
+            self.pended.stepper.set(true);
+            self.run();
+        }
+        self.seen.add(&self.link.is_idle());
+        self.pressed.set(0);
+        self.link.restart();
+        self.play([Work::Position([Steps::ZERO; 4])], 100);
+    }
+}
+
+fn work(moves: &[Move]) -> impl Iterator<Item = Work> + '_ {
+    moves.iter().map(|m| Work::Move(*m))
+}
+
+/// How much is seen of a dialogue, and a sum of all.
+pub fn dialogue(seed: u64) -> (usize, u32) {
+    let settings = shaped([ShaperKind::Mzv, ShaperKind::Zvd], [0, 700]);
+    let (status, groupings) = (Status::new(), Groupings::new(&settings.mechanism));
+    let (mut move_queue, mut step_queue, mut spans) = (MoveQueue::new(), StepQueue::new(), SpanMemory::new());
+    let (pended, timer, seen, pressed) = (Pended::default(), Timer::default(), Seen::default(), Cell::new(0));
+    // The counter wraps under way.
+    timer.now.set(u32::MAX - 20_000_000);
+    let (moves_in, moves_out) = move_queue.split();
+    let (steps_in, steps_out) = step_queue.split();
+    let link = Link::new(moves_in, &status, steps_out.counts(&status), &pended);
+    let generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
+    let table = |grouping| MotorTable::new(&groupings.of(grouping).coupling());
+    let pins = Pins { table: table(Grouping::Tool), pressed: &pressed, seen: &seen };
+    let stepper = Stepper::new(steps_out, &status, pins, &timer, &pended);
+    let dice = Dice(seed);
+    let (pended, timer, status) = (&pended, &timer, &status);
+    let mut machine = Machine { link, generator, stepper, pended, timer, status, seen: &seen, pressed: &pressed, dice };
+    let plain = Settings::prototype();
+    let (corners, circle) = (plan(&corners(), &plain), plan(&circle(), &plain));
+    // A whole path with a dwell, then paths that are broken off sooner and later.
+    machine.play(work(&corners).chain([Work::Dwell(SubTicks::of_ticks(30_000))]), usize::MAX);
+    machine.stop(false);
+    for rounds in [3, 40, 90, 140, 260] {
+        machine.play(work(&circle), rounds);
+        machine.stop(true);
+        machine.play(work(&corners).chain(work(&circle)), 2 * rounds);
+        machine.stop(rounds % 4 == 0);
+    }
+    // Into an endstop.
+    let watched = plan(&wild(seed, 12), &plain).into_iter().map(|m| Move { watch: EndstopSet(1), ..m });
+    let watched: Vec<_> = watched.collect();
+    machine.play(work(&watched), 60);
+    machine.pressed.set(1);
+    machine.play([], 60);
+    assert!(!status.triggered().is_empty());
+    machine.stop(false);
+    // With shapers and pressure advance, braked too.
+    let follow = taps(&settings.shapers, Some(settings.advance.window)).into_iter().enumerate();
+    let stiffen = stiffenings(&settings).into_iter().enumerate();
+    let follow = follow.map(|(axis, taps)| Work::Follow(axis as u8, taps));
+    machine.play(stiffen.map(|(axis, law)| Work::Stiffen(axis as u8, law)).chain(follow), 100);
+    machine.play(work(&corners), 300);
+    machine.stop(true);
+    // The belt runs round.
+    for grouping in [Grouping::Circulation, Grouping::Trim, Grouping::Tool] {
+        machine.play([Work::Regroup(grouping), Work::Position([Steps::ZERO; 4])], 100);
+        machine.stepper.recouple(|pins| pins.table = table(grouping));
+        machine.play(work(&plan(&wild(seed + 1, 6), &plain)), usize::MAX);
+        machine.stop(false);
+    }
+    seen.add(&format!("{:?}", status.overload()));
+    (seen.count.get(), seen.sum.get())
+}
