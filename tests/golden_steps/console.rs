@@ -145,6 +145,15 @@ impl Machine<'_> {
         }
     }
 
+    /// Moves into an endstop.
+    fn meet_endstop(&mut self, moves: &[Move]) {
+        self.play(work(moves), 60);
+        self.pressed.set(1);
+        self.play([], 60);
+        assert!(!self.status.triggered().is_empty());
+        self.stop(false);
+    }
+
     /// Comes to rest, drops what is left, and stands at the origin whatever happened.
     fn stop(&mut self, brakes: bool) {
         if brakes {
@@ -189,6 +198,10 @@ pub fn dialogue(seed: u64) -> (usize, u32) {
     let mut machine = Machine { link, generator, stepper, pended, timer, status, seen: &seen, pressed: &pressed, dice };
     let plain = Settings::prototype();
     let (corners, circle) = (plan(&corners(), &plain), plan(&circle(), &plain));
+    let watched = plan(&wild(seed, 12), &plain).into_iter().map(|m| Move { watch: EndstopSet(1), ..m });
+    let watched: Vec<_> = watched.collect();
+    // In the first epoch, too.
+    machine.meet_endstop(&watched);
     // A whole path with a dwell, then paths that are broken off sooner and later.
     machine.play(work(&corners).chain([Work::Dwell(SubTicks::of_ticks(30_000))]), usize::MAX);
     machine.stop(false);
@@ -198,14 +211,7 @@ pub fn dialogue(seed: u64) -> (usize, u32) {
         machine.play(work(&corners).chain(work(&circle)), 2 * rounds);
         machine.stop(rounds % 4 == 0);
     }
-    // Into an endstop.
-    let watched = plan(&wild(seed, 12), &plain).into_iter().map(|m| Move { watch: EndstopSet(1), ..m });
-    let watched: Vec<_> = watched.collect();
-    machine.play(work(&watched), 60);
-    machine.pressed.set(1);
-    machine.play([], 60);
-    assert!(!status.triggered().is_empty());
-    machine.stop(false);
+    machine.meet_endstop(&watched);
     // With shapers and pressure advance, braked too.
     let follow = taps(&settings.shapers, Some(settings.advance.window)).into_iter().enumerate();
     let stiffen = stiffenings(&settings).into_iter().enumerate();

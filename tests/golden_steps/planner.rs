@@ -2,7 +2,7 @@
 
 use super::dice::Dice;
 use super::line::target;
-use super::{Path, circle, corners, wild};
+use super::{Path, circle, corners, tiny, wild};
 use corehbot::motion::{MoveMemory, Planner};
 use corehbot::settings::{Settings, sum};
 use corehbot::units::{Mm, Steps};
@@ -14,7 +14,7 @@ pub fn planned(seed: u64, settings: &Settings) -> (usize, u32) {
     let mut dice = Dice(seed);
     let (mut count, mut all) = (0, 0);
     let mut add = |what: String| all = sum(&(all, what));
-    let path: Path = [corners(), circle(), wild(seed, 80)].concat();
+    let path: Path = [corners(), tiny(), circle(), wild(seed, 80)].concat();
     for (position, speed) in path {
         while !planner.has_room() || dice.roll() < 0.2 {
             match (6.0 * dice.roll()) as u32 {
@@ -25,7 +25,9 @@ pub fn planned(seed: u64, settings: &Settings) -> (usize, u32) {
                 _ => planner.release_some(),
             }
             while !planner.replan() {}
-            let moves: Vec<_> = std::iter::from_fn(|| planner.pop()).collect();
+            planner.prepare();
+            let some = (12.0 * dice.roll()) as usize;
+            let moves: Vec<_> = std::iter::from_fn(|| planner.pop()).take(some).collect();
             count += moves.len();
             add(format!("{moves:?}"));
         }

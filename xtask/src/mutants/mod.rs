@@ -104,7 +104,7 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let unit_folder = folder.join("unit");
     let mut unit = mutants(room, room.quick, args, &unit_folder)?;
     unit.arg(format!("--file=src/{}/**", room.name));
-    unit.args(["--minimum-test-timeout=15", "--cargo-arg=--lib"]);
+    unit.args(["--minimum-test-timeout=10", "--cargo-arg=--lib"]);
     room.quick.iter().for_each(|test| _ = unit.arg(format!("--cargo-arg=--test={test}")));
     if let Some(shard) = &args.shard {
         unit.args(["--sharding=round-robin", "--shard", shard]);
