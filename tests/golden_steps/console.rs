@@ -200,6 +200,7 @@ pub fn dialogue(seed: u64) -> (usize, u32) {
     let (corners, circle) = (plan(&corners(), &plain), plan(&circle(), &plain));
     let watched = plan(&wild(seed, 12), &plain).into_iter().map(|m| Move { watch: EndstopSet(1), ..m });
     let watched: Vec<_> = watched.collect();
+    machine.look();
     // In the first epoch, too.
     machine.meet_endstop(&watched);
     // A whole path with a dwell, then paths that are broken off sooner and later.

@@ -100,7 +100,12 @@ fn tiny() -> Path {
 
 /// Moves of half a minute and more, most of which speeds up or slows down.
 fn long() -> Path {
-    vec![([300.0, 10.0, 0.0, 1.0], 12.0), ([290.0, 310.0, 0.0, 1.0], 9.0), ([20.0, 41.0, 0.0, 30.0], 14.0)]
+    vec![
+        ([300.0, 10.0, 0.0, 1.0], 12.0),
+        ([290.0, 310.0, 0.0, 1.0], 9.0),
+        ([90.0, 110.0, 0.0, 1.0], 11.0),
+        ([20.0, 41.0, 0.0, 30.0], 14.0),
+    ]
 }
 
 /// The prototype with shapers, whose taps stand closer away from the middle if belts have these lengths in mm, and pressure advance.
@@ -125,7 +130,7 @@ fn corners_and_speeds() {
     check("circle", &generate(&plan(&circle(), &settings)), (5_230, 4_730_621, 0x109B_6F0F));
     let mut slow = settings;
     (slow.print_acceleration, slow.travel_acceleration) = (MmPerSec2::from_num(1), MmPerSec2::from_num(1.5));
-    check("long", &generate(&plan(&long(), &slow)), (149_458, 1_171_731_359, 0xA8E1_296B));
+    check("long", &generate(&plan(&long(), &slow)), (149_460, 1_195_803_666, 0xA1A9_F31A));
     check("axes", &generate(&plan(&axes(), &settings)), (4_120, 5_758_940, 0xDC2E_7B94));
 }
 
@@ -156,7 +161,7 @@ fn shapers_and_pressure_advance() {
 
 #[test]
 fn a_console_that_does_all_that_it_may() {
-    for (seed, expected) in [(0x5EED_0003, (51_950, 0xA235_168F)), (0x5EED_0004, (53_006, 0x6FB4_30F7))] {
+    for (seed, expected) in [(0x5EED_0003, (51_952, 0xBA4A_8405)), (0x5EED_0004, (53_008, 0x8D4C_5B89))] {
         let (count, all) = console::dialogue(seed);
         assert_eq!((count, all), expected, "{seed}: what is seen is another: ({count}, {all:#010X})");
     }
@@ -166,7 +171,7 @@ fn a_console_that_does_all_that_it_may() {
 fn a_planner_that_does_all_that_it_may() {
     let settings = Settings::prototype();
     for (seed, expected) in
-        [(0x5EED_0005, (151, 0x933E_CB4D)), (0x5EED_0006, (119, 0x140F_2F17)), (0x5EED_0007, (142, 0x0876_DF60))]
+        [(0x5EED_0005, (151, 0x2BC3_12D4)), (0x5EED_0006, (119, 0x6545_9269)), (0x5EED_0007, (142, 0x88F5_45C2))]
     {
         let (count, all) = planner::planned(seed, &settings);
         assert_eq!((count, all), expected, "{seed}: what is planned is another: ({count}, {all:#010X})");

@@ -3,6 +3,7 @@
 use super::dice::Dice;
 use super::line::target;
 use super::{Path, circle, corners, tiny, wild};
+use corehbot::kinematics::{Grouping, Groupings};
 use corehbot::motion::{MoveMemory, Planner};
 use corehbot::settings::{Settings, sum};
 use corehbot::units::{Mm, Steps};
@@ -11,6 +12,7 @@ use corehbot::units::{Mm, Steps};
 pub fn planned(seed: u64, settings: &Settings) -> (usize, u32) {
     let mut memory = MoveMemory::new();
     let mut planner = Planner::new(&mut memory, settings, [Mm::ZERO; 4]);
+    let groupings = Groupings::new(&settings.mechanism);
     let mut dice = Dice(seed);
     let (mut count, mut all) = (0, 0);
     let mut add = |what: String| all = sum(&(all, what));
@@ -33,9 +35,10 @@ pub fn planned(seed: u64, settings: &Settings) -> (usize, u32) {
         }
         let is_taken = planner.push(&target(position, speed), settings);
         planner.prepare();
+        assert!(planner.is_whole(settings, &groupings.tool));
         let [x, y, z, e] = planner.end();
         add(format!(
-            "{is_taken} {} {} {} {:?} {} {:?} {} {:?}",
+            "{is_taken} {} {} {} {:?} {} {:?} {} {:?} {:?}",
             planner.room(),
             planner.has_ready(),
             planner.lacks_moves(),
@@ -43,12 +46,20 @@ pub fn planned(seed: u64, settings: &Settings) -> (usize, u32) {
             planner.path(),
             planner.planned(),
             planner.is_planned(),
-            (planner.final_time(), planner.mm([x, y, z, e]), planner.filament_within(50_000, e, 20_000)),
+            (planner.mm([x, y, z, e]), planner.filament_um(e), planner.filament_within(50_000, e, 20_000)),
+            (planner.final_time(), planner.is_move(position.map(Mm::from_num)), planner.feed_percent()),
         ));
         if dice.roll() < 0.03 {
             planner.release_all();
             while planner.pop().is_some() {}
-            planner.stand_at([x, y, z, Steps::ZERO]);
+            // It came not quite as far, and goes on with another way to group motors and then as before.
+            let short = [x.wrapping_sub(Steps::from_num(9)), y, z, Steps::ZERO];
+            planner.fall_short(short);
+            planner.stand_at(short);
+            let other = groupings.of(Grouping::Circulation);
+            planner.regroup(settings, other);
+            assert!(!planner.is_whole(settings, &groupings.tool) && planner.is_whole(settings, other));
+            planner.regroup(settings, &groupings.tool);
         }
     }
     (count, all)
