@@ -104,3 +104,9 @@ fn printing_is_short() {
     assert_eq!(bits("0.0000000002"), 1);
     assert_eq!(bits(&Number(I32F32::from_bits(ONE - 1)).to_string()), ONE - 1);
 }
+
+#[test]
+fn the_tenth_decimal_is_the_nearest() {
+    // 6.98e-10: nine decimals do not read back, and 6 as the tenth would.
+    assert_eq!(Number::saturating(I32F32::from_bits(3)).to_string(), "0.0000000007");
+}
