@@ -1,5 +1,5 @@
-//! A Console that does all that it may, at moments that dice choose: queues moves, dwells and taps, looks at what is left and
-//! made, brakes, aborts, and runs the belt round. An endstop is pressed in some moves, and interrupts are late.
+//! The Console's end of the motion, with all that it may do at moments that dice choose: it queues moves, dwells and taps, looks at what
+//! is left and made, brakes, aborts, and runs the belt round. An endstop is pressed in some moves, and interrupts are late.
 
 use super::dice::Dice;
 use super::line::plan;
@@ -87,10 +87,25 @@ impl StepPort for Pins<'_> {
         self.seen.add(&(3u8, self.table.motors(steps).0));
     }
 
+    fn slow_groups(&self) -> GroupSet {
+        GroupSet(0b100)
+    }
+
+    fn rise_quick(&mut self, steps: GroupSet, tick: u64) {
+        self.seen.add(&6u8);
+        self.rise(steps, tick);
+    }
+
     fn endstops(&mut self) -> EndstopSet {
         EndstopSet(self.pressed.get())
     }
 }
+
+/// Where the counter of the step timer begins: 2 s before it wraps.
+const BEGIN: u32 = u32::MAX - 20_000_000;
+
+/// Rounds in which anything is done that ends by itself.
+const MOST_ROUNDS: usize = 50_000;
 
 /// A machine whose contexts run when dice say so.
 struct Machine<'m> {
@@ -106,7 +121,7 @@ struct Machine<'m> {
 }
 
 impl Machine<'_> {
-    /// Lets the contexts run once, the generator only if it was asked or dice say so, and looks at what the Console sees.
+    /// A round: the generator runs if it was asked or dice say so, the Stepper up to twelve times, and the Console looks.
     fn run(&mut self) {
         if self.pended.generator.replace(false) || self.dice.roll() < 0.1 {
             self.generator.run(&self.pended);
@@ -131,7 +146,7 @@ impl Machine<'_> {
         self.seen.add(&(5u8, link.counts(), self.stepper.tick() as u32, self.status.triggered().0));
     }
 
-    /// Queues all of it, and runs until it is done, or for some rounds.
+    /// Queues it and runs until all is done, or for so many rounds.
     fn play(&mut self, work: impl IntoIterator<Item = Work>, rounds: usize) {
         let mut left = work.into_iter().peekable();
         for _ in 0..rounds {
@@ -151,17 +166,23 @@ impl Machine<'_> {
         self.pressed.set(1);
         self.play([], 60);
         assert!(!self.status.triggered().is_empty());
-        self.stop(false);
+        self.stop();
     }
 
-    /// Comes to rest, drops what is left, and stands at the origin whatever happened.
-    fn stop(&mut self, brakes: bool) {
-        if brakes {
-            self.link.brake();
-            while !self.link.has_stopped() {
-                self.run();
-            }
-        }
+    /// Comes to rest in mid path, as fast as it may, and stops.
+    fn brake(&mut self) {
+        assert!(!self.link.is_idle());
+        self.link.brake();
+        let has_stopped = (0..MOST_ROUNDS).any(|_| {
+            self.run();
+            self.link.has_stopped()
+        });
+        assert!(has_stopped);
+        self.stop();
+    }
+
+    /// Drops what is left, and stands at the origin whatever happened.
+    fn stop(&mut self) {
         self.link.abort();
         for _ in 0..100 {
             self.pended.stepper.set(true);
@@ -178,21 +199,20 @@ fn work(moves: &[Move]) -> impl Iterator<Item = Work> + '_ {
     moves.iter().map(|m| Work::Move(*m))
 }
 
-/// How much is seen of a dialogue, and a sum of all.
-pub fn dialogue(seed: u64) -> (usize, u32) {
+/// How much is seen, and a sum of all.
+pub fn run(seed: u64) -> (usize, u32) {
     let settings = shaped([ShaperKind::Mzv, ShaperKind::Zvd], [0, 700]);
     let (status, groupings) = (Status::new(), Groupings::new(&settings.mechanism));
     let (mut move_queue, mut step_queue, mut spans) = (MoveQueue::new(), StepQueue::new(), SpanMemory::new());
     let (pended, timer, seen, pressed) = (Pended::default(), Timer::default(), Seen::default(), Cell::new(0));
-    // The counter wraps under way.
-    timer.now.set(u32::MAX - 20_000_000);
+    timer.now.set(BEGIN);
     let (moves_in, moves_out) = move_queue.split();
     let (steps_in, steps_out) = step_queue.split();
     let link = Link::new(moves_in, &status, steps_out.counts(&status), &pended);
-    let generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
     let table = |grouping| MotorTable::new(&groupings.of(grouping).coupling());
     let pins = Pins { table: table(Grouping::Tool), pressed: &pressed, seen: &seen };
     let stepper = Stepper::new(steps_out, &status, pins, &timer, &pended);
+    let generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
     let dice = Dice(seed);
     let (pended, timer, status) = (&pended, &timer, &status);
     let mut machine = Machine { link, generator, stepper, pended, timer, status, seen: &seen, pressed: &pressed, dice };
@@ -204,29 +224,33 @@ pub fn dialogue(seed: u64) -> (usize, u32) {
     // In the first epoch, too.
     machine.meet_endstop(&watched);
     // A whole path with a dwell, then paths that are broken off sooner and later.
-    machine.play(work(&corners).chain([Work::Dwell(SubTicks::of_ticks(30_000))]), usize::MAX);
-    machine.stop(false);
+    machine.play(work(&corners).chain([Work::Dwell(SubTicks::of_ticks(30_000))]), MOST_ROUNDS);
+    machine.stop();
     for rounds in [3, 40, 90, 140, 260] {
         machine.play(work(&circle), rounds);
-        machine.stop(true);
+        machine.brake();
         machine.play(work(&corners).chain(work(&circle)), 2 * rounds);
-        machine.stop(rounds % 4 == 0);
+        assert!(!machine.link.is_idle());
+        if rounds % 4 == 0 { machine.brake() } else { machine.stop() }
     }
     machine.meet_endstop(&watched);
-    // With shapers and pressure advance, braked too.
+    // With shapers and pressure advance.
     let follow = taps(&settings.shapers, Some(settings.advance.window)).into_iter().enumerate();
     let stiffen = stiffenings(&settings).into_iter().enumerate();
     let follow = follow.map(|(axis, taps)| Work::Follow(axis as u8, taps));
     machine.play(stiffen.map(|(axis, law)| Work::Stiffen(axis as u8, law)).chain(follow), 100);
-    machine.play(work(&corners), 300);
-    machine.stop(true);
+    machine.play(work(&plan(&super::corners(), &settings)), 300);
+    machine.brake();
     // The belt runs round.
     for grouping in [Grouping::Circulation, Grouping::Trim, Grouping::Tool] {
         machine.play([Work::Regroup(grouping), Work::Position([Steps::ZERO; 4])], 100);
         machine.stepper.recouple(|pins| pins.table = table(grouping));
-        machine.play(work(&plan(&wild(seed + 1, 6), &plain)), usize::MAX);
-        machine.stop(false);
+        machine.play(work(&plan(&wild(seed + 1, 6), &plain)), MOST_ROUNDS);
+        assert!(machine.link.is_idle());
+        machine.stop();
     }
+    // The counter has wrapped, and interrupts were late.
+    assert!(timer.now.get() < BEGIN && status.overload().events.count > 0);
     seen.add(&format!("{:?}", status.overload()));
     (seen.count.get(), seen.sum.get())
 }

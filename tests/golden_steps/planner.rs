@@ -8,17 +8,56 @@ use corehbot::motion::{MoveMemory, Planner};
 use corehbot::settings::{Settings, sum};
 use corehbot::units::{Mm, Steps};
 
-/// How many moves leave it, and a sum of all that is seen of it.
-pub fn planned(seed: u64, settings: &Settings) -> (usize, u32) {
+/// Parts of its work in which a planner has planned everything again.
+const MOST_PARTS: usize = 1000;
+
+/// What is seen of a planner.
+#[derive(Default)]
+struct Seen {
+    moves: usize,
+    sum: u32,
+}
+
+impl Seen {
+    fn add(&mut self, what: String) {
+        self.sum = sum(&(self.sum, what));
+    }
+
+    /// So many of the moves that leave.
+    fn take(&mut self, planner: &mut Planner<'_>, most: usize) {
+        let moves: Vec<_> = std::iter::from_fn(|| planner.pop()).take(most).collect();
+        self.moves += moves.len();
+        self.add(format!("{moves:?}"));
+    }
+
+    /// All that can be asked of it.
+    fn look(&mut self, planner: &mut Planner<'_>, at: [Mm; 4]) {
+        let end = planner.end();
+        self.add(format!("{:?}", (planner.room(), planner.len(), planner.is_empty(), planner.has_room())));
+        self.add(format!(
+            "{:?}",
+            (planner.has_ready(), planner.lacks_moves(), planner.is_planned(), planner.waiting())
+        ));
+        self.add(format!("{:?}", (planner.final_time(), planner.path(), planner.planned(), planner.feed_percent())));
+        self.add(format!("{:?}", (end, planner.mm(end), planner.steps(at), planner.is_move(at))));
+        self.add(format!("{:?}", (planner.filament_um(end[3]), planner.filament_within(50_000, end[3], 20_000))));
+    }
+}
+
+/// How many moves leave it, and a sum of all that is seen of it. One that fills lets nothing leave before.
+pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
     let mut memory = MoveMemory::new();
     let mut planner = Planner::new(&mut memory, settings, [Mm::ZERO; 4]);
     let groupings = Groupings::new(&settings.mechanism);
-    let mut dice = Dice(seed);
-    let (mut count, mut all) = (0, 0);
-    let mut add = |what: String| all = sum(&(all, what));
+    let (mut grouping, mut dice, mut seen, mut was_full) = (Grouping::Tool, Dice(seed), Seen::default(), false);
+    let often = if fills { 0.0 } else { 0.2 };
     let path: Path = [corners(), tiny(), circle(), wild(seed, 80)].concat();
     for (position, speed) in path {
-        while !planner.has_room() || dice.roll() < 0.2 {
+        for _ in 0..MOST_PARTS {
+            was_full |= !planner.has_room();
+            if planner.has_room() && dice.roll() >= often {
+                break;
+            }
             match (6.0 * dice.roll()) as u32 {
                 0 => planner.override_feed(10 + (200.0 * dice.roll()) as u16),
                 1 => planner.take_share(1 + (16.0 * dice.roll()) as u8),
@@ -26,41 +65,36 @@ pub fn planned(seed: u64, settings: &Settings) -> (usize, u32) {
                 3 => planner.release_all(),
                 _ => planner.release_some(),
             }
-            while !planner.replan() {}
+            // In the middle of planning again, and after it.
+            seen.take(&mut planner, (12.0 * dice.roll()) as usize);
+            if dice.roll() < 0.7 {
+                assert!((0..MOST_PARTS).any(|_| planner.replan()));
+            }
             planner.prepare();
-            let some = (12.0 * dice.roll()) as usize;
-            let moves: Vec<_> = std::iter::from_fn(|| planner.pop()).take(some).collect();
-            count += moves.len();
-            add(format!("{moves:?}"));
         }
+        let at = position.map(Mm::from_num);
         let is_taken = planner.push(&target(position, speed), settings);
-        planner.prepare();
-        assert!(planner.is_whole(settings, &groupings.tool));
-        let [x, y, z, e] = planner.end();
-        add(format!(
-            "{is_taken} {} {} {} {:?} {} {:?} {} {:?} {:?}",
-            planner.room(),
-            planner.has_ready(),
-            planner.lacks_moves(),
-            (planner.is_empty(), planner.len(), planner.waiting()),
-            planner.path(),
-            planner.planned(),
-            planner.is_planned(),
-            (planner.mm([x, y, z, e]), planner.filament_um(e), planner.filament_within(50_000, e, 20_000)),
-            (planner.final_time(), planner.is_move(position.map(Mm::from_num)), planner.feed_percent()),
-        ));
-        if dice.roll() < 0.03 {
+        seen.add(format!("{is_taken}"));
+        seen.look(&mut planner, at);
+        assert!(planner.is_whole(settings, groupings.of(grouping)));
+        if dice.roll() < often / 6.0 {
             planner.release_all();
-            while planner.pop().is_some() {}
-            // It came not quite as far, and goes on with another way to group motors and then as before.
-            let short = [x.wrapping_sub(Steps::from_num(9)), y, z, Steps::ZERO];
+            assert!((0..MOST_PARTS).any(|_| planner.prepare()));
+            seen.take(&mut planner, usize::MAX);
+            // It came not quite as far, and goes on with motors in other groups, or as before.
+            let [x, y, z, e] = planner.end();
+            let short = [x.wrapping_sub(Steps::from_num(9)), y, z, e];
             planner.fall_short(short);
             planner.stand_at(short);
-            let other = groupings.of(Grouping::Circulation);
-            planner.regroup(settings, other);
-            assert!(!planner.is_whole(settings, &groupings.tool) && planner.is_whole(settings, other));
-            planner.regroup(settings, &groupings.tool);
+            let other = if grouping == Grouping::Tool { Grouping::Circulation } else { Grouping::Tool };
+            planner.regroup(settings, groupings.of(other));
+            assert!(!planner.is_whole(settings, groupings.of(grouping)));
+            grouping = other;
         }
     }
-    (count, all)
+    assert_eq!(was_full, fills);
+    planner.release_all();
+    assert!((0..MOST_PARTS).any(|_| planner.prepare()));
+    seen.take(&mut planner, usize::MAX);
+    (seen.moves, seen.sum)
 }

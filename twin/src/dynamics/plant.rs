@@ -20,9 +20,9 @@ const MM_PER_M: f64 = 1000.0;
 /// Dry friction changes its sign over this speed, in mm/s.
 pub(crate) const CREEP: f64 = 1.0;
 
-/// A brake or an obstacle that holds stops what moves so fast, in s: three of the longest steps, and no less than
-/// the longest of a [live](crate::live) machine, so that the integration bears it.
-const BRAKED_IN_S: f64 = 3.0 * LONGEST_STEP_S;
+/// The time in which a brake or an obstacle that holds stops what moves, in s: three of the longest steps, and no less than the longest
+/// of a [live](crate::live) machine, so that the integration bears it.
+pub(crate) const BRAKED_IN_S: f64 = 3.0 * LONGEST_STEP_S;
 
 /// What moves besides the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,12 +64,13 @@ pub struct Plant {
     pub(super) springs: Vec<Spring>,
     /// Names of the spans, and the first spring of each.
     pub(super) spans: Vec<(&'static str, usize)>,
-    /// Longest step of an integration, in s: in any case, and where all vibrations bear it.
+    /// Longest step of an integration in any case, in s.
     most_step_s: f64,
+    /// The same where the motors were sent, which all vibrations bear.
     longest_step_s: f64,
 }
 
-/// Longest step of an integration in any case, in s: an 80th of a period of the fastest rotor mode. Undamped energy falls by 7e-7 in a second.
+/// Longest step of an integration unless the caller asks for [another](Plant::in_steps_of), in s: an 80th of a period of the fastest rotor mode. Undamped energy falls by 7e-7 in a second.
 const LONGEST_STEP_S: f64 = 36e-6;
 
 /// The same with idlers, which ring at 1.5 kHz in the middle of the machine.
@@ -78,7 +79,7 @@ const LONGEST_STEP_OF_IDLERS_S: f64 = 8e-6;
 /// A step is no longer than so many radians of the fastest vibration; Runge and Kutta's method bears 2.8.
 const MOST_RADIANS: f64 = 0.5;
 
-/// Nor than so many times the time in which the belt's damping settles; the method bears 2.7.
+/// Nor than so many times the time in which the belt's damping settles, or dry friction; the method bears 2.7.
 const MOST_SETTLING: f64 = 1.5;
 
 impl Plant {
@@ -206,8 +207,14 @@ impl Plant {
             }
             fastest = fastest.max(sum * mobility);
         }
-        let settling = MOST_SETTLING / (self.params.belt_damping_s * fastest).max(f64::MIN_POSITIVE);
+        let settling = MOST_SETTLING / (self.params.belt_damping_s * fastest).max(self.rubs()).max(f64::MIN_POSITIVE);
         self.most_step_s.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
+    }
+
+    /// How fast dry friction of the guides slows down what creeps, in 1/s.
+    fn rubs(&self) -> f64 {
+        let dry = [self.params.dry_friction_x_n, self.params.dry_friction_y_n];
+        dry.iter().zip(&self.mobility).map(|(dry, mobility)| dry * mobility / CREEP).fold(0.0, f64::max)
     }
 
     /// What a held motor's step does to the speeds of all that moves: the belt's damping passes an instant's turn on as a
