@@ -1,15 +1,16 @@
 //! The Console's end of the motion, with all that it may do at moments that dice choose: it queues moves, dwells and taps, looks at what
 //! is left and made, brakes, aborts, and runs the belt round. An endstop is pressed in some moves, and interrupts are late.
 
+use super::clock::{Clock, Timer};
 use super::dice::Dice;
-use super::line::plan;
+use super::line::{plan, shaping};
 use super::{circle, corners, shaped, wild};
 use corehbot::kinematics::{Grouping, Groupings, MotorTable};
-use corehbot::motion::{Link, Move, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper, Work, stiffenings, taps};
-use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
+use corehbot::motion::{Link, Move, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper, Work};
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepPort};
 use corehbot::settings::{Settings, ShaperKind, sum};
 use corehbot::status::Status;
-use corehbot::units::{Steps, SubTicks, Tick};
+use corehbot::units::{Steps, SubTicks};
 use std::cell::Cell;
 use std::hash::Hash;
 
@@ -27,29 +28,6 @@ impl Pend for &Pended {
 
     fn pend_stepper(&self) {
         self.stepper.set(true);
-    }
-}
-
-/// The step timer: its counter, and the alarm.
-#[derive(Default)]
-struct Timer {
-    now: Cell<u32>,
-    alarm: Cell<Option<u32>>,
-}
-
-impl StepClock for &Timer {
-    fn now(&self) -> Tick {
-        Tick(self.now.get())
-    }
-
-    fn alarm(&mut self, at: Tick) -> bool {
-        let is_ahead = at.0.wrapping_sub(self.now.get()).cast_signed() > 0;
-        self.alarm.set(is_ahead.then_some(at.0));
-        is_ahead
-    }
-
-    fn silence(&mut self) {
-        self.alarm.set(None);
     }
 }
 
@@ -111,9 +89,9 @@ const MOST_ROUNDS: usize = 50_000;
 struct Machine<'m> {
     link: Link<'m, &'m Pended>,
     generator: StepGenerator<'m>,
-    stepper: Stepper<'m, Pins<'m>, &'m Timer, &'m Pended>,
+    stepper: Stepper<'m, Pins<'m>, Timer<'m>, &'m Pended>,
     pended: &'m Pended,
-    timer: &'m Timer,
+    clock: &'m Clock,
     status: &'m Status,
     seen: &'m Seen,
     pressed: &'m Cell<u8>,
@@ -127,10 +105,10 @@ impl Machine<'_> {
             self.generator.run(&self.pended);
         }
         for _ in 0..1 + (12.0 * self.dice.roll()) as u32 {
-            if let Some(alarm) = self.timer.alarm.take() {
+            if let Some(alarm) = self.clock.alarm.take() {
                 // Mostly at once, now and then too late.
                 let late = if self.dice.roll() < 0.02 { (400.0 * self.dice.roll()) as u32 } else { 0 };
-                self.timer.now.set(alarm.wrapping_add(late));
+                self.clock.now.set(alarm.wrapping_add(late));
             } else if !self.pended.stepper.replace(false) {
                 break;
             }
@@ -204,18 +182,18 @@ pub fn run(seed: u64) -> (usize, u32) {
     let settings = shaped([ShaperKind::Mzv, ShaperKind::Zvd], [0, 700]);
     let (status, groupings) = (Status::new(), Groupings::new(&settings.mechanism));
     let (mut move_queue, mut step_queue, mut spans) = (MoveQueue::new(), StepQueue::new(), SpanMemory::new());
-    let (pended, timer, seen, pressed) = (Pended::default(), Timer::default(), Seen::default(), Cell::new(0));
-    timer.now.set(BEGIN);
+    let (pended, clock, seen, pressed) = (Pended::default(), Clock::default(), Seen::default(), Cell::new(0));
+    clock.now.set(BEGIN);
     let (moves_in, moves_out) = move_queue.split();
     let (steps_in, steps_out) = step_queue.split();
     let link = Link::new(moves_in, &status, steps_out.counts(&status), &pended);
     let table = |grouping| MotorTable::new(&groupings.of(grouping).coupling());
     let pins = Pins { table: table(Grouping::Tool), pressed: &pressed, seen: &seen };
-    let stepper = Stepper::new(steps_out, &status, pins, &timer, &pended);
+    let stepper = Stepper::new(steps_out, &status, pins, Timer(&clock), &pended);
     let generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
     let dice = Dice(seed);
-    let (pended, timer, status) = (&pended, &timer, &status);
-    let mut machine = Machine { link, generator, stepper, pended, timer, status, seen: &seen, pressed: &pressed, dice };
+    let (pended, clock, status) = (&pended, &clock, &status);
+    let mut machine = Machine { link, generator, stepper, pended, clock, status, seen: &seen, pressed: &pressed, dice };
     let plain = Settings::prototype();
     let (corners, circle) = (plan(&corners(), &plain), plan(&circle(), &plain));
     let watched = plan(&wild(seed, 12), &plain).into_iter().map(|m| Move { watch: EndstopSet(1), ..m });
@@ -235,10 +213,7 @@ pub fn run(seed: u64) -> (usize, u32) {
     }
     machine.meet_endstop(&watched);
     // With shapers and pressure advance.
-    let follow = taps(&settings.shapers, Some(settings.advance.window)).into_iter().enumerate();
-    let stiffen = stiffenings(&settings).into_iter().enumerate();
-    let follow = follow.map(|(axis, taps)| Work::Follow(axis as u8, taps));
-    machine.play(stiffen.map(|(axis, law)| Work::Stiffen(axis as u8, law)).chain(follow), 100);
+    machine.play(shaping(&settings), 100);
     machine.play(work(&plan(&super::corners(), &settings)), 300);
     machine.brake();
     // The belt runs round.
@@ -250,7 +225,7 @@ pub fn run(seed: u64) -> (usize, u32) {
         machine.stop();
     }
     // The counter has wrapped, and interrupts were late.
-    assert!(timer.now.get() < BEGIN && status.overload().events.count > 0);
+    assert!(clock.now.get() < BEGIN && status.overload().events.count > 0);
     seen.add(&format!("{:?}", status.overload()));
     (seen.count.get(), seen.sum.get())
 }

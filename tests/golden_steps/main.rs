@@ -4,6 +4,9 @@
 //! reported, with what a move holds, and with how much is made at a time.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[path = "../stepper/clock.rs"]
+#[allow(dead_code, reason = "other tests need all of it")]
+mod clock;
 mod console;
 #[path = "../motion/dice.rs"]
 mod dice;
@@ -34,6 +37,11 @@ fn kept(steps: &[Step]) -> Kept {
 fn check(name: &str, steps: &[Step], expected: Kept) {
     let (count, last, all) = kept(steps);
     assert_eq!((count, last, all), expected, "{name}: the steps are others: ({count}, {last}, {all:#010X})");
+}
+
+/// A target of a path.
+const fn to(x: f64, y: f64, z: f64, e: f64, speed: f64) -> ([f64; 4], f64) {
+    ([x, y, z, e], speed)
 }
 
 /// Corners of every kind, fast and slow, with filament.
@@ -78,7 +86,6 @@ fn wild(seed: u64, count: usize) -> Path {
 
 /// Each axis alone, there and back; belt motors of both pairs, and one.
 fn axes() -> Path {
-    let to = |x, y, z, e, speed| ([x, y, z, e], speed);
     vec![
         to(5.0, 0.0, 0.0, 0.0, 120.0),
         to(5.0, 4.0, 0.0, 0.0, 120.0),
@@ -101,7 +108,6 @@ fn tiny() -> Path {
 
 /// Moves of up to a minute, in one direction and in several.
 fn long() -> Path {
-    let to = |x, y, z, e, speed| ([x, y, z, e], speed);
     vec![
         to(300.0, 0.0, 0.0, 1.0, 8.0),
         to(300.0, 300.0, 0.0, 1.0, 6.0),

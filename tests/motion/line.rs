@@ -105,11 +105,16 @@ pub fn generate_on(moves: &[Move], settings: &Settings) -> Vec<Step> {
 
 /// All steps that moves from the origin become with the input shapers and the pressure advance of `settings`.
 pub fn generate_shaped(moves: &[Move], settings: &Settings) -> Vec<Step> {
+    generate_from(shaping(settings).chain(moves.iter().map(|m| Work::Move(*m))), settings)
+}
+
+/// The work that makes axes follow the input shapers and the pressure advance of `settings`.
+pub fn shaping(settings: &Settings) -> impl Iterator<Item = Work> {
     let window = (settings.advance.time > Seconds::ZERO).then_some(settings.advance.window);
     let follow =
         taps(&settings.shapers, window).into_iter().enumerate().map(|(axis, taps)| Work::Follow(axis as u8, taps));
     let stiffen = stiffenings(settings).into_iter().enumerate().map(|(axis, law)| Work::Stiffen(axis as u8, law));
-    generate_from(stiffen.chain(follow).chain(moves.iter().map(|m| Work::Move(*m))), settings)
+    stiffen.chain(follow)
 }
 
 fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {

@@ -152,13 +152,6 @@ impl Plant {
         self.count - self.ways.motors.len()
     }
 
-    /// Whether idlers move by themselves.
-    #[must_use]
-    pub const fn has_idlers(&self) -> bool {
-        // x and y come first.
-        self.first_motor() > 2
-    }
-
     /// Whether motors are rotors in their fields.
     #[must_use]
     pub const fn are_rotors(&self) -> bool {
