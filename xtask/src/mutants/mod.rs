@@ -104,7 +104,7 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let unit_folder = folder.join("unit");
     let mut unit = mutants(room, room.quick, args, &unit_folder)?;
     unit.arg(format!("--file=src/{}/**", room.name));
-    unit.args(["--minimum-test-timeout=10", "--cargo-arg=--lib"]);
+    unit.args(["--minimum-test-timeout=5", "--cargo-arg=--lib"]);
     room.quick.iter().for_each(|test| _ = unit.arg(format!("--cargo-arg=--test={test}")));
     if let Some(shard) = &args.shard {
         unit.args(["--sharding=round-robin", "--shard", shard]);
@@ -144,8 +144,9 @@ fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Co
         // Git does not know the folder for what is built.
         command.arg("--gitignore=false").arg(format!("--jobs={}", args.jobs));
     }
-    // Nobody looks at these programs with a debugger.
+    // Nobody looks at these programs with a debugger, and of many pieces only the one with the fault is built anew.
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
+    command.arg("--cargo-arg=--config=profile.dev.package.corehbot.codegen-units=256");
     Ok(command)
 }
 
