@@ -124,6 +124,9 @@ mod tests {
         for bits in [0, 1, 1 << 20, 1 << 32, 0xFF_FFFF << 30, 3 << 60] {
             assert_eq!(to_bits(from_bits(bits)), bits);
         }
+        // The first that is too great, and the last that is not.
+        assert_eq!(to_bits(4_294_967_296.0), u64::MAX);
+        assert_eq!(to_bits(4_294_967_040.0), 4_294_967_040 << 32);
         assert_eq!(to_bits(f32::INFINITY), u64::MAX);
         assert_eq!(to_bits(-1.0), 0);
         assert_eq!(to_bits(f32::NAN), u64::MAX);

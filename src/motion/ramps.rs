@@ -54,4 +54,31 @@ mod tests {
         }
         assert_eq!(speed_of(SpeedSq(0)), 0);
     }
+
+    #[test]
+    fn a_fraction_is_at_most_one() {
+        for whole in [1u64, 3, 1000, (1 << 33) - 1, 1 << 33, (1 << 40) + 12_345, u64::MAX >> 1] {
+            for part in [0, whole / 7, whole / 2, whole - 1, whole] {
+                let exact = part as f64 / whole as f64 * f64::from(WHOLE);
+                assert!((f64::from(fraction(part, whole)) - exact).abs() <= 2.0, "{part} of {whole}");
+            }
+        }
+        // Roots may put the slower of two speeds above the other one by their last bit.
+        assert_eq!((fraction(1001, 1000), fraction(0, 0)), (WHOLE, WHOLE));
+    }
+
+    #[test]
+    fn what_a_ramp_gains_is_lost_on_its_length() {
+        for (a, mm) in [(1u32, 0.001), (3000, 0.5), (5000, 300.0), (20_000, 4000.0)] {
+            let (a, length) = (MmPerSec2::from_num(a), (mm * 4_294_967_296.0) as u64);
+            let gained = gain_sq(a, length);
+            let exact = 2.0 * a.to_num::<f64>() * mm;
+            assert!((gained.0 as f64 / 4_294_967_296.0 - exact).abs() <= 1e-6 + 1e-9 * exact, "{a} {mm}");
+            assert!((ramp_length(gained, a) as f64 / length as f64 - 1.0).abs() < 1e-5, "{a} {mm}");
+        }
+        // The last that fits, and the first that does not.
+        let (a, length) = (MmPerSec2::from_bits(1 << 16), (1 << 54) - 1);
+        assert_eq!(gain_sq(a, length), SpeedSq(length << 9));
+        assert_eq!(gain_sq(a, 1 << 54), SpeedSq::MAX);
+    }
 }

@@ -119,6 +119,10 @@ impl Machine<'_> {
 
     fn look(&mut self) {
         let link = &mut self.link;
+        if self.dice.roll() < 0.02 {
+            link.look_at_endstops();
+        }
+        self.seen.add(&(7u8, self.pended.stepper.get(), self.pended.generator.get(), self.status.endstops().0));
         let states = [link.is_idle(), link.is_fresh(), link.has_room(), link.has_stopped()];
         self.seen.add(&(4u8, states, link.left() as u32, link.level() as u32, link.entries(), link.entries_done()));
         self.seen.add(&(5u8, link.counts(), self.stepper.tick() as u32, self.status.triggered().0));
@@ -214,7 +218,20 @@ pub fn run(seed: u64) -> (usize, u32) {
     machine.meet_endstop(&watched);
     // With shapers and pressure advance.
     machine.play(shaping(&settings), 100);
-    machine.play(work(&plan(&super::corners(), &settings)), 300);
+    let (shaped_corners, shaped_circle) = (plan(&super::corners(), &settings), plan(&super::circle(), &settings));
+    machine.play(work(&shaped_corners), 300);
+    machine.brake();
+    for rounds in [12, 30, 55, 80, 120] {
+        machine.play(work(&shaped_circle).chain(work(&shaped_corners)), rounds);
+        machine.brake();
+    }
+    // Between two moves of which the second never comes, and while time passes.
+    machine.play(work(&shaped_circle[..20]), 60);
+    machine.link.brake();
+    machine.play([], 40);
+    machine.stop();
+    machine.link.send(Work::Dwell(SubTicks::of_ticks(300_000)));
+    machine.generator.run(&machine.pended);
     machine.brake();
     // The belt runs round.
     for grouping in [Grouping::Circulation, Grouping::Trim, Grouping::Tool] {

@@ -2,9 +2,10 @@
 
 use super::dice::Dice;
 use super::line::target;
-use super::{Path, circle, corners, tiny, wild};
+use super::{Path, circle, corners, retracts, straight, tiny, wild};
 use corehbot::kinematics::{Grouping, Groupings};
-use corehbot::motion::{MoveMemory, Planner};
+use corehbot::motion::{MoveMemory, Planner, Target};
+use corehbot::port::EndstopSet;
 use corehbot::settings::{Settings, sum};
 use corehbot::units::{Mm, Steps};
 
@@ -51,7 +52,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
     let groupings = Groupings::new(&settings.mechanism);
     let (mut grouping, mut dice, mut seen, mut was_full) = (Grouping::Tool, Dice(seed), Seen::default(), false);
     let often = if fills { 0.0 } else { 0.2 };
-    let path: Path = [corners(), tiny(), circle(), wild(seed, 80)].concat();
+    let path: Path = [corners(), tiny(), circle(), retracts(), straight(), wild(seed, 80)].concat();
     for (position, speed) in path {
         for _ in 0..MOST_PARTS {
             was_full |= !planner.has_room();
@@ -73,7 +74,11 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
             planner.prepare();
         }
         let at = position.map(Mm::from_num);
-        let is_taken = planner.push(&target(position, speed), settings);
+        // Some as they are, and some up to an endstop.
+        let watch = if dice.roll() < 0.04 { EndstopSet(1) } else { EndstopSet::NONE };
+        let target = Target { has_overrides: dice.roll() < 0.9, watch, ..target(position, speed) };
+        seen.look(&mut planner, at);
+        let is_taken = planner.push(&target, settings);
         seen.add(format!("{is_taken}"));
         seen.look(&mut planner, at);
         assert!(planner.is_whole(settings, groupings.of(grouping)));
@@ -96,5 +101,10 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
     planner.release_all();
     assert!((0..MOST_PARTS).any(|_| planner.prepare()));
     seen.take(&mut planner, usize::MAX);
+    let mut finer = *settings;
+    finer.axes.x.steps_per_mm *= 2;
+    planner.set_resolution(&finer);
+    assert!(planner.is_whole(&finer, groupings.of(grouping)));
+    seen.look(&mut planner, [Mm::ONE; 4]);
     (seen.moves, seen.sum)
 }

@@ -117,6 +117,9 @@ pub fn shaping(settings: &Settings) -> impl Iterator<Item = Work> {
     stiffen.chain(follow)
 }
 
+/// The Stepper is called so many times at most without a step.
+const MOST_CALLS: usize = 100_000;
+
 fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<Step> {
     let (status, groupings) = (Status::new(), Groupings::new(&settings.mechanism));
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
@@ -132,6 +135,14 @@ fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<S
     let mut left = work;
     let mut held = left.next();
     let mut idle = 0;
+    // How many steps there are, and how often nothing has come of a call since there were no more.
+    let (mut made, mut stalled) = (0, 0);
+    let mut has_called = || {
+        let count = steps.borrow().len();
+        stalled = if count > made { 0 } else { stalled + 1 };
+        made = count;
+        assert!(stalled < MOST_CALLS, "no further step comes");
+    };
     while idle < 2 {
         while let Some(work) = held.take() {
             if let Err(entry) = moves_in.enqueue(Entry { epoch: 0, work }) {
@@ -143,8 +154,10 @@ fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<S
         generator.run(&Nobody);
         idle += 1;
         stepper.on_alarm();
+        has_called();
         while alarm.get().is_some() {
             stepper.on_alarm();
+            has_called();
             idle = 0;
         }
         if held.is_some() {

@@ -123,6 +123,7 @@ mod tests {
     fn a_step_is_one_of_its_epoch_in_its_directions_without_endstops() {
         let (steps, forward) = (GroupSet(0b101), GroupSet(0b1001));
         let event = PackedEvent::waiting(7, EndstopSet::NONE).stepping(steps, forward);
+        assert_eq!((event.epoch(), event.steps(), event.forward()), (7, steps, forward));
         assert!(event.is_step_of(7, forward) && event.special().is_step_of(7, forward));
         assert!(!event.is_step_of(6, forward) && !event.is_step_of(7, steps));
         assert!(!PackedEvent::waiting(7, EndstopSet(1)).stepping(steps, forward).is_step_of(7, forward));
