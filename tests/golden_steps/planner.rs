@@ -2,7 +2,7 @@
 
 use super::dice::Dice;
 use super::line::target;
-use super::{Path, circle, corners, retracts, straight, tiny, wild};
+use super::{Path, bends, circle, corners, retracts, straight, tiny, wild};
 use corehbot::kinematics::{Grouping, Groupings};
 use corehbot::motion::{MoveMemory, Planner, Target};
 use corehbot::port::EndstopSet;
@@ -52,7 +52,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
     let groupings = Groupings::new(&settings.mechanism);
     let (mut grouping, mut dice, mut seen, mut was_full) = (Grouping::Tool, Dice(seed), Seen::default(), false);
     let often = if fills { 0.0 } else { 0.2 };
-    let path: Path = [corners(), tiny(), circle(), retracts(), straight(), wild(seed, 80)].concat();
+    let path: Path = [corners(), tiny(), circle(), retracts(), straight(), bends(), wild(seed, 80)].concat();
     for (position, speed) in path {
         for _ in 0..MOST_PARTS {
             was_full |= !planner.has_room();
@@ -72,6 +72,8 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
                 assert!((0..MOST_PARTS).any(|_| planner.replan()));
             }
             planner.prepare();
+            // When some exit speeds are frozen.
+            seen.take(&mut planner, (3.0 * dice.roll()) as usize);
         }
         let at = position.map(Mm::from_num);
         // Some as they are, and some up to an endstop.

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! Moves are laid as [`Span`]s, one after the other, and each axis follows them through its [`Tap`]s. Time is that of
-//! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d.
+//! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d. One of all taps has no delay
+//! ([`taps`] sees to that), so what is laid after a rest begins at once.
 //!
 //! A new shaper is an arm of `impulses` in `shaper.rs`. It may have up to `MOST_IMPULSES` (there), and an axis up to [`TAPS`]
 //! (`taps.rs`), which every axis pays for in memory and in time; where it takes longer than [`SPANS`] of short moves remember, short moves take longer.
@@ -153,7 +154,7 @@ impl<'m> Trajectory<'m> {
     /// Rests at a position from `time` on.
     pub fn rest_at(&mut self, position: Position, time: SubTicks) {
         let scale = self.scales(&position, None);
-        self.ring.end = Boundary { time: time.saturating_sub(self.shortest_delay()), position, scale };
+        self.ring.end = Boundary { time, position, scale };
         self.cut = None;
         for axis in &mut self.axes {
             axis.restart(self.ring.laid);
@@ -177,10 +178,6 @@ impl<'m> Trajectory<'m> {
 
     fn longest_delay(&self) -> SubTicks {
         self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
-    }
-
-    fn shortest_delay(&self) -> SubTicks {
-        self.axes.iter().flat_map(Axis::delays).min().unwrap_or_default()
     }
 
     /// The least time of a span that is laid now: none, unless so many short spans wait for the slowest tap that another
@@ -252,7 +249,6 @@ impl<'m> Trajectory<'m> {
     /// Takes back the last span, which is to be laid again as far as the first tap has got in it at `time`. `None` if it
     /// has ended by then.
     pub fn take_back(&mut self, time: SubTicks) -> Option<SubTicks> {
-        let time = time.saturating_sub(self.shortest_delay());
         if self.ring.laid == 0 || time >= self.ring.end.time {
             return None;
         }
