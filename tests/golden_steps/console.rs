@@ -205,7 +205,8 @@ pub fn run(seed: u64) -> (usize, u32) {
     machine.look();
     // In the first epoch, too.
     machine.meet_endstop(&watched);
-    // A whole path with a dwell, then paths that are broken off sooner and later.
+    // A whole path with a dwell, while an endstop is pressed that nobody watches, then paths that are broken off sooner and later.
+    machine.pressed.set(2);
     machine.play(work(&corners).chain([Work::Dwell(SubTicks::of_ticks(30_000))]), MOST_ROUNDS);
     machine.stop();
     for rounds in [3, 40, 90, 140, 260] {

@@ -85,9 +85,12 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
         seen.look(&mut planner, at);
         assert!(planner.is_whole(settings, groupings.of(grouping)));
         if dice.roll() < often / 6.0 {
-            planner.release_all();
-            assert!((0..MOST_PARTS).any(|_| planner.prepare()));
-            seen.take(&mut planner, usize::MAX);
+            // What waits is made first, or dropped.
+            if dice.roll() < 0.5 {
+                planner.release_all();
+                assert!((0..MOST_PARTS).any(|_| planner.prepare()));
+                seen.take(&mut planner, usize::MAX);
+            }
             // It came not quite as far, and goes on with motors in other groups, or as before.
             let [x, y, z, e] = planner.end();
             let short = [x.wrapping_sub(Steps::from_num(9)), y, z, e];

@@ -39,13 +39,10 @@ impl PackedEvent {
         Self(watch.0 as u32 & Self::WATCH | (epoch as u32) << 16)
     }
 
-    /// The same with steps, in directions that stay with it.
+    /// An event [without steps](Self::waiting) with steps, in directions that stay with it.
     pub const fn stepping(self, steps: GroupSet, forward: GroupSet) -> Self {
-        Self(
-            self.0 & !(Self::STEPS | Self::FORWARD)
-                | (steps.0 as u32) << STEPS_AT & Self::STEPS
-                | (forward.0 as u32) << FORWARD_AT & Self::FORWARD,
-        )
+        let (steps, forward) = ((steps.0 as u32) << STEPS_AT, (forward.0 as u32) << FORWARD_AT);
+        Self(self.0 | steps & Self::STEPS | forward & Self::FORWARD)
     }
 
     /// What the step of a group adds to an event without.
@@ -124,6 +121,7 @@ mod tests {
         let (steps, forward) = (GroupSet(0b101), GroupSet(0b1001));
         let event = PackedEvent::waiting(7, EndstopSet::NONE).stepping(steps, forward);
         assert_eq!((event.epoch(), event.steps(), event.forward()), (7, steps, forward));
+        assert!(event.special().special() == event.special());
         assert!(event.is_step_of(7, forward) && event.special().is_step_of(7, forward));
         assert!(!event.is_step_of(6, forward) && !event.is_step_of(7, steps));
         assert!(!PackedEvent::waiting(7, EndstopSet(1)).stepping(steps, forward).is_step_of(7, forward));
