@@ -226,11 +226,16 @@ pub fn run(seed: u64) -> (usize, u32) {
         machine.play(work(&shaped_circle).chain(work(&shaped_corners)), rounds);
         machine.brake();
     }
-    // Between two moves of which the second never comes, and while time passes.
-    machine.play(work(&shaped_circle[..20]), 60);
-    machine.link.brake();
-    machine.play([], 40);
+    // So many short moves that they take longer.
+    machine.play(work(&plan(&super::fine_circle(), &settings)[..300]), MOST_ROUNDS);
     machine.stop();
+    // Between two moves of which the second comes late, and while time passes.
+    for rounds in [40, 60, 80, 100, 130, 160] {
+        machine.play(work(&shaped_circle[..20]), rounds);
+        machine.link.brake();
+        machine.play(work(&shaped_circle[20..]), 60);
+        machine.stop();
+    }
     machine.link.send(Work::Dwell(SubTicks::of_ticks(300_000)));
     machine.generator.run(&machine.pended);
     machine.brake();

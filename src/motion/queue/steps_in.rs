@@ -299,7 +299,7 @@ mod tests {
         }
         let (mut events_in, mut events_out) = queue.split();
         let setting = PackedEvent::waiting(3, EndstopSet::NONE).stepping(GroupSet::NONE, GroupSet(1));
-        let (mut now, mut made, mut done) = (1000, 0, 0);
+        let (mut now, mut made, mut done, mut longest) = (1000, 0, 0, 0);
         while done < 3 * SLOTS as u32 {
             let most = (events_in.room() as u32).min(100);
             let queue = events_out.queue;
@@ -312,6 +312,9 @@ mod tests {
                     let first = done + shown.unwrap_or(u32::MAX);
                     assert!((made - run.len() as u32..=made).contains(&first), "{first} of {made}");
                     assert_eq!(queue.slot(first)[0].load(Relaxed), 0);
+                    let most = ((first - done) as usize / 4).max(SHORTEST_RUN);
+                    longest = longest.max(made + 1 - first);
+                    assert!(((made - first) as usize) < most, "more than a quarter of what is shown");
                     slots.put(1000 + 50 * (made + 1), PackedEvent::steps_of(0));
                     run.push(made);
                     made += 1;
@@ -330,5 +333,6 @@ mod tests {
                 done += 1;
             }
         }
+        assert_eq!(longest, 20, "a quarter of what is shown");
     }
 }

@@ -159,7 +159,7 @@ impl GroupStepper {
         let Some(after_reversal) = self.after_reversal.take() else {
             return false;
         };
-        self.begin_piece(Endpoint { speed: 0.0, ..self.end }, after_reversal, None);
+        self.begin_piece(self.end, after_reversal, None);
         true
     }
 
