@@ -176,11 +176,18 @@ mod tests {
 
     #[test]
     fn steps_that_are_late_come_one_after_the_other() {
+        // Where ticks of 32 bits are about to wrap, too.
+        for begin in [1000, 1u32 << 31, u32::MAX - 1020] {
+            let after = |ticks: [u32; 4]| ticks.map(|ticks| begin.wrapping_add(ticks));
+            let (mut buffer, end) = (StepTimeBuffer::at(begin), begin.wrapping_add(4000));
+            let mut solver = StepTimeSolver::at_once(SubTicks::of_ticks(begin.into()));
+            buffer.begin(begin);
+            assert_eq!(buffer.fill(&mut solver, 3, end), (3, true));
+            assert_eq!(all(&buffer), after([0, 17, 34, 4000]));
+        }
         let mut buffer = StepTimeBuffer::NONE;
-        let mut solver = StepTimeSolver::at_once(SubTicks::of_ticks(1000));
         buffer.begin(1000);
-        assert_eq!(buffer.fill(&mut solver, 3, 5000), (3, true));
-        assert_eq!(all(&buffer), [1000, 1017, 1034, 5000]);
+        assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1000)), 3, 5000), (3, true));
         // Two are made, the third is given up: the next pulse keeps its distance from the second one.
         buffer.advance_to(2);
         buffer.begin(1012);

@@ -153,7 +153,7 @@ impl StepTimeSolver {
 
     /// All steps at once.
     pub fn at_once(time: SubTicks) -> Self {
-        Self { base: time.whole_ticks() as u32, offset: 0.5, ..Self::NONE }
+        Self { base: time.whole_ticks() as u32, ..Self::NONE }
     }
 
     /// The ticks of the next step times; there may be more of them than the piece has.
@@ -308,10 +308,17 @@ mod tests {
             };
             let mut solver = StepTimeSolver::new(&from, &to, Steps::from_num(-0.01), true, None);
             let mut ticks = [0; 4];
-            solver.fill(&mut ticks);
-            assert_eq!(ticks[0], 1000, "{v0} to {v1}");
+            solver.fill(&mut ticks[..1]);
+            assert_eq!((ticks[0], solver.is_dense), (1000, true), "{v0} to {v1}");
+            solver.fill(&mut ticks[1..]);
             assert!(ticks.is_sorted() && ticks[1] > 1000 && ticks[3] < 101_000, "{ticks:?}");
-            assert!(solver.is_dense);
+            // At once or not, it makes no other step late.
+            let mut all = [0; 4];
+            StepTimeSolver::new(&from, &to, Steps::from_num(-0.01), true, None).fill(&mut all);
+            assert_eq!(all, ticks, "{v0} to {v1}");
+            if v0 == v1 {
+                assert_eq!(ticks, [1000, 1990, 2990, 3990]);
+            }
         }
     }
 
