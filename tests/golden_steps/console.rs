@@ -230,7 +230,7 @@ pub fn run(seed: u64) -> (usize, u32) {
     machine.play(work(&plan(&super::fine_circle(), &settings)[..300]), MOST_ROUNDS);
     machine.stop();
     // Between two moves of which the second comes late, and while time passes.
-    for rounds in [40, 60, 80, 100, 130, 160] {
+    for rounds in [120, 250, 280, 310, 340, 370, 400, 800] {
         machine.play(work(&shaped_circle[..20]), rounds);
         machine.link.brake();
         machine.play(work(&shaped_circle[20..]), 60);

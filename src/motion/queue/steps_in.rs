@@ -292,6 +292,19 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
+    fn a_full_queue_gives_the_event_back() {
+        let mut queue = StepQueue::new();
+        let (mut events_in, mut events_out) = queue.split();
+        let event =
+            |interval| StepEvent { interval, steps: GroupSet(1), forward: GroupSet(1), epoch: 0, watch: EndstopSet(2) };
+        let all = || (0..SLOTS as u32 - 1).map(event);
+        assert!(all().all(|event| events_in.enqueue(event).is_ok()));
+        assert_eq!(events_in.enqueue(event(0)), Err(event(0)));
+        assert!(all().eq(core::iter::from_fn(|| events_out.dequeue())));
+        assert!(events_in.is_empty());
+    }
+
+    #[test]
     fn a_run_is_shown_when_it_is_whole_and_nothing_follows_it() {
         let mut queue = StepQueue::new();
         for word in queue.events.iter().skip(1).flatten() {
