@@ -141,10 +141,10 @@ fn bend(
         let leads = lead_length + past;
         least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, max_accel, base))
     };
-    // It was no faster at the corner of the greatest lead. From rest it accelerates all along.
-    let greatest = if lead_length > past { lead_length } else { past };
+    // It was no faster at the corner of the greatest lead, which is never less than the lead before this corner. From rest it
+    // accelerates all along.
     let gain = max_accel * after.size;
-    let slow = least(least(most, 8.0 * base / (greatest * greatest)), accel_limits.max_speed * accel_limits.max_speed);
+    let slow = least(least(most, 8.0 * base / (past * past)), accel_limits.max_speed * accel_limits.max_speed);
     let fast = if slow < gain { gain } else { slow };
     let farthest = BEND_TIME * (root(slow) + 0.5 * BEND_TIME * accel_limits.acceleration);
     let made_up = if after.size < farthest { MAKING_UP * gain / fast } else { f32::INFINITY };
