@@ -30,6 +30,7 @@ use Step::{Await, Set};
 
 const ALL: u32 = u32::MAX;
 
+const GPIOA_MODER: u32 = 0x4002_0000;
 const PWR_CR: u32 = 0x4000_7000;
 const PWR_CSR: u32 = 0x4000_7004;
 const RCC_CR: u32 = 0x4002_3800;
@@ -147,7 +148,7 @@ pub enum Bootloader {
     /// As BTT's leaves it.
     #[default]
     Btt,
-    /// Worse, as none is known to: SysTick is about to interrupt, and priorities have no bits that count.
+    /// Worse, as none is known to: SysTick is about to interrupt, priorities have no bits that count, and SWDIO is an output.
     Careless,
 }
 
@@ -159,6 +160,8 @@ const CARELESS: &[Step] = &[
     Set(SYST_RVR, ALL, 5000),
     Set(SYST_CVR, ALL, 0),
     Set(SYST_CSR, ALL, 7),
+    // PA13, as the light that BTT's has there while it runs.
+    Set(GPIOA_MODER, 3 << 26, 1 << 26),
 ];
 
 impl Bootloader {

@@ -2,6 +2,7 @@
 //! full stack and a crystal that stops are in `heat_crashes`, with heaters on and motors stepping or not.
 
 use crate::common::{MS, firmware, print};
+use corehbot_emulator::bootloader::Bootloader;
 use corehbot_emulator::firmware::branch;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::trap::Trap;
@@ -93,12 +94,16 @@ fn a_chip_without_brown_out_reset_is_reported_at_the_start_and_by_m122() {
     assert_eq!(told, 2, "{:?}", seen.line.said);
 }
 
-/// BTT's bootloader leaves SWDIO (PA13) an output, as its stand-in does: a probe could not attach to the firmware.
+/// A bootloader that leaves SWDIO (PA13) an output, as BTT's has it while it runs: a probe could not attach to the firmware.
 #[test]
 fn the_debug_port_has_its_pins() {
-    let seen = print(&firmware(), "M105\n", None);
-    assert_eq!(seen.end, End::Done);
-    assert_eq!(seen.debug_pins, 0b11, "SWCLK, SWDIO");
+    for bootloader in [Bootloader::Btt, Bootloader::Careless] {
+        let mut firmware = firmware();
+        firmware.bootloader = bootloader;
+        let seen = print(&firmware, "M105\n", None);
+        assert_eq!(seen.end, End::Done);
+        assert_eq!(seen.debug_pins, 0b11, "SWCLK, SWDIO after {bootloader:?}");
+    }
 }
 
 /// The reload value needs five cycles of the slow oscillator to arrive (RM0390 rev 6, section 19.3); start-up waits

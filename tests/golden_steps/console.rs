@@ -228,6 +228,7 @@ pub fn run(seed: u64) -> (usize, u32) {
     }
     // So many short moves that they take longer.
     machine.play(work(&plan(&super::fine_circle(), &settings)[..300]), MOST_ROUNDS);
+    assert!(machine.status.overload().spans.count > 0, "{:?}", machine.status.overload());
     machine.stop();
     // Between two moves of which the second comes late, and while time passes.
     for rounds in [120, 250, 280, 310, 340, 370, 400, 800] {

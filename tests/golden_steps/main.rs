@@ -174,26 +174,27 @@ fn straight() -> Path {
         to(16.5, 16.0, 1.25, 0.9, 8.0),
         to(16.5, 16.5, 1.75, 0.9, 8.0),
         to(16.5, 15.7, 1.5, 0.9, 8.0),
-        // Chords of just a millimetre.
-        to(22.5, 23.7, 1.5, 0.9, 150.0),
-        to(23.3, 24.3, 1.5, 0.9, 150.0),
-        to(33.3, 24.3, 1.5, 0.9, 150.0),
+        // A chord of just a millimetre, which turns by 5 degrees at both ends.
+        to(26.5, 17.443_31, 1.5, 0.9, 290.0),
+        to(46.423_894, 15.7, 1.5, 0.9, 290.0),
+        to(47.423_894, 15.7, 1.5, 0.9, 290.0),
+        to(67.347_788, 17.443_115, 1.5, 0.9, 290.0),
     ]
 }
 
-/// Bends in short chords with straight pieces after them, and bends there and back. One of the pieces rises, by less than counts as a
-/// turn.
+/// Bends in short chords with straight pieces after them, and bends there and back. Where the path is flat,
+/// one of the pieces rises by less than counts as a turn.
 fn bends() -> Path {
     let degrees = [
-        0, 8, 16, 24, 24, 24, 30, 36, 36, 36, 36, 44, 20, 60, 60, 25, 25, 60, 25, 0, 0, 0, 1, 2, 3, 3, 3, 3, 90, 90,
-        90, 91, 90,
+        0, 40, 0, 0, 0, 0, 40, 0, 8, 16, 24, 24, 24, 30, 36, 36, 36, 36, 44, 20, 60, 60, 25, 25, 60, 25, 0, 0, 0, 1, 2,
+        3, 3, 3, 3, 90, 90, 90, 91, 90,
     ];
     let mut place = [0.0; 4];
     let mut path = Path::new();
     for (length, speed, slope) in [(2.0, 90.0, 0.0), (0.04, 90.0, 0.0), (0.02, 60.0, 0.4), (0.3, 200.0, 0.1)] {
         for (i, degrees) in degrees.into_iter().enumerate() {
             let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
-            let slope = if i == 9 { 3e-7 } else { slope * sin };
+            let slope = if i == 16 { 3e-7 } else { slope * sin };
             let [x, y, z, e] = place;
             place = [x + length * cos, y + length * sin, z + slope * length, e + 0.03 * length];
             path.push((place, speed));
@@ -250,8 +251,8 @@ fn corners_and_speeds() {
     check("long and fast", &generate(&plan(&long()[..2], &settings)), (48_400, 875_003_750, 0x0B36_DA06));
     check("axes", &generate(&plan(&axes(), &settings)), (4_120, 5_758_940, 0xDC2E_7B94));
     check("retracts", &generate(&plan(&retracts(), &settings)), (11_162, 14_381_082, 0xA5AF_778A));
-    check("bends", &generate(&plan(&bends(), &settings)), (11_698, 12_000_402, 0xEF2C_B707));
-    check("straight", &generate(&plan(&straight(), &settings)), (9_954, 18_419_523, 0x1876_D8B1));
+    check("bends", &generate(&plan(&bends(), &settings)), (13_602, 15_037_971, 0x2696_5E74));
+    check("straight", &generate(&plan(&straight(), &settings)), (15_969, 19_181_778, 0x8121_CFE7));
 }
 
 #[test]
@@ -284,9 +285,7 @@ fn shapers_of_every_kind() {
                 |kind, factor| Shaper::new(kind, Hertz::from_num(factor * frequency), Ratio::from_num(damping));
             let shapers = Shapers { x: shaper(x, 1.0), y: shaper(y, 0.8) };
             for window in [None, Some(Seconds::from_num(0.04)), Some(Seconds::from_num(0.3))] {
-                let taps = taps(&shapers, window);
-                assert!(taps.iter().flatten().any(|tap| tap.delay == 0), "{shapers:?} {window:?}");
-                all = sum(&(all, taps));
+                all = sum(&(all, taps(&shapers, window)));
             }
         }
     }
@@ -308,7 +307,7 @@ fn shapers_and_pressure_advance() {
     check("fine circle", &generate_shaped(&plan(&fine_circle(), &slow), &slow), (3_891, 16_749_097, 0xC0E8_3FC3));
     let elsewhere =
         Settings { mechanism: Mechanism { rows: UNEQUAL }, ..shaped([ShaperKind::Zv, ShaperKind::Zvd], [0; 2]) };
-    check("unequal", &generate_shaped(&plan(&bends(), &elsewhere), &elsewhere), (51_089, 12_323_498, 0x79E5_77DA));
+    check("unequal", &generate_shaped(&plan(&bends(), &elsewhere), &elsewhere), (62_161, 15_376_145, 0xA40B_F687));
     // So slow, and between belts so short, that taps may not come nearer to each other as fast as they would.
     let mut steep = shaped([ShaperKind::TwoHumpEi, ShaperKind::Mzv], [220, 300]);
     (steep.shapers.x.frequency, steep.shapers.x.motor_frequency) = (Hertz::from_num(3), Hertz::ZERO);
@@ -337,12 +336,12 @@ fn a_planner_that_does_all_that_it_may() {
     lifting.axes.z = lifting.axes.x;
     lifting.motor_max_acceleration = MmPerSec2::from_num(1200);
     for (seed, settings, expected) in [
-        (0x5EED_0005, &prototype, (370, 0x2C32_653B)),
-        (0x5EED_0006, &prototype, (246, 0xA4CD_A655)),
-        (0x5EED_0007, &prototype, (317, 0x1F76_252A)),
-        (0x5EED_0008, &square, (354, 0x921F_E162)),
-        (0x5EED_000B, &lifting, (342, 0xCF3C_A75A)),
-        (0x5EED_0009, &weak, (313, 0xC6C2_2B1C)),
+        (0x5EED_0005, &prototype, (399, 0xF2F9_0A67)),
+        (0x5EED_0006, &prototype, (273, 0xD518_92BD)),
+        (0x5EED_0007, &prototype, (346, 0x11C7_3296)),
+        (0x5EED_0008, &square, (372, 0xBF01_6067)),
+        (0x5EED_000B, &lifting, (363, 0x7B91_B85C)),
+        (0x5EED_0009, &weak, (338, 0x157E_BEF5)),
     ] {
         let (count, all) = planner::planned(seed, seed == 0x5EED_0005, settings);
         assert_eq!((count, all), expected, "{seed}: what is planned is another: ({count}, {all:#010X})");

@@ -76,7 +76,7 @@ pub fn planned(seed: u64, fills: bool, settings: &Settings) -> (usize, u32) {
             seen.take(&mut planner, (3.0 * dice.roll()) as usize);
         }
         let at = position.map(Mm::from_num);
-        // Some as they are, and some up to an endstop.
+        // Some without overrides, and some up to an endstop.
         let watch = if dice.roll() < 0.04 { EndstopSet(1) } else { EndstopSet::NONE };
         let target = Target { has_overrides: dice.roll() < 0.9, watch, ..target(position, speed) };
         seen.look(&mut planner, at);

@@ -135,7 +135,7 @@ fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<S
     let mut left = work;
     let mut held = left.next();
     let mut idle = 0;
-    // How many steps there are, and how often nothing has come of a call since there were no more.
+    // Steps so far, and calls in a row that made none.
     let (mut made, mut stalled) = (0, 0);
     let mut has_called = || {
         let count = steps.borrow().len();

@@ -2,7 +2,7 @@
 
 use corehbot::motion::taps;
 use corehbot::settings::{Shaper, ShaperKind, Shapers};
-use corehbot::units::{Hertz, Ratio};
+use corehbot::units::{Hertz, Ratio, Seconds};
 use std::f64::consts::PI;
 
 /// The impulses of a shaper: when, in s, and how much.
@@ -67,5 +67,21 @@ fn a_shaper_that_fits_leaves_nothing() {
         // MZV is exact without damping alone.
         let most = if kind == ShaperKind::Mzv { 0.01 } else { 1e-4 };
         assert!(left < most, "{kind:?}: {left}");
+    }
+}
+
+/// The trajectory begins at once after a rest, and is taken back at the time of the first tap.
+#[test]
+fn one_tap_of_all_has_no_delay() {
+    for (x, y) in ShaperKind::all().flat_map(|x| ShaperKind::all().map(move |y| (x, y))) {
+        for (frequency, damping) in [(57.0, 0.0), (10.0, 0.3), (120.0, 0.5)] {
+            let shaper =
+                |kind, factor| Shaper::new(kind, Hertz::from_num(factor * frequency), Ratio::from_num(damping));
+            let shapers = Shapers { x: shaper(x, 1.0), y: shaper(y, 0.8) };
+            for window in [None, Some(0.005), Some(0.04), Some(0.2)] {
+                let taps = taps(&shapers, window.map(Seconds::from_num));
+                assert!(taps.iter().flatten().any(|tap| tap.delay == 0), "{shapers:?} {window:?}");
+            }
+        }
     }
 }

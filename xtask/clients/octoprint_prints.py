@@ -1,4 +1,4 @@
-"""OctoPrint connects, prints, cancels, stops and reconnects; on a clean line and on a bad one.
+"""OctoPrint connects, prints, pauses, cancels, stops and reconnects; on a clean line and on a bad one.
 
 Arguments: corehbot, G-code file, and what the bad line does: `corrupt` or `drop`.
 """
@@ -92,6 +92,15 @@ def cancel_and_stop(host, program, port, commands):
         host.reconnect()
         host.begin("cancelled.gcode", commands)
         host.wait("motion", lambda: len(host.sent()) > 100)
+        asked = host.log("serial.log").count("Resend")
+        host.command("job", command="pause", action="pause")
+        paused = host.wait_for_state("Paused")
+        # Whoever pauses is not asked for lines; the first question would come after half a second.
+        time.sleep(IDLE_S)
+        check(host.log("serial.log").count("Resend") == asked, "it is asked for lines while it is paused")
+        sent = len(host.sent())
+        host.command("job", command="pause", action="resume")
+        host.wait("motion after the pause", lambda: len(host.sent()) > sent + 100)
         host.command("job", command="cancel")
         cancelled = host.wait_for_state("Operational")
         sent = len(host.sent())
@@ -104,7 +113,7 @@ def cancel_and_stop(host, program, port, commands):
         host.wait_until_gone()
         check("Printer halted. kill() called!" in device.ask("M105"), "the printer does not halt at M112")
         device.end()
-        return f"cancels in {cancelled:.1f} s, stops"
+        return f"pauses in {paused:.1f} s, goes on, cancels in {cancelled:.1f} s, stops"
     finally:
         device.kill()
 

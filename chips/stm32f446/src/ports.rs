@@ -48,7 +48,7 @@ pub fn switch_on() {
 }
 
 /// Gives the debug port its pins back, as they are after a reset: SWDIO with a pull-up, SWCLK with a pull-down (RM0390,
-/// 7.4.1). BTT's bootloader makes an output of SWDIO.
+/// 7.4.1). BTT's bootloader makes an output of SWDIO while it runs; another might leave it one.
 pub fn release_debug_port() {
     for (pin, pull) in [(DEBUG[0], Pupdr::PULL_UP), (DEBUG[1], Pupdr::PULL_DOWN)] {
         make_alternate(pin, 0);

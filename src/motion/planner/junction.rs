@@ -141,8 +141,8 @@ fn bend(
         let leads = lead_length + past;
         least(least(most, 8.0 * base / (leads * leads)), corner(before, after, turn_sq, max_accel, base))
     };
-    // It was no faster at the corner of the greatest lead, which is never less than the lead before this corner. From rest it
-    // accelerates all along.
+    // It was no faster at the corner of the greatest lead (the lead with this corner is in `most` already). From rest it accelerates
+    // all along.
     let gain = max_accel * after.size;
     let slow = least(least(most, 8.0 * base / (past * past)), accel_limits.max_speed * accel_limits.max_speed);
     let fast = if slow < gain { gain } else { slow };

@@ -39,7 +39,7 @@ impl PackedEvent {
         Self(watch.0 as u32 & Self::WATCH | (epoch as u32) << 16)
     }
 
-    /// An event [without steps](Self::waiting) with steps, in directions that stay with it.
+    /// An event without steps and directions, as [`waiting`](Self::waiting) makes it, with these.
     pub const fn stepping(self, steps: GroupSet, forward: GroupSet) -> Self {
         let (steps, forward) = ((steps.0 as u32) << STEPS_AT, (forward.0 as u32) << FORWARD_AT);
         Self(self.0 | steps & Self::STEPS | forward & Self::FORWARD)

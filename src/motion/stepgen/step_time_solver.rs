@@ -312,7 +312,7 @@ mod tests {
             assert_eq!((ticks[0], solver.is_dense), (1000, true), "{v0} to {v1}");
             solver.fill(&mut ticks[1..]);
             assert!(ticks.is_sorted() && ticks[1] > 1000 && ticks[3] < 101_000, "{ticks:?}");
-            // At once or not, it makes no other step late.
+            // Found alone or with the others, it makes none of them late.
             let mut all = [0; 4];
             StepTimeSolver::new(&from, &to, Steps::from_num(-0.01), true, None).fill(&mut all);
             assert_eq!(all, ticks, "{v0} to {v1}");

@@ -25,7 +25,7 @@ pub fn write(figures: &[Figure], path: &Path) -> Result<()> {
     std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// Fails if a figure is worse than the one that was committed.
+/// Fails if a figure is worse than the one that was committed, or has reached its goal no more.
 pub fn compare(figures: &[Figure], baseline: &Path) -> Result<()> {
     let text = std::fs::read_to_string(baseline).with_context(|| format!("cannot open {}", baseline.display()))?;
     let values = serde_json::from_str(&text).with_context(|| baseline.display().to_string())?;
@@ -44,6 +44,12 @@ fn complaints(figures: &[Figure], committed: &Values) -> Vec<String> {
         let change = (value - before) / before * if figure.is_rate { -1.0 } else { 1.0 };
         if change > TOLERANCE {
             complaints.push(format!("{name} is {:.1} % worse: {value:.1} instead of {before:.1}", 100.0 * change));
+        }
+        if let Some(goal) = figure.goal
+            && figure.reaches(*before, goal)
+            && !figure.reaches(*value, goal)
+        {
+            complaints.push(format!("{name} had reached its goal of {goal:.1}, and is {value:.1}"));
         }
     }
     let is_gone = |name: &&String| figures.iter().all(|figure| figure.name != *name);
@@ -67,6 +73,15 @@ mod tests {
         assert_eq!(check(50.0, 200.0), Vec::<String>::new());
         assert_eq!(check(103.1, 100.0).len(), 1);
         assert_eq!(check(100.0, 96.9).len(), 1);
+    }
+
+    #[test]
+    fn a_goal_that_was_reached_stays_reached() {
+        let committed: Values = [("rate".to_owned(), 101.0)].into();
+        let check = |value, goal| complaints(&[Figure { goal: Some(goal), ..figure("rate", value, true) }], &committed);
+        assert_eq!(check(100.0, 100.0), Vec::<String>::new());
+        assert_eq!(check(99.9, 100.0).len(), 1);
+        assert_eq!(check(99.9, 102.0), Vec::<String>::new(), "it never was");
     }
 
     #[test]

@@ -23,7 +23,7 @@ const GOAL: f64 = 0.9;
 /// A room, and the tests that look at it. The simulator's tests look at all rooms but take too long.
 struct Room {
     name: &'static str,
-    /// Those that notice most within a second, beside the unit tests.
+    /// Those that notice most within a second or two, beside the unit tests.
     quick: &'static [&'static str],
     tests: &'static [&'static str],
 }
@@ -109,7 +109,7 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     if let Some(shard) = &args.shard {
         unit.args(["--sharding=round-robin", "--shard", shard]);
     }
-    // The build takes longer than the tests.
+    // What is built takes a second unoptimised, and as long to run.
     unit.env("CARGO_PROFILE_DEV_OPT_LEVEL", "0");
     let first = outcome(unit, &unit_folder)?;
     if first.missed.is_empty() {
@@ -144,7 +144,8 @@ fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Co
         // Git does not know the folder for what is built.
         command.arg("--gitignore=false").arg(format!("--jobs={}", args.jobs));
     }
-    // Nobody looks at these programs with a debugger, and of many pieces only the one with the fault is built anew.
+    // Nobody looks at these programs with a debugger. Of so many codegen units, the most that the compiler makes of itself, only the
+    // one with the fault is built anew: 1 s instead of 2.
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.arg("--cargo-arg=--config=profile.dev.package.corehbot.codegen-units=256");
     Ok(command)
