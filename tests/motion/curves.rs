@@ -1,5 +1,5 @@
 //! Curves of all kinds, as polylines from coarse to fine: within 4 ms the tool's velocity varies by no more than 1.3 times what
-//! the acceleration makes of it, beside what junction deviation allows at one corner of the same turn.
+//! the acceleration makes of it, beside the most that junction deviation allows at one corner (`share`).
 //!
 //! The reference knows nothing of chords or of the planner's law: it looks at the velocities alone.
 

@@ -181,6 +181,7 @@ fn slots_take_turns_and_unchanged_settings_cost_nothing() {
         assert_eq!(eeprom.writes.len(), receipt.bytes.div_ceil(PAGE), "each page is written once");
         let slot = eeprom.writes[0].0 / STRIDE;
         assert!(eeprom.writes.iter().all(|(at, _)| at / STRIDE == slot));
+        assert!(eeprom.writes.is_sorted_by(|(a, _), (b, _)| a > b), "the header goes last: {:?}", eeprom.writes);
         counts[slot as usize] += 1;
         eeprom.writes.clear();
         assert_eq!(now(storage::save(&mut eeprom, &variant(n))), Ok(receipt));

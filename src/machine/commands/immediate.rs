@@ -23,7 +23,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::{FARTHEST, Modal, PERCENT};
 use crate::port::Pend;
-use crate::settings::ThermalSettings;
+use crate::settings::{Range, ThermalSettings};
 use crate::units::Mm;
 
 /// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
@@ -192,7 +192,10 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::Tell { form, text } => Answer::Message(form, text),
         Command::Progress { percent, minutes } => {
-            crank.status().print_progress.note_progress(percent.map(Number::to_u32), minutes.map(Number::to_u32));
+            let percent = percent.map(|percent| clamps.whole(["M73", "P"], percent, Range { least: 0, most: 100 }));
+            let minutes =
+                minutes.map(|minutes| clamps.whole(["M73", "R"], minutes, Range { least: 0, most: u16::MAX }));
+            crank.status().print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
             Answer::Nothing
         }
         Command::Object(number) => {

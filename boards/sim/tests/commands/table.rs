@@ -166,6 +166,7 @@ const ROWS: &[Row] = &[
     ("M154 S5", SILENCE),
     ("M155 S2", SILENCE),
     ("M73 P5 R10", SILENCE),
+    ("M73 P500 R-5", &["echo:M73 P500 is out of range, set to 100", "echo:M73 R-5 is out of range, set to 0"]),
     ("M74 W12.5", SILENCE),
     ("M75", SILENCE),
     ("M76", SILENCE),
