@@ -112,7 +112,7 @@ pub struct VelocityWords<'a> {
     pub cruise_ratio: Option<Number>,
     /// SQUARE_CORNER_VELOCITY, mm/s.
     pub square_corner: Option<Number>,
-    /// The name of the first of the other words.
+    /// The name of another word: VELOCITY, or else the first.
     pub other: Option<&'a [u8]>,
 }
 

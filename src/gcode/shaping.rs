@@ -118,10 +118,12 @@ pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
             name if name.eq_ignore_ascii_case(b"ACCEL_TO_DECEL") => &mut limit.to_deceleration,
             name if name.eq_ignore_ascii_case(b"MINIMUM_CRUISE_RATIO") => &mut limit.cruise_ratio,
             name if name.eq_ignore_ascii_case(b"SQUARE_CORNER_VELOCITY") => &mut limit.square_corner,
-            _ => {
-                limit.other = limit.other.or(Some(name));
+            // Klipper's own word before what nobody knows.
+            name if limit.other.is_none() || name.eq_ignore_ascii_case(b"VELOCITY") => {
+                limit.other = Some(name);
                 continue;
             }
+            _ => continue,
         };
         let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
         *place = Some(number);

@@ -72,6 +72,12 @@ fn velocity_limits_in_the_words_of_klipper() {
         limit("SET_VELOCITY_LIMIT VELOCITY=100 ACCEL=5"),
         VelocityWords { acceleration: number("5"), other: Some(b"VELOCITY"), ..none }
     );
+    for others in ["VELOCITY=9 FOO=1", "FOO=1 velocity=9 BAR=3"] {
+        let line = std::format!("SET_VELOCITY_LIMIT {others}");
+        let Command::VelocityLimit(limit) = parse(line.as_bytes()) else { panic!("{line}") };
+        assert!(limit.other.is_some_and(|name| name.eq_ignore_ascii_case(b"VELOCITY")), "{line}");
+    }
+    assert_eq!(limit("SET_VELOCITY_LIMIT FOO=1 BAR=3"), VelocityWords { other: Some(b"FOO"), ..none });
     assert_eq!(limit("SET_VELOCITY_LIMIT ; all of them"), none);
     for word in ["ACCEL=", "ACCEL=x", "ACCEL=5,5", "ACCEL", "=5", "ACCEL=1e", "ACCEL=1-2"] {
         for name in ["SET_VELOCITY_LIMIT", "SET_PRESSURE_ADVANCE"] {
