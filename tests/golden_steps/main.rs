@@ -231,6 +231,15 @@ fn shaped(kinds: [ShaperKind; 2], spans: [u16; 2]) -> Settings {
     settings
 }
 
+/// The prototype with so many steps a mm of x and y, of z, and of filament.
+fn of_resolution(steps_per_mm: [u16; 3]) -> Settings {
+    let mut settings = Settings::prototype();
+    let [xy, z, e] = steps_per_mm.map(StepsPerMm::from_num);
+    let axes = &mut settings.axes;
+    (axes.x.steps_per_mm, axes.y.steps_per_mm, axes.z.steps_per_mm, axes.e.steps_per_mm) = (xy, xy, z, e);
+    settings
+}
+
 /// A machine on which one belt motor moves x and y, and the other one y alone.
 const ONE_SHARED: [[i8; 4]; 7] = [[0; 4], [0; 4], [1, 1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0; 4], [0, 0, 0, 1]];
 
@@ -245,13 +254,8 @@ fn corners_and_speeds() {
     let settings = Settings::prototype();
     check("corners", &generate(&plan(&corners(), &settings)), (5_868, 6_850_298, 0x80F4_C29D));
     check("circle", &generate(&plan(&circle(), &settings)), (5_230, 4_730_621, 0x109B_6F0F));
-    // Of coarse steps, for there are many.
-    let coarse = {
-        let mut coarse = settings;
-        (coarse.axes.x.steps_per_mm, coarse.axes.y.steps_per_mm) = (StepsPerMm::from_num(10), StepsPerMm::from_num(10));
-        (coarse.axes.z.steps_per_mm, coarse.axes.e.steps_per_mm) = (StepsPerMm::from_num(50), StepsPerMm::from_num(40));
-        coarse
-    };
+    // Long moves have so many steps that these are coarse ones.
+    let coarse = of_resolution([10, 50, 40]);
     let mut slow = coarse;
     (slow.print_acceleration, slow.travel_acceleration) = (MmPerSec2::from_num(1), MmPerSec2::from_num(1.5));
     check("long", &generate_on(&plan(&long(), &slow), &slow), (40_668, 4_548_260_426, 0x77CF_1378));
@@ -277,8 +281,7 @@ fn wild_moves() {
 
 #[test]
 fn steps_so_dense_that_pulses_must_keep_their_distance() {
-    let mut fine = Settings::prototype();
-    (fine.axes.x.steps_per_mm, fine.axes.y.steps_per_mm) = (StepsPerMm::from_num(1700), StepsPerMm::from_num(1700));
+    let fine = of_resolution([1700, 800, 400]);
     let path: Path = [circle(), tiny()].concat();
     check("fine steps", &generate_on(&plan(&path, &fine), &fine), (119_343, 8_173_166, 0x952F_37CF));
 }

@@ -20,7 +20,7 @@ const CYCLES_PER_SECOND: f64 = 180e6;
 /// generator for more, once for each of the generator's entries.
 const REGULAR: u64 = 256;
 
-/// Such an event takes so many cycles more: 0.3 us by which the event after it is late in the emulator (docs/performance.md).
+/// Such an event takes about so many cycles more: 0.3 us, by which it comes later in the emulator (docs/performance.md, *Lateness*).
 const CLOSE_LOOK: u64 = 54;
 
 /// A figure.
