@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | field and default | here, or `axis`, `bed`, `belt`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
 //! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
-//! | record | `storage::record`, by serde: a new field comes last in [`Settings`] and makes another `FORMAT`. Records of the formats before are still read: `completed` appends the default of the new field. That works only for a field of [`Settings`] itself; with a new field in a struct inside it, `decode` reads the earlier formats by a struct of the old shape | `src/storage/record/tests.rs` |
+//! | record | `storage::record`, by serde: a changed shape makes another `FORMAT` | `src/storage/record/tests.rs` |
 //! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test; `boards/sim/tests/console/legal_settings.rs` |
 //! | M503 | the words in `machine/reports/settings_report.rs` (`say_setting`, `say_settings`, `say_driver_settings`); a line of its own also in `machine/answers/setting.rs` | the same test |

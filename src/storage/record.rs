@@ -20,33 +20,9 @@ use crate::settings::{
     Shapers, Wiring,
 };
 
-/// What the payload looks like. Every change of the shape of [`Settings`] needs the next number; a test
-/// notices when that was forgotten.
-pub const FORMAT: u16 = 14;
-
-/// The format before a belt could limp: the same up to [`Belt::limp_lift`].
-const WITHOUT_LIMP: u16 = 13;
-
-/// The format before the phases of a belt were known: the same up to [`Belt::phases`].
-const WITHOUT_PHASES: u16 = 12;
-
-/// The format before motors of one belt were aligned: the same up to [`Belt::alignment`].
-const WITHOUT_ALIGNMENT: u16 = 11;
-
-/// The format before the belt had settings: the same up to [`Settings::belt`].
-const WITHOUT_BELT: u16 = 10;
-
-/// The format before the bed was a setting: the same up to [`Settings::bed`].
-const WITHOUT_BED: u16 = 9;
-
-/// The format before endstops had places: the same up to [`Settings::endstops`].
-const WITHOUT_ENDSTOPS: u16 = 8;
-
-/// The format before connectors were settings: the same up to [`Settings::wiring`].
-const WITHOUT_WIRING: u16 = 7;
-
-/// The format before there were heaters: the same up to [`Settings::thermal`].
-const WITHOUT_HEAT: u16 = 6;
+/// What the payload looks like. Every released change of the shape of [`Settings`] needs the next number; a test
+/// notices when that was forgotten. Records of other formats are refused, and the user is told.
+pub const FORMAT: u16 = 15;
 
 const MAGIC: [u8; 4] = *b"CHBS";
 
@@ -175,59 +151,17 @@ pub(super) fn decode(record: &[u8]) -> Result<(Settings, u32, Receipt), Rejected
     if crc32(header.to_bytes().into_iter().chain(payload.iter().copied())) != crc {
         return Err(Rejected::Damaged);
     }
-    let mut longer = [0; LONGEST];
-    let whole = match header.format {
-        FORMAT => payload,
-        WITHOUT_HEAT | WITHOUT_WIRING | WITHOUT_ENDSTOPS | WITHOUT_BED | WITHOUT_BELT | WITHOUT_ALIGNMENT
-        | WITHOUT_PHASES | WITHOUT_LIMP => completed(payload, header.format, &mut longer).ok_or(Rejected::Damaged)?,
-        format => return Err(Rejected::Format(format)),
-    };
-    match postcard::take_from_bytes::<Settings>(whole) {
-        Ok((mut settings, [])) => {
-            if header.format <= WITHOUT_BED {
-                settings.bed = Bed::of_reach(&settings.axes);
-            }
-            if header.format <= WITHOUT_BELT {
-                settings.belt.is_closed = settings.mechanism == Mechanism::corehbot();
-            }
+    if header.format != FORMAT {
+        return Err(Rejected::Format(header.format));
+    }
+    match postcard::take_from_bytes::<Settings>(payload) {
+        Ok((settings, [])) => {
             settings.check().map_err(Rejected::Illegal)?;
             Ok((settings, header.sequence, Receipt { bytes: HEADER + payload.len(), crc }))
         }
         // Whole, but of another shape: somebody forgot to count FORMAT up.
         _ => Err(Rejected::Damaged),
     }
-}
-
-/// A payload of an earlier format as one of today: the encoding has no names and no lengths, so what the format does not know
-/// is put behind it as a new machine has it. An update must not lose what a user has set.
-fn completed<'a>(payload: &[u8], format: u16, whole: &'a mut [u8; LONGEST]) -> Option<&'a [u8]> {
-    let new = Settings::prototype();
-    whole.get_mut(..payload.len())?.copy_from_slice(payload);
-    let mut end = payload.len();
-    if format <= WITHOUT_HEAT {
-        end += postcard::to_slice(&new.thermal, whole.get_mut(end..)?).ok()?.len();
-    }
-    if format <= WITHOUT_WIRING {
-        end += postcard::to_slice(&new.wiring, whole.get_mut(end..)?).ok()?.len();
-    }
-    if format <= WITHOUT_ENDSTOPS {
-        let places = (new.endstops, new.homing_order, new.baud);
-        end += postcard::to_slice(&places, whole.get_mut(end..)?).ok()?.len();
-    }
-    if format <= WITHOUT_BED {
-        end += postcard::to_slice(&(new.bed, new.probe), whole.get_mut(end..)?).ok()?.len();
-    }
-    end += if format <= WITHOUT_BELT {
-        postcard::to_slice(&new.belt, whole.get_mut(end..)?).ok()?.len()
-    } else if format <= WITHOUT_ALIGNMENT {
-        let aligned = (new.belt.alignment, new.belt.preload, new.belt.phases, new.belt.limp_lift);
-        postcard::to_slice(&aligned, whole.get_mut(end..)?).ok()?.len()
-    } else if format <= WITHOUT_PHASES {
-        postcard::to_slice(&(new.belt.phases, new.belt.limp_lift), whole.get_mut(end..)?).ok()?.len()
-    } else {
-        postcard::to_slice(&new.belt.limp_lift, whole.get_mut(end..)?).ok()?.len()
-    };
-    whole.get(..end)
 }
 
 #[cfg(test)]

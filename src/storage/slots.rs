@@ -15,10 +15,6 @@ pub const PAGE: usize = 32;
 /// Distance of the slots: settings can grow to half as much again without moving them.
 pub const STRIDE: u32 = 2048;
 
-/// Where slot B was when the distance was half of this. Records there are still read, or an update would lose what was set. The place
-/// is one inside slot A; so a save leaves it alone as long as it holds the newest settings.
-const EARLIER_B: u32 = 1024;
-
 /// Where the note of the last self-test lies: in the last page.
 pub(super) const SELF_TEST: u32 = NEEDED - PAGE as u32;
 
@@ -26,7 +22,7 @@ pub(super) const SELF_TEST: u32 = NEEDED - PAGE as u32;
 pub const NEEDED: u32 = 2 * STRIDE;
 
 const _: () = assert!(LONGEST <= (STRIDE as usize) - PAGE && LONGEST.is_multiple_of(PAGE));
-const _: () = assert!(STRIDE.is_multiple_of(PAGE as u32) && EARLIER_B + LONGEST as u32 <= NEEDED && NEEDED <= 4096);
+const _: () = assert!(STRIDE.is_multiple_of(PAGE as u32) && NEEDED <= 4096);
 
 /// One of the two places for a record.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -70,8 +66,6 @@ pub struct Stored {
     /// Size and checksum of their record.
     pub receipt: Receipt,
     slot: Slot,
-    /// It lies where slot B of earlier firmware was.
-    is_earlier: bool,
     sequence: u32,
 }
 
@@ -79,7 +73,7 @@ impl Stored {
     /// Where the record lies.
     #[must_use]
     pub const fn address(&self) -> u32 {
-        if self.is_earlier { EARLIER_B } else { self.slot.address() }
+        self.slot.address()
     }
 
     /// Whether this was saved after `other`; right for less than 2^31 saves in between.
@@ -103,7 +97,7 @@ impl Survey {
     #[must_use]
     pub fn on(mut self, mechanism: &Mechanism) -> Self {
         if let Some(other) = self.newest.take_if(|newest| newest.settings.mechanism != *mechanism) {
-            for (_, why) in self.rejected.iter_mut().filter(|(slot, _)| *slot == other.slot && !other.is_earlier) {
+            for (_, why) in self.rejected.iter_mut().filter(|(slot, _)| *slot == other.slot) {
                 *why = Some(Rejected::Mechanism);
             }
         }
@@ -158,31 +152,28 @@ pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> 
     }
     let mut survey = Survey { newest: None, rejected: [(Slot::A, None), (Slot::B, None)] };
     for (slot, rejected) in &mut survey.rejected {
-        *rejected = look_at(storage, slot.address(), *slot, &mut survey.newest).await?.err();
+        *rejected = look_at(storage, *slot, &mut survey.newest).await?.err();
     }
-    // Whatever else is there is no record.
-    let _ = look_at(storage, EARLIER_B, Slot::A, &mut survey.newest).await?;
     Ok(survey)
 }
 
-/// Takes the record at an address, which belongs to a slot, for the newest, if it is.
+/// Takes the record in a slot for the newest, if it is.
 async fn look_at(
     storage: &mut impl Storage,
-    address: u32,
     slot: Slot,
     newest: &mut Option<Stored>,
 ) -> Result<Result<(), Rejected>, StorageError> {
     let mut record = [0; LONGEST];
-    let length = read_record(storage, address, &mut record).await?;
-    Ok(length.and_then(|()| take_newer(newest, slot, address == EARLIER_B, &record)))
+    let length = read_record(storage, slot.address(), &mut record).await?;
+    Ok(length.and_then(|()| take_newer(newest, slot, &record)))
 }
 
 /// Takes what a slot holds for the newest, if it is. A function of its own: settings are large, and their copies would be on the
 /// stack while the storage is waited for, below all that goes on meanwhile.
 #[inline(never)]
-fn take_newer(newest: &mut Option<Stored>, slot: Slot, is_earlier: bool, record: &[u8]) -> Result<(), Rejected> {
+fn take_newer(newest: &mut Option<Stored>, slot: Slot, record: &[u8]) -> Result<(), Rejected> {
     let (settings, sequence, receipt) = decode(record)?;
-    let found = Stored { settings, receipt, slot, is_earlier, sequence };
+    let found = Stored { settings, receipt, slot, sequence };
     if newest.as_ref().is_none_or(|newest| found.is_newer_than(newest)) {
         *newest = Some(found);
     }
@@ -249,8 +240,7 @@ mod tests {
     #[test]
     fn the_newer_record_is_found_across_the_wrap() {
         let receipt = Receipt { bytes: 0, crc: 0 };
-        let at =
-            |sequence| Stored { settings: Settings::prototype(), receipt, slot: Slot::A, is_earlier: false, sequence };
+        let at = |sequence| Stored { settings: Settings::prototype(), receipt, slot: Slot::A, sequence };
         assert!(at(2).is_newer_than(&at(1)) && !at(1).is_newer_than(&at(2)));
         assert!(at(0).is_newer_than(&at(u32::MAX)) && !at(u32::MAX).is_newer_than(&at(0)));
         assert!(!at(5).is_newer_than(&at(5)));
@@ -261,8 +251,7 @@ mod tests {
         let mut settings = Settings::prototype();
         let own = settings.mechanism;
         settings.mechanism.rows.swap(0, 1);
-        let stored =
-            Stored { settings, receipt: Receipt { bytes: 0, crc: 0 }, slot: Slot::B, is_earlier: false, sequence: 1 };
+        let stored = Stored { settings, receipt: Receipt { bytes: 0, crc: 0 }, slot: Slot::B, sequence: 1 };
         let survey = Survey { newest: Some(stored), rejected: [(Slot::A, Some(Rejected::Blank)), (Slot::B, None)] };
         assert_ne!(settings.mechanism, own);
         assert_eq!(survey.on(&settings.mechanism), survey);

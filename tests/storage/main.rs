@@ -141,35 +141,6 @@ fn no_flipped_bit_gives_other_settings() {
     assert_eq!(noticed, 2 * used * 8);
 }
 
-/// Earlier firmware had its slots 1024 bytes apart. An update finds the newer record in either of them, and a cut in the first save
-/// leaves it alone.
-#[test]
-fn an_update_finds_the_slots_of_earlier_firmware() {
-    let record = include_bytes!("../../src/storage/record/format8.bin");
-    // The sequence number is that record's 1, and with a new checksum 2.
-    let mut newer = record.to_vec();
-    newer[8] = 2;
-    let sum = crc(newer[..12].iter().chain(&newer[16..]));
-    newer[12..16].copy_from_slice(&sum.to_le_bytes());
-    for (a, b) in [(&record[..], &newer[..]), (&newer, record), (&[], &newer)] {
-        let mut fresh = Eeprom::blank();
-        fresh.cells[..a.len()].copy_from_slice(a);
-        fresh.cells[1024..1024 + b.len()].copy_from_slice(b);
-        let found = now(storage::survey(&mut fresh)).unwrap().newest.unwrap();
-        assert_eq!(found.address(), if a == newer { 0 } else { 1024 });
-        assert_eq!(found.settings.baud, 250_000, "what format 8 does not know is as in a new machine");
-        let size = size_of_save(&fresh, &variant(0));
-        for left in 0..size {
-            let mut cut = fresh.clone();
-            cut_save(&mut cut, &variant(0), left, TORN[left % 6], left % 2 == 0);
-            for n in 1..4 {
-                now(storage::save(&mut cut, &variant(n))).unwrap();
-                assert_eq!(newest(&mut cut), Some(variant(n)), "cut after {left}, save {n}");
-            }
-        }
-    }
-}
-
 #[test]
 fn slots_take_turns_and_unchanged_settings_cost_nothing() {
     let mut eeprom = Eeprom::blank();

@@ -49,63 +49,33 @@ fn a_record_reads_back() {
     assert_eq!(decode(&record.bytes), Ok((settings, 41, record.receipt)));
 }
 
-/// The file with a record of that format, of the settings of `spelled_out` so far as it knows them.
-fn file_of(format: u16) -> std::string::String {
-    std::format!("{}/src/storage/record/format{format}.bin", env!("CARGO_MANIFEST_DIR"))
-}
+/// A record of the settings of `spelled_out` in this format.
+const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/storage/record/format15.bin");
 
-/// What is read from a record of an earlier format: what it does not know yet is as in a new machine.
-fn as_of(format: u16) -> Settings {
-    match format {
-        WITHOUT_HEAT => Settings { thermal: ThermalSettings::prototype(), ..as_of(WITHOUT_WIRING) },
-        WITHOUT_WIRING => Settings { wiring: Wiring::prototype(), ..as_of(WITHOUT_ENDSTOPS) },
-        WITHOUT_ENDSTOPS => {
-            let Settings { endstops, homing_order, baud, .. } = Settings::prototype();
-            Settings { endstops, homing_order, baud, ..as_of(WITHOUT_BED) }
-        }
-        WITHOUT_BED => {
-            let settings = as_of(WITHOUT_BELT);
-            Settings { bed: Bed::of_reach(&settings.axes), probe: EndstopPlug::NONE, ..settings }
-        }
-        WITHOUT_BELT => Settings { belt: Settings::prototype().belt, ..spelled_out() },
-        WITHOUT_ALIGNMENT => {
-            let Belt { alignment, preload, .. } = Settings::prototype().belt;
-            let settings = as_of(WITHOUT_PHASES);
-            Settings { belt: Belt { alignment, preload, ..settings.belt }, ..settings }
-        }
-        WITHOUT_PHASES => {
-            let (Belt { phases, .. }, settings) = (Settings::prototype().belt, as_of(WITHOUT_LIMP));
-            Settings { belt: Belt { phases, ..settings.belt }, ..settings }
-        }
-        WITHOUT_LIMP => {
-            let (Belt { limp_lift, .. }, settings) = (Settings::prototype().belt, spelled_out());
-            Settings { belt: Belt { limp_lift, ..settings.belt }, ..settings }
-        }
-        _ => spelled_out(),
-    }
-}
-
-/// Every format that ever was goes on being read, this one too.
 #[test]
-fn an_update_keeps_what_was_set() {
-    for format in WITHOUT_HEAT..=FORMAT {
-        let record =
-            std::fs::read(file_of(format)).unwrap_or_else(|_| panic!("format {format} has no record: BLESS=1"));
-        let (settings, sequence, _) = decode(&record).unwrap();
-        assert_eq!((settings, sequence), (as_of(format), 1), "format {format}");
+fn a_record_of_this_format_reads_back() {
+    let (settings, sequence, _) = decode(&std::fs::read(FILE).unwrap()).unwrap();
+    assert_eq!((settings, sequence), (spelled_out(), 1));
+}
+
+#[test]
+fn records_of_earlier_formats_are_refused_by_their_number() {
+    let settings = payload(&spelled_out());
+    for format in 0..FORMAT {
+        assert_eq!(decode(&forge(format, &settings)), Err(Rejected::Format(format)));
     }
 }
 
-/// If this fails because [`Settings`] changed its shape: count [`FORMAT`] up, let `decode` read the format before as well, and
-/// have the record of this one written by `BLESS=1`. The values are spelled out, so that new defaults do not matter.
+/// If this fails because [`Settings`] changed its shape: count [`FORMAT`] up if this format was released, and have its record
+/// written by `BLESS=1`. The values are spelled out, so that new defaults do not matter.
 #[test]
 fn the_shape_of_this_format_is_known() {
-    let (record, file) = (encode(&spelled_out(), 1).unwrap(), file_of(FORMAT));
+    let record = encode(&spelled_out(), 1).unwrap();
     let bytes = &record.bytes[..record.receipt.bytes];
-    if std::env::var_os("BLESS").is_some() && !std::fs::exists(&file).unwrap() {
-        std::fs::write(&file, bytes).unwrap();
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(FILE, bytes).unwrap();
     }
-    assert_eq!(std::fs::read(file).unwrap(), bytes, "format {FORMAT}");
+    assert_eq!(std::fs::read(FILE).unwrap(), bytes);
 }
 
 /// All of them by name and number: a new one does not compile before it is here.
@@ -372,7 +342,7 @@ proptest! {
     /// Whatever is inside a record with a right checksum: legal settings or none.
     #[test]
     fn any_payload_is_legal_or_rejected(
-        format in WITHOUT_HEAT..=FORMAT,
+        format in FORMAT - 1..=FORMAT,
         bytes in proptest::collection::vec(any::<u8>(), 0..LONGEST - HEADER),
     ) {
         if let Ok((settings, ..)) = decode(&forge(format, &bytes)) {
@@ -383,15 +353,14 @@ proptest! {
     /// The same with payloads that are nearly settings.
     #[test]
     fn a_changed_payload_is_legal_or_rejected(
-        format in WITHOUT_HEAT..=FORMAT,
         changes in proptest::collection::vec((any::<usize>(), any::<u8>()), 1..9),
     ) {
-        let mut bytes = std::fs::read(file_of(format)).unwrap().split_off(HEADER);
+        let mut bytes = std::fs::read(FILE).unwrap().split_off(HEADER);
         for (at, value) in changes {
             let at = at % bytes.len();
             bytes[at] = value;
         }
-        if let Ok((settings, ..)) = decode(&forge(format, &bytes)) {
+        if let Ok((settings, ..)) = decode(&forge(FORMAT, &bytes)) {
             prop_assert_eq!(settings.check(), Ok(()));
         }
     }
