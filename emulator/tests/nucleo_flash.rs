@@ -6,14 +6,11 @@ use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 
-/// A start takes 25 ms with slots, and longer where a log of earlier firmware is looked through.
+/// A start takes 25 ms with slots.
 const START_NS: u64 = 100 * MS;
 
 /// To erase a sector at the most (STM32F446 datasheet, t_ERASE16KB at 32 bits).
 const ERASE_NS: u64 = 500 * MS;
-
-/// What an image of earlier firmware has left from the begin of sector 1 on: the log of M500 after M113 S7, S8 and S9.
-const EARLIER_LOG: &[u8] = include_bytes!("../../chips/stm32f446/tests/log_of_earlier_image.bin");
 
 fn talk(flash: &FlashSectors, gcode: &str) -> Seen {
     talk_as(Manner::default(), flash, gcode)
@@ -89,7 +86,6 @@ fn sectors_that_held_code_are_taken_over() {
 /// Words that a save programs about an erase: the marks that are made zero before it, the erase itself and the mark
 /// after it (`chips/stm32f446/src/flash_slot.rs`).
 const BEFORE_ERASE: usize = 8;
-const BEFORE_PAGES: usize = BEFORE_ERASE + 1 + 4;
 
 /// Each save erases the sector of its slot, and nobody minds.
 #[test]
@@ -162,35 +158,4 @@ fn a_power_cut_while_a_word_is_programmed_or_a_sector_erased_leaves_the_old_sett
     for tear in [Tear::Ends, Tear::SecondHalf, Tear::Anything] {
         assert_eq!(cut(&blank, erase, tear, 1..4), 0);
     }
-}
-
-#[test]
-fn settings_of_earlier_firmware_are_found_and_outlive_cuts() {
-    let mut log = FlashSectors::default();
-    log.cells[..EARLIER_LOG.len()].copy_from_slice(EARLIER_LOG);
-    let seen = talk(&log, "M113\nM504\n");
-    println!("start {} us after reset, with a log", seen.started.unwrap() / 1000);
-    assert!(seen.started.unwrap() < START_NS && says(&seen, "echo:stored settings valid"), "{:?}", seen.line.said);
-    assert_eq!((keepalive(&seen), seen.flash.operations.len()), (9, 0));
-    // The same items again and again, until both sectors are nearly full.
-    let (mark, items) = EARLIER_LOG.split_at(4);
-    for sector in log.clone().cells.chunks(0x4000).enumerate().map(|(i, _)| 0x4000 * i) {
-        let many = mark.iter().chain(items.iter().cycle().take(items.len() * 7));
-        log.cells[sector..].iter_mut().zip(many).for_each(|(cell, byte)| *cell = *byte);
-    }
-    let full = talk(&log, "M113\n");
-    println!("start {} us after reset, with full logs", full.started.unwrap() / 1000);
-    assert!(full.started.unwrap() < START_NS && keepalive(&full) == 9, "{:?}", full.line.said);
-    log.cells[0x4000..].fill(0xFF);
-    // The first save leaves the sector of the log alone, the second erases it.
-    assert_eq!(cut(&log, BEFORE_ERASE, Tear::Anything, 10..11), 0);
-    let whole = talk(&log, &saves(10..11));
-    assert_eq!(whole.flash.operations.get(BEFORE_ERASE), Some(&Operation::Erase { sector: 2 }));
-    assert_eq!(cut(&log, whole.flash.operations.len() - BEFORE_PAGES, Tear::Bits, 10..11), 0);
-    // Which makes the mark of the first one firm before.
-    let erase = whole.flash.operations.len() + 4 + BEFORE_ERASE;
-    // The log took this for a sector that is erased.
-    assert_eq!(cut(&log, erase, Tear::Ends, 10..12), 0);
-    let both = talk(&log, &saves(10..12));
-    assert_eq!(both.flash.operations.get(erase), Some(&Operation::Erase { sector: 1 }));
 }

@@ -13,10 +13,6 @@
 //! a write that does not go down begins the slot anew, and all its other pages are blank then. The last page of all,
 //! which the core writes at any time, lies elsewhere in the sector of slot B: its slot does not have to be erased for
 //! it. It is carried over when that is; a power cut at that moment loses it.
-//!
-//! The crate `sequential-storage` kept all pages in a log that went round both sectors. It judged a sector by its first
-//! and its last byte, so an erase that left other cells as they were could lose both copies. What such a log holds is
-//! still found (`flash_log`).
 
 use corehbot::port::StorageError;
 use corehbot::storage::{NEEDED, PAGE, STRIDE};
@@ -62,7 +58,7 @@ impl Place {
 }
 
 impl<F: Sectors> FlashPages<F> {
-    /// The pages in the sectors of `flash`. Reads 32 bytes of a sector that has a slot, and all of another.
+    /// The pages in the sectors of `flash`. Reads 32 bytes of each sector, and its notes when one is asked for.
     pub fn new(mut flash: F) -> Self {
         let slots = [SECTORS.start, SECTORS.start + SECTOR].map(|sector| FlashSlot::found(&mut flash, sector));
         Self { flash, slots }

@@ -20,10 +20,9 @@
 use corehbot::port::StorageError;
 use corehbot::storage::{PAGE, STRIDE};
 
-use crate::flash_log::LogRecord;
 use crate::flash_sectors::{SECTOR, Sectors, WORD};
 
-/// Its erase is done. No log begins so, whose first byte is zero, and no vector table.
+/// Its erase is done. No vector table begins so.
 const ERASED: [u8; 16] = *b"corehbot slot V1";
 
 /// Its record is whole.
@@ -64,8 +63,6 @@ enum Holds {
     Begun,
     /// A slot with all its pages.
     Whole,
-    /// A log with a record.
-    Log(LogRecord),
 }
 
 impl FlashSlot {
@@ -85,11 +82,6 @@ impl FlashSlot {
             Holds::Begun if self.erased > 0 => flash.read(self.page_at(number), &mut page)?,
             Holds::Nothing | Holds::Begun => {}
             Holds::Whole => flash.read(self.page_at(number), &mut page)?,
-            Holds::Log(record) => {
-                if let Some(at) = record.page_at(number) {
-                    flash.read(self.sector + at, &mut page)?;
-                }
-            }
         }
         Ok(page)
     }
@@ -126,14 +118,13 @@ impl FlashSlot {
         Ok(self.last_note(flash)?.1)
     }
 
-    /// Writes a note. A sector that holds nothing is erased first; one with a log is left alone, so it takes no notes
-    /// until a save begins the slot.
+    /// Writes a note. A sector that holds nothing is erased first.
     ///
     /// # Errors
     /// Those of the flash, and [`StorageError::Failed`] if there is no room.
     pub fn put_note(&mut self, flash: &mut impl Sectors, other: &Self, note: &[u8; PAGE]) -> Result<(), StorageError> {
         match self.holds {
-            Holds::Unread | Holds::Log(_) => return Err(StorageError::Failed),
+            Holds::Unread => return Err(StorageError::Failed),
             Holds::Nothing => self.begin(flash, other)?,
             Holds::Begun | Holds::Whole => {}
         }
@@ -196,7 +187,7 @@ fn look(flash: &mut impl Sectors, sector: u32) -> Result<Holds, StorageError> {
     flash.read(sector, &mut marks)?;
     let (erased, whole) = marks.split_at(WHOLE_AT as usize);
     Ok(if erased != ERASED {
-        LogRecord::newest(flash, sector)?.map_or(Holds::Nothing, Holds::Log)
+        Holds::Nothing
     } else if whole.starts_with(&WHOLE) {
         Holds::Whole
     } else {

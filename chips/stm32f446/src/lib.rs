@@ -20,7 +20,6 @@
 //! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reset_reason`, `stack_guard` and `step_timer`.
 #![cfg_attr(target_os = "none", no_std)]
 
-mod flash_log;
 pub mod flash_pages;
 pub mod flash_sectors;
 mod flash_slot;

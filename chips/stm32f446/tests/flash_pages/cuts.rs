@@ -68,8 +68,8 @@ fn cuts_may_follow_each_other_in_any_two_saves() {
     assert!(found[0] > 1000 && found[1] == 0);
 }
 
-/// Reproducer: `sequential-storage` took a sector for blank if its first and its last byte were, and for the one in use
-/// if its first was as before. Both copies could be lost.
+/// Reproducer: a sector was taken for blank if its first and its last byte were, and for the one in use if its first
+/// was as before. Both copies could be lost.
 #[test]
 fn an_erase_that_leaves_something_in_between_endangers_nothing() {
     let mut flash = Nor::blank();

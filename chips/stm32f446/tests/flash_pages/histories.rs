@@ -2,7 +2,7 @@
 
 use crate::nor::{Nor, TEARS, Tear};
 use crate::random::Random;
-use crate::{migration, newest, save, variant};
+use crate::{newest, save, variant};
 use corehbot::settings::Settings;
 use corehbot::storage;
 
@@ -65,13 +65,4 @@ fn the_last_or_a_cut_save_is_there_whatever_was_cut() {
 #[test]
 fn cells_that_nobody_can_be_sure_of_endanger_nothing() {
     follow_many(2000..2800, &[Tear::Unsure], |_| (Nor::blank(), None));
-}
-
-#[test]
-fn the_same_begins_with_a_log() {
-    let logs = migration::logs();
-    follow_many(3000..3600, &TEARS, |random| {
-        let (log, settings) = &logs[random.below(logs.len())];
-        (log.clone(), Some(*settings))
-    });
 }

@@ -3,9 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod cuts;
-mod earlier;
 mod histories;
-mod migration;
 mod nor;
 mod notes;
 mod random;

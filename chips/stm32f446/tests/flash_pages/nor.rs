@@ -1,11 +1,14 @@
 //! Flash whose power may go in any operation.
 
-use crate::earlier::Dead;
 use crate::random::Random;
 use corehbot::port::StorageError;
 use corehbot_stm32f446::flash_sectors::{SECTOR, SECTORS, Sectors};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
+
+/// The power is gone.
+#[derive(Debug)]
+pub struct Dead;
 
 /// Flash that programs a word or erases a sector in one operation, until its power goes.
 #[derive(Clone)]
