@@ -1,8 +1,12 @@
 //! The printer's words: what they are, and that they mean nothing else to any host.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+#[path = "support/actions.rs"]
+mod actions;
+
+use actions::{Deed, btt_tft, octoprint, printrun};
 use corehbot::fault::{Cause, Fault};
-use corehbot::protocol::{NoRoom, Replies, ResendReason};
+use corehbot::protocol::{Action, NoRoom, Replies, ResendReason};
 
 /// As the replies have it.
 const CAPACITY: usize = 2048;
@@ -174,6 +178,30 @@ fn our_words_mean_nothing_else_to_any_host() {
         assert!(["line number", "checksum", "kill() called"].iter().any(|word| small.contains(word)));
         assert!(!small.contains("no line number with checksum"));
     }
+}
+
+#[test]
+fn octoprint_printrun_and_a_btt_screen_act_on_every_action() {
+    let long = "A question that is too long for the screen of a printer";
+    // The line, what OctoPrint and the screen do, and what Printrun does.
+    for (action, both, by_printrun) in [
+        (Action::Pause, Some(Deed::Pause), Some(Deed::Pause)),
+        (Action::Paused, Some(Deed::NotePaused), None),
+        (Action::Resumed, Some(Deed::NoteResumed), None),
+        (Action::Cancel, Some(Deed::Cancel), Some(Deed::Pause)),
+        (Action::PromptBegin("Change the filament"), Some(Deed::Begin), None),
+        (Action::PromptBegin(long), Some(Deed::Begin), None),
+        (Action::PromptButton("Continue"), Some(Deed::Button), None),
+        (Action::PromptButton(long), Some(Deed::Button), None),
+        (Action::PromptShow, Some(Deed::Show), None),
+    ] {
+        let line = action.to_string();
+        assert_eq!((octoprint(&line), btt_tft(&line), printrun(&line)), (both, both, by_printrun), "{line}");
+        assert!(!line.contains("ok") && !line.contains("rs"), "{line}");
+    }
+    // A screen closes its question itself.
+    let line = Action::PromptEnd.to_string();
+    assert_eq!((octoprint(&line), btt_tft(&line), printrun(&line)), (Some(Deed::Close), None, None));
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub enum Form {
     Plain,
     /// E1: `echo:` in front.
     Echo,
-    /// A1: `// ` in front, for what the host is to do.
+    /// A1: `//` in front, for what the host is to do.
     Action,
 }
 

@@ -8,6 +8,7 @@
 //! Rule: everything that [`Receiver::next_line`] returns is answered with exactly one `ok`, and nothing
 //! else is.
 
+mod action;
 mod checksum;
 mod emergency;
 mod framing;
@@ -19,6 +20,7 @@ mod ring;
 mod silence;
 mod syntax;
 
+pub use action::{ACTION, Action};
 pub use emergency::Emergency;
 pub use numbering::ResendReason;
 pub use receiver::{Incoming, Receiver};

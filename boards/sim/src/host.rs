@@ -14,6 +14,7 @@ pub use file_line::{command_of, strip_comment, words};
 
 use crate::input::{Lines, Survey, lines_of, survey};
 use crate::world::Host;
+use corehbot::protocol::ACTION;
 use corehbot::units::TICKS_PER_SECOND;
 use std::collections::VecDeque;
 use std::fmt;
@@ -359,7 +360,7 @@ impl Host for FileHost {
             }
             self.awaiting = self.awaiting.saturating_sub(1);
             self.is_heat_awaited &= self.awaiting > 0;
-        } else if let Some(action) = line.strip_prefix("// action:") {
+        } else if let Some(action) = line.strip_prefix(ACTION) {
             self.hear_action(action);
         } else if let Some(number) = line.strip_prefix("Resend:") {
             self.resend(number);

@@ -70,11 +70,10 @@ fn every_answer_ends_a_wait_for_the_user() {
             ("ok", "G1 X120\nM400\nM114 R\n"),
         ]);
         let outcome = talk(&mut a, &mut Talker::new(&[]));
-        assert_eq!((a.count("// action:paused"), a.count("// action:resumed")), (1, 1), "{answer}: {:?}", a.heard);
+        assert_eq!((a.count("//action:paused"), a.count("//action:resumed")), (1, 1), "{answer}: {:?}", a.heard);
         assert_eq!((a.count("X:120.00"), outcome.moves), (1, 2), "{answer}");
         assert!(
-            a.place("// action:paused") < a.place(BUSY_PAUSED)
-                && a.place(BUSY_PAUSED) < a.place("// action:prompt_end")
+            a.place("//action:paused") < a.place(BUSY_PAUSED) && a.place(BUSY_PAUSED) < a.place("//action:prompt_end")
         );
     }
 }
@@ -83,7 +82,7 @@ fn every_answer_ends_a_wait_for_the_user() {
 fn an_answer_in_the_same_packet_is_not_lost() {
     let mut a = Talker::new(&[("echo:corehbot", "M601\nM602\nG1 X120 F6000\nM400\n")]);
     let outcome = talk(&mut a, &mut Talker::new(&[]));
-    assert_eq!((a.count("ok"), outcome.moves, a.count("// action:resumed")), (4, 1, 1), "{:?}", a.heard);
+    assert_eq!((a.count("ok"), outcome.moves, a.count("//action:resumed")), (4, 1, 1), "{:?}", a.heard);
 }
 
 #[test]
@@ -104,12 +103,12 @@ fn a_resume_does_not_end_a_dwell() {
 #[test]
 fn all_hosts_are_asked_and_each_may_answer() {
     let mut a = Talker::new(&[("echo:corehbot", "M600\n")]);
-    let mut b = Talker::new(&[("// action:prompt_show", "M24\n")]);
+    let mut b = Talker::new(&[("//action:prompt_show", "M24\n")]);
     talk(&mut a, &mut b);
-    for line in ["// action:paused", "// action:prompt_begin Change the filament", "// action:prompt_button Continue"] {
+    for line in ["//action:paused", "//action:prompt_begin Change the filament", "//action:prompt_button Continue"] {
         assert_eq!((a.count(line), b.count(line)), (1, 1), "{line}");
     }
-    assert_eq!((a.count("// action:resumed"), b.count("// action:resumed")), (1, 1), "{:?}", b.heard);
+    assert_eq!((a.count("//action:resumed"), b.count("//action:resumed")), (1, 1), "{:?}", b.heard);
     assert_eq!((a.count("ok"), b.count("ok")), (1, 1));
 }
 
@@ -117,13 +116,13 @@ fn all_hosts_are_asked_and_each_may_answer() {
 fn a_pause_of_the_host_ends_the_motion_and_holds_nothing_up() {
     let mut a = Talker::new(&[
         ("echo:corehbot", "G1 X150 F3000\nG1 Y150\nM25\n"),
-        ("// action:paused", "M114 R\nG1 X160\nM400\nM114 R\nM24\n"),
+        ("//action:paused", "M114 R\nG1 X160\nM400\nM114 R\nM24\n"),
     ]);
-    let mut b = Talker::new(&[("// action:paused", "M119\n")]);
+    let mut b = Talker::new(&[("//action:paused", "M119\n")]);
     talk(&mut a, &mut b);
     // The print comes to rest before anything else is carried out.
     assert_eq!((a.count("X:150.00 Y:150.00"), a.count("X:160.00 Y:150.00")), (1, 1), "{:?}", a.heard);
-    assert_eq!((a.count("// action:resumed"), b.count("// action:resumed")), (1, 1));
+    assert_eq!((a.count("//action:resumed"), b.count("//action:resumed")), (1, 1));
     assert_eq!((a.count("ok"), b.count("ok")), (8, 1));
 }
 
@@ -149,7 +148,7 @@ fn stops_end_a_wait_for_the_user() {
     let mut a = Talker::new(&[("echo:corehbot", "M600\nG1 X110\n"), (BUSY_PAUSED, "M410\n"), ("ok", "M114 R\n")]);
     let outcome = talk(&mut a, &mut Talker::new(&[]));
     assert_eq!((a.count("ok"), outcome.moves, outcome.halted), (4, 0, false), "{:?}", a.heard);
-    assert_eq!((a.count("// action:prompt_end"), a.count("// action:resumed")), (1, 0), "{:?}", a.heard);
+    assert_eq!((a.count("//action:prompt_end"), a.count("//action:resumed")), (1, 0), "{:?}", a.heard);
     let mut a = Talker::new(&[("echo:corehbot", "M600\n"), (BUSY_PAUSED, "M112\n")]);
     let outcome = talk(&mut a, &mut Talker::new(&[]));
     assert!(outcome.halted && a.count("ok") == 0 && a.count("Error:Printer halted") > 0);

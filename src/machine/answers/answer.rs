@@ -15,7 +15,7 @@ use crate::gcode::{Flaw, Form};
 use crate::machine::state::clamps::Clamp;
 use crate::machine::state::retraction::RetractionSettings;
 use crate::port::{EndstopSet, Motor};
-use crate::protocol::ResendReason;
+use crate::protocol::{Action, ResendReason};
 use crate::status::Tuned;
 
 /// What there is to say. Numbers that everybody knows are looked up when they are written; those that a command keeps for itself are part
@@ -47,6 +47,8 @@ pub(in crate::machine) enum Answer<'a> {
     Start,
     /// A line that is always the same.
     Line(&'static str),
+    /// What hosts are told or asked to do.
+    Action(Action<'static>),
     /// M118.
     Message(Form, &'a [u8]),
     /// M900.

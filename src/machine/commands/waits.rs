@@ -6,25 +6,20 @@ use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
+use crate::protocol::Action;
 
-/// The print is paused.
-const PAUSED: &str = "// action:paused";
-
-/// The print goes on.
-const RESUMED: &str = "// action:resumed";
-
-/// A question to the user begins.
-const ASK: &str = "// action:prompt_begin Paused";
-const ASK_FOR_FILAMENT: &str = "// action:prompt_begin Change the filament";
-
-/// Nobody need answer any more.
-const PROMPT_END: &str = "// action:prompt_end";
+/// What the user is asked.
+const PAUSED: &str = "Paused";
+const FILAMENT: &str = "Change the filament";
 
 /// Says the same to all hosts. One that is not being served and has no room for it misses it.
-async fn announce<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, lines: &[&'static str]) -> Result<(), Interrupt> {
-    for line in lines {
-        crank.tell_others(format_args!("{line}"));
-        crank.tell(Answer::Line(line)).await?;
+async fn announce<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    actions: &[Action<'static>],
+) -> Result<(), Interrupt> {
+    for &action in actions {
+        crank.tell_others(format_args!("{action}"));
+        crank.tell(Answer::Action(action)).await?;
     }
     Ok(())
 }
@@ -36,35 +31,35 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     filament: bool,
 ) -> Result<(), Interrupt> {
     crank.finish().await?;
-    let question = if filament { ASK_FOR_FILAMENT } else { ASK };
-    announce(crank, &[PAUSED, question, "// action:prompt_button Continue", "// action:prompt_show"]).await?;
+    let question = Action::PromptBegin(if filament { FILAMENT } else { PAUSED });
+    announce(crank, &[Action::Paused, question, Action::PromptButton("Continue"), Action::PromptShow]).await?;
     let deadline = crank.now().after_ms(ms);
     let _ = crank.take_targets_before();
     crank.pauses_mut().begin_for_user();
     while !(crank.pauses().is_over() || (ms > 0 && crank.now() >= deadline)) {
         if let Err(interrupt) = crank.turn().await {
             crank.pauses_mut().end();
-            crank.tell_all(format_args!("{PROMPT_END}"));
+            crank.tell_all(format_args!("{}", Action::PromptEnd));
             return Err(interrupt);
         }
     }
     crank.pauses_mut().end();
-    announce(crank, &[PROMPT_END]).await?;
+    announce(crank, &[Action::PromptEnd]).await?;
     heat_again(crank).await?;
-    announce(crank, &[RESUMED]).await
+    announce(crank, &[Action::Resumed]).await
 }
 
 /// M25. The hosts are told first, so that they stop sending while the motion ends.
 pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
     crank.pauses_mut().pause_print();
-    announce(crank, &[PAUSED]).await?;
+    announce(crank, &[Action::Paused]).await?;
     crank.finish().await
 }
 
 /// M24, M602. Where it has ended another command's wait, that command has told the hosts.
 pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
     if crank.pauses_mut().resume_print() {
-        announce(crank, &[RESUMED]).await?;
+        announce(crank, &[Action::Resumed]).await?;
     }
     Ok(())
 }

@@ -123,6 +123,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
                 to.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
             }
             Answer::Line(line) => to.say(format_args!("{line}")),
+            Answer::Action(action) => to.say(format_args!("{action}")),
             Answer::Message(form, text) => say_message(to, form, text),
             Answer::Advance => to.say(format_args!("echo:Advance K={}", shortest(s.advance.time))),
             Answer::FeedPercent => to.say(format_args!("FR:{}%", planner.feed_percent())),

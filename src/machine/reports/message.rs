@@ -27,7 +27,7 @@ impl Message<'_> {
 pub(in crate::machine) fn say_message(to: &mut Speaker<'_>, form: Form, text: &[u8]) {
     let message = Message(text);
     match form {
-        Form::Action => to.say(format_args!("// {message}")),
+        Form::Action => to.say(format_args!("//{message}")),
         Form::Plain if !message.is_reserved() => to.say(format_args!("{message}")),
         Form::Plain | Form::Echo => to.say(format_args!("echo:{message}")),
     }

@@ -1,6 +1,6 @@
 //! Pauses: what a command waits for beside the motion, and whether the print is paused.
 //!
-//! A stream belongs to its host, so M25 and M24 only tell the hosts (`// action:paused`, `// action:resumed`) and
+//! A stream belongs to its host, so M25 and M24 only tell the hosts (`//action:paused`, `//action:resumed`) and
 //! hold nothing up: what a host sends in between, to jog or to heat, is carried out. M0, M1, M600 and M601 stand in
 //! the stream itself and keep their `ok` back until the user is ready. The tool stays where it is, and so does the
 //! power of the motors. G4 waits too, for time alone.

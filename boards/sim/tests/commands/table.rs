@@ -12,13 +12,13 @@ const HEATERS: &[&str] = &["echo:no heaters configured"];
 const UNTUNED: &[&str] = &["echo:no heaters configured, ignored"];
 const PROBE: &[&str] = &["echo:nothing is probed by this firmware, ignored"];
 const PAUSED: &[&str] = &[
-    "// action:paused",
-    "// action:prompt_begin Paused",
-    "// action:prompt_button Continue",
-    "// action:prompt_show",
+    "//action:paused",
+    "//action:prompt_begin Paused",
+    "//action:prompt_button Continue",
+    "//action:prompt_show",
     BUSY_PAUSED,
-    "// action:prompt_end",
-    "// action:resumed",
+    "//action:prompt_end",
+    "//action:resumed",
 ];
 
 const ROWS: &[Row] = &[
@@ -68,11 +68,11 @@ const ROWS: &[Row] = &[
     ("M0 Press the button", PAUSED),
     ("M1", PAUSED),
     ("M601", PAUSED),
-    ("M600 E10", &["// action:paused", "// action:prompt_begin Change the filament", "*", "*", "*", "*", "*"]),
-    ("M1 S1", &["// action:paused", "*", "*", "*", "// action:prompt_end", "// action:resumed"]),
+    ("M600 E10", &["//action:paused", "//action:prompt_begin Change the filament", "*", "*", "*", "*", "*"]),
+    ("M1 S1", &["//action:paused", "*", "*", "*", "//action:prompt_end", "//action:resumed"]),
     ("M602", SILENCE),
     ("M24", SILENCE),
-    ("M25", &["// action:paused"]),
+    ("M25", &["//action:paused"]),
     ("M876 S0", SILENCE),
     ("M876 P1", SILENCE),
     // Limits and settings.
@@ -158,7 +158,7 @@ const ROWS: &[Row] = &[
     ("M114", &["X:100.00 Y:100.00 Z:50.00 E:0.00 C:0.00 Count A:16000 B:0 Z:40000"]),
     ("M114 R", &["X:100.00 Y:100.00 Z:50.00 E:0.00 C:0.00 Count A:16000 B:0 Z:40000"]),
     ("M117 any; text *", SILENCE),
-    ("M118 A1 action:notification hi", &["// action:notification hi"]),
+    ("M118 A1 action:notification hi", &["//action:notification hi"]),
     ("M118 E1 hi", &["echo:hi"]),
     ("M118 hi", &["hi"]),
     ("M118 ok", &["echo:ok"]),
