@@ -49,7 +49,7 @@ pub struct Status {
     events_made: AtomicU32,
     /// Events taken out of the StepQueue when motion last came to rest; written by the Stepper.
     rested: AtomicU32,
-    /// How often the StepQueue ran dry in mid-motion; written by the Stepper.
+    /// How often the StepQueue ran dry in mid-motion; written by the StepGenerator.
     starved: AtomicU32,
     /// Events that came so late that time was stretched; written by the Stepper.
     late: Lateness,

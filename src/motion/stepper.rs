@@ -15,11 +15,12 @@
 //! | waiting | an event in `next`, `due` ahead, alarm set | *due*, when the alarm rings; *resting*, when the epoch is over |
 //! | due | `due` has come, at most MAX_LATE ago | played: *waiting* or *due* with the next event, *starved* without one |
 //! | late | `due` is more than MAX_LATE ago | `lag` grows by so much, and the event is *due*: all that follow move with it |
-//! | starved | `next` is NONE | *due*, if the event has come meanwhile; else counted, and *resting* |
+//! | starved | `next` is NONE | *due*, if the event has come meanwhile; else *resting* |
 //! | ended | an endstop that the event watches is pressed | *resting* until the next epoch: `ended` holds this one |
 //!
 //! An event without steps is passed over where it would be played (`skip_event`); after the last such event the Stepper is
-//! *resting* without being *starved*: the generator marks the end of a motion so.
+//! *resting* without being *starved*: the generator marks the end of a motion so, and the time that passes while it does
+//! not know the next step. Whether a rest was one in mid-motion it knows as well, and counts (`StepGenerator::run`).
 
 use super::queue::{PackedEvent, StepsOut};
 use crate::port::{GroupSet, Pend, StepClock, StepPort};
@@ -183,7 +184,6 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             // It may have been on its way, with its time already there.
             self.next = self.events.peek().1;
             if self.next == PackedEvent::NONE {
-                self.status.count_starved();
                 self.next = PackedEvent::RESTING;
             }
         }

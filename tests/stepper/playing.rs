@@ -197,14 +197,6 @@ fn a_little_lateness_is_made_good() {
 }
 
 #[test]
-fn a_queue_that_runs_dry_in_mid_motion_is_counted() {
-    let (bench, status) = (Bench::default(), Status::new());
-    play(&bench, &status, &[event(1000, V, DOWN), event(1000, V, DOWN)], 0, |_| 0);
-    let dry = Overload { starved: 1, ..Overload::default() };
-    assert_eq!(status.overload(), dry, "the last event is a step, not a rest");
-}
-
-#[test]
 fn a_pressed_endstop_ends_the_motion_that_watches_it() {
     let (bench, status) = (Bench::default(), Status::new());
     bench.pressed.set(EndstopSet::X.0);

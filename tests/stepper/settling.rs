@@ -21,8 +21,25 @@ impl StepPort for Pins {
     }
 }
 
-/// What was too slow in a run of these moves, which the generator always makes in time.
+/// Who is too slow in a run.
+#[derive(Clone, Copy, PartialEq)]
+enum Sleeper {
+    Nobody,
+    /// The generator, once, from this alarm on until the Stepper rests.
+    Generator(usize),
+    /// The host: each move comes when all of the one before is played.
+    Host,
+    /// The Console, as it is: it hands a move on when less than 50 ms of motion are queued.
+    Console,
+}
+
+/// What was too slow in a run of these moves, and whether that includes one.
 fn overload(ways: &[([f64; 2], f64)]) -> Overload {
+    overload_with(ways, Sleeper::Nobody)
+}
+
+/// The same with somebody who is too slow.
+fn overload_with(ways: &[([f64; 2], f64)], sleeper: Sleeper) -> Overload {
     let (clock, status, settings) = (Clock::default(), Status::new(), Settings::prototype());
     let groupings = Groupings::new(&Mechanism::corehbot());
     let (mut memory, mut spans) = (MoveMemory::new(), SpanMemory::new());
@@ -42,15 +59,39 @@ fn overload(ways: &[([f64; 2], f64)]) -> Overload {
         );
     }
     planner.release_all();
-    while let Some(m) = planner.pop() {
+    let is_late = matches!(sleeper, Sleeper::Host | Sleeper::Console);
+    while !is_late && let Some(m) = planner.pop() {
         link.send(Work::Move(m));
     }
-    for _ in 0..1_000_000 {
-        generator.run(&Nobody);
+    let mut sleeps_from = if let Sleeper::Generator(alarm) = sleeper { Some(alarm) } else { None };
+    for alarm in 0..1_000_000 {
+        let is_asleep = sleeps_from.is_some_and(|from| alarm >= from);
+        if !is_asleep {
+            generator.run(&Nobody);
+        }
         stepper.on_alarm();
-        let Some(at) = clock.alarm.get() else { break };
+        if sleeper == Sleeper::Console
+            && link.left() < 500_000
+            && let Some(m) = planner.pop()
+        {
+            link.send(Work::Move(m));
+            continue;
+        }
+        let Some(at) = clock.alarm.get() else {
+            clock.now.set(clock.now.get().wrapping_add(1_000_000));
+            let next = if sleeper == Sleeper::Host { planner.pop() } else { None };
+            let is_over = next.is_none() && !is_asleep;
+            next.into_iter().for_each(|m| link.send(Work::Move(m)));
+            sleeps_from = None;
+            if is_over {
+                break;
+            }
+            continue;
+        };
         clock.now.set(at);
-        generator.run(&Nobody);
+        if !is_asleep {
+            generator.run(&Nobody);
+        }
         stepper.on_alarm();
     }
     assert!(link.is_idle(), "{ways:?}");
@@ -67,5 +108,37 @@ fn an_end_on_a_step_is_no_lack_of_steps() {
         let second = [half_steps(i + i % 7), half_steps(i % 3)];
         assert_eq!(overload(&[(first, speed), (second, speed)]), Overload::default(), "program {i}");
         assert_eq!(overload(&[(first, speed)]), Overload::default(), "program {i}");
+    }
+}
+
+/// Moves that lead on without a rest, each so far, at so many mm/s.
+fn chords(count: u32, length: f64, speed: f64) -> Vec<([f64; 2], f64)> {
+    (1..=count).map(|i| ([length * f64::from(i), 0.0], speed)).collect()
+}
+
+#[test]
+fn a_generator_that_sleeps_in_mid_motion_is_counted_once_whether_steps_are_quick_or_slow() {
+    for (speed, alarm) in [(100.0, 40), (1.0, 40), (0.1, 20), (0.01, 3)] {
+        let told = overload_with(&chords(3, 1.0, speed), Sleeper::Generator(alarm));
+        assert_eq!(told, Overload { starved: 1, ..Overload::default() }, "{speed} mm/s");
+    }
+}
+
+#[test]
+fn a_move_that_comes_too_late_is_counted_whether_steps_are_quick_or_slow() {
+    for (speed, length) in [(100.0, 5.0), (1.0, 1.0), (0.2, 0.2), (0.01, 0.02)] {
+        let told = overload_with(&chords(4, length, speed), Sleeper::Host);
+        assert_eq!(told, Overload { starved: 3, ..Overload::default() }, "{speed} mm/s");
+    }
+}
+
+/// Reproducer: below 20 steps a second each chord counted as a lack of steps, for the Console saw time pass only with the
+/// steps, and handed the next move on when the last step of the one before was made.
+#[test]
+fn slow_moves_that_come_50_ms_ahead_are_no_lack_of_steps() {
+    for (speed, length) in
+        [(100.0, 5.0), (1.0, 1.0), (0.2, 0.2), (0.1, 0.05), (0.05, 0.002), (0.01, 0.02), (0.001, 0.002)]
+    {
+        assert_eq!(overload_with(&chords(12, length, speed), Sleeper::Console), Overload::default(), "{speed} mm/s");
     }
 }

@@ -68,7 +68,7 @@ pub(in crate::motion) const SLOTS: usize = 512;
 const _: () = assert!(SLOTS.is_power_of_two() && SLOTS.is_multiple_of(REGULAR as usize));
 
 /// Step events between StepGenerator and Stepper. As good as full: the generator waits. Empty: motion rests, or has
-/// starved, which is counted. A full queue lasts for 5 ms at 100,000 events a second.
+/// starved, which the generator counts. A full queue lasts for 5 ms at 100,000 events a second.
 #[repr(C)]
 pub struct StepQueue {
     /// Events taken out, wrapping. In front, where the step interrupt reaches it with one load.

@@ -162,7 +162,7 @@ impl StepGenerator<'_> {
                     if self.events.made() == before {
                         self.wait(0);
                     }
-                    self.task = Task::Nothing;
+                    (self.task, self.is_under_way) = (Task::Nothing, false);
                     if ends_entry {
                         self.finish();
                     }

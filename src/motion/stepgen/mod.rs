@@ -56,6 +56,7 @@ use current_move::{CurrentMove, LastPhase};
 use entries::LayResult;
 use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
+use merge::TURN_AHEAD;
 
 /// Events made in one call of [`StepGenerator::run`]: some 10,000 instructions, 0.1 ms at 125 million a second, after which
 /// the interrupts of the same priority get their turn.
@@ -68,6 +69,11 @@ const AHEAD: u32 = 100_000;
 
 /// So many events are made ahead however long they take.
 const LEAST_AHEAD: usize = 4;
+
+/// While the generator does not know the next step, an event without steps says so often that time passes, in ticks: 10 ms. The
+/// Console hands moves on by the Stepper's time, 50 ms ahead, and would otherwise learn of it when the last known step has been made:
+/// below 20 steps a second that is too late. [`LEAST_AHEAD`] such events last for less than the 50 ms.
+const PASSING: u32 = 100_000;
 
 /// With less room the queue is as good as full: whoever fills up every slot as it gets free never pauses.
 const LEAST_ROOM: usize = 32;
@@ -120,6 +126,10 @@ pub struct StepGenerator<'m> {
     watch: EndstopSet,
     /// Calls so far, wrapping.
     calls: u8,
+    /// Events are made that lead on into motion.
+    is_under_way: bool,
+    /// If so, the number of the event that came next at the begin of the present call: a Stepper that rests there has starved.
+    dry_at: Option<u32>,
 }
 
 impl<'m> StepGenerator<'m> {
@@ -156,6 +166,8 @@ impl<'m> StepGenerator<'m> {
             forward: GroupSet::NONE,
             watch: EndstopSet::NONE,
             calls: 0,
+            is_under_way: false,
+            dry_at: None,
         }
     }
 
@@ -166,7 +178,11 @@ impl<'m> StepGenerator<'m> {
         self.scrub();
         let is_more_to_do = self.make_events();
         // A Stepper that rests after the last event needs a call when there are more.
-        if self.status.rested_at() == self.events.done() && !self.events.is_empty() {
+        let rested = self.status.rested_at();
+        if rested == self.events.done() && !self.events.is_empty() {
+            if self.dry_at.take() == Some(rested) {
+                self.status.count_starved();
+            }
             pend.pend_stepper();
         }
         if is_more_to_do {
@@ -192,6 +208,7 @@ impl<'m> StepGenerator<'m> {
         }
         let enough = self.far_enough();
         let begin = self.events.made();
+        self.dry_at = Some(begin).filter(|_| self.is_under_way);
         loop {
             let made = self.events.made().wrapping_sub(begin);
             if made >= BATCH {
@@ -248,6 +265,7 @@ impl<'m> StepGenerator<'m> {
         self.base_tick = self.status.tick();
         self.braking = Braking::No;
         self.last_phase = None;
+        self.is_under_way = false;
         self.status.set_stopped(None);
         for stepper in &mut self.group_steppers {
             stepper.stop(0);
@@ -264,6 +282,7 @@ impl<'m> StepGenerator<'m> {
             until = earlier(until, stepper.step_times.known_until());
         }
         if self.merge(until, most, enough) {
+            self.is_under_way = true;
             return true;
         }
         // So slow that the next piece is too far from the last event.
@@ -274,10 +293,20 @@ impl<'m> StepGenerator<'m> {
             return true;
         }
         if self.group_steppers.iter().any(|stepper| stepper.piece_ends_at(until)) {
-            self.lay_out(until)
+            self.lay_out(until) || self.bide(until)
         } else {
             self.go_on_from_rest()
         }
+    }
+
+    /// Lets a part of the time pass up to a piece that is not known yet; false when that is as good as there. The lines of
+    /// direction can still be set ahead of a step at once behind it.
+    fn bide(&mut self, until: u32) -> bool {
+        let left = until.wrapping_sub(self.last_tick as u32).saturating_sub(2 * TURN_AHEAD);
+        if left > 0 {
+            self.wait(left.min(PASSING));
+        }
+        left > 0
     }
 
     /// Lays out the next pieces of all groups that change at a tick; false if that must wait. All of them in one go: when
@@ -339,8 +368,7 @@ impl<'m> StepGenerator<'m> {
 
 #[cfg(test)]
 mod tests {
-    use super::merge::TURN_AHEAD;
-    use super::{BATCH, LEAST_ROOM, LONGEST_INTERVAL, SCRUB, StepGenerator, SubTicks};
+    use super::{BATCH, LEAST_ROOM, LONGEST_INTERVAL, SCRUB, StepGenerator, SubTicks, TURN_AHEAD};
     use crate::fault::Cause;
     use crate::kinematics::Groupings;
     use crate::motion::planner::{Planner, Target};
