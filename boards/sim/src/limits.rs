@@ -22,7 +22,7 @@ use crate::host::{command_of, words};
 use corehbot::gcode::{Command, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;
-use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
+use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Range, Settings, ranges};
 use std::f64::consts::SQRT_2;
 
 /// What one coordinate may do, in mm and s.
@@ -91,10 +91,17 @@ impl Widest {
     }
 
     fn widen_advance(&mut self, time: Option<f64>, window: Option<f64>) {
-        let time = time.unwrap_or(self.advance).min(ranges::ADVANCE.most.to_num());
+        let is_legal = |value: Option<f64>, range: Range<corehbot::units::Seconds>| {
+            value.is_none_or(|v| (range.least.to_num::<f64>()..=range.most.to_num()).contains(&v))
+        };
+        // The firmware leaves such a line alone.
+        if !is_legal(time, ranges::ADVANCE) || !is_legal(window, ranges::ADVANCE_WINDOW) {
+            return;
+        }
+        let time = time.unwrap_or(self.advance);
         self.advance_changes |= self.advance > 0.0 && time != self.advance;
         self.advance = self.advance.max(time);
-        self.window = self.window.min(window.unwrap_or(f64::INFINITY).max(ranges::ADVANCE_WINDOW.least.to_num()));
+        self.window = self.window.min(window.unwrap_or(f64::INFINITY));
     }
 }
 
@@ -241,12 +248,15 @@ impl Limits {
             ('M', 112.0) => self.of.iter_mut().for_each(|l| l.hard_stop = f64::INFINITY),
             ('M', 92.0) => self.is_judged = false,
             ('M', 201.0 | 203.0) => {
-                for (axis, value) in words {
-                    if let (Some(i), Some(v)) = ("XYZE".find(axis), value) {
-                        let limit = &mut self.of[i];
-                        let slot = if code == 201.0 { &mut limit.acceleration } else { &mut limit.speed };
-                        wide(slot, v * *unit);
-                    }
+                let most =
+                    if code == 201.0 { ranges::ACCELERATION.most.to_num::<f64>() } else { ranges::SPEED.most.to_num() };
+                let named = words.filter_map(|(axis, value)| Some(("XYZE".find(axis)?, value? * *unit)));
+                let named: Vec<_> = named.collect();
+                // With one value out of range the firmware leaves the line alone.
+                let legal = named.iter().all(|(_, v)| *v > 0.0 && *v <= most);
+                for (i, v) in named.into_iter().filter(|_| legal) {
+                    let limit = &mut self.of[i];
+                    wide(if code == 201.0 { &mut limit.acceleration } else { &mut limit.speed }, v);
                 }
             }
             ('M', 205.0) => {

@@ -36,19 +36,30 @@ fn only_heaters_that_are_fitted_are_reported() {
 }
 
 #[test]
-fn targets_beyond_the_limits_are_clamped_and_told_of() {
-    let lines = ["M104 S500", "M104 S-5", "M140 S99999999999", "M140 S0", "M104 T1 S20", "M104 S", "M105"];
+fn targets_beyond_the_limits_are_refused_and_told_of() {
+    let lines =
+        ["M104 S20", "M104 S500", "M105", "M104 S-5", "M140 S99999999999", "M140 S0", "M104 T1 S20", "M104 S", "M105"];
     let heard = talk(&machine(&[Heater::Hotend, Heater::Bed]), 400, &lines);
     for told in [
-        "echo:M104 S500 is out of range, set to 285",
+        "echo:M104 ignored: S500 is out of range (0 to 285), stays 20",
         "echo:M104 S-5 is out of range, set to 0",
-        "echo:M140 S1000000000 is out of range, set to 120",
+        "echo:M140 ignored: S1000000000 is out of range (0 to 120), stays 0",
         "echo:T1 Invalid extruder",
         "echo:line ignored: S needs a number",
     ] {
         assert!(has(&heard, told), "{told}: {heard:?}");
     }
+    assert!(heard.iter().any(|line| line.starts_with("ok T:") && line.contains(" /20.00 B:")), "{heard:?}");
     assert!(heard.last().unwrap().contains(" /0.00 B:"), "{heard:?}");
+}
+
+/// A wait for a target that was refused would last for ever, or be over at once as if all were well: there is none.
+#[test]
+fn no_target_that_was_refused_is_waited_for() {
+    let heard = talk(&machine(&[Heater::Hotend]), 4000, &["M104 S30", "M109 S400", "M105"]);
+    assert_eq!(heard[1], "echo:M109 ignored: S400 is out of range (0 to 285), stays 30");
+    assert!(!heard.iter().any(|line| line.contains(" W:")), "{heard:?}");
+    assert!(heard.last().unwrap().contains(" /30.00"), "{heard:?}");
 }
 
 #[test]
@@ -169,7 +180,7 @@ fn no_filament_moves_while_the_hotend_is_cold() {
     let heard = talk(&settings, 1000, &["M302", "M302 S180", "M302", "M302 S999"]);
     assert_eq!(heard[0], "echo:Cold extrudes are disabled (min temp 170C)");
     assert!(has(&heard, "echo:Cold extrudes are disabled (min temp 180C)"), "{heard:?}");
-    assert!(has(&heard, "echo:M302 S999 is out of range, set to 285"), "{heard:?}");
+    assert!(has(&heard, "echo:M302 ignored: S999 is out of range (0 to 285), stays 180"), "{heard:?}");
 }
 
 #[test]

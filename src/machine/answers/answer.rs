@@ -98,7 +98,6 @@ pub(in crate::machine) enum Answer<'a> {
     LoweredSpeeds,
     TooMuchFilament,
     DriverValues(DriverValue),
-    IllegalCurrent(&'static str),
     /// M122: a driver, and what it said; `None` without a UART.
     Driver(Motor, Option<Result<Reading, DriverError>>),
     /// Motors that can pull against each other.

@@ -46,7 +46,10 @@ impl ColdExtrusion {
         }
         if let Some(least) = least {
             let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };
-            crank.settings_mut().thermal.min_extrude = clamps.near(["M302", "S"], least, range);
+            clamps.near(["M302", "S"], least, range, &mut crank.settings_mut().thermal.min_extrude);
+            if clamps.refuses_line() {
+                return Answer::Nothing;
+            }
             self.is_allowed = false;
         }
         if let Some(allow) = allow {

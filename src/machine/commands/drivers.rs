@@ -35,22 +35,19 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
     }
     let mut wanted = crank.settings().drivers;
     let DriverGroups { belt, z, e } = &mut wanted;
-    let mut is_legal = true;
     let xy = if words.x.is_some() { "X" } else { "Y" };
     for (group, axis, number) in [(belt, xy, words.x.or(words.y)), (z, "Z", words.z), (e, "E", words.e)] {
         if let Some(number) = number {
-            is_legal &= change(group, value, axis, number, modal, clamps);
+            change(group, value, axis, number, modal, clamps);
         }
     }
-    if !is_legal {
-        // A current that nobody asked for could burn a motor.
-        return Answer::IllegalCurrent(code);
+    if !clamps.refuses_line() {
+        crank.use_driver_settings(wanted);
     }
-    crank.use_driver_settings(wanted);
     Answer::Nothing
 }
 
-/// Changes one value; false if it is illegal.
+/// Changes one value if it is legal.
 fn change(
     group: &mut DriverSettings,
     value: DriverValue,
@@ -58,23 +55,21 @@ fn change(
     number: Number,
     modal: &Modal,
     clamps: &mut Clamps,
-) -> bool {
+) {
+    let word = [value.code(), axis];
     match value {
-        DriverValue::Current => {
-            group.current_ma = u16::try_from(number.to_u32()).unwrap_or(u16::MAX);
-            return ranges::CURRENT_MA.holds(group.current_ma);
-        }
+        DriverValue::Current => clamps.whole(word, number, ranges::CURRENT_MA, &mut group.current_ma),
         DriverValue::HybridThreshold => {
             let range = Range { least: MmPerSec::ZERO, ..ranges::SPEED };
-            group.hybrid_threshold = clamps.length(modal, [value.code(), axis], number, range);
+            clamps.length(modal, word, number, range, &mut group.hybrid_threshold);
         }
         DriverValue::StallThreshold => {
-            let range = Range { least: 0, most: u16::from(u8::MAX) };
-            group.stall_threshold = clamps.whole([value.code(), axis], number, range) as u8;
+            let mut wanted = u16::from(group.stall_threshold);
+            clamps.whole(word, number, Range { least: 0, most: u16::from(u8::MAX) }, &mut wanted);
+            group.stall_threshold = wanted as u8;
         }
         DriverValue::Mode => group.stealth = number != Number::ZERO,
     }
-    true
 }
 
 /// M569 S as a word for each axis that it names, all if it names none.

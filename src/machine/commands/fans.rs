@@ -34,8 +34,9 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
         let is_news = notices.give(Notice::Fan);
         return Ok(if is_news { Answer::NotCommanded(fan) } else { Answer::Nothing });
     }
-    let speed = duty(clamps.near(["M106", "S"], speed, FULL));
-    crank.blow(fan, speed).await?;
+    if let Some(speed) = clamps.near_of(["M106", "S"], speed, FULL, None) {
+        crank.blow(fan, duty(speed)).await?;
+    }
     Ok(Answer::Nothing)
 }
 
@@ -51,22 +52,28 @@ pub(in crate::machine) fn set_controller_fan(
     if speed.or(run_on).is_none() && !resets && other.is_none() {
         return Answer::HeatSetting(HeatSetting::ControllerFan);
     }
-    let fans = thermal.fans.iter_mut().zip(&defaults.fans).filter(|(fan, _)| fan.role == FanRole::Controller);
-    for (fan, default) in fans {
+    let ThermalSettings { mut fans, fan_run_on_s: mut run_on_s, .. } = *thermal;
+    let controllers = fans.iter_mut().zip(&defaults.fans).filter(|(fan, _)| fan.role == FanRole::Controller);
+    for (fan, default) in controllers {
         if resets {
             fan.most = default.most.max(fan.least);
         }
         if let Some(speed) = speed {
             let least = fan.least.max(ranges::MAX_DUTY.least);
             let range = Range { least: least.saturating_mul_int(255), ..FULL };
-            fan.most = (clamps.near(["M710", "S"], speed, range) / 255).max(least);
+            if let Some(speed) = clamps.near_of(["M710", "S"], speed, range, None) {
+                fan.most = (speed / 255).max(least);
+            }
         }
     }
     if resets {
-        thermal.fan_run_on_s = defaults.fan_run_on_s;
+        run_on_s = defaults.fan_run_on_s;
     }
     if let Some(seconds) = run_on {
-        thermal.fan_run_on_s = clamps.whole(["M710", "D"], seconds, ranges::RUN_ON_S);
+        clamps.whole(["M710", "D"], seconds, ranges::RUN_ON_S, &mut run_on_s);
+    }
+    if !clamps.refuses_line() {
+        (thermal.fans, thermal.fan_run_on_s) = (fans, run_on_s);
     }
     match other {
         Some(b'A') => Answer::NotObeyed("M710", b"A"),

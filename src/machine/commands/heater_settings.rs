@@ -7,6 +7,7 @@ use crate::connectors::Heater;
 use crate::gcode::{ModelWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::{HeatSetting, pid_code};
+use crate::machine::reports::heat_settings_report::rate;
 use crate::machine::state::clamps::Clamps;
 use crate::settings::{Control, HeaterSettings, Pid, Range, ThermalSettings, ranges};
 use crate::units::{Ratio, Seconds};
@@ -24,13 +25,16 @@ pub(in crate::machine) fn set_pid(
     if gains == [None; 3] {
         return Answer::HeatSetting(HeatSetting::Pid(heater));
     }
-    let Pid { p, i, d } = &mut settings.pid;
+    let mut wanted = settings.pid;
+    let Pid { p, i, d } = &mut wanted;
     for ((place, letter), gain) in [(p, "P"), (i, "I"), (d, "D")].into_iter().zip(gains) {
         if let Some(gain) = gain {
-            *place = clamps.near([pid_code(heater), letter], gain, ranges::GAIN);
+            clamps.near([pid_code(heater), letter], gain, ranges::GAIN, place);
         }
     }
-    settings.control = Control::Pid;
+    if !clamps.refuses_line() {
+        (settings.pid, settings.control) = (wanted, Control::Pid);
+    }
     Answer::Nothing
 }
 
@@ -45,31 +49,38 @@ pub(in crate::machine) fn set_model(
         return Answer::HeatSetting(HeatSetting::Model(heater));
     }
     let ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament } = *words;
-    let settings = thermal.heater_mut(heater);
+    let mut wanted = *thermal;
+    let settings = wanted.heater_mut(heater);
     if let Some(number) = power {
-        settings.power = clamps.near(["M306", "P"], number, ranges::POWER);
+        clamps.near(["M306", "P"], number, ranges::POWER, &mut settings.power);
     }
     let model = &mut settings.model;
     if let Some(number) = capacity {
-        model.capacity = clamps.near(["M306", "C"], number, ranges::CAPACITY);
+        clamps.near(["M306", "C"], number, ranges::CAPACITY, &mut model.capacity);
     }
     if let Some(number) = loss {
-        model.loss = clamps.near(["M306", "A"], number, ranges::LOSS);
+        clamps.near(["M306", "A"], number, ranges::LOSS, &mut model.loss);
     }
     if let Some(number) = fan_loss {
-        let whole = clamps.near(["M306", "F"], number, Range { least: model.loss, ..ranges::LOSS });
+        let mut whole = model.loss.saturating_add(model.fan_loss);
+        clamps.near(["M306", "F"], number, Range { least: model.loss, ..ranges::LOSS }, &mut whole);
         model.fan_loss = whole.saturating_sub(model.loss);
     }
     if let Some(number) = responsiveness {
-        let lag = reciprocal(clamps.near(["M306", "R"], number, RESPONSIVENESS));
-        model.sensor_lag = ranges::LAG.clamp(lag);
+        let old = rate(model.sensor_lag);
+        if let Some(rate) = clamps.near_of(["M306", "R"], number, RESPONSIVENESS, Some(old)) {
+            model.sensor_lag = ranges::LAG.clamp(reciprocal(rate));
+        }
     }
     if let Some(number) = heater_lag {
-        model.heater_lag = clamps.near(["M306", "L"], number, ranges::LAG);
+        clamps.near(["M306", "L"], number, ranges::LAG, &mut model.heater_lag);
     }
     settings.control = Control::Model;
     if let Some(number) = filament {
-        thermal.filament = clamps.near(["M306", "H"], number, ranges::FILAMENT);
+        clamps.near(["M306", "H"], number, ranges::FILAMENT, &mut wanted.filament);
+    }
+    if !clamps.refuses_line() {
+        *thermal = wanted;
     }
     Answer::Nothing
 }
@@ -82,7 +93,6 @@ fn reciprocal(rate: Ratio) -> Seconds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::reports::heat_settings_report::rate;
 
     #[test]
     fn a_lag_and_its_rate_read_back() {

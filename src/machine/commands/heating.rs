@@ -101,7 +101,8 @@ fn missing<P: PortSet, W: Pend>(
     })
 }
 
-/// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target.
+/// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target. One beyond the heater's range is none: what the
+/// heater was at stays.
 pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     notices: &mut Notices,
@@ -118,7 +119,9 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     }
     let Some(number) = target else { return Ok(false) };
     let range = Range { least: Celsius::ZERO, most: crank.settings().thermal.heater(heater).most };
-    let target = clamps.near([code, "S"], number, range);
+    let Some(target) = clamps.near_of([code, "S"], number, range, Some(crank.target_of(heater))) else {
+        return Ok(false);
+    };
     if target > Celsius::ZERO {
         crank.test_before_heating();
     }

@@ -76,9 +76,10 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::Advance { time, window } => return Outcome::TakesTime(Blocking::Advance { time, window }),
         Command::Stealth { on, axes } => return Outcome::TakesTime(Blocking::Stealth { on, axes }),
-        Command::FeedPercent(Some(number)) => {
-            return Outcome::TakesTime(Blocking::FeedPercent(clamps.whole(["M220", "S"], number, PERCENT)));
-        }
+        Command::FeedPercent(Some(number)) => match clamps.whole_of(["M220", "S"], number, PERCENT, None) {
+            Some(percent) => return Outcome::TakesTime(Blocking::FeedPercent(percent)),
+            None => Answer::Nothing,
+        },
         Command::RestoreFeedPercent => {
             return Outcome::TakesTime(Blocking::FeedPercent(modal.kept_feed_percent));
         }
@@ -166,7 +167,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::FlowPercent(None) => Answer::FlowPercent(modal.flow_percent),
         Command::FlowPercent(Some(number)) => {
-            modal.flow_percent = clamps.whole(["M221", "S"], number, PERCENT);
+            clamps.whole(["M221", "S"], number, PERCENT, &mut modal.flow_percent);
             Answer::Nothing
         }
         Command::Debug(None) => Answer::DebugFlags(modal.dry_run),
@@ -192,10 +193,12 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::Tell { form, text } => Answer::Message(form, text),
         Command::Progress { percent, minutes } => {
-            let percent = percent.map(|percent| clamps.whole(["M73", "P"], percent, Range { least: 0, most: 100 }));
-            let minutes =
-                minutes.map(|minutes| clamps.whole(["M73", "R"], minutes, Range { least: 0, most: u16::MAX }));
-            crank.status().print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
+            let (hundred, long) = (Range { least: 0, most: 100 }, Range { least: 0, most: u16::MAX });
+            let percent = percent.and_then(|percent| clamps.whole_of(["M73", "P"], percent, hundred, None));
+            let minutes = minutes.and_then(|minutes| clamps.whole_of(["M73", "R"], minutes, long, None));
+            if !clamps.refuses_line() {
+                crank.status().print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
+            }
             Answer::Nothing
         }
         Command::Object(number) => {
@@ -260,10 +263,12 @@ fn set_position<P: PortSet, W: Pend>(
 ) {
     for (axis, word) in [("X", words.x), ("Y", words.y), ("Z", words.z)] {
         if let Some(number) = word {
-            let _: Mm = clamps.length(modal, ["G92", axis], number, FARTHEST);
+            clamps.length_of::<Mm>(modal, ["G92", axis], number, FARTHEST, None);
         }
     }
-    crank.commanded_mut().rename(words, modal);
+    if !clamps.refuses_line() {
+        crank.commanded_mut().rename(words, modal);
+    }
 }
 
 /// M154, M155. Without S nothing changes.
@@ -274,7 +279,8 @@ fn report_every<P: PortSet, W: Pend>(
     seconds: Option<Number>,
 ) {
     if let Some(seconds) = seconds {
-        let seconds = clamps.whole([report.code(), "S"], seconds, PERIOD_S);
-        crank.schedule(report, seconds as u8);
+        if let Some(seconds) = clamps.whole_of([report.code(), "S"], seconds, PERIOD_S, None) {
+            crank.schedule(report, seconds as u8);
+        }
     }
 }

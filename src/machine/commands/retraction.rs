@@ -21,14 +21,18 @@ pub(in crate::machine) fn set_retraction(
     if length.or(feed).or(lift).is_none() {
         return Answer::Retraction(*settings);
     }
+    let mut wanted = *settings;
     if let Some(length) = length {
-        settings.length = clamps.length(modal, ["M207", "S"], length, RETRACTION);
+        clamps.length(modal, ["M207", "S"], length, RETRACTION, &mut wanted.length);
     }
     if let Some(feed) = feed {
-        settings.speed = clamps.speed_a_minute(modal, ["M207", "F"], feed);
+        clamps.speed_a_minute(modal, ["M207", "F"], feed, &mut wanted.speed);
     }
     if let Some(lift) = lift {
-        settings.lift = clamps.length(modal, ["M207", "Z"], lift, RETRACTION);
+        clamps.length(modal, ["M207", "Z"], lift, RETRACTION, &mut wanted.lift);
+    }
+    if !clamps.refuses_line() {
+        *settings = wanted;
     }
     Answer::Nothing
 }
@@ -43,11 +47,15 @@ pub(in crate::machine) fn set_recovery(
     if extra.or(feed).is_none() {
         return Answer::Recovery(*settings);
     }
+    let mut wanted = *settings;
     if let Some(extra) = extra {
-        settings.extra = clamps.length(modal, ["M208", "S"], extra, RETRACTION);
+        clamps.length(modal, ["M208", "S"], extra, RETRACTION, &mut wanted.extra);
     }
     if let Some(feed) = feed {
-        settings.recover_speed = clamps.speed_a_minute(modal, ["M208", "F"], feed);
+        clamps.speed_a_minute(modal, ["M208", "F"], feed, &mut wanted.recover_speed);
+    }
+    if !clamps.refuses_line() {
+        *settings = wanted;
     }
     Answer::Nothing
 }

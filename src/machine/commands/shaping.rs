@@ -32,13 +32,13 @@ fn kind_of(number: Number) -> Option<ShaperKind> {
 }
 
 impl ShaperWords {
-    /// These words with values in range.
+    /// These words as values, if they are in range.
     fn legal(&self, clamps: &mut Clamps) -> LegalWords {
         // 0 is off.
-        let frequency = self
-            .frequency
-            .map(|number| (number > Number::ZERO).then(|| clamps.near(["M593", "F"], number, ranges::FREQUENCY)));
-        let damping = self.damping.map(|number| clamps.near(["M593", "D"], number, ranges::DAMPING));
+        let frequency = self.frequency.map(|number| {
+            (number > Number::ZERO).then(|| clamps.near_of(["M593", "F"], number, ranges::FREQUENCY, None)).flatten()
+        });
+        let damping = self.damping.and_then(|number| clamps.near_of(["M593", "D"], number, ranges::DAMPING, None));
         LegalWords { frequency, damping }
     }
 }
@@ -95,13 +95,13 @@ impl ShaperWords {
 const NO_SUCH_KIND: &str =
     "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
 
-/// M900 K and M572 W, brought into range.
+/// M900 K and M572 W, as far as they are in range.
 fn set_advance(time: Option<Number>, window: Option<Number>, wanted: &mut Settings, clamps: &mut Clamps) {
     if let Some(time) = time {
-        wanted.advance.time = clamps.near(["M900", "K"], time, ranges::ADVANCE);
+        clamps.near(["M900", "K"], time, ranges::ADVANCE, &mut wanted.advance.time);
     }
     if let Some(window) = window {
-        wanted.advance.window = clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW);
+        clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW, &mut wanted.advance.window);
     }
 }
 
@@ -119,7 +119,7 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
         return Ok(Answer::Line(NO_SUCH_KIND));
     };
     wanted.shapers = shapers;
-    if wanted.shapers != crank.settings().shapers {
+    if !clamps.refuses_line() && wanted.shapers != crank.settings().shapers {
         crank.finish().await?;
         crank.use_settings(wanted).await?;
     }
@@ -139,6 +139,9 @@ pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     }
     let mut wanted = *crank.settings();
     set_advance(time, window, &mut wanted, clamps);
+    if clamps.refuses_line() {
+        return Ok(Answer::Nothing);
+    }
     if crank.needs_rest(&wanted) {
         crank.finish().await?;
         crank.use_settings(wanted).await?;

@@ -16,7 +16,7 @@ use crate::status::{Tuned, Tuning};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
 
 /// M303 without C, and its range: the relay experiment throws the first swing away.
-const CYCLES: u8 = 5;
+const CYCLES: u16 = 5;
 const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
 
 /// The arguments of M303.
@@ -45,18 +45,18 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     let range = Range { least: Celsius::ZERO, most: crank.settings().thermal.heater(heater).most };
     // Marlin's defaults (M303.cpp), for the chamber too.
     let default = Number::from(if heater == Heater::Hotend { 150 } else { 70 });
-    let target = clamps.near(["M303", "S"], target.unwrap_or(default), range);
+    let target = clamps.near_of(["M303", "S"], target.unwrap_or(default), range, None);
+    let cycles = cycles.map_or(Some(CYCLES), |cycles| clamps.whole_of(["M303", "C"], cycles, CYCLE_RANGE, None));
+    let (Some(target), Some(cycles)) = (target, cycles) else { return Ok(Answer::Nothing) };
     if target == Celsius::ZERO {
         return Ok(Answer::Line("echo:M303 ignored: S is the temperature to tune at"));
     }
-    let cycles = cycles.map_or(CYCLES, |cycles| clamps.whole(["M303", "C"], cycles, CYCLE_RANGE) as u8);
-    crank.tell_clamps(clamps).await?;
     crank.finish().await?;
     crank.tell(Answer::Line("PID Autotune start")).await?;
     crank.pauses_mut().begin(Waiting::Tuning);
     crank.test_before_heating();
     await_self_test(crank).await?;
-    crank.order_tuning(heater, target, cycles);
+    crank.order_tuning(heater, target, cycles as u8);
     let found = await_tuning(crank, heater).await;
     crank.pauses_mut().end();
     // Done, failed or ended by M108, M410: in any case it is over.

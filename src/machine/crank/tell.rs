@@ -161,10 +161,6 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
                 to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
             }
             Answer::DriverValues(value) => say_driver_values(to, value, s),
-            Answer::IllegalCurrent(code) => {
-                let (least, most) = (ranges::CURRENT_MA.least, ranges::CURRENT_MA.most);
-                to.say(format_args!("echo:{code} ignored: {least} to {most} mA"));
-            }
             Answer::Driver(motor, reading) => say_driver(to, (motor, reading), drivers, s),
             Answer::Belt(answer) => say_belt(to, &answer, trimming, s),
             Answer::Storage(news) => say_storage(to, &news),

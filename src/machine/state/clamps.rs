@@ -1,4 +1,9 @@
-//! Values out of range: each is brought to the edge of its range, and the host is told.
+//! Values out of range: the old value stays and the host is told, or the value is brought to the edge of its range.
+//!
+//! A line sets all of its values or none: with one out of range nothing of the line is done. A value from another firmware
+//! has another unit or another meaning there, so the nearest legal one would be as wrong, and the old one is the machine's.
+//! A clamp is right only where the edge is what the sender meant; [`RULES`] lists these words, each with its reason. A
+//! value that cannot be told from one that was meant (`M203 X300` in mm/min) is obeyed.
 
 use crate::gcode::Number;
 use crate::machine::numbers::{nearest, shortest, to_thousandth};
@@ -10,118 +15,293 @@ use fixed::traits::Fixed;
 use fixed::types::I32F32;
 use heapless::Vec;
 
+/// A word as messages name it: the command, and the letter or name of the value.
+pub(in crate::machine) type Word = [&'static str; 2];
+
+/// What becomes of a value beyond an end of its range.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Beyond {
+    /// The old value stays, and so do all other values of the line.
+    Kept,
+    /// It becomes the end of the range.
+    Edge,
+}
+
+/// How the values of some words of a command are treated when they are out of range.
+struct Rule {
+    code: &'static str,
+    /// Letters or names; none for all of the command.
+    words: &'static [&'static str],
+    below: Beyond,
+    above: Beyond,
+    /// What a value above the range most likely is instead.
+    hint: &'static str,
+}
+
+const fn edge(code: &'static str) -> Rule {
+    Rule { code, words: &[], below: Beyond::Edge, above: Beyond::Edge, hint: "" }
+}
+
+const fn off_below(code: &'static str) -> Rule {
+    Rule { below: Beyond::Edge, above: Beyond::Kept, ..edge(code) }
+}
+
+const fn hinted(code: &'static str, hint: &'static str) -> Rule {
+    Rule { below: Beyond::Kept, above: Beyond::Kept, hint, ..edge(code) }
+}
+
+/// What a K is taken for that is too large for seconds: 20 to 200 in profiles of Linear Advance 1.0, 0 to 2 in those of 1.5.
+const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
+
+/// All words that are treated in another way than by keeping the old value, or that have a hint.
+const RULES: [Rule; 13] = [
+    // F: axes have limits anyway, so the fastest speed is what a faster F asks for, the slowest what a slower one does. F0 and
+    // less ask for no motion at all, so the feed stays (`feed`).
+    edge(""),
+    // A fan runs between still and full speed, and slicers round to 256 or count in other units.
+    edge("M106"),
+    Rule { words: &["S"], ..edge("M710") },
+    // Seconds between messages: whoever wants fewer than there can be gets the fewest; Marlin does the same (M113.cpp, M155.cpp).
+    edge("M113"),
+    edge("M154"),
+    edge("M155"),
+    // A slider of a host: slower than the slowest is the slowest, and the limits of the axes bound the fastest.
+    edge("M220"),
+    // Below 0 a heater is off: -273 is how another firmware writes it (RepRapFirmware, M140).
+    off_below("M104"),
+    off_below("M109"),
+    off_below("M140"),
+    off_below("M190"),
+    hinted("M900", SECONDS),
+    hinted("M203", "speeds are in mm/s"),
+];
+
+impl Rule {
+    /// The rule for a word; `None` keeps.
+    fn of([code, name]: Word) -> Option<&'static Self> {
+        RULES.iter().find(|rule| rule.code == code && (rule.words.is_empty() || rule.words.contains(&name)))
+    }
+}
+
+/// What has become of a value out of range.
+#[derive(Clone, Copy)]
+enum Outcome {
+    /// It became that.
+    Set(Number),
+    /// It stays that.
+    Stays(Number),
+    /// The line is not carried out, and the value stays what it is, if it is one.
+    Refused(Option<Number>),
+}
+
 /// A word of a command whose value was out of range, as `M203 X99999`.
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct Clamp {
-    word: [&'static str; 2],
+    word: Word,
     asked: Number,
-    set: Number,
+    /// What is legal.
+    legal: [Number; 2],
+    outcome: Outcome,
 }
 
 impl fmt::Display for Clamp {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { word: [code, name], asked, set } = self;
+        let Self { word: [code, name], asked, legal: [least, most], outcome } = self;
         let gap = if code.is_empty() { "" } else { " " };
-        write!(f, "{code}{gap}{name}{asked} is out of range, set to {set}")
+        match outcome {
+            Outcome::Set(set) => write!(f, "{code}{gap}{name}{asked} is out of range, set to {set}"),
+            Outcome::Stays(old) => write!(f, "{code}{gap}{name}{asked} is out of range, stays {old}"),
+            Outcome::Refused(old) => {
+                write!(f, "{code} ignored: {name}{asked} is out of range ({least} to {most})")?;
+                if let Some(old) = old {
+                    write!(f, ", stays {old}")?;
+                }
+                match Rule::of(self.word) {
+                    Some(rule) if !rule.hint.is_empty() && asked > most => write!(f, "; {}", rule.hint),
+                    _ => Ok(()),
+                }
+            }
+        }
     }
 }
 
 /// What a line asked for beyond all ranges.
 #[derive(Default)]
 pub(in crate::machine) struct Clamps {
-    /// No command has more words with a range.
-    list: Vec<Clamp, 6>,
+    /// No command has more words with a range (M306 has seven).
+    list: Vec<Clamp, 8>,
+    refuses: bool,
+}
+
+/// A value of a line, and how it is told.
+struct Asked<T> {
+    word: Word,
+    number: Number,
+    /// What the number is in the unit of the value, beyond what its type may hold.
+    value: I32F32,
+    /// What the type can hold of it.
+    wanted: T,
 }
 
 impl Clamps {
     pub const fn new() -> Self {
-        Self { list: Vec::new() }
+        Self { list: Vec::new(), refuses: false }
     }
 
-    /// `asked` became `set`. Inlined, it would stand in every function for a type.
+    /// A value was out of range. Inlined, it would stand in every function for a type.
     #[inline(never)]
-    pub fn note(&mut self, word: [&'static str; 2], asked: Number, set: Number) {
-        let _ = self.list.push(Clamp { word, asked, set });
+    fn note(&mut self, word: Word, asked: Number, legal: [Number; 2], outcome: Outcome) {
+        self.refuses |= matches!(outcome, Outcome::Refused(_));
+        let _ = self.list.push(Clamp { word, asked, legal, outcome });
     }
 
-    /// Nothing was brought into range after all.
+    /// Whether the line is to be left alone, because a value of it was refused.
+    pub const fn refuses_line(&self) -> bool {
+        self.refuses
+    }
+
+    /// Nothing was out of range after all.
     pub fn clear(&mut self) {
         self.list.clear();
+        self.refuses = false;
     }
 
-    /// The value at this place, counted from 0.
+    /// What there is to tell at this place, counted from 0: of a line that was refused only why.
     pub fn get(&self, place: usize) -> Option<Clamp> {
-        self.list.get(place).copied()
+        let is_told = |clamp: &&Clamp| !self.refuses || matches!(clamp.outcome, Outcome::Refused(_));
+        self.list.iter().filter(is_told).nth(place).copied()
     }
 
-    /// `wanted` in its range. `wanted` is what its type can hold of `value`; if they are far apart, the type has cut `value`
-    /// off. The host is told the legal value as `scale` converts it.
-    fn bring<T: Fixed + Into<I32F32>>(
+    /// The value if it is legal, or what becomes of it. If what the type holds is far from the value, the type has cut it off. The host
+    /// is told all values as `scale` converts them; `old` is the present one.
+    fn judge<T: Fixed + Into<I32F32>>(
         &mut self,
-        word: [&'static str; 2],
-        asked: Number,
-        value: I32F32,
-        wanted: T,
+        asked: &Asked<T>,
         range: Range<T>,
-        scale: impl FnOnce(I32F32) -> I32F32,
-    ) -> T {
+        old: Option<T>,
+        scale: impl Fn(I32F32) -> I32F32,
+    ) -> Option<T> {
+        let Asked { word, number, value, wanted } = *asked;
         let legal = range.clamp(wanted);
         let is_cut = value.saturating_sub(wanted.into()).saturating_abs() > T::DELTA.into();
-        if legal != wanted || is_cut {
-            self.note(word, asked, Number::saturating(scale(shortest(legal).value())));
+        if legal == wanted && !is_cut {
+            return Some(legal);
         }
-        legal
+        let told = |value: T| Number::saturating(scale(shortest(value).value()));
+        let ends = [told(range.least), told(range.most)];
+        let is_below = value < range.least.into();
+        let rule = Rule::of(word).map_or(Beyond::Kept, |rule| if is_below { rule.below } else { rule.above });
+        match rule {
+            Beyond::Edge => {
+                self.note(word, number, ends, Outcome::Set(told(legal)));
+                Some(legal)
+            }
+            Beyond::Kept => {
+                self.note(word, number, ends, Outcome::Refused(old.map(told)));
+                None
+            }
+        }
     }
 
-    /// A length, or so many of them a second.
+    /// A length, or so many of them a second. `None` if it is refused.
+    pub fn length_of<T: Fixed + Into<I32F32>>(
+        &mut self,
+        modal: &Modal,
+        word: Word,
+        asked: Number,
+        range: Range<T>,
+        old: Option<T>,
+    ) -> Option<T> {
+        let value = modal.length(asked);
+        let asked = Asked { word, number: asked, value, wanted: T::saturating_from_num(value) };
+        self.judge(&asked, range, old, |told| modal.in_words(told))
+    }
+
+    /// The same, put into its place if it is not refused.
     pub fn length<T: Fixed + Into<I32F32>>(
         &mut self,
         modal: &Modal,
-        word: [&'static str; 2],
+        word: Word,
         asked: Number,
         range: Range<T>,
-    ) -> T {
-        let value = modal.length(asked);
-        self.bring(word, asked, value, T::saturating_from_num(value), range, |set| modal.in_words(set))
+        place: &mut T,
+    ) {
+        *place = self.length_of(modal, word, asked, range, Some(*place)).unwrap_or(*place);
     }
 
     /// A length a minute, as a speed.
-    pub fn speed_a_minute(&mut self, modal: &Modal, word: [&'static str; 2], asked: Number) -> MmPerSec {
+    fn speed_of(&mut self, modal: &Modal, word: Word, asked: Number, old: MmPerSec) -> Option<MmPerSec> {
         let value: Mm = modal.length(asked) / 60;
-        let scale = |set: I32F32| to_thousandth(modal.in_words(set.saturating_mul_int(60)));
-        self.bring(word, asked, value, MmPerSec::saturating_from_num(value), ranges::SPEED, scale)
+        let asked = Asked { word, number: asked, value, wanted: MmPerSec::saturating_from_num(value) };
+        let scale = |told: I32F32| to_thousandth(modal.in_words(told.saturating_mul_int(60)));
+        self.judge(&asked, ranges::SPEED, Some(old), scale)
     }
 
-    /// F, in units a minute. `None` without it; 0 and less leave the feed as it is.
+    /// The same, put into its place if it is not refused.
+    pub fn speed_a_minute(&mut self, modal: &Modal, word: Word, asked: Number, place: &mut MmPerSec) {
+        *place = self.speed_of(modal, word, asked, *place).unwrap_or(*place);
+    }
+
+    /// F, in units a minute. `None` without it; 0 and less leave the feed as it is, and the line is carried out.
     pub fn feed(&mut self, modal: &Modal, asked: Option<Number>) -> Option<MmPerSec> {
-        const F: [&str; 2] = ["", "F"];
+        const F: Word = ["", "F"];
         let asked = asked?;
         if asked > Number::ZERO {
-            return Some(self.speed_a_minute(modal, F, asked));
+            return self.speed_of(modal, F, asked, modal.feed);
         }
         let minute = shortest(modal.feed).value().saturating_mul_int(60);
-        self.note(F, asked, Number::saturating(to_thousandth(modal.in_words(minute))));
+        let stays = Number::saturating(to_thousandth(modal.in_words(minute)));
+        self.note(F, asked, [stays; 2], Outcome::Stays(stays));
         None
     }
 
-    /// Any other number, cut off where its type ends.
-    pub fn plain<T: Fixed + Into<I32F32>>(&mut self, word: [&'static str; 2], asked: Number, range: Range<T>) -> T {
+    /// Any other number, cut off where its type ends. `None` if it is refused.
+    pub fn plain_of<T: Fixed + Into<I32F32>>(
+        &mut self,
+        word: Word,
+        asked: Number,
+        range: Range<T>,
+        old: Option<T>,
+    ) -> Option<T> {
         let value = asked.value();
-        self.bring(word, asked, value, T::saturating_from_num(value), range, |set| set)
+        let asked = Asked { word, number: asked, value, wanted: T::saturating_from_num(value) };
+        self.judge(&asked, range, old, |told| told)
     }
 
-    /// Any other number, as the nearest value of its type.
-    pub fn near<T: Fixed + Into<I32F32>>(&mut self, word: [&'static str; 2], asked: Number, range: Range<T>) -> T {
-        self.bring(word, asked, asked.value(), nearest(asked), range, |set| set)
+    /// The same, put into its place if it is not refused.
+    pub fn plain<T: Fixed + Into<I32F32>>(&mut self, word: Word, asked: Number, range: Range<T>, place: &mut T) {
+        *place = self.plain_of(word, asked, range, Some(*place)).unwrap_or(*place);
     }
 
-    /// A whole number; decimals are cut off.
-    pub fn whole(&mut self, word: [&'static str; 2], asked: Number, range: Range<u16>) -> u16 {
-        let legal = asked.to_int().clamp(i32::from(range.least), i32::from(range.most));
-        if legal != asked.to_int() {
-            self.note(word, asked, Number::from(legal));
-        }
-        legal as u16
+    /// Any other number, as the nearest value of its type. `None` if it is refused.
+    pub fn near_of<T: Fixed + Into<I32F32>>(
+        &mut self,
+        word: Word,
+        asked: Number,
+        range: Range<T>,
+        old: Option<T>,
+    ) -> Option<T> {
+        let asked = Asked { word, number: asked, value: asked.value(), wanted: nearest(asked) };
+        self.judge(&asked, range, old, |told| told)
+    }
+
+    /// The same, put into its place if it is not refused.
+    pub fn near<T: Fixed + Into<I32F32>>(&mut self, word: Word, asked: Number, range: Range<T>, place: &mut T) {
+        *place = self.near_of(word, asked, range, Some(*place)).unwrap_or(*place);
+    }
+
+    /// A whole number; decimals are cut off. `None` if it is refused.
+    pub fn whole_of(&mut self, word: Word, asked: Number, range: Range<u16>, old: Option<u16>) -> Option<u16> {
+        let wanted = Number::from(asked.to_int()).value();
+        let [least, most] = [range.least, range.most].map(I32F32::from);
+        let old = old.map(I32F32::from);
+        let asked = Asked { word, number: asked, value: wanted, wanted };
+        self.judge(&asked, Range { least, most }, old, |told| told).map(|legal| legal.to_num())
+    }
+
+    /// The same, put into its place if it is not refused.
+    pub fn whole(&mut self, word: Word, asked: Number, range: Range<u16>, place: &mut u16) {
+        *place = self.whole_of(word, asked, range, Some(*place)).unwrap_or(*place);
     }
 }
 
@@ -143,44 +323,87 @@ mod tests {
     }
 
     #[test]
-    fn what_is_in_range_is_not_reported() {
+    fn what_is_in_range_is_set_and_not_reported() {
         let (mut clamps, modal) = (Clamps::new(), Modal::new());
-        for text in ["0.01", "3000", "250.3", "0.1234567"] {
-            clamps.length(&modal, ["M203", "X"], number(text), ranges::SPEED);
+        for (text, bits) in [("0.01", 0.01), ("3000", 3000.0), ("250.3", 250.3), ("0.1234567", 0.123_456_7)] {
+            let mut speed = MmPerSec::ONE;
+            clamps.length(&modal, ["M203", "X"], number(text), ranges::SPEED, &mut speed);
+            assert!((speed.to_num::<f64>() - bits).abs() < 1e-4);
         }
         for text in ["0", "4", "0.00001", "3.9999999"] {
-            clamps.near(["M900", "K"], number(text), ranges::ADVANCE);
+            let mut time = Seconds::ONE;
+            clamps.near(["M900", "K"], number(text), ranges::ADVANCE, &mut time);
+            assert_eq!(time, nearest::<Seconds>(number(text)));
         }
         for text in ["0.001", "1"] {
-            clamps.length(&modal, ["M205", "J"], number(text), ranges::TOLERANCE);
+            let deviation = clamps.length_of(&modal, ["M205", "J"], number(text), ranges::TOLERANCE, None);
+            assert_eq!(deviation, Some(number(text).value()));
         }
         for text in ["0.6", "180000", "1800"] {
-            clamps.feed(&modal, Some(number(text)));
+            assert!(clamps.feed(&modal, Some(number(text))).is_some());
         }
-        clamps.whole(["M113", "S"], number("60.9"), Range { least: 0, most: 60 });
+        assert_eq!(clamps.whole_of(["M113", "S"], number("60.9"), Range { least: 0, most: 60 }, None), Some(60));
         assert_eq!(texts(&clamps), [""; 0]);
+        assert!(!clamps.refuses_line());
     }
 
     #[test]
-    fn what_is_beyond_is_reported_in_the_units_of_the_line() {
+    fn what_is_beyond_stays_as_it_was_in_the_units_of_the_line() {
         let (mut clamps, mut modal) = (Clamps::new(), Modal::new());
-        assert_eq!(clamps.length(&modal, ["M203", "X"], number("99999"), ranges::SPEED), ranges::SPEED.most);
-        assert_eq!(clamps.length(&modal, ["M201", "X"], number("0"), ranges::ACCELERATION), MmPerSec2::ONE);
+        let mut speed = MmPerSec::from_num(300);
+        clamps.length(&modal, ["M203", "X"], number("99999"), ranges::SPEED, &mut speed);
+        assert!(clamps.refuses_line());
+        let mut acceleration = MmPerSec2::from_num(5000);
+        clamps.length(&modal, ["M201", "X"], number("0"), ranges::ACCELERATION, &mut acceleration);
         // A type without a sign holds 0 of it, which is legal.
-        assert_eq!(clamps.near(["M900", "K"], number("-1"), ranges::ADVANCE), Seconds::ZERO);
+        let mut time = Seconds::lit("0.05");
+        clamps.near(["M900", "K"], number("-1"), ranges::ADVANCE, &mut time);
+        clamps.near(["M900", "K"], number("30"), ranges::ADVANCE, &mut time);
         modal.inches = true;
-        assert_eq!(clamps.feed(&modal, Some(number("99999"))), Some(ranges::SPEED.most));
-        assert_eq!(clamps.feed(&modal, Some(number("-5"))), None);
-        assert_eq!(clamps.whole(["M220", "S"], number("-5"), Range { least: 10, most: 999 }), 10);
+        clamps.length(&modal, ["M203", "X"], number("200"), ranges::SPEED, &mut speed);
+        assert_eq!(
+            (speed, acceleration, time),
+            (MmPerSec::from_num(300), MmPerSec2::from_num(5000), Seconds::lit("0.05"))
+        );
+        assert_eq!(clamps.whole_of(["M914", "X"], number("-5"), Range { least: 0, most: 255 }, None), None);
         assert_eq!(
             texts(&clamps),
             [
-                "M203 X99999 is out of range, set to 3000",
-                "M201 X0 is out of range, set to 1",
-                "M900 K-1 is out of range, set to 0",
+                "M203 ignored: X99999 is out of range (0.01 to 3000), stays 300; speeds are in mm/s",
+                "M201 ignored: X0 is out of range (1 to 100000), stays 5000",
+                "M900 ignored: K-1 is out of range (0 to 4), stays 0.05",
+                "M900 ignored: K30 is out of range (0 to 4), stays 0.05; K is in seconds (Linear Advance 1.5); \
+                 a profile for Linear Advance 1.0 means another unit",
+                "M203 ignored: X200 is out of range (0 to 118.11), stays 11.811; speeds are in mm/s",
+                "M914 ignored: X-5 is out of range (0 to 255)",
+            ]
+        );
+        clamps.clear();
+        assert!(!clamps.refuses_line());
+    }
+
+    #[test]
+    fn where_the_edge_is_meant_the_line_is_carried_out() {
+        let (mut clamps, mut modal) = (Clamps::new(), Modal::new());
+        modal.inches = true;
+        assert_eq!(clamps.feed(&modal, Some(number("99999"))), Some(ranges::SPEED.most));
+        assert_eq!(clamps.feed(&modal, Some(number("0.001"))), Some(ranges::SPEED.least));
+        assert_eq!(clamps.feed(&modal, Some(number("-5"))), None);
+        assert_eq!(clamps.whole_of(["M220", "S"], number("-5"), Range { least: 10, most: 999 }, None), Some(10));
+        let most = Range { least: Seconds::ZERO, most: Seconds::from_num(200) };
+        assert_eq!(clamps.near_of(["M104", "S"], number("-273"), most, None), Some(Seconds::ZERO));
+        assert!(!clamps.refuses_line());
+        assert_eq!(clamps.near_of(["M104", "S"], number("300"), most, None), None);
+        assert!(clamps.refuses_line());
+        assert_eq!(
+            texts(&clamps),
+            [
                 "F99999 is out of range, set to 7086.614",
-                "F-5 is out of range, set to 118.11",
+                "F0.001 is out of range, set to 0.024",
+                "F-5 is out of range, stays 118.11",
                 "M220 S-5 is out of range, set to 10",
+                "M104 S-273 is out of range, set to 0",
+                "M104 ignored: S300 is out of range (0 to 200)",
             ]
         );
     }

@@ -33,6 +33,8 @@ fn pressure_advance_asks_more_of_the_extruder_alone() {
     assert!((e.jump - 10.0).abs() < 1e-5, "{e:?}");
     assert_eq!(plain[..3], advanced[..3]);
     assert_eq!(plain[4..], advanced[4..]);
+    // A line that the firmware leaves alone allows nothing.
+    assert_eq!(limits("M900 K30\nM572 S9 W.005\nM203 E9999 X900\nM201 E0 X90000"), plain);
     let changed = limits("M572 S.02\nSET_PRESSURE_ADVANCE ADVANCE=1e-2\n")[3].clone();
     assert!((changed.jump - 50.0).abs() < 1e-4, "{changed:?}");
 }

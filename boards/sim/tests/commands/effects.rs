@@ -25,7 +25,7 @@ fn a_line_that_is_ignored_changes_nothing() {
         let told: Vec<_> = heard.iter().filter(|line| line.starts_with("X:")).collect();
         assert!(told[0].starts_with("X:110.00 Y:100.00 Z:50.00 E:1.00"), "{line}: {heard:?}");
         assert!(told[1].starts_with("X:111.00"), "{line}: {heard:?}");
-        assert!(heard.contains(&"echo:F0 is out of range, set to 6000".to_owned()), "{line}: {heard:?}");
+        assert!(heard.contains(&"echo:F0 is out of range, stays 6000".to_owned()), "{line}: {heard:?}");
     }
 }
 

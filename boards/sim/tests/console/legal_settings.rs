@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use setting_lines::LINES;
 
 /// Codes that set settings, each with its letters.
-const SETTERS: [(&str, &str); 20] = [
+pub const SETTERS: [(&str, &str); 20] = [
     ("M92", "XYZE"),
     ("M201", "XYZE"),
     ("M203", "XYZE"),
@@ -40,7 +40,7 @@ const NUMBERS: [&str; 14] =
     ["0", "1", "-1", "0.0000001", "0.001", "0.05", "0.3", "2", "10", "80", "255", "3000", "65536", "99999999999"];
 
 /// The prototype with hotend, bed and chamber.
-fn heated() -> Settings {
+pub fn heated() -> Settings {
     let heater = |name: &str| format!("[heaters.{name}]\nis_fitted = true\n");
     machine_file::load(&["hotend", "bed", "chamber"].map(heater).concat()).unwrap()
 }

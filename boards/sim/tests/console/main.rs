@@ -7,6 +7,7 @@ mod lines;
 mod machine_accidents;
 mod machine_record;
 mod positions;
+mod refused_settings;
 mod reports;
 mod saving;
 mod stops;

@@ -1,27 +1,25 @@
-//! Settings as lines set them: each value is brought into its legal range, and following moves obey.
+//! Settings as lines set them: all values of a line if each is legal, otherwise none, and following moves obey.
 //!
-//! Plain functions on the settings; M92 alone needs the machine at rest.
+//! Plain functions on the settings, which change a copy of what they set and put it back; M92 alone needs the machine at rest.
 
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
-use crate::machine::numbers::exact;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::port::Pend;
-use crate::settings::{AxisSettings, CornerRule, Range, Settings, ranges};
-use crate::units::{MmPerSec, Ratio, StepsPerMm, mul_div};
+use crate::settings::{Axes, AxisSettings, CornerRule, Range, Settings, ranges};
+use crate::units::{MmPerSec, MmPerSec2, Ratio, StepsPerMm, mul_div};
 
 /// Every axis that a line names, with its letter, its value, and its number.
 fn named<'a>(
-    s: &'a mut Settings,
+    a: &'a mut Axes<AxisSettings>,
     words: &AxisWords,
 ) -> impl Iterator<Item = (&'a mut AxisSettings, &'static str, Number, usize)> {
-    let a = &mut s.axes;
     [(&mut a.x, "X", words.x), (&mut a.y, "Y", words.y), (&mut a.z, "Z", words.z), (&mut a.e, "E", words.e)]
         .into_iter()
         .enumerate()
@@ -53,8 +51,12 @@ pub(in crate::machine) fn set_max_acceleration(
     if *words == AxisWords::default() {
         return Answer::Setting(Setting::MaxAccelerations);
     }
-    for (axis, letter, number, _) in named(s, words) {
-        axis.max_acceleration = clamps.length(modal, ["M201", letter], number, ranges::ACCELERATION);
+    let mut axes = s.axes;
+    for (axis, letter, number, _) in named(&mut axes, words) {
+        clamps.length(modal, ["M201", letter], number, ranges::ACCELERATION, &mut axis.max_acceleration);
+    }
+    if !clamps.refuses_line() {
+        s.axes = axes;
     }
     Answer::Nothing
 }
@@ -70,9 +72,13 @@ pub(in crate::machine) fn set_max_speed(
         return Answer::Setting(Setting::MaxSpeeds);
     }
     let finest = [0, 1, 2, 3].map(|axis| s.finest(axis));
-    for (axis, letter, number, place) in named(s, words) {
-        let most = ranges::SPEED.most.min(fastest(finest[place]));
-        axis.max_speed = clamps.length(modal, ["M203", letter], number, Range { most, ..ranges::SPEED });
+    let mut axes = s.axes;
+    for (axis, letter, number, place) in named(&mut axes, words) {
+        let range = Range { most: ranges::SPEED.most.min(fastest(finest[place])), ..ranges::SPEED };
+        clamps.length(modal, ["M203", letter], number, range, &mut axis.max_speed);
+    }
+    if !clamps.refuses_line() {
+        s.axes = axes;
     }
     Answer::Nothing
 }
@@ -94,11 +100,11 @@ fn set_resolution(words: &AxisWords, s: &mut Settings, clamps: &mut Clamps) -> R
     let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
     let before = speeds(s);
     let mechanism = s.mechanism;
-    for (axis, letter, number, place) in named(s, words) {
+    for (axis, letter, number, place) in named(&mut s.axes, words) {
         // The motor that makes the most steps of the axis has the same range.
         let times = mechanism.most_times(place).max(1).unsigned_abs();
         let range = Range { most: ranges::STEPS_PER_MM.most / StepsPerMm::from_num(times), ..ranges::STEPS_PER_MM };
-        axis.steps_per_mm = clamps.plain(["M92", letter], number, range);
+        clamps.plain(["M92", letter], number, range, &mut axis.steps_per_mm);
     }
     s.check_shared_motors()?;
     let most = [0, 1, 2, 3].map(|axis| fastest(s.finest(axis)));
@@ -122,13 +128,14 @@ pub(in crate::machine) async fn change_resolution<P: PortSet, W: Pend>(
         return Ok(Answer::Setting(Setting::Resolutions));
     }
     let mut wanted = *crank.settings();
-    match set_resolution(words, &mut wanted, clamps) {
+    let resolved = set_resolution(words, &mut wanted, clamps);
+    if clamps.refuses_line() {
+        return Ok(Answer::Nothing);
+    }
+    match resolved {
         Ok(Resolved::Resolutions) => {}
         Ok(Resolved::LoweredSpeeds) => crank.tell(Answer::LoweredSpeeds).await?,
-        Err(axes) => {
-            clamps.clear();
-            return Ok(Answer::SharedMotors(axes));
-        }
+        Err(axes) => return Ok(Answer::SharedMotors(axes)),
     }
     crank.finish().await?;
     crank.use_settings(wanted).await?;
@@ -145,14 +152,14 @@ pub(in crate::machine) fn set_acceleration(
     if print.or(retract).or(travel).is_none() {
         return Answer::Setting(Setting::Accelerations);
     }
-    for (place, letter, number) in [
-        (&mut s.print_acceleration, "P", print),
-        (&mut s.retract_acceleration, "R", retract),
-        (&mut s.travel_acceleration, "T", travel),
-    ] {
+    let mut wanted = [s.print_acceleration, s.retract_acceleration, s.travel_acceleration];
+    for ((place, letter), number) in wanted.iter_mut().zip(["P", "R", "T"]).zip([print, retract, travel]) {
         if let Some(number) = number {
-            *place = clamps.length(modal, ["M204", letter], number, ranges::ACCELERATION);
+            clamps.length(modal, ["M204", letter], number, ranges::ACCELERATION, place);
         }
+    }
+    if !clamps.refuses_line() {
+        [s.print_acceleration, s.retract_acceleration, s.travel_acceleration] = wanted;
     }
     Answer::Nothing
 }
@@ -170,21 +177,29 @@ pub(in crate::machine) fn set_corners(
     if deviation.or(min_feed).or(min_travel).or(min_segment).is_none() && jerk == AxisWords::default() {
         return Answer::Setting(Setting::Corners);
     }
+    let mut corner = None;
     if let Some(number) = deviation {
-        s.corner = CornerRule::JunctionDeviation(clamps.length(modal, ["M205", "J"], number, ranges::TOLERANCE));
+        let old = if let CornerRule::JunctionDeviation(old) = s.corner { Some(old) } else { None };
+        let legal = clamps.length_of(modal, ["M205", "J"], number, ranges::TOLERANCE, old);
+        corner = legal.map(CornerRule::JunctionDeviation);
     } else if let Some((number, letter)) = jerk.x.map(|x| (x, "X")).into_iter().chain(jerk.y.map(|y| (y, "Y"))).min() {
-        s.corner = CornerRule::SquareCorner(clamps.length(modal, ["M205", letter], number, ranges::SPEED));
+        let old = if let CornerRule::SquareCorner(old) = s.corner { Some(old) } else { None };
+        let legal = clamps.length_of(modal, ["M205", letter], number, ranges::SPEED, old);
+        corner = legal.map(CornerRule::SquareCorner);
     }
-    if let Some(number) = jerk.e {
-        s.extruder_jerk = clamps.length(modal, ["M205", "E"], number, ranges::SPEED);
+    let from_zero = Range { least: MmPerSec::ZERO, ..ranges::SPEED };
+    let mut speeds = [s.extruder_jerk, s.min_feed, s.min_travel];
+    let words = [("E", jerk.e, ranges::SPEED), ("S", min_feed, from_zero), ("T", min_travel, from_zero)];
+    for (place, (letter, number, range)) in speeds.iter_mut().zip(words) {
+        if let Some(number) = number {
+            clamps.length(modal, ["M205", letter], number, range, place);
+        }
     }
-    let least = Range { least: MmPerSec::ZERO, ..ranges::SPEED };
-    if let Some(number) = min_feed {
-        s.min_feed = clamps.length(modal, ["M205", "S"], number, least);
+    if clamps.refuses_line() {
+        return Answer::Nothing;
     }
-    if let Some(number) = min_travel {
-        s.min_travel = clamps.length(modal, ["M205", "T"], number, least);
-    }
+    s.corner = corner.unwrap_or(s.corner);
+    [s.extruder_jerk, s.min_feed, s.min_travel] = speeds;
     let is_doubtful = jerk.x.zip(jerk.y).is_some_and(|(x, y)| x != y) || deviation.and(jerk.x.or(jerk.y)).is_some();
     let is_unused = jerk.z.or(min_segment).is_some();
     if !(is_doubtful || is_unused) || !notices.give(Notice::Corners) {
@@ -204,25 +219,36 @@ pub(in crate::machine) fn set_velocity_limit<'a>(
     if *words == VelocityWords::default() {
         return Answer::Setting(Setting::VelocityLimit);
     }
+    let mut acceleration = s.print_acceleration;
     if let Some(number) = words.acceleration {
-        s.print_acceleration = clamps.plain([NAME, "ACCEL="], number, ranges::ACCELERATION);
-        s.travel_acceleration = s.print_acceleration;
+        clamps.plain([NAME, "ACCEL="], number, ranges::ACCELERATION, &mut acceleration);
     }
-    if let Some(number) = words.square_corner {
-        s.corner = CornerRule::SquareCorner(clamps.plain([NAME, "SQUARE_CORNER_VELOCITY="], number, ranges::SPEED));
-    }
+    let square_corner = words.square_corner.and_then(|number| {
+        let old = if let CornerRule::SquareCorner(old) = s.corner { Some(old) } else { None };
+        clamps.plain_of([NAME, "SQUARE_CORNER_VELOCITY="], number, ranges::SPEED, old)
+    });
+    let mut cruise_ratio = s.minimum_cruise_ratio;
     if let Some(number) = words.cruise_ratio {
-        s.minimum_cruise_ratio = clamps.near([NAME, "MINIMUM_CRUISE_RATIO="], number, ranges::CRUISE_RATIO);
+        clamps.near([NAME, "MINIMUM_CRUISE_RATIO="], number, ranges::CRUISE_RATIO, &mut cruise_ratio);
     } else if let Some(number) = words.to_deceleration {
-        let wanted = clamps.plain([NAME, "ACCEL_TO_DECEL="], number, ranges::ACCELERATION);
-        let one = Ratio::ONE.to_bits();
-        let part = mul_div(u64::from(one), u64::from(wanted.to_bits()), u64::from(s.print_acceleration.to_bits()));
-        let ratio = Ratio::from_bits(one.saturating_sub(part.min(u64::from(one)) as u32));
-        s.minimum_cruise_ratio = ranges::CRUISE_RATIO.clamp(ratio);
-        if ratio > ranges::CRUISE_RATIO.most {
-            clamps.note([NAME, "MINIMUM_CRUISE_RATIO="], exact(ratio), exact(ranges::CRUISE_RATIO.most));
-        }
+        // As an acceleration the ratio is the part of ACCEL that is missing; more than all of ACCEL is none at all.
+        let one = u64::from(Ratio::ONE.to_bits());
+        let whole = u64::from(acceleration.to_bits());
+        let missing = |ratio: Ratio| mul_div(whole, one.saturating_sub(u64::from(ratio.to_bits())), one) as u32;
+        let [least, mut wanted] = [ranges::CRUISE_RATIO.most, cruise_ratio].map(missing).map(MmPerSec2::from_bits);
+        let range = Range { least: least.max(ranges::ACCELERATION.least), ..ranges::ACCELERATION };
+        clamps.plain([NAME, "ACCEL_TO_DECEL="], number, range, &mut wanted);
+        let part = mul_div(one, u64::from(wanted.to_bits()), whole);
+        cruise_ratio = ranges::CRUISE_RATIO.clamp(Ratio::from_bits(one.saturating_sub(part) as u32));
     }
+    if clamps.refuses_line() {
+        return Answer::Nothing;
+    }
+    if words.acceleration.is_some() {
+        (s.print_acceleration, s.travel_acceleration) = (acceleration, acceleration);
+    }
+    s.corner = square_corner.map_or(s.corner, CornerRule::SquareCorner);
+    s.minimum_cruise_ratio = cruise_ratio;
     words.other.map_or(Answer::Nothing, |other| Answer::NotObeyed(NAME, other))
 }
 
@@ -235,6 +261,8 @@ pub(in crate::machine) fn set_keepalive(
     let Some(seconds) = seconds else { return Answer::Keepalive };
     let Range { least, most } = ranges::KEEPALIVE_S;
     let legal = Range { least: least.into(), most: most.into() };
-    s.keepalive_s = clamps.whole(["M113", "S"], seconds, legal) as u8;
+    let mut wanted = u16::from(s.keepalive_s);
+    clamps.whole(["M113", "S"], seconds, legal, &mut wanted);
+    s.keepalive_s = wanted as u8;
     Answer::Nothing
 }
