@@ -2,7 +2,7 @@
 //!
 //! A machine without heaters has thermistors in a room of 25 C, and nothing is computed.
 
-use crate::plant::{Drive, Plant, PlantConstants, Thermistor};
+use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::motors::Motor;
 use corehbot::port::ThermalPort;
@@ -30,9 +30,15 @@ impl Heat {
     /// The heat of a machine; without heaters nothing is computed.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
+        Self::with(settings, &constants(&settings.thermal))
+    }
+
+    /// The same with a plant that is what it is, whatever the settings say of it.
+    #[must_use]
+    pub fn with(settings: &Settings, constants: &PlantConstants) -> Self {
         let thermal = settings.thermal;
         Self {
-            plant: thermal.has_heater().then(|| Plant::new(&constants(&thermal))),
+            plant: thermal.has_heater().then(|| Plant::new(constants)),
             settings: thermal,
             steps_per_mm: settings.steps_per_mm(Motor::E0).to_num(),
             duties: [0; OUTPUTS],
@@ -61,6 +67,7 @@ impl Heat {
         let drive = Drive {
             hotend: duty(Heater::Hotend),
             bed: duty(Heater::Bed),
+            chamber: duty(Heater::Chamber),
             part_fan: cools(FanRole::Commanded),
             hotend_fan: cools(FanRole::Hotend),
             flow_mm3_s: f64::from(steps) / self.steps_per_mm * FILAMENT / seconds,
@@ -74,6 +81,12 @@ impl Heat {
     /// The plant, if there are heaters: to look at, and to break.
     pub const fn plant(&mut self) -> Option<&mut Plant> {
         self.plant.as_mut()
+    }
+
+    /// Whether the heaters' supply is on (PS_ON).
+    #[must_use]
+    pub const fn is_supplied(&self) -> bool {
+        self.is_supplied
     }
 
     /// A single conversion at a sensor, 0 to 4095, for a board that adds them up itself; `None` without heaters, and where none
@@ -90,6 +103,8 @@ impl Heat {
             Some(Sensor::Hotend0)
         } else if of(Heater::Bed) {
             Some(Sensor::Bed)
+        } else if of(Heater::Chamber) && self.settings.heaters.chamber.is_fitted {
+            Some(Sensor::Hotend1)
         } else {
             None
         }
@@ -116,7 +131,8 @@ impl Heat {
 }
 
 /// The prototype's plant with what the machine's file says of it.
-fn constants(thermal: &ThermalSettings) -> PlantConstants {
+#[must_use]
+pub fn constants(thermal: &ThermalSettings) -> PlantConstants {
     let mut constants = PlantConstants::prototype();
     let (hotend, bed) = (&thermal.heaters.hotend, &thermal.heaters.bed);
     constants.hotend.heater.nominal_watt = hotend.power.to_num();
@@ -131,7 +147,20 @@ fn constants(thermal: &ThermalSettings) -> PlantConstants {
     let of_bed = share(bed, b.mat_joule_per_kelvin + b.plate_joule_per_kelvin);
     b.plate_joule_per_kelvin *= of_bed;
     b.mat_joule_per_kelvin *= of_bed;
+    constants.chamber = thermal.heaters.chamber.is_fitted.then(|| chamber(&thermal.heaters.chamber));
     constants
+}
+
+/// A chamber of which the machine's file says so much.
+fn chamber(heater: &HeaterSettings) -> ChamberConstants {
+    let mut c = ChamberConstants::usual();
+    let all = c.element_joule_per_kelvin + c.air_joule_per_kelvin;
+    let share = heater.model.capacity.to_num::<f64>() / all;
+    c.element_joule_per_kelvin *= share;
+    c.air_joule_per_kelvin *= share;
+    c.heater.nominal_watt = heater.power.to_num();
+    c.sensor.thermistor = law(heater);
+    c
 }
 
 /// The law of a sensor, from its data sheet (in C and Ohm).

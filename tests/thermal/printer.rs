@@ -36,7 +36,7 @@ pub struct BenchPort(Rc<RefCell<Bench>>);
 
 impl ThermalPort for BenchPort {
     fn sample(&mut self, sensor: Sensor) -> Option<u16> {
-        matches!(sensor, Sensor::Bed | Sensor::Hotend0).then(|| self.0.borrow_mut().plant.sample(sensor)).flatten()
+        self.0.borrow_mut().plant.sample(sensor)
     }
 
     fn reference(&mut self) -> Option<u16> {
@@ -44,7 +44,7 @@ impl ThermalPort for BenchPort {
     }
 
     fn outputs(&self) -> OutputSet {
-        OutputSet::NONE.with(Output::Bed).with(Output::He0)
+        OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1)
     }
 
     fn heat(&mut self, duties: &[u16; OUTPUTS]) {
@@ -168,6 +168,7 @@ impl Printer {
         let drive = Drive {
             hotend: bench.duties[Output::He0 as usize],
             bed: bench.duties[Output::Bed as usize],
+            chamber: bench.duties[Output::He1 as usize],
             part_fan: bench.fans[0],
             hotend_fan: bench.fans[1],
             flow_mm3_s: flow(0.0),

@@ -12,6 +12,7 @@ mod config;
 pub mod drivers;
 pub mod eeprom;
 pub mod heat_log;
+pub mod heat_plant;
 pub mod host;
 pub mod image;
 pub mod input;

@@ -7,6 +7,7 @@ use crate::cli::{DONE, FAILED, Printer};
 use crate::drivers::Drivers;
 use crate::eeprom::Eeprom;
 use crate::heat_log::HeatLog;
+use crate::heat_plant::{HeatArgs, HeatSetup};
 use crate::host::FileHost;
 use crate::input::GcodeFile;
 use crate::limits::{Limits, Widening};
@@ -54,6 +55,8 @@ pub(crate) struct Run {
     #[command(flatten)]
     plant: PlantArgs,
     #[command(flatten)]
+    heat: HeatArgs,
+    #[command(flatten)]
     printer: Printer,
 }
 
@@ -67,6 +70,7 @@ pub(crate) struct Prepared {
     limits: Limits,
     machine: Machine,
     belt: Option<Box<BeltPlant>>,
+    heat: HeatSetup,
     eeprom: Option<Eeprom>,
     stop: Stop,
     outputs: Outputs,
@@ -80,11 +84,13 @@ impl Prepared {
     pub fn new(args: &Run) -> Result<Self> {
         let machine = args.printer.machine()?;
         let belt = args.plant.belt(&machine.settings, args.printer.assume_homed)?;
+        let heat = args.heat.setup(&machine.settings)?;
         // Until standard input has been read, Ctrl-C ends the process: there is nothing yet to be left in order.
         let mut file = GcodeFile::open(&args.file)?;
         let stop = Stop::at_signals()?;
         let mut eeprom = args.printer.eeprom()?;
-        let mut outputs = Outputs::new(args.printer.files().chain([args.file.as_path()]), stop.clone());
+        let mut outputs =
+            Outputs::new(args.printer.files().chain([args.file.as_path()]).chain(args.heat.file()), stop.clone());
         let mut open = |path: &Option<PathBuf>| path.as_deref().map(|path| outputs.open(path)).transpose();
         let (trace, vcd, json, report) = (open(&args.trace)?, open(&args.vcd)?, open(&args.json)?, open(&args.report)?);
         let vcd = vcd.map(VcdWriter::new).transpose().context("cannot write the VCD file")?;
@@ -102,12 +108,13 @@ impl Prepared {
         let name = file.name.clone();
         let host = FileHost::reading(file.into_lines()?, survey);
         let limits = limits.finish();
-        Ok(Self { name, host, limits, machine, belt, eeprom, stop, outputs, trace, vcd, json, report })
+        Ok(Self { name, host, limits, machine, belt, heat, eeprom, stop, outputs, trace, vcd, json, report })
     }
 
     /// Prints, and says with which status it ended.
     pub fn run(self, args: &Run) -> Result<u8> {
-        let Self { name, host, limits, machine, belt, mut eeprom, stop, outputs, trace, vcd, json, report } = self;
+        let Self { name, host, limits, machine, belt, heat, mut eeprom, stop, outputs, trace, vcd, json, report } =
+            self;
         let settings = &machine.settings;
         let mut host = Watched::new(host, &stop);
         let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
@@ -123,7 +130,7 @@ impl Prepared {
         let start = Instant::now();
         let (homed, drivers) = (args.printer.assume_homed, Drivers::new());
         let mut desk = Desk::new(1);
-        desk.belt = belt;
+        (desk.belt, desk.heat) = (belt, heat);
         let outcome = match &mut eeprom {
             Some(eeprom) => world::run_at(&mut desk, settings, homed, eeprom, &drivers, &mut [&mut host], &mut sinks),
             None => world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks),

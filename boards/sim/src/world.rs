@@ -6,6 +6,7 @@
 
 use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
+use crate::heat_plant::{Accident, HeatSetup};
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
@@ -19,7 +20,7 @@ use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
-use corehbot::units::{Celsius, Mm, TICKS_PER_MS};
+use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
 use corehbot_rig::heat::Heat;
 use std::pin::Pin;
@@ -131,6 +132,8 @@ pub struct Desk {
     pub endstops: EndstopSet,
     /// What the motors turn; without it, a rigid machine. It keeps what became of it, also over a new start.
     pub belt: Option<Box<BeltPlant>>,
+    /// What the heaters are, and what befalls them.
+    pub heat: HeatSetup,
 }
 
 impl Desk {
@@ -139,7 +142,8 @@ impl Desk {
     pub fn new(lines: usize) -> Box<Self> {
         let wires = std::iter::repeat_with(Wire::default).take(lines).collect();
         let (memory, shared) = (Memory::new(), Shared::default());
-        Box::new(Self { memory, shared, wires, endstops: EndstopSet::SWITCHES, belt: None })
+        let heat = HeatSetup::default();
+        Box::new(Self { memory, shared, wires, endstops: EndstopSet::SWITCHES, belt: None, heat })
     }
 
     /// The same at a time in ticks.
@@ -196,6 +200,8 @@ pub struct World<'w> {
     stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
     generator: StepGenerator<'w>,
     thermal: ThermalControl<'w, Heat, Pends<'w>>,
+    /// What is still to break, by time.
+    accidents: &'w [Accident],
     /// When the next control period is due, in ticks.
     next_period: u64,
     /// Until it wants to begin anew.
@@ -229,8 +235,8 @@ impl<'w> World<'w> {
         drivers: &'w Drivers,
         sink: &'w mut dyn Sink,
     ) -> Self {
-        let Desk { memory, shared, wires, endstops, belt } = desk;
-        let (shared, wires): (&'w Shared, &'w [Wire]) = (shared, wires);
+        let Desk { memory, shared, wires, endstops, belt, heat } = desk;
+        let (shared, wires, heat): (&'w Shared, &'w [Wire], &'w HeatSetup) = (shared, wires, heat);
         let groups = Groups::new(&settings.mechanism);
         let mechanics = match belt {
             Some(plant) => {
@@ -248,8 +254,9 @@ impl<'w> World<'w> {
             clock: Timer(shared),
             storage,
         };
+        let plant = heat.truth.as_ref().map_or_else(|| Heat::new(settings), |truth| Heat::with(settings, truth));
         let Parts { stepper, generator, thermal, mut console, status, counts } =
-            assemble(memory, *settings, start, step_ports, Heat::new(settings), ports, Pends(shared));
+            assemble(memory, *settings, start, step_ports, plant, ports, Pends(shared));
         let console = Box::pin(async move { console.run().await });
         Self {
             shared,
@@ -261,6 +268,7 @@ impl<'w> World<'w> {
             stepper,
             generator,
             thermal,
+            accidents: &heat.accidents,
             next_period: shared.now.get(),
             console: Some(console),
             met: EndstopSet::NONE,
@@ -320,6 +328,7 @@ impl<'w> World<'w> {
         }
         if shared.now.get() >= self.next_period {
             self.next_period += u64::from(PERIOD_MS) * u64::from(TICKS_PER_MS);
+            self.befall();
             self.thermal.period();
             let extruded = self.turned.motors(self.counts.read())[Motor::E0 as usize];
             self.thermal.port().advance(extruded, f64::from(PERIOD_MS) / 1000.0);
@@ -329,6 +338,19 @@ impl<'w> World<'w> {
             }
         }
         moved
+    }
+
+    /// What is to break by now breaks.
+    fn befall(&mut self) {
+        while let [first, later @ ..] = self.accidents {
+            if first.at_s * f64::from(TICKS_PER_SECOND) > self.shared.now.get() as f64 {
+                return;
+            }
+            self.accidents = later;
+            if let Some(plant) = self.thermal.port().plant() {
+                first.happen(plant.faults());
+            }
+        }
     }
 
     /// Tells the pins which switches have ended a motion since the last time.

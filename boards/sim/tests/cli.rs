@@ -116,6 +116,64 @@ fn every_example_prints_without_a_remark() {
     assert!(printed >= 13);
 }
 
+/// Prints text on a machine with a hotend of 40 W.
+fn heat_text(test: &str, gcode: &str, args: &[&str]) -> Output {
+    let place = scratch(test);
+    let (file, machine) = (place.join("h.gcode"), place.join("m.toml"));
+    std::fs::write(&file, gcode).unwrap();
+    std::fs::write(&machine, "[heaters.hotend]\nis_fitted = true\n").unwrap();
+    corehbot().arg("run").arg(file).arg("--settings").arg(machine).args(args).output().unwrap()
+}
+
+#[test]
+fn heaters_break_when_they_are_told_to() {
+    let gcode = "G28\nM109 S200\nG4 S60\n";
+    let whole = heat_text("break", gcode, &[]);
+    assert_eq!(whole.status.code(), Some(0), "{}", text(&whole.stdout));
+    for (accident, cause) in [("open:hotend@20s", "[E01]"), ("short@1.5m", "[E02]"), ("converter@30s", "[E14]")] {
+        let output = heat_text("break", gcode, &["--break", accident]);
+        let out = text(&output.stdout);
+        assert_eq!((output.status.code(), out.contains(cause)), (Some(1), true), "{accident}: {out}");
+    }
+    let wrong = heat_text("break", gcode, &["--break", "opne@20s"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(text(&wrong.stderr).contains("`opne` is no accident; known are open, short, "), "{}", text(&wrong.stderr));
+    let missing = heat_text("break", gcode, &["--break", "open:bed@20s"]);
+    assert!(text(&missing.stderr).contains("heaters.bed.is_fitted = true"), "{}", text(&missing.stderr));
+}
+
+#[test]
+fn heaters_are_what_a_file_says() {
+    let place = scratch("plant-heat");
+    let truth = place.join("h.toml");
+    let heated = |toml: &str| {
+        std::fs::write(&truth, toml).unwrap();
+        let args = ["--plant-heat", truth.to_str().unwrap()];
+        let output = heat_text("plant-heat", "G28\nM109 S150\nM104 S0\n", &args);
+        let out = text(&output.stdout);
+        (output.status.code(), text(&output.stderr), out)
+    };
+    let (status, _, out) = heated("[hotend]\ncapacity = 12\n");
+    assert_eq!(status, Some(0), "{out}");
+    // No block is so heavy; the firmware finds a plant that is not its own.
+    let (status, _, out) = heated("[hotend]\ncapacity = 200\n");
+    assert_eq!((status, out.contains("[E08]")), (Some(1), true), "{out}");
+    let (status, err, _) = heated("[hotend]\ncapacity = -12\n");
+    assert_eq!(status, Some(2));
+    assert!(err.contains("2:12: hotend.capacity = -12 is outside 1 to 100000 J/K"), "{err}");
+    let bare = corehbot().arg("run").arg(example("axes.gcode")).arg("--plant-heat").arg(&truth).output().unwrap();
+    assert!(text(&bare.stderr).contains("the machine has no heater; fit one"), "{}", text(&bare.stderr));
+}
+
+/// The table of docs/heat.md is that of the program.
+#[test]
+fn every_accident_of_heat_is_in_the_docs() {
+    let docs = std::fs::read_to_string(example("../docs/heat.md")).unwrap();
+    for kind in corehbot_sim::heat_plant::accident::KINDS {
+        assert!(docs.contains(&format!("| `{}` | {} |", kind.name, kind.says)), "{}: {}", kind.name, kind.says);
+    }
+}
+
 #[test]
 fn the_same_file_gives_the_same_trace() {
     let digest = || {

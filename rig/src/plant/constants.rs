@@ -9,6 +9,10 @@ pub struct PlantConstants {
     pub hotend: HotendConstants,
     /// The bed.
     pub bed: BedConstants,
+    /// The chamber, if it has a heater.
+    pub chamber: Option<ChamberConstants>,
+    /// What heat flows between them.
+    pub couplings: Couplings,
     /// The converter that reads the thermistors.
     pub converter: ConverterConstants,
     /// The room's temperature at power-up, C.
@@ -64,6 +68,34 @@ pub struct BedConstants {
     pub heater: HeaterConstants,
     /// The sensor at the plate.
     pub sensor: SensorConstants,
+}
+
+/// A heater that blows into a chamber. Heat goes element -> air -> room.
+#[derive(Clone, Debug)]
+pub struct ChamberConstants {
+    /// Heat capacity of the element, J/K.
+    pub element_joule_per_kelvin: f64,
+    /// Heat capacity of the air and of what it warms, J/K.
+    pub air_joule_per_kelvin: f64,
+    /// From element to air, W/K.
+    pub element_to_air_watt_per_kelvin: f64,
+    /// From air to room, W/K.
+    pub air_to_room_watt_per_kelvin: f64,
+    /// The heater.
+    pub heater: HeaterConstants,
+    /// The sensor in the air.
+    pub sensor: SensorConstants,
+}
+
+/// Heat between two of the things that are heated, W/K: a nozzle near a plate, a plate in a chamber.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Couplings {
+    /// Between block and plate.
+    pub hotend_bed: f64,
+    /// Between block and the chamber's air.
+    pub hotend_chamber: f64,
+    /// Between plate and the chamber's air.
+    pub bed_chamber: f64,
 }
 
 /// A resistor, whose power goes with the square of the voltage.

@@ -2,6 +2,7 @@
 //! sample on. All of them may be broken at once.
 
 use super::constants::PlantConstants;
+use corehbot::connectors::Heater;
 
 /// What is wrong with a thermistor or its wires.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,13 +64,17 @@ pub struct PlantFaults {
     pub hotend_sensor: SensorFault,
     /// The thermistor at the bed's plate.
     pub bed_sensor: SensorFault,
-    /// Each thermistor is plugged into the other's socket.
+    /// The thermistor in the chamber's air.
+    pub chamber_sensor: SensorFault,
+    /// Each thermistor of hotend and bed is plugged into the other's socket.
     pub swapped_sensors: bool,
     /// The hotend's heater (`power`), and the switch of the hotend's output (`stuck_on`).
     pub hotend_heater: HeaterFault,
     /// The bed's heater, and the switch of the bed's output.
     pub bed_heater: HeaterFault,
-    /// Each heater is plugged into the other's output.
+    /// The chamber's heater, and the switch of the chamber's output.
+    pub chamber_heater: HeaterFault,
+    /// Each heater of hotend and bed is plugged into the other's output.
     pub swapped_heaters: bool,
     /// The part fan stands still.
     pub part_fan_broken: bool,
@@ -88,15 +93,35 @@ pub struct PlantFaults {
 }
 
 impl PlantFaults {
+    /// The thermistor of a heater.
+    pub const fn sensor_of(&mut self, heater: Heater) -> &mut SensorFault {
+        match heater {
+            Heater::Hotend => &mut self.hotend_sensor,
+            Heater::Bed => &mut self.bed_sensor,
+            Heater::Chamber => &mut self.chamber_sensor,
+        }
+    }
+
+    /// A heater and its switch.
+    pub const fn heater_of(&mut self, heater: Heater) -> &mut HeaterFault {
+        match heater {
+            Heater::Hotend => &mut self.hotend_heater,
+            Heater::Bed => &mut self.bed_heater,
+            Heater::Chamber => &mut self.chamber_heater,
+        }
+    }
+
     /// Nothing broken.
     #[must_use]
     pub const fn none(constants: &PlantConstants) -> Self {
         Self {
             hotend_sensor: SensorFault::None,
             bed_sensor: SensorFault::None,
+            chamber_sensor: SensorFault::None,
             swapped_sensors: false,
             hotend_heater: HeaterFault::NONE,
             bed_heater: HeaterFault::NONE,
+            chamber_heater: HeaterFault::NONE,
             swapped_heaters: false,
             part_fan_broken: false,
             hotend_fan_broken: false,

@@ -1,4 +1,4 @@
-//! The thermal plant: a hotend, a bed, fans and a supply made of numbers, for controllers to heat.
+//! The thermal plant: a hotend, a bed, perhaps a chamber, fans and a supply made of numbers, for controllers to heat.
 //!
 //! ```text
 //! duty -> switch -> heater -> cartridge -> block -> air, filament, heatbreak
@@ -15,6 +15,7 @@
 //! (QEMU, -icount).
 
 mod bed;
+mod chamber;
 mod constants;
 mod converter;
 mod faults;
@@ -27,12 +28,14 @@ mod thermistor;
 mod wiring;
 
 pub use constants::{
-    BedConstants, ConverterConstants, HeaterConstants, HotendConstants, PlantConstants, SensorConstants,
+    BedConstants, ChamberConstants, ConverterConstants, Couplings, HeaterConstants, HotendConstants, PlantConstants,
+    SensorConstants,
 };
 pub use faults::{HeaterFault, PlantFaults, SensorFault};
 pub use thermistor::Thermistor;
 
 use bed::Bed;
+use chamber::Chamber;
 use converter::Channel;
 use corehbot::port::Sensor;
 use hotend::{Hotend, HotendLoad};
@@ -53,6 +56,8 @@ pub struct Drive {
     pub hotend: f64,
     /// Duty of the bed's heater, 0..=1.
     pub bed: f64,
+    /// Duty of the chamber's heater, 0..=1.
+    pub chamber: f64,
     /// Speed of the part fan, 0..=1.
     pub part_fan: f64,
     /// Speed of the hotend fan, 0..=1.
@@ -66,7 +71,7 @@ pub struct Drive {
 impl Drive {
     /// Powered, the hotend fan running, and nothing else.
     pub const IDLE: Self =
-        Self { hotend: 0.0, bed: 0.0, part_fan: 0.0, hotend_fan: 1.0, flow_mm3_s: 0.0, supply_on: true };
+        Self { hotend: 0.0, bed: 0.0, chamber: 0.0, part_fan: 0.0, hotend_fan: 1.0, flow_mm3_s: 0.0, supply_on: true };
 }
 
 /// The simulated heat of a machine.
@@ -75,10 +80,12 @@ pub struct Plant {
     faults: PlantFaults,
     hotend: Hotend,
     bed: Bed,
+    chamber: Chamber,
     hotend_sensor: Thermometer,
     bed_sensor: Thermometer,
-    /// Bed, hotend, VREFINT.
-    channels: [Channel; 3],
+    chamber_sensor: Thermometer,
+    /// Bed, hotend, VREFINT, chamber.
+    channels: [Channel; 4],
 }
 
 impl Plant {
@@ -96,9 +103,11 @@ impl Plant {
             faults: PlantFaults::none(constants),
             hotend: Hotend::at(&constants.hotend, hotend_celsius, constants.ambient_celsius),
             bed: Bed::at(&constants.bed, bed_celsius, constants.ambient_celsius),
+            chamber: Chamber::at(constants.ambient_celsius),
             hotend_sensor: Thermometer::at(hotend_celsius),
             bed_sensor: Thermometer::at(bed_celsius),
-            channels: [0, 1, 2].map(|number| Channel::new(&constants.converter, number)),
+            chamber_sensor: Thermometer::at(constants.ambient_celsius),
+            channels: [0, 1, 2, 3].map(|number| Channel::new(&constants.converter, number)),
         }
     }
 
@@ -110,7 +119,7 @@ impl Plant {
         // 1e-9: what is 5 ms but for rounding is one part.
         let parts = libm::ceil(seconds / LONGEST_PART - 1e-9).max(1.0);
         let part = seconds / parts;
-        let [hotend_watt, bed_watt] = self.watts(drive);
+        let [hotend_watt, bed_watt, chamber_watt] = self.watts(drive);
         let ambient_celsius = self.faults.ambient_celsius;
         let fan = |speed, broken| if broken || !drive.supply_on { 0.0 } else { unit(speed) };
         let load = HotendLoad {
@@ -126,6 +135,12 @@ impl Plant {
             self.bed.step(&c.bed, bed_watt, ambient_celsius, part);
             self.hotend_sensor.step(&c.hotend.sensor, f.hotend_sensor, self.hotend.block, ambient_celsius, part);
             self.bed_sensor.step(&c.bed.sensor, f.bed_sensor, self.bed.plate, ambient_celsius, part);
+            if let Some(chamber) = &c.chamber {
+                self.chamber.step(chamber, chamber_watt, ambient_celsius, part);
+                let (air, fault) = (self.chamber.air, f.chamber_sensor);
+                self.chamber_sensor.step(&chamber.sensor, fault, air, ambient_celsius, part);
+            }
+            couple(c, &mut self.hotend.block, &mut self.bed.plate, &mut self.chamber.air, part);
         }
     }
 
@@ -141,6 +156,17 @@ impl Plant {
         self.bed.plate
     }
 
+    /// The temperature of the chamber's air, C; the room's at power-up without a chamber.
+    #[must_use]
+    pub const fn chamber_celsius(&self) -> f64 {
+        self.chamber.air
+    }
+
+    /// A plate of so many C, with this part of the bed's heat capacity, is laid on the bed.
+    pub fn lay_plate(&mut self, celsius: f64, part: f64) {
+        self.bed.plate += (celsius - self.bed.plate) * unit(part) / (1.0 + unit(part));
+    }
+
     /// The temperature of the heat sink above the heatbreak, C, where filament must not soften.
     #[must_use]
     pub const fn sink_celsius(&self) -> f64 {
@@ -150,7 +176,8 @@ impl Plant {
     /// The temperature of the hottest thing there is, cartridge and mat included, C.
     #[must_use]
     pub fn hottest_celsius(&self) -> f64 {
-        self.hotend.cartridge.max(self.hotend.block).max(self.bed.mat).max(self.bed.plate)
+        let of_chamber = self.chamber.element.max(self.chamber.air);
+        self.hotend.cartridge.max(self.hotend.block).max(self.bed.mat).max(self.bed.plate).max(of_chamber)
     }
 
     /// What the converter reads at a sensor, as [`corehbot::port::ThermalPort::sample`] says it.
@@ -158,6 +185,8 @@ impl Plant {
         match sensor {
             Sensor::Bed => self.read(Place::Bed),
             Sensor::Hotend0 => self.read(Place::Hotend),
+            // Where a chamber's sensor hangs on the prototype.
+            Sensor::Hotend1 if self.constants.chamber.is_some() => self.read(Place::Chamber),
             Sensor::Hotend1 | Sensor::Hotend2 | Sensor::Hotend3 => None,
         }
     }
@@ -167,6 +196,7 @@ impl Plant {
         match sensor {
             Sensor::Bed => self.arrive(Place::Bed, Channel::convert),
             Sensor::Hotend0 => self.arrive(Place::Hotend, Channel::convert),
+            Sensor::Hotend1 if self.constants.chamber.is_some() => self.arrive(Place::Chamber, Channel::convert),
             Sensor::Hotend1 | Sensor::Hotend2 | Sensor::Hotend3 => None,
         }
     }
@@ -179,5 +209,22 @@ impl Plant {
     /// What is broken, to be changed at any time.
     pub const fn faults(&mut self) -> &mut PlantFaults {
         &mut self.faults
+    }
+}
+
+/// Heat flows between what is near each other; what leaves one enters the other.
+fn couple(c: &PlantConstants, block: &mut f64, plate: &mut f64, air: &mut f64, seconds: f64) {
+    let Couplings { hotend_bed, hotend_chamber, bed_chamber } = c.couplings;
+    if c.couplings == Couplings::default() {
+        return;
+    }
+    let joule = |coupling: f64, from: f64, to: f64| seconds * coupling * (from - to);
+    let [to_plate, to_air, up] =
+        [joule(hotend_bed, *block, *plate), joule(hotend_chamber, *block, *air), joule(bed_chamber, *plate, *air)];
+    *block -= (to_plate + to_air) / c.hotend.block_joule_per_kelvin;
+    *plate += (to_plate - up) / c.bed.plate_joule_per_kelvin;
+    // Without a chamber there is a room, which nothing warms.
+    if let Some(chamber) = &c.chamber {
+        *air += (to_air + up) / chamber.air_joule_per_kelvin;
     }
 }

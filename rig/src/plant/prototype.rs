@@ -2,7 +2,8 @@
 //! to be measured.
 
 use super::constants::{
-    BedConstants, ConverterConstants, HeaterConstants, HotendConstants, PlantConstants, SensorConstants,
+    BedConstants, ChamberConstants, ConverterConstants, Couplings, HeaterConstants, HotendConstants, PlantConstants,
+    SensorConstants,
 };
 use super::thermistor::Thermistor;
 
@@ -52,6 +53,8 @@ impl PlantConstants {
                 // [estimate]
                 sensor: SensorConstants { thermistor: Thermistor::NTC_100K_B3950, lag_seconds: 5.0 },
             },
+            chamber: None,
+            couplings: Couplings::default(),
             converter: ConverterConstants {
                 // 10.5 effective bits of 12, as such converters have: 2^(12 - 10.5) / sqrt(12) [estimate].
                 noise_lsb: 0.8,
@@ -62,6 +65,26 @@ impl PlantConstants {
             },
             ambient_celsius: 25.0,
             supply_volts: 24.0,
+        }
+    }
+}
+
+impl ChamberConstants {
+    /// A heater of 300 W that blows into half a cubic metre: what the firmware's model of a chamber says.
+    #[must_use]
+    pub fn usual() -> Self {
+        Self {
+            // Fins and frame of 0.5 kg of aluminium, 897 J/kgK [estimate].
+            element_joule_per_kelvin: 450.0,
+            // 0.5 m^3 of air (1.2 kg/m^3, 1005 J/kgK) is 600 J/K; walls and frame make it 5550 [estimate].
+            air_joule_per_kelvin: 5550.0,
+            // A fan that keeps the fins 13 K above the air at 300 W [estimate].
+            element_to_air_watt_per_kelvin: 22.5,
+            // Panels of 2 m^2, 2.5 W/(m^2 K) [estimate].
+            air_to_room_watt_per_kelvin: 5.0,
+            heater: HeaterConstants { nominal_watt: 300.0, nominal_volts: 24.0 },
+            // A bead in moving air [estimate].
+            sensor: SensorConstants { thermistor: Thermistor::NTC_100K_B3950, lag_seconds: 20.0 },
         }
     }
 }

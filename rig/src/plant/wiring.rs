@@ -14,13 +14,14 @@ pub(super) enum Place {
     Bed,
     Hotend,
     Vrefint,
+    Chamber,
 }
 
 impl Plant {
-    /// The power of the two heaters, hotend's and bed's, W.
-    pub(super) fn watts(&self, drive: &Drive) -> [f64; 2] {
+    /// The power of the heaters of hotend, bed and chamber, W.
+    pub(super) fn watts(&self, drive: &Drive) -> [f64; 3] {
         if !drive.supply_on {
-            return [0.0; 2];
+            return [0.0; 3];
         }
         let f = &self.faults;
         let conducts = |duty, fault: HeaterFault| if fault.stuck_on { 1.0 } else { unit(duty) };
@@ -33,9 +34,15 @@ impl Plant {
             duty * heater.nominal_watt * volts * volts * fault.power
         };
         let [hotend, bed] = duties;
+        let chamber = self
+            .constants
+            .chamber
+            .as_ref()
+            .map(|chamber| watt(conducts(drive.chamber, f.chamber_heater), &chamber.heater, f.chamber_heater));
         [
             watt(hotend, &self.constants.hotend.heater, f.hotend_heater),
             watt(bed, &self.constants.bed.heater, f.bed_heater),
+            chamber.unwrap_or_default(),
         ]
     }
 
@@ -57,11 +64,18 @@ impl Plant {
             (Place::Bed, true) => Place::Hotend,
             (Place::Hotend, true) => Place::Vrefint,
             (Place::Vrefint, true) => Place::Bed,
+            (Place::Chamber, true) => Place::Chamber,
         };
+        if let Place::Chamber = shown {
+            let (thermometer, fault) = (&mut self.chamber_sensor, f.chamber_sensor);
+            let sensor = &c.chamber.as_ref()?.sensor;
+            let fresh = of(channel, thermometer.share(sensor, fault, c.converter.pull_up_ohm));
+            return Some(thermometer.reading(fault, fresh));
+        }
         let of_hotend = match (shown, f.swapped_sensors) {
             (Place::Vrefint, _) => return Some(of(channel, VREFINT_VOLTS / f.vdda_volts)),
             (Place::Hotend, false) | (Place::Bed, true) => true,
-            (Place::Bed, false) | (Place::Hotend, true) => false,
+            _ => false,
         };
         let (thermometer, constants, fault) = if of_hotend {
             (&mut self.hotend_sensor, &c.hotend.sensor, f.hotend_sensor)

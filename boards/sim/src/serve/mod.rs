@@ -15,6 +15,7 @@ use crate::belt::args::PlantArgs;
 use crate::cli::{DONE, Printer};
 use crate::drivers::Drivers;
 use crate::eeprom::Eeprom;
+use crate::heat_plant::{HeatArgs, HeatSetup};
 use crate::output::{Outputs, STANDARD, Stream};
 use crate::stop::Stop;
 use crate::trace::TraceWriter;
@@ -54,6 +55,8 @@ pub(crate) struct Serve {
     #[command(flatten)]
     plant: PlantArgs,
     #[command(flatten)]
+    heat: HeatArgs,
+    #[command(flatten)]
     printer: Printer,
     /// Shows what is typed, for terminal programs without an echo of their own; not for hosts.
     #[arg(long)]
@@ -67,6 +70,7 @@ pub(crate) struct Serve {
 pub(crate) struct Prepared {
     settings: Settings,
     belt: Option<Box<BeltPlant>>,
+    heat: HeatSetup,
     eeprom: Option<Eeprom>,
     trace: TraceWriter<BufWriter<Stream>>,
     outputs: Outputs,
@@ -78,20 +82,21 @@ impl Prepared {
     pub fn new(args: &Serve) -> Result<Self> {
         let settings = args.printer.machine()?.settings;
         let belt = args.plant.belt(&settings, args.printer.assume_homed)?;
+        let heat = args.heat.setup(&settings)?;
         let eeprom = args.printer.eeprom()?;
-        let mut outputs = Outputs::new(args.printer.files(), Stop::default());
+        let mut outputs = Outputs::new(args.printer.files().chain(args.heat.file()), Stop::default());
         let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
         ensure!(!is_standard, "standard output is for the port's name and the figures: the trace needs a file");
         let trace = args.trace.as_deref().map(|path| outputs.open(path)).transpose()?;
         let stop = Stop::at_signals()?;
         let port = Port::open(args.pty.as_deref())?;
         let trace = TraceWriter::new(trace, (&settings).into());
-        Ok(Self { settings, belt, eeprom, trace, outputs, port, stop })
+        Ok(Self { settings, belt, heat, eeprom, trace, outputs, port, stop })
     }
 
     /// Is a printer until a signal comes.
     pub fn run(self, args: &Serve) -> Result<u8> {
-        let Self { settings, mut belt, mut eeprom, mut trace, outputs, port, stop } = self;
+        let Self { settings, mut belt, heat, mut eeprom, mut trace, outputs, port, stop } = self;
         println(format_args!("{}", port.path().display()))?;
         let drivers = Drivers::new();
         let mut start = args.printer.assume_homed;
@@ -108,7 +113,7 @@ impl Prepared {
         let mut now = 0;
         loop {
             let mut desk = Desk::at(1, now);
-            desk.belt = belt.take();
+            (desk.belt, desk.heat) = (belt.take(), heat.clone());
             let mut sink = Later { trace: &mut trace, ticks: total.ticks };
             let mut world = match &mut eeprom {
                 Some(eeprom) => World::standing(&mut desk, &settings, Some(place), start, eeprom, &drivers, &mut sink),

@@ -125,11 +125,11 @@ fn open_weak_and_undersupplied_heaters() {
         change(plant.faults());
         plant.watts(&HEAT)
     };
-    assert_eq!(power(&|_| ()), [40.0, 500.0]);
-    assert_eq!(power(&|f| f.hotend_heater = HeaterFault::OPEN), [0.0, 500.0]);
-    assert_eq!(power(&|f| f.bed_heater.power = 0.5), [40.0, 250.0]);
+    assert_eq!(power(&|_| ()), [40.0, 500.0, 0.0]);
+    assert_eq!(power(&|f| f.hotend_heater = HeaterFault::OPEN), [0.0, 500.0, 0.0]);
+    assert_eq!(power(&|f| f.bed_heater.power = 0.5), [40.0, 250.0, 0.0]);
     // 18 V of 24: nine sixteenths.
-    assert_eq!(power(&|f| f.supply_volts = 18.0), [22.5, 281.25]);
+    assert_eq!(power(&|f| f.supply_volts = 18.0), [22.5, 281.25, 0.0]);
 }
 
 #[test]
@@ -138,8 +138,8 @@ fn a_stuck_switch_heats_until_the_supply_goes() {
         let mut plant = prototype();
         let f = plant.faults();
         *(if is_bed { &mut f.bed_heater } else { &mut f.hotend_heater }) = HeaterFault::STUCK_ON;
-        assert_eq!(plant.watts(&Drive::IDLE), if is_bed { [0.0, 500.0] } else { [40.0, 0.0] });
-        assert_eq!(plant.watts(&Drive { supply_on: false, ..HEAT }), [0.0; 2]);
+        assert_eq!(plant.watts(&Drive::IDLE), if is_bed { [0.0, 500.0, 0.0] } else { [40.0, 0.0, 0.0] });
+        assert_eq!(plant.watts(&Drive { supply_on: false, ..HEAT }), [0.0; 3]);
         run(&mut plant, &Drive::IDLE, 120);
         assert!(if is_bed { plant.bed_celsius() > 50.0 } else { plant.hotend_celsius() > 200.0 });
     }

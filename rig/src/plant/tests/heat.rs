@@ -159,3 +159,41 @@ fn no_time_and_no_number_change_nothing() {
     run(&mut one, &heat, 1);
     assert_eq!(two.hotend_celsius(), one.hotend_celsius());
 }
+
+/// 300 W into 5 W/K hold 60 K above the room, whatever lies between; half of it half.
+#[test]
+fn a_chamber_comes_to_what_its_power_and_losses_say() {
+    let mut constants = PlantConstants::prototype();
+    constants.chamber = Some(ChamberConstants::usual());
+    for (chamber, celsius) in [(1.0, 85.0), (0.5, 55.0)] {
+        let mut plant = Plant::new(&constants);
+        plant.step(&Drive { chamber, ..Drive::IDLE }, 6.0 * 3600.0);
+        assert_near(plant.chamber_celsius(), celsius, 0.05);
+        let sample = f64::from(plant.sample(Sensor::Hotend1).unwrap()) / 65_536.0;
+        let ohm = 4700.0 * sample / (1.0 - sample);
+        assert_near(ohm, Thermistor::NTC_100K_B3950.ohm(celsius), 0.01 * ohm);
+    }
+    assert_eq!(prototype().sample(Sensor::Hotend1), None, "the prototype has none");
+}
+
+/// What one gives the other, by hand: 2 W/K between plate and air, 3.5 W/K from the plate and 5 from the air to the room.
+#[test]
+fn things_that_are_coupled_share_their_heat() {
+    let mut constants = PlantConstants::prototype();
+    constants.chamber = Some(ChamberConstants::usual());
+    constants.couplings.bed_chamber = 2.0;
+    let mut plant = Plant::new(&constants);
+    plant.step(&Drive { bed: 0.5, ..Drive::IDLE }, 12.0 * 3600.0);
+    let air = plant.chamber_celsius();
+    // Air: 2 (plate - air) = 5 (air - 25). Plate: 250 W = 3.5 (plate - 25) + 2 (plate - air).
+    let above = 250.0 / (3.5 + 2.0 * 5.0 / 7.0);
+    assert_near(plant.bed_celsius(), 25.0 + above, 0.05);
+    assert_near(air, 25.0 + above * 2.0 / 7.0, 0.05);
+}
+
+#[test]
+fn a_cold_plate_takes_heat_out_of_the_bed() {
+    let mut plant = Plant::hot(&PlantConstants::prototype(), 25.0, 60.0);
+    plant.lay_plate(20.0, 0.25);
+    assert_near(plant.bed_celsius(), (60.0 + 0.25 * 20.0) / 1.25, 1e-9);
+}
