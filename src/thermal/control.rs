@@ -26,6 +26,20 @@ const SCRUB: u32 = 1000 / PERIOD_MS;
 /// More filament in a period than any extruder moves, in um: what its heat comes to stays within 64 bits, whatever the settings.
 const MOST_UM: i32 = 1 << 20;
 
+/// Below this a hotend is cold: at full power it warms faster than anything else.
+const COLD: Celsius = Celsius::const_from_int(60);
+
+/// What the guards of a period have found: the first of them, unless another one is a switch that sticks.
+struct Found(Option<(Heater, Alarm)>);
+
+impl Found {
+    fn add(&mut self, heater: Heater, alarm: Alarm) {
+        if self.0.is_none_or(|(_, first)| alarm.cause.is_stuck_on() && !first.cause.is_stuck_on()) {
+            self.0 = Some((heater, alarm));
+        }
+    }
+}
+
 /// Heaters, fans and sensors of a machine.
 pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     port: H,
@@ -39,8 +53,8 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
     self_test: Option<SelfTest>,
-    /// Heaters that were compared in the last period.
-    is_compared: [bool; HEATERS],
+    /// A switch sticks: only the power supply ends it, and all fans cool.
+    is_stuck: bool,
     hearts: Hearts,
     /// Whether motors have power, and periods for which the controller's fan goes on.
     has_motors: bool,
@@ -60,14 +74,14 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             orders,
             status,
             pend,
-            heaters: Heater::ALL.map(|heater| HeaterLoop::new(*settings.heater(heater))),
+            heaters: Heater::ALL.map(|heater| HeaterLoop::new(heater, *settings.heater(heater))),
             fans: settings.fans.map(Fan::new),
             fan_turns: [FanTurns::new(); FANS],
             common: Common::of(settings),
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
             self_test: None,
-            is_compared: [false; HEATERS],
+            is_stuck: false,
             hearts: Hearts::new(),
             has_motors: false,
             runs_on: 0,
@@ -84,9 +98,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     pub fn period(&mut self) {
         self.take_orders();
         self.listen();
-        if let Err((heater, alarm)) = self.heat() {
-            self.fail(heater as u8, alarm);
-        }
+        self.heat();
         self.blow();
         self.status.heat().count_period();
     }
@@ -242,19 +254,28 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
+    /// The sum of the settings, and of what was made of them for the guards.
     fn sum(&self) -> u32 {
-        sum(&(self.heaters.each_ref().map(HeaterLoop::settings), self.fans.each_ref().map(Fan::settings), self.common))
+        let heaters = self.heaters.each_ref();
+        sum(&(
+            heaters.map(HeaterLoop::settings),
+            heaters.map(HeaterLoop::derived),
+            self.fans.each_ref().map(Fan::settings),
+            self.common,
+        ))
     }
 
     /// All heaters of the coming period. After a fault or an emergency stop they are all off.
-    fn heat(&mut self) -> Result<(), (Heater, Alarm)> {
+    fn heat(&mut self) {
         for (sensor, _) in &Sensor::ALL {
             self.status.heat().set_sample(*sensor, self.port.sample(*sensor));
         }
         let of_hotend = self.circumstances();
         let of_others = Circumstances { filament: I8F24::ZERO, ahead: Ahead::default(), ..of_hotend };
+        // The hotend and the bed warm the chamber, for as long as they are warmer than it has to do with.
+        let is_warmed = [Heater::Hotend, Heater::Bed].iter().any(|heater| !self.heaters[*heater as usize].is_settled());
         let mut duties = [0; OUTPUTS];
-        let mut found = self.test();
+        let mut found = Found(self.test().err());
         for heater in Heater::ALL {
             let looped = &mut self.heaters[heater as usize];
             let settings = looped.settings();
@@ -262,18 +283,27 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 continue;
             }
             let (output, sensor) = (settings.output, settings.sensor);
-            let now = if heater == Heater::Hotend { &of_hotend } else { &of_others };
-            match looped.period(self.status.heat().sample(sensor), now) {
+            let now = match heater {
+                Heater::Hotend => of_hotend,
+                Heater::Bed => of_others,
+                Heater::Chamber => Circumstances { is_warmed, ..of_others },
+            };
+            match looped.period(self.status.heat().sample(sensor), &now) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
                 Ok(_) => {}
-                Err(alarm) => found = found.and(Err((heater, alarm))),
+                Err(alarm) => found.add(heater, alarm),
             }
         }
-        found = found.and_then(|()| self.compare());
-        if let Some(alarm) = self.port.reference().and_then(|sample| self.reference.look(sample)) {
-            found = found.and(Err((Heater::Hotend, alarm)));
+        if let Err((heater, alarm)) = self.compare() {
+            found.add(heater, alarm);
         }
-        if found.is_err() || self.status.fault().is_set() || self.status.is_halted() {
+        if let Some(alarm) = self.port.reference().and_then(|sample| self.reference.look(sample)) {
+            found.add(Heater::Hotend, alarm);
+        }
+        if let Some((heater, alarm)) = found.0 {
+            self.fail(heater as u8, alarm);
+        }
+        if self.status.fault().is_set() || self.status.is_halted() {
             duties = [0; OUTPUTS];
             self.stop_self_test();
             self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
@@ -289,7 +319,6 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.status.heat().set_heater(heater, measured, target, duty);
             self.status.heat().set_ailment(heater, looped.ailment());
         }
-        found
     }
 
     /// Tells how far a tuning has come; one that is over switches its heater off.
@@ -320,38 +349,41 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         let filament = quotient(u64::from(moved) * u64::from(self.common.filament.to_bits()), PERIOD_MS);
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
         let fan = share(heat.fan(PART_FAN));
-        Circumstances { fan, filament: I8F24::from_bits(saturated(filament.into())), ahead: Ahead { coming, then } }
+        let is_warmed = false;
+        Circumstances {
+            is_warmed,
+            fan,
+            filament: I8F24::from_bits(saturated(filament.into())),
+            ahead: Ahead { coming, then },
+        }
     }
 
     /// Whether each heater warms its own sensor.
     fn compare(&mut self) -> Result<(), (Heater, Alarm)> {
+        let mut found = Ok(());
         for own in Heater::ALL {
-            let (guards, a) = (&mut self.swapped[own as usize], &self.heaters[own as usize]);
+            let a = &self.heaters[own as usize];
+            let Some(a_is) = a.measured().filter(|_| a.settings().is_fitted) else { continue };
             let heats = a.duty() > u16::MAX / 2;
-            let did = core::mem::replace(&mut self.is_compared[own as usize], heats);
-            if !heats {
-                if did {
-                    *guards = [Swapped::new(); HEATERS];
-                }
-                continue;
-            }
-            let Some(a_is) = a.measured() else { continue };
-            for (other, guard) in Heater::ALL.into_iter().zip(guards) {
+            // A hotend is quicker than anything that is heated with it.
+            let is_quick = own == Heater::Hotend && a.is_full() && a_is < COLD;
+            for (other, guard) in Heater::ALL.into_iter().zip(&mut self.swapped[own as usize]) {
                 let b = &self.heaters[other as usize];
                 let Some(b_is) = b.measured().filter(|_| own != other && b.settings().is_fitted) else { continue };
-                if let Some(alarm) = guard.look(!b.is_powered(), a_is, b_is) {
-                    return Err((own, alarm));
+                if let Some(alarm) = guard.look(heats && (is_quick || !b.is_powered() && !b.is_warming()), a_is, b_is) {
+                    found = found.and(Err((own, alarm)));
                 }
             }
         }
-        Ok(())
+        found
     }
 
-    /// A guard has found something: the first cause counts, and a switch that sticks costs the power supply.
+    /// A guard has found something: the first cause counts, and a switch that sticks costs the power supply, whatever was first.
     fn fail(&mut self, subject: u8, alarm: Alarm) {
         let Alarm { cause, value, limit } = alarm;
         self.status.fault().set(Fault { cause, subject, value: value.to_bits(), limit: limit.to_bits() });
         if cause.is_stuck_on() {
+            self.is_stuck = true;
             self.port.switch_supply(false);
         }
     }
@@ -359,18 +391,19 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     /// All fans of the coming period.
     fn blow(&mut self) {
         let [hotend, ..] = &self.heaters;
-        let is_warm = hotend.measured().is_some_and(|measured| measured > self.common.hotend_fan_above);
+        // A hotend that nobody can measure may be hot.
+        let is_warm = hotend.settings().is_fitted
+            && hotend.measured().is_none_or(|measured| measured > self.common.hotend_fan_above);
         let is_busy = self.has_motors || self.heaters.iter().any(HeaterLoop::is_powered);
         self.runs_on = if is_busy {
             u32::from(self.common.fan_run_on_s) * (1000 / PERIOD_MS)
         } else {
             self.runs_on.saturating_sub(1)
         };
-        let stuck = self.status.fault().fault().is_some_and(|fault| fault.cause.is_stuck_on());
         // A tuning needs the part fan in its own time.
         let part_fan = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
         let mut standing = None;
-        let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: stuck };
+        let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: self.is_stuck };
         for (place, fan) in self.fans.iter_mut().enumerate().take(self.port.fans()) {
             let forced = part_fan.filter(|_| place == PART_FAN);
             let duty = forced.map_or_else(|| fan.period(needs), |is_on| if is_on { u16::MAX } else { 0 });

@@ -1,14 +1,16 @@
 //! One heater: its sensor, its controller, its guards.
 
 use super::fixed_point::{Power, duty, saturated, share};
-use super::guard::{Alarm, AtTarget, Frozen, HeatBalance, WhileOff, Window};
-use super::lag_watch::LagWatch;
+use super::guard::{Alarm, Numbers};
+use super::heater_guards::{Aim, HeaterGuards, Watched};
+use super::lag_watch::{LagNumbers, LagWatch};
 use super::observer::{Coefficients, Observer, Past};
 use super::pid::Pid;
 use super::predictive::{self, Ahead};
 use super::sensor::{Contact, Curve, Filter};
 use super::switching::Switching;
 use super::tune::Tune;
+use crate::connectors::Heater;
 use crate::fault::Cause;
 use crate::settings::{Control, HeaterSettings};
 use crate::units::{Celsius, Ratio};
@@ -23,10 +25,16 @@ pub struct Circumstances {
     pub filament: I8F24,
     /// What the look-ahead knows of the filament.
     pub ahead: Ahead,
+    /// Another heater warms it, rightly: a bed warms its chamber.
+    pub is_warmed: bool,
 }
+
+/// The ceiling: so far above its target a heater gets no power, whatever the model or the gains say.
+const CEILING: Celsius = Celsius::const_from_int(10);
 
 /// One heater.
 pub struct HeaterLoop {
+    heater: Heater,
     settings: HeaterSettings,
     curve: Curve,
     filter: Filter,
@@ -50,42 +58,12 @@ pub struct HeaterLoop {
     ailment: Option<Cause>,
 }
 
-/// The guards of one heater.
-struct HeaterGuards {
-    window: Window,
-    balance: HeatBalance,
-    at_target: AtTarget,
-    while_off: WhileOff,
-    frozen: Frozen,
-}
-
-impl HeaterGuards {
-    fn new(settings: &HeaterSettings) -> Self {
-        Self {
-            window: Window::new(settings.too_hot()),
-            balance: HeatBalance::new(settings),
-            at_target: AtTarget::new(settings.guards),
-            while_off: WhileOff::new(settings),
-            frozen: Frozen::new(),
-        }
-    }
-
-    /// Other thresholds. What was seen so far still counts, or settings that keep coming would hold up every alarm.
-    fn configure(&mut self, settings: &HeaterSettings) {
-        // By name, so that the compiler asks for a new guard.
-        let Self { window, balance, at_target, while_off, frozen: _ } = self;
-        window.configure(settings.too_hot());
-        balance.configure(settings);
-        at_target.configure(settings.guards);
-        while_off.configure(settings);
-    }
-}
-
 impl HeaterLoop {
     /// A heater that is off.
     #[must_use]
-    pub fn new(settings: HeaterSettings) -> Self {
+    pub fn new(heater: Heater, settings: HeaterSettings) -> Self {
         Self {
+            heater,
             settings,
             curve: Curve::new(settings.thermistor),
             filter: Filter::new(),
@@ -93,7 +71,7 @@ impl HeaterLoop {
             lag_watch: LagWatch::new(&settings.model),
             pid: Pid::new(settings.pid),
             switching: Switching::new(settings.period_ms),
-            guards: HeaterGuards::new(&settings),
+            guards: HeaterGuards::new(heater, &settings),
             target: Celsius::ZERO,
             measured: None,
             given: 0,
@@ -110,7 +88,7 @@ impl HeaterLoop {
         let before = core::mem::replace(&mut self.settings, settings);
         let place = |s: &HeaterSettings| (s.is_fitted, s.output, s.sensor, s.thermistor);
         if place(&before) != place(&settings) {
-            *self = Self::new(settings);
+            *self = Self::new(self.heater, settings);
             return;
         }
         self.set_target(self.target);
@@ -167,6 +145,26 @@ impl HeaterLoop {
         self.ailment
     }
 
+    /// Whether all its heat has arrived, so that its sensor does not rise by itself.
+    pub const fn is_settled(&self) -> bool {
+        self.guards.is_settled()
+    }
+
+    /// Whether it was heated since the start, and not all of that has arrived.
+    pub const fn is_warming(&self) -> bool {
+        self.guards.is_warming()
+    }
+
+    /// Whether it is at the most that it may have.
+    pub fn is_full(&self) -> bool {
+        self.wanted > 0 && self.wanted >= self.most()
+    }
+
+    /// What comes of the settings, to be summed up with them.
+    pub const fn derived(&self) -> (&Curve, &Numbers, &LagNumbers) {
+        (&self.curve, self.guards.numbers(), self.lag_watch.numbers())
+    }
+
     /// Whether it was given power in the last period.
     pub const fn is_powered(&self) -> bool {
         self.wanted > 0
@@ -201,6 +199,8 @@ impl HeaterLoop {
             Contact::Broken(cause) if self.target == Celsius::ZERO && self.wanted == 0 => {
                 // Nothing is lost yet; it just must not be heated.
                 (self.ailment, self.measured, self.observer) = (Some(cause), None, None);
+                self.guards.end();
+                self.guards.follow(&self.settings, false);
                 return Ok(self.put_out(0));
             }
             Contact::Broken(cause) => return Err(alarm(cause, self.measured)),
@@ -215,11 +215,13 @@ impl HeaterLoop {
         let Some(measured) = good else {
             // Nobody heats more because of what cannot be believed, and nobody heats what is to be off.
             let wanted = if self.target == Celsius::ZERO { 0 } else { self.wanted };
+            self.guards.follow(&self.settings, wanted > 0);
             return Ok(self.put_out(wanted));
         };
         (self.measured, self.ailment) = (Some(measured), None);
         let is_full = !self.is_free && self.given > 0;
-        if let (Some(seen), Some(observer)) = (self.lag_watch.look(measured, power, is_full), &mut self.observer) {
+        let seen = self.lag_watch.look(measured, power, is_full, self.guards.is_warming());
+        if let (Some(seen), Some(observer)) = (seen, &mut self.observer) {
             observer.take_lag(&self.settings, seen, measured);
         }
         self.watch(measured, power, now)?;
@@ -228,21 +230,25 @@ impl HeaterLoop {
     }
 
     fn watch(&mut self, measured: Celsius, power: Power, now: &Circumstances) -> Result<(), Alarm> {
-        let is_powered = self.given > 0 || self.wanted > 0;
-        let guards = &mut self.guards;
-        let mut found = guards.window.look(measured);
-        found = found.or_else(|| guards.frozen.look(measured, self.wanted));
-        found = found.or_else(|| guards.balance.look(measured, power, now.fan, now.filament));
-        found = found.or_else(|| guards.while_off.look(measured, is_powered));
-        if self.target > Celsius::ZERO && self.tune.is_none() {
-            found = found.or_else(|| guards.at_target.look(self.target, measured, is_powered));
-        }
-        found.map_or(Ok(()), Err)
+        let aim = match self.target {
+            _ if self.is_pulsed => Aim::Pulse,
+            target if target <= Celsius::ZERO => Aim::Off,
+            target if self.tune.is_some() => Aim::Tune(target),
+            target => Aim::Hold(target),
+        };
+        let Circumstances { fan, filament, is_warmed, .. } = *now;
+        let watched = Watched { aim, measured, duty: self.wanted, most: self.most(), power, fan, filament, is_warmed };
+        self.guards.look(&self.settings, &watched).map_or(Ok(()), Err)
+    }
+
+    /// The most that it may have, of 65,535.
+    fn most(&self) -> u16 {
+        ((u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535) >> 16) as u16
     }
 
     /// The duty for the next period.
     fn decide(&mut self, measured: Celsius, ahead: Ahead) -> u16 {
-        let most = ((u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535) >> 16) as u16;
+        let most = self.most();
         if self.is_pulsed {
             self.is_free = false;
             return most;
@@ -255,6 +261,11 @@ impl HeaterLoop {
             let wanted = tune.duty(measured, most);
             self.is_free = false;
             return wanted;
+        }
+        if measured >= self.target.saturating_add(CEILING) {
+            self.is_free = false;
+            self.pid.rest();
+            return 0;
         }
         let wanted = match (self.settings.control, &self.observer) {
             (Control::Model, Some(observer)) => {

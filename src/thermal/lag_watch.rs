@@ -40,13 +40,18 @@ pub struct Seen {
     pub slope: I12F20,
 }
 
-/// Watches a heating from the cold.
-#[derive(Clone, Copy, Debug)]
-pub struct LagWatch {
-    /// J/K with 16 fractional bits, W/K, and the model's lags in s with 24 fractional bits.
+/// What the model comes to: J/K with 16 fractional bits, W/K, and its lags in s with 24 fractional bits.
+#[derive(Clone, Copy, Debug, Hash)]
+pub struct LagNumbers {
     capacity: i64,
     loss: I8F24,
     lag: i64,
+}
+
+/// Watches a heating from the cold.
+#[derive(Clone, Copy, Debug)]
+pub struct LagWatch {
+    numbers: LagNumbers,
     /// Temperature at the beginning, if there is one.
     begun_at: Option<Celsius>,
     periods: u32,
@@ -61,9 +66,11 @@ impl LagWatch {
     #[must_use]
     pub fn new(model: &HeaterModel) -> Self {
         Self {
-            capacity: model.capacity.to_bits().into(),
-            loss: I8F24::from_bits(saturated(model.loss.to_bits().into())),
-            lag: i64::from(model.heater_lag.to_bits()) + i64::from(model.sensor_lag.to_bits()),
+            numbers: LagNumbers {
+                capacity: model.capacity.to_bits().into(),
+                loss: I8F24::from_bits(saturated(model.loss.to_bits().into())),
+                lag: i64::from(model.heater_lag.to_bits()) + i64::from(model.sensor_lag.to_bits()),
+            },
             begun_at: None,
             periods: 0,
             lost: 0,
@@ -71,14 +78,20 @@ impl LagWatch {
         }
     }
 
-    /// Looks at a control period; `is_full` if the heater is at its limit.
-    pub fn look(&mut self, measured: Celsius, power: Power, is_full: bool) -> Option<Seen> {
-        let losses = times(measured.saturating_sub(ROOM), self.loss).max(Power::ZERO);
+    /// What the model has come to.
+    pub const fn numbers(&self) -> &LagNumbers {
+        &self.numbers
+    }
+
+    /// Looks at a control period; `is_full` if the heater is at its limit, `is_warming` if heat was under way before it.
+    pub fn look(&mut self, measured: Celsius, power: Power, is_full: bool, is_warming: bool) -> Option<Seen> {
+        let LagNumbers { capacity, loss, lag: model_lag } = self.numbers;
+        let losses = times(measured.saturating_sub(ROOM), loss).max(Power::ZERO);
         let is_known = losses <= power / LOSSES;
         if !is_full || !is_known {
             self.begun_at = None;
-            // From the cold only, and not in the middle of a heating.
-            self.periods = if power == Power::ZERO && measured < COLD { 0 } else { u32::MAX };
+            // From the cold only, not in the middle of a heating, and without heat under way.
+            self.periods = if power == Power::ZERO && !is_warming && measured < COLD { 0 } else { u32::MAX };
             return None;
         }
         if self.periods == u32::MAX {
@@ -94,13 +107,13 @@ impl LagWatch {
             return None;
         }
         let rise = i64::from(measured.saturating_sub(begun_at).to_bits());
-        let found = ((rise.saturating_mul(self.capacity)) >> 16) + self.lost / i64::from(RATE);
+        let found = ((rise.saturating_mul(capacity)) >> 16) + self.lost / i64::from(RATE);
         let (found_before, measured_before) = core::mem::replace(&mut self.before, (found, measured));
         // J/s with 20 fractional bits; s with 24.
         let slope = (found - found_before) * i64::from(RATE) / i64::from(SLOPE);
         let time = (i64::from(self.periods) << 24) / i64::from(RATE);
         let lag = time - (found << 16) / (slope >> 8).max(1);
-        let is_other = slope > 0 && lag > TIMES * self.lag + (MORE_S << 24);
+        let is_other = slope > 0 && lag > TIMES * model_lag + (MORE_S << 24);
         let slope = measured.saturating_sub(measured_before) / SLOPE_S;
         is_other.then_some(Seen { lag, slope })
     }

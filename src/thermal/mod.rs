@@ -28,6 +28,7 @@ mod fixed_point;
 pub mod guard;
 mod hearts;
 mod heater;
+mod heater_guards;
 mod lag_watch;
 mod observer;
 mod order;

@@ -4,7 +4,9 @@ use crate::printer::{Printer, settings};
 use crate::{break_it, cold, constants, printing, soak_hours, until_off};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
+use corehbot::settings::Control;
 use corehbot::thermal::Order;
+use corehbot::units::{Celsius, Watts};
 use corehbot_rig::plant::{HeaterFault, Plant};
 
 #[test]
@@ -138,6 +140,80 @@ fn f12_f13_swapped_plugs_are_found_before_anything_is_hot() {
                 cause,
                 if swaps_sensors || heater == Heater::Bed { Cause::SensorsSwapped } else { Cause::HeatsTooSlowly }
             );
+        }
+    }
+}
+
+/// Both heaters are ordered at once, as slicers do.
+fn joint(watts: f64, control: Control) -> Printer {
+    let (mut constants, mut settings) = (constants(), settings());
+    constants.hotend.heater.nominal_watt = watts;
+    for heater in [Heater::Hotend, Heater::Bed] {
+        settings.heater_mut(heater).control = control;
+    }
+    settings.heater_mut(Heater::Hotend).power = Watts::from_num(watts);
+    let mut printer = Printer::new(&constants, settings);
+    printer.run(1.0);
+    printer
+}
+
+#[test]
+fn f12_f13_swapped_plugs_are_found_in_a_joint_preheat_too() {
+    for control in [Control::Pid, Control::Model] {
+        for watts in [25.0, 40.0, 60.0, 100.0] {
+            for swaps_sensors in [true, false] {
+                let mut printer = joint(watts, control);
+                break_it(&printer, |faults| {
+                    (faults.swapped_sensors, faults.swapped_heaters) = (swaps_sensors, !swaps_sensors);
+                });
+                printer.set(Heater::Bed, 60.0);
+                printer.set(Heater::Hotend, 215.0);
+                let (cause, time) = until_off(&mut printer, 400.0);
+                let (hotend, bed) = (printer.hotend(), printer.bed());
+                let what = if swaps_sensors { "sensors" } else { "heaters" };
+                println!(
+                    "{watts} W, {control:?}, swapped {what}: {cause:?} after {time:.1} s at {hotend:.0}, {bed:.0} C"
+                );
+                if swaps_sensors {
+                    assert_eq!((cause, time < 10.0, hotend < 60.0), (Cause::SensorsSwapped, true, true));
+                }
+                // At full power both get what the other one should have: it shows when the first of them is at its target.
+                assert!(hotend < 320.0 && bed < 100.0);
+            }
+        }
+    }
+}
+
+/// Reproducer: with PID, M140 S60, M104 S215, M109 S215 ended in "swapped" when the hotend's power was cut at its target; with
+/// the model, when it was switched off soon after.
+#[test]
+fn a_hotend_that_goes_off_while_the_bed_heats_is_not_swapped() {
+    for control in [Control::Pid, Control::Model] {
+        for watts in [40.0, 60.0, 100.0] {
+            for off_after in [2.0, 5.0, 10.0, 20.0, 400.0] {
+                let mut printer = joint(watts, control);
+                printer.set(Heater::Bed, 60.0);
+                printer.set(Heater::Hotend, 215.0);
+                printer.run(off_after);
+                printer.set(Heater::Hotend, 0.0);
+                printer.run(60.0);
+                assert_eq!(printer.fault(), None, "{watts} W, {control:?}, off after {off_after} s");
+            }
+        }
+    }
+}
+
+/// M303 cuts the power at full heat while the bed heats.
+#[test]
+fn a_tuning_while_the_bed_heats_is_not_swapped() {
+    for watts in [60.0, 100.0] {
+        for before in [1.0, 10.0, 60.0] {
+            let mut printer = joint(watts, Control::Model);
+            printer.set(Heater::Bed, 100.0);
+            printer.run(before);
+            printer.order(Order::Tune(Heater::Hotend, Celsius::from_num(215), 3));
+            printer.run(400.0);
+            assert_eq!(printer.fault(), None, "{watts} W, {before} s after the bed");
         }
     }
 }

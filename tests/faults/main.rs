@@ -7,6 +7,7 @@ mod fuzz;
 mod hearts;
 mod heaters;
 mod latch;
+mod lives;
 #[path = "../thermal/printer.rs"]
 mod printer;
 mod quiet;

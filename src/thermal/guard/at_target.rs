@@ -1,6 +1,6 @@
 //! A temperature that was reached is kept; above it, there is no power.
 
-use super::{Alarm, periods};
+use super::{Alarm, Episode, Floor, Seen, periods};
 use crate::fault::Cause;
 use crate::settings::Guards;
 use crate::units::Celsius;
@@ -8,58 +8,62 @@ use crate::units::Celsius;
 /// So close it counts as reached.
 const REACHED: Celsius = Celsius::const_from_int(2);
 
-/// Periods above the limit without power that are a stuck switch.
+/// Seconds above the limit without power that are a stuck switch.
 const OVER_S: u32 = 5;
 
-/// The guard of a heater with a target.
+/// By so much it rises without power, from its coldest after all heat has arrived. Air that stands still again after the part
+/// fan's makes a kelvin; noise of 3 steps of 12 bits makes half of one at 280 C.
+const RISES: Celsius = Celsius::const_from_int(3);
+
+/// The guard of a heater with a target: an episode for each target.
 #[derive(Clone, Copy, Debug)]
-pub struct AtTarget {
-    guards: Guards,
-    target: Celsius,
+pub struct AtTarget(Episode<Celsius, Hold>);
+
+/// What was seen since the target is what it is.
+#[derive(Clone, Copy, Debug)]
+struct Hold {
     is_reached: bool,
-    /// The hottest since there is a target, while it cools down to a lower one.
-    comes_down_from: Celsius,
     far: u32,
     over: u32,
+    /// The coldest since all heat has arrived.
+    coldest: Celsius,
 }
 
 impl AtTarget {
     /// No target yet.
     #[must_use]
-    pub const fn new(guards: Guards) -> Self {
-        let (target, comes_down_from) = (Celsius::ZERO, Celsius::MIN);
-        Self { guards, target, is_reached: false, comes_down_from, far: 0, over: 0 }
+    pub const fn new() -> Self {
+        Self(Episode::none())
     }
 
-    /// Other thresholds.
-    pub const fn configure(&mut self, guards: Guards) {
-        self.guards = guards;
+    /// Looks at a control period; the target is that which the heater is to be kept at, if there is one.
+    pub fn look(&mut self, guards: &Guards, floor: &Floor, target: Option<Celsius>, seen: &Seen) -> Option<Alarm> {
+        let begin = || Hold { is_reached: false, far: 0, over: 0, coldest: Celsius::MAX };
+        let hold = self.0.follow(target, begin)?;
+        let target = target?;
+        hold.is_reached |= magnitude(seen.measured, target) <= REACHED;
+        let lost = hold.lost(guards, target, seen.measured);
+        // The floor's number holds whatever the settings say.
+        hold.overshoot(target.saturating_add(guards.overshoot.min(floor.overshoot)), seen).or(lost)
     }
+}
 
-    /// Looks at a control period of a heater that has a target; `is_powered` if it was given any power.
-    pub fn look(&mut self, target: Celsius, measured: Celsius, is_powered: bool) -> Option<Alarm> {
-        if target != self.target {
-            (self.target, self.is_reached, self.far, self.over) = (target, false, 0, 0);
-            self.comes_down_from = measured;
-        }
-        // Coming down from a higher target it is above, rightly, as long as it falls.
-        self.comes_down_from = self.comes_down_from.min(measured);
-        self.is_reached |= magnitude(measured, target) <= REACHED;
-        self.lost(measured).or_else(|| self.overshoot(measured, is_powered))
-    }
-
-    fn lost(&mut self, measured: Celsius) -> Option<Alarm> {
-        let limit = self.target.saturating_sub(self.guards.lost);
+impl Hold {
+    fn lost(&mut self, guards: &Guards, target: Celsius, measured: Celsius) -> Option<Alarm> {
+        let limit = target.saturating_sub(guards.lost);
         self.far = if self.is_reached && measured < limit { self.far + 1 } else { 0 };
-        let is_lost = self.far >= periods(self.guards.lost_s.into());
+        let is_lost = self.far >= periods(guards.lost_s.into());
         is_lost.then_some(Alarm { cause: Cause::TemperatureLost, value: measured, limit })
     }
 
-    fn overshoot(&mut self, measured: Celsius, is_powered: bool) -> Option<Alarm> {
-        let from = if self.is_reached { self.target } else { self.target.max(self.comes_down_from) };
-        let limit = from.saturating_add(self.guards.overshoot);
-        self.over = if measured > limit && !is_powered { self.over + 1 } else { 0 };
-        (self.over >= periods(OVER_S)).then_some(Alarm { cause: Cause::Overshoot, value: measured, limit })
+    /// A heater that comes down from a higher target is above this one, rightly, as long as it falls. Heat under way may still
+    /// raise it. What rises after that has power.
+    fn overshoot(&mut self, limit: Celsius, seen: &Seen) -> Option<Alarm> {
+        self.over = if seen.measured > limit && !seen.is_powered() { self.over + 1 } else { 0 };
+        self.coldest = if seen.is_settled { self.coldest.min(seen.smooth) } else { Celsius::MAX };
+        let rises = seen.smooth >= self.coldest.saturating_add(RISES);
+        let is_stuck = rises && self.over >= periods(OVER_S);
+        is_stuck.then_some(Alarm { cause: Cause::Overshoot, value: seen.measured, limit })
     }
 }
 
@@ -70,36 +74,56 @@ fn magnitude(a: Celsius, b: Celsius) -> Celsius {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::connectors::Heater;
 
     fn c(degrees: i32) -> Celsius {
         Celsius::from_num(degrees)
     }
 
-    /// Periods until an alarm, for temperatures by the period.
-    fn run(guard: &mut AtTarget, target: i32, is_powered: bool, at: impl Fn(u32) -> i32) -> Option<(u32, Cause)> {
-        (0..3000).find_map(|n| guard.look(c(target), c(at(n)), is_powered).map(|alarm| (n, alarm.cause)))
+    /// Periods until an alarm, for temperatures by the period; `duty` of 65,535.
+    fn run(guard: &mut AtTarget, target: i32, duty: u16, at: impl Fn(u32) -> i32) -> Option<(u32, Cause)> {
+        let floor = Floor::of(Heater::Hotend);
+        (0..3000).find_map(|n| {
+            let at = c(at(n));
+            let seen = Seen { smooth: at, duty, is_settled: duty == 0, ..Seen::quiet(at) };
+            let target = (target > 0).then_some(c(target));
+            guard.look(&Guards::hotend(), floor, target, &seen).map(|alarm| (n, alarm.cause))
+        })
     }
+
+    const FULL: u16 = u16::MAX;
 
     #[test]
     fn what_was_reached_and_falls_is_lost() {
-        let mut guard = AtTarget::new(Guards::hotend());
-        assert_eq!(run(&mut guard, 200, true, |n| 25 + (n / 15) as i32), None, "it warms up");
-        assert_eq!(run(&mut guard, 200, true, |_| 200), None);
-        assert_eq!(run(&mut guard, 200, true, |_| 191), None);
-        assert_eq!(run(&mut guard, 200, true, |_| 189), Some((249, Cause::TemperatureLost)));
+        let mut guard = AtTarget::new();
+        assert_eq!(run(&mut guard, 200, FULL, |n| 25 + (n / 15) as i32), None, "it warms up");
+        assert_eq!(run(&mut guard, 200, FULL, |_| 200), None);
+        assert_eq!(run(&mut guard, 200, FULL, |_| 191), None);
+        assert_eq!(run(&mut guard, 200, FULL, |_| 189), Some((249, Cause::TemperatureLost)));
+    }
+
+    /// Reproducer: a target that was reached stayed reached while the heater was off, so the second heating to it was lost.
+    #[test]
+    fn the_same_target_after_an_end_has_not_been_reached() {
+        let mut guard = AtTarget::new();
+        assert_eq!(run(&mut guard, 200, FULL, |_| 200), None);
+        assert_eq!(run(&mut guard, 0, 0, |_| 150), None);
+        assert_eq!(run(&mut guard, 200, FULL, |_| 150), None, "it warms up");
+        assert_eq!(run(&mut guard, 200, FULL, |_| 200), None);
+        assert!(run(&mut guard, 200, FULL, |_| 180).is_some());
     }
 
     #[test]
-    fn far_above_without_power_is_a_stuck_switch() {
-        let mut guard = AtTarget::new(Guards::hotend());
-        assert_eq!(run(&mut guard, 200, true, |_| 200), None);
-        assert_eq!(run(&mut guard, 200, false, |_| 219), None);
-        assert_eq!(run(&mut guard, 200, false, |_| 221), Some((249, Cause::Overshoot)));
-        let mut guard = AtTarget::new(Guards::hotend());
-        assert_eq!(run(&mut guard, 250, false, |_| 250), None);
-        assert_eq!(run(&mut guard, 150, false, |n| (250 - (n / 20) as i32).max(150)), None, "it comes down");
-        let mut guard = AtTarget::new(Guards::hotend());
-        assert_eq!(run(&mut guard, 250, false, |_| 250), None);
-        assert!(run(&mut guard, 150, false, |n| 250 + (n / 50) as i32).is_some(), "it should come down and rises");
+    fn what_rises_far_above_without_power_is_a_stuck_switch() {
+        let mut guard = AtTarget::new();
+        assert_eq!(run(&mut guard, 200, FULL, |_| 200), None);
+        assert_eq!(run(&mut guard, 200, 0, |_| 214), None);
+        assert_eq!(run(&mut guard, 200, 0, |n| 214 + (n / 100) as i32), Some((200 + 249, Cause::Overshoot)));
+        let mut guard = AtTarget::new();
+        assert_eq!(run(&mut guard, 250, 0, |_| 250), None);
+        assert_eq!(run(&mut guard, 150, 0, |n| (250 - (n / 20) as i32).max(150)), None, "it comes down");
+        let mut guard = AtTarget::new();
+        assert_eq!(run(&mut guard, 250, 0, |_| 250), None);
+        assert!(run(&mut guard, 150, 0, |n| 250 + (n / 50) as i32).is_some(), "it should come down and rises");
     }
 }

@@ -1,14 +1,11 @@
 //! A reading that stands still although the power has changed is none: the converter, or what is before it, has stopped.
 
-use super::{Alarm, periods};
+use super::{Alarm, Floor};
 use crate::fault::Cause;
 use crate::units::Celsius;
 
 /// Converters and thermistors always make this much noise, or the temperature moves: a third of a 12-bit step of a hot hotend.
 const STILL: Celsius = Celsius::lit("0.02");
-
-/// So long it may stand still while the power changes, in s.
-const MOST_S: u32 = 30;
 
 /// A change of the duty that any heater's temperature follows.
 const CHANGE: u16 = u16::MAX / 5;
@@ -22,6 +19,7 @@ pub struct Frozen {
     duties: [u16; 2],
     /// The duty, averaged over a second or so.
     mean: u32,
+    /// Periods since the power has changed.
     still: u32,
 }
 
@@ -39,7 +37,7 @@ impl Frozen {
     }
 
     /// Looks at a control period.
-    pub fn look(&mut self, measured: Celsius, duty: u16) -> Option<Alarm> {
+    pub fn look(&mut self, floor: &Floor, measured: Celsius, duty: u16) -> Option<Alarm> {
         self.mean = self.mean - (self.mean >> 6) + u32::from(duty);
         let mean = (self.mean >> 6) as u16;
         (self.least, self.most) = (self.least.min(measured), self.most.max(measured));
@@ -48,9 +46,10 @@ impl Frozen {
             *self = Self { least: measured, most: measured, duties: [mean; 2], mean: self.mean, still: 0 };
             return None;
         }
-        self.still = self.still.saturating_add(1);
         let has_changed = self.duties[1].saturating_sub(self.duties[0]) > CHANGE || mean > u16::MAX / 2;
-        let is_frozen = has_changed && self.still >= periods(MOST_S);
+        // What stood still before the power changed says nothing: a cold bed may stand still for hours.
+        self.still = if has_changed { self.still.saturating_add(1) } else { 0 };
+        let is_frozen = self.still >= floor.still;
         is_frozen.then_some(Alarm { cause: Cause::SensorFrozen, value: measured, limit: STILL })
     }
 }
@@ -58,19 +57,36 @@ impl Frozen {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::connectors::Heater;
+
+    fn look(guard: &mut Frozen, measured: Celsius, duty: u16) -> Option<Alarm> {
+        guard.look(Floor::of(Heater::Hotend), measured, duty)
+    }
 
     #[test]
     fn a_reading_that_stands_still_is_found_and_a_quiet_one_is_not() {
         let at = Celsius::from_num(200);
         let mut guard = Frozen::new();
-        let found = (0..3000u32).find(|n| guard.look(at, if *n < 500 { 20_000 } else { 40_000 }).is_some());
+        let found = (0..3000u32).find(|n| look(&mut guard, at, if *n < 500 { 20_000 } else { 40_000 }).is_some());
         assert!(found.is_some_and(|n| (500..=2100).contains(&n)), "{found:?}");
         let mut guard = Frozen { mean: 20_000 << 6, ..Frozen::new() };
-        assert!((0..100_000).all(|_| guard.look(at, 20_000).is_none()), "nothing changes at all");
+        assert!((0..100_000).all(|_| look(&mut guard, at, 20_000).is_none()), "nothing changes at all");
         let mut guard = Frozen::new();
         let noise = |n: u32| at + Celsius::lit("0.03") * (n % 100 / 99) as i32;
-        assert!((0..100_000u32).all(|n| guard.look(noise(n), if n % 3000 < 1500 { 0 } else { 60_000 }).is_none()));
+        assert!(
+            (0..100_000u32).all(|n| look(&mut guard, noise(n), if n % 3000 < 1500 { 0 } else { 60_000 }).is_none())
+        );
         let mut guard = Frozen::new();
-        assert!((0..2000).any(|_| guard.look(at, 65_535).is_some()), "full power, and it does not warm");
+        assert!((0..2000).any(|_| look(&mut guard, at, 65_535).is_some()), "full power, and it does not warm");
+    }
+
+    /// Reproducer: a converter without noise, and a bed that had been cold for a while: frozen as soon as it was heated.
+    #[test]
+    fn what_stood_still_before_the_power_came_does_not_count() {
+        let mut guard = Frozen::new();
+        let cold = Celsius::from_num(25);
+        assert!((0..100_000).all(|_| look(&mut guard, cold, 0).is_none()));
+        assert_eq!((0..1000).find(|_| look(&mut guard, cold, u16::MAX).is_some()), None, "20 s at full power");
+        assert!((0..1000).any(|_| look(&mut guard, cold, u16::MAX).is_some()));
     }
 }

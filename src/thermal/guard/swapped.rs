@@ -1,7 +1,14 @@
 //! A heater must warm its own sensor. If another one follows it, plugs are swapped, and the heater would run away while the wrong
 //! sensor stays cold.
+//!
+//! A pair of a heater and another one's sensor tells something in two cases:
+//!
+//! - the other heater has no power, and none of its heat is under way: nothing but this heater can warm it;
+//! - a hotend is heated from the cold at full power together with a bed or a chamber, in whatever state. They are slower: 1 kW in a
+//!   bed of 500 J/K, which has no mass left for a plate, make 2 K/s after its mat's lag, and 25 W in a hotend of 34 J/K 0.7. The
+//!   hotend's own sensor has risen by a quarter of it in any case.
 
-use super::{Alarm, periods};
+use super::{Alarm, Episode, periods};
 use crate::fault::Cause;
 use crate::units::Celsius;
 
@@ -11,11 +18,15 @@ const RISE: Celsius = Celsius::const_from_int(6);
 /// The guard looks at the first seconds of a heating; later, a hot nozzle warms a bed near it.
 const FIRST_S: u32 = 60;
 
-/// The guard of a pair: a heater that heats, and the sensor of another one that does not.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Swapped {
-    /// Own and other temperature when the heating began.
-    begun: Option<[Celsius; 2]>,
+/// The guard of a pair, a heater that heats and the sensor of another one: an episode for as long as the pair tells something.
+#[derive(Clone, Copy, Debug)]
+pub struct Swapped(Episode<(), Begun>);
+
+/// What was seen when the heating began.
+#[derive(Clone, Copy, Debug)]
+struct Begun {
+    own: Celsius,
+    other: Celsius,
     heated: u32,
 }
 
@@ -23,21 +34,15 @@ impl Swapped {
     /// Nothing heats yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { begun: None, heated: 0 }
+        Self(Episode::none())
     }
 
-    /// Looks at a control period. `heats` if this heater warms up, at more than half of its power, and the other one has none.
-    pub fn look(&mut self, heats: bool, own: Celsius, other: Celsius) -> Option<Alarm> {
-        if !heats {
-            if self.heated > 0 {
-                *self = Self::new();
-            }
-            return None;
-        }
-        self.heated = self.heated.saturating_add(1);
-        let [own_then, other_then] = *self.begun.get_or_insert([own, other]);
-        let (rise, other_rise) = (own.saturating_sub(own_then), other.saturating_sub(other_then));
-        let is_swapped = self.heated < periods(FIRST_S) && other_rise > RISE && rise < RISE / 4;
+    /// Looks at a control period; `tells` if the pair tells something now.
+    pub fn look(&mut self, tells: bool, own: Celsius, other: Celsius) -> Option<Alarm> {
+        let begun = self.0.follow(tells.then_some(()), || Begun { own, other, heated: 0 })?;
+        begun.heated = begun.heated.saturating_add(1);
+        let (rise, other_rise) = (own.saturating_sub(begun.own), other.saturating_sub(begun.other));
+        let is_swapped = begun.heated < periods(FIRST_S) && other_rise > RISE && rise < RISE / 4;
         is_swapped.then_some(Alarm { cause: Cause::SensorsSwapped, value: rise, limit: other_rise })
     }
 }

@@ -12,29 +12,23 @@ pub const LEAST: Celsius = Celsius::const_from_int(-15);
 const MOST: u8 = 10;
 
 /// The guard of a sensor's window.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Window {
-    most: Celsius,
     beyond: u8,
 }
 
 impl Window {
-    /// Nothing above `most`.
+    /// Nothing seen yet.
     #[must_use]
-    pub const fn new(most: Celsius) -> Self {
-        Self { most, beyond: 0 }
+    pub const fn new() -> Self {
+        Self { beyond: 0 }
     }
 
-    /// Another limit.
-    pub const fn configure(&mut self, most: Celsius) {
-        self.most = most;
-    }
-
-    /// Looks at a reading.
-    pub fn look(&mut self, measured: Celsius) -> Option<Alarm> {
-        let is_inside = LEAST <= measured && measured <= self.most;
+    /// Looks at a reading, of a heater that may not be hotter than `most`.
+    pub fn look(&mut self, most: Celsius, measured: Celsius) -> Option<Alarm> {
+        let is_inside = LEAST <= measured && measured <= most;
         self.beyond = if is_inside { 0 } else { self.beyond.saturating_add(1) };
-        let (cause, limit) = if measured > self.most { (Cause::TooHot, self.most) } else { (Cause::TooCold, LEAST) };
+        let (cause, limit) = if measured > most { (Cause::TooHot, most) } else { (Cause::TooCold, LEAST) };
         (self.beyond >= MOST).then_some(Alarm { cause, value: measured, limit })
     }
 }
@@ -47,13 +41,13 @@ mod tests {
     fn what_stays_beyond_is_a_fault_within_a_fifth_of_a_second() {
         let c = |degrees: i32| Celsius::from_num(degrees);
         for (measured, cause) in [(301, Cause::TooHot), (-16, Cause::TooCold)] {
-            let mut window = Window::new(c(300));
-            let found = (1..).find_map(|n| window.look(c(measured)).map(|alarm| (n, alarm.cause)));
+            let mut window = Window::new();
+            let found = (1..).find_map(|n| window.look(c(300), c(measured)).map(|alarm| (n, alarm.cause)));
             assert_eq!(found, Some((u32::from(MOST), cause)));
         }
-        let mut window = Window::new(c(300));
+        let mut window = Window::new();
         for n in 0..1000 {
-            assert_eq!(window.look(c(if n % 2 == 0 { 299 } else { 305 })), None, "noise at the edge");
+            assert_eq!(window.look(c(300), c(if n % 2 == 0 { 299 } else { 305 })), None, "noise at the edge");
         }
     }
 }

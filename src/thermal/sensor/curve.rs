@@ -25,7 +25,7 @@ pub enum Reading {
 }
 
 /// Degrees of a reading, for one kind of sensor.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
 pub enum Curve {
     /// An NTC, by the law of Steinhart and Hart: 1/T = a + b ln R + c (ln R)^3, T in K and R in Ohm.
     SteinhartHart {

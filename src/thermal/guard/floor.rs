@@ -1,0 +1,135 @@
+//! The floor: what every heater of its kind does, whatever its model, its settings and the commands say.
+//!
+//! The model's guards find a fault sooner, but a wrong model makes them blind: with `power = 1` or `M306 C200` a heater that
+//! gives nothing looks right. So this guard stands below them, and its numbers depend on the kind of heater alone.
+//!
+//! A heater that can reach a target has power to spare on the way: at a part p of the way from the room to the highest
+//! temperature that its power allows, 1 - p of its power still warms it. A target that can be reached is no higher than that.
+//! So on the first 60 % of the way to any such target, 40 % of the power is left at the least:
+//!
+//! | | power / capacity | 2 C at 60 % of the way | allowed |
+//! |---|---|---|---|
+//! | hotend of 25 W and 34 J/K, at 19 V | 0.46 K/s | 11 s | 20 s |
+//! | bed of 220 W and 5500 J/K, at 21 V | 0.031 K/s | 163 s | 240 s |
+//! | chamber of 300 W and 20,000 J/K | 0.015 K/s | 333 s | 600 s |
+//!
+//! Above, a reading that is right comes from a thing that is hot: there is only a limit of time. A heater with tau seconds
+//! of capacity over loss gains its last 2 C, a kelvin below its highest, in 1.1 tau: 600 s for tau of 9 minutes.
+//!
+//! Time counts by the duty, and what was counted is forgotten four times as slowly while there is no power. So a heater that
+//! is switched off and on, and a target that changes all the time, hold up nothing.
+
+use super::{Alarm, periods};
+use crate::connectors::Heater;
+use crate::fault::Cause;
+use crate::thermal::room::ROOM;
+use crate::units::Celsius;
+
+/// A gain that counts. Klipper's `heating_gain` (verify_heater) is 2 C too.
+const GAIN: Celsius = Celsius::const_from_int(2);
+
+/// On the rest of the way full power counts alone, and only so far below the target: a controller without an integral part
+/// stays below for ever, with less than full power.
+const NEAR: Celsius = Celsius::const_from_int(2);
+
+/// What is counted is forgotten by this part of the time without power.
+const FORGETS: u32 = 4;
+
+/// What holds for a kind of heater, whatever its settings.
+#[derive(Debug)]
+pub struct Floor {
+    /// Periods at full power for each gain, on the first 60 % of the way.
+    heating: u32,
+    /// The same on the rest of the way.
+    topping: u32,
+    /// Periods for which a reading may stand still after the power has changed.
+    pub still: u32,
+    /// The least and the greatest number of periods within which heat that is under way arrives.
+    pub settling: [u32; 2],
+    /// So far above a target that was reached it may be, at the most.
+    pub overshoot: Celsius,
+}
+
+impl Floor {
+    /// What holds for this heater.
+    #[must_use]
+    pub const fn of(heater: Heater) -> &'static Self {
+        /// Klipper's `check_gain_time` of a hotend is 20 s. The lags of a hotend are 1 to 6 s together.
+        const HOTEND: Floor = Floor {
+            heating: periods(20),
+            topping: periods(600),
+            still: periods(30),
+            settling: [periods(1), periods(30)],
+            overshoot: Celsius::const_from_int(15),
+        };
+        /// A mat under a thick plate lags by 10 to 60 s.
+        const BED: Floor = Floor {
+            heating: periods(240),
+            topping: periods(3600),
+            still: periods(60),
+            settling: [periods(10), periods(300)],
+            overshoot: Celsius::const_from_int(15),
+        };
+        /// Air, and walls that warm behind it.
+        const CHAMBER: Floor = Floor {
+            heating: periods(600),
+            topping: periods(7200),
+            still: periods(120),
+            settling: [periods(20), periods(600)],
+            overshoot: Celsius::const_from_int(15),
+        };
+        match heater {
+            Heater::Hotend => &HOTEND,
+            Heater::Bed => &BED,
+            Heater::Chamber => &CHAMBER,
+        }
+    }
+}
+
+/// The guard: power without a gain.
+#[derive(Clone, Copy, Debug)]
+pub struct Gain {
+    /// The coldest since the last gain.
+    from: Celsius,
+    /// Power since then, in periods of full power with 16 fractional bits.
+    given: u64,
+}
+
+impl Gain {
+    /// Nothing was given yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { from: Celsius::MAX, given: 0 }
+    }
+
+    /// Looks at a control period of a heater with this duty of 65,535, and whether it is the most that it may have. A pulse of
+    /// a self-test has no target.
+    pub fn look(
+        &mut self,
+        floor: &Floor,
+        target: Option<Celsius>,
+        measured: Celsius,
+        (duty, is_full): (u16, bool),
+    ) -> Option<Alarm> {
+        self.from = self.from.min(measured);
+        if measured.saturating_sub(self.from) >= GAIN {
+            *self = Self { from: measured, given: 0 };
+        }
+        if duty == 0 {
+            self.given = self.given.saturating_sub(u64::from(u16::MAX / FORGETS as u16));
+            return None;
+        }
+        let goal = target.unwrap_or(Celsius::MAX);
+        let way = goal.saturating_sub(ROOM) / 5;
+        // Sixty parts of a hundred are three fifths.
+        let is_low = measured < ROOM.saturating_add(way.saturating_mul_int(3));
+        if !is_low && !(is_full && goal.saturating_sub(measured) >= NEAR) {
+            return None;
+        }
+        self.given += u64::from(duty);
+        let most = if is_low { floor.heating } else { floor.topping };
+        let is_over = self.given >= u64::from(most) * u64::from(u16::MAX);
+        let value = measured.saturating_sub(self.from);
+        is_over.then_some(Alarm { cause: Cause::HeatsTooSlowly, value, limit: GAIN })
+    }
+}
