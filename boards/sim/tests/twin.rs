@@ -255,6 +255,12 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     assert!(near(&found["x"]["frequency_Hz"], 101.4, 1e-3) && near(&found["y"]["span_mm"], 862.2, 1e-9), "{found}");
     let one = json("fit --measured 235,235,101.4,57.6");
     assert!(one["x"].is_null() && one["belt_EA_N"].as_f64().unwrap() > 0.0, "{one}");
+    // Where x and y are swapped, or a harmonic was read, no machine rings like that.
+    for words in ["fit --measured 235,235,57.6,101.4", "fit --measured 235,235,101.4,57.6 --measured 60,50,215.6,61.9"]
+    {
+        let told = complaint(words);
+        assert!(told.contains("no belt and motors ring like this") && told.contains("measure it again"), "{told}");
+    }
     assert!(complaint("fit --measured 235,235,100,-").contains("two frequencies"));
     assert!(complaint("fit --measured 5,5,100,60").contains("outside"));
 }
@@ -290,6 +296,7 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
 #[test]
 fn measurements_that_do_not_do_are_told_in_one_line() {
     let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 101\n";
+    let weights = "[[weight]]\nof = \"head\"\nmass_kg = 0.6\n[[weight]]\nof = \"bar\"\nmass_kg = 1.2\n";
     let bad = [
         (format!("{ring}{ring}"), "do not determine belt_EA_N and head_mass_kg"),
         ("belt_uncertainty_percent = 5\n".to_owned(), "line 1: belt_uncertainty_percent is one of belt_kg_per_m"),
@@ -299,6 +306,11 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
         (ring.replace("195", "1950"), "line 2: at = [1950, 208.8] is outside the reach"),
         ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: x_Hz or y_Hz is wanted"),
         ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
+        ("[[weight]]\nof = \"head\"\nmass_kg = 30\n".to_owned(), "head_mass_kg = 29.9"),
+        (
+            format!("{ring}{}{weights}", ring.replace("101", "202")),
+            "no machine measures like this: of ring x_Hz in line 6",
+        ),
     ];
     for (text, word) in bad {
         let path = file("unfit.toml", &text);
