@@ -157,6 +157,8 @@ fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
     assert!(told["y"]["line"].as_str().unwrap().starts_with("M593 Y F6"), "{told}");
     assert!(told["y"]["suggestion"]["worst_residual"].as_f64().unwrap() < 0.05, "{told}");
     assert_eq!(told["x"]["suggestion"]["type"], "MZV");
+    let slowest = told["yaw"]["band_Hz"][1].as_f64().unwrap();
+    assert!(slowest < told["y"]["band_Hz"][0].as_f64().unwrap(), "{told}");
     // The firmware takes the lines.
     let lines = ["x", "y"].map(|axis| told[axis]["line"].as_str().unwrap().to_owned()).join("\n");
     let gcode = file("shapers.gcode", &format!("{lines}\nG1 X110 F6000\nM400\n"));
