@@ -116,6 +116,31 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
     assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
 }
 
+/// Sides of 2048 steps, on which four of four corners were lost, and a zigzag whose lines lie 0.1 mm apart, which was measured from
+/// the lines beside its own when it was held against another file.
+#[test]
+fn corners_are_found_and_a_line_is_held_against_that_of_its_own_time() {
+    let square = "G1 X125.6 Y100 F6000\nG1 Y125.6\nG1 X100\nG1 Y100\nG1 X125.6\nM400\n";
+    let square = file("square.gcode", square);
+    let a = json(&format!("run {} --assume-homed 100,100,0 --model rotors", square.display()));
+    assert_eq!((&a["corners_total"], &a["corners_unmatched"]), (&Value::from(4), &Value::from(0)), "{a}");
+    let zigzag = |a: u32| {
+        let line = |i: u32| format!("G1 X{} F9000\nG1 Y{:.1}\n", 100 + 2 * (1 - i % 2), 100.0 + 0.1 * f64::from(i + 1));
+        let lines: String = (0..20).map(line).collect();
+        file(&format!("zigzag-{a}.gcode"), &format!("M201 X9000 Y9000\nM204 P{a} T{a}\n{lines}M400\n"))
+    };
+    let [slow, fast] = [700, 7000].map(zigzag);
+    let rms = |against: &str| {
+        let words = format!("run {} {against} --assume-homed 100,100,0 --model rotors", fast.display());
+        json(&words)["contour"]["rms_mm"].as_f64().unwrap()
+    };
+    let own = rms("");
+    for against in [&fast, &slow] {
+        let found = rms(&format!("--against {}", against.display()));
+        assert!((found / own - 1.0).abs() < 0.05, "{own} {found} {}", against.display());
+    }
+}
+
 #[test]
 fn a_page_shows_the_path_with_its_errors_and_needs_no_network() {
     let gcode = file("page.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
