@@ -1,7 +1,9 @@
 //! What a line of G-code asks for, as a type in which nonsense cannot be written down.
 
 use super::number::Number;
-use super::parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, Plane, VelocityWords};
+use super::parts::{
+    ArcShape, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, Plane, VelocityWords,
+};
 use crate::connectors::Heater;
 
 /// A command; every variant is answered with one `ok`. Lengths are in the units that G20/G21 chose.
@@ -143,6 +145,8 @@ pub enum Command<'a> {
     Tell {
         /// How it is dressed.
         form: Form,
+        /// Who hears it.
+        to: Audience,
         /// The message as it came.
         text: &'a [u8],
     },
@@ -207,7 +211,10 @@ pub enum Command<'a> {
     /// M502: take the settings that the machine was made with.
     DefaultSettings,
     /// M503: report the settings as G-code.
-    ReportSettings,
+    ReportSettings {
+        /// S0: as lines that can be sent back as they are, and nothing else.
+        for_replay: bool,
+    },
     /// M504: look whether the settings in storage are whole.
     CheckStorage,
     /// M569: stealthChop or spreadCycle for the named axes, all if none is named; or report.

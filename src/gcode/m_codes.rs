@@ -79,7 +79,7 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         500 => Command::SaveSettings,
         501 => Command::LoadSettings,
         502 => Command::DefaultSettings,
-        503 => Command::ReportSettings,
+        503 => Command::ReportSettings { for_replay: switch(text) == Some(false) },
         504 => Command::CheckStorage,
         // With P it is RepRapFirmware's, and turns a motor round.
         569 if last(text, b'P').is_none() => stealth(text),

@@ -30,5 +30,7 @@ pub use command::Command;
 pub use named::names;
 pub use number::Number;
 pub use parse::parse;
-pub use parts::{ArcShape, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, Plane, VelocityWords};
+pub use parts::{
+    ArcShape, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, Plane, VelocityWords,
+};
 pub use shaping::ShaperName;

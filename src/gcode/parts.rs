@@ -39,6 +39,17 @@ pub enum Form {
     Action,
 }
 
+/// Who hears a message of M118.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Audience {
+    /// The host that sent it.
+    Sender,
+    /// P0: all hosts.
+    All,
+    /// P1 to P9: the host on that serial line, if there is one.
+    Line(u8),
+}
+
 /// Where the centre of an arc lies.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum ArcShape {

@@ -3,18 +3,20 @@
 use super::command::Command;
 use super::lexer::{Words, is_blank, is_outside, skip_blanks};
 use super::number::Number;
-use super::parts::Form;
+use super::parts::{Audience, Form};
 use crate::text::trim_end;
 
 /// M118: the message after A1, E1 and P, which stand in front of it (Marlin M118.cpp).
 pub(super) fn tell(text: &[u8]) -> Command<'_> {
-    let mut form = Form::Plain;
+    let (mut form, mut to) = (Form::Plain, Audience::Sender);
     let mut after = skip_blanks(text);
     while let [letter, digit @ b'0'..=b'9', tail @ ..] = after
         && tail.first().is_none_or(|byte| is_blank(*byte))
     {
         match (letter.to_ascii_uppercase(), digit) {
-            (b'A', b'0') | (b'E', b'0') | (b'P', _) => {}
+            (b'A', b'0') | (b'E', b'0') => {}
+            (b'P', b'0') => to = Audience::All,
+            (b'P', line) => to = Audience::Line(line - b'0'),
             (b'A', _) => form = Form::Action,
             (b'E', _) if form == Form::Plain => form = Form::Echo,
             (b'E', _) => {}
@@ -22,7 +24,7 @@ pub(super) fn tell(text: &[u8]) -> Command<'_> {
         }
         after = skip_blanks(tail);
     }
-    Command::Tell { form, text: trim_end(after, is_outside) }
+    Command::Tell { form, to, text: trim_end(after, is_outside) }
 }
 
 /// M0, M1: S and P in front, in any order, then a message that nobody shows.
@@ -51,10 +53,14 @@ mod tests {
 
     #[test]
     fn messages_and_how_they_are_dressed() {
-        let tell = |form, text| Command::Tell { form, text };
+        let tell = |form, text| Command::Tell { form, to: Audience::Sender, text };
         assert_eq!(parse(b"M118 hello E1 "), tell(Form::Plain, b"hello E1"));
         assert_eq!(parse(b"M118 A1 action:pause"), tell(Form::Action, b"action:pause"));
-        assert_eq!(parse(b"M118 E1 P0 Layer 3"), tell(Form::Echo, b"Layer 3"));
+        assert_eq!(parse(b"M118 E1 Layer 3"), tell(Form::Echo, b"Layer 3"));
+        let to = |form, to| Command::Tell { form, to, text: b"Layer 3" };
+        assert_eq!(parse(b"M118 E1 P0 Layer 3"), to(Form::Echo, Audience::All));
+        assert_eq!(parse(b"M118 P2 A1 Layer 3"), to(Form::Action, Audience::Line(2)));
+        assert_eq!(parse(b"M118 Layer P0"), tell(Form::Plain, b"Layer P0"));
         assert_eq!(parse(b"M118 A1 E1 x"), tell(Form::Action, b"x"));
         assert_eq!(parse(b"M118 A0 A12"), tell(Form::Plain, b"A12"));
         assert_eq!(parse(b"M118"), tell(Form::Plain, b""));

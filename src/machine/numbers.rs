@@ -1,7 +1,7 @@
 //! Numbers of lines: read to the nearest value of a type, and printed so that they read back as the same value.
 
 use crate::gcode::Number;
-use crate::units::{Mm, part_of};
+use crate::units::{Mm, Ratio, Seconds, part_of};
 use fixed::traits::Fixed;
 use fixed::types::I32F32;
 
@@ -9,6 +9,12 @@ use fixed::types::I32F32;
 pub(in crate::machine) fn nearest<T: Fixed>(number: Number) -> T {
     let half = I32F32::from_bits(1 << 31 >> T::FRAC_NBITS);
     T::saturating_from_num(number.value().saturating_add(half))
+}
+
+/// The rate of a time constant, in 1/s.
+pub(in crate::machine) fn rate(lag: Seconds) -> Ratio {
+    let bits = (1u64 << 40) + u64::from(lag.to_bits() / 2);
+    Ratio::from_bits((bits / u64::from(lag.to_bits().max(1))).min(u64::from(u32::MAX)) as u32)
 }
 
 /// The number with the fewest decimals that is read as `value`. `fixed` can print that too, in 3 KiB of flash.

@@ -33,6 +33,7 @@ mod check;
 mod drivers;
 mod endstops;
 mod kept;
+mod name;
 mod plugged;
 mod shaping;
 mod thermal;
@@ -45,6 +46,7 @@ pub use check::{Range, SettingsError, ranges};
 pub use drivers::{DriverGroups, DriverSettings};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
 pub use kept::{Kept, sum};
+pub use name::MachineName;
 pub use plugged::{ConnectorError, Plugged};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
@@ -152,6 +154,8 @@ pub struct Settings {
     pub probe: EndstopPlug,
     /// What ties the motors of x and y together.
     pub belt: Belt,
+    /// What hosts and screens call the machine (M115).
+    pub name: MachineName,
 }
 
 impl Settings {
@@ -210,6 +214,7 @@ impl Settings {
             bed: Bed::of_reach(&axes),
             probe: EndstopPlug::NONE,
             belt: Belt::prototype(),
+            name: const { MachineName::lit("CoreH-bot prototype") },
         }
     }
 
@@ -260,6 +265,7 @@ impl Settings {
             endstops: _,
             homing_order: _,
             bed: _,
+            name: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring

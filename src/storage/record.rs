@@ -16,8 +16,8 @@ use crate::checksum::crc32;
 use crate::connectors::HEATERS;
 use crate::kinematics::Mechanism;
 use crate::settings::{
-    Axes, AxisSettings, Bed, Belt, Cartesian, Endstop, EndstopPlug, HeaterModel, Homing, Pid, Settings, SettingsError,
-    Shapers, Wiring,
+    Axes, AxisSettings, Bed, Belt, Cartesian, Endstop, EndstopPlug, HeaterModel, Homing, MachineName, Pid, Settings,
+    SettingsError, Shapers, Wiring,
 };
 
 /// What the payload looks like. Every released change of the shape of [`Settings`] needs the next number; a test
@@ -42,8 +42,10 @@ type Plugs = (Wiring, EndstopPlug);
 /// which the mechanism is stored as.
 const LONGEST_PAYLOAD: usize = {
     let (wide, plugs) = (size_of::<Wide>(), size_of::<Plugs>());
-    let rest = size_of::<Settings>() - size_of::<Mechanism>() - plugs - wide;
-    rest * 3 / 2 + wide * 5 / 4 + 19 + plugs * 10 / 9
+    // A text, before which stands its length.
+    let name = MachineName::LONGEST;
+    let rest = size_of::<Settings>() - size_of::<Mechanism>() - plugs - wide - name;
+    rest * 3 / 2 + wide * 5 / 4 + 19 + plugs * 10 / 9 + name + 1
 };
 const _: () = assert!(HEADER + LONGEST_PAYLOAD <= LONGEST);
 

@@ -4,7 +4,7 @@ use core::fmt::{self, Display, Formatter, Write};
 
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    ArcShape, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Number, Plane, VelocityWords,
+    ArcShape, Audience, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Number, Plane, VelocityWords,
 };
 
 /// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
@@ -99,7 +99,7 @@ impl Display for Printed<'_> {
             Command::SaveSettings => f.write_str("M500"),
             Command::LoadSettings => f.write_str("M501"),
             Command::DefaultSettings => f.write_str("M502"),
-            Command::ReportSettings => f.write_str("M503"),
+            Command::ReportSettings { for_replay } => f.write_str(if for_replay { "M503 S0" } else { "M503" }),
             Command::CheckStorage => f.write_str("M504"),
             Command::Stealth { on: None, .. } => f.write_str("M569"),
             Command::Stealth { on: Some(on), axes } => flags(f, if on { "M569 S1" } else { "M569 S0" }, axes),
@@ -199,11 +199,18 @@ impl Display for Printed<'_> {
             }
             Command::Debug(bits) => switch(f, "M111", bits),
             Command::AutoPosition(seconds) => switch(f, "M154", seconds),
-            Command::Tell { form, text } => {
+            Command::Tell { form, to, text } => {
+                f.write_str("M118 ")?;
+                match to {
+                    // What stands in front of a text ends there, or the text could be taken for more of it.
+                    Audience::Sender => f.write_str("E0 ")?,
+                    Audience::All => f.write_str("P0 ")?,
+                    Audience::Line(line) => write!(f, "P{line} ")?,
+                }
                 f.write_str(match form {
-                    Form::Plain => "M118 P0 ",
-                    Form::Echo => "M118 E1 ",
-                    Form::Action => "M118 A1 ",
+                    Form::Plain => "",
+                    Form::Echo => "E1 ",
+                    Form::Action => "A1 ",
                 })?;
                 write_text(f, text)
             }

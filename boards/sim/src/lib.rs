@@ -30,6 +30,7 @@ pub mod script;
 pub mod series;
 #[cfg(unix)]
 pub mod serve;
+mod short;
 pub mod stop;
 pub mod summary;
 pub mod tally;

@@ -22,7 +22,8 @@ use corehbot::connectors::{BoardConnectors, SIM};
 use corehbot::kinematics::{MOST_MULTIPLE, Mechanism, Row, direction, multiple};
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, Bed, Belt, CornerRule, DriverSettings, PHASES, Range, Settings, Shaper, ShaperKind, Wiring, ranges,
+    AxisSettings, Bed, Belt, CornerRule, DriverSettings, MachineName, PHASES, Range, Settings, Shaper, ShaperKind,
+    Wiring, ranges,
 };
 pub use error::MachineFileError;
 use form::{AxisToml, BedToml, BeltToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
@@ -97,6 +98,11 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     put(&mut s.lookahead_time, "lookahead_time", file.lookahead_time, &LOOKAHEAD_TIME)?;
     s.advanced_ok = file.advanced_ok.unwrap_or(s.advanced_ok);
     s.soft_endstops = file.soft_endstops.unwrap_or(s.soft_endstops);
+    // A machine with motors of its own is not called as the prototype is.
+    let own = file.name.clone().or_else(|| file.mechanism.is_some().then(String::new));
+    if let Some(name) = own {
+        s.name = MachineName::new(&name).ok_or(MachineFileError::Name(name))?;
+    }
     s.require_homing = file.require_homing.unwrap_or(s.require_homing);
     // Rows do not tell one belt from two.
     s.belt.is_closed = file.belt.closed.unwrap_or(s.belt.is_closed && file.mechanism.is_none());

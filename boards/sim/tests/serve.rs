@@ -189,7 +189,7 @@ fn after_an_emergency_stop_m999_is_a_new_start_on_the_same_line() {
     client.say(b"M999\n");
     assert_eq!(client.hear(), "start");
     assert!(client.ask("M105").last().unwrap().starts_with("ok T:"));
-    assert!(client.ask("M203").contains(&"echo:  M203 X123 Y300 Z20 E80".to_owned()));
+    assert!(client.ask("M203").contains(&"  M203 X123 Y300 Z20 E80".to_owned()));
     assert!(client.ask("M114")[0].starts_with("X:0.00 Y:0.00 Z:0.00"));
     let moved = client.ask("G1 X5 F6000");
     assert!(moved[0].starts_with("echo:motion before homing"), "{moved:?}");

@@ -89,8 +89,12 @@ pub(in crate::machine) enum Answer<'a> {
     Retraction(RetractionSettings),
     /// M208, likewise.
     Recovery(RetractionSettings),
-    /// M503: all of them.
-    Settings(RetractionSettings),
+    /// M503: all of them, and how G10 and G11 retract.
+    Settings {
+        retraction: RetractionSettings,
+        /// As lines that can be sent back as they are, and nothing else.
+        for_replay: bool,
+    },
     /// A command whose X and Y differ.
     OneBelt(&'static str),
     /// M92 would give axes that share motors different steps.

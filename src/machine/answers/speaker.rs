@@ -33,12 +33,41 @@ impl<S: Serial> Listener for Hosts<S> {
 pub(in crate::machine) struct Speaker<'s> {
     progress: &'s mut Progress,
     listener: &'s mut dyn Listener,
+    /// Whether settings are said with `echo:`, and with remarks.
+    is_echo: bool,
 }
 
 impl<'s> Speaker<'s> {
     /// Says to `listener` what `progress` does not count as said.
     pub fn new(progress: &'s mut Progress, listener: &'s mut dyn Listener) -> Self {
-        Self { progress, listener }
+        Self { progress, listener, is_echo: false }
+    }
+
+    /// Has settings said with `echo:` from now on, and with remarks: M503 without S0.
+    pub const fn echo_settings(&mut self) {
+        self.is_echo = true;
+    }
+
+    /// Says a setting as the line that sets it. Alone, and for M503 S0, it stands without `echo:`, as in Marlin
+    /// (gcode.h, `report_echo_start`): a BTT TFT takes no other.
+    #[inline(never)]
+    pub fn setting(&mut self, line: fmt::Arguments<'_>) {
+        let echo = if self.is_echo { "echo:" } else { "" };
+        self.say(format_args!("{echo}  {line}"));
+    }
+
+    /// Says what no line sets, as a comment of M503.
+    #[inline(never)]
+    pub fn remark(&mut self, text: fmt::Arguments<'_>) {
+        if self.is_echo {
+            self.say(format_args!("echo:; {text}"));
+        }
+    }
+
+    /// Says a setting as the line that sets it, a line of another kind than G and a number. A BTT TFT would show it to the
+    /// user as trouble, so it is a remark where settings are said with `echo:`.
+    pub fn named_setting(&mut self, line: fmt::Arguments<'_>) {
+        if self.is_echo { self.remark(line) } else { self.setting(line) }
     }
 
     /// Says one line. Inlined, it would stand in fifty places.

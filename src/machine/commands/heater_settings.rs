@@ -7,7 +7,7 @@ use crate::connectors::Heater;
 use crate::gcode::{ModelWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::{HeatSetting, pid_code};
-use crate::machine::reports::heat_settings_report::rate;
+use crate::machine::numbers::rate;
 use crate::machine::state::clamps::Clamps;
 use crate::settings::{Control, HeaterSettings, Pid, Range, ThermalSettings, ranges};
 use crate::units::{Ratio, Seconds};

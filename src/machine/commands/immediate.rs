@@ -6,6 +6,7 @@ use super::drivers::set_drivers;
 use super::fans::set_controller_fan;
 use super::heater_settings::{set_model, set_pid};
 use super::heating::{TargetWords, model_of, set_target, switch_off};
+use super::messages::send_message;
 use super::moves::ArcWords;
 use super::retraction::{set_recovery, set_retraction};
 use super::settings::set::{
@@ -181,7 +182,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::ReportTemperatures => Answer::Temperatures,
         Command::ReportPosition { real } => Answer::Position { real },
         Command::ReportFirmware => Answer::Firmware,
-        Command::ReportSettings => Answer::Settings(*retraction),
+        Command::ReportSettings { for_replay } => Answer::Settings { retraction: *retraction, for_replay },
         Command::ReportLevelling => Answer::Line("echo:Bed Leveling OFF"),
         Command::AutoPosition(seconds) => {
             report_every(crank, clamps, Report::Position, seconds);
@@ -191,7 +192,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             report_every(crank, clamps, Report::Temperatures, seconds);
             Answer::Nothing
         }
-        Command::Tell { form, text } => Answer::Message(form, text),
+        Command::Tell { form, to, text } => send_message(crank, (form, to), text),
         Command::Progress { percent, minutes } => {
             let (hundred, long) = (Range { least: 0, most: 100 }, Range { least: 0, most: u16::MAX });
             let percent = percent.and_then(|percent| clamps.whole_of(["M73", "P"], percent, hundred, None));

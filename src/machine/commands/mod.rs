@@ -49,6 +49,7 @@ mod heating;
 mod homing;
 mod immediate;
 mod machine_record;
+mod messages;
 mod motors;
 mod moves;
 mod proof;

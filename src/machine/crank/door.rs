@@ -2,9 +2,11 @@
 
 use super::Crank;
 use crate::connectors::BoardConnectors;
+use crate::gcode::Form;
 use crate::kinematics::Groups;
 use crate::machine::hosts::schedule::Report;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::message::Message;
 use crate::machine::state::commanded::Commanded;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::Homed;
@@ -79,6 +81,17 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     /// Says the same line to all but the host being served; one that has no room for it misses it.
     pub fn tell_others(&mut self, line: fmt::Arguments<'_>) {
         self.hosts.tell_others(line);
+    }
+
+    /// Says a message to all hosts but the one being served; one that has no room for it misses it.
+    pub fn message_others(&mut self, form: Form, text: &[u8]) {
+        self.hosts.tell_others(format_args!("{}", Message { form, text }));
+    }
+
+    /// Says a message to the host on one of the lines, from 0, if that is not the one being served; false if it is, or if
+    /// there is no such line.
+    pub fn message_other(&mut self, place: usize, form: Form, text: &[u8]) -> bool {
+        self.hosts.tell_other(place, format_args!("{}", Message { form, text }))
     }
 
     /// Has the host being served told a report every `period_s`.

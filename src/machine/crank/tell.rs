@@ -17,7 +17,7 @@ use crate::machine::reports::driver_report::{say_driver, say_driver_values};
 use crate::machine::reports::heat_report::{Temperatures, say_heat, say_tuned};
 use crate::machine::reports::heat_settings_report::say_heat_setting;
 use crate::machine::reports::machine_report::say_machine;
-use crate::machine::reports::message::say_message;
+use crate::machine::reports::message::Message;
 use crate::machine::reports::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
 use crate::machine::reports::settings_report::{say_recovery, say_retraction, say_setting, say_settings};
 use crate::machine::reports::storage_report::say_storage;
@@ -124,14 +124,14 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             }
             Answer::Line(line) => to.say(format_args!("{line}")),
             Answer::Action(action) => to.say(format_args!("{action}")),
-            Answer::Message(form, text) => say_message(to, form, text),
+            Answer::Message(form, text) => to.say(format_args!("{}", Message { form, text })),
             Answer::Advance => to.say(format_args!("echo:Advance K={}", shortest(s.advance.time))),
             Answer::FeedPercent => to.say(format_args!("FR:{}%", planner.feed_percent())),
             Answer::FlowPercent(percent) => to.say(format_args!("echo:E0 Flow: {percent}%")),
             Answer::DebugFlags(is_dry) => to.say(format_args!("echo:DEBUG:{}", if is_dry { "DRYRUN" } else { "off" })),
             Answer::Keepalive => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
             Answer::InvalidTool(number) => to.say(format_args!("echo:T{number} Invalid extruder")),
-            Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage)),
+            Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage), s),
             Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs(), &self.settings.endstops),
             Answer::SoftEndstops => say_soft_endstops(to, s, *homed),
             Answer::Heat => say_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
@@ -145,7 +145,12 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             Answer::Setting(setting) => say_setting(to, setting, s),
             Answer::Retraction(settings) => say_retraction(to, &settings),
             Answer::Recovery(settings) => say_recovery(to, &settings),
-            Answer::Settings(retraction) => say_settings(to, s, &retraction, !drivers.lines().is_empty()),
+            Answer::Settings { retraction, for_replay } => {
+                if !for_replay {
+                    to.echo_settings();
+                }
+                say_settings(to, s, &retraction, !drivers.lines().is_empty());
+            }
             Answer::OneBelt(code) => {
                 to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
             }

@@ -172,6 +172,13 @@ impl<S: Serial> Hosts<S> {
         }
     }
 
+    /// Says a line to the host in that place, unless it is the one being served; false if it is, or if there is none. One
+    /// that has no room for it misses it.
+    pub(in crate::machine) fn tell_other(&mut self, place: usize, line: fmt::Arguments<'_>) -> bool {
+        let other = self.hosts.get_mut(place).filter(|_| place != self.serving);
+        other.map(|host| host.replies.line(line)).is_some()
+    }
+
     /// Says `what` to those that have opened their lines since the last time, as soon as it fits.
     pub(in crate::machine) fn greet(&mut self, what: impl Fn(&mut Replies) -> Result<(), NoRoom>) {
         for host in &mut self.hosts {

@@ -5,15 +5,8 @@
 use crate::connectors::Heater;
 use crate::machine::answers::setting::{HeatSetting, pid_code};
 use crate::machine::answers::speaker::Speaker;
-use crate::machine::numbers::shortest;
+use crate::machine::numbers::{rate, shortest};
 use crate::settings::{Control, FanRole, Pid, ThermalSettings};
-use crate::units::{Ratio, Seconds};
-
-/// The rate of a time constant, in 1/s.
-pub(in crate::machine) fn rate(lag: Seconds) -> Ratio {
-    let bits = (1u64 << 40) + u64::from(lag.to_bits() / 2);
-    Ratio::from_bits((bits / u64::from(lag.to_bits().max(1))).min(u64::from(u32::MAX)) as u32)
-}
 
 /// The line of one of them.
 pub(in crate::machine) fn say_heat_setting(to: &mut Speaker<'_>, setting: HeatSetting, thermal: &ThermalSettings) {
@@ -21,7 +14,7 @@ pub(in crate::machine) fn say_heat_setting(to: &mut Speaker<'_>, setting: HeatSe
         HeatSetting::Pid(heater) => {
             let Pid { p, i, d } = thermal.heater(heater).pid;
             let [p, i, d] = [p, i, d].map(shortest);
-            to.say(format_args!("echo:  {} P{p} I{i} D{d}", pid_code(heater)));
+            to.setting(format_args!("{} P{p} I{i} D{d}", pid_code(heater)));
         }
         HeatSetting::Model(heater) => {
             let settings = thermal.heater(heater);
@@ -30,14 +23,20 @@ pub(in crate::machine) fn say_heat_setting(to: &mut Speaker<'_>, setting: HeatSe
                 (shortest(settings.power), shortest(model.capacity), shortest(model.heater_lag));
             let [a, f] = [model.loss, model.loss.saturating_add(model.fan_loss)].map(shortest);
             let (rate, filament) = (shortest(rate(model.sensor_lag)), shortest(thermal.filament));
-            let e = -(heater as i32);
-            to.say(format_args!("echo:  M306 E{e} P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}"));
+            // A BTT TFT takes the number behind E for a hotend and writes there what is behind it, whatever the number is
+            // (MPC.c). So E of a bed or a chamber comes last.
+            let [first, last] = match heater {
+                Heater::Hotend => ["E0 ", ""],
+                Heater::Bed => ["", " E-1"],
+                Heater::Chamber => ["", " E-2"],
+            };
+            to.setting(format_args!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}{last}"));
         }
-        HeatSetting::ColdExtrusion => to.say(format_args!("echo:  M302 S{}", shortest(thermal.min_extrude))),
+        HeatSetting::ColdExtrusion => to.setting(format_args!("M302 S{}", shortest(thermal.min_extrude))),
         HeatSetting::ControllerFan => {
             let fan = thermal.fans.iter().find(|fan| fan.role == FanRole::Controller);
             let speed = fan.map_or(0, |fan| (u64::from(fan.most.to_bits()) * 255 + (1 << 15)) >> 16);
-            to.say(format_args!("echo:  M710 S{speed} D{}", thermal.fan_run_on_s));
+            to.setting(format_args!("M710 S{speed} D{}", thermal.fan_run_on_s));
         }
     }
 }

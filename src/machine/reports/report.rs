@@ -2,6 +2,7 @@
 //!
 //! Plain functions of what they speak of: position (M114), firmware (M115), endstops (M119, M211), overload (M122).
 
+use crate::connectors::Heater;
 use crate::kinematics::Groups;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::state::commanded::Commanded;
@@ -13,18 +14,47 @@ use crate::status::{Late, Overload};
 use crate::units::{Mm, TICKS_PER_MS};
 use core::fmt;
 
-/// What hosts may rely on. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which
-/// there may be none. THERMAL_PROTECTION: no setting switches a guard off.
-const CAPABILITIES: [(&str, u8); 9] = [
-    ("SERIAL_XON_XOFF", 0),
-    ("AUTOREPORT_POS", 1),
-    ("AUTOREPORT_TEMP", 1),
-    ("EMERGENCY_PARSER", 1),
-    ("HOST_ACTION_COMMANDS", 1),
-    ("PROMPT_SUPPORT", 1),
-    ("THERMAL_PROTECTION", 1),
-    ("SDCARD", 0),
-    ("ARCS", 1),
+/// What hosts may rely on: all that Marlin tells of (M115.cpp), for a screen takes some for there that are not named
+/// (BTT's TouchScreenFirmware, Settings.c: Z_PROBE, LEVELING_DATA, EEPROM). EEPROM and CHAMBER_TEMPERATURE depend on the
+/// machine. AUTOREPORT_TEMP speaks of M155, which works, and not of heaters, of which there may be none. BUILD_PERCENT: M73
+/// is kept. PRINT_JOB: M75 to M77 keep no time. THERMAL_PROTECTION: no setting switches a guard off.
+const CAPABILITIES: [(&str, bool); 36] = [
+    ("PAREN_COMMENTS", true),
+    ("QUOTED_STRINGS", false),
+    ("SERIAL_XON_XOFF", false),
+    ("BINARY_FILE_TRANSFER", false),
+    ("VOLUMETRIC", false),
+    ("AUTOREPORT_POS", true),
+    ("AUTOREPORT_TEMP", true),
+    ("PROGRESS", false),
+    ("PRINT_JOB", false),
+    ("AUTOLEVEL", false),
+    ("RUNOUT", false),
+    ("Z_PROBE", false),
+    ("LEVELING_DATA", false),
+    ("BUILD_PERCENT", true),
+    ("SOFTWARE_POWER", false),
+    ("TOGGLE_LIGHTS", false),
+    ("CASE_LIGHT_BRIGHTNESS", false),
+    ("EMERGENCY_PARSER", true),
+    ("HOST_ACTION_COMMANDS", true),
+    ("PROMPT_SUPPORT", true),
+    ("SDCARD", false),
+    ("MULTI_VOLUME", false),
+    ("REPEAT", false),
+    ("SD_WRITE", false),
+    ("AUTOREPORT_SD_STATUS", false),
+    ("LONG_FILENAME", false),
+    ("LFN_WRITE", false),
+    ("CUSTOM_FIRMWARE_UPLOAD", false),
+    ("EXTENDED_M20", false),
+    ("THERMAL_PROTECTION", true),
+    ("MOTION_MODES", false),
+    ("ARCS", true),
+    ("BABYSTEPPING", false),
+    ("COOLER_TEMPERATURE", false),
+    ("MEATPACK", false),
+    ("CONFIG_EXPORT", false),
 ];
 
 /// A value with two decimals, as hosts expect positions.
@@ -99,16 +129,18 @@ impl<'m> Position<'m> {
     }
 }
 
-/// M115.
-pub(in crate::machine) fn say_firmware(to: &mut Speaker<'_>, has_storage: bool) {
+/// M115. BTT's screens and OctoPrint's EEPROM editor look for Marlin in the name.
+pub(in crate::machine) fn say_firmware(to: &mut Speaker<'_>, has_storage: bool, s: &Settings) {
     to.say(format_args!(
-        "FIRMWARE_NAME:CoreH-bot {} SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:CoreH-bot \
+        "FIRMWARE_NAME:CoreH-bot {} (Marlin dialect) SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:{} \
          EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000",
-        env!("CARGO_PKG_VERSION")
+        env!("CARGO_PKG_VERSION"),
+        s.name
     ));
-    to.say(format_args!("Cap:EEPROM:{}", u8::from(has_storage)));
-    for (name, value) in CAPABILITIES {
-        to.say(format_args!("Cap:{name}:{value}"));
+    let has_chamber = s.thermal.heater(Heater::Chamber).is_fitted;
+    let of_machine = [("EEPROM", has_storage), ("CHAMBER_TEMPERATURE", has_chamber)];
+    for (name, is_there) in of_machine.into_iter().chain(CAPABILITIES) {
+        to.say(format_args!("Cap:{name}:{}", u8::from(is_there)));
     }
 }
 

@@ -17,7 +17,7 @@ pub(in crate::machine) fn say_settings(
     retraction: &RetractionSettings,
     has_drivers: bool,
 ) {
-    to.say(format_args!("echo:  G21"));
+    to.setting(format_args!("G21"));
     for setting in Setting::all() {
         say_setting(to, setting, s);
     }
@@ -29,10 +29,10 @@ pub(in crate::machine) fn say_settings(
     say_heat_settings(to, &s.thermal);
     say_space(to, s);
     let (soft, keepalive) = (u8::from(s.soft_endstops), s.keepalive_s);
-    to.say(format_args!("echo:  M211 S{soft}"));
-    to.say(format_args!("echo:  M113 S{keepalive}"));
+    to.setting(format_args!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
+    to.setting(format_args!("M113 S{keepalive}"));
     let lookahead = shortest(s.lookahead_time);
-    to.say(format_args!("echo:; Look-ahead: {lookahead} s"));
+    to.remark(format_args!("Look-ahead: {lookahead} s"));
 }
 
 /// The line or lines of one setting.
@@ -44,23 +44,23 @@ pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s:
         Setting::Accelerations => {
             let accelerations = [s.print_acceleration, s.retract_acceleration, s.travel_acceleration];
             let [p, r, t] = accelerations.map(exact);
-            to.say(format_args!("echo:  M204 P{p} R{r} T{t}"));
+            to.setting(format_args!("M204 P{p} R{r} T{t}"));
         }
         Setting::Corners => {
             let [e, feed, travel] = [s.extruder_jerk, s.min_feed, s.min_travel].map(exact);
             match s.corner {
                 CornerRule::JunctionDeviation(d) => {
-                    to.say(format_args!("echo:  M205 J{} E{e} S{feed} T{travel}", exact(d)));
+                    to.setting(format_args!("M205 J{} E{e} S{feed} T{travel}", exact(d)));
                 }
                 CornerRule::SquareCorner(v) => {
                     let v = exact(v);
-                    to.say(format_args!("echo:  M205 X{v} Y{v} E{e} S{feed} T{travel}"));
+                    to.setting(format_args!("M205 X{v} Y{v} E{e} S{feed} T{travel}"));
                 }
             }
         }
         Setting::VelocityLimit => {
             let ratio = shortest(s.minimum_cruise_ratio);
-            to.say(format_args!("echo:  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
+            to.named_setting(format_args!("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
         }
         Setting::Shapers => {
             say_shaper(to, 'X', s.shapers.x);
@@ -68,8 +68,8 @@ pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s:
         }
         Setting::Advance => {
             let [time, window] = [s.advance.time, s.advance.window].map(shortest);
-            to.say(format_args!("echo:  M900 K{time}"));
-            to.say(format_args!("echo:  M572 W{window}"));
+            to.setting(format_args!("M900 K{time}"));
+            to.setting(format_args!("M572 W{window}"));
         }
     }
 }
@@ -77,13 +77,14 @@ pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s:
 /// Says the line of a command that takes a number for each axis.
 fn say_axes(to: &mut Speaker<'_>, code: &str, values: [Number; 4]) {
     let [x, y, z, e] = values;
-    to.say(format_args!("echo:  {code} X{x} Y{y} Z{z} E{e}"));
+    to.setting(format_args!("{code} X{x} Y{y} Z{z} E{e}"));
 }
 
 /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
 fn say_space(to: &mut Speaker<'_>, s: &Settings) {
+    to.remark(format_args!("machine: {}", s.name));
     let [x, y, z, _] = s.axes.map(|a| exact(a.length)).to_array();
-    to.say(format_args!("echo:; reachable: X{x} Y{y} Z{z} mm"));
+    to.remark(format_args!("reachable: X{x} Y{y} Z{z} mm"));
     let Bed { width, depth, left, front } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
     let Belt {
@@ -98,25 +99,25 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
         limp_lift,
     } = s.belt;
     let (alignment, preload) = (alignment.name(), exact(preload));
-    to.say(format_args!(
-        "echo:; motors of one belt get power {settling_ms} ms apart; alignment {alignment}, preload {preload} mm"
+    to.remark(format_args!(
+        "motors of one belt get power {settling_ms} ms apart; alignment {alignment}, preload {preload} mm"
     ));
     if limp_lift > Mm::ZERO {
         let lift = exact(limp_lift);
-        to.say(format_args!("echo:; if a motor of a belt fails, z is raised by {lift} mm and the tool parked"));
+        to.remark(format_args!("if a motor of a belt fails, z is raised by {lift} mm and the tool parked"));
     } else {
-        to.say(format_args!("echo:; if a motor of a belt fails, all power is cut"));
+        to.remark(format_args!("if a motor of a belt fails, all power is cut"));
     }
     for phase in phases.into_iter().filter(|phase| *phase < Belt::NO_PHASE) {
-        to.say(format_args!("echo:; aligned at a phase of {phase}/1024 of an electrical turn"));
+        to.remark(format_args!("aligned at a phase of {phase}/1024 of an electrical turn"));
     }
     if is_closed {
         let (speed, acceleration, advance) = (shortest(max_speed), max_acceleration, exact(homing_advance));
-        to.say(format_args!(
-            "echo:; closed belt: C up to {speed} mm/s, {acceleration} mm/s2; it runs on by {advance} mm after homing"
+        to.remark(format_args!(
+            "closed belt: C up to {speed} mm/s, {acceleration} mm/s2; it runs on by {advance} mm after homing"
         ));
     }
-    to.say(format_args!("echo:; bed: {width} x {depth} mm from X{left} Y{front}"));
+    to.remark(format_args!("bed: {width} x {depth} mm from X{left} Y{front}"));
     for axis in s.homing_order {
         let (homing, endstop) = (s.homing.of(axis), s.endstops.of(axis));
         let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
@@ -125,18 +126,20 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
             AxisEnd::Max => "up",
         };
         let (axis, at) = (axis.letter(), exact(endstop.position));
-        to.say(format_args!("echo:; homing {axis}: {direction} to {at} mm, {fast} mm/s, {back} mm back, {slow} mm/s"));
+        to.remark(format_args!("homing {axis}: {direction} to {at} mm, {fast} mm/s, {back} mm back, {slow} mm/s"));
     }
-    to.say(format_args!("echo:; serial lines: {} baud", s.baud));
+    to.remark(format_args!("serial lines: {} baud", s.baud));
     let needed = if s.require_homing { "needed before moves" } else { "not needed before moves" };
-    to.say(format_args!("echo:; homing is {needed}"));
+    to.remark(format_args!("homing is {needed}"));
 }
 
 /// M503, the part of the drivers.
 fn say_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
     let groups = s.drivers;
+    // Marlin's heading, by which a BTT TFT asks for M569.
+    to.remark(format_args!("Driver stepping mode:"));
     for (group, axes) in [(groups.belt, "X Y"), (groups.z, "Z"), (groups.e, "E")] {
-        to.say(format_args!("echo:  M569 S{} {axes}", u8::from(group.stealth)));
+        to.setting(format_args!("M569 S{} {axes}", u8::from(group.stealth)));
     }
     for value in [DriverValue::Current, DriverValue::HybridThreshold, DriverValue::StallThreshold] {
         let [belt, z, e] = [groups.belt, groups.z, groups.e].map(|group| value.number(&group));
@@ -147,13 +150,13 @@ fn say_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
 /// M503, the line of M207.
 pub(in crate::machine) fn say_retraction(to: &mut Speaker<'_>, settings: &RetractionSettings) {
     let (length, feed, lift) = (exact(settings.length), exact(Mm::from(settings.speed) * 60), exact(settings.lift));
-    to.say(format_args!("echo:  M207 S{length} F{feed} Z{lift}"));
+    to.setting(format_args!("M207 S{length} F{feed} Z{lift}"));
 }
 
 /// M503, the line of M208.
 pub(in crate::machine) fn say_recovery(to: &mut Speaker<'_>, settings: &RetractionSettings) {
     let (extra, feed) = (exact(settings.extra), exact(Mm::from(settings.recover_speed) * 60));
-    to.say(format_args!("echo:  M208 S{extra} F{feed}"));
+    to.setting(format_args!("M208 S{extra} F{feed}"));
 }
 
 /// What M593 calls a kind of shaper, if it is one.
@@ -172,7 +175,7 @@ const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
 fn say_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
     match name_of(shaper.kind).map(|name| name as usize) {
-        Some(number) => to.say(format_args!("echo:  M593 {axis} F{frequency} D{damping} T{number}")),
-        None => to.say(format_args!("echo:  M593 {axis} F0")),
+        Some(number) => to.setting(format_args!("M593 {axis} F{frequency} D{damping} T{number}")),
+        None => to.setting(format_args!("M593 {axis} F0")),
     }
 }

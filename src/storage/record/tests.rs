@@ -144,6 +144,7 @@ fn spelled_out() -> Settings {
             phases: [517, 1023],
             limp_lift: Mm::lit("12.5"),
         },
+        name: MachineName::new("Spelled out 2.4").unwrap(),
     }
 }
 

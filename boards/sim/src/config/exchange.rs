@@ -70,7 +70,7 @@ pub(super) fn send(args: &Send) -> Result<u8> {
 /// Gets the machine that the board is, as a machine file.
 pub(super) fn get(args: &Get) -> Result<u8> {
     let heard = args.port.talk("MACHINE_GET\n")?;
-    let text = machine_file::written(None, &machine_said(&heard)?)?;
+    let text = machine_file::written(&machine_said(&heard)?)?;
     super::say(&text)
 }
 

@@ -1,7 +1,8 @@
 //! What can be wrong with a machine file, and where in the file it is.
 
 use super::place::{self, Place};
-use corehbot::settings::{ConnectorError, PHASES, Plugged, SettingsError};
+use crate::short::short;
+use corehbot::settings::{ConnectorError, MachineName, PHASES, Plugged, SettingsError};
 use std::fmt::{self, Display};
 
 /// What is wrong with a machine file.
@@ -22,6 +23,8 @@ pub enum MachineFileError {
     Corner,
     /// More phases than a belt may have.
     Phases,
+    /// A `name` that is none.
+    Name(String),
     /// A row of `mechanism` that is none.
     Row {
         /// The key with its table.
@@ -58,6 +61,13 @@ impl Display for MachineFileError {
                 "corner wants either of its keys (junction_deviation, square_corner), not both and not none",
             ),
             Self::Phases => write!(f, "belt.phases has a number for each residual, {PHASES} at most"),
+            Self::Name(name) => write!(
+                f,
+                "name = {:?} is no name: up to {} letters, digits, blanks and {}, a blank neither first nor last",
+                short(name),
+                MachineName::LONGEST,
+                MachineName::MARKS
+            ),
             Self::Row { key, row } => {
                 write!(
                     f,
@@ -83,7 +93,7 @@ impl MachineFileError {
     /// Whether it is one key that is wrong, whatever the others say.
     #[must_use]
     pub const fn is_of_one_key(&self) -> bool {
-        matches!(self, Self::Syntax(_) | Self::Range { .. } | Self::Row { .. } | Self::Connector { .. })
+        matches!(self, Self::Syntax(_) | Self::Range { .. } | Self::Row { .. } | Self::Connector { .. } | Self::Name(_))
     }
 
     /// Where in the file it is, if it is at one place.
@@ -100,6 +110,7 @@ impl MachineFileError {
             }
             Self::Corner => "corner.square_corner".to_owned(),
             Self::Phases => "belt.phases".to_owned(),
+            Self::Name(_) => "name".to_owned(),
             Self::Settings(SettingsError::OutOfRange(key)) => (*key).to_owned(),
             Self::Settings(SettingsError::TooManySteps(table)) => format!("{table}.max_speed"),
             Self::Settings(SettingsError::NoSuchMicrosteps(table)) => format!("{table}.microsteps"),

@@ -21,7 +21,7 @@ use serde::Deserialize;
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(super) struct MachineToml {
-    /// What reports call the machine.
+    /// What hosts, screens and reports call the machine: up to 24 letters, digits, blanks and + - . , / ( ) & # '.
     pub name: Option<String>,
     /// The board. Motors, endstops and heaters are held to the connectors that it has; without a board they may be
     /// anything.

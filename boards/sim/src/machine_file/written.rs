@@ -18,12 +18,10 @@ const MOST_DECIMALS: usize = 12;
 ///
 /// # Errors
 /// If the text cannot be made, which no value of [`Settings`] brings about.
-pub fn written(name: Option<&str>, machine: &Settings) -> anyhow::Result<String> {
+pub fn written(machine: &Settings) -> anyhow::Result<String> {
     let s = machine;
     let mut file = Table::new();
-    if let Some(name) = name {
-        file.insert("name".into(), name.into());
-    }
+    file.insert("name".into(), s.name.as_str().into());
     let numbers = [
         ("motor_max_speed", number(s.motor_max_speed, &q::SPEED)),
         ("motor_max_acceleration", number(s.motor_max_acceleration, &q::ACCELERATION)),
@@ -272,9 +270,9 @@ mod tests {
     use corehbot::units::{Mm, Ratio, StepsPerMm};
 
     fn is_read_back(machine: &Settings) {
-        let text = written(Some("it"), machine).unwrap();
+        let text = written(machine).unwrap();
         let read = parse(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
-        assert_eq!((read.name.as_deref(), &read.settings), (Some("it"), machine), "{text}");
+        assert_eq!((read.name.as_deref(), &read.settings), (Some(machine.name.as_str()), machine), "{text}");
     }
 
     #[test]

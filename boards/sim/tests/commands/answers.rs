@@ -48,9 +48,9 @@ fn a_position_reported_unasked_is_that_of_the_tool() {
 #[test]
 fn shapers_may_have_the_names_of_another_firmware() {
     for (line, told) in [
-        ("M593 P\"mzv\" F60", "echo:  M593 X F60 D0.1 T2"),
-        ("M593 P\"EI\" F50 S0.05", "echo:  M593 X F50 D0.05 T3"),
-        ("M593 P\"none\"", "echo:  M593 X F0"),
+        ("M593 P\"mzv\" F60", "  M593 X F60 D0.1 T2"),
+        ("M593 P\"EI\" F50 S0.05", "  M593 X F50 D0.05 T3"),
+        ("M593 P\"none\"", "  M593 X F0"),
     ] {
         let heard = answers(&["M593 F40", line, "M593"]);
         assert!(heard.contains(&told.to_owned()), "{line}: {heard:?}");
@@ -64,10 +64,10 @@ fn velocity_limits_are_obeyed_word_by_word() {
         answers(&[line, "M204", "M205", "SET_VELOCITY_LIMIT", "SET_VELOCITY_LIMIT ACCEL_TO_DECEL=1500", "M503"]);
     for told in [
         "echo:SET_VELOCITY_LIMIT VELOCITY is not obeyed by this firmware",
-        "echo:  M204 P2000 R3000 T2000",
-        "echo:  M205 X6 Y6 E5 S0 T0",
-        "echo:  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.75",
-        "echo:  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.25",
+        "  M204 P2000 R3000 T2000",
+        "  M205 X6 Y6 E5 S0 T0",
+        "  SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.75",
+        "echo:; SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO=0.25",
     ] {
         assert!(heard.contains(&told.to_owned()), "{told}: {heard:?}");
     }

@@ -111,7 +111,7 @@ fn where_the_edge_is_meant_it_is_set() {
         ("M113 S-1", "M113", "echo:M113 S0"),
         ("M220 S5", "M220", "FR:10%"),
         ("M220 S5000", "M220", "FR:999%"),
-        ("M710 S999", "M710", "echo:  M710 S255 D60"),
+        ("M710 S999", "M710", "  M710 S255 D60"),
     ] {
         let heard = heard(&heated(), &[line, report].map(str::to_owned));
         assert!(heard.iter().any(|said| said == expected), "{line}: {heard:?}");

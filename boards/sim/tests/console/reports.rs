@@ -23,16 +23,16 @@ fn settings_that_are_reported_read_back() {
         "M906 Y905 E650",
         "M913 X120.5 Z20",
         "M914 X70 Z60",
-        "M503",
+        "M503 S0",
     ];
     let (heard, ..) = talk(&changes);
-    let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).map(str::to_owned).collect();
+    let report: Vec<String> = heard.iter().filter_map(|l| l.strip_prefix("  ")).map(str::to_owned).collect();
     assert_eq!(report.len(), 21, "{heard:?}");
-    assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0".to_owned()));
+    assert!(report.contains(&"M113 S5".to_owned()) && report.contains(&"M211 S0 ; OFF".to_owned()));
     let mut again: Vec<&str> = report.iter().map(String::as_str).collect();
-    again.push("M503");
+    again.push("M503 S0");
     let (heard, ..) = talk(&again);
-    let second: Vec<_> = heard.iter().filter_map(|l| l.strip_prefix("echo:  ")).collect();
+    let second: Vec<_> = heard.iter().filter_map(|l| l.strip_prefix("  ")).collect();
     assert_eq!(report, second);
     // And a machine that was told nothing reports something else.
     let (heard, ..) = talk(&["M503"]);

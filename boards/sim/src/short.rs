@@ -1,0 +1,28 @@
+//! Long texts of others in messages: a line of a file may have a megabyte, and nobody reads that.
+
+use std::borrow::Cow;
+
+/// Characters of a text that are printed.
+const MOST: usize = 80;
+
+/// A text of somebody else for a message: its beginning, if it is long, and how much there is.
+#[must_use]
+pub fn short(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(MOST) {
+        None => Cow::Borrowed(text),
+        Some((end, _)) => Cow::Owned(format!("{}... ({} bytes)", &text[..end], text.len())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_text_is_cut_between_characters_and_says_how_long_it_is() {
+        let text = "\u{e9}".repeat(MOST);
+        assert_eq!(short(&text), text);
+        assert_eq!(short(&format!("{text}x")), format!("{text}... (161 bytes)"));
+        assert_eq!(short(&"G1 X5 ".repeat(200_000)).len(), MOST + "... (1200000 bytes)".len());
+    }
+}
