@@ -116,6 +116,31 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
     assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
 }
 
+/// Sides of 2048 steps, on which four of four corners were lost, and a zigzag whose lines lie 0.1 mm apart, which was measured from
+/// the lines beside its own when it was held against another file.
+#[test]
+fn corners_are_found_and_a_line_is_held_against_that_of_its_own_time() {
+    let square = "G1 X125.6 Y100 F6000\nG1 Y125.6\nG1 X100\nG1 Y100\nG1 X125.6\nM400\n";
+    let square = file("square.gcode", square);
+    let a = json(&format!("run {} --assume-homed 100,100,0 --model rotors", square.display()));
+    assert_eq!((&a["corners_total"], &a["corners_unmatched"]), (&Value::from(4), &Value::from(0)), "{a}");
+    let zigzag = |a: u32| {
+        let line = |i: u32| format!("G1 X{} F9000\nG1 Y{:.1}\n", 100 + 2 * (1 - i % 2), 100.0 + 0.1 * f64::from(i + 1));
+        let lines: String = (0..20).map(line).collect();
+        file(&format!("zigzag-{a}.gcode"), &format!("M201 X9000 Y9000\nM204 P{a} T{a}\n{lines}M400\n"))
+    };
+    let [slow, fast] = [700, 7000].map(zigzag);
+    let rms = |against: &str| {
+        let words = format!("run {} {against} --assume-homed 100,100,0 --model rotors", fast.display());
+        json(&words)["contour"]["rms_mm"].as_f64().unwrap()
+    };
+    let own = rms("");
+    for against in [&fast, &slow] {
+        let found = rms(&format!("--against {}", against.display()));
+        assert!((found / own - 1.0).abs() < 0.05, "{own} {found} {}", against.display());
+    }
+}
+
 #[test]
 fn a_page_shows_the_path_with_its_errors_and_needs_no_network() {
     let gcode = file("page.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
@@ -157,6 +182,8 @@ fn resonance_is_told_over_the_reach_with_lines_that_set_shapers() {
     assert!(told["y"]["line"].as_str().unwrap().starts_with("M593 Y F6"), "{told}");
     assert!(told["y"]["suggestion"]["worst_residual"].as_f64().unwrap() < 0.05, "{told}");
     assert_eq!(told["x"]["suggestion"]["type"], "MZV");
+    let slowest = told["yaw"]["band_Hz"][1].as_f64().unwrap();
+    assert!(slowest < told["y"]["band_Hz"][0].as_f64().unwrap(), "{told}");
     // The firmware takes the lines.
     let lines = ["x", "y"].map(|axis| told[axis]["line"].as_str().unwrap().to_owned()).join("\n");
     let gcode = file("shapers.gcode", &format!("{lines}\nG1 X110 F6000\nM400\n"));
@@ -255,6 +282,12 @@ fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
     assert!(near(&found["x"]["frequency_Hz"], 101.4, 1e-3) && near(&found["y"]["span_mm"], 862.2, 1e-9), "{found}");
     let one = json("fit --measured 235,235,101.4,57.6");
     assert!(one["x"].is_null() && one["belt_EA_N"].as_f64().unwrap() > 0.0, "{one}");
+    // Where x and y are swapped, or a harmonic was read, no machine rings like that.
+    for words in ["fit --measured 235,235,57.6,101.4", "fit --measured 235,235,101.4,57.6 --measured 60,50,215.6,61.9"]
+    {
+        let told = complaint(words);
+        assert!(told.contains("no belt and motors ring like this") && told.contains("measure it again"), "{told}");
+    }
     assert!(complaint("fit --measured 235,235,100,-").contains("two frequencies"));
     assert!(complaint("fit --measured 5,5,100,60").contains("outside"));
 }
@@ -290,6 +323,7 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
 #[test]
 fn measurements_that_do_not_do_are_told_in_one_line() {
     let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 101\n";
+    let weights = "[[weight]]\nof = \"head\"\nmass_kg = 0.6\n[[weight]]\nof = \"bar\"\nmass_kg = 1.2\n";
     let bad = [
         (format!("{ring}{ring}"), "do not determine belt_EA_N and head_mass_kg"),
         ("belt_uncertainty_percent = 5\n".to_owned(), "line 1: belt_uncertainty_percent is one of belt_kg_per_m"),
@@ -299,6 +333,11 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
         (ring.replace("195", "1950"), "line 2: at = [1950, 208.8] is outside the reach"),
         ("[[ring]]\nat = [195, 208.8]\n".to_owned(), "line 2: x_Hz or y_Hz is wanted"),
         ("[[slip]]\nforce_N = 4\n".to_owned(), "line 1: missing field `lever_mm`"),
+        ("[[weight]]\nof = \"head\"\nmass_kg = 30\n".to_owned(), "head_mass_kg = 29.9"),
+        (
+            format!("{ring}{}{weights}", ring.replace("101", "202")),
+            "no machine measures like this: of ring x_Hz in line 6",
+        ),
     ];
     for (text, word) in bad {
         let path = file("unfit.toml", &text);

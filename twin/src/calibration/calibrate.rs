@@ -8,7 +8,7 @@
 //! Newton). At the end `(J^T J + W)^-1` is the covariance of the logarithms (Tarantola, Inverse Problem Theory, chapter on
 //! least squares).
 
-use super::figure::Measurement;
+use super::figure::{Figure, Measurement};
 use super::parameter::Parameter;
 use crate::params::Params;
 use crate::routing::Machine;
@@ -60,6 +60,10 @@ pub enum CalibrateError {
     Undetermined(Vec<Parameter>),
     /// No machine within a hundredfold of the one that the search began with measures like this.
     NoMachine,
+    /// The nearest machine is this far from each measurement, and too far from one.
+    Unlike(Vec<Misfit>),
+    /// The machine that measures like this has a number that none has.
+    NoSuch(Parameter, f64),
     /// Nothing holds the machine.
     NotHeld(NotHeld),
 }
@@ -75,6 +79,15 @@ impl std::fmt::Display for CalibrateError {
                 f.write_str("measure something else that depends on it, or name one in `fixed`")
             }
             Self::NoMachine => f.write_str("no machine within a hundredfold of the nominal numbers measures like this"),
+            Self::Unlike(misfits) => {
+                let most = misfits.iter().map(|misfit| misfit.uncertainties.abs()).fold(0.0, f64::max);
+                write!(f, "no machine measures like this: the nearest is {most:.0} uncertainties from a measurement")
+            }
+            Self::NoSuch(parameter, value) => {
+                write!(f, "only a machine with {} = {value:.3} measures like this, ", parameter.key())?;
+                f.write_str("more than ten times from the nominal one; look at the units and measure again, ")?;
+                f.write_str("or give a nearer value by --params if the machine is like that")
+            }
             Self::NotHeld(error) => error.fmt(f),
         }
     }
@@ -93,6 +106,13 @@ const TOLD: f64 = 1.0 / 3.0;
 
 /// Figures depend on a parameter if they leave less than this part of it (assumed).
 const DEPENDS: f64 = 0.95;
+
+/// A measurement from which the nearest machine is further than this, in its uncertainties, was made of another machine, or not
+/// as it should: one in two million is by chance.
+const LIKE: f64 = 5.0;
+
+/// A number that is told is within this factor of the nominal one, as a logarithm: ten, where a factor of two is assumed.
+const NO_SUCH: f64 = 2.3;
 
 /// Rounds of the search; it ends in a few.
 const ROUNDS: usize = 60;
@@ -127,7 +147,7 @@ pub fn calibrate(
         parameter: *parameter,
         value: parameter.of(&params),
         uncertainty: variance.sqrt(),
-        assumed_uncertainty: parameter.assumed_uncertainty(),
+        assumed_uncertainty: search.assumed_uncertainty(*parameter),
     };
     let all: Vec<Estimate> = sought.iter().zip(covariance.diagonal().iter()).map(estimate).collect();
     let is_left = |e: &Estimate, part: f64| e.uncertainty <= part * e.assumed_uncertainty;
@@ -139,7 +159,14 @@ pub fn calibrate(
     }
     let left = search.differences(&params)?;
     let misfit = |(m, r): (&Measurement, &f64)| Misfit { part: (r * m.uncertainty).exp_m1(), uncertainties: *r };
-    let misfits = measurements.iter().zip(left.iter()).map(misfit).collect();
+    let misfits: Vec<Misfit> = measurements.iter().zip(left.iter()).map(misfit).collect();
+    if misfits.iter().any(|misfit| misfit.uncertainties.abs() > LIKE) {
+        return Err(CalibrateError::Unlike(misfits));
+    }
+    let is_far = |e: &&Estimate| (e.value / e.parameter.of(search.nominal)).ln().abs() > NO_SUCH;
+    if let Some(far) = estimates.iter().find(is_far) {
+        return Err(CalibrateError::NoSuch(far.parameter, far.value));
+    }
     Ok(Calibrated { params, estimates, not_told, misfits })
 }
 
@@ -172,9 +199,15 @@ impl Search<'_> {
         Ok(slopes)
     }
 
+    /// What is assumed of a nominal value.
+    fn assumed_uncertainty(&self, parameter: Parameter) -> f64 {
+        let is_belt_weighed = self.measurements.iter().any(|m| matches!(m.figure, Figure::BeltMass));
+        parameter.assumed_uncertainty(is_belt_weighed)
+    }
+
     /// The weights of the nominal values.
     fn weights(&self) -> DVector<f64> {
-        DVector::from_iterator(self.sought.len(), self.sought.iter().map(|p| p.assumed_uncertainty().powi(-2)))
+        DVector::from_iterator(self.sought.len(), self.sought.iter().map(|p| self.assumed_uncertainty(*p).powi(-2)))
     }
 
     /// The normal equations' matrix, which the weights keep positive definite.

@@ -52,11 +52,13 @@ impl Parameter {
         }
     }
 
-    /// Standard uncertainty of its nominal value, of the logarithm.
+    /// Standard uncertainty of its nominal value, of the logarithm. The nominal belt is the usual one; once a belt was weighed, its
+    /// mass is the scale's to tell.
     #[must_use]
-    pub const fn assumed_uncertainty(self) -> f64 {
+    pub const fn assumed_uncertainty(self, is_belt_weighed: bool) -> f64 {
         match self {
-            Self::BeltMass => BELT_MASS,
+            Self::BeltMass if !is_belt_weighed => BELT_MASS,
+            Self::BeltMass => GUESSED,
             Self::BeltStiffness | Self::Preload | Self::HeadMass | Self::BarMass | Self::HoldingTorque => GUESSED,
         }
     }

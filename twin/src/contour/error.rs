@@ -1,23 +1,37 @@
 //! Error: distances of the tool from its line.
 //!
-//! Only the part of the line is looked at where the tool may be, so that a line beside it is not taken for its own: by the time
-//! if the tool follows the line's own steps, otherwise by how far along the line it has come. Near a corner an error towards the inside is rounding, one towards the outside overshoot.
+//! Only the part of the line is looked at where the tool may be, so that a line next to it is not taken for its own: where it was
+//! sent a period ago up to where it will be sent shortly. A tool that goes along another file's line has a [`Pace`], which says
+//! when it was meant to be where it is sent. Near a corner an error towards the inside is rounding, one towards the outside
+//! overshoot.
 
+use super::pace::Pace;
 use super::path::{Vertex, nearest};
 use super::trail::Trail;
 use crate::steps::TICKS_PER_SECOND;
+use std::ops::Range;
 
-/// The tool is nowhere where it was sent longer ago than this, in ticks: three periods of 60 Hz.
-const LATE: u64 = 500_000;
+/// Where the tool may be, by the times at which it is sent there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// It is nowhere where it was sent longer ago than this, in ticks.
+    pub late: u64,
+    /// Nor where it will be sent later than this.
+    pub early: u64,
+}
 
-/// Nor where it will be sent later than this, in ticks.
-const EARLY: u64 = 20_000;
+impl Window {
+    /// Of a machine with this slowest frequency, w in rad/s: a tool that sets off with `a` is `2 a / w^2` behind at most, where it
+    /// was sent `2 / w` ago, a third of a period. What rings is ahead by `1 / w` at most.
+    #[must_use]
+    pub fn of_hz(slowest: f64) -> Self {
+        let period = (TICKS_PER_SECOND / slowest.max(LEAST_HZ)) as u64;
+        Self { late: period / 2, early: period / 4 }
+    }
+}
 
-/// A tool that has its own time is no farther from where it was on the line, in mm.
-const NEAR_MM: f64 = 2.0;
-
-/// Of lines as far from the tool as this, to so many mm, the last is the one that it is on: it goes forth and back on some.
-const TIE_MM: f64 = 1e-4;
+/// A machine that rings slower than this hardly holds its tool, in Hz.
+const LEAST_HZ: f64 = 5.0;
 
 /// A bend of less is none, in rad: chords of curves turn by less.
 const LEAST_TURN: f64 = 20.0 * std::f64::consts::PI / 180.0;
@@ -26,7 +40,10 @@ const LEAST_TURN: f64 = 20.0 * std::f64::consts::PI / 180.0;
 const MOST_TURN: f64 = 136.0 * std::f64::consts::PI / 180.0;
 
 /// Lines shorter than this have the direction of their steps, not their own, in mm.
-const LEAST_LINE_MM: f64 = 0.1;
+pub const LEAST_LINE_MM: f64 = 0.1;
+
+/// A bend of short lines is no longer than this, in mm: a longer one is a curve.
+const LONGEST_BEND_MM: f64 = 2.0 * LEAST_LINE_MM;
 
 /// An error this far along the line is not the corner's any more, in mm.
 const REACH_MM: f64 = 5.0;
@@ -57,6 +74,12 @@ pub struct Corner {
 }
 
 impl Corner {
+    /// Whether the tool was ever seen about it: its errors say nothing otherwise.
+    #[must_use]
+    pub const fn is_seen(&self) -> bool {
+        self.last.is_some()
+    }
+
     /// The greater of its errors.
     #[must_use]
     pub fn worst_mm(&self) -> f64 {
@@ -98,10 +121,17 @@ pub struct ContourError {
     along_mm: Vec<f64>,
     /// Corners in the order of the line.
     pub corners: Vec<Corner>,
+    /// Turns that have no line on both sides by which they could be told.
+    pub without_lines: usize,
+    window: Window,
+    /// When the tool is sent how far along the line, in order.
+    times: Vec<(u64, f64)>,
+    /// The last before the window, and the first after it.
+    window_at: [usize; 2],
+    /// When the tool was meant to be where it is sent, if the line is that of another file.
+    pace: Option<Pace>,
     /// First line that is looked at.
     first: usize,
-    /// How far the tool has come along the line, if it has its own time.
-    come_mm: Option<f64>,
     /// Where the tool was beside the line, for pictures.
     pub trail: Trail,
     /// Greatest distance.
@@ -111,9 +141,9 @@ pub struct ContourError {
 }
 
 impl ContourError {
-    /// A tool that is to follow a line.
+    /// A tool that is to follow a line, and places of it with their times: the more, the better it is known where the tool may be.
     #[must_use]
-    pub fn new(vertices: Vec<Vertex>) -> Self {
+    pub fn new(vertices: Vec<Vertex>, places: &[Vertex], window: Window) -> Self {
         let length = |pair: &[Vertex]| match pair {
             [a, b] => (b.at[0] - a.at[0]).hypot(b.at[1] - a.at[1]),
             _ => 0.0,
@@ -123,15 +153,20 @@ impl ContourError {
             Some(*sum)
         });
         let along_mm: Vec<f64> = std::iter::once(0.0).chain(ends).collect();
-        let corners = corners(&vertices, &along_mm);
+        let (corners, without_lines) = corners(&vertices, &along_mm);
         let errors_mm = vec![0.0; vertices.len()];
+        let times = times(&vertices, &along_mm, places);
         Self {
             vertices,
             errors_mm,
             along_mm,
             corners,
+            without_lines,
+            window,
+            times,
+            window_at: [0; 2],
+            pace: None,
             first: 0,
-            come_mm: None,
             trail: Trail::default(),
             greatest_mm: 0.0,
             squares: 0.0,
@@ -139,10 +174,10 @@ impl ContourError {
         }
     }
 
-    /// The same for a tool that goes the line in a time of its own.
+    /// The same for a tool that goes along the line in a time of its own.
     #[must_use]
-    pub fn untimed(vertices: Vec<Vertex>) -> Self {
-        Self { come_mm: Some(0.0), ..Self::new(vertices) }
+    pub fn at_pace(self, pace: Pace) -> Self {
+        Self { pace: Some(pace), ..self }
     }
 
     /// Root of the mean square of all distances, in mm.
@@ -153,20 +188,13 @@ impl ContourError {
 
     /// The tool is here at a time; says how far from the line, in mm.
     pub fn sample(&mut self, tick: u64, tool: [f64; 2]) -> f64 {
-        let come = self.come_mm;
-        let is_over = |end: usize| match come {
-            Some(come) => self.along_mm.get(end).is_some_and(|along| along + NEAR_MM < come),
-            None => self.vertices.get(end).is_some_and(|end| end.tick + LATE < tick),
-        };
+        let tick = self.pace.as_mut().map_or(tick, |pace| pace.meant(tick));
+        let part = self.part(tick);
+        let is_over = |end: usize| self.along_mm.get(end).is_some_and(|end| *end < part.start);
         while is_over(self.first + 1) && self.first + 2 < self.vertices.len() {
             self.first += 1;
         }
-        let Some((line, way, distance)) = self.nearest_line(tick, tool) else { return 0.0 };
-        if let (Some(come), Some(begin), Some(end)) =
-            (&mut self.come_mm, self.along_mm.get(line), self.along_mm.get(line + 1))
-        {
-            *come = come.max(begin + way * (end - begin));
-        }
+        let Some((line, way, distance)) = self.nearest_line(part, tool) else { return 0.0 };
         self.greatest_mm = self.greatest_mm.max(distance);
         self.squares += distance * distance;
         self.samples += 1;
@@ -192,22 +220,36 @@ impl ContourError {
         self.note(along, distance, if is_at_end { None } else { Some(left) }, tool);
     }
 
-    /// The line that is nearest to the tool, where on it, and how far.
-    fn nearest_line(&self, tick: u64, tool: [f64; 2]) -> Option<(usize, f64, f64)> {
-        let lines = self.vertices.windows(2).enumerate().skip(self.first);
+    /// Between which places so far along the line the tool is sent within the window about a time, times going up.
+    fn part(&mut self, tick: u64) -> Range<f64> {
+        let [from, to] = &mut self.window_at;
+        let is_over = |next: usize, tick: u64| self.times.get(next).is_some_and(|(next, _)| *next <= tick);
+        while is_over(*from + 1, tick.saturating_sub(self.window.late)) {
+            *from += 1;
+        }
+        while is_over(*to, tick + self.window.early) {
+            *to += 1;
+        }
+        let along = |at: usize| self.times.get(at).or(self.times.last()).map_or(0.0, |(_, along)| *along);
+        along(*from)..along(*to)
+    }
+
+    /// The line that is nearest to the tool, where on it, and how far, of this part of all lines.
+    fn nearest_line(&self, part: Range<f64>, tool: [f64; 2]) -> Option<(usize, f64, f64)> {
+        let lines = self.vertices.windows(2).zip(self.along_mm.windows(2)).enumerate().skip(self.first);
         let mut best: Option<(usize, f64, f64)> = None;
-        for (line, pair) in lines {
-            let [a, b] = pair else { continue };
-            let is_ahead = match self.come_mm {
-                Some(come) => self.along_mm.get(line).is_some_and(|along| *along > come + NEAR_MM),
-                None => a.tick > tick + EARLY,
-            };
-            if is_ahead && best.is_some() {
+        for (line, (ends, along)) in lines {
+            let ([a, b], [begin, end]) = (ends, along) else { continue };
+            if *begin > part.end && best.is_some() {
                 break;
             }
-            let (way, distance) = nearest(a.at, b.at, tool);
-            let tie = if self.come_mm.is_some() { TIE_MM } else { 0.0 };
-            if best.is_none_or(|(_, _, least)| distance < least + tie) {
+            let length = end - begin;
+            let [low, high] = [part.start, part.end].map(|mm| if length > 0.0 { (mm - begin) / length } else { 0.0 });
+            let (way, _) = nearest(a.at, b.at, tool);
+            let way = way.max(low.min(1.0)).min(high.max(0.0)).clamp(0.0, 1.0);
+            let off = [0, 1].map(|i| a.at[i] + way * (b.at[i] - a.at[i]) - tool[i]);
+            let distance = off[0].hypot(off[1]);
+            if best.is_none_or(|(_, _, least)| distance < least) {
                 best = Some((line, way, distance));
             }
         }
@@ -231,33 +273,85 @@ impl ContourError {
     }
 }
 
-/// The vertices at which the line turns.
-fn corners(vertices: &[Vertex], along_mm: &[f64]) -> Vec<Corner> {
+/// When the tool is sent how far along a line, by places of it in order.
+fn times(vertices: &[Vertex], along_mm: &[f64], places: &[Vertex]) -> Vec<(u64, f64)> {
+    let mut line = 0;
+    let mut before = 0.0_f64;
+    let time = |place: &Vertex| {
+        while vertices.get(line + 1).is_some_and(|end| end.tick < place.tick) {
+            line += 1;
+        }
+        if let (Some(a), Some(b)) = (vertices.get(line), vertices.get(line + 1)) {
+            let begin = along_mm.get(line).copied().unwrap_or(0.0);
+            let length = (b.at[0] - a.at[0]).hypot(b.at[1] - a.at[1]);
+            before = before.max(begin + nearest(a.at, b.at, place.at).0 * length);
+        }
+        (place.tick, before)
+    };
+    std::iter::once((0, 0.0)).chain(places.iter().map(time)).collect()
+}
+
+/// The places at which the line turns, and how many turns have no line on both sides by which they could be told.
+///
+/// Steps may leave a vertex or two more where two lines meet. Vertices that only lines as short as steps join are one bend: how
+/// much it turns is how much the lines before and after it do.
+fn corners(vertices: &[Vertex], along_mm: &[f64]) -> (Vec<Corner>, usize) {
     let mut corners = Vec::new();
-    for (three, along) in vertices.windows(3).zip(along_mm.iter().skip(1)) {
-        let [a, b, c] = three else { continue };
-        let (into, out) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - b.at[0], c.at[1] - b.at[1]]);
-        if into[0].hypot(into[1]) < LEAST_LINE_MM || out[0].hypot(out[1]) < LEAST_LINE_MM {
-            continue;
+    let mut without_lines = 0;
+    let along = |vertex: usize| along_mm.get(vertex).copied().unwrap_or(0.0);
+    let is_line = |begin: usize| along(begin + 1) - along(begin) >= LEAST_LINE_MM;
+    let inner_end = vertices.len().saturating_sub(1);
+    let mut first = 1;
+    while first < inner_end {
+        let last = (first..inner_end).find(|vertex| is_line(*vertex)).unwrap_or(inner_end - 1);
+        let turns = vertices.get(first - 1..last + 2).unwrap_or_default().windows(3).map(turn);
+        if is_line(first - 1) && is_line(last) && along(last) - along(first) < LONGEST_BEND_MM {
+            corners.extend(corner(vertices, along_mm, first..last + 1, turns.sum()));
+        } else {
+            without_lines += turns.filter(|turn| turn.abs() >= LEAST_TURN).count();
         }
-        let turn_rad = cross(into, out).atan2(into[0] * out[0] + into[1] * out[1]);
-        if turn_rad.abs() >= LEAST_TURN {
-            let Vertex { at, tick } = *b;
-            corners.push(Corner {
-                at,
-                tick,
-                turn_rad,
-                rounding_mm: 0.0,
-                overshoot_mm: 0.0,
-                bisector_mm: None,
-                along_mm: *along,
-                into: unit(into),
-                out: unit(out),
-                last: None,
-            });
-        }
+        first = last + 1;
     }
-    corners
+    (corners, without_lines)
+}
+
+/// The corner of a bend between two lines, if it is one. Its place is the vertex that is furthest from the way across.
+fn corner(vertices: &[Vertex], along_mm: &[f64], bend: Range<usize>, turns_rad: f64) -> Option<Corner> {
+    let direction = |a: &Vertex, b: &Vertex| unit([b.at[0] - a.at[0], b.at[1] - a.at[1]]);
+    let (begin, end) = (vertices.get(bend.start)?, vertices.get(bend.end - 1)?);
+    let into = direction(vertices.get(bend.start - 1)?, begin);
+    let out = direction(end, vertices.get(bend.end)?);
+    let turn_rad = cross(into, out).atan2(dot(into, out));
+    // To which side a line turns right back is what the bend says.
+    let turn_rad = if turn_rad.abs() > MOST_TURN { turn_rad.abs().copysign(turns_rad) } else { turn_rad };
+    if turn_rad.abs() < LEAST_TURN {
+        return None;
+    }
+    let across = [0, 1].map(|i| [begin.at[i] - LEAST_LINE_MM * into[i], end.at[i] + LEAST_LINE_MM * out[i]]);
+    let [from, to] = [0, 1].map(|end| [across[0][end], across[1][end]]);
+    let off = |vertex: &usize| vertices.get(*vertex).map_or(0.0, |vertex| nearest(from, to, vertex.at).1);
+    let vertex = bend.max_by(|a, b| off(a).total_cmp(&off(b)))?;
+    let Vertex { at, tick } = *vertices.get(vertex)?;
+    let along_mm = *along_mm.get(vertex)?;
+    Some(Corner {
+        at,
+        tick,
+        turn_rad,
+        rounding_mm: 0.0,
+        overshoot_mm: 0.0,
+        bisector_mm: None,
+        along_mm,
+        into,
+        out,
+        last: None,
+    })
+}
+
+/// By how much three vertices turn, in rad, to the left positive.
+fn turn(three: &[Vertex]) -> f64 {
+    let [a, b, c] = three else { return 0.0 };
+    let (into, out) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - b.at[0], c.at[1] - b.at[1]]);
+    cross(into, out).atan2(dot(into, out))
 }
 
 fn unit([x, y]: [f64; 2]) -> [f64; 2] {
@@ -278,9 +372,12 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
 mod tests {
     use super::*;
 
+    const WINDOW: Window = Window { late: 500_000, early: 20_000 };
+
     fn corner() -> ContourError {
         let at = |x: f64, y: f64, tick| Vertex { at: [x, y], tick };
-        ContourError::new(vec![at(0.0, 0.0, 0), at(10.0, 0.0, 1000), at(10.0, 10.0, 2000)])
+        let line = vec![at(0.0, 0.0, 0), at(10.0, 0.0, 1000), at(10.0, 10.0, 2000)];
+        ContourError::new(line.clone(), &line, WINDOW)
     }
 
     #[test]
@@ -295,22 +392,6 @@ mod tests {
         assert!((error.rms_mm() - (0.025_f64).sqrt()).abs() < 1e-12);
         error.sample(1100, [10.3, -0.4]);
         assert!((error.corners[0].overshoot_mm - 0.5).abs() < 1e-12);
-    }
-
-    /// Forth and back on 10 mm and then aside, in twice the time: the tool is never off.
-    #[test]
-    fn a_tool_with_its_own_time_is_found_on_its_line() {
-        let at = |x: f64, y: f64, tick| Vertex { at: [x, y], tick };
-        let line = vec![at(0.0, 0.0, 0), at(10.0, 0.0, 1000), at(0.0, 0.0, 2000), at(0.0, 10.0, 3000)];
-        let [mut own, mut timed] = [ContourError::untimed(line.clone()), ContourError::new(line)];
-        for sample in 0..=300 {
-            let way = f64::from(sample) * 0.1;
-            let tool = if way < 20.0 { [10.0 - (way - 10.0).abs(), 0.0] } else { [0.0, way - 20.0] };
-            let tick = 1_000_000 + 2_000_000 * sample as u64;
-            assert!(own.sample(tick, tool) < 1e-9, "{way}");
-            timed.sample(tick, tool);
-        }
-        assert!(timed.greatest_mm > 5.0);
     }
 
     /// From (9.6, 0) to (10, 0.4) the path is on the line x - y = 9.6, which meets the bisector x + y = 10 at (9.8, 0.2).

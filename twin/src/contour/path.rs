@@ -12,7 +12,7 @@ pub struct Vertex {
     pub tick: u64,
 }
 
-/// Places that are looked at together.
+/// Places that are looked at together; of a line that is longer half of them are kept.
 const BLOCK: usize = 1024;
 
 /// A line in the making.
@@ -25,7 +25,7 @@ pub struct PathBuilder {
 }
 
 impl PathBuilder {
-    /// A line from a place on, which passes every place at this distance or nearer.
+    /// A line from a place on, which passes every place at this distance or nearer (every one that is kept, of long lines).
     #[must_use]
     pub fn new(at: [f64; 2], tolerance_mm: f64) -> Self {
         let begin = Vertex { at, tick: 0 };
@@ -47,18 +47,32 @@ impl PathBuilder {
         self.vertices
     }
 
-    /// Makes vertices; the last line may still grow unless it is the end, or would be looked at again and again.
+    /// Makes vertices where the line bends. The last line may still grow, so it ends nowhere before the whole line does: an end
+    /// in its middle would be no bend, and next to a corner it would hide that.
     fn cut(&mut self, is_end: bool) {
         let last = self.places.len() - 1;
         let mut begin = 0;
         for end in ends(last, |begin, end| self.furthest(begin, end)) {
-            if end == last && !is_end && last - begin <= BLOCK / 2 {
+            if end == last && !is_end {
                 break;
             }
             self.vertices.extend(self.places.get(end));
             begin = end;
         }
         self.places.drain(..begin);
+        if self.places.len() > BLOCK / 2 {
+            self.thin();
+        }
+    }
+
+    /// Keeps half of the places between the ends of a line: of each two neighbours the one that is further from it, as this one
+    /// decides where it is cut.
+    fn thin(&mut self) {
+        let [begin, between @ .., end] = self.places.as_slice() else { return };
+        let off = |place: &Vertex| nearest(begin.at, end.at, place.at).1;
+        let further = |two: &[Vertex]| two.iter().copied().max_by(|a, b| off(a).total_cmp(&off(b)));
+        let kept = between.chunks(2).filter_map(further);
+        self.places = std::iter::once(*begin).chain(kept).chain([*end]).collect();
     }
 
     /// The place between two others that is furthest from the line between them, if it is too far.

@@ -3,13 +3,18 @@
 //! The mode of an axis is the one in which the tool has most of its energy along it. With the reach's band of frequencies go
 //! a shaper for each axis ([`crate::shaping`]), and the speeds at which what repeats along the belt repeats as fast as that:
 //! full steps, electrical turns, teeth.
+//!
+//! The bar also yaws on its guides, on a CoreH-bot slower than both axes ring. No shaper here is made for it: moves along y alone
+//! excite it, the more so the further the head is from the middle. How fast it yaws, and what the shaper of y leaves, is told.
 
 use super::{Setup, shown};
 use crate::geometry::workspace;
 use crate::model::coordinate::Coordinate;
+use crate::model::elastic::Freedom;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::shaping::design::{Design, designs};
+use crate::shaping::shaper::{impulses, residual};
 use crate::solve::NotHeld;
 use crate::solve::modes::{Mode, mode_of, modes};
 use serde::Serialize;
@@ -30,6 +35,23 @@ pub struct Resonance {
     pub x: AxisResonance,
     /// What there is to say of y.
     pub y: AxisResonance,
+    /// The bar's yaw on its guides, for which no shaper is made.
+    pub yaw: YawResonance,
+}
+
+/// Frequencies at which the bar yaws.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct YawResonance {
+    /// Row after row of the grid.
+    #[serde(rename = "frequencies_Hz")]
+    pub frequencies_hz: Vec<Vec<f64>>,
+    /// Least and greatest of them.
+    #[serde(rename = "band_Hz")]
+    pub band_hz: [f64; 2],
+    /// Viscous damping in the middle of the reach, as a part of the critical one.
+    pub damping_ratio: f64,
+    /// What the shaper for y leaves of it at the worst place, of 1.
+    pub left_by_y: Option<f64>,
 }
 
 /// Frequencies of an axis, and what follows.
@@ -80,8 +102,28 @@ impl Resonance {
         let middle = at(reach.centre().x, reach.centre().y)?;
         let [x, y] = [("X", Coordinate::X, Coordinate::Y), ("Y", Coordinate::Y, Coordinate::X)]
             .map(|(letter, own, other)| axis(letter, own, other, &grid, &middle, &setup.params));
-        Ok(Self { machine: setup.machine.key(), x_mm, y_mm, x, y })
+        let yaw = yaw(setup, &x_mm, &y_mm, &y)?;
+        Ok(Self { machine: setup.machine.key(), x_mm, y_mm, x, y, yaw })
     }
+}
+
+/// The bar's yaw on a grid, and what the shaper for y leaves of it.
+fn yaw(setup: &Setup, x_mm: &[f64], y_mm: &[f64], y: &AxisResonance) -> Result<YawResonance, NotHeld> {
+    let freedom = Freedom { yaw: true, ..setup.freedom };
+    let mode = |tool: Place| {
+        let modes = modes(&Setup { tool, freedom, ..setup.clone() }.elastic())?;
+        mode_of(&modes, Coordinate::Yaw).cloned().ok_or(NotHeld)
+    };
+    let row = |y: &f64| x_mm.iter().map(|x| Ok(mode(Place { x: *x, y: *y })?.frequency_hz)).collect();
+    let frequencies_hz = y_mm.iter().map(row).collect::<Result<Vec<Vec<f64>>, NotHeld>>()?;
+    let all = || frequencies_hz.iter().flatten().copied();
+    let band_hz = [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
+    let damping_ratio = mode(workspace(setup.machine, &setup.params).centre())?.damping_ratio;
+    let left_by_y = y.suggestion.map(|design| {
+        let impulses = impulses(design.kind, design.frequency_hz, y.damping_ratio);
+        all().map(|hz| residual(&impulses, hz, damping_ratio)).fold(0.0, f64::max)
+    });
+    Ok(YawResonance { frequencies_hz, band_hz, damping_ratio, left_by_y })
 }
 
 /// Evenly from one end to the other.
@@ -141,6 +183,16 @@ impl std::fmt::Display for Resonance {
             let ResonantSpeeds { full_step_mm_s, electrical_turn_mm_s, tooth_mm_s } = axis.resonant_speeds;
             write!(f, "     rings at {full_step_mm_s:.1} mm/s (full steps), ")?;
             writeln!(f, "{electrical_turn_mm_s:.1} (electrical turns), {tooth_mm_s:.1} (teeth)")?;
+        }
+        let YawResonance { band_hz: [low, high], damping_ratio, left_by_y, .. } = &self.yaw;
+        let damping = 100.0 * damping_ratio;
+        writeln!(f, "  yaw of the bar on its guides  {low:.1} to {high:.1} Hz, damping {damping:.1} %")?;
+        writeln!(
+            f,
+            "     moves along y excite it, the more so the further the head is from the middle; no line above is made for it"
+        )?;
+        if let Some(left) = left_by_y {
+            writeln!(f, "     the line for Y leaves up to {:.0} % of it; stiffer guides raise it", 100.0 * left)?;
         }
         Ok(())
     }

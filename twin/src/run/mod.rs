@@ -8,14 +8,17 @@ pub mod report;
 pub mod series;
 pub mod watch;
 
-use crate::contour::error::ContourError;
+use crate::contour::error::{ContourError, Window};
+use crate::contour::pace::{Pace, Places};
 use crate::contour::path::{PathBuilder, Vertex};
 use crate::dynamics::plant::{Detail, Plant};
 use crate::dynamics::state::State;
 use crate::geometry::{Workspace, workspace};
+use crate::model::elastic::{Elastic, Freedom};
 use crate::model::ways::residual_mm as residual_steps;
 use crate::params::Params;
 use crate::routing::{Machine, Place};
+use crate::solve::modes::modes;
 use crate::steps::drive::{Drive, NoColumn, drives};
 use crate::steps::{StepTrace, TICKS_PER_SECOND};
 use watch::Watch;
@@ -70,6 +73,7 @@ pub struct Run<'t> {
     plant: Plant,
     state: State,
     watch: Watch,
+    window: Window,
     tick: u64,
     next_look: u64,
 }
@@ -88,24 +92,29 @@ impl<'t> Run<'t> {
     ) -> Result<Self, RunError> {
         let plant = Plant::new(machine, params, start, detail);
         let drives = drives(trace, &plant.ways).map_err(RunError::NoColumn)?;
-        let (path, taken, residual_mm) = line(machine, &plant, &drives, trace);
+        let line = Line::new(machine, &plant, &drives, trace);
         let reach = workspace(machine, params);
-        if !reach.bears(&taken) {
-            return Err(RunError::OutOfReach { path: taken, reach });
+        if !reach.bears(&line.taken) {
+            return Err(RunError::OutOfReach { path: line.taken, reach });
         }
-        let watch = Watch::new(machine, &plant, ContourError::new(path), residual_mm);
+        let window = window(machine, params, start, detail);
+        let watch = Watch::new(machine, &plant, ContourError::new(line.path, &line.places, window), line.residual_mm);
         let state = State::at_rest(&plant);
-        Ok(Self { trace, drives, plant, state, watch, tick: 0, next_look: 0 })
+        Ok(Self { trace, drives, plant, state, watch, window, tick: 0, next_look: 0 })
     }
 
-    /// Measures the tool's errors from the line of another trace: that which was meant, where this one was made of it. The two
-    /// need not keep the same time.
+    /// Measures the tool's errors from the line of another trace: that which was meant, where this one was made of it, or plays
+    /// the same line. The two need not keep the same time: [`Pace`] says when each place was meant.
     ///
     /// # Errors
     /// The other trace is of another kind of machine.
     pub fn against(mut self, meant: &StepTrace) -> Result<Self, RunError> {
-        let drives = drives(meant, &self.plant.ways).map_err(RunError::NoColumn)?;
-        self.watch.contour = ContourError::untimed(line(self.watch.machine(), &self.plant, &drives, meant).0);
+        let meant_drives = drives(meant, &self.plant.ways).map_err(RunError::NoColumn)?;
+        let machine = self.watch.machine();
+        let line = Line::new(machine, &self.plant, &meant_drives, meant);
+        let own = Line::new(machine, &self.plant, &self.drives, self.trace);
+        let pace = Pace::new(&own.places, &line.places);
+        self.watch.contour = ContourError::new(line.path, &line.places, self.window).at_pace(pace);
         Ok(self)
     }
 
@@ -163,30 +172,52 @@ impl<'t> Run<'t> {
     }
 }
 
-/// The line along which a trace sends the tool, what of the reach it takes, and the greatest residual of its steps in mm.
-fn line(machine: Machine, plant: &Plant, drives: &[Drive], trace: &StepTrace) -> (Vec<Vertex>, Workspace, f64) {
-    let start = plant.start();
-    let mut path = PathBuilder::new([start.x, start.y], trace.step_mm);
-    let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
-    let mut residual_mm = 0.0_f64;
-    let mut before = None;
-    for (tick, counts) in trace.counted() {
-        let sent = sent_mm(drives, &counts, trace.step_mm);
-        if before.as_ref() == Some(&sent) {
-            continue;
+/// Where on its line the tool may be: what gives way lags and rings as the slowest axis does there.
+fn window(machine: Machine, params: &Params, start: Place, detail: Detail) -> Window {
+    let freedom = Freedom { rotors: detail.rotors, ..Freedom::default() };
+    let modes = modes(&Elastic::new(machine, params, start, freedom)).unwrap_or_default();
+    let slowest = modes.first().map_or(f64::INFINITY, |mode| mode.frequency_hz);
+    Window::of_hz(if slowest.is_finite() { slowest } else { 0.0 })
+}
+
+/// The line along which a trace sends the tool.
+struct Line {
+    path: Vec<Vertex>,
+    /// Where it is sent from time to time.
+    places: Vec<Vertex>,
+    /// What of the reach it takes.
+    taken: Workspace,
+    /// The greatest residual of the trace's steps.
+    residual_mm: f64,
+}
+
+impl Line {
+    fn new(machine: Machine, plant: &Plant, drives: &[Drive], trace: &StepTrace) -> Self {
+        let start = plant.start();
+        let mut path = PathBuilder::new([start.x, start.y], trace.step_mm);
+        let mut places = Places::default();
+        let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
+        let mut residual_mm = 0.0_f64;
+        let mut before = None;
+        for (tick, counts) in trace.counted() {
+            let sent = sent_mm(drives, &counts, trace.step_mm);
+            if before.as_ref() == Some(&sent) {
+                continue;
+            }
+            let [x, y] = plant.ways.tool(&sent);
+            let at = [start.x + x, start.y + y];
+            taken.x = [taken.x[0].min(at[0]), taken.x[1].max(at[0])];
+            taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
+            path.add(at, tick);
+            places.add(at, tick);
+            // Of whole steps, so that a residual of none is 0 to the last bit.
+            let steps = sent_mm(drives, &counts, 1.0);
+            let strain = residual_steps(machine, &steps).unwrap_or(0.0).abs() * trace.step_mm;
+            residual_mm = residual_mm.max(strain);
+            before = Some(sent);
         }
-        let [x, y] = plant.ways.tool(&sent);
-        let at = [start.x + x, start.y + y];
-        taken.x = [taken.x[0].min(at[0]), taken.x[1].max(at[0])];
-        taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
-        path.add(at, tick);
-        // Of whole steps, so that a residual of none is 0 to the last bit.
-        let steps = sent_mm(drives, &counts, 1.0);
-        let strain = residual_steps(machine, &steps).unwrap_or(0.0).abs() * trace.step_mm;
-        residual_mm = residual_mm.max(strain);
-        before = Some(sent);
+        Self { path: path.finish(), places: places.finish(), taken, residual_mm }
     }
-    (path.finish(), taken, residual_mm)
 }
 
 /// Where a motor is sent for these counts, in mm of belt.

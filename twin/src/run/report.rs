@@ -1,7 +1,7 @@
 //! Report: what there is to say of a trace that was played.
 
 use super::watch::Watch;
-use crate::contour::error::Corner;
+use crate::contour::error::{Corner, LEAST_LINE_MM};
 use crate::params::Params;
 use crate::routing::Machine;
 use serde::Serialize;
@@ -23,8 +23,10 @@ pub struct Report {
     pub events: usize,
     /// Errors of the tool.
     pub contour: ContourFigures,
-    /// Corners of the line, all of them.
+    /// Corners of the line at which the tool was seen, all of them.
     pub corners_total: usize,
+    /// Corners of which nothing can be told: between lines shorter than [`LEAST_LINE_MM`], or the tool was nowhere near.
+    pub corners_unmatched: usize,
     /// The worst of them first.
     pub corners: Vec<CornerFigures>,
     /// Least and greatest tension of each span.
@@ -111,7 +113,8 @@ impl Report {
         wall_time_s: f64,
     ) -> Self {
         let names = machine.belts().iter().flat_map(|belt| belt.spans).copied();
-        let mut corners: Vec<Corner> = watch.contour.corners.clone();
+        let (mut corners, unseen): (Vec<Corner>, Vec<Corner>) =
+            watch.contour.corners.iter().partition(|corner| corner.is_seen());
         corners.sort_by(|a, b| b.worst_mm().total_cmp(&a.worst_mm()));
         let worst = |error: fn(&Corner) -> f64| corners.iter().map(error).fold(0.0, f64::max);
         let contour = ContourFigures {
@@ -139,6 +142,7 @@ impl Report {
             events,
             contour,
             corners_total: corners.len(),
+            corners_unmatched: watch.contour.without_lines + unseen.len(),
             corners: corners.iter().take(LISTED).map(figures).collect(),
             tension_n: names.zip(&watch.tensions_n).map(|(name, r)| (name, [r.least, r.greatest])).collect(),
             slack_events: watch.slack,
@@ -180,6 +184,10 @@ impl std::fmt::Display for Report {
             "  at {} corners   inside {rounding_max_mm:.4} mm, outside {overshoot_max_mm:.4}, on the bisector {bisector_max_mm:.4}",
             self.corners_total
         )?;
+        if self.corners_unmatched > 0 {
+            write!(f, "  {} more corners could not be matched: ", self.corners_unmatched)?;
+            writeln!(f, "their lines are shorter than {LEAST_LINE_MM} mm, or the tool was nowhere near")?;
+        }
         for c in self.corners.iter().take(SHOWN) {
             let (x, y, turn, time) = (c.x_mm, c.y_mm, c.turn_deg, c.time_s);
             write!(f, "    ({x:.2}, {y:.2}) at {time:.3} s, turning {turn:.0} degrees: ")?;

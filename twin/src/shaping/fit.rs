@@ -54,21 +54,34 @@ pub struct Fit {
 /// Places with less of a difference in `(2 d / L)^2` than this tell nothing of belts and motors apart.
 const LEAST_SPREAD: f64 = 0.05;
 
+/// A law that is further from a frequency than this is none: three times what a frequency is measured to (docs/twin.md).
+const LIKE: f64 = 0.045;
+
 /// Why there is no fit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FitError {
     /// Fewer than two places, or too near to each other.
     TooAlike,
     /// It rings no faster away from the middle.
     NotStiffer,
+    /// The frequency at this place is this part, of 1, from what any law says.
+    Unlike(f64, f64),
 }
 
 impl std::fmt::Display for FitError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::TooAlike => "two places are wanted, one near the middle of the axis and one near its end",
-            Self::NotStiffer => "it rings no faster away from the middle, so belts cannot be what gives way",
-        })
+        match self {
+            Self::TooAlike => {
+                f.write_str("two places are wanted, one near the middle of the axis and one near its end")
+            }
+            Self::NotStiffer => {
+                f.write_str("it rings no faster away from the middle, so belts cannot be what gives way")
+            }
+            Self::Unlike(place_mm, part) => {
+                write!(f, "the frequency at {place_mm:.1} mm is {:.0} % from any law of belts; ", 100.0 * part)?;
+                f.write_str("measure it again, by the slowest strong peak")
+            }
+        }
     }
 }
 
@@ -97,13 +110,18 @@ pub fn fit(axis: Axis, measured: &[Measured], params: &Params) -> Result<Fit, Fi
         (a, b) = (over / under, 0.0);
     }
     let says = |place: f64| (a * softer(place) + b).powf(-0.5);
-    let differences = measured.iter().map(|m| (says(m.place_mm) / m.frequency_hz - 1.0).abs());
+    let difference = |m: &Measured| (says(m.place_mm) / m.frequency_hz - 1.0).abs();
+    let worst = measured.iter().max_by(|a, b| difference(a).total_cmp(&difference(b)));
+    let worst_difference = worst.map_or(0.0, difference);
+    if let Some(worst) = worst.filter(|_| worst_difference > LIKE) {
+        return Err(FitError::Unlike(worst.place_mm, worst_difference));
+    }
     Ok(Fit {
         frequency_hz: (a + b).powf(-0.5),
         belt_frequency_hz: a.powf(-0.5),
         motor_frequency_hz: (b > 0.0).then(|| b.powf(-0.5)),
         span_mm,
-        worst_difference: differences.fold(0.0, f64::max),
+        worst_difference,
     })
 }
 
@@ -179,5 +197,7 @@ mod tests {
         assert_eq!(fit(Axis::X, &[at(235.0, 100.0)], &params), Err(FitError::TooAlike));
         assert_eq!(fit(Axis::X, &[at(235.0, 100.0), at(240.0, 101.0)], &params), Err(FitError::TooAlike));
         assert_eq!(fit(Axis::X, &[at(235.0, 100.0), at(60.0, 99.0)], &params), Err(FitError::NotStiffer));
+        // Stiffer, but by more than belts without any give in the motors are.
+        assert!(matches!(fit(Axis::X, &[at(235.0, 100.0), at(60.0, 150.0)], &params), Err(FitError::Unlike(..))));
     }
 }

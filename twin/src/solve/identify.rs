@@ -3,7 +3,7 @@
 //! Two numbers are sought, the belt's tensile stiffness and the motors' holding torque (which is the stiffness of their
 //! fields), such that the model rings as was measured: least squares of the logarithms of frequencies, by Gauss and Newton.
 //! Masses are taken as given. A number that the frequencies do not tell, as the torque of motors that do not give way, stays
-//! within a hundredfold.
+//! within a hundredfold. If the machine that is found does not ring as was measured, it is none, and that is an error.
 
 use super::NotHeld;
 use super::modes::{mode_of, modes};
@@ -35,6 +35,71 @@ pub struct Identified {
     pub worst_difference: f64,
 }
 
+/// Why nothing was found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum IdentifyError {
+    /// Nothing holds the machine.
+    NotHeld(NotHeld),
+    /// The nearest machine does not ring like this.
+    Unlike(Unlike),
+    /// Only a belt of this stiffness would, in N, and there is none like it.
+    NoBelt(f64),
+}
+
+/// The frequency from which the nearest machine is furthest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unlike {
+    /// The tool's place.
+    pub at: Place,
+    /// The axis.
+    pub axis: Coordinate,
+    /// What was measured.
+    pub measured_hz: f64,
+    /// What the nearest machine rings at.
+    pub says_hz: f64,
+}
+
+impl std::fmt::Display for IdentifyError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::NotHeld(error) => error.fmt(f),
+            Self::Unlike(Unlike { at, axis, measured_hz, says_hz }) => {
+                write!(f, "no belt and motors ring like this: at ({:.1}, {:.1}) mm {axis} rang at ", at.x, at.y)?;
+                write!(
+                    f,
+                    "{measured_hz:.1} Hz, the nearest machine at {says_hz:.1}; measure it again (the slowest strong "
+                )?;
+                f.write_str("peak, x and y not swapped), and give masses that are not the nominal ones by --params")
+            }
+            Self::NoBelt(belt_ea_n) => {
+                write!(
+                    f,
+                    "only a belt of {belt_ea_n:.0} N would ring like this, and those sold have 20000 to 56000; "
+                )?;
+                f.write_str(
+                    "measure again (the slowest strong peak, x and y not swapped), and give masses that are not the ",
+                )?;
+                f.write_str("nominal ones by --params")
+            }
+        }
+    }
+}
+
+impl std::error::Error for IdentifyError {}
+
+impl From<NotHeld> for IdentifyError {
+    fn from(error: NotHeld) -> Self {
+        Self::NotHeld(error)
+    }
+}
+
+/// Frequencies are measured to 1.5 % (a phone's accelerometer, docs/twin.md), so a machine that is further from one than three
+/// times that is another.
+pub const LIKE: f64 = 0.045;
+
+/// Belts differ from the nominal one by less than this factor, as a logarithm: ten, where those sold have 20 to 56 kN.
+const NO_BELT: f64 = 2.3;
+
 /// Rounds of the search; it ends in a few.
 const ROUNDS: usize = 40;
 
@@ -53,18 +118,18 @@ const RIDGE: f64 = 1e-9;
 /// Belts and motors of a machine that rang like this.
 ///
 /// # Errors
-/// Nothing holds the machine.
-pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Identified, NotHeld> {
+/// Nothing holds the machine, or none rings like this.
+pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Identified, IdentifyError> {
     let mut logs = [0.0_f64; 2];
     for _ in 0..ROUNDS {
-        let now = differences(machine, &with(params, logs), rung)?;
+        let now = logs_of(&compared(machine, &with(params, logs), rung)?);
         let mut slopes = [Vec::new(), Vec::new()];
         for (i, slope) in slopes.iter_mut().enumerate() {
             let mut probed = logs;
             if let Some(log) = probed.get_mut(i) {
                 *log += PROBE;
             }
-            let then = differences(machine, &with(params, probed), rung)?;
+            let then = logs_of(&compared(machine, &with(params, probed), rung)?);
             *slope = then.iter().zip(&now).map(|(a, b)| (a - b) / PROBE).collect::<Vec<f64>>();
         }
         let step = newton(&slopes, &now);
@@ -76,12 +141,16 @@ pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Iden
         }
     }
     let found = with(params, logs);
-    let left = differences(machine, &found, rung)?;
-    Ok(Identified {
-        belt_ea_n: found.belt_ea_n,
-        holding_torque_nm: found.holding_torque_nm,
-        worst_difference: left.iter().map(|d| d.abs()).fold(0.0, f64::max),
-    })
+    let left = compared(machine, &found, rung)?;
+    let worst = left.into_iter().max_by(|a, b| a.log().abs().total_cmp(&b.log().abs()));
+    let worst_difference = worst.map_or(0.0, |worst| worst.log().abs());
+    match worst {
+        Some(worst) if worst_difference > LIKE => Err(IdentifyError::Unlike(worst)),
+        _ if logs[0].abs() > NO_BELT => Err(IdentifyError::NoBelt(found.belt_ea_n)),
+        _ => {
+            Ok(Identified { belt_ea_n: found.belt_ea_n, holding_torque_nm: found.holding_torque_nm, worst_difference })
+        }
+    }
 }
 
 fn with(params: &Params, [belt, torque]: [f64; 2]) -> Params {
@@ -92,19 +161,30 @@ fn with(params: &Params, [belt, torque]: [f64; 2]) -> Params {
     }
 }
 
-/// By how much the model rings faster, as logarithms, one for each frequency.
-fn differences(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Vec<f64>, NotHeld> {
+impl Unlike {
+    /// By how much the model rings faster, as a logarithm.
+    fn log(&self) -> f64 {
+        (self.says_hz / self.measured_hz).ln()
+    }
+}
+
+fn logs_of(compared: &[Unlike]) -> Vec<f64> {
+    compared.iter().map(Unlike::log).collect()
+}
+
+/// Each frequency beside the model's.
+fn compared(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Vec<Unlike>, NotHeld> {
     let freedom = Freedom { idlers: true, rotors: true, ..Freedom::default() };
-    let mut differences = Vec::new();
+    let mut all = Vec::new();
     for Rung { at, frequencies_hz } in rung {
         let modes = modes(&Elastic::new(machine, params, *at, freedom))?;
-        for (coordinate, measured) in [Coordinate::X, Coordinate::Y].into_iter().zip(frequencies_hz) {
-            if let (Some(mode), Some(measured)) = (mode_of(&modes, coordinate), measured) {
-                differences.push((mode.frequency_hz / measured).ln());
+        for (axis, measured) in [Coordinate::X, Coordinate::Y].into_iter().zip(frequencies_hz) {
+            if let (Some(mode), Some(measured_hz)) = (mode_of(&modes, axis), *measured) {
+                all.push(Unlike { at: *at, axis, measured_hz, says_hz: mode.frequency_hz });
             }
         }
     }
-    Ok(differences)
+    Ok(all)
 }
 
 /// The step that would make the differences least if they went on as they go.
@@ -151,5 +231,23 @@ mod tests {
         let found = identify(Machine::CoreHBot, &Params::default(), &rung).unwrap();
         assert!((found.belt_ea_n / 30_000.0 - 1.0).abs() < 0.15, "{found:?}");
         assert!(found.worst_difference < 0.006, "{found:?}");
+    }
+
+    /// Harmonics, swapped axes, another machine: what is found would ring within 217 %, 56 % and so on.
+    #[test]
+    fn frequencies_of_no_machine_are_refused() {
+        let found = |rung: &[[f64; 4]]| {
+            let rung: Vec<Rung> = rung
+                .iter()
+                .map(|[x, y, fx, fy]| Rung { at: Place { x: *x, y: *y }, frequencies_hz: [Some(*fx), Some(*fy)] })
+                .collect();
+            identify(Machine::CoreHBot, &Params::default(), &rung)
+        };
+        let harmonic = found(&[[235.0, 235.0, 101.4, 57.6], [60.0, 50.0, 215.6, 61.9]]).unwrap_err();
+        let told = harmonic.to_string();
+        assert!(told.contains("at (60.0, 50.0) mm x rang at 215.6 Hz") && told.contains("measure it again"), "{told}");
+        assert!(matches!(found(&[[235.0, 235.0, 57.6, 101.4]]), Err(IdentifyError::Unlike(_))));
+        assert!(matches!(found(&[[235.0, 235.0, 10.1, 5.76]]), Err(IdentifyError::NoBelt(_))));
+        assert!(found(&[[235.0, 235.0, 101.4, 57.6], [60.0, 50.0, 107.6, 62.0]]).is_ok());
     }
 }

@@ -1,8 +1,8 @@
 //! Calibrated: numbers of a machine found from measurements, as a file of parameters with what there is to say of each.
 
 use super::measured::Measured;
-use anyhow::{Context as _, Result};
-use corehbot_twin::calibration::{Calibrated as Found, Estimate, Misfit, Parameter, calibrate};
+use anyhow::{Context as _, Result, anyhow};
+use corehbot_twin::calibration::{CalibrateError, Calibrated as Found, Estimate, Misfit, Parameter, calibrate};
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::Machine;
@@ -37,11 +37,12 @@ impl Calibrated {
     /// From a file of measurements.
     ///
     /// # Errors
-    /// What is wrong with the file, or what the measurements do not determine.
+    /// What is wrong with the file, what the measurements do not determine, or which of them no machine has with the others.
     pub(super) fn read(path: &Path, machine: Machine, params: &Params) -> Result<Self> {
         let Measured { measurements, fixed } = Measured::read(path, &workspace(machine, params))?;
         let (names, measurements): (Vec<_>, Vec<_>) = measurements.into_iter().unzip();
-        let found = calibrate(machine, params, &measurements, &fixed).with_context(|| path.display().to_string())?;
+        let found = calibrate(machine, params, &measurements, &fixed);
+        let found = found.map_err(|error| unlike(&names, error)).with_context(|| path.display().to_string())?;
         let Found { params, estimates, not_told, misfits } = found;
         let told = |(measurement, misfit)| Told { measurement, misfit };
         let measurements = names.into_iter().zip(misfits).map(told).collect();
@@ -92,6 +93,19 @@ impl std::fmt::Display for Calibrated {
         }
         Ok(())
     }
+}
+
+/// Why there is no machine, with the measurement by name from which the nearest one is furthest.
+fn unlike(names: &[String], error: CalibrateError) -> anyhow::Error {
+    let CalibrateError::Unlike(misfits) = &error else { return error.into() };
+    let all = names.iter().zip(misfits);
+    let worst = all.max_by(|a, b| a.1.uncertainties.abs().total_cmp(&b.1.uncertainties.abs()));
+    let Some((name, Misfit { part, uncertainties })) = worst else { return error.into() };
+    let (percent, uncertainties) = (100.0 * part, uncertainties.abs());
+    anyhow!(
+        "no machine measures like this: of {name} the nearest one says {percent:+.0} %, {uncertainties:.0} uncertainties; look at \
+         its unit and measure it again, or look at the others if it stays"
+    )
 }
 
 /// Five digits, as no measurement by hand tells more.

@@ -37,5 +37,8 @@ function drawResonance() {
       make("h2", { textContent: "Frequency of " + letter + " over the reach, Hz, " + (D.model || "with idlers and rotors") }), map, shapers, make("pre", { textContent: A.line }),
       make("span", { className: "sub", textContent: "Rings at " + v.full_step_mm_s.toFixed(1) + " mm/s (full steps), " + v.electrical_turn_mm_s.toFixed(1) + " (electrical turns), " + v.tooth_mm_s.toFixed(1) + " (teeth)." })));
   }
+  const Y = D.resonance.yaw, [least, most] = Y.band_Hz;
+  $("resonance").append(make("div", { className: "card panel" }, make("h2", { textContent: "Yaw of the bar on its guides" }),
+    make("span", { className: "sub", textContent: least.toFixed(1) + " to " + most.toFixed(1) + " Hz. Moves along y excite it, the more so the further the head is from the middle. No line here is made for it" + (Y.left_by_y === null ? "." : "; that for Y leaves up to " + (100 * Y.left_by_y).toFixed(0) + " % of it.") })));
 }
 
