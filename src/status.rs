@@ -21,7 +21,7 @@ mod stream;
 use crate::fault::Latch;
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32};
 use counted::Counted;
-pub use heat::{Heat, SelfTest, Tuned, Tuning};
+pub use heat::{Heat, SelfTest, Tuned, Tuning, TuningFailure};
 use overload::Lateness;
 pub use overload::{Late, Overload};
 use print_progress::PrintProgress;

@@ -1,7 +1,7 @@
 //! What can go wrong, each with a number that stays what it is: it is kept over resets and told to people, as `[E04]`.
 //!
 //! A new cause gets the next number at the end. The matches below have no wildcard, so the compiler asks for the rest: its
-//! place in [`Cause::all`], whether only the power supply can end it, its text, and what its numbers are. Hosts read the text, so
+//! place in [`Cause::all`], whether only the power supply can end it, its text, what to do about it, and what its numbers are. Hosts read the text, so
 //! `tests/replies.rs` looks for words that they take for something else.
 
 use crate::connectors::Heater;
@@ -168,6 +168,41 @@ impl Cause {
         }
     }
 
+    /// What to do about it. A `#` stands for the heater's E in M303 and M306.
+    const fn way_out(self) -> &'static str {
+        match self {
+            Self::SensorOpen => "plug its sensor in, or mend the wire",
+            Self::SensorShort => "mend the sensor's wire",
+            Self::TooCold => "warm the room, or set the sensor's kind (thermistor)",
+            Self::TooHot => {
+                "unplug the heater if it stays hot; check its switch and the sensor's kind (thermistor)"
+            }
+            Self::SensorFlickers => "mend the contact of its sensor",
+            Self::SensorFrozen => "check its sensor, then reset",
+            Self::SensorsSwapped => "check which plug is where, and the names in the machine's file",
+            Self::HeatsTooSlowly => "check heater and sensor; if it is heavier than its model, M303 E# U1 finds that",
+            Self::TemperatureLost => "check heater, sensor and draught; if all is well, M303 E# U1 finds its model",
+            Self::HeatsWhileOff => "unplug the heater, its switch is stuck",
+            Self::Overshoot => {
+                "unplug the heater if it gets hotter, its switch is stuck; if not, M303 E# U1 finds its model"
+            }
+            Self::FanFailed => "free the fan, or plug it in",
+            Self::Reference => "measure the board's 3.3 V; no sensor's wire may touch 24 V",
+            Self::SelfTest => "check which plug is where, set its power (M306 E# P), then SELF_TEST",
+            Self::Supply => "check the power supply and its wires",
+            Self::Driver => "M122 tells which",
+            Self::ConverterStopped | Self::SettingsDamaged | Self::ClockFailed => {
+                "reset; if it comes again, replace the board"
+            }
+            Self::ContextHangs
+            | Self::Panic
+            | Self::HardFault
+            | Self::StackOverflow
+            | Self::Watchdog
+            | Self::InterruptStorm => "reset, and report it with what M122 says",
+        }
+    }
+
     /// What the number of its subject means.
     const fn subject(self) -> Subject {
         match self {
@@ -288,13 +323,33 @@ impl core::fmt::Display for Fault {
         } else if subject == Subject::Other && (self.value != 0 || self.limit != 0) {
             write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
         }
-        write!(f, " [E{:02}]", self.cause as u8)
+        write!(f, " [E{:02}]: ", self.cause as u8)?;
+        // As M303 and M306 count heaters: 0, -1, -2.
+        let mut gap = "";
+        for part in self.cause.way_out().split('#') {
+            f.write_str(gap)?;
+            f.write_str(part)?;
+            gap = ["0", "-1", "-2"].get(usize::from(self.subject)).copied().unwrap_or("0");
+        }
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
     use super::*;
+
+    #[test]
+    fn every_fault_says_what_to_do() {
+        for cause in Cause::all() {
+            let told = std::format!("{}", Fault { subject: 1, ..Fault::plain(cause) });
+            let (_, way_out) = told.split_once(&std::format!("[E{:02}]: ", cause as u8)).unwrap();
+            assert!(way_out.len() > 10 && told.len() < 200 && !told.contains('#'), "{told}");
+        }
+        let bed = std::format!("{}", Fault { subject: 1, ..Fault::plain(Cause::HeatsTooSlowly) });
+        assert!(bed.ends_with("M303 E-1 U1 finds that"), "{bed}");
+    }
 
     #[test]
     fn numbers_have_no_gap_and_lead_back_to_their_cause() {

@@ -50,7 +50,8 @@ pub use name::MachineName;
 pub use plugged::{ConnectorError, Plugged};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
-    Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, ThermalSettings, Thermistor,
+    Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, ThermalSettings,
+    Thermistor,
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 

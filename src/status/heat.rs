@@ -7,17 +7,41 @@ use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU16, AtomicU32, Ordering::Re
 
 /// How far a tuning has come (M303).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-#[repr(u8)]
 pub enum Tuning {
     /// There is none.
     None,
+    /// It was too hot, and cools first.
+    Cooling,
     /// It goes on; so many cycles are done.
     Cycle(u8),
     /// It is done, and the results can be read.
     Done,
-    /// It did not work: the temperature did not swing as it should.
-    Failed,
+    /// It did not work.
+    Failed(TuningFailure),
 }
+
+/// Why a tuning did not work.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[repr(u8)]
+pub enum TuningFailure {
+    /// It does not get as cold as it must be to begin.
+    StaysHot = 0,
+    /// Full power does not bring it to the target.
+    OutOfReach = 1,
+    /// The temperature did not swing as it should.
+    NoSwing = 2,
+    /// No heater of this power is what was found.
+    Impossible = 3,
+}
+
+impl TuningFailure {
+    /// All of them, by number.
+    const ALL: [Self; 4] = [Self::StaysHot, Self::OutOfReach, Self::NoSwing, Self::Impossible];
+}
+
+/// Numbers of [`Tuning`] as one word: failures have four, cycles those behind.
+const FIRST_FAILURE: u32 = 3;
+const FIRST_CYCLE: u32 = FIRST_FAILURE + TuningFailure::ALL.len() as u32;
 
 /// How far a self-test has come. One that fails is a fault.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -153,8 +177,11 @@ impl Heat {
         match self.tuning.load(Relaxed) {
             0 => Tuning::None,
             1 => Tuning::Done,
-            2 => Tuning::Failed,
-            cycles => Tuning::Cycle((cycles - 3) as u8),
+            2 => Tuning::Cooling,
+            number => match TuningFailure::ALL.get((number - FIRST_FAILURE) as usize) {
+                Some(failure) => Tuning::Failed(*failure),
+                None => Tuning::Cycle((number - FIRST_CYCLE) as u8),
+            },
         }
     }
 
@@ -204,8 +231,9 @@ impl Heat {
         let number = match tuning {
             Tuning::None => 0,
             Tuning::Done => 1,
-            Tuning::Failed => 2,
-            Tuning::Cycle(cycles) => u32::from(cycles) + 3,
+            Tuning::Cooling => 2,
+            Tuning::Failed(failure) => FIRST_FAILURE + failure as u32,
+            Tuning::Cycle(cycles) => FIRST_CYCLE + u32::from(cycles),
         };
         self.tuning.store(number, Relaxed);
     }

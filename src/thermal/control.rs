@@ -12,7 +12,7 @@ use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
-use crate::settings::{FanRole, ThermalSettings, sum};
+use crate::settings::{Bounds, FanRole, ThermalSettings, sum};
 use crate::status::{self, Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
@@ -122,7 +122,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 Order::SelfTest => self.begin_self_test(),
                 Order::Tune(heater, target, cycles) => {
                     let has_fan = heater == Heater::Hotend && self.has_part_fan();
-                    self.heaters[heater as usize].tune(target, cycles, has_fan);
+                    self.heaters[heater as usize].tune(target, cycles, has_fan, Bounds::of(heater));
                 }
                 Order::StopTuning => self.stop_tuning(),
                 Order::Fan(fan, speed) => {
@@ -326,11 +326,11 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         for heater in &mut self.heaters {
             let Some(tune) = heater.tuning() else { continue };
             let state = tune.state();
-            if let (Tuning::Done, Some(tuned)) = (state, tune.find()) {
+            if let (Tuning::Done, Ok(tuned)) = (state, tune.find()) {
                 self.status.heat().set_tuned(&tuned);
             }
             self.status.heat().set_tuning(state);
-            if matches!(state, Tuning::Done | Tuning::Failed) {
+            if matches!(state, Tuning::Done | Tuning::Failed(_)) {
                 heater.set_target(Celsius::ZERO);
             }
         }

@@ -12,7 +12,7 @@ use super::switching::Switching;
 use super::tune::Tune;
 use crate::connectors::Heater;
 use crate::fault::Cause;
-use crate::settings::{Control, HeaterSettings};
+use crate::settings::{Bounds, Control, HeaterSettings};
 use crate::units::{Celsius, Ratio};
 use fixed::types::I8F24;
 
@@ -171,10 +171,10 @@ impl HeaterLoop {
     }
 
     /// Begins to find out how it behaves, with the part fan too if that cools it.
-    pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool) {
+    pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool, bounds: &'static Bounds) {
         self.set_target(target);
         let tune = self.measured.filter(|_| self.target > Celsius::ZERO);
-        self.tune = tune.map(|measured| Tune::new(&self.settings, self.target, cycles, has_fan, measured));
+        self.tune = tune.map(|measured| Tune::new(&self.settings, self.target, cycles, has_fan, bounds, measured));
     }
 
     /// The tuning that goes on.

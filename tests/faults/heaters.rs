@@ -262,7 +262,7 @@ fn f18_a_hotend_fan_with_a_tachometer_that_stands_still_switches_off() {
     let (cause, time) = until_off(&mut printer, 10.0);
     println!("hotend fan stuck: off after {time:.1} s");
     assert_eq!((cause, time <= 6.1), (Cause::FanFailed, true), "{time}");
-    assert_eq!(printer.fault().unwrap().to_string(), "FAN1: fan stands still [E12]");
+    assert_eq!(printer.fault().unwrap().to_string(), "FAN1: fan stands still [E12]: free the fan, or plug it in");
     // One that never turns.
     let mut printer = cold();
     printer.bench.borrow_mut().tachometer = Some(0);

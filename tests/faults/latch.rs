@@ -14,7 +14,7 @@ fn the_first_cause_is_the_one_that_is_told() {
     let fault = printer.fault().unwrap();
     assert_eq!((fault.cause, fault.subject, is_off(&printer)), (Cause::SensorOpen, 0, true));
     assert!(printer.status.fault().more() > 0);
-    assert_eq!(fault.to_string(), "hotend: sensor open or unplugged [E01]");
+    assert_eq!(fault.to_string(), "hotend: sensor open or unplugged [E01]: plug its sensor in, or mend the wire");
 }
 
 #[test]

@@ -4,16 +4,16 @@ use crate::predictive::heat_up;
 use crate::printer::{Printer, settings};
 use corehbot::connectors::Heater;
 use corehbot::settings::{Control, Pid};
-use corehbot::status::{Tuned, Tuning};
+use corehbot::status::{SelfTest, Tuned, Tuning, TuningFailure};
 use corehbot::thermal::Order;
-use corehbot::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
-use corehbot_rig::plant::{HeaterFault, PlantConstants, SensorFault};
+use corehbot::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
+use corehbot_rig::plant::{HeaterFault, Plant, PlantConstants, SensorFault};
 
 /// Tunes a heater of a cold printer.
 fn tune(printer: &mut Printer, heater: Heater, target: i32) -> (Tuning, f64) {
     printer.order(Order::Tune(heater, Celsius::from_num(target), 5));
     let time = printer.run_until(7200.0, |printer| {
-        printer.fault().is_some() || matches!(printer.status.heat().tuning(), Tuning::Done | Tuning::Failed)
+        printer.fault().is_some() || matches!(printer.status.heat().tuning(), Tuning::Done | Tuning::Failed(_))
     });
     (printer.status.heat().tuning(), time.unwrap_or(7200.0))
 }
@@ -63,6 +63,104 @@ fn a_bed_is_tuned_too() {
     let (capacity, lag) = (JoulesPerKelvin::from_bits(tuned.capacity), Seconds::from_bits(tuned.lag));
     println!("{time:.0} s: {capacity:.0} J/K, {:.2} W/K, {lag:.1} s", f64::from(tuned.loss) / f64::from(1 << 24));
     assert!((1500.0..2000.0).contains(&capacity.to_num::<f64>()));
+}
+
+/// J/K and s that a tuning of a hotend gives, from this temperature.
+fn figures_from(celsius: f64, constants: &PlantConstants) -> [f64; 2] {
+    let mut printer = Printer::with(Plant::hot(constants, celsius, 25.0), settings());
+    printer.run(1.0);
+    let (tuning, time) = tune(&mut printer, Heater::Hotend, 215);
+    assert_eq!((printer.fault(), tuning), (None, Tuning::Done), "from {celsius} C");
+    let tuned = printer.status.heat().tuned();
+    let figures = [JoulesPerKelvin::from_bits(tuned.capacity).to_num(), Seconds::from_bits(tuned.lag).to_num()];
+    println!("from {celsius} C: {figures:.2?} after {time:.0} s");
+    figures
+}
+
+/// On 6f0e814, 130 J/K came of it from 215 C.
+#[test]
+fn a_tuning_from_the_heat_cools_first_and_finds_what_one_from_the_cold_finds() {
+    let constants = PlantConstants::prototype();
+    let [cold, cold_lag] = figures_from(25.0, &constants);
+    for celsius in [100.0, 119.0, 150.0, 214.0, 215.0, 240.0] {
+        let [capacity, lag] = figures_from(celsius, &constants);
+        assert!((capacity / cold - 1.0).abs() < 0.15, "{capacity} J/K, {cold} from the cold");
+        assert!((lag - cold_lag).abs() < 0.5, "{lag} s, {cold_lag} from the cold");
+    }
+}
+
+#[test]
+fn what_is_not_as_it_should_be_ends_a_tuning_with_a_reason() {
+    let failure = |plant: Plant, target: i32| {
+        let mut printer = Printer::with(plant, settings());
+        printer.run(1.0);
+        let (tuning, _) = tune(&mut printer, Heater::Hotend, target);
+        assert_eq!(printer.fault(), None);
+        assert_eq!(printer.duty(corehbot::connectors::Output::He0), 0.0);
+        tuning
+    };
+    // A room of 60 C never cools a hotend to half-way to 60.
+    let warm = PlantConstants { ambient_celsius: 60.0, ..PlantConstants::prototype() };
+    assert_eq!(failure(Plant::new(&warm), 60), Tuning::Failed(TuningFailure::StaysHot));
+    // 20 W hold some 265 C.
+    let mut weak = PlantConstants::prototype();
+    weak.hotend.heater.nominal_watt = 20.0;
+    assert_eq!(failure(Plant::new(&weak), 280), Tuning::Failed(TuningFailure::OutOfReach));
+    // 40 W in a block of 2 J/K: no hotend is so light.
+    let mut light = PlantConstants::prototype();
+    (light.hotend.cartridge_joule_per_kelvin, light.hotend.block_joule_per_kelvin) = (0.07, 0.6);
+    light.hotend.cartridge_to_block_watt_per_kelvin = 0.5;
+    assert_eq!(failure(Plant::new(&light), 215), Tuning::Failed(TuningFailure::Impossible));
+}
+
+/// Heaters that are far from the default model: a bed of 5500 J/K with 220 W, blocks of 34 J/K, in noise too. Without the model's
+/// guards, which stopped them with E08 on 6f0e814.
+#[test]
+fn heavy_beds_and_heavy_blocks_are_tested_and_tuned() {
+    for (heater, watt, joule, noise) in [
+        (Heater::Hotend, 25.0, 34.0, 0.8),
+        (Heater::Hotend, 60.0, 34.0, 3.0),
+        (Heater::Hotend, 100.0, 8.0, 3.0),
+        (Heater::Bed, 220.0, 5500.0, 0.8),
+        (Heater::Bed, 1500.0, 5500.0, 3.0),
+        (Heater::Bed, 120.0, 400.0, 0.8),
+    ] {
+        let mut plant = PlantConstants::prototype();
+        plant.converter.noise_lsb = noise;
+        let mut known = settings();
+        known.heater_mut(heater).power = Watts::from_num(watt);
+        let target = if heater == Heater::Bed {
+            let share = joule / (plant.bed.mat_joule_per_kelvin + plant.bed.plate_joule_per_kelvin);
+            plant.bed.heater.nominal_watt = watt;
+            plant.bed.mat_joule_per_kelvin *= share;
+            plant.bed.plate_joule_per_kelvin *= share;
+            plant.bed.mat_to_plate_watt_per_kelvin *= share;
+            plant.bed.plate_to_air_watt_per_kelvin = watt / 100.0;
+            60
+        } else {
+            let hotend = &mut plant.hotend;
+            let share = joule / (hotend.cartridge_joule_per_kelvin + hotend.block_joule_per_kelvin);
+            hotend.heater.nominal_watt = watt;
+            hotend.cartridge_joule_per_kelvin *= share;
+            hotend.block_joule_per_kelvin *= share;
+            hotend.cartridge_to_block_watt_per_kelvin *= share;
+            200
+        };
+        let mut printer = Printer::new(&plant, known);
+        printer.run(1.0);
+        printer.order(Order::SelfTest);
+        printer.run_until(600.0, |printer| printer.status.heat().self_test() != SelfTest::Testing);
+        assert_eq!(
+            (printer.status.heat().self_test(), printer.fault()),
+            (SelfTest::Passed, None),
+            "{heater:?} {joule}"
+        );
+        let (tuning, time) = tune(&mut printer, heater, target);
+        assert_eq!((printer.fault(), tuning), (None, Tuning::Done), "{heater:?} {watt} W, {joule} J/K");
+        let found = JoulesPerKelvin::from_bits(printer.status.heat().tuned().capacity).to_num::<f64>();
+        println!("{heater:?} of {watt} W and {joule} J/K: {found:.1} J/K after {time:.0} s");
+        assert!((found / joule - 1.0).abs() < 0.25, "{found} for {joule} J/K");
+    }
 }
 
 #[test]

@@ -223,6 +223,19 @@ fn diagnosis_has_the_fault_and_the_heaters() {
     );
 }
 
+/// On 6f0e814, it gave 130 J/K for a hotend of 10.8.
+#[test]
+fn a_tuning_of_a_hot_hotend_cools_it_first_and_says_so() {
+    let heard = talk(&machine(&[Heater::Hotend]), 420_000, &["M109 S215", "M303 E0 S215 C3", "M105"]);
+    assert!(has(&heard, "echo:it is too hot to begin and cools first, M108 ends that"), "{heard:?}");
+    let found = heard.iter().find_map(|line| line.strip_prefix("echo:hotend: ")?.split_once(" J/K"));
+    let capacity: f64 = found.unwrap().0.parse().unwrap();
+    assert!((capacity - 10.8).abs() < 1.0, "{capacity}");
+    // So near to the room's temperature nothing swings.
+    let heard = talk(&machine(&[Heater::Bed]), 1000, &["M303 E-1 S25 C3", "M105"]);
+    assert_eq!(heard[0], "echo:M303 ignored: S is the temperature to tune at, 40 or more");
+}
+
 #[test]
 fn a_tuning_without_swings_is_ended_by_m108_and_leaves_the_heater_off() {
     let heard = talk(&machine(&[Heater::Bed]), 6000, &["M303 E-1 S40", "3000:M108", "M105"]);

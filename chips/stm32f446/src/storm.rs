@@ -97,7 +97,7 @@ mod tests {
         note(67);
         assert_eq!(
             fault().map(|fault| fault.to_string()),
-            Some("interrupt 38: came without end (interrupt storm), masked [E25]".into())
+            Some("interrupt 38: came without end (interrupt storm), masked [E25]: reset, and report it with what M122 says".into())
         );
     }
 }

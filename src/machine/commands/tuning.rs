@@ -12,12 +12,15 @@ use crate::machine::state::clamps::Clamps;
 use crate::machine::state::waiting::Waiting;
 use crate::port::Pend;
 use crate::settings::{HeaterSettings, Pid, Range, ranges};
-use crate::status::{Tuned, Tuning};
+use crate::status::{Tuned, Tuning, TuningFailure};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
 
 /// M303 without C, and its range: the relay experiment throws the first swing away.
 const CYCLES: u16 = 5;
 const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
+
+/// Nearer to a room's temperature nothing swings.
+const LEAST_TARGET: Celsius = Celsius::const_from_int(40);
 
 /// The arguments of M303.
 #[derive(Clone, Copy)]
@@ -48,8 +51,8 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     let target = clamps.near_of(["M303", "S"], target.unwrap_or(default), range, None);
     let cycles = cycles.map_or(Some(CYCLES), |cycles| clamps.whole_of(["M303", "C"], cycles, CYCLE_RANGE, None));
     let (Some(target), Some(cycles)) = (target, cycles) else { return Ok(Answer::Nothing) };
-    if target == Celsius::ZERO {
-        return Ok(Answer::Line("echo:M303 ignored: S is the temperature to tune at"));
+    if target < LEAST_TARGET {
+        return Ok(Answer::Line("echo:M303 ignored: S is the temperature to tune at, 40 or more"));
     }
     crank.finish().await?;
     crank.tell(Answer::Line("PID Autotune start")).await?;
@@ -62,8 +65,9 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     // Done, failed or ended by M108, M410: in any case it is over.
     crank.heat(heater, Celsius::ZERO);
     crank.send_orders();
-    let Some(tuned) = found? else {
-        return Ok(Answer::Line("PID Autotune failed! It was ended, or the temperature did not swing as it should"));
+    let tuned = match found? {
+        Ok(tuned) => tuned,
+        Err(failure) => return Ok(Answer::Line(way_out(failure))),
     };
     if applies {
         apply(&tuned, crank.settings_mut().thermal.heater_mut(heater));
@@ -73,18 +77,37 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     Ok(if applies { Answer::Nothing } else { Answer::Line("echo:nothing is changed, M303 U1 uses what it finds") })
 }
 
-/// Waits for the end of a tuning; `None` if it failed, or M108 ended it.
+/// Why a tuning found nothing, and what to do. Hosts look for Marlin's words.
+const fn way_out(failure: Option<TuningFailure>) -> &'static str {
+    match failure {
+        None => "PID Autotune failed! It was ended",
+        Some(TuningFailure::StaysHot) => {
+            "PID Autotune failed! It does not cool down: switch off what warms it, or give a higher S"
+        }
+        Some(TuningFailure::OutOfReach) => {
+            "PID Autotune failed! Full power does not reach S: give a lower one, or check heater and supply"
+        }
+        Some(TuningFailure::NoSwing) => {
+            "PID Autotune failed! The temperature does not swing: check how the sensor sits, or give another S"
+        }
+        Some(TuningFailure::Impossible) => {
+            "PID Autotune failed! No heater is like that: set its power (M306 P), check how the sensor sits"
+        }
+    }
+}
+
+/// Waits for the end of a tuning: why it failed, or nothing if M108 ended it.
 async fn await_tuning<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     heater: Heater,
-) -> Result<Option<Tuned>, Interrupt> {
+) -> Result<Result<Tuned, Option<TuningFailure>>, Interrupt> {
     // The first state that is told is that of an earlier tuning.
     let status = crank.status();
     while !crank.are_orders_gone() {
         crank.turn().await?;
     }
     let begun = status.heat().periods();
-    let (mut next_line, mut cycle) = (crank.now(), 0);
+    let (mut next_line, mut cycle, mut is_cooling) = (crank.now(), 0, false);
     while !crank.pauses().is_over() {
         let now = crank.now();
         if now >= next_line {
@@ -93,18 +116,24 @@ async fn await_tuning<P: PortSet, W: Pend>(
         }
         if status.heat().periods().wrapping_sub(begun) > 2 {
             match status.heat().tuning() {
-                Tuning::Done => return Ok(Some(status.heat().tuned())),
+                Tuning::Done => return Ok(Ok(status.heat().tuned())),
+                Tuning::Cooling => {
+                    if !core::mem::replace(&mut is_cooling, true) {
+                        crank.tell(Answer::Line("echo:it is too hot to begin and cools first, M108 ends that")).await?;
+                    }
+                }
                 Tuning::Cycle(done) => {
                     if core::mem::replace(&mut cycle, done) != done {
                         crank.tell(Answer::TuningCycle(heater, done)).await?;
                     }
                 }
-                Tuning::None | Tuning::Failed => return Ok(None),
+                Tuning::None => return Ok(Err(None)),
+                Tuning::Failed(failure) => return Ok(Err(Some(failure))),
             }
         }
         crank.turn().await?;
     }
-    Ok(None)
+    Ok(Err(None))
 }
 
 /// Takes over what M303 has found. The two lags cannot be told apart, so each gets half. A loss to the part fan that

@@ -62,7 +62,7 @@ pub(in crate::machine) fn say_heat(
     targets: [Celsius; HEATERS],
 ) {
     match fault_latch.fault() {
-        Some(fault) => to.say(format_args!("echo:fault: {fault}, {} more since", fault_latch.more())),
+        Some(fault) => to.say(format_args!("echo:fault: {fault}; {} more since", fault_latch.more())),
         None => to.say(format_args!("echo:fault: none")),
     }
     for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(h, _)| thermal.heater(*h).is_fitted) {

@@ -1,8 +1,10 @@
 //! Heat: heaters with their sensors, models and guards, and fans.
 
+mod bounds;
 mod fans;
 mod heater;
 
+pub use bounds::Bounds;
 pub use fans::{FanRole, FanSettings};
 pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
 

@@ -1,8 +1,9 @@
 //! What a tuning finds from what it has seen.
 
 use super::{HYSTERESIS, Tune, above_room};
-use crate::status::Tuned;
+use crate::status::{Tuned, TuningFailure};
 use crate::thermal::fixed_point::RATE;
+use crate::units::{JoulesPerKelvin, Seconds, Watts};
 
 /// k for s / (r + s) of 0/16 to 16/16, times 4096: -x s/(r+s) + 2 - (2 + x) e^-x, where (1 + x) e^-x is s/(r+s).
 const RISE_AFTER_CUT: [i64; 17] =
@@ -10,8 +11,19 @@ const RISE_AFTER_CUT: [i64; 17] =
 
 impl Tune {
     /// What was found.
-    #[must_use]
-    pub fn find(&self) -> Option<Tuned> {
+    ///
+    /// # Errors
+    /// No heater of this kind and power is like that.
+    pub fn find(&self) -> Result<Tuned, TuningFailure> {
+        let found = self.figures().ok_or(TuningFailure::Impossible)?;
+        let power = Watts::from_bits(self.power.to_bits().cast_unsigned() >> 4);
+        let is_within = self.bounds.capacity(power).holds(JoulesPerKelvin::from_bits(found.capacity))
+            && self.bounds.lag.holds(Seconds::from_bits(found.lag));
+        if is_within { Ok(found) } else { Err(TuningFailure::Impossible) }
+    }
+
+    /// The figures, whatever they are.
+    fn figures(&self) -> Option<Tuned> {
         let power = i64::from(self.power.to_bits());
         let loss = self.still.loss(power)?;
         let fan_loss = if self.has_fan { (self.blown.loss(power)? - loss).max(0) } else { 0 };

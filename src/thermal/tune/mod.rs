@@ -19,15 +19,19 @@
 //! a each, the sensor's slope is then -s + (r + s) (1 + x) e^-x with x = t / a. Where this is 0 the sensor peaks; it has risen by
 //! a (r + s) k since the cut. k depends only on s / (r + s); [`RISE_AFTER_CUT`] tabulates it.
 //!
-//! All guards but the one for a lost target stay on.
+//! It begins in the cold half of the way from the room to the target: what is hotter cools first. So there is a way up to look at,
+//! and the slope half-way is that of full power. No step believes the heater's model: cooling, rising and swinging have to go on, and
+//! what was found has to be a heater of its kind and power ([`Bounds`]).
+//!
+//! All guards stay on but those of a lost target and of the model.
 
 mod find;
 mod swings;
 
 use super::fixed_point::{Power, RATE, saturated};
 use super::room::ROOM;
-use crate::settings::HeaterSettings;
-use crate::status::Tuning;
+use crate::settings::{Bounds, HeaterSettings};
+use crate::status::{Tuning, TuningFailure};
 use crate::units::Celsius;
 use swings::Swings;
 
@@ -47,9 +51,18 @@ const HYSTERESIS: Celsius = Celsius::const_from_int(1);
 /// Half-way up, from where the slope counts: the parts of the way that are done, in 256ths.
 const HALF_WAY: i64 = 128;
 
+/// Cooling and rising have to go on, by a kelvin in so many periods: 5 minutes, half of what the floor's guard allows a
+/// hotend. A bed of 5500 J/K with 220 W gains one in 4 minutes when a tenth of its power is left.
+const STALLED: u32 = 5 * 60 * RATE.unsigned_abs();
+
+/// The peaks are those of a reading that is smoothed over 1/2^4 of its history: 0.3 s.
+const SMOOTHING: u32 = 4;
+
 /// Where the tuning stands.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Phase {
+    /// Without power, until it is cold enough.
+    Cool,
     /// At full power, up to the target.
     Rise,
     /// Without power, until the sensor has peaked.
@@ -68,7 +81,13 @@ pub struct Tune {
     /// The part fan cools this heater.
     has_fan: bool,
     power: Power,
+    bounds: &'static Bounds,
     phase: Phase,
+    /// The reading without its noise.
+    smooth: Celsius,
+    /// The farthest that cooling or rising has come, and periods since then.
+    farthest: Celsius,
+    stalled: u32,
     is_on: bool,
     /// Periods of this phase or cycle.
     periods: u32,
@@ -106,15 +125,30 @@ impl Swing {
 impl Tune {
     /// A tuning around `target` with so many swings that count, of a heater that is at `measured`.
     #[must_use]
-    pub fn new(settings: &HeaterSettings, target: Celsius, cycles: u8, has_fan: bool, measured: Celsius) -> Self {
-        let power = Power::from_bits(saturated(i64::from(settings.power.to_bits()) << 4));
+    pub fn new(
+        settings: &HeaterSettings,
+        target: Celsius,
+        cycles: u8,
+        has_fan: bool,
+        bounds: &'static Bounds,
+        measured: Celsius,
+    ) -> Self {
+        // W with 20 fractional bits; power and duty have 16 each.
+        let most = u64::from(settings.max_duty.to_bits().min(1 << 16));
+        let power = (u64::from(settings.power.to_bits()) * most) >> 12;
+        let power = Power::from_bits(saturated(power.cast_signed()));
+        let phase = if measured > cold_enough(target) { Phase::Cool } else { Phase::Rise };
         Self {
             target,
             cycles: cycles.clamp(3, 20),
             has_fan,
             power,
-            phase: Phase::Rise,
-            is_on: true,
+            bounds,
+            phase,
+            smooth: measured,
+            farthest: measured,
+            stalled: 0,
+            is_on: phase == Phase::Rise,
             periods: 0,
             half_way: None,
             begun_at: measured,
@@ -132,13 +166,17 @@ impl Tune {
     /// How far it has come.
     #[must_use]
     pub fn state(&self) -> Tuning {
-        self.result.unwrap_or(Tuning::Cycle(self.still.done + self.blown.done))
+        let going_on = match self.phase {
+            Phase::Cool => Tuning::Cooling,
+            Phase::Rise | Phase::Peak | Phase::Swing | Phase::Blown => Tuning::Cycle(self.still.done + self.blown.done),
+        };
+        self.result.unwrap_or(going_on)
     }
 
     /// Whether the part fan is to run at full speed, and else to stand still; nothing once it is over.
     #[must_use]
     pub fn fan(&self) -> Option<bool> {
-        (self.has_fan && self.result.is_none()).then_some(self.phase == Phase::Blown)
+        (self.has_fan && self.result.is_none()).then_some(matches!(self.phase, Phase::Cool | Phase::Blown))
     }
 
     /// The duty for the next control period, of 65,535.
@@ -147,19 +185,40 @@ impl Tune {
             return 0;
         }
         self.periods += 1;
-        if self.periods > LONGEST {
-            self.result = Some(Tuning::Failed);
-            return 0;
-        }
+        self.smooth = self.smooth.saturating_add(measured.saturating_sub(self.smooth) >> SMOOTHING);
         match self.phase {
+            Phase::Cool => self.cool(measured),
             Phase::Rise => self.rise(measured),
-            Phase::Peak => self.peak(measured),
+            Phase::Peak => self.peak(),
             Phase::Swing | Phase::Blown => self.swing(measured),
         }
         if self.is_on && self.result.is_none() { most } else { 0 }
     }
 
+    fn cool(&mut self, measured: Celsius) {
+        self.go_on(self.farthest.saturating_sub(self.smooth), TuningFailure::StaysHot);
+        if self.smooth <= cold_enough(self.target) {
+            (self.phase, self.is_on, self.periods) = (Phase::Rise, true, 0);
+            (self.begun_at, self.farthest, self.stalled) = (measured, measured, 0);
+        }
+    }
+
+    /// It has come so much farther than at the last kelvin; if that takes too long, it has failed.
+    fn go_on(&mut self, farther: Celsius, failure: TuningFailure) {
+        self.stalled += 1;
+        if farther >= Celsius::ONE {
+            (self.farthest, self.stalled) = (self.smooth, 0);
+        } else if self.stalled > STALLED {
+            self.fail(failure);
+        }
+    }
+
+    const fn fail(&mut self, failure: TuningFailure) {
+        self.result = Some(Tuning::Failed(failure));
+    }
+
     fn rise(&mut self, measured: Celsius) {
+        self.go_on(self.smooth.saturating_sub(self.farthest), TuningFailure::OutOfReach);
         let way = i64::from(self.target.saturating_sub(self.begun_at).to_bits());
         let gone = i64::from(measured.saturating_sub(self.begun_at).to_bits());
         if self.half_way.is_none() && gone * 256 >= way * HALF_WAY {
@@ -173,18 +232,16 @@ impl Tune {
         }
         let Some((_, since)) = self.half_way else { return };
         self.rise_periods = self.periods - since;
-        self.cut_at = measured;
-        if self.rise_periods == 0 {
-            // It was there already: cool down and begin from the first swing without model.
-            self.result = Some(Tuning::Failed);
-            return;
-        }
+        (self.cut_at, self.smooth) = (measured, measured);
         (self.phase, self.is_on, self.periods, self.swing.most) = (Phase::Peak, false, 0, measured);
     }
 
-    fn peak(&mut self, measured: Celsius) {
-        self.swing.most = self.swing.most.max(measured);
-        if self.swing.most.saturating_sub(measured) < Celsius::lit("0.5") {
+    fn peak(&mut self) {
+        self.swing.most = self.swing.most.max(self.smooth);
+        if self.swing.most.saturating_sub(self.smooth) < Celsius::lit("0.5") {
+            if self.periods > LONGEST {
+                self.fail(TuningFailure::NoSwing);
+            }
             return;
         }
         self.after_cut = i64::from(self.swing.most.saturating_sub(self.cut_at).to_bits());
@@ -193,7 +250,7 @@ impl Tune {
 
     fn swing(&mut self, measured: Celsius) {
         let swing = &mut self.swing;
-        (swing.least, swing.most) = (swing.least.min(measured), swing.most.max(measured));
+        (swing.least, swing.most) = (swing.least.min(self.smooth), swing.most.max(self.smooth));
         swing.on += u32::from(self.is_on);
         swing.warmth += above_room(measured);
         if self.is_on && measured > self.target.saturating_add(HYSTERESIS) {
@@ -202,6 +259,8 @@ impl Tune {
             // A swing ends where the power comes back.
             self.is_on = true;
             self.end_swing();
+        } else if self.periods > LONGEST {
+            self.fail(TuningFailure::NoSwing);
         }
     }
 
@@ -220,9 +279,14 @@ impl Tune {
         if self.has_fan && !is_blown {
             self.phase = Phase::Blown;
         } else {
-            self.result = Some(if self.find().is_some() { Tuning::Done } else { Tuning::Failed });
+            self.result = Some(self.find().map_or_else(Tuning::Failed, |_| Tuning::Done));
         }
     }
+}
+
+/// The hottest that a tuning around `target` may begin at: half-way from the room.
+fn cold_enough(target: Celsius) -> Celsius {
+    ROOM.saturating_add(target.saturating_sub(ROOM) / 2)
 }
 
 /// K above the room, with 8 fractional bits.
