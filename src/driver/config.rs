@@ -1,7 +1,7 @@
 //! Configuration: what a driver's registers must hold, given the settings. Which of them are read back is `AFTER` in `run`.
 
 use super::registers::{Register, chopconf, gconf, gstat};
-use crate::motors::{Motor, MotorSet};
+use crate::motors::Motor;
 use crate::settings::{DriverSettings, Settings};
 use crate::units::{StepsPerMm, mul_div};
 
@@ -63,15 +63,7 @@ impl Config {
     /// What the driver of `motor` must hold.
     #[must_use]
     pub fn new(motor: Motor, settings: &Settings) -> Self {
-        let drivers = &settings.drivers;
-        let group = if MotorSet::BELT.has(motor) {
-            &drivers.belt
-        } else if MotorSet::Z.has(motor) {
-            &drivers.z
-        } else {
-            &drivers.e
-        };
-        Self::of(group, settings.steps_per_mm(motor))
+        Self::of(settings.drivers.of(motor).0, settings.steps_per_mm(motor))
     }
 
     fn of(d: &DriverSettings, steps_per_mm: StepsPerMm) -> Self {

@@ -7,7 +7,8 @@ use super::{
     AxisEnd, AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper,
 };
 use crate::connectors::Heater;
-use crate::kinematics::MechanismError;
+use crate::kinematics::{MechanismError, multiple};
+use crate::motors::Motor;
 use crate::units::{
     Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
 };
@@ -180,6 +181,16 @@ pub enum SettingsError {
     TooManySteps(&'static str),
     /// Two axes share motors, so they need the same steps a millimetre.
     ResolutionsDiffer(&'static str),
+    /// These motors move an axis together, and a full step of theirs is not the same length: with their rows, and these
+    /// microsteps of the drivers of these keys.
+    MicrostepsDiffer {
+        /// The motors.
+        motors: [Motor; 2],
+        /// Microsteps of their drivers.
+        microsteps: [u16; 2],
+        /// Keys of their drivers in machine files.
+        keys: [&'static str; 2],
+    },
     /// The motors are those of no machine.
     Mechanism(MechanismError),
     /// Microsteps of these drivers are no power of two.
@@ -200,6 +211,13 @@ impl core::fmt::Display for SettingsError {
                 write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE)
             }
             Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
+            Self::MicrostepsDiffer { motors: [a, b], microsteps: [of_a, of_b], keys: [key_a, key_b] } => write!(
+                f,
+                "motors {} and {} move the same axis with {of_a} and {of_b} microsteps, and one would go further than the \
+                 other: set {key_a}.microsteps and {key_b}.microsteps alike",
+                a.name(),
+                b.name()
+            ),
             Self::Mechanism(error) => error.fmt(f),
             Self::HomingOrder => f.write_str("homing.order names x, y and z once each"),
             Self::Circulation => {
@@ -399,8 +417,30 @@ impl Settings {
         driver(&self.drivers.belt, "drivers.belt")?;
         driver(&self.drivers.z, "drivers.z")?;
         driver(&self.drivers.e, "drivers.e")?;
+        self.check_microsteps()?;
         within(ranges::CRUISE_RATIO, self.minimum_cruise_ratio, "minimum_cruise_ratio")?;
         thermal(&self.thermal)
+    }
+
+    /// Checks that motors which move an axis together go equally far in a full step, as far as their drivers have a say. With the
+    /// same microsteps their rows may differ, for pulleys may; with others, rows must be in the same ratio.
+    fn check_microsteps(&self) -> Result<(), SettingsError> {
+        let rows = || Motor::ALL.into_iter().zip(self.mechanism.rows);
+        for (a, row) in rows() {
+            for (b, other) in rows().skip(a as usize + 1) {
+                let shares = row.iter().zip(other).any(|(times, others)| *times != 0 && others != 0);
+                let ((first, key), (second, other_key)) = (self.drivers.of(a), self.drivers.of(b));
+                let microsteps = [first.microsteps, second.microsteps];
+                let full_steps = |row, other: u16| u32::from(multiple(row).unsigned_abs()) * u32::from(other);
+                if shares
+                    && first.microsteps != second.microsteps
+                    && full_steps(row, second.microsteps) != full_steps(other, first.microsteps)
+                {
+                    return Err(SettingsError::MicrostepsDiffer { motors: [a, b], microsteps, keys: [key, other_key] });
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Checks that axes which share motors have the same resolution: a motor has one.

@@ -1,5 +1,6 @@
 //! Drivers: what each group of motors asks of its TMC2209s.
 
+use crate::motors::{Motor, MotorSet};
 use crate::units::MmPerSec;
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +33,18 @@ pub struct DriverGroups {
 }
 
 impl DriverGroups {
+    /// The settings of a motor's driver, and their key in machine files.
+    #[must_use]
+    pub fn of(&self, motor: Motor) -> (&DriverSettings, &'static str) {
+        if MotorSet::BELT.has(motor) {
+            (&self.belt, "drivers.belt")
+        } else if MotorSet::Z.has(motor) {
+            (&self.z, "drivers.z")
+        } else {
+            (&self.e, "drivers.e")
+        }
+    }
+
     /// 800 mA, and half of it at rest, are Marlin's defaults (Configuration_adv.h: X_CURRENT,
     /// HOLD_MULTIPLIER), which suit any NEMA 17 motor of 1.2 A or more. The ball screws hold with all of it:
     /// they are not self-locking. spreadCycle, because Klipper's TMC_Drivers.md advises it where position

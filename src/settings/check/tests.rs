@@ -121,6 +121,15 @@ fn errors_name_the_setting_that_is_wrong() {
         (SettingsError::OutOfRange("homing.y"), "homing.y is outside its legal range"),
         (SettingsError::TooManySteps("axes.y"), "axes.y: speed limit x steps_per_mm is above 500000 steps/s"),
         (SettingsError::ResolutionsDiffer("x and y"), "x and y share motors: their steps_per_mm must be equal"),
+        (
+            SettingsError::MicrostepsDiffer {
+                motors: [Motor::M1, Motor::Z1],
+                microsteps: [16, 32],
+                keys: ["drivers.belt", "drivers.z"],
+            },
+            "motors m1 and z1 move the same axis with 16 and 32 microsteps, and one would go further than the other: set \
+             drivers.belt.microsteps and drivers.z.microsteps alike",
+        ),
         (SettingsError::NoSuchMicrosteps("drivers.z"), "drivers.z: microsteps are 1, 2, 4 and so on up to 256"),
     ];
     for (error, text) in texts {
@@ -162,4 +171,41 @@ fn two_heaters_that_are_fitted_share_no_output_and_no_sensor() {
     s.thermal.heaters.bed.sensor = s.thermal.heaters.hotend.sensor;
     assert_eq!(heaters(&mut s, true, true), Err(SettingsError::SharedHeater("sensor")));
     assert_eq!([heaters(&mut s, true, false), heaters(&mut s, false, true)], [Ok(()); 2]);
+}
+
+/// Reproducer: a gantry on four screws, two of them on drivers of the belt with 16 microsteps and two with 32, was legal and would
+/// have racked.
+#[test]
+fn motors_of_an_axis_go_equally_far_in_a_full_step_unless_their_pulleys_differ() {
+    let z = [0, 0, 1, 0];
+    let machine = |m1, m8, z1, belt, screws| {
+        let mut s = Settings::prototype();
+        s.belt.is_closed = false;
+        s.mechanism.rows = [m1, [1, -1, 0, 0], m8, [1, 1, 0, 0], z1, z, [0, 0, 0, 1]];
+        (s.drivers.belt.microsteps, s.drivers.z.microsteps) = (belt, screws);
+        s.check_machine()
+    };
+    let differ = |motors, microsteps| {
+        Err(SettingsError::MicrostepsDiffer { motors, microsteps, keys: ["drivers.belt", "drivers.z"] })
+    };
+    assert_eq!(machine(z, z, z, 16, 16), Ok(()));
+    assert_eq!(machine(z, z, z, 32, 32), Ok(()));
+    assert_eq!(machine(z, z, z, 16, 32), differ([Motor::M1, Motor::Z1], [16, 32]));
+    // Other microsteps of another axis are its own affair, and so are those of the extruder.
+    assert_eq!(machine([0; 4], [0; 4], z, 16, 32), Ok(()));
+    let mut alone = Settings::prototype();
+    (alone.drivers.z.microsteps, alone.drivers.e.microsteps) = (32, 64);
+    assert_eq!(alone.check_machine(), Ok(()));
+    // Motors of x and y: a row twice as great goes with twice the microsteps; other pulleys go with the same ones.
+    let belts = |m11, z1, belt, screws| {
+        let mut s = Settings::prototype();
+        s.belt.is_closed = false;
+        s.mechanism.rows = [[0; 4], [0; 4], z, m11, z1, [0; 4], [0, 0, 0, 1]];
+        (s.drivers.belt.microsteps, s.drivers.z.microsteps) = (belt, screws);
+        s.check()
+    };
+    assert_eq!(belts([1, 1, 0, 0], [2, -2, 0, 0], 16, 32), Ok(()));
+    assert_eq!(belts([4, 4, 0, 0], [5, -5, 0, 0], 16, 16), Ok(()));
+    assert_eq!(belts([1, 1, 0, 0], [1, -1, 0, 0], 16, 32), differ([Motor::M11, Motor::Z1], [16, 32]));
+    assert_eq!(belts([4, 4, 0, 0], [5, -5, 0, 0], 16, 32), differ([Motor::M11, Motor::Z1], [16, 32]));
 }

@@ -326,6 +326,12 @@ fn values_that_are_illegal_today_are_rejected() {
     s.axes.x.steps_per_mm = StepsPerMm::from_num(160);
     let record = forge(FORMAT, &payload(&s));
     assert_eq!(decode(&record), Err(Rejected::Illegal(SettingsError::ResolutionsDiffer("x and y"))));
+    let mut s = Settings::prototype();
+    s.drivers.z.microsteps = 32;
+    assert!(decode(&forge(FORMAT, &payload(&s))).is_ok());
+    s.mechanism.rows[1] = [0, 0, 1, 0];
+    let record = decode(&forge(FORMAT, &payload(&s)));
+    assert!(matches!(record, Err(Rejected::Illegal(SettingsError::MicrostepsDiffer { .. }))), "{record:?}");
 }
 
 #[test]

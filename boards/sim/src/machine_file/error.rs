@@ -114,6 +114,11 @@ impl MachineFileError {
             Self::Settings(SettingsError::OutOfRange(key)) => (*key).to_owned(),
             Self::Settings(SettingsError::TooManySteps(table)) => format!("{table}.max_speed"),
             Self::Settings(SettingsError::NoSuchMicrosteps(table)) => format!("{table}.microsteps"),
+            Self::Settings(SettingsError::MicrostepsDiffer { keys, .. }) => {
+                // The second one is as good a place as the first.
+                let keys = keys.map(|key| Place::of_key(text, &format!("{key}.microsteps")));
+                return keys.into_iter().flatten().last();
+            }
             Self::Settings(SettingsError::ResolutionsDiffer(axes)) => {
                 // Two axes by their names; the second one is as good a place as the first.
                 let axes = axes.split(" and ").map(|axis| format!("axes.{axis}.steps_per_mm"));
