@@ -45,6 +45,9 @@ pub enum Command<'a> {
         shape: ArcShape,
         /// P: total number of turns, at least 1 (RS-274/NGC section 3.5.3).
         turns: u16,
+        /// Most decimals of its coordinates as they are written, up to 5: places that differ by less than the last may
+        /// be one.
+        decimals: u8,
     },
     /// G4: wait this many milliseconds after the motion so far.
     Dwell {

@@ -104,7 +104,15 @@ fn with_belt<'a>(command: Command<'a>, text: &[u8]) -> Command<'a> {
 fn arc(clockwise: bool, text: &[u8]) -> Command<'static> {
     let mut to = AxisWords::default();
     let (mut feed, mut i, mut j, mut k, mut radius, mut turns) = (None, None, None, None, None, None);
-    for word in Words::new(text) {
+    let mut decimals = 0;
+    let mut words = Words::new(text);
+    let mut remaining = text;
+    while let Some(word) = words.next() {
+        let written = remaining.get(..remaining.len() - words.remaining().len()).unwrap_or_default();
+        remaining = words.remaining();
+        if matches!(word.letter, b'X' | b'Y' | b'Z' | b'I' | b'J' | b'K' | b'R') {
+            decimals = decimals.max(decimals_of(written));
+        }
         match word.letter {
             b'F' => feed = word.number,
             b'I' => i = word.number,
@@ -124,7 +132,17 @@ fn arc(clockwise: bool, text: &[u8]) -> Command<'static> {
         }
     };
     let turns = turns.map_or(1, Number::to_u32).clamp(1, u32::from(u16::MAX)) as u16;
-    Command::Arc { clockwise, to, feed, shape, turns }
+    Command::Arc { clockwise, to, feed, shape, turns, decimals }
+}
+
+/// Decimals that count: the fifth of an inch is a quarter of a micrometre.
+const MOST_DECIMALS: usize = 5;
+
+/// Decimals of the number that `written` ends with.
+fn decimals_of(written: &[u8]) -> u8 {
+    let number = written.rsplit(u8::is_ascii_alphabetic).next().unwrap_or_default();
+    let decimals = number.split(|byte| *byte == b'.').nth(1).unwrap_or_default();
+    decimals.iter().take_while(|byte| byte.is_ascii_digit()).take(MOST_DECIMALS).count() as u8
 }
 
 /// G4. The sum stays below the largest number, so that it can be printed and read again.

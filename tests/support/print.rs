@@ -25,10 +25,22 @@ impl Display for Printed<'_> {
                 word(f, 'C', Some(belt))?;
                 word(f, 'F', feed)
             }
-            Command::Arc { clockwise, to, feed, shape, turns } => {
+            Command::Arc { clockwise, to, feed, shape, turns, decimals } => {
                 f.write_str(if clockwise { "G2" } else { "G3" })?;
-                axes(f, to)?;
-                arc(f, shape)?;
+                let (i, j, k, r) = match shape {
+                    ArcShape::Centre { i, j, k } => (Some(i), Some(j), Some(k).filter(|k| *k != Number::ZERO), None),
+                    ArcShape::Radius(r) => (None, None, None, Some(r)),
+                    ArcShape::Missing => (None, None, None, None),
+                };
+                let all = [('X', to.x), ('Y', to.y), ('Z', to.z), ('I', i), ('J', j), ('K', k), ('R', r)];
+                let mut words: Vec<_> = all.into_iter().filter_map(|(l, n)| Some(format!("{l}{}", n?))).collect();
+                // One has as many decimals as the line has to show.
+                let shown = words.iter().map(|word| decimals_of(word)).max();
+                if let Some(last) = words.last_mut().filter(|_| shown < Some(usize::from(decimals))) {
+                    *last = padded(last, usize::from(decimals));
+                }
+                words.iter().try_for_each(|word| write!(f, " {word}"))?;
+                word(f, 'E', to.e)?;
                 if turns > 1 {
                     write!(f, " P{turns}")?;
                 }
@@ -330,14 +342,13 @@ fn flags(f: &mut Formatter<'_>, code: &str, named: AxisFlags) -> fmt::Result {
     Ok(())
 }
 
-/// The centre or radius of an arc.
-fn arc(f: &mut Formatter<'_>, shape: ArcShape) -> fmt::Result {
-    match shape {
-        ArcShape::Centre { i, j, k } => {
-            write!(f, " I{i} J{j}")?;
-            word(f, 'K', Some(k).filter(|k| *k != Number::ZERO))
-        }
-        ArcShape::Radius(radius) => write!(f, " R{radius}"),
-        ArcShape::Missing => Ok(()),
-    }
+/// The decimals of a word.
+fn decimals_of(word: &str) -> usize {
+    word.split_once('.').map_or(0, |(_, decimals)| decimals.len())
+}
+
+/// A word with so many decimals.
+fn padded(word: &str, decimals: usize) -> String {
+    let point = if word.contains('.') { "" } else { "." };
+    format!("{word}{point}{}", "0".repeat(decimals - decimals_of(word)))
 }

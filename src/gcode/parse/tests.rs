@@ -124,7 +124,7 @@ fn every_axis_has_its_value() {
     let shape = ArcShape::Radius(Number::from(6));
     for clockwise in [true, false] {
         let line = std::format!("G{} X1 Y2 Z3 E4 F5 R6", if clockwise { 2 } else { 3 });
-        assert_eq!(parse(line.as_bytes()), Command::Arc { clockwise, to, feed, shape, turns: 1 });
+        assert_eq!(parse(line.as_bytes()), Command::Arc { clockwise, to, feed, shape, turns: 1, decimals: 0 });
     }
     assert_eq!(parse(b"G92 X1 Y2 Z3 E4"), Command::SetPosition(to));
     assert_eq!(parse(b"M92 X1 Y2 Z3 E4"), Command::StepsPerMm(to));

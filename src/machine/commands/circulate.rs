@@ -1,6 +1,6 @@
 //! C in G0 and G1: the belt runs round, with the tool standing or moving in x and y.
 
-use super::moves::Moves;
+use super::moves::{Moves, moving};
 use crate::gcode::{AxisWords, Flaw, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::belt::circulate::run_round;
@@ -27,7 +27,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let speed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
         let wanted = self.target(to).await?.position;
         let at = self.crank.commanded().position();
-        if !self.may_move([0, 1, 2].map(|axis| wanted.get(axis) != at.get(axis))).await? {
+        if !self.may_move(moving(at, wanted)).await? {
             return Ok(Answer::NotHomed);
         }
         let (inside, moved) = clamp(wanted, at, self.crank.homed(), self.crank.settings());

@@ -52,8 +52,8 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::Circulate { ref to, belt, feed } => {
             return Outcome::TakesTime(Blocking::Circulate { to, belt, feed });
         }
-        Command::Arc { clockwise, ref to, feed, shape, turns } => {
-            return Outcome::TakesTime(Blocking::Arc(ArcWords { clockwise, to, feed, shape, turns }));
+        Command::Arc { clockwise, ref to, feed, shape, turns, decimals } => {
+            return Outcome::TakesTime(Blocking::Arc(ArcWords { clockwise, to, feed, shape, turns, decimals }));
         }
         Command::Dwell { ms } => return Outcome::TakesTime(Blocking::Dwell { ms }),
         Command::Retract => return Outcome::TakesTime(Blocking::Retract),

@@ -2,7 +2,7 @@
 //!
 //! Each ends in `plan` of the crank, which waits until there is room for the move.
 
-use super::arcs::arc::{Arc, Shape, join, split};
+use super::arcs::arc::{Arc, Shape, Way, join, split};
 use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
 use crate::gcode::{ArcShape, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
@@ -12,8 +12,8 @@ use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
-use crate::machine::state::commanded::Wanted;
-use crate::machine::state::modal::{FARTHEST, Modal};
+use crate::machine::state::commanded::{LEAST_FILAMENT, Wanted};
+use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::retraction::{RetractionMove, RetractionSettings};
 use crate::machine::state::soft_endstops::clamp;
@@ -30,6 +30,7 @@ pub(in crate::machine) struct ArcWords<'c> {
     pub feed: Option<Number>,
     pub shape: ArcShape,
     pub turns: u16,
+    pub decimals: u8,
 }
 
 /// Keeps the tool within what any machine could reach; a point of an arc may lie beyond.
@@ -37,6 +38,11 @@ fn bounded(position: [Mm; 4]) -> [Mm; 4] {
     let [x, y, z, e] = position;
     let [x, y, z] = [x, y, z].map(|at| FARTHEST.clamp(at));
     [x, y, z, e]
+}
+
+/// The axes that move between two positions.
+pub(super) fn moving([x, y, z, _]: [Mm; 4], [to_x, to_y, to_z, _]: [Mm; 4]) -> [bool; 3] {
+    [are_apart(x, to_x), are_apart(y, to_y), are_apart(z, to_z)]
 }
 
 /// What a line of motion needs: what goes on meanwhile, what numbers mean, what is told of them, and whether filament may move.
@@ -54,7 +60,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let feed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
         let wanted = self.target(to).await?;
         let at = self.crank.commanded().position();
-        let moves = [0, 1, 2].map(|axis| wanted.position.get(axis) != at.get(axis));
+        let moves = moving(at, wanted.position);
         if !self.may_move(moves).await? {
             return Ok(Answer::NotHomed);
         }
@@ -90,7 +96,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
         let ([.., to], [.., from]) = (position, self.crank.commanded().position());
         let rule = self.crank.settings().belt.alignment;
-        if rule == Alignment::Off || to.wrapping_sub(from) <= 0 || !lacks_alignment(self.crank) {
+        if rule == Alignment::Off || to.wrapping_sub(from) < LEAST_FILAMENT || !lacks_alignment(self.crank) {
             return Ok(true);
         }
         if rule == Alignment::Required {
@@ -150,7 +156,8 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let (start, [sz, se]) = split(plane, self.crank.commanded().position());
         let (end, [ez, ee]) = split(plane, wanted.position);
         let arc = Shape::new(words.shape, plane, |n| self.modal.length(n)).and_then(|shape| {
-            Arc::new(start, end, shape, words.clockwise, words.turns, self.crank.settings().arc_tolerance)
+            let way = Way { clockwise: words.clockwise, turns: words.turns };
+            Arc::new(start, end, shape, way, self.crank.settings().arc_tolerance, self.modal.rounding(words.decimals))
         });
         let arc = match arc {
             Ok(arc) => arc,
@@ -159,7 +166,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
                 return Ok(Answer::Line(error.text()));
             }
         };
-        let [x, y, z, _] = join(plane, [true, true], [sz != ez, false]);
+        let [x, y, z, _] = join(plane, [true, true], [are_apart(sz, ez), false]);
         if !self.may_move([x, y, z]).await? {
             return Ok(Answer::NotHomed);
         }

@@ -7,6 +7,10 @@ use crate::gcode::{AxisWords, Number};
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, part_of};
 
+/// Filament that a program can ask for: half of the fifth decimal, the last that slicers write. Sums of relative moves
+/// are off by less.
+pub(in crate::machine) const LEAST_FILAMENT: Mm = Mm::lit("0.000005");
+
 /// Where the program is.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::machine) struct Commanded {
@@ -147,7 +151,7 @@ impl Commanded {
                 if too_much { e } else { e.wrapping_add(flow) },
             ],
             extrusion,
-            is_held_back: is_cold && asked != Mm::ZERO,
+            is_held_back: is_cold && asked.saturating_abs() >= LEAST_FILAMENT,
             too_much,
             is_too_far,
         }

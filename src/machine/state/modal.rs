@@ -15,6 +15,20 @@ pub(in crate::machine) const PERCENT: Range<u16> = Range { least: 10, most: 999 
 /// The speed of moves before the first F: 50 mm/s suits any axis once its limit is applied.
 const FIRST_FEED: MmPerSec = MmPerSec::const_from_int(50);
 
+/// How far two places of a program may be apart that it means as one: by the last decimal that it writes, but no less
+/// than a micrometre, which binary numbers and G92 may cost, and no more than 10, which a printer can show.
+const ROUNDING: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::lit("0.01") };
+
+/// Whether two places are so far apart that a program can mean it: relative moves, G92 and inches leave less between
+/// them.
+pub(in crate::machine) fn are_apart(one: Mm, other: Mm) -> bool {
+    one.saturating_sub(other).saturating_abs() >= ROUNDING.least
+}
+
+/// The last of so many decimals.
+const LAST_DECIMALS: [Mm; 6] =
+    [Mm::ONE, Mm::lit("0.1"), Mm::lit("0.01"), Mm::lit("0.001"), Mm::lit("0.0001"), Mm::lit("0.00001")];
+
 /// Millimetres an inch, exactly 25.4, as the fraction 127/5.
 const INCH: (u64, u64) = (127, 5);
 
@@ -56,8 +70,18 @@ impl Modal {
 
     /// A number of a line as a length.
     pub fn length(&self, number: Number) -> Mm {
-        let value = number.value();
+        self.unit(number.value())
+    }
+
+    /// A length in the units of lines in mm.
+    fn unit(&self, value: Mm) -> Mm {
         if self.inches { Mm::from_bits(part_of(value.to_bits(), INCH.0, INCH.1)) } else { value }
+    }
+
+    /// How far places are apart at the most that coordinates with so many decimals mean as one.
+    pub fn rounding(&self, decimals: u8) -> Mm {
+        let last = LAST_DECIMALS.get(usize::from(decimals)).copied().unwrap_or(Mm::ZERO);
+        ROUNDING.clamp(self.unit(last))
     }
 
     /// A length as lines give it, to a thousandth.

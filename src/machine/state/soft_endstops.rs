@@ -1,11 +1,12 @@
 //! Soft endstops: targets outside the reachable space are moved to its edge.
 
+use super::modal::are_apart;
 use super::position::Homed;
 use crate::settings::Settings;
 use crate::units::Mm;
 
-/// `position` inside the reachable space, and whether it had to be moved. An axis that was not homed has no
-/// known edges. One that comes `from` outside, where its switch may be, may stay there or come in.
+/// `position` inside the reachable space, and whether it had to be moved by more than rounding. An axis that was not
+/// homed has no known edges. One that comes `from` outside, where its switch may be, may stay there or come in.
 pub(in crate::machine) fn clamp(position: [Mm; 4], from: [Mm; 4], homed: Homed, s: &Settings) -> ([Mm; 4], bool) {
     if !s.soft_endstops {
         return (position, false);
@@ -17,7 +18,8 @@ pub(in crate::machine) fn clamp(position: [Mm; 4], from: [Mm; 4], homed: Homed, 
             *at = (*at).clamp(from.min(Mm::ZERO), from.max(most));
         }
     }
-    (inside, inside != position)
+    let moved = inside.iter().zip(position).any(|(inside, asked)| are_apart(*inside, asked));
+    (inside, moved)
 }
 
 #[cfg(test)]
@@ -31,6 +33,10 @@ mod tests {
         let (at, moved) = clamp(out, [Mm::ZERO; 4], Homed::new([true, true, false]), &s);
         assert!(moved);
         assert_eq!(at, [Mm::ZERO, Mm::from_num(417.6), Mm::from_num(-1), Mm::from_num(-9)]);
+        // Relative moves lead to the edge within their rounding.
+        let edge = [s.axes.x.length + Mm::from_bits(9), Mm::ZERO, Mm::ZERO, Mm::ZERO];
+        let at_edge = clamp(edge, [Mm::ZERO; 4], Homed::new([true; 3]), &s);
+        assert_eq!(at_edge, ([s.axes.x.length, Mm::ZERO, Mm::ZERO, Mm::ZERO], false));
         let off = Settings { soft_endstops: false, ..s };
         assert_eq!(clamp(out, [Mm::ZERO; 4], Homed::new([true; 3]), &off), (out, false));
         // From where the switch is: it may stay or come in, and goes no farther.

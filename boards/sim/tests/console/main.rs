@@ -1,6 +1,7 @@
 //! Conversations with the whole firmware: what a host says, and what it hears.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
+mod arcs;
 mod homing;
 mod legal_settings;
 mod lines;

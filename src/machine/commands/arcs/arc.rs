@@ -3,6 +3,10 @@
 //! Every chord's end is computed from the arc itself, not from the chord before, so nothing adds up. Where
 //! the slicer's rounding makes the radius at the end differ from that at the start, the radius changes
 //! evenly along the arc, and the end is met exactly.
+//!
+//! No two places are compared to the bit: coordinates are rounded to their decimals where they come from, and steps of
+//! relative moves add up. Places nearer than the last decimal (`Modal::rounding`) are one, so an arc between them is a
+//! full turn, and an arc with a radius of half its chord but for that is a half circle.
 
 use super::angle::{TURN, cos_sin, direction};
 use crate::gcode::{ArcShape, Plane};
@@ -80,7 +84,8 @@ pub(in crate::machine) struct Arc {
 }
 
 impl Arc {
-    /// The arc from `start` to `end`; `i`, `j` and `r` of the shape in mm.
+    /// The arc from `start` to `end`; `i`, `j` and `r` of the shape in mm. Chords leave it by the `tolerance` at most,
+    /// and places nearer than `rounding` are one.
     ///
     /// # Errors
     /// If no such arc exists.
@@ -88,9 +93,9 @@ impl Arc {
         start: [Mm; 2],
         end: [Mm; 2],
         shape: Shape,
-        clockwise: bool,
-        turns: u16,
+        Way { clockwise, turns }: Way,
         tolerance: Mm,
+        rounding: Mm,
     ) -> Result<Self, ArcError> {
         let given = match shape {
             Shape::Centre(offset) => offset,
@@ -103,7 +108,7 @@ impl Arc {
         let [ex, ey] = end.map(Mm::to_bits);
         let centre = match shape {
             Shape::Centre([i, j]) => [sx + i.to_bits(), sy + j.to_bits()],
-            Shape::Radius(r) => centre_from_radius([sx, sy], [ex, ey], r.to_bits(), clockwise)?,
+            Shape::Radius(r) => centre_from_radius([sx, sy], [ex, ey], r.to_bits(), clockwise, rounding)?,
         };
         let [cx, cy] = centre;
         let radius = [hypotenuse(sx - cx, sy - cy), hypotenuse(ex - cx, ey - cy)];
@@ -111,13 +116,20 @@ impl Arc {
             return Err(ArcError::ZeroRadius);
         }
         let from = direction(sx - cx, sy - cy);
-        let sweep = if start == end { 0 } else { direction(ex - cx, ey - cy) - from };
+        let is_whole = hypotenuse(ex - sx, ey - sy) < rounding.to_bits().unsigned_abs();
+        let sweep = if is_whole { 0 } else { direction(ex - cx, ey - cy) - from };
         // Counter-clockwise sweeps are in (0, TURN], clockwise ones in [-TURN, 0).
         let once = if clockwise { -((-sweep - 1).rem_euclid(TURN) + 1) } else { (sweep - 1).rem_euclid(TURN) + 1 };
         let more = TURN * i64::from(turns.max(1) - 1);
         let sweep = if clockwise { once - more } else { once + more };
         let chords = chords(sweep, radius[0].max(radius[1]), tolerance).ok_or(ArcError::TooLarge)?;
         Ok(Self { centre, radius, from, sweep, end, chords })
+    }
+
+    /// The angle that is swept, negative if clockwise.
+    #[cfg(test)]
+    pub const fn sweep(&self) -> i64 {
+        self.sweep
     }
 
     /// How many chords it takes.
@@ -138,6 +150,13 @@ impl Arc {
         let [x, y] = self.centre;
         [Mm::from_bits(x + along(cos)), Mm::from_bits(y + along(sin))]
     }
+}
+
+/// Which way round an arc goes, and how often.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Way {
+    pub clockwise: bool,
+    pub turns: u16,
 }
 
 /// An [`ArcShape`] that was given, in mm.
@@ -175,17 +194,28 @@ fn chords(sweep: i64, radius: u64, tolerance: Mm) -> Option<u32> {
 }
 
 /// The centre on the side that R's sign asks for: a positive R sweeps at most half a turn.
-fn centre_from_radius(start: [i64; 2], end: [i64; 2], radius: i64, clockwise: bool) -> Result<[i64; 2], ArcError> {
+///
+/// Rounding moves each end by up to sqrt(2)/2 of the last decimal, half the chord by as much, and R by a half of it:
+/// together by 1.21 of it. Within that, all arcs with such ends are alike, from a little less to a little more than a
+/// half circle; it is the one between.
+fn centre_from_radius(
+    start: [i64; 2],
+    end: [i64; 2],
+    radius: i64,
+    clockwise: bool,
+    rounding: Mm,
+) -> Result<[i64; 2], ArcError> {
     let (dx, dy) = (end[0] - start[0], end[1] - start[1]);
     let chord = hypotenuse(dx, dy);
-    let most = radius.unsigned_abs();
-    // Slicers round: half a micrometre more than twice the radius still is a half circle.
-    let slack = 1 << 21;
-    if chord == 0 || chord > 2 * most + slack {
+    let (half, most) = (chord / 2, radius.unsigned_abs());
+    let rounding = rounding.to_bits().unsigned_abs();
+    let slack = rounding + rounding / 4;
+    if chord < rounding || half > most + slack {
         return Err(ArcError::NoSuchCircle);
     }
-    let half = u128::from(chord / 2);
-    let height = (u128::from(most) * u128::from(most)).saturating_sub(half * half).isqrt() as i64;
+    let square = |length: u64| u128::from(length) * u128::from(length);
+    let is_half_circle = most <= half + slack;
+    let height = if is_half_circle { 0 } else { square(most).saturating_sub(square(half)).isqrt() as i64 };
     // To the left of the line from start to end, unless exactly one of these holds.
     let height = if clockwise == (radius > 0) { -height } else { height };
     let share = |leg: i64| leg.signum() * part_of(height, leg.unsigned_abs(), chord);
@@ -206,8 +236,13 @@ mod tests {
         [Mm::from_num(x), Mm::from_num(y)]
     }
 
+    const ONCE: Way = Way { clockwise: true, turns: 1 };
+
+    /// Three decimals.
+    const ROUNDING: Mm = Mm::lit("0.001");
+
     fn arc(start: [Mm; 2], end: [Mm; 2], shape: Shape, clockwise: bool) -> Arc {
-        Arc::new(start, end, shape, clockwise, 1, Mm::from_num(0.005)).unwrap()
+        Arc::new(start, end, shape, Way { clockwise, ..ONCE }, Mm::from_num(0.005), ROUNDING).unwrap()
     }
 
     /// Greatest distance between the circle and the chords, and the turning sense of the chords.
@@ -261,12 +296,13 @@ mod tests {
 
     #[test]
     fn what_is_no_arc_is_refused() {
-        let new = |end, shape| Arc::new(mm(0.0, 0.0), end, shape, true, 1, Mm::from_num(0.005));
+        let new = |end, shape| Arc::new(mm(0.0, 0.0), end, shape, ONCE, Mm::from_num(0.005), ROUNDING);
         assert_eq!(new(mm(5.0, 0.0), Shape::Centre(mm(0.0, 0.0))).err(), Some(ArcError::ZeroRadius));
         assert_eq!(new(mm(0.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoSuchCircle));
         assert_eq!(new(mm(1.0, 0.0), Shape::Centre(mm(1e9, 0.0))).err(), Some(ArcError::TooLarge));
         assert_eq!(new(mm(1.0, 0.0), Shape::Radius(Mm::from_num(-1e9))).err(), Some(ArcError::TooLarge));
-        let turns = Arc::new(mm(1.0, 0.0), mm(1.0, 0.0), Shape::Centre(mm(-1.0, 0.0)), false, 60_000, Mm::ONE);
+        let often = Way { clockwise: false, turns: 60_000 };
+        let turns = Arc::new(mm(1.0, 0.0), mm(1.0, 0.0), Shape::Centre(mm(-1.0, 0.0)), often, Mm::ONE, ROUNDING);
         assert_eq!(turns.err(), Some(ArcError::TooLarge));
         assert_eq!(new(mm(50.0, 0.0), Shape::Radius(Mm::from_num(5))).err(), Some(ArcError::NoSuchCircle));
     }
@@ -307,7 +343,8 @@ mod tests {
                 };
                 let shape = Shape::new(given, plane, |n| n.value()).unwrap();
                 let (from, outside) = split(plane, start);
-                let arc = Arc::new(from, split(plane, end).0, shape, clockwise, 1, Mm::from_num(0.005)).unwrap();
+                let way = Way { clockwise, turns: 1 };
+                let arc = Arc::new(from, split(plane, end).0, shape, way, Mm::from_num(0.005), ROUNDING).unwrap();
                 assert!((arc.sweep as f64 / TURN as f64 - sense / 3.0).abs() < 1e-6, "{plane:?} {clockwise}");
                 let mut at = start.map(|v| v.to_num::<f64>());
                 for chord in 1..=arc.chords() {
@@ -324,7 +361,47 @@ mod tests {
 
     #[test]
     fn turns_are_counted_in_all() {
-        let a = Arc::new(mm(1.0, 0.0), mm(1.0, 0.0), Shape::Centre(mm(-1.0, 0.0)), false, 3, Mm::from_num(0.005));
+        let thrice = Way { clockwise: false, turns: 3 };
+        let shape = Shape::Centre(mm(-1.0, 0.0));
+        let a = Arc::new(mm(1.0, 0.0), mm(1.0, 0.0), shape, thrice, Mm::from_num(0.005), ROUNDING);
         assert_eq!(a.unwrap().sweep, 3 * TURN);
+    }
+
+    #[test]
+    fn half_a_chord_is_the_radius_within_the_rounding() {
+        let ends = (mm(100.0, 100.0), mm(114.143, 100.0));
+        for (radius, is_half) in [(7.071, true), (7.0715, true), (7.0727, true), (7.0703, true), (7.09, false)] {
+            for clockwise in [false, true] {
+                let a = arc(ends.0, ends.1, Shape::Radius(Mm::from_num(radius)), clockwise);
+                let off = (a.sweep.abs() - TURN / 2).abs() as f64 / TURN as f64;
+                assert_eq!(off < 1e-9, is_half, "{radius}: {off}");
+            }
+        }
+        let too_small = Shape::Radius(Mm::from_num(7.07));
+        let refused = Arc::new(ends.0, ends.1, too_small, ONCE, Mm::from_num(0.005), ROUNDING);
+        assert_eq!(refused.err(), Some(ArcError::NoSuchCircle));
+        // Coordinates with two decimals.
+        let a = Arc::new(ends.0, ends.1, Shape::Radius(Mm::from_num(7.06)), ONCE, Mm::from_num(0.005), Mm::lit("0.01"));
+        assert_eq!(a.unwrap().sweep.abs() / (TURN / 1000), 500);
+    }
+
+    #[test]
+    fn ends_nearer_than_the_rounding_are_a_full_turn() {
+        for (off, is_whole) in [(1e-9, true), (0.0009, true), (0.002, false)] {
+            for clockwise in [false, true] {
+                let ahead = if clockwise { -off } else { off };
+                let a = arc(mm(100.0, 100.0), mm(100.0 + ahead, 100.0), Shape::Centre(mm(0.0, 5.0)), clockwise);
+                assert_eq!(a.sweep.abs() > TURN / 2, is_whole, "{off} {clockwise}");
+            }
+        }
+        let none = Arc::new(
+            mm(100.0, 100.0),
+            mm(100.0005, 100.0),
+            Shape::Radius(Mm::from_num(-5)),
+            ONCE,
+            Mm::from_num(0.005),
+            ROUNDING,
+        );
+        assert_eq!(none.err(), Some(ArcError::NoSuchCircle));
     }
 }

@@ -15,3 +15,6 @@
 
 pub(in crate::machine) mod angle;
 pub(in crate::machine) mod arc;
+
+#[cfg(test)]
+mod slicers;
