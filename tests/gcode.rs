@@ -85,7 +85,8 @@ const CODES: &[&str] = &[
     "SET_PRESSURE_ADVANCE ADVANCE=0.05", "M593 P\"mzv\"", "M302 S170", "M303", "SELF_TEST",
     "MACHINE_GET", "MACHINE_PUT AT=24 HEX=00ff", "MACHINE_STORE", "M303 E-1 S60 U1", "M109", "M190 R60",
     "M141", "M191", "M116", "M107", "M301", "M304", "M306", "M306 E-1 A0.08 F0.1", "M306 T", "M710", "M710 R", "M413",
-    "M622", "M81", "M999", "G18", "G19", "G29", "G10", "G11", "M207", "M208", "M600", "M0", "M1", "M73", "M118",
+    "M622", "M221 T1", "M84 E1", "M301 E1", "M572 D1", "M900 S1 L2", "M906 I1 T2", "M140 P1 H2 I3", "M104 I1",
+    "M116 P1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "M81", "M999", "G18", "G19", "G29", "G10", "G11", "M207", "M208", "M600", "M0", "M1", "M73", "M118",
     "M118 A1", "M118 E1", "M486", "M876", "M24", "M25", "M111", "M154", "EXCLUDE_OBJECT_DEFINE NAME=x", "EXCLUDE_OBJECT_START NAME=x",
     "if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"x\"", "EXCLUDE_OBJECT NAME=x", "EXCLUDE_OBJECT_END",
     "print_end", "M1234567", "(x) G1", "G12", "G30", "M2", "M20", "M21", "M48", "M74", "M75", "M76", "M77", "M80",
@@ -267,7 +268,7 @@ fn custom_code_of_real_profiles() {
     for (line, expected) in [
         ("G92 E0; G1 E-10 F1200", e_zero),
         ("G90;", Command::Absolute),
-        ("M109 S205;", Command::HeaterWait { heater, tool: 0, target: Some(Number::from(205)), cools: false }),
+        ("M109 S205;", Command::HeaterWait { heater, target: Some(Number::from(205)), cools: false }),
         ("G4 ; wait", Command::Dwell { ms: 0 }),
         ("G28 X0 Y0", Command::Home(x_and_y)),
         ("G28 W", Command::Home(AxisFlags::default())),
@@ -280,7 +281,7 @@ fn custom_code_of_real_profiles() {
         ("M117 E5 * ; x", Command::Message),
         ("M400 U1", Command::Finish),
         ("M106 S91.8", Command::FanSpeed { fan: 0, speed: read("91.8") }),
-        ("T0", Command::Tool(0)),
+        ("T0", Command::Tool),
         ("M73 P0 R12", Command::Progress { percent: Some(Number::ZERO), minutes: Some(Number::from(12)) }),
     ] {
         assert_eq!(parse(line.as_bytes()), expected, "{line}");

@@ -261,14 +261,12 @@ pub enum Command<'a> {
     /// SET_VELOCITY_LIMIT: acceleration, corner speed and the part of a move over which its speed holds at least, or
     /// report.
     VelocityLimit(VelocityWords<'a>),
-    /// T: choose a tool.
-    Tool(u8),
+    /// T0: choose the only tool.
+    Tool,
     /// M104, M140, M141: what a heater is to be kept at; nothing without S or R.
     HeaterTarget {
         /// Which heater.
         heater: Heater,
-        /// T: of which tool.
-        tool: u8,
         /// S or R, in degrees Celsius.
         target: Option<Number>,
     },
@@ -276,8 +274,6 @@ pub enum Command<'a> {
     HeaterWait {
         /// Which heater.
         heater: Heater,
-        /// T: of which tool.
-        tool: u8,
         /// S or R, in degrees Celsius.
         target: Option<Number>,
         /// Whether to wait while it cools, too (R).

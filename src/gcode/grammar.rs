@@ -6,6 +6,7 @@
 
 use super::code::Code;
 use super::command::Command;
+use super::index::{Absent, Named, absent, index_words};
 use super::lexer::{Words, is_blank, skip_blanks, skip_past};
 use super::number::Number;
 use super::parts::Flaw;
@@ -50,7 +51,8 @@ impl Grammar {
             (b'M', 915) => Self::numbers(b""),
             (b'M', 569) => Self::of_axes(b"", NO_AXES),
             (b'M', 73) => Self::numbers(b"PR"),
-            (b'M', 111 | 113 | 154 | 155 | 220 | 221) => Self::numbers(b"S"),
+            (b'M', 111 | 113 | 154 | 155 | 220) => Self::numbers(b"S"),
+            (b'M', 221) => Self::numbers(b"STD"),
             (b'M', 204) => Self::numbers(b"PRTS"),
             (b'M', 205) => Self::numbers(b"XYZEJSTB"),
             (b'M', 207) => Self::numbers(b"SFZ"),
@@ -63,9 +65,9 @@ impl Grammar {
             (b'M', 303) => Self::numbers(b"ECS"),
             (b'M', 306) => Self::numbers(b"EPCAFRLH"),
             (b'M', 710) => Self::numbers(b"SD"),
-            (b'M', 572) => Self::numbers(b"SW"),
+            (b'M', 572) => Self::numbers(b"SWD"),
             (b'M', 593) => Self { not_negative: b"F", ..Self::numbers(b"FDTS") },
-            (b'M', 900) => Self::numbers(b"K"),
+            (b'M', 900) => Self::numbers(b"KT"),
             (b'M', 82 | 83 | 116 | 200 | 211 | 400 | 413) => Self::numbers(b""),
             _ => return None,
         })
@@ -77,6 +79,7 @@ impl Grammar {
 #[inline(never)]
 pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
     let grammar = Grammar::of(code)?;
+    let parts = index_words(code);
     let mut words = Words::new(text);
     let mut begin = text;
     while words.next().is_some() || words.has_skipped() {
@@ -93,6 +96,10 @@ pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
             return Some(Flaw::NoAxis(word.letter));
         } else if word.number.is_none() && grammar.numbers.contains(&word.letter) {
             return Some(Flaw::NoNumber(word.letter));
+        } else if let Some(part) = absent(parts, word.letter, word.number) {
+            let which = shown(begin).get(1..).map_or(&[][..], skip_blanks);
+            let which = which.get(..number_length(which)).unwrap_or(which);
+            return Some(Flaw::Absent(Absent { command: Named::Code(code.letter, code.number), part, which }));
         } else if is_negative && grammar.not_negative.contains(&word.letter) {
             return Some(Flaw::OutOfRange(shown(begin)));
         } else if matches!(word.letter, b'G' | b'M') && word.number.is_some() {
@@ -106,6 +113,11 @@ pub(super) fn flaw_of(code: Code, text: &[u8]) -> Option<Flaw<'_>> {
 /// `command`, unless the words that it was made of are not in order.
 pub(super) fn in_order<'a>(command: Command<'a>, code: Code, text: &'a [u8]) -> Command<'a> {
     flaw_of(code, text).map_or(command, Command::Malformed)
+}
+
+/// The length of the number that `text` begins with.
+fn number_length(text: &[u8]) -> usize {
+    Number::read(text).map_or(0, |(_, after)| text.len() - after.len())
 }
 
 /// What `text` begins with, as far as the next blank or comment. Comments and texts in quotes before it are left out.

@@ -11,20 +11,14 @@ const FULL_SPEED: i32 = 255;
 
 /// M104, M140, M141. R is as good as S to set a target.
 pub(super) fn target(heater: Heater, text: &[u8]) -> Command<'static> {
-    Command::HeaterTarget { heater, tool: tool(heater, text), target: number(text, b'S').or(number(text, b'R')) }
+    Command::HeaterTarget { heater, target: number(text, b'S').or(number(text, b'R')) }
 }
 
 /// M109, M190, M191. With S and R it is S, as in Marlin.
 pub(super) fn wait(heater: Heater, text: &[u8]) -> Command<'static> {
     let (heats, both) = (number(text, b'S'), number(text, b'R'));
     let cools = heats.is_none() && both.is_some();
-    Command::HeaterWait { heater, tool: tool(heater, text), target: heats.or(both), cools }
-}
-
-/// The tool that a hotend belongs to.
-fn tool(heater: Heater, text: &[u8]) -> u8 {
-    let tool = number(text, b'T').filter(|_| heater == Heater::Hotend);
-    tool.map_or(0, |tool| tool.to_int().clamp(0, i32::from(u8::MAX)) as u8)
+    Command::HeaterWait { heater, target: heats.or(both), cools }
 }
 
 /// M106, and M107 with speed 0.

@@ -7,7 +7,8 @@
 //! line gives the same command whatever came before it.
 //!
 //! `parse` finds the code and hands over to `m_codes` (M), `named` (Klipper's names), `text` (lines with a text for
-//! people), `heat` or `shaping`; `grammar` says which lines are not in order, `quiet` which commands need only `ok` because
+//! people), `heat` or `shaping`; `grammar` says which lines are not in order, `index` which
+//! words are for parts that are not there, `quiet` which commands need only `ok` because
 //! the machine has nothing to do for them.
 
 mod axes;
@@ -15,6 +16,7 @@ mod code;
 mod command;
 mod grammar;
 mod heat;
+mod index;
 mod lexer;
 mod m_codes;
 mod machine_record;
@@ -27,6 +29,7 @@ mod shaping;
 mod text;
 
 pub use command::Command;
+pub use index::{Absent, Named, Part};
 pub use named::names;
 pub use number::Number;
 pub use parse::parse;

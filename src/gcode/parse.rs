@@ -8,11 +8,12 @@ use super::axes::{axis_flags, take_axis};
 use super::code::Code;
 use super::command::Command;
 use super::grammar::in_order;
+use super::index::{Absent, Named, Part};
 use super::lexer::{Word, Words, is_outside, skip_blanks, skip_past};
 use super::m_codes::parse_m;
 use super::named::parse_named;
 use super::number::Number;
-use super::parts::{ArcShape, AxisFlags, AxisWords, Plane};
+use super::parts::{ArcShape, AxisFlags, AxisWords, Flaw, Plane};
 use crate::text::{trim_end, trim_start};
 
 /// The first character of texts that some editors write (U+FEFF, the byte order mark).
@@ -33,12 +34,21 @@ pub fn parse(line: &[u8]) -> Command<'_> {
     known.unwrap_or_else(|| Command::Unknown(trim(line)))
 }
 
+/// The highest number of a tool in any firmware; beyond it a T is something else, or damaged.
+const MOST_TOOLS: u16 = 255;
+
 /// The command of a code, or `None` for one that is not understood.
 #[inline(never)]
 fn parse_code(code: Code, text: &[u8]) -> Option<Command<'_>> {
     match (code.letter, code.subcode) {
         (b'G', 0) => parse_g(code, text),
-        (b'T', 0) => u8::try_from(code.number).ok().map(Command::Tool),
+        (b'T', 0) if code.number == 0 => Some(Command::Tool),
+        (b'T', 0) if code.number <= MOST_TOOLS => Some(Command::Malformed(Flaw::Absent(Absent {
+            command: Named::Code(code.letter, code.number),
+            part: Part::Tool,
+            which: b"",
+        }))),
+        (b'T', 0) => None,
         _ => parse_m(code, text),
     }
 }

@@ -1,5 +1,6 @@
 //! Parts of commands: the axes, arcs, planes, forms and flaws that a [`Command`](super::Command) is made of.
 
+use super::index::Absent;
 use super::number::Number;
 
 /// One value per axis, each only if the line gave it.
@@ -94,6 +95,8 @@ pub enum Flaw<'a> {
     NoAxis(u8),
     /// A second command stands on the line.
     SecondCommand(&'a [u8]),
+    /// It is for a part that is not there.
+    Absent(Absent<'a>),
 }
 
 /// What is to be done with the record of the machine.

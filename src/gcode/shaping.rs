@@ -2,6 +2,7 @@
 
 use super::axes::axis_flags;
 use super::command::Command;
+use super::index::absent_extruder;
 use super::lexer::{Words, is_blank};
 use super::number::Number;
 use super::parts::{AxisFlags, Flaw, VelocityWords};
@@ -79,7 +80,7 @@ pub(super) fn linear_advance(text: &[u8]) -> Command<'static> {
     Command::Advance { time, window: None }
 }
 
-/// M572 S and W (RepRapFirmware, Prusa). D is the extruder, of which there is one.
+/// M572 S and W (RepRapFirmware, Prusa). D is the extruder (`index`).
 pub(super) fn pressure_advance(text: &[u8]) -> Command<'static> {
     let (mut time, mut window) = (None, None);
     for word in Words::new(text) {
@@ -92,12 +93,16 @@ pub(super) fn pressure_advance(text: &[u8]) -> Command<'static> {
     Command::Advance { time, window }
 }
 
-/// SET_PRESSURE_ADVANCE ADVANCE=.. SMOOTH_TIME=.. (Klipper). EXTRUDER is the extruder, of which there is one.
+/// SET_PRESSURE_ADVANCE ADVANCE=.. SMOOTH_TIME=.. (Klipper). EXTRUDER names the extruder, of which there is one.
 pub(super) fn set_pressure_advance(text: &[u8]) -> Command<'_> {
     let (mut time, mut window) = (None, None);
     for word in words(text) {
         let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
         let place = match name {
+            name if name.eq_ignore_ascii_case(b"EXTRUDER") => match absent_extruder("SET_PRESSURE_ADVANCE", value) {
+                Some(absent) => return Command::Malformed(Flaw::Absent(absent)),
+                None => continue,
+            },
             name if name.eq_ignore_ascii_case(b"ADVANCE") => &mut time,
             name if name.eq_ignore_ascii_case(b"SMOOTH_TIME") => &mut window,
             _ => continue,

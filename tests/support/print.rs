@@ -4,7 +4,8 @@ use core::fmt::{self, Display, Formatter, Write};
 
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    ArcShape, Audience, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Number, Plane, VelocityWords,
+    Absent, ArcShape, Audience, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Named, Number, Part, Plane,
+    VelocityWords,
 };
 
 /// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
@@ -135,15 +136,13 @@ impl Display for Printed<'_> {
                 word(f, 'W', window)
             }
             Command::VelocityLimit(limit) => velocity_limit(f, limit),
-            Command::Tool(tool) => write!(f, "T{tool}"),
-            Command::HeaterTarget { heater, tool, target } => {
+            Command::Tool => f.write_str("T0"),
+            Command::HeaterTarget { heater, target } => {
                 f.write_str(["M104", "M140", "M141"][heater as usize])?;
-                word(f, 'T', Some(Number::from(i32::from(tool))).filter(|_| tool > 0))?;
                 word(f, 'S', target)
             }
-            Command::HeaterWait { heater, tool, target, cools } => {
+            Command::HeaterWait { heater, target, cools } => {
                 f.write_str(["M109", "M190", "M191"][heater as usize])?;
-                word(f, 'T', Some(Number::from(i32::from(tool))).filter(|_| tool > 0))?;
                 word(f, if cools { 'R' } else { 'S' }, target)
             }
             Command::AwaitHeaters => f.write_str("M116"),
@@ -279,7 +278,30 @@ fn malformed(f: &mut Formatter<'_>, flaw: Flaw<'_>) -> fmt::Result {
             f.write_char(letter as char)
         }
         Flaw::NoAxis(letter) => write!(f, "G92 {}0", letter as char),
+        Flaw::Absent(absent) => absent_part(f, absent),
     }
+}
+
+/// A line for a part that is not there.
+fn absent_part(f: &mut Formatter<'_>, Absent { command, part, which }: Absent<'_>) -> fmt::Result {
+    match command {
+        Named::Code(b'T', number) => return write!(f, "T{number}"),
+        Named::Name(name) => write!(f, "{name} EXTRUDER=")?,
+        Named::Code(letter, number) => {
+            let word = match (part, number) {
+                (Part::Extruder, 17 | 18 | 84 | 301) => 'E',
+                (Part::Extruder, 572) => 'D',
+                (Part::Tool, 116 | 207 | 208) | (Part::Bed | Part::Chamber, _) => 'P',
+                (Part::Preset | Part::Driver, _) => 'I',
+                (Part::Heater, _) => 'H',
+                (Part::Slot, _) => 'S',
+                (Part::Other, _) => 'L',
+                _ => 'T',
+            };
+            write!(f, "{}{number} {word}", letter as char)?;
+        }
+    }
+    write_text(f, which)
 }
 
 /// SET_VELOCITY_LIMIT with its words.

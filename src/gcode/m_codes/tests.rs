@@ -13,8 +13,7 @@ fn a_t_word_is_not_a_tool_change() {
     assert_eq!(parse(b"M204 P500 T500"), expected);
     assert_eq!(parse(b"M204 S500"), expected);
     let target = Some(Number::from(200));
-    assert_eq!(parse(b"M104 T0 S200"), Command::HeaterTarget { heater: Heater::Hotend, tool: 0, target });
-    assert_eq!(parse(b"M104 T1 S200"), Command::HeaterTarget { heater: Heater::Hotend, tool: 1, target });
+    assert_eq!(parse(b"M104 T0 S200"), Command::HeaterTarget { heater: Heater::Hotend, target });
 }
 
 #[test]
@@ -120,11 +119,11 @@ fn quiet_commands_swallow_any_text() {
 #[test]
 fn heaters_and_fans() {
     let number = |text: &str| Number::read(text.as_bytes()).map(|(number, _)| number);
-    let wait = |heater, target, cools| Command::HeaterWait { heater, tool: 0, target, cools };
+    let wait = |heater, target, cools| Command::HeaterWait { heater, target, cools };
     assert_eq!(parse(b"M109 S205;"), wait(Heater::Hotend, number("205"), false));
     assert_eq!(parse(b"M190 R60"), wait(Heater::Bed, number("60"), true));
     assert_eq!(parse(b"M191 R40 S50"), wait(Heater::Chamber, number("50"), false));
-    let chamber = Command::HeaterTarget { heater: Heater::Chamber, tool: 0, target: number("45") };
+    let chamber = Command::HeaterTarget { heater: Heater::Chamber, target: number("45") };
     assert_eq!(parse(b"M141 S45"), chamber);
     assert_eq!(parse(b"M109"), wait(Heater::Hotend, None, false));
     let fan = |fan, speed| Command::FanSpeed { fan, speed: number(speed).unwrap() };

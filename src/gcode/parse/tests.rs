@@ -155,8 +155,7 @@ fn every_g_code_has_its_command() {
         ("G30", Command::Probing),
         ("G90", Command::Absolute),
         ("G91", Command::Relative),
-        ("T0", Command::Tool(0)),
-        ("T255", Command::Tool(255)),
+        ("T0", Command::Tool),
     ] {
         assert_eq!(parse(line.as_bytes()), command, "{line}");
     }

@@ -72,6 +72,8 @@ pub(in crate::machine) enum Answer<'a> {
     Heating(Option<u32>),
     /// A heater that a command is for is not fitted, but others are.
     NoHeater(Heater),
+    /// M106 for a fan that no machine has.
+    NoFan(u8),
     /// M106 for a fan that something else decides on.
     NotCommanded(u8),
     HeatSetting(HeatSetting),

@@ -1,13 +1,13 @@
 //! Fans: M106 and M107 in their turn among the moves, and the fan of the controller (M710).
 
-use crate::gcode::Number;
+use crate::gcode::{Absent, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::HeatSetting;
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
-use crate::machine::state::notices::{Notice, Notices};
+use crate::machine::state::notices::Notices;
 use crate::port::Pend;
 use crate::settings::{FanRole, Range, ThermalSettings, ranges};
 use crate::units::Ratio;
@@ -29,10 +29,14 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
     speed: Number,
 ) -> Result<Answer<'static>, Interrupt> {
     // Slicers name fans of other machines.
-    let Some(settings) = crank.settings().thermal.fans.get(usize::from(fan)) else { return Ok(Answer::Nothing) };
-    if settings.role != FanRole::Commanded {
-        let is_news = notices.give(Notice::Fan);
-        return Ok(if is_news { Answer::NotCommanded(fan) } else { Answer::Nothing });
+    let answer = match crank.settings().thermal.fans.get(usize::from(fan)) {
+        Some(settings) if settings.role == FanRole::Commanded => None,
+        Some(_) => Some(Answer::NotCommanded(fan)),
+        None => Some(Answer::NoFan(fan)),
+    };
+    if let Some(answer) = answer {
+        let absent = Absent { command: Named::Code(b'M', 106), part: Part::Fan, which: &[fan] };
+        return Ok(if notices.give_absent(absent.key()) { answer } else { Answer::Nothing });
     }
     if let Some(speed) = clamps.near_of(["M106", "S"], speed, FULL, None) {
         crank.blow(fan, duty(speed)).await?;

@@ -37,7 +37,6 @@ pub(super) const LINE_MS: u32 = 1000;
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct TargetWords {
     pub heater: Heater,
-    pub tool: u8,
     pub target: Option<Number>,
 }
 
@@ -110,12 +109,9 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     code: &'static str,
     words: &TargetWords,
 ) -> Result<bool, Answer<'static>> {
-    let TargetWords { heater, tool, target } = *words;
+    let TargetWords { heater, target } = *words;
     if let Some(answer) = missing(crank, notices, heater) {
         return Err(answer);
-    }
-    if tool > 0 {
-        return Err(Answer::InvalidTool(tool));
     }
     let Some(number) = target else { return Ok(false) };
     let range = Range { least: Celsius::ZERO, most: crank.settings().thermal.heater(heater).most };

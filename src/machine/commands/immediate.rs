@@ -15,7 +15,7 @@ use super::settings::set::{
 use super::shaping::ShaperWords;
 use super::states::States;
 use super::tuning::TuningWords;
-use crate::gcode::{AxisWords, Command, Number};
+use crate::gcode::{AxisWords, Command, Flaw, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::crank::Crank;
@@ -89,8 +89,8 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::ReportEndstops => return Outcome::TakesTime(Blocking::ReportEndstops),
         Command::Diagnose => return Outcome::TakesTime(Blocking::Diagnose),
-        Command::HeaterWait { heater, tool, target, cools } => {
-            let words = TargetWords { heater, tool, target };
+        Command::HeaterWait { heater, target, cools } => {
+            let words = TargetWords { heater, target };
             return Outcome::TakesTime(Blocking::Heat { words, cools });
         }
         Command::AwaitHeaters => return Outcome::TakesTime(Blocking::AwaitHeaters),
@@ -176,8 +176,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             modal.dry_run = bits.to_u32() & DRY_RUN != 0;
             Answer::Nothing
         }
-        Command::Tool(0) => Answer::Nothing,
-        Command::Tool(number) => Answer::InvalidTool(number),
+        Command::Tool => Answer::Nothing,
         // Reports and messages.
         Command::ReportTemperatures => Answer::Temperatures,
         Command::ReportPosition { real } => Answer::Position { real },
@@ -208,9 +207,9 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             Answer::Nothing
         }
         // Heaters and fans.
-        Command::HeaterTarget { heater, tool, target } => {
+        Command::HeaterTarget { heater, target } => {
             let code = ["M104", "M140", "M141"][heater as usize];
-            let words = TargetWords { heater, tool, target };
+            let words = TargetWords { heater, target };
             set_target(crank, notices, clamps, code, &words).map_or_else(|answer| answer, |_| Answer::Nothing)
         }
         Command::Pid { heater, gains } => match model_of(crank, Some(heater)) {
@@ -235,6 +234,7 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         }
         Command::Probing => Answer::Line("echo:nothing is probed by this firmware, ignored"),
         Command::CancelObject => Answer::Line("echo:objects cannot be left out, ignored"),
+        Command::Malformed(Flaw::Absent(absent)) if !notices.give_absent(absent.key()) => Answer::Nothing,
         Command::Malformed(flaw) => Answer::Malformed(flaw),
         Command::Unknown(text) => Answer::Unknown(text),
         // The receive path has acted on M108, M410 and M876; of M110 it hands on nothing.

@@ -55,7 +55,7 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
             | Command::Progress { .. }
             | Command::ReportPosition { .. }
             | Command::Silent
-            | Command::Tool(0)
+            | Command::Tool
     )
 }
 

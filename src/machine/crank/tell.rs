@@ -3,7 +3,7 @@
 //! An answer of one line is worded here, one of several lines in `reports`. A report of what the crank does not hold gets it in its answer.
 
 use crate::connectors::Heater;
-use crate::gcode::Flaw;
+use crate::gcode::{Absent, Flaw, Named, Part};
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::{Progress, Speaker};
@@ -109,6 +109,8 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
             Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
             Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
+            Answer::NoFan(u8::MAX) => to.say(format_args!("echo:M106 ignored: there is no fan of that number")),
+            Answer::NoFan(fan) => to.say(format_args!("echo:M106 ignored: there is no fan {fan}")),
             Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),
             Answer::HeatSetting(setting) => say_heat_setting(to, setting, &s.thermal),
             Answer::ColdExtrusion(allows_cold) => {
@@ -200,6 +202,22 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     }
 }
 
+/// Says which part of a machine a line was for that is not there. OctoPrint learns from its own words for tools which
+/// ones there are (comm.py, "Invalid extruder").
+fn say_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
+    let which = Echo(absent.which);
+    let part = absent.part.name();
+    match (absent.command, absent.part) {
+        (Named::Code(b'T', number), _) => to.say(format_args!("echo:T{number} Invalid extruder")),
+        (Named::Code(b'M', 104 | 109), Part::Tool) => to.say(format_args!("echo:T{which} Invalid extruder")),
+        (Named::Code(letter, number), _) => {
+            let letter = letter as char;
+            to.say(format_args!("echo:{letter}{number} ignored: there is no {part} {which}"));
+        }
+        (Named::Name(name), _) => to.say(format_args!("echo:{name} ignored: there is no {part} {which}")),
+    }
+}
+
 /// Says why a line was not carried out.
 fn say_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
     match flaw {
@@ -215,5 +233,6 @@ fn say_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
         Flaw::SecondCommand(text) => {
             to.say(format_args!("echo:line ignored: {} is a second command on it", Echo(text)));
         }
+        Flaw::Absent(absent) => say_absent(to, &absent),
     }
 }

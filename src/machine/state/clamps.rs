@@ -1,9 +1,9 @@
 //! Values out of range: the old value stays and the host is told, or the value is brought to the edge of its range.
 //!
-//! A line sets all of its values or none: with one out of range nothing of the line is done. A value from another firmware
-//! has another unit or another meaning there, so the nearest legal one would be as wrong, and the old one is the machine's.
-//! A clamp is right only where the edge is what the sender meant; [`RULES`] lists these words, each with its reason. A
-//! value that cannot be told from one that was meant (`M203 X300` in mm/min) is obeyed.
+//! A line sets all of its values or none: with one out of range nothing of the line is done. A value from another
+//! firmware has another unit or another meaning there, so the nearest legal one would be as wrong, and the old one is
+//! the machine's. A clamp is right only where the edge is what the sender meant; [`RULES`] lists these words, each with
+//! its reason. A value that cannot be told from one that was meant (`M203 X300` in mm/min) is obeyed.
 
 use crate::gcode::Number;
 use crate::machine::numbers::{nearest, shortest, to_thousandth};
@@ -50,18 +50,20 @@ const fn hinted(code: &'static str, hint: &'static str) -> Rule {
     Rule { below: Beyond::Kept, above: Beyond::Kept, hint, ..edge(code) }
 }
 
-/// What a K is taken for that is too large for seconds: 20 to 200 in profiles of Linear Advance 1.0, 0 to 2 in those of 1.5.
+/// What a K is taken for that is too large for seconds: 20 to 200 in profiles of Linear Advance 1.0, 0 to 2 in those of
+/// 1.5.
 const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
 
 /// All words that are treated in another way than by keeping the old value, or that have a hint.
 const RULES: [Rule; 13] = [
-    // F: axes have limits anyway, so the fastest speed is what a faster F asks for, the slowest what a slower one does. F0 and
-    // less ask for no motion at all, so the feed stays (`feed`).
+    // F: axes have limits anyway, so the fastest speed is what a faster F asks for, the slowest what a slower one does.
+    // F0 and less ask for no motion at all, so the feed stays (`feed`).
     edge(""),
     // A fan runs between still and full speed, and slicers round to 256 or count in other units.
     edge("M106"),
     Rule { words: &["S"], ..edge("M710") },
-    // Seconds between messages: whoever wants fewer than there can be gets the fewest; Marlin does the same (M113.cpp, M155.cpp).
+    // Seconds between messages: whoever wants fewer than there can be gets the fewest; Marlin does the same (M113.cpp,
+    // M155.cpp).
     edge("M113"),
     edge("M154"),
     edge("M155"),
@@ -172,8 +174,8 @@ impl Clamps {
         self.list.iter().filter(is_told).nth(place).copied()
     }
 
-    /// The value if it is legal, or what becomes of it. If what the type holds is far from the value, the type has cut it off. The host
-    /// is told all values as `scale` converts them; `old` is the present one.
+    /// The value if it is legal, or what becomes of it. If what the type holds is far from the value, the type has cut
+    /// it off. The host is told all values as `scale` converts them; `old` is the present one.
     fn judge<T: Fixed + Into<I32F32>>(
         &mut self,
         asked: &Asked<T>,

@@ -27,7 +27,7 @@
 //! | edge | the end of the reachable space of a homed axis, where soft endstops put a target that lies beyond |
 //! | notice | what a host is told once, not with every line |
 //! | away | how far retraction keeps the machine from the commanded position |
-//! | clamp | a value out of range, brought to the edge of its range and told of |
+//! | clamp | a value out of range: it is refused with its line, or brought to the edge of its range, and told of |
 //! | farthest | 10 m from zero, beyond which no target is computed |
 
 pub(in crate::machine) mod advance_in_use;

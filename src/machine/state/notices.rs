@@ -1,5 +1,11 @@
 //! Notices: what a host is told once, and not again with every line that it is true of.
 
+use heapless::Vec;
+
+/// Parts that are not there, of which hosts are told in one print. A print names a few: fans and tools of another
+/// machine.
+const MOST_ABSENT: usize = 16;
+
 /// What a host is told once.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Notice {
@@ -17,8 +23,6 @@ pub(in crate::machine) enum Notice {
     NoBed,
     /// The hotend is too cold for filament to move.
     Cold,
-    /// A fan was commanded that something else decides on.
-    Fan,
     /// Motors of one belt print that are not aligned.
     NotAligned,
 }
@@ -33,8 +37,9 @@ pub(in crate::machine) struct Notices {
     no_hotend: bool,
     no_bed: bool,
     cold: bool,
-    fan: bool,
     not_aligned: bool,
+    /// Words for parts that are not there (`gcode::Absent::key`).
+    absent: Vec<u32, MOST_ABSENT>,
 }
 
 impl Notices {
@@ -48,8 +53,8 @@ impl Notices {
             no_hotend: false,
             no_bed: false,
             cold: false,
-            fan: false,
             not_aligned: false,
+            absent: Vec::new(),
         }
     }
 
@@ -62,7 +67,6 @@ impl Notices {
             Notice::NoHotend => &mut self.no_hotend,
             Notice::NoBed => &mut self.no_bed,
             Notice::Cold => &mut self.cold,
-            Notice::Fan => &mut self.fan,
             Notice::NotAligned => &mut self.not_aligned,
         }
     }
@@ -70,6 +74,12 @@ impl Notices {
     /// Whether a notice is still to be given; from now on it counts as given.
     pub const fn give(&mut self, notice: Notice) -> bool {
         !core::mem::replace(self.given(notice), true)
+    }
+
+    /// Whether a word for a part that is not there is still to be told; from now on it counts as told. Whoever names
+    /// more than [`MOST_ABSENT`] of them has been told enough.
+    pub fn give_absent(&mut self, key: u32) -> bool {
+        !self.absent.contains(&key) && self.absent.push(key).is_ok()
     }
 
     /// Has a notice given again when it is next true.
@@ -80,11 +90,11 @@ impl Notices {
     /// Another print begins: what is true of its lines is said anew.
     pub fn renew_for_print(&mut self) {
         self.renew_for_position();
-        let told_of_prints =
-            [Notice::Corners, Notice::NoHotend, Notice::NoBed, Notice::Cold, Notice::Fan, Notice::NotAligned];
+        let told_of_prints = [Notice::Corners, Notice::NoHotend, Notice::NoBed, Notice::Cold, Notice::NotAligned];
         for notice in told_of_prints {
             self.renew(notice);
         }
+        self.absent.clear();
     }
 
     /// The position is not known any more.

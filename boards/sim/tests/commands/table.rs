@@ -62,6 +62,7 @@ const ROWS: &[Row] = &[
     ("M221", &["echo:E0 Flow: 100%"]),
     ("T0", SILENCE),
     ("T1", &["echo:T1 Invalid extruder"]),
+    ("M221 T1 S50", &["echo:M221 ignored: there is no extruder 1"]),
     ("Tx", SILENCE),
     // Waiting for the user.
     ("M0", PAUSED),
@@ -269,8 +270,8 @@ const ROWS: &[Row] = &[
     ("M106", SILENCE),
     ("M106 S91.8", SILENCE),
     ("M106 P3 S10", SILENCE),
-    ("M106 P9 S10", SILENCE),
-    ("M106 P-1", SILENCE),
+    ("M106 P9 S10", &["echo:M106 ignored: there is no fan 9"]),
+    ("M106 P-1", &["echo:M106 ignored: there is no fan of that number"]),
     ("M106 P1", &["echo:fan 1 is not commanded"]),
     ("M106 S300", &["echo:M106 S300 is out of range, set to 255"]),
     ("M106 S-5", &["echo:M106 S-5 is out of range, set to 0"]),

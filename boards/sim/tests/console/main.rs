@@ -7,6 +7,7 @@ mod legal_settings;
 mod lines;
 mod machine_accidents;
 mod machine_record;
+mod parts;
 mod positions;
 mod refused_settings;
 mod reports;

@@ -1,5 +1,6 @@
-//! Values out of range: the old value stays, and with it every other value of the line. The report of all settings (M503) is the same
-//! before and after, and the host is told. Which values are brought to an edge instead is `src/machine/state/clamps.rs`' table.
+//! Values out of range: the old value stays, and with it every other value of the line. The report of all settings
+//! (M503) is the same before and after, and the host is told. Which values are brought to an edge instead is
+//! `src/machine/state/clamps.rs`' table.
 
 use super::legal_settings::{SETTERS, heated};
 use super::talk::{HOMED, Steps, Talk};
@@ -123,7 +124,8 @@ fn where_the_edge_is_meant_it_is_set() {
     }
 }
 
-/// Reproducer: K of Linear Advance 1.0 in profiles derived from Prusa's became 4 s, and the extruder's way 6.8 times as long.
+/// Reproducer: K of Linear Advance 1.0 in profiles derived from Prusa's became 4 s, and the extruder's way 6.8 times as
+/// long.
 #[test]
 fn k_of_linear_advance_1_0_moves_not_one_step_more() {
     let run = |line: &str| {

@@ -1,0 +1,249 @@
+//! Index words: letters whose number says which of several parts a command is for. A command for a part that is not
+//! there does nothing and is refused by name; `M221 T1 S50` must not halve the flow of the only extruder.
+//!
+//! [`index_words`] is the table, read against Marlin 2.1 (`get_target_extruder_from_command` and the `I`, `E` and `D`
+//! of its commands), RepRapFirmware 3 and Prusa-Firmware-Buddy. Left out with a reason:
+//!
+//! - P of M106 and M107: how many fans there are is the machine's to say (`machine::commands::fans`).
+//! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`heat::heater`). T of M306 asks for a tuning, T of
+//!   M204 and M205 is for travel.
+//! - Reports (M105 T, M114, M122 P): they are what they are, whatever stands behind them.
+//! - Pauses (M600 T): a print that asks for its user waits, whichever tool it means.
+//! - M104 T0, M106 P0, M200 D0, `G10 P0`, M141: what slicers write for machines with one extruder and no chamber.
+
+use super::code::Code;
+use super::number::Number;
+
+/// What a word addresses.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Part {
+    /// An extruder; there is one.
+    Extruder,
+    /// A tool; there is one, and its answer has the words by which OctoPrint learns that.
+    Tool,
+    /// A heated bed, or a zone of it; there is one.
+    Bed,
+    /// A chamber; there is one.
+    Chamber,
+    /// A driver of an axis; all drivers of an axis have one set of values.
+    Driver,
+    /// A fan.
+    Fan,
+    /// A set of temperatures for a material (Marlin); there is none.
+    Preset,
+    /// A heater by a number (RepRapFirmware); heaters have none.
+    Heater,
+    /// A value that M900 S chooses (Marlin, EXTRA_LIN_ADVANCE_K); there is one.
+    Slot,
+    /// The value that is not chosen (M900 L); there is none.
+    Other,
+}
+
+impl Part {
+    /// Whether a machine with one extruder has the part of that number.
+    fn is_there(self, number: Number) -> bool {
+        match self {
+            Self::Extruder | Self::Tool | Self::Bed | Self::Chamber | Self::Slot => number == Number::ZERO,
+            // -1 is all of them (Marlin, M906.cpp).
+            Self::Driver => number == Number::ZERO || number == Number::from(-1),
+            Self::Fan => true,
+            Self::Preset | Self::Heater | Self::Other => false,
+        }
+    }
+
+    /// What messages call it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Extruder => "extruder",
+            Self::Tool => "tool",
+            Self::Bed => "bed",
+            Self::Chamber => "chamber",
+            Self::Driver => "driver of an axis",
+            Self::Fan => "fan",
+            Self::Preset => "preset",
+            Self::Heater => "heater",
+            Self::Slot | Self::Other => "other K",
+        }
+    }
+}
+
+/// The command that a word stands behind.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Named {
+    /// A letter and a number.
+    Code(u8, u16),
+    /// A name.
+    Name(&'static str),
+}
+
+/// A word for a part that is not there.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Absent<'a> {
+    /// The command.
+    pub command: Named,
+    /// The part.
+    pub part: Part,
+    /// Its number or name as it was written, without its letter.
+    pub which: &'a [u8],
+}
+
+impl Absent<'_> {
+    /// A number that is the same for the same command, part and number: FNV-1a (Fowler, Noll and Vo; 32 bits).
+    #[must_use]
+    pub fn key(&self) -> u32 {
+        let step = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        let [letter, high, low] = match self.command {
+            Named::Code(letter, number) => {
+                let [high, low] = number.to_be_bytes();
+                [letter, high, low]
+            }
+            Named::Name(name) => name.bytes().fold([0; 3], |[a, b, c], byte| [b, c, a ^ byte]),
+        };
+        let text = [letter, high, low, self.part as u8].into_iter().chain(self.which.iter().copied());
+        text.fold(0x811c_9dc5, step)
+    }
+}
+
+/// The index words of a code.
+pub(super) const fn index_words(code: Code) -> &'static [(u8, Part)] {
+    match (code.letter, code.number) {
+        (b'M', 17 | 18 | 84) => &[(b'E', Part::Extruder)],
+        (b'M', 92 | 200 | 201 | 203) => &[(b'T', Part::Extruder)],
+        (b'M', 104 | 109) => &[(b'T', Part::Tool), (b'I', Part::Preset)],
+        (b'M', 106) => &[(b'I', Part::Preset)],
+        (b'M', 116 | 207 | 208) => &[(b'P', Part::Tool)],
+        (b'M', 140 | 190) => &[(b'P', Part::Bed), (b'H', Part::Heater), (b'I', Part::Preset)],
+        (b'M', 141 | 191) => &[(b'P', Part::Chamber), (b'H', Part::Heater)],
+        (b'M', 221) => &[(b'T', Part::Extruder), (b'D', Part::Extruder)],
+        (b'M', 301) => &[(b'E', Part::Extruder), (b'H', Part::Heater), (b'T', Part::Tool)],
+        (b'M', 303) => &[(b'T', Part::Tool), (b'H', Part::Heater)],
+        (b'M', 304) => &[(b'H', Part::Heater), (b'T', Part::Tool)],
+        (b'M', 569 | 906 | 913 | 914) => &[(b'I', Part::Driver), (b'T', Part::Extruder)],
+        (b'M', 572) => &[(b'D', Part::Extruder)],
+        (b'M', 900) => &[(b'T', Part::Extruder), (b'S', Part::Slot), (b'L', Part::Other)],
+        _ => &[],
+    }
+}
+
+/// The part that a word is for, if it is for one that is not there.
+pub(super) fn absent(words: &[(u8, Part)], letter: u8, number: Option<Number>) -> Option<Part> {
+    let (_, part) = words.iter().find(|(its, _)| *its == letter)?;
+    number.filter(|number| !part.is_there(*number)).map(|_| *part)
+}
+
+/// The extruder of a named command, if it is one that is not there. Klipper calls the first one `extruder`.
+pub(super) fn absent_extruder<'a>(command: &'static str, name: &'a [u8]) -> Option<Absent<'a>> {
+    let is_there = name.eq_ignore_ascii_case(b"extruder");
+    (!is_there).then_some(Absent { command: Named::Name(command), part: Part::Extruder, which: name })
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::super::command::Command;
+    use super::super::parse::parse;
+    use super::super::parts::Flaw;
+    use super::*;
+    use std::collections::BTreeSet;
+
+    fn refused(line: &str) -> Option<(Part, &str)> {
+        match parse(line.as_bytes()) {
+            Command::Malformed(Flaw::Absent(Absent { part, which, .. })) => {
+                Some((part, core::str::from_utf8(which).unwrap()))
+            }
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn words_for_parts_that_are_not_there_are_known_by_name() {
+        for (line, part, which) in [
+            ("M221 T1 S50", Part::Extruder, "1"),
+            ("M221 S50 D1", Part::Extruder, "1"),
+            ("T1", Part::Tool, ""),
+            ("T255", Part::Tool, ""),
+            ("M104 T1 S200", Part::Tool, "1"),
+            ("M109 S200 T2", Part::Tool, "2"),
+            ("M104 I1", Part::Preset, "1"),
+            ("M106 I1", Part::Preset, "1"),
+            ("M140 P1 S60", Part::Bed, "1"),
+            ("M190 H0 S60", Part::Heater, "0"),
+            ("M141 P1 S60", Part::Chamber, "1"),
+            ("M301 E1 P10 I1 D5", Part::Extruder, "1"),
+            ("M301 H1 P10", Part::Heater, "1"),
+            ("M303 T1 S200", Part::Tool, "1"),
+            ("M304 H0 P1", Part::Heater, "0"),
+            ("M572 D1 S0.05", Part::Extruder, "1"),
+            ("M900 T1 K.2", Part::Extruder, "1"),
+            ("M900 S1", Part::Slot, "1"),
+            ("M900 K.1 L.2", Part::Other, ".2"),
+            ("M906 I1 X700", Part::Driver, "1"),
+            ("M906 T1 E700", Part::Extruder, "1"),
+            ("M569 S1 I1 X", Part::Driver, "1"),
+            ("M913 I 2X100", Part::Driver, "2"),
+            ("M914 I1 X100", Part::Driver, "1"),
+            ("M92 T1 E400", Part::Extruder, "1"),
+            ("M201 T1 E400", Part::Extruder, "1"),
+            ("M203 T-1 E40", Part::Extruder, "-1"),
+            ("M200 T1 D0", Part::Extruder, "1"),
+            ("M207 P1 S2", Part::Tool, "1"),
+            ("M208 P1 S2", Part::Tool, "1"),
+            ("M116 P1", Part::Tool, "1"),
+            ("M84 E1", Part::Extruder, "1"),
+            ("M17 X E1", Part::Extruder, "1"),
+            ("SET_PRESSURE_ADVANCE EXTRUDER=extruder1 ADVANCE=.1", Part::Extruder, "extruder1"),
+        ] {
+            assert_eq!(refused(line), Some((part, which)), "{line}");
+        }
+    }
+
+    #[test]
+    fn words_of_machines_with_one_extruder_are_obeyed() {
+        for line in [
+            "M221 T0 S50",
+            "T0",
+            "M104 T0 S200",
+            "M109 S200 T0",
+            "M140 P0 S60",
+            "M141 P0 S40",
+            "M200 D0",
+            "M200 T0 D0",
+            "M301 E0 P10",
+            "M572 D0 S0.05",
+            "M900 T0 K.2",
+            "M900 S0 K.2",
+            "M906 I0 X700",
+            "M906 I-1 X700",
+            "M84 X Y E",
+            "M84 X0 Y0 E0",
+            "M204 P500 T500",
+            "M205 T5",
+            "M306 T",
+            "M303 E-1 S60",
+            "M600 T1",
+            "M105 T1",
+            "M106 P3 S100",
+            "SET_PRESSURE_ADVANCE EXTRUDER=extruder ADVANCE=.1",
+        ] {
+            assert_eq!(refused(line), None, "{line}");
+        }
+        for line in ["M221 T S50", "M900 T K1", "M572 D S.1"] {
+            assert!(matches!(parse(line.as_bytes()), Command::Malformed(Flaw::NoNumber(_))), "{line}");
+        }
+    }
+
+    #[test]
+    fn each_part_of_each_command_has_a_key_of_its_own() {
+        let lines = ["M221 T1", "M221 T2", "M104 T1", "T1", "T2", "M104 I1", "M900 S1", "M900 T1", "M92 T1", "M301 E1"];
+        let names = ["SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder2"];
+        let key = |line: &str| match parse(line.as_bytes()) {
+            Command::Malformed(Flaw::Absent(absent)) => absent.key(),
+            other => panic!("{line}: {other:?}"),
+        };
+        let keys: BTreeSet<u32> = lines.into_iter().chain(names).map(key).collect();
+        assert_eq!(keys.len(), lines.len() + names.len());
+        assert_eq!(key("M221 T1 S50"), key("M221 S80 T1"));
+    }
+}
