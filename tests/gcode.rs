@@ -91,7 +91,7 @@ const CODES: &[&str] = &[
     "if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"x\"", "EXCLUDE_OBJECT NAME=x", "EXCLUDE_OBJECT_END",
     "print_end", "M1234567", "(x) G1", "G12", "G30", "M2", "M20", "M21", "M48", "M74", "M75", "M76", "M77", "M80",
     "M140", "M142", "M150", "M202", "M217", "M240", "M290", "M300", "M355", "M403", "M420", "M425", "M530", "M532",
-    "M555", "M601", "M602", "M623", "M851", "M870", "M907",
+    "M555", "M28", "M28 a.gco", "M29", "M601", "M602", "M623", "M851", "M870", "M907",
 ];
 
 /// A line that is probably a command.
@@ -296,7 +296,7 @@ const ANY_TEXT: [&[&str]; 5] = [
     // They must act whatever follows.
     &["M81", "M108", "M110", "M112", "M410", "M999"],
     // A text for people, a name or a version follows.
-    &["M0", "M1", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876"],
+    &["M0", "M1", "M28", "M29", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876"],
     // They take no words, so none can be misread.
     &["M24", "M25", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
     // They are answered and not carried out.

@@ -101,6 +101,10 @@ pub enum Command<'a> {
     Resume,
     /// M876: an answer to a question. It is taken on the receive path.
     Answer,
+    /// M28: what follows is a file for a card, of which there is none.
+    BeginUpload(&'a [u8]),
+    /// M29: that was all of it.
+    EndUpload,
     /// M73: how much of the print is done, in percent, and the minutes that are left.
     Progress {
         /// P.

@@ -9,7 +9,7 @@ use super::number::Number;
 use super::parts::{AxisFlags, AxisWords};
 use super::quiet::is_silent;
 use super::shaping::{linear_advance, pressure_advance, shaper};
-use super::text::{await_user, object, tell};
+use super::text::{await_user, file_name, object, tell};
 use crate::connectors::Heater;
 
 /// The command of an M-code, or `None` if it is not understood.
@@ -24,6 +24,8 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         18 | 84 => release_motors(text),
         24 | 602 => Command::Resume,
         25 => Command::Pause,
+        28 => Command::BeginUpload(file_name(text)),
+        29 => Command::EndUpload,
         48 | 290 | 851 => Command::Probing,
         73 => Command::Progress { percent: number(text, b'P'), minutes: number(text, b'R') },
         81 => Command::PowerOff,

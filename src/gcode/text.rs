@@ -37,6 +37,11 @@ pub(super) fn await_user(text: &[u8], filament: bool) -> Command<'static> {
     Command::AwaitUser { ms: if filament { 0 } else { ms.min(Number::LIMIT as u64) as u32 }, filament }
 }
 
+/// M28: the name of the file.
+pub(super) fn file_name(text: &[u8]) -> &[u8] {
+    trim_end(skip_blanks(text), is_outside)
+}
+
 /// M486: with S a number, with A what follows is a name, with T a count; the other letters cancel.
 pub(super) fn object(text: &[u8]) -> Command<'static> {
     match Words::new(text).next() {

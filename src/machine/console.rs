@@ -120,6 +120,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 Asked::Question(last) => Answer::Question(last),
                 Asked::Resend(reason, last) => Answer::Resend(reason, last),
             };
+            if let Some(lines) = crank.upload_given_up() {
+                crank.tell(Answer::UploadEnded(lines)).await?;
+            }
             crank.tell(answer).await?;
             if !answer.has_ok() {
                 crank.tell(Answer::Ok).await?;

@@ -201,6 +201,11 @@ impl Display for Printed<'_> {
             Command::AwaitUser { ms: 0, .. } => f.write_str("M0"),
             Command::AwaitUser { ms, .. } => write!(f, "M0 P{ms}"),
             Command::Pause => f.write_str("M25"),
+            Command::BeginUpload(name) => {
+                f.write_str("M28 ")?;
+                write_text(f, name)
+            }
+            Command::EndUpload => f.write_str("M29"),
             Command::Resume => f.write_str("M24"),
             Command::Answer => f.write_str("M876"),
             Command::Progress { percent, minutes } => {

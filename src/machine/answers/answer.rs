@@ -59,7 +59,10 @@ pub(in crate::machine) enum Answer<'a> {
     /// M111: whether it is a dry run.
     DebugFlags(bool),
     Keepalive,
-    InvalidTool(u8),
+    /// M28, with the name of the file: there is no card.
+    NoCard(&'a [u8]),
+    /// What a host sent for a card is over: how many lines were not carried out.
+    UploadEnded(u32),
     Position {
         real: bool,
     },

@@ -226,6 +226,11 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::ColdExtrusion { least, allow } => cold.set(crank, clamps, least, allow),
         Command::PowerOff => switch_off(crank),
         // What this firmware does not do.
+        Command::BeginUpload(name) => {
+            crank.begin_upload();
+            Answer::NoCard(name)
+        }
+        Command::EndUpload => crank.end_upload().map_or(Answer::Nothing, Answer::UploadEnded),
         // M413 S0 asks for what is so.
         Command::PowerLossRecovery(Some(false)) => Answer::Nothing,
         Command::PowerLossRecovery(None) => Answer::Line("echo:Power-loss recovery OFF"),

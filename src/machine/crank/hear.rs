@@ -23,6 +23,22 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         asked
     }
 
+    /// M28: what the host being served sends from now on is not carried out.
+    pub fn begin_upload(&mut self) {
+        self.hosts.begin_upload(self.ports.clock.now());
+    }
+
+    /// It is over: how many lines were not carried out. `None` if there was none.
+    pub fn end_upload(&mut self) -> Option<u32> {
+        self.hosts.end_upload()
+    }
+
+    /// How many lines were not carried out of an upload that the present line has shown to be over without M29, told
+    /// once.
+    pub fn upload_given_up(&mut self) -> Option<u32> {
+        self.hosts.upload_given_up()
+    }
+
     /// The line is answered.
     pub const fn end_line(&mut self) {
         self.hosts.note_answered();

@@ -132,7 +132,16 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             Answer::FlowPercent(percent) => to.say(format_args!("echo:E0 Flow: {percent}%")),
             Answer::DebugFlags(is_dry) => to.say(format_args!("echo:DEBUG:{}", if is_dry { "DRYRUN" } else { "off" })),
             Answer::Keepalive => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
-            Answer::InvalidTool(number) => to.say(format_args!("echo:T{number} Invalid extruder")),
+            // Marlin's words (language.h, STR_SD_OPEN_FILE_FAIL).
+            Answer::NoCard(name) => {
+                let name = Echo(name);
+                to.say(format_args!(
+                    "echo:open failed, File: {name}. There is no card; lines up to M29 are not carried out"
+                ));
+            }
+            Answer::UploadEnded(lines) => {
+                to.say(format_args!("echo:upload ended: there is no card, lines not carried out: {lines}"));
+            }
             Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage), s),
             Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs(), &self.settings.endstops),
             Answer::SoftEndstops => say_soft_endstops(to, s, *homed),

@@ -1,6 +1,7 @@
 //! One host: its serial line, what has arrived on it, and what it is yet to be told.
 
 use super::schedule::Schedule;
+use super::upload::{Upload, is_mark};
 use crate::gcode::{self, Command};
 use crate::port::{Received, Serial};
 use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies, ResendReason};
@@ -17,6 +18,8 @@ pub(super) struct Host<S> {
     pub(super) replies: Replies,
     /// What it is told by itself.
     pub(super) schedule: Schedule,
+    /// What it sends for a card.
+    pub(super) upload: Upload,
     /// When it was last told that there is somebody, or had nothing to wait for.
     pub(super) assured: Instant,
     /// A quick stop was in what it has sent last.
@@ -71,6 +74,7 @@ impl<S: Serial> Host<S> {
             receiver: Receiver::new(),
             replies: Replies::new(),
             schedule: Schedule::new(),
+            upload: Upload::new(),
             assured: now,
             has_stopped: false,
             has_opened: false,
@@ -92,6 +96,7 @@ impl<S: Serial> Host<S> {
                 self.replies = Replies::new();
                 self.forgotten = None;
                 self.schedule = Schedule::new();
+                self.upload = Upload::new();
                 self.has_opened = true;
                 self.is_new = true;
             }
@@ -143,8 +148,9 @@ impl<S: Serial> Host<S> {
         self.number = (number != last).then_some(number);
         self.assured = now;
         self.forgotten = self.forgotten.filter(|place| self.receiver.is_within(*place));
-        let is_forgotten = asked == Asked::Command && self.forgotten.is_some();
-        Some(if is_forgotten { Asked::Nothing } else { asked })
+        let is_forgotten = asked == Asked::Command && self.forgotten.is_some() && !is_mark(text);
+        let asked = if is_forgotten { Asked::Nothing } else { asked };
+        Some(if self.upload.takes(asked, text, now) { Asked::Nothing } else { asked })
     }
 
     pub(super) fn send(&mut self) {

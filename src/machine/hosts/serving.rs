@@ -87,6 +87,23 @@ impl<S: Serial> Hosts<S> {
         None
     }
 
+    /// What the host being served sends from now on is for a card.
+    pub(in crate::machine) fn begin_upload(&mut self, now: Instant) {
+        if let Some(host) = self.hosts.get_mut(self.serving).filter(|_| !self.is_gone) {
+            host.upload.begin(now);
+        }
+    }
+
+    /// That is over. `None` if it had not begun.
+    pub(in crate::machine) fn end_upload(&mut self) -> Option<u32> {
+        self.hosts.get_mut(self.serving)?.upload.end()
+    }
+
+    /// What the present line has shown to be over without M29.
+    pub(in crate::machine) fn upload_given_up(&mut self) -> Option<u32> {
+        self.hosts.get_mut(self.serving)?.upload.take_given_up()
+    }
+
     /// The host being served.
     pub(in crate::machine) const fn serving(&self) -> usize {
         self.serving

@@ -74,6 +74,8 @@ const ROWS: &[Row] = &[
     ("M602", SILENCE),
     ("M24", SILENCE),
     ("M25", &["//action:paused"]),
+    ("M28 a.gco", &["echo:open failed, File: a.gco. There is no card; *"]),
+    ("M29", SILENCE),
     ("M876 S0", SILENCE),
     ("M876 P1", SILENCE),
     // Limits and settings.

@@ -15,5 +15,6 @@ mod saving;
 mod stops;
 mod storage;
 mod talk;
+mod uploads;
 #[path = "../common/wild_machine.rs"]
 mod wild_machine;
