@@ -299,7 +299,8 @@ pub trait ThermalPort {
         false
     }
 
-    /// Switches the power supply on or off.
+    /// Switches the power supply on or off. A board that has switched it off keeps it off over resets, until power was cut or a user
+    /// has asked twice (M999).
     fn switch_supply(&mut self, _on: bool) {}
 
     /// Everybody has been heard of: the watchdog may wait for another while.

@@ -174,9 +174,7 @@ impl Cause {
             Self::SensorOpen => "plug its sensor in, or mend the wire",
             Self::SensorShort => "mend the sensor's wire",
             Self::TooCold => "warm the room, or set the sensor's kind (thermistor)",
-            Self::TooHot => {
-                "unplug the heater if it stays hot; check its switch and the sensor's kind (thermistor)"
-            }
+            Self::TooHot => "unplug the heater if it stays hot; check its switch and the sensor's kind (thermistor)",
             Self::SensorFlickers => "mend the contact of its sensor",
             Self::SensorFrozen => "check its sensor, then reset",
             Self::SensorsSwapped => "check which plug is where, and the names in the machine's file",

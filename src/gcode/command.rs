@@ -325,6 +325,8 @@ pub enum Command<'a> {
     HeaterModel {
         /// E, as for M303.
         heater: Option<Heater>,
+        /// Whether there is an E.
+        is_named: bool,
         /// Its numbers.
         words: ModelWords,
     },

@@ -58,7 +58,7 @@ pub(super) fn model(text: &[u8]) -> Command<'static> {
     let [power, capacity, loss, fan_loss, responsiveness, heater_lag, filament] =
         [b'P', b'C', b'A', b'F', b'R', b'L', b'H'].map(|letter| number(text, letter));
     let words = ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament };
-    Command::HeaterModel { heater, words }
+    Command::HeaterModel { heater, is_named: last(text, b'E').is_some(), words }
 }
 
 /// M302. P0 forbids, any other P allows.

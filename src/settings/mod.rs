@@ -50,8 +50,8 @@ pub use name::MachineName;
 pub use plugged::{ConnectorError, Plugged};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
-    Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, ThermalSettings,
-    Thermistor,
+    Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, Plausible,
+    ThermalSettings, Thermistor,
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 

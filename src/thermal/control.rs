@@ -90,7 +90,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             scrub_in: SCRUB,
         };
         control.settings_sum = control.sum();
-        control.port.switch_supply(true);
+        // The power supply is the board's to switch on. After a switch that stuck it stays off, and nobody here knows of that.
         control
     }
 
@@ -457,5 +457,24 @@ mod tests {
         assert_eq!(run(&mut control, 3 * SCRUB), None, "settings that were ordered are right");
         control.common.filament = crate::units::WattsPerKelvin::from_bits(common.filament.to_bits() ^ 1 << 20);
         assert_eq!(run(&mut control, SCRUB), Some(Cause::SettingsDamaged));
+    }
+
+    /// Numbers that guards make of the settings are looked at too; no guard keeps a threshold that the settings have.
+    #[test]
+    fn f40_what_was_made_of_the_settings_is_found_within_a_second_too() {
+        for place in 0..4 {
+            let (queue, status) = (Box::leak(Box::new(OrderQueue::new())), Box::leak(Box::new(Status::new())));
+            let status: &Status = status;
+            let settings = ThermalSettings::prototype();
+            let mut control = ThermalControl::new(&settings, queue.split().1, status, NoHeaters, Nobody);
+            control.heaters[0].damage(place);
+            for _ in 0..=SCRUB {
+                status.heat().beat_of_console();
+                status.heat().beat_of_generator();
+                status.count_look();
+                control.period();
+            }
+            assert_eq!(status.fault().fault().map(|fault| fault.cause), Some(Cause::SettingsDamaged), "{place}");
+        }
     }
 }

@@ -165,6 +165,21 @@ impl HeaterLoop {
         (&self.curve, self.guards.numbers(), self.lag_watch.numbers())
     }
 
+    /// Changes a number that came of the settings, as memory that fails does.
+    #[cfg(test)]
+    pub fn damage(&mut self, place: usize) {
+        let other = HeaterSettings { most: Celsius::const_from_int(400), ..self.settings };
+        match place {
+            0 => self.curve = Curve::new(crate::settings::Thermistor::Pt1000),
+            1 => {
+                let guards = crate::settings::Guards { heating: Ratio::lit("0.2"), ..other.guards };
+                self.guards.configure(&HeaterSettings { guards, ..other });
+            }
+            2 => self.lag_watch = LagWatch::new(&HeaterSettings::bed(other.output, other.sensor).model),
+            _ => self.settings = other,
+        }
+    }
+
     /// Whether it was given power in the last period.
     pub const fn is_powered(&self) -> bool {
         self.wanted > 0

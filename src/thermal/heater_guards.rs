@@ -130,7 +130,7 @@ impl HeaterGuards {
             self.while_off.look(settings.guards.off_rise, &seen),
             self.at_target.look(&settings.guards, self.floor, hold, &seen),
             self.frozen.look(self.floor, now.measured, now.duty),
-            self.gain.look(self.floor, goal, smooth, (now.duty, now.duty >= now.most)),
+            self.gain.look(self.floor, goal, smooth, (now.duty, now.most)),
             self.balance.look(is_heated, now.measured, now.power, now.fan, now.filament),
         ];
         let is_worst = |alarm: &&Alarm| alarm.cause.is_stuck_on();

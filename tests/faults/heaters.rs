@@ -7,7 +7,7 @@ use corehbot::fault::Cause;
 use corehbot::settings::Control;
 use corehbot::thermal::Order;
 use corehbot::units::{Celsius, Watts};
-use corehbot_rig::plant::{HeaterFault, Plant};
+use corehbot_rig::plant::{HeaterFault, Plant, SensorFault};
 
 #[test]
 fn f08_an_open_heater_is_found() {
@@ -270,4 +270,50 @@ fn f18_a_hotend_fan_with_a_tachometer_that_stands_still_switches_off() {
     printer.set(Heater::Hotend, 215.0);
     assert_eq!(until_off(&mut printer, 60.0).0, Cause::FanFailed);
     assert!(printer.hotend() < 150.0, "{}", printer.hotend());
+}
+
+/// Reproducer: the hotend's open sensor was told first, in every period, so a bed that could not be switched off kept its supply.
+#[test]
+fn an_open_hotend_sensor_masks_no_stuck_bed_switch() {
+    for opens_after in [0.0, 70.0] {
+        let mut printer = cold();
+        printer.set(Heater::Hotend, 215.0);
+        printer.run(15.0);
+        break_it(&printer, |faults| faults.bed_heater.stuck_on = true);
+        printer.run(opens_after);
+        break_it(&printer, |faults| faults.hotend_sensor = SensorFault::Open);
+        let found = printer.run_until(200.0, |printer| !printer.bench.borrow().supply);
+        println!("supply off {found:?} s after the sensor, at {:.0} C", printer.bed());
+        assert!(found.is_some() && printer.bed() < 80.0);
+        printer.run(1.0);
+        assert_eq!(printer.bench.borrow().fans, [1.0; 6], "all fans cool");
+    }
+}
+
+/// A start does not switch a supply on that the board keeps off.
+#[test]
+fn the_power_supply_stays_off_over_a_start_after_a_switch_that_stuck() {
+    let mut printer = cold();
+    break_it(&printer, |faults| faults.hotend_heater = HeaterFault::STUCK_ON);
+    assert_eq!(until_off(&mut printer, 60.0).0, Cause::HeatsWhileOff);
+    let mut printer = printer.restarted();
+    printer.set(Heater::Bed, 60.0);
+    printer.run(60.0);
+    assert!(!printer.bench.borrow().supply, "and the heater that is stuck cools");
+}
+
+/// Reproducer: without a reading the hotend's fan stood still, and its cold end got hot.
+#[test]
+fn the_hotends_fan_runs_when_its_sensor_breaks_while_it_is_hot() {
+    for is_heating in [true, false] {
+        let mut printer = printing();
+        if !is_heating {
+            printer.order(Order::Off);
+        }
+        printer.run(1.0);
+        break_it(&printer, |faults| faults.hotend_sensor = SensorFault::Open);
+        printer.run(30.0);
+        assert!(printer.hotend() > 100.0);
+        assert_eq!(printer.bench.borrow().fans[1], 1.0, "heating: {is_heating}");
+    }
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod configuration;
+mod floor;
 mod fuzz;
 mod hearts;
 mod heaters;

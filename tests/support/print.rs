@@ -170,8 +170,8 @@ impl Display for Printed<'_> {
                 switch(f, "M302", least)?;
                 word(f, 'P', allow.map(|allow| Number::from(i32::from(allow))))
             }
-            Command::HeaterModel { heater, words } => {
-                write!(f, "M306 {}", index(heater))?;
+            Command::HeaterModel { heater, is_named, words } => {
+                write!(f, "M306 {}", if is_named { index(heater) } else { "" })?;
                 for (letter, number) in [
                     ('P', words.power),
                     ('C', words.capacity),

@@ -119,12 +119,21 @@ impl Printer {
             plant,
             duties: [0.0; OUTPUTS],
             fans: [0.0; FANS],
-            supply: false,
+            supply: true,
             fed: 0,
             tachometer: None,
             is_stuck: false,
         };
-        let bench = Rc::new(RefCell::new(bench));
+        Self::at(Rc::new(RefCell::new(bench)), settings)
+    }
+
+    /// The firmware after a reset, on the same plant.
+    #[allow(dead_code, reason = "not every test program that has this file asks for it")]
+    pub fn restarted(self) -> Self {
+        Self::at(self.bench, self.settings)
+    }
+
+    fn at(bench: Rc<RefCell<Bench>>, settings: ThermalSettings) -> Self {
         let queue: &'static mut OrderQueue = Box::leak(Box::new(OrderQueue::new()));
         let (orders, orders_in) = queue.split();
         let status: &'static Status = Box::leak(Box::new(Status::new()));

@@ -213,6 +213,42 @@ fn settings_of_heaters_are_said_as_the_lines_that_set_them() {
     }
 }
 
+/// Reproducer: M306 took any capacity and loss for any heater, and without E it took the hotend without a word.
+#[test]
+fn a_model_that_no_such_heater_has_is_refused_and_the_heater_is_named() {
+    let settings = machine(&[Heater::Hotend, Heater::Bed]);
+    for (line, told) in [
+        ("M306 E0 P40 C200", "echo:M306 ignored: C200 is out of range (1 to 66.6"),
+        ("M306 E0 A3.5", "echo:M306 ignored: A3.5 is out of range (0.01 to 0.4), stays 0.075"),
+        ("M306 E0 P1", "echo:M306 ignored: P1 is out of range (5 to 200), stays 40"),
+        ("M306 E0 L80", "echo:M306 ignored: L80 is out of range (0.1 to 60), stays 1.2"),
+        ("M306 E-1 C10.8", "echo:M306 ignored: C10.8 is out of range (100 to 2"),
+        (
+            "M306 E0 P5",
+            "echo:M306 ignored: no such heater has this power with this model, set P, C, A, F, R and L in one line",
+        ),
+    ] {
+        let heard = talk(&settings, 1000, &[line, "M306 E0", "M306 E-1"]);
+        assert!(heard[0].starts_with(told), "{line}: {heard:?}");
+        assert!(has(&heard, "echo:  M306 E0 P40 C10.8 A0.075 F0.125 R0.83333 L1.2 H0.0056"), "{line}: {heard:?}");
+        assert!(heard.iter().any(|said| said.starts_with("echo:  M306 E-1 P500 C1700 A3.5")), "{line}: {heard:?}");
+    }
+    let named = "echo:M306 without E is the hotend's (E0); E-1 is the bed, E-2 the chamber";
+    assert_eq!(talk(&settings, 500, &["M306 C12"])[..2], [named, "ok"]);
+    assert_eq!(talk(&settings, 500, &["M306 E0 C12"])[0], "ok");
+    // A heavy block of 25 W, in one line.
+    assert_eq!(talk(&settings, 500, &["M306 E0 P25 C34 A.08 F.12"])[0], "ok");
+}
+
+/// Reproducer: the second heating to the same target ended in E09.
+#[test]
+fn nearly_every_second_print_heats_to_the_same_target_again() {
+    let lines = ["M109 S210", "M104 S0", "G4 S20", "M109 S210", "M104 S0", "G4 S60", "M140 S60", "M109 S210", "M105"];
+    let heard = talk(&machine(&[Heater::Hotend, Heater::Bed]), 400_000, &lines);
+    assert!(!heard.iter().any(|line| line.starts_with("Error:")), "{heard:?}");
+    assert!(heard.last().unwrap().contains(" /210.00 "), "{heard:?}");
+}
+
 #[test]
 fn diagnosis_has_the_fault_and_the_heaters() {
     let heard = talk(&machine(&[Heater::Bed]), 3000, &["M122"]);

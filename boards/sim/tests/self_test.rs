@@ -90,7 +90,7 @@ fn a_hot_bed_puts_it_off_and_an_open_heater_halts() {
     let settings = machine(&[Heater::Hotend, Heater::Bed]);
     let lines = ["M190 S55", "SELF_TEST", "SELF_TEST", "M105"];
     let (heard, _) = talk_with(&settings, NoStorage, 200_000, &lines, |_, _| {});
-    let told = heard.iter().filter(|line| line.starts_with("echo:Self-test put off")).count();
+    let told = heard.iter().filter(|line| line.starts_with("echo:Heaters are not tested")).count();
     assert_eq!(told, 2, "{heard:?}");
     let (heard, _) = talk_with(&settings, NoStorage, 70_000, &["SELF_TEST"], |_, world| {
         world.heat().plant().unwrap().faults().hotend_heater = HeaterFault::OPEN;

@@ -8,7 +8,7 @@ use crate::heater_timer::HeaterTimer;
 use crate::reference_voltage::ReferenceVoltage;
 use crate::thermistors::Thermistors;
 use crate::wiring::{Board, SupplySwitch};
-use crate::{ports, watchdog};
+use crate::{ports, reset_reason, watchdog};
 
 /// Heaters, fans and sensors of a board, and its watchdog.
 pub struct BoardHeat {
@@ -25,12 +25,13 @@ pub struct BoardHeat {
 }
 
 impl BoardHeat {
-    /// Everything off but the power supply, and the timers, converters and pins taken.
-    pub fn start(board: &'static Board) -> Self {
+    /// Everything off but the power supply, and the timers, converters and pins taken. The supply stays off too if it was switched
+    /// off before the reset: a heater could not be switched off otherwise.
+    pub fn start(board: &'static Board, is_supplied: bool) -> Self {
         let thermistors = Thermistors::start(board.thermistors);
         let reference = (!board.thermistors.is_empty()).then(ReferenceVoltage::start);
         if let Some(switch) = board.supply_switch {
-            ports::put(switch.pin, switch.is_on_high);
+            ports::put(switch.pin, is_supplied == switch.is_on_high);
             // Here and nowhere else: what changes modes later would lose what an interrupt changes meanwhile.
             ports::make_output(switch.pin);
         }
@@ -90,6 +91,9 @@ impl ThermalPort for BoardHeat {
 
     fn switch_supply(&mut self, on: bool) {
         if let Some(switch) = self.supply_switch {
+            if !on {
+                reset_reason::note_supply_off();
+            }
             ports::put(switch.pin, on == switch.is_on_high);
         }
     }

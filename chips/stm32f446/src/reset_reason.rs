@@ -5,6 +5,7 @@
 //! | a text | the handler that ends a run | always |
 //! | a record: the fault as numbers, and how many came how fast | the same; the thermal context for a fault that the core has latched; start-up for a bite of the watchdog | if there is no text |
 //! | seconds since start | the thermal context | no |
+//! | that the power supply was switched off, for a heater could not be | the thermal context | always, until it is forgotten |
 //!
 //! The first fault of a run is the one that is recorded. Switching on, and M999 without a fault before it, end a series.
 
@@ -33,6 +34,8 @@ struct Kept {
     is_fresh: AtomicU32,
     /// Seconds since start.
     uptime: AtomicU32,
+    /// The power supply was switched off.
+    supply_off: AtomicU32,
 }
 
 // SAFETY: the section is meant for variables that start-up does not initialise (cortex-m-rt). Any bytes are
@@ -45,6 +48,7 @@ static KEPT: Kept = Kept {
     record: [const { AtomicU32::new(0) }; fault::WORDS],
     is_fresh: AtomicU32::new(0),
     uptime: AtomicU32::new(0),
+    supply_off: AtomicU32::new(0),
 };
 
 /// What is known of the time before the reset.
@@ -53,6 +57,9 @@ pub struct Past {
     pub reason: Option<ResetReason>,
     /// The last fault, however long ago.
     pub record: Option<fault::Record>,
+    /// The power supply was switched off, for a heater could not be. It stays off until power was cut, or until an M999 that
+    /// no fault came before.
+    pub is_supply_off: bool,
 }
 
 /// The reason as a text, which is cut where it gets too long.
@@ -130,6 +137,11 @@ pub fn set_uptime(seconds: u32) {
     KEPT.uptime.store(seconds, Ordering::Relaxed);
 }
 
+/// The power supply was switched off, for a heater could not be.
+pub fn note_supply_off() {
+    KEPT.supply_off.store(MAGIC, Ordering::Relaxed);
+}
+
 /// A run ends because the user wants it to: what came before is no series any more, unless this run had a fault.
 pub fn end_series() {
     if !is_fresh() {
@@ -140,6 +152,7 @@ pub fn end_series() {
 /// Forgets the record.
 pub fn forget() {
     KEPT.record.iter().for_each(|word| word.store(0, Ordering::Relaxed));
+    KEPT.supply_off.store(0, Ordering::Relaxed);
     KEPT.is_fresh.store(0, Ordering::Relaxed);
 }
 
@@ -166,7 +179,11 @@ pub fn take() -> Past {
     } else if has_bitten {
         let _ = message.write_str("the watchdog: a part of the firmware had stopped");
     }
-    Past { reason: (!message.0.is_empty()).then_some(message), record: record() }
+    Past {
+        reason: (!message.0.is_empty()).then_some(message),
+        record: record(),
+        is_supply_off: KEPT.supply_off.load(Ordering::Relaxed) == MAGIC,
+    }
 }
 
 /// The text that was left.

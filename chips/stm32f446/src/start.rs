@@ -34,6 +34,10 @@ defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 
 static DIRS: StaticCell<[Dirs; 2]> = StaticCell::new();
 
+/// What a host is told at a start after a switch that stuck.
+const SUPPLY_OFF: &str = "echo:the power supply stays off, for a heater could not be switched off: mend it, then cut all power \
+    (USB too) or send M999 once more\n";
+
 /// Cycles of a bootloader's 180 MHz until an input with a resistor of 40 kOhm (STM32F446 datasheet, weak pull-up) and
 /// some 100 pF has settled, with a margin of ten.
 const SETTLE: u32 = 10_000;
@@ -89,14 +93,17 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     }
     let mut storage = BoardStorage(find(board));
     let Start { settings, plugged, refusal } = machine_at_start(image, board, &mut storage);
-    let (lines, usb) = open_lines(board, Some(settings.baud), past.reason);
+    let (mut lines, usb) = open_lines(board, Some(settings.baud), past.reason);
+    if past.is_supply_off {
+        lines.iter_mut().for_each(|line| _ = line.send(SUPPLY_OFF.as_bytes()));
+    }
     safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let groups = Groups::new(&settings.mechanism);
     let (coupling, circulating) = (groups.coupling(), Groups::new(&settings.mechanism.circulating()).coupling());
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
     let ports = Ports { serial: lines, drivers: Drivers::start(plugged, refusal, spare), clock: BoardClock, storage };
-    let heat = BoardHeat::start(board);
+    let heat = BoardHeat::start(board, !past.is_supply_off);
     let step_ports = StepPorts {
         pins: StepPins::new(plugged, dirs, [&coupling, if settings.belt.is_closed { &circulating } else { &coupling }]),
         clock: timer,

@@ -143,7 +143,13 @@ fn heaters_and_fans() {
     assert_eq!(parse(b"M116"), Command::AwaitHeaters);
     assert_eq!(parse(b"M306 T"), tune(Some(Heater::Hotend), None, None, true));
     let words = ModelWords { loss: number(".07"), ..ModelWords::default() };
-    assert_eq!(parse(b"M306 A.07"), Command::HeaterModel { heater: Some(Heater::Hotend), words });
+    for (line, heater, is_named) in [
+        ("M306 A.07", Heater::Hotend, false),
+        ("M306 E0 A.07", Heater::Hotend, true),
+        ("M306 E-1 A.07", Heater::Bed, true),
+    ] {
+        assert_eq!(parse(line.as_bytes()), Command::HeaterModel { heater: Some(heater), is_named, words }, "{line}");
+    }
     for (line, least, allow) in [
         ("M302", None, None),
         ("M302 S0", number("0"), None),

@@ -9,11 +9,11 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::{HeatSetting, pid_code};
 use crate::machine::numbers::rate;
 use crate::machine::state::clamps::Clamps;
-use crate::settings::{Control, HeaterSettings, Pid, Range, ThermalSettings, ranges};
+use crate::settings::{Control, HeaterSettings, Pid, Plausible, Range, ThermalSettings, ranges};
 use crate::units::{Ratio, Seconds};
 
-/// The reciprocal of a time constant, in 1/s: of the longest and of the shortest legal one.
-const RESPONSIVENESS: Range<Ratio> = Range { least: const { Ratio::lit("0.00834") }, most: Ratio::const_from_int(10) };
+/// The reciprocal of the shortest legal time constant, in 1/s.
+const FASTEST: Ratio = Ratio::const_from_int(10);
 
 /// M301, M304.
 pub(in crate::machine) fn set_pid(
@@ -38,9 +38,11 @@ pub(in crate::machine) fn set_pid(
     Answer::Nothing
 }
 
-/// M306. F is the whole loss with the part fan at full speed, as in Marlin.
+/// M306. F is the whole loss with the part fan at full speed, as in Marlin. What it takes depends on the kind of heater and on its
+/// power, that of the line if it has one. Without E it is the hotend's, and says so.
 pub(in crate::machine) fn set_model(
     heater: Heater,
+    is_named: bool,
     words: &ModelWords,
     thermal: &mut ThermalSettings,
     clamps: &mut Clamps,
@@ -52,37 +54,51 @@ pub(in crate::machine) fn set_model(
     let mut wanted = *thermal;
     let settings = wanted.heater_mut(heater);
     if let Some(number) = power {
-        clamps.near(["M306", "P"], number, ranges::POWER, &mut settings.power);
+        clamps.near(["M306", "P"], number, Plausible::of(heater, settings.power).power, &mut settings.power);
     }
+    let plausible = Plausible::of(heater, settings.power);
     let model = &mut settings.model;
     if let Some(number) = capacity {
-        clamps.near(["M306", "C"], number, ranges::CAPACITY, &mut model.capacity);
+        clamps.near(["M306", "C"], number, plausible.capacity, &mut model.capacity);
     }
     if let Some(number) = loss {
-        clamps.near(["M306", "A"], number, ranges::LOSS, &mut model.loss);
+        clamps.near(["M306", "A"], number, plausible.loss, &mut model.loss);
     }
     if let Some(number) = fan_loss {
         let mut whole = model.loss.saturating_add(model.fan_loss);
-        clamps.near(["M306", "F"], number, Range { least: model.loss, ..ranges::LOSS }, &mut whole);
+        clamps.near(["M306", "F"], number, plausible.whole_loss(model.loss), &mut whole);
         model.fan_loss = whole.saturating_sub(model.loss);
     }
     if let Some(number) = responsiveness {
         let old = rate(model.sensor_lag);
-        if let Some(rate) = clamps.near_of(["M306", "R"], number, RESPONSIVENESS, Some(old)) {
-            model.sensor_lag = ranges::LAG.clamp(reciprocal(rate));
+        let rates = Range { least: rate(plausible.lag.most), most: FASTEST };
+        if let Some(rate) = clamps.near_of(["M306", "R"], number, rates, Some(old)) {
+            model.sensor_lag = plausible.lag.clamp(reciprocal(rate));
         }
     }
     if let Some(number) = heater_lag {
-        clamps.near(["M306", "L"], number, ranges::LAG, &mut model.heater_lag);
+        clamps.near(["M306", "L"], number, plausible.lag, &mut model.heater_lag);
     }
+    // A power alone may leave the other numbers beyond what it can have.
+    let is_plausible = plausible.beyond(settings.power, model).next().is_none();
     settings.control = Control::Model;
     if let Some(number) = filament {
         clamps.near(["M306", "H"], number, ranges::FILAMENT, &mut wanted.filament);
     }
-    if !clamps.refuses_line() {
-        *thermal = wanted;
+    if clamps.refuses_line() {
+        return Answer::Nothing;
     }
-    Answer::Nothing
+    if !is_plausible {
+        return Answer::Line(
+            "echo:M306 ignored: no such heater has this power with this model, set P, C, A, F, R and L in one line",
+        );
+    }
+    *thermal = wanted;
+    if is_named {
+        Answer::Nothing
+    } else {
+        Answer::Line("echo:M306 without E is the hotend's (E0); E-1 is the bed, E-2 the chamber")
+    }
 }
 
 /// The time constant of a rate in 1/s.

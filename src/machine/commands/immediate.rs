@@ -216,8 +216,8 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             Ok(_) => change_heat(crank, |s, _| set_pid(heater, gains, s.heater_mut(heater), clamps)),
             Err(answer) => answer,
         },
-        Command::HeaterModel { heater, words } => match model_of(crank, heater) {
-            Ok(heater) => change_heat(crank, |s, _| set_model(heater, &words, s, clamps)),
+        Command::HeaterModel { heater, is_named, words } => match model_of(crank, heater) {
+            Ok(heater) => change_heat(crank, |s, _| set_model(heater, is_named, &words, s, clamps)),
             Err(answer) => answer,
         },
         Command::ControllerFan { speed, run_on, resets, other } => {

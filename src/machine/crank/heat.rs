@@ -120,7 +120,10 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.hosts.tell_all(match end {
             SelfTest::Passed => format_args!("echo:Self-test passed: each heater warms its own sensor"),
             SelfTest::PutOff => {
-                format_args!("echo:Self-test put off until all heaters have readings, and these are below 50 C")
+                format_args!(
+                    "echo:Heaters are not tested since the update, for one is at 50 C or has no reading. Heating goes on, \
+                     watched by all guards; the self-test comes before the first heating from the cold, or with SELF_TEST"
+                )
             }
             SelfTest::None | SelfTest::Testing => format_args!("echo:Self-test ended"),
         });

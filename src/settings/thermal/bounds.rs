@@ -1,10 +1,13 @@
-//! Bounds: what a heater of a kind can be at all, by its power. A result of M303 outside of them is none.
+//! Bounds: what a heater of a kind can be at all, by its power. A result of M303 outside of them is none; M306 refuses it, and
+//! `config check` warns of it ([`Plausible`](super::Plausible)).
 //!
-//! | | K/s at full power, in an insulated room | lags, s |
-//! |---|---|---|
-//! | hotend | 0.6 (25 W, 34 J/K: 0.74) to 40 (100 W, 3 J/K: 33) | 0.2 to 60 |
-//! | bed | 0.02 (220 W, 5500 J/K: 0.04) to 5 | 1 to 240 |
-//! | chamber | 0.005 (300 W, 20,000 J/K: 0.015) to 2 | 2 to 240 |
+//! | | power, W | K/s at full power, in an insulated room | lags, s | K above the room at full power |
+//! |---|---|---|---|---|
+//! | hotend | 5 to 200 | 0.6 (25 W, 34 J/K: 0.74) to 40 (100 W, 3 J/K: 33) | 0.2 to 60 | 100 to 4000 |
+//! | bed | 10 to 2000 | 0.02 (220 W, 5500 J/K: 0.04) to 5 | 1 to 240 | 10 to 1000 |
+//! | chamber | 10 to 2000 | 0.005 (300 W, 20,000 J/K: 0.015) to 2 | 2 to 240 | 5 to 1000 |
+//!
+//! Losses of a hotend in a sock of silicone are 0.05 W/K (Marlin's default for MPC: 0.068), of a plate 2 to 10 W/K.
 //!
 //! The slowest are some two thirds of real ones: an owner may have given the power of a supply of 24 V that has 20.
 
@@ -19,6 +22,10 @@ pub struct Bounds {
     rate: [Ratio; 2],
     /// From the heater to the sensor.
     pub lag: Range<Seconds>,
+    /// W.
+    pub power: [u16; 2],
+    /// K above the room that full power keeps.
+    pub above_room: [u16; 2],
 }
 
 impl Bounds {
@@ -29,16 +36,22 @@ impl Bounds {
         const HOTEND: Bounds = Bounds {
             rate: [Ratio::lit("0.6"), Ratio::lit("40")],
             lag: Range { least: Seconds::lit("0.2"), most: Seconds::lit("60") },
+            power: [5, 200],
+            above_room: [100, 4000],
         };
         /// Plates of 100 to 10,000 J/K with 50 to 2,000 W.
         const BED: Bounds = Bounds {
             rate: [Ratio::lit("0.02"), Ratio::lit("5")],
             lag: Range { least: Seconds::lit("1"), most: Seconds::lit("240") },
+            power: [10, 2000],
+            above_room: [10, 1000],
         };
         /// Air and walls.
         const CHAMBER: Bounds = Bounds {
             rate: [Ratio::lit("0.005"), Ratio::lit("2")],
             lag: Range { least: Seconds::lit("2"), most: Seconds::lit("240") },
+            power: [10, 2000],
+            above_room: [5, 1000],
         };
         match heater {
             Heater::Hotend => &HOTEND,

@@ -3,10 +3,12 @@
 mod bounds;
 mod fans;
 mod heater;
+mod plausible;
 
 pub use bounds::Bounds;
 pub use fans::{FanRole, FanSettings};
 pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
+pub use plausible::Plausible;
 
 use crate::connectors::{FANS, HEATERS, Heater, Output, Sensor};
 use crate::units::{Celsius, WattsPerKelvin};

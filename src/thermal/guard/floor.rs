@@ -13,8 +13,11 @@
 //! | bed of 220 W and 5500 J/K, at 21 V | 0.031 K/s | 163 s | 240 s |
 //! | chamber of 300 W and 20,000 J/K | 0.015 K/s | 333 s | 600 s |
 //!
-//! Above, a reading that is right comes from a thing that is hot: there is only a limit of time. A heater with tau seconds
-//! of capacity over loss gains its last 2 C, a kelvin below its highest, in 1.1 tau: 600 s for tau of 9 minutes.
+//! Above, a reading that is right comes from a thing that is hot: there is only a limit of time. A hotend of 25 W and 34 J/K that
+//! can get to 270 C needs more than 10 minutes for its last 2 C before 267 (`tests/faults/floor.rs`); it gets 30.
+//!
+//! On the first 60 % of the way a reading does not fall by 10 C either while there is more than half of the power: a hotend that cools at 3 K/s as
+//! the power comes falls by 7 C in its lag. A sensor that slips falls so far in a second, and need not be waited for.
 //!
 //! Time counts by the duty, and what was counted is forgotten four times as slowly while there is no power. So a heater that
 //! is switched off and on, and a target that changes all the time, hold up nothing.
@@ -32,6 +35,9 @@ const GAIN: Celsius = Celsius::const_from_int(2);
 /// stays below for ever, with less than full power.
 const NEAR: Celsius = Celsius::const_from_int(2);
 
+/// A fall that counts.
+const FALL: Celsius = Celsius::const_from_int(10);
+
 /// What is counted is forgotten by this part of the time without power.
 const FORGETS: u32 = 4;
 
@@ -42,6 +48,8 @@ pub struct Floor {
     heating: u32,
     /// The same on the rest of the way.
     topping: u32,
+    /// Periods for which it may read 10 C less than before at half of the power, on the first 60 % of the way.
+    falling: u32,
     /// Periods for which a reading may stand still after the power has changed.
     pub still: u32,
     /// The least and the greatest number of periods within which heat that is under way arrives.
@@ -57,7 +65,8 @@ impl Floor {
         /// Klipper's `check_gain_time` of a hotend is 20 s. The lags of a hotend are 1 to 6 s together.
         const HOTEND: Floor = Floor {
             heating: periods(20),
-            topping: periods(600),
+            topping: periods(1800),
+            falling: periods(2),
             still: periods(30),
             settling: [periods(1), periods(30)],
             overshoot: Celsius::const_from_int(15),
@@ -66,6 +75,7 @@ impl Floor {
         const BED: Floor = Floor {
             heating: periods(240),
             topping: periods(3600),
+            falling: periods(20),
             still: periods(60),
             settling: [periods(10), periods(300)],
             overshoot: Celsius::const_from_int(15),
@@ -74,6 +84,8 @@ impl Floor {
         const CHAMBER: Floor = Floor {
             heating: periods(600),
             topping: periods(7200),
+            // Its door may be opened.
+            falling: periods(600),
             still: periods(120),
             settling: [periods(20), periods(600)],
             overshoot: Celsius::const_from_int(15),
@@ -93,29 +105,35 @@ pub struct Gain {
     from: Celsius,
     /// Power since then, in periods of full power with 16 fractional bits.
     given: u64,
+    /// The warmest since there is more than half of the power, and the periods for which it was far above what is read now.
+    warmest: Celsius,
+    fallen: u32,
 }
 
 impl Gain {
     /// Nothing was given yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { from: Celsius::MAX, given: 0 }
+        Self { from: Celsius::MAX, given: 0, warmest: Celsius::MIN, fallen: 0 }
     }
 
-    /// Looks at a control period of a heater with this duty of 65,535, and whether it is the most that it may have. A pulse of
+    /// Looks at a control period of a heater with this duty of 65,535, and the most that it may have. A pulse of
     /// a self-test has no target.
     pub fn look(
         &mut self,
         floor: &Floor,
         target: Option<Celsius>,
         measured: Celsius,
-        (duty, is_full): (u16, bool),
+        (duty, most): (u16, u16),
     ) -> Option<Alarm> {
         self.from = self.from.min(measured);
         if measured.saturating_sub(self.from) >= GAIN {
-            *self = Self { from: measured, given: 0 };
+            (self.from, self.given) = (measured, 0);
         }
+        let is_full = duty >= most;
+        self.warmest = if duty > most / 2 { self.warmest.max(measured) } else { Celsius::MIN };
         if duty == 0 {
+            self.fallen = 0;
             self.given = self.given.saturating_sub(u64::from(u16::MAX / FORGETS as u16));
             return None;
         }
@@ -127,6 +145,12 @@ impl Gain {
             return None;
         }
         self.given += u64::from(duty);
+        let has_fallen = is_low && self.warmest.saturating_sub(measured) > FALL;
+        self.fallen = if has_fallen { self.fallen + 1 } else { 0 };
+        if self.fallen >= floor.falling {
+            let (value, limit) = (measured, self.warmest.saturating_sub(FALL));
+            return Some(Alarm { cause: Cause::TemperatureLost, value, limit });
+        }
         let most = if is_low { floor.heating } else { floor.topping };
         let is_over = self.given >= u64::from(most) * u64::from(u16::MAX);
         let value = measured.saturating_sub(self.from);

@@ -1,10 +1,11 @@
 //! What a machine may have but should not.
 
 use super::Machine;
+use corehbot::connectors::Heater;
 use corehbot::kinematics::{Mechanism, direction};
 use corehbot::motors::{Motor, MotorSet};
-use corehbot::settings::{FanRole, Settings};
-use corehbot::units::Mm;
+use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, Plausible, Settings};
+use corehbot::units::{Mm, Watts};
 
 /// Current that a TMC2209 on a module bears without a fan, in mA (root mean square): 2 A at the peak of the sine. In its switches
 /// of 170 mOhm each that is 1.4 W, on 15 x 20 mm. The 2 A (root mean square) of its datasheet (rev 1.09, features) want a large
@@ -76,10 +77,52 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
+    for heater in Heater::ALL {
+        let HeaterSettings { is_fitted, power, model, .. } = *s.thermal.heater(heater);
+        let plausible = Plausible::of(heater, power);
+        for key in plausible.beyond(power, &model).filter(|_| is_fitted) {
+            let (key, text) = implausible(heater, key, &plausible, power, &model);
+            warn(&key, text);
+        }
+    }
     if s.thermal.heaters.hotend.is_fitted && !s.thermal.fans.iter().any(|fan| fan.role == FanRole::Hotend) {
         warn("heaters.hotend.is_fitted", "no fan has the role hotend, so nothing cools the cold end".to_owned());
     }
     found
+}
+
+/// What there is to say of a number of a heater's model that no such heater has.
+fn implausible(
+    heater: Heater,
+    key: &str,
+    plausible: &Plausible,
+    power: Watts,
+    model: &HeaterModel,
+) -> (String, String) {
+    let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = *model;
+    let whole = plausible.whole_loss(loss);
+    let of = |least: f64, most: f64, unit: &str| format!("{} to {} {unit}", rounded(least), rounded(most));
+    let (value, legal) = match key {
+        "power" => (power.to_num(), of(plausible.power.least.to_num(), plausible.power.most.to_num(), "W")),
+        "model.capacity" => {
+            (capacity.to_num::<f64>(), of(plausible.capacity.least.to_num(), plausible.capacity.most.to_num(), "J/K"))
+        }
+        "model.loss" => (loss.to_num(), of(plausible.loss.least.to_num(), plausible.loss.most.to_num(), "W/K")),
+        "model.fan_loss" => (fan_loss.to_num(), of(0.0, (whole.most - loss.min(whole.most)).to_num(), "W/K")),
+        "model.heater_lag" => (heater_lag.to_num(), of(plausible.lag.least.to_num(), plausible.lag.most.to_num(), "s")),
+        _ => (sensor_lag.to_num(), of(plausible.lag.least.to_num(), plausible.lag.most.to_num(), "s")),
+    };
+    let name = heater.name();
+    let path = format!("heaters.{name}.{key}");
+    let watts = if key == "power" { String::new() } else { format!(" of {} W", rounded(power.to_num())) };
+    let text = format!("{path} = {}: a {name}{watts} has {legal}; M303 finds out what it is", rounded(value));
+    (path, text)
+}
+
+/// Three digits, as far as there are any.
+fn rounded(value: f64) -> f64 {
+    let digits = if value.abs() >= 100.0 { 1.0 } else { 1000.0 };
+    (value * digits).round() / digits
 }
 
 /// The most steps of all motors in a second, along any axis or diagonal, with the extruder at its own limit.
@@ -127,6 +170,21 @@ mod tests {
         assert_eq!(keys("[bed]\nfront = 0.5"), ["bed.depth"]);
         assert_eq!(keys("[axes.x]\nlength = 300\n[bed]\nwidth = 301\ndepth = 500"), ["bed.width", "bed.depth"]);
         assert_eq!(keys("[bed]\nleft = 5\nwidth = 385"), [""; 0]);
+    }
+
+    #[test]
+    fn a_model_that_no_such_heater_has_is_told() {
+        let hotend = |rest: &str| format!("[heaters.hotend]\nis_fitted = true\n{rest}");
+        let capacity = hotend("[heaters.hotend.model]\ncapacity = 200");
+        assert_eq!(keys(&capacity), ["heaters.hotend.model.capacity"]);
+        let told = warnings(&parse(&capacity).unwrap()).remove(0).1;
+        assert!(told.contains("= 200: a hotend of 40 W has 1 to 66.6"), "{told}");
+        assert!(keys(&hotend("power = 1")).contains(&"heaters.hotend.power".into()));
+        assert_eq!(keys(&capacity.replace("true", "false")), [""; 0], "there is none");
+        assert_eq!(
+            keys("[heaters.bed]\nis_fitted = true\npower = 220\n[heaters.bed.model]\ncapacity = 5500\nloss = 2"),
+            [""; 0]
+        );
     }
 
     #[test]
