@@ -4,8 +4,9 @@
 //! The reference knows nothing of chords or of the planner's law: it looks at the velocities alone.
 
 use super::dice::Dice;
-use super::line::plan;
+use super::line::{plan, stream};
 use super::velocity::{Velocity, course, size, worst};
+use corehbot::motion::Move;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, MmPerSec2, Steps};
 use std::f64::consts::{PI, TAU};
@@ -222,12 +223,19 @@ fn targets(points: &[[f64; 2]], feed: f64, prints: bool) -> Vec<([f64; 4], f64)>
     points.iter().map(target).collect()
 }
 
-/// The greatest share of a path, and when it is.
+/// The greatest share of a path, and when it is: planned point by point, and as a stream, in which points on a line are left out.
 pub fn points_share(points: &[[f64; 2]], feed: f64, prints: bool, s: &Settings) -> (f64, f64) {
-    let moves = plan(&targets(points, feed, prints), s);
+    let targets = targets(points, feed, prints);
+    let (single, joined) = (plan(&targets, s), stream(&targets, s));
+    let ([share, time], [joined_share, joined_time]) =
+        (moves_share(&single, prints, s), moves_share(&joined, prints, s));
+    if joined_share > share { (joined_share, joined_time) } else { (share, time) }
+}
+
+fn moves_share(moves: &[Move], prints: bool, s: &Settings) -> [f64; 2] {
     let a = if prints { s.print_acceleration } else { s.travel_acceleration }.to_num::<f64>();
     let CornerRule::JunctionDeviation(d) = s.corner else { unreachable!("the prototype has one") };
-    worst(&course([Steps::ZERO; 4], &moves, s), BEND_TIME, |p, q| share(p, q, a, d.to_num()))
+    worst(&course([Steps::ZERO; 4], moves, s), BEND_TIME, |p, q| share(p, q, a, d.to_num())).into()
 }
 
 /// The prototype, with other accelerations and another deviation.

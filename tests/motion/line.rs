@@ -88,6 +88,26 @@ pub fn plan(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
     moves
 }
 
+/// The same of a stream, whose chords are joined where they are one line.
+pub fn stream(targets: &[([f64; 4], f64)], settings: &Settings) -> Vec<Move> {
+    let mut memory = MoveMemory::new();
+    let mut planner = Planner::new(&mut memory, settings, [Mm::ZERO; 4]);
+    let mut moves = Vec::new();
+    for (position, speed) in targets {
+        while !planner.has_room() {
+            if !planner.has_ready() && !planner.close_line(settings) {
+                planner.release_some();
+            }
+            moves.extend(std::iter::from_fn(|| planner.pop()));
+        }
+        planner.add(&target(*position, *speed), settings);
+    }
+    planner.close_line(settings);
+    planner.release_all();
+    moves.extend(std::iter::from_fn(|| planner.pop()));
+    moves
+}
+
 pub fn target(position: [f64; 4], speed: f64) -> Target {
     let speed = MmPerSec::from_num(speed);
     Target { position: position.map(Mm::from_num), speed, has_overrides: true, watch: EndstopSet::NONE }

@@ -8,6 +8,7 @@ mod circles;
 mod corners;
 mod curves;
 mod dice;
+mod joining;
 mod line;
 mod longest;
 mod model;

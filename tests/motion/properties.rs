@@ -65,7 +65,7 @@ fn most_jump(s: &Settings) -> f64 {
 
 /// What a chain of moves must be: continuous in speed but for corners, which jump no more than they may; within the limits
 /// of axes and belt motors; at rest at its end.
-fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
+pub fn check_chain(moves: &[Move], s: &Settings) -> Result<(), TestCaseError> {
     let pitch = s.axes.map(|a| a.steps_per_mm.to_num::<f64>()).to_array();
     let [motor_speed, motor_acceleration] =
         [s.motor_max_speed.to_num::<f64>(), s.motor_max_acceleration.to_num::<f64>()];

@@ -79,6 +79,97 @@ proptest! {
     }
 }
 
+/// Straight ways in fine chords, and what comes between them: corners, other settings, a fan, an offset, filament.
+fn chords() -> impl Strategy<Value = Vec<String>> {
+    let way = prop_oneof![
+        6 => (1i32..12, -9i32..9, 2usize..40, 40u32..300).prop_map(|(x, y, count, v)| {
+            vec![format!("G1 X{:.3} Y{:.3} F{}", f64::from(x) * 0.01, f64::from(y) * 0.01, v * 60); count]
+        }),
+        1 => (1i32..40, 40u32..300).prop_map(|(x, v)| vec![format!("G1 Y{} F{}", x - 20, v * 60)]),
+        1 => (500u32..5000).prop_map(|a| vec![format!("M204 S{a}")]),
+        1 => Just(vec!["M106 S100".to_owned()]),
+        1 => Just(vec!["G92 X10".to_owned()]),
+        1 => Just(vec!["M114".to_owned()]),
+        1 => Just(vec!["M400".to_owned()]),
+    ];
+    proptest::collection::vec(way, 2..14).prop_map(|ways| {
+        let begin = ["M83", "G91", "M211 S0"].map(str::to_owned);
+        begin.into_iter().chain(ways.into_iter().flatten()).chain(["M400".to_owned()]).collect()
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_pause_in_a_straight_line_changes_no_step_or_is_counted(
+        lines in chords(),
+        few in proptest::collection::vec((0usize..200, 1u32..1200), 0..5),
+    ) {
+        let settings = Settings::prototype();
+        let (whole, steps) = print(&settings, &lines, &[]);
+        prop_assert_eq!(whole.underruns, 0);
+        let mut pauses = vec![0; 200];
+        few.iter().for_each(|(place, ms)| pauses[*place] = *ms);
+        let (paused, steps_of_paused) = print(&settings, &lines, &pauses);
+        prop_assert_eq!(whole.counts, paused.counts);
+        prop_assert!(paused.underruns > 0 || (whole.ticks, steps) == (paused.ticks, steps_of_paused));
+    }
+}
+
+/// A pause in the middle of a line stops the tool there, which is counted once. At its end it changes nothing.
+#[test]
+fn a_line_that_is_held_up_is_an_underrun() {
+    let settings = Settings::prototype();
+    let mut lines = vec!["G91".to_owned()];
+    lines.extend(vec!["G1 X0.05 F12000".to_owned(); 20]);
+    lines.extend(["G1 Y5".to_owned(), "M400".to_owned()]);
+    let (whole, steps) = print(&settings, &lines, &[]);
+    // At 200 mm/s and 5 m/s2 a line of 0.25 mm is long enough.
+    assert_eq!((whole.underruns, whole.moves), (0, 5));
+    let paused = |before: usize| {
+        let mut pauses = vec![0; lines.len()];
+        pauses[before] = 600;
+        print(&settings, &lines, &pauses)
+    };
+    let (held, _) = paused(13);
+    assert_eq!((held.underruns, held.counts), (1, whole.counts));
+    // Nothing of the line follows, but a corner that the tool would have passed without a stop.
+    assert_eq!(paused(21).0.underruns, 1);
+    let (at_end, steps_at_end) = paused(22);
+    assert_eq!((at_end.underruns, at_end.ticks, steps_at_end), (0, whole.ticks, steps));
+}
+
+/// What comes between two chords comes there: the same in chords as with a line in one before it and one after it.
+#[test]
+fn a_command_between_two_chords_ends_the_line() {
+    let mut settings = Settings::prototype();
+    // Which is a matter of how long a move is.
+    settings.minimum_cruise_ratio = corehbot::units::Ratio::ZERO;
+    let far = "G1 X30 F18000";
+    for (between, is_end) in [
+        ("M204 S700", true),
+        ("M205 J0.02", true),
+        ("M203 X90", true),
+        ("M106 S100", true),
+        ("M220 S60", false),
+        ("M221 S90", false),
+        ("M114", false),
+        ("M105", false),
+        ("G92 Y7", false),
+    ] {
+        let text = |half: &[String]| {
+            let lines = ["G91", far].map(str::to_owned).into_iter().chain(half.iter().cloned());
+            let lines = lines.chain([between.to_owned()]).chain(half.iter().cloned());
+            lines.chain([far.to_owned(), "M400".to_owned()]).collect::<Vec<_>>()
+        };
+        let (chords, steps) = print(&settings, &text(&vec!["G1 X0.04 F18000".to_owned(); 6]), &[]);
+        let (one, steps_of_one) = print(&settings, &text(&["G1 X0.24 F18000".to_owned()]), &[]);
+        assert_eq!((chords.ticks, steps), (one.ticks, steps_of_one), "{between}");
+        assert_eq!(chords.moves, if is_end { 4 } else { 3 }, "{between}");
+    }
+}
+
 /// Wherever the one pause of a short print is, and however long.
 #[test]
 fn one_pause_near_the_start_changes_no_step_or_is_counted() {

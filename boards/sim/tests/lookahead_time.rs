@@ -97,7 +97,10 @@ fn no_step_is_another_one() {
     // Long moves, long straight ways in short pieces, and some that never come to speed.
     let rows: String = (1..=90).map(|i| format!("G1 X{:.1} F18000\n", f64::from(i) * 4.0)).collect();
     let mixed = format!("G28\n{}M204 P80 T80\n{rows}G1 X0 F600\nG1 Y300 F6000\n{}", zigzags(40), zigzags(20));
-    for gcode in [example("first-print.gcode"), example("circle.gcode"), mixed] {
+    // Straight ways in fine chords, more than the look-ahead has places for.
+    let chords: String = (1..=1200).map(|i| format!("G1 X{:.3} Y{}\n", 0.25 * f64::from(i), i / 400)).collect();
+    let chords = format!("G28\nM204 P300 T300\nG1 F18000\n{chords}");
+    for gcode in [example("first-print.gcode"), example("circle.gcode"), mixed, chords] {
         let (outcome, steps) = print(&reaching(60.0), &gcode);
         for seconds in [0.5, 2.0] {
             let (other, other_steps) = print(&reaching(seconds), &gcode);

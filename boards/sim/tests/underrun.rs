@@ -208,8 +208,9 @@ fn m122_tells_what_was_too_slow() {
     assert!(told.ends_with(&format!("out of steps, {} times out of moves", outcome.underruns)), "{told}");
     assert!(outcome.underruns > 0);
     // Moves of 0.02 mm at 100 mm/s, 0.2 ms each, under a shaper that lasts 150 ms: more than it remembers.
-    let mut dense = vec!["M593 F10 T4".to_owned(), "G1 F6000".to_owned()];
-    dense.extend((1..4000).map(|i| format!("G1 X{:.2}", 0.02 * f64::from(i))));
+    // Of two feeds by turns, for those of one are one line.
+    let mut dense = vec!["M593 F10 T4".to_owned()];
+    dense.extend((1..4000).map(|i| format!("G1 X{:.2} F{}", 0.02 * f64::from(i), 6000 - i % 2)));
     dense.push("M400".to_owned());
     let (_, told) = overload(&dense, |_| 0);
     println!("{told}");

@@ -35,6 +35,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     /// The settings, of which the following moves make their plans. What is counted in steps has to be taken over by
     /// `use_settings` instead, what drivers hold by `use_driver_settings`.
     pub fn settings_mut(&mut self) -> &mut Settings {
+        self.close_line();
         &mut self.settings
     }
 

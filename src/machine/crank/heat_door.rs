@@ -37,6 +37,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. With as many speeds on their way as there
     /// may be, it waits as a move does that finds the look-ahead full: only as long as that changes no speed of a move.
     pub async fn blow(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
+        self.close_line();
         if !self.has_motion() && self.fan_schedule.is_empty() {
             self.heat_orders.blow(fan, speed);
             return Ok(());

@@ -25,7 +25,8 @@ impl Planner<'_> {
             let way = end.wrapping_sub(core::mem::replace(&mut from, end));
             (self.filament_um(way), u64::from(planned.nominal_ticks))
         });
-        flow(core::iter::once(left).chain(moves), ticks)
+        let open = self.open_filament().map(|(way, takes)| (self.filament_um(way), takes));
+        flow(core::iter::once(left).chain(moves).chain(open), ticks)
     }
 }
 

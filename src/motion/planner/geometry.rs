@@ -117,6 +117,9 @@ impl Belts {
 }
 
 impl Geometry {
+    /// No way.
+    pub const NONE: Self = Self { length: 0, size: 0.0, unit: [0; 3], direction: [0.0; 3], extrusion: 0.0 };
+
     /// The vector `delta` (x, y, z, e in raw `Mm` bits).
     #[inline(always)]
     pub fn new([x, y, z, e]: [i64; 4]) -> Self {
@@ -154,7 +157,7 @@ impl Geometry {
     }
 
     /// Whether the tool stands still and only filament moves.
-    pub fn is_extruder_only(&self) -> bool {
+    pub const fn is_extruder_only(&self) -> bool {
         // Not a comparison of arrays, which is a call.
         let [x, y, z] = self.unit;
         x | y | z == 0

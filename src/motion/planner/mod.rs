@@ -6,6 +6,9 @@
 //!                               direction   the corner  | ^ passes: replan, freeze |
 //! ```
 //!
+//! A stream of moves comes by [`add`](Planner::add), which first joins chords that are one line ([`joining`]); `push` plans each move
+//! by itself.
+//!
 //! Positions are kept in steps with their fractions, so that no rounding adds up from move to move, and
 //! the geometry of a move is that of the commanded positions. Where its steps fall is the generator's business.
 //!
@@ -20,11 +23,13 @@
 //!   because its move had to leave early (**forced**).
 //! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.
-//! - **chord**: a move that is a part of a curve. **bend**: where several of them turn the path. **lead**: see
-//!   [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed changes, and holds.
+//! - **chord**: a move that is a part of a curve, or of a straight line. **bend**: where several of them turn the path.
+//!   **open line**: see [`joining`]. **lead**: see [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in
+//!   which the speed changes, and holds.
 
 mod filament;
 mod geometry;
+mod joining;
 mod junction;
 mod overrides;
 mod pass_progress;
@@ -44,6 +49,7 @@ use crate::port::EndstopSet;
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
 use geometry::{Belts, Geometry, Limits, Shares};
+use joining::OpenLine;
 use junction::{AccelLimits, junction_speed_sq};
 use overrides::Override;
 use path_curvature::PathCurvature;
@@ -93,6 +99,8 @@ pub struct Planner<'m> {
     pub(in crate::motion) last_exit_limit_sq: SpeedSq,
     /// How the path bends there.
     path_curvature: PathCurvature,
+    /// The last move, if chords may continue it.
+    line: OpenLine,
     /// Nominal time of the moves in the window, in ticks.
     pub(in crate::motion) waiting: u64,
     /// How much of the feed is wanted.
@@ -117,6 +125,7 @@ impl<'m> Planner<'m> {
             last: Geometry::new([0; 4]),
             last_exit_limit_sq: SpeedSq::ZERO,
             path_curvature: PathCurvature::default(),
+            line: OpenLine::NONE,
             waiting: 0,
             wanted: Override::NONE,
             released_filament: Steps::ZERO,
@@ -162,16 +171,21 @@ impl<'m> Planner<'m> {
         [x, y, z, e.mm_near(se, asked)]
     }
 
-    /// The way from the end of the last move to `end`.
+    /// The way between two positions.
     #[inline(never)]
-    fn geometry_to(&self, [x, y, z, e]: [Steps; 4]) -> Geometry {
-        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.step_scale, self.end);
+    fn geometry_between(&self, from: [Steps; 4], [x, y, z, e]: [Steps; 4]) -> Geometry {
+        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.step_scale, from);
         let (x, y) = (px.distance(x.wrapping_sub(from_x)), py.distance(y.wrapping_sub(from_y)));
         Geometry::new([x, y, pz.distance(z.wrapping_sub(from_z)), pe.distance(e.wrapping_sub(from_e))])
     }
 
     /// Forgets all moves: the machine stands at `position` in steps.
     pub fn stand_at(&mut self, position: [Steps; 4]) {
+        if self.line.is_open() {
+            // It was planned, and the path that is not made will be taken back.
+            self.count_path(&self.geometry_between(self.line.begin(), self.end));
+        }
+        self.line.forget();
         self.window.clear();
         // Whatever way it came is of no account.
         self.last = Geometry::new([0; 4]);
@@ -187,35 +201,56 @@ impl<'m> Planner<'m> {
         self.end
     }
 
-    /// Plans a move to `target`; false if it has no length and is none. The caller has asked
+    /// Plans a move to `target` by itself; false if it has no length and is none. The caller has asked
     /// [`has_room`](Self::has_room).
     pub fn push(&mut self, target: &Target, settings: &Settings) -> bool {
+        self.close_line(settings);
         while !self.prepare() {}
-        let path = self.path_to(target.position);
-        self.asked = target.position;
-        let Some((end, vector)) = path else {
+        let begin = self.end;
+        let Some(vector) = self.go_to(target.position) else {
             return false;
         };
+        self.moves = self.moves.wrapping_add(1);
+        self.place(target, begin, &vector, max_ramps(&vector, settings), settings);
+        true
+    }
+
+    /// Goes to `position`, which is the end of the last move then; `None` if that is too short to be a move.
+    #[inline(always)]
+    fn go_to(&mut self, position: [Mm; 4]) -> Option<Geometry> {
+        let path = self.path_to(position);
+        self.asked = position;
+        let (end, vector) = path?;
+        self.end = end;
+        Some(vector)
+    }
+
+    /// Gives the move from `begin` to the end of the last move its place in the window, with so much of its length for ramps.
+    #[inline(never)]
+    fn place(
+        &mut self,
+        target: &Target,
+        begin: [Steps; 4],
+        vector: &Geometry,
+        max_ramp_length: u64,
+        settings: &Settings,
+    ) {
         let is_extruder_only = vector.is_extruder_only();
-        let (least, most) = purpose(&vector, settings);
+        let (least, most) = purpose(vector, settings);
         let feed = target.speed.max(least);
         let shares = Shares::new(vector.direction, vector.extrusion, &self.belts);
         let limits = Limits::of_acceleration(settings);
         let max_accel = shares.bound(acceleration(most), &limits);
         let max_speed = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
         let accel_limits = AccelLimits { acceleration: max_accel, max_speed, limits: &limits, belts: &self.belts };
-        let junction_sq = junction_speed_sq(&self.last, &vector, &mut self.path_curvature, &accel_limits, settings);
+        let junction_sq = junction_speed_sq(&self.last, vector, &mut self.path_curvature, &accel_limits, settings);
         let mut planned = Planned {
             spec: MoveSpec {
                 length: vector.length,
-                max_ramp_length: if is_extruder_only {
-                    vector.length
-                } else {
-                    max_ramp_length(vector.length, settings.minimum_cruise_ratio)
-                },
+                max_ramp_length,
                 acceleration: MmPerSec2::from_bits((max_accel * 256.0) as u32).max(MmPerSec2::DELTA),
                 nominal: feed,
-                end,
+                end: self.end,
                 watch: target.watch,
             },
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
@@ -229,19 +264,22 @@ impl<'m> Planner<'m> {
         };
         planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed });
         if planned.nominal_ticks >= LONG_TICKS {
-            planned.spec.length = self.exact_length(end, vector.length);
+            planned.spec.length = self.exact_length(begin, vector.length);
         }
         self.waiting += u64::from(planned.nominal_ticks);
         planned.limit_entry(self.last_exit_limit_sq);
         self.last_exit_limit_sq = planned.exit_limit_sq();
-        self.last = vector;
+        self.last = *vector;
         self.window.push(planned);
-        self.end = end;
-        self.moves = self.moves.wrapping_add(1);
-        if !is_extruder_only {
+        self.count_path(vector);
+    }
+
+    /// Counts the path of a move.
+    #[inline(always)]
+    const fn count_path(&mut self, vector: &Geometry) {
+        if !vector.is_extruder_only() {
             self.path = self.path.wrapping_add(vector.length);
         }
-        true
     }
 
     /// Whether a move can be planned as far as those that wait are concerned. If not, a part of what they need has been done.
@@ -265,7 +303,7 @@ impl<'m> Planner<'m> {
 
     /// The last move ended early, at `position`: takes back the path that was not made.
     pub fn fall_short(&mut self, position: [Steps; 4]) {
-        let way = self.geometry_to(position);
+        let way = self.geometry_between(self.end, position);
         if !way.is_extruder_only() {
             self.path = self.path.wrapping_sub(way.length);
         }
@@ -290,12 +328,12 @@ impl<'m> Planner<'m> {
         Some(([x, y, z, e], vector))
     }
 
-    /// The length of the way to `end` to the last bit, in raw `Mm` bits, given one that has 30.
+    /// The length of the way from `begin` to the end of the last move to the last bit, in raw `Mm` bits, given one that has 30.
     #[cold]
     #[inline(never)]
-    fn exact_length(&self, end: [Steps; 4], about: u64) -> u64 {
+    fn exact_length(&self, begin: [Steps; 4], about: u64) -> u64 {
         let mut ways = [0; 4];
-        for (((way, scale), to), from) in ways.iter_mut().zip(&self.step_scale).zip(end).zip(self.end) {
+        for (((way, scale), to), from) in ways.iter_mut().zip(&self.step_scale).zip(self.end).zip(begin) {
             *way = scale.mm_bits(to.wrapping_sub(from));
         }
         let [x, y, z, e] = ways;
@@ -309,13 +347,13 @@ impl<'m> Planner<'m> {
     /// Whether another move can be planned.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        !self.window.is_full()
+        self.len() < LOOKAHEAD_MOVES
     }
 
     /// Moves that can be pushed.
     #[must_use]
     pub fn room(&self) -> usize {
-        LOOKAHEAD_MOVES - self.window.len()
+        LOOKAHEAD_MOVES - self.len()
     }
 
     /// Whether [`pop`](Self::pop) would give a move.
@@ -334,16 +372,16 @@ impl<'m> Planner<'m> {
     /// Whether no move waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.window.is_empty()
+        self.len() == 0
     }
 
-    /// Moves that wait.
+    /// Moves that wait; the open line, which has its place to come, is one.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.window.len()
+        self.window.len() + usize::from(self.line.is_open())
     }
 
-    /// Nominal time of the moves that wait, in ticks: what they would take without ramps.
+    /// Nominal time of the moves that have their place, in ticks: what they would take without ramps.
     #[must_use]
     pub const fn waiting(&self) -> u64 {
         self.waiting
@@ -393,6 +431,16 @@ impl<'m> Planner<'m> {
         self.waiting = self.waiting.saturating_sub(u64::from(ticks));
         self.released_filament = released.end[3];
         Some(released)
+    }
+}
+
+/// How much of a move's length may be for ramps, in raw `Mm` bits.
+#[inline(always)]
+fn max_ramps(vector: &Geometry, settings: &Settings) -> u64 {
+    if vector.is_extruder_only() {
+        vector.length
+    } else {
+        max_ramp_length(vector.length, settings.minimum_cruise_ratio)
     }
 }
 

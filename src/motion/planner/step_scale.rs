@@ -25,6 +25,13 @@ impl StepScale {
         Self { steps_per_mm: raw, mm_per_step, mantissa, shift: shift as u8 }
     }
 
+    /// The length of a step in mm.
+    #[inline(always)]
+    pub fn step(&self) -> f32 {
+        // 2^(-32 - shift), of which the shift is at most 31.
+        self.mantissa as f32 * f32::from_bits((127 - 32 - u32::from(self.shift & 31)) << 23)
+    }
+
     /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for, and its distance. An axis that
     /// is asked for the same again stays where it is.
     #[inline(always)]
@@ -34,6 +41,12 @@ impl StepScale {
         }
         let end = self.steps(to);
         (end, self.distance(end.wrapping_sub(from)))
+    }
+
+    /// The position in steps at which a move ends that begins at `from`, where `asked` was asked for.
+    #[inline(always)]
+    pub fn end(&self, to: Mm, asked: Mm, from: Steps) -> Steps {
+        if to == asked { from } else { self.steps(to) }
     }
 
     /// The position in steps; wraps with the step counters.
@@ -81,6 +94,14 @@ mod tests {
             let steps = scale.steps(Mm::from_num(v));
             assert!((steps.to_num::<f64>() - 80.0 * v).abs() < 1e-6);
             assert!((scale.mm_bits(steps) - mm(v)).abs() <= 1);
+        }
+    }
+
+    #[test]
+    fn a_step_has_its_length() {
+        for resolution in [1.0, 1.5, 80.0, 93.0, 400.0, 25_600.0] {
+            let step = f64::from(StepScale::new(StepsPerMm::from_num(resolution)).step());
+            assert!((step * resolution - 1.0).abs() < 1e-6, "{resolution}: {step}");
         }
     }
 

@@ -98,11 +98,6 @@ impl<'m> Window<'m> {
         self.len
     }
 
-    #[inline(always)]
-    pub const fn is_empty(&self) -> bool {
-        self.len == 0
-    }
-
     /// Whether no further move fits.
     #[inline(always)]
     pub const fn is_full(&self) -> bool {

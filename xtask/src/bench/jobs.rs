@@ -33,7 +33,8 @@ pub enum Job {
     Dense,
     /// X+240 alone, else as before: all four belt motors step in the same events.
     Axis,
-    /// 300 moves of 0.2 mm in a straight line at up to 300 mm/s, which they never reach.
+    /// 300 moves of 0.2 mm in a straight line at up to 300 mm/s, which they never reach. Their feeds differ by turns, or they would be
+    /// joined.
     Planner,
     /// The first 140 of them, which are all planned before motion begins.
     Gathered,
@@ -137,7 +138,8 @@ fn line(moves: u32) -> String {
     for i in 1..=moves {
         let along = f64::from(i);
         // Writing into a String cannot fail.
-        let _ = writeln!(text, "G1 X{:.3} Y{:.3} E{:.5}", 10.0 + 0.16 * along, 10.0 + 0.12 * along, 0.00665 * along);
+        let (x, y, e, feed) = (10.0 + 0.16 * along, 10.0 + 0.12 * along, 0.00665 * along, 18_000 - i % 2);
+        let _ = writeln!(text, "G1 X{x:.3} Y{y:.3} E{e:.5} F{feed}");
     }
     text
 }

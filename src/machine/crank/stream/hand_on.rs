@@ -54,6 +54,11 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         if release == Release::Final {
             return false;
         }
+        // What waits to be continued may be what makes the next move final.
+        if self.planner.cut_line(&self.settings) {
+            self.note_path();
+            return true;
+        }
         self.planner.release_next();
         self.policy.note_dry();
         true

@@ -26,9 +26,14 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
                 self.come_again();
             } else if !self.planner.has_room() && !self.planner.has_ready() {
                 self.come_again();
-                self.planner.release_some();
+                if !self.close_line() {
+                    self.planner.release_some();
+                }
             }
             self.turn().await?;
+        }
+        if self.planner.was_cut_before(&target) {
+            self.policy.note_dry();
         }
         self.note_added();
         self.follow_stream();
@@ -37,7 +42,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         }
         // The stream may have run dry in these turns too.
         self.note_added();
-        self.planner.push(&target, &self.settings);
+        self.planner.add(&target, &self.settings);
         self.policy.note_news();
         self.note_path();
         Ok(())
@@ -80,6 +85,16 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.planner.override_feed(percent);
         self.policy.note_news();
         Ok(())
+    }
+
+    /// Chords that are one line and wait to be continued get their place in the look-ahead, as they must before settings of the
+    /// planner change; false if there are none.
+    pub(in crate::machine::crank) fn close_line(&mut self) -> bool {
+        let is_closed = self.planner.close_line(&self.settings);
+        if is_closed {
+            self.note_path();
+        }
+        is_closed
     }
 
     /// Tells the other contexts how much was planned.

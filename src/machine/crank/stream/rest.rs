@@ -78,6 +78,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// All planned moves leave, for a command waits for them.
     pub fn release_all(&mut self) {
         self.policy.note_awaited();
+        self.close_line();
         self.planner.release_all();
     }
 
