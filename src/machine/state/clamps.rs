@@ -55,7 +55,7 @@ const fn hinted(code: &'static str, hint: &'static str) -> Rule {
 const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
 
 /// All words that are treated in another way than by keeping the old value, or that have a hint.
-const RULES: [Rule; 13] = [
+const RULES: [Rule; 15] = [
     // F: axes have limits anyway, so the fastest speed is what a faster F asks for, the slowest what a slower one does.
     // F0 and less ask for no motion at all, so the feed stays (`feed`).
     edge(""),
@@ -73,7 +73,9 @@ const RULES: [Rule; 13] = [
     off_below("M104"),
     off_below("M109"),
     off_below("M140"),
+    off_below("M141"),
     off_below("M190"),
+    off_below("M191"),
     hinted("M900", SECONDS),
     hinted("M203", "speeds are in mm/s"),
 ];
