@@ -45,9 +45,9 @@ fn left_out(path: &Path, moves: &[Move], s: &Settings) -> usize {
     for (number, m) in moves.iter().enumerate() {
         let end: [f64; 4] = std::array::from_fn(|i| m.end[i].to_num::<f64>() / pitch[i]);
         let is_end = |p: &[f64; 4]| (0..4).all(|i| (p[i] - end[i]).abs() < 2e-8);
-        let last = (next..path.len()).find(|i| is_end(&path[*i].0)).unwrap_or_else(|| {
-            panic!("move {number} ends at {end:?}, where nothing was commanded after point {next}");
-        });
+        let last = (next..path.len()).find(|i| is_end(&path[*i].0));
+        assert!(last.is_some(), "move {number} ends at {end:?}, where nothing was commanded after point {next}");
+        let Some(last) = last else { break };
         let (first, _) = path[next];
         // Along which axis the line has most of its way is the first chord's to say; with 45 degrees it may be either.
         let most = (0..3).map(|i| (first[i] - from[i]).abs()).fold(0.0, f64::max);
