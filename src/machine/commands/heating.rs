@@ -100,8 +100,9 @@ fn missing<P: PortSet, W: Pend>(
     })
 }
 
-/// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target. One beyond the heater's range is none: what the
-/// heater was at stays.
+/// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target. One beyond the heater's range
+/// is none: what the heater was at stays.
+#[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
 pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     notices: &mut Notices,
@@ -216,6 +217,7 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(crank: &mut Cran
 }
 
 /// The heater that a command for its behaviour means, if it is fitted.
+#[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
 pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
     crank: &Crank<'_, P, W>,
     heater: Option<Heater>,

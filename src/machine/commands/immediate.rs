@@ -284,9 +284,7 @@ fn report_every<P: PortSet, W: Pend>(
     report: Report,
     seconds: Option<Number>,
 ) {
-    if let Some(seconds) = seconds {
-        if let Some(seconds) = clamps.whole_of([report.code(), "S"], seconds, PERIOD_S, None) {
-            crank.schedule(report, seconds as u8);
-        }
+    if let Some(seconds) = seconds.and_then(|s| clamps.whole_of([report.code(), "S"], s, PERIOD_S, None)) {
+        crank.schedule(report, seconds as u8);
     }
 }
