@@ -6,7 +6,7 @@ use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::motors::Motor;
 use corehbot::port::ThermalPort;
-use corehbot::settings::{FanRole, HeaterSettings, Settings, ThermalSettings};
+use corehbot::settings::{FanRole, HeaterSettings, Settings, ThermalSettings, part_fans};
 
 /// 100 kOhm under 4.7 kOhm, as on the Octopus: 0.955 of the reference.
 const ROOM: u16 = 62594;
@@ -64,11 +64,13 @@ impl Heat {
             let mut fans = self.settings.fans.iter().zip(self.fans).filter(|(fan, _)| fan.role == role);
             fans.next().map(|(_, duty)| part(duty)).unwrap_or_default()
         };
+        let parts = part_fans(self.settings.fans.map(|fan| fan.role));
+        let blown = parts.into_iter().zip(self.fans).map(|(is_part, duty)| if is_part { part(duty) } else { 0.0 });
         let drive = Drive {
             hotend: duty(Heater::Hotend),
             bed: duty(Heater::Bed),
             chamber: duty(Heater::Chamber),
-            part_fan: cools(FanRole::Commanded),
+            part_fan: blown.fold(0.0, f64::max),
             hotend_fan: cools(FanRole::Hotend),
             flow_mm3_s: f64::from(steps) / self.steps_per_mm * FILAMENT / seconds,
             supply_on: self.is_supplied,

@@ -51,7 +51,7 @@ pub use plugged::{ConnectorError, Plugged};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
     Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, Plausible,
-    ThermalSettings, Thermistor,
+    ThermalSettings, Thermistor, part_fans,
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 

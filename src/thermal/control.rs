@@ -12,13 +12,10 @@ use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
-use crate::settings::{Bounds, FanRole, ThermalSettings, sum};
+use crate::settings::{Bounds, ThermalSettings, part_fans, sum};
 use crate::status::{self, Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
-
-/// The fan that cools what is printed, and the hotend's block with it.
-const PART_FAN: usize = 0;
 
 /// Periods between two looks at the settings in RAM: 1 s.
 const SCRUB: u32 = 1000 / PERIOD_MS;
@@ -49,6 +46,8 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     heaters: [HeaterLoop; HEATERS],
     fans: [Fan; FANS],
     fan_turns: [FanTurns; FANS],
+    /// The duty of the strongest part fan in the last period, of 65,535.
+    part_fan: u16,
     common: Common,
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
@@ -77,6 +76,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             heaters: Heater::ALL.map(|heater| HeaterLoop::new(heater, *settings.heater(heater))),
             fans: settings.fans.map(Fan::new),
             fan_turns: [FanTurns::new(); FANS],
+            part_fan: 0,
             common: Common::of(settings),
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
@@ -219,9 +219,14 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// Whether M106 commands a fan that cools the hotend's block.
+    /// Which fans cool what is printed, and the hotend's block with it.
+    fn part_fans(&self) -> [bool; FANS] {
+        part_fans(self.fans.each_ref().map(|fan| fan.settings().role))
+    }
+
+    /// Whether the board drives one of them.
     fn has_part_fan(&self) -> bool {
-        self.port.fans() > PART_FAN && self.fans[PART_FAN].settings().role == FanRole::Commanded
+        self.part_fans().iter().take(self.port.fans()).any(|is_part| *is_part)
     }
 
     fn stop_tuning(&mut self) {
@@ -336,7 +341,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// What surrounds the heaters: the part fan, which is FAN0, and the filament.
+    /// What surrounds the heaters: the part fans, the strongest of which counts, and the filament.
     fn circumstances(&mut self) -> Circumstances {
         let heat = self.status.heat();
         let um = heat.extruded_um();
@@ -348,7 +353,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         // um a period times J/(K mm), times periods a second over 1000 um: W/K.
         let filament = quotient(u64::from(moved) * u64::from(self.common.filament.to_bits()), PERIOD_MS);
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
-        let fan = share(heat.fan(PART_FAN));
+        let fan = share(self.part_fan);
         let is_warmed = false;
         Circumstances {
             is_warmed,
@@ -401,12 +406,16 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.runs_on.saturating_sub(1)
         };
         // A tuning needs the part fan in its own time.
-        let part_fan = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
-        let mut standing = None;
+        let tuned = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
+        let (mut standing, parts) = (None, self.part_fans());
+        self.part_fan = 0;
         let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: self.is_stuck };
-        for (place, fan) in self.fans.iter_mut().enumerate().take(self.port.fans()) {
-            let forced = part_fan.filter(|_| place == PART_FAN);
+        for (place, (fan, is_part)) in self.fans.iter_mut().zip(parts).enumerate().take(self.port.fans()) {
+            let forced = tuned.filter(|_| is_part);
             let duty = forced.map_or_else(|| fan.period(needs), |is_on| if is_on { u16::MAX } else { 0 });
+            if is_part {
+                self.part_fan = self.part_fan.max(duty);
+            }
             self.port.blow(place, duty);
             self.status.heat().set_fan(place, duty);
             let alarm = self.port.tachometer(place).and_then(|pulses| self.fan_turns[place].look(duty, pulses));

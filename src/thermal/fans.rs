@@ -53,7 +53,7 @@ impl Fan {
     pub fn period(&mut self, needs: Needs) -> u16 {
         let speed = match self.settings.role {
             _ if needs.all => u16::MAX,
-            FanRole::Commanded => self.commanded,
+            FanRole::Commanded | FanRole::Part => self.commanded,
             FanRole::Hotend if needs.hotend => u16::MAX,
             FanRole::Controller if needs.controller => u16::MAX,
             FanRole::Hotend | FanRole::Controller => 0,

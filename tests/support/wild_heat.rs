@@ -140,7 +140,8 @@ impl Bytes<'_> {
                 filament: WattsPerKelvin::from_bits(self.word()),
             }),
             _ => {
-                let role = [FanRole::Commanded, FanRole::Hotend, FanRole::Controller][usize::from(self.byte() % 3)];
+                let role = [FanRole::Commanded, FanRole::Hotend, FanRole::Controller, FanRole::Part]
+                    [usize::from(self.byte() % 4)];
                 let (least, most) = (Ratio::from_bits(self.word()), Ratio::from_bits(self.word()));
                 Order::FanSettings(self.byte(), FanSettings { role, kick_ms: self.half(), least, most })
             }

@@ -3,7 +3,8 @@
 use crate::printer::{Printer, settings};
 use crate::runs::{FlowStep, PRINTING};
 use corehbot::connectors::Heater;
-use corehbot::settings::ThermalSettings;
+use corehbot::settings::{FanRole, ThermalSettings};
+use corehbot::thermal::Order;
 use corehbot::units::{JoulesPerKelvin, Seconds, WattsPerKelvin};
 use corehbot_rig::plant::{Plant, PlantConstants};
 
@@ -52,6 +53,40 @@ pub fn flow_step(constants: &PlantConstants, mm3_s: f64) -> FlowStep {
     }
     assert_eq!(printer.fault(), None);
     step
+}
+
+/// The dip when a part fan starts at full speed and stays on, K.
+fn dip_of_fan(settings: ThermalSettings, fan: u8) -> f64 {
+    let mut printer = Printer::with(Plant::hot(&PlantConstants::prototype(), PRINTING, 25.0), settings);
+    printer.set(Heater::Hotend, PRINTING);
+    printer.run(120.0);
+    printer.order(Order::Fan(fan, u16::MAX));
+    let mut dip = 0.0_f64;
+    for _ in 0..3000 {
+        printer.period();
+        dip = dip.max(PRINTING - printer.hotend());
+    }
+    assert_eq!(printer.fault(), None);
+    dip
+}
+
+/// On 6f0e814, only FAN0 was known to cool the hotend.
+#[test]
+fn the_part_fan_is_no_surprise_whichever_output_it_hangs_on() {
+    let usual = dip_of_fan(settings(), 0);
+    for (place, role) in [(1, FanRole::Commanded), (1, FanRole::Part), (4, FanRole::Part)] {
+        let mut other = settings();
+        other.fans[0].role = if role == FanRole::Part { FanRole::Commanded } else { FanRole::Hotend };
+        other.fans[1].role = FanRole::Hotend;
+        other.fans[place].role = role;
+        let dip = dip_of_fan(other, place as u8);
+        println!("part fan on FAN{place} ({role:?}): {dip:.2} K down, {usual:.2} on FAN0");
+        assert!((dip - usual).abs() < 0.05, "{dip} {usual}");
+    }
+    // A fan that blows elsewhere is none of the hotend's.
+    let mut elsewhere = settings();
+    elsewhere.fans[4].role = FanRole::Part;
+    assert!(dip_of_fan(elsewhere, 0) < 0.2);
 }
 
 /// What bang-bang at full power needs to get within 0.5 C of 215 and 250 C (`figures.rs` prints it).

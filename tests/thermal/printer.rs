@@ -3,7 +3,7 @@
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::fault::Fault;
 use corehbot::port::{Pend, ThermalPort};
-use corehbot::settings::{ThermalSettings, Thermistor};
+use corehbot::settings::{ThermalSettings, Thermistor, part_fans};
 use corehbot::status::Status;
 use corehbot::thermal::{Order, OrderQueue, Orders, PERIOD_MS, ThermalControl};
 use corehbot::units::Celsius;
@@ -174,11 +174,12 @@ impl Printer {
         }
         self.control.period();
         let mut bench = self.bench.borrow_mut();
+        let parts = part_fans(self.settings.fans.map(|fan| fan.role)).into_iter();
         let drive = Drive {
             hotend: bench.duties[Output::He0 as usize],
             bed: bench.duties[Output::Bed as usize],
             chamber: bench.duties[Output::He1 as usize],
-            part_fan: bench.fans[0],
+            part_fan: parts.zip(bench.fans).map(|(is_part, duty)| if is_part { duty } else { 0.0 }).fold(0.0, f64::max),
             hotend_fan: bench.fans[1],
             flow_mm3_s: flow(0.0),
             supply_on: bench.supply,

@@ -9,7 +9,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::Notices;
 use crate::port::Pend;
-use crate::settings::{FanRole, Range, ThermalSettings, ranges};
+use crate::settings::{FanRole, Range, ThermalSettings, part_fans, ranges};
 use crate::units::Ratio;
 
 /// What full speed is called.
@@ -28,9 +28,10 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
     fan: u8,
     speed: Number,
 ) -> Result<Answer<'static>, Interrupt> {
+    let fan = fan_meant(fan, &crank.settings().thermal);
     // Slicers name fans of other machines.
     let answer = match crank.settings().thermal.fans.get(usize::from(fan)) {
-        Some(settings) if settings.role == FanRole::Commanded => None,
+        Some(settings) if settings.role.is_commanded() => None,
         Some(_) => Some(Answer::NotCommanded(fan)),
         None => Some(Answer::NoFan(fan)),
     };
@@ -42,6 +43,15 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
         crank.blow(fan, duty(speed)).await?;
     }
     Ok(Answer::Nothing)
+}
+
+/// The fan that M106 P means: where FAN0 has something else to do, P0 (and no P) is the part fan, as for slicers.
+fn fan_meant(fan: u8, thermal: &ThermalSettings) -> u8 {
+    if fan > 0 || thermal.fans.first().is_some_and(|first| first.role.is_commanded()) {
+        return fan;
+    }
+    let parts = part_fans(thermal.fans.map(|fan| fan.role));
+    (0..).zip(parts).find_map(|(place, is_part)| is_part.then_some(place)).unwrap_or(fan)
 }
 
 /// M710.

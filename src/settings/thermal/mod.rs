@@ -6,7 +6,7 @@ mod heater;
 mod plausible;
 
 pub use bounds::Bounds;
-pub use fans::{FanRole, FanSettings};
+pub use fans::{FanRole, FanSettings, part_fans};
 pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid, Thermistor};
 pub use plausible::Plausible;
 

@@ -254,6 +254,7 @@ fn fan(f: &FanSettings) -> Value {
         FanRole::Commanded => "commanded",
         FanRole::Hotend => "hotend",
         FanRole::Controller => "controller",
+        FanRole::Part => "part",
     };
     table([
         ("role", role.into()),

@@ -96,6 +96,7 @@ impl FanData {
             FanRole::Commanded => "",
             FanRole::Hotend => " (hotend)",
             FanRole::Controller => " (controller)",
+            FanRole::Part => " (part)",
         };
         let duty = DutyData::new(bins.iter().map(|bin| &bin.fans[fan]));
         duty.high.iter().any(|high| *high > 0.0).then(|| Self { name: format!("fan {fan}{role}"), duty })

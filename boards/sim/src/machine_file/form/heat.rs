@@ -207,7 +207,8 @@ pub(in crate::machine_file) struct FansToml {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub(in crate::machine_file) struct FanToml {
-    /// What it blows at: commanded (M106 P), hotend or controller.
+    /// What it blows at: commanded (M106 P), part (the same, and it cools the hotend's block too), hotend or controller. Where no fan
+    /// has the role part, the first that is commanded cools the part.
     pub role: Option<RoleToml>,
     /// The kick at its start, in ms.
     pub kick_ms: Option<f64>,
@@ -223,6 +224,7 @@ pub(in crate::machine_file) enum RoleToml {
     Commanded,
     Hotend,
     Controller,
+    Part,
 }
 
 impl From<RoleToml> for FanRole {
@@ -231,6 +233,7 @@ impl From<RoleToml> for FanRole {
             RoleToml::Commanded => Self::Commanded,
             RoleToml::Hotend => Self::Hotend,
             RoleToml::Controller => Self::Controller,
+            RoleToml::Part => Self::Part,
         }
     }
 }
