@@ -89,7 +89,7 @@ const CODES: &[&str] = &[
     "M116 P1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "M81", "M999", "G18", "G19", "G29", "G10", "G11", "M207", "M208", "M600", "M0", "M1", "M73", "M118",
     "M118 A1", "M118 E1", "M486", "M876", "M24", "M25", "M111", "M154", "EXCLUDE_OBJECT_DEFINE NAME=x", "EXCLUDE_OBJECT_START NAME=x",
     "if {1 > 2}", "elif true", "else", "while true", "break", "continue", "abort \"x\"", "EXCLUDE_OBJECT NAME=x", "EXCLUDE_OBJECT_END",
-    "print_end", "M1234567", "(x) G1", "G12", "G30", "M2", "M20", "M21", "M48", "M74", "M75", "M76", "M77", "M80",
+    "print_end", "M1234567", "(x) G1", "G12", "G30", "M2", "M20", "M21", "M48", "M74", "M75", "M76", "M77", "M80", "M125", "M524",
     "M140", "M142", "M150", "M202", "M217", "M240", "M290", "M300", "M355", "M403", "M420", "M425", "M530", "M532",
     "M555", "M28", "M28 a.gco", "M29", "M601", "M602", "M623", "M851", "M870", "M907",
 ];
@@ -294,17 +294,17 @@ fn custom_code_of_real_profiles() {
 /// Codes after which any text may stand, by reason; the last two reasons are looked at.
 const ANY_TEXT: [&[&str]; 5] = [
     // They must act whatever follows.
-    &["M81", "M108", "M110", "M112", "M410", "M999"],
+    &["M81", "M108", "M110", "M112", "M410", "M524", "M999"],
     // A text for people, a name or a version follows.
-    &["M0", "M1", "M28", "M29", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876"],
+    &["M0", "M1", "M28", "M29", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876", "M125"],
     // They take no words, so none can be misread.
-    &["M24", "M25", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
+    &["M24", "M25", "M75", "M77", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
     // They are answered and not carried out.
     &["G29", "G30", "M48", "M290", "M420", "M622", "M623", "M851"],
     // The machine has nothing to do for them (`gcode::quiet`).
     &[
-        "M2", "M20", "M21", "M74", "M75", "M76", "M77", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355",
-        "M403", "M425", "M530", "M532", "M555", "M870", "M907",
+        "M2", "M20", "M21", "M74", "M76", "M80", "M142", "M150", "M202", "M217", "M240", "M300", "M355", "M403",
+        "M425", "M530", "M532", "M555", "M870", "M907",
     ],
 ];
 

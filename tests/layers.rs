@@ -253,7 +253,7 @@ const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("crank", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
     ("belt", &["answers", "crank", "interrupt", "ports", "state"]),
     ("commands", &["answers", "belt", "crank", "hosts", "interrupt", "numbers", "ports", "state"]),
-    ("console", &["answers", "belt", "commands", "crank", "hosts", "interrupt", "ports"]),
+    ("console", &["answers", "belt", "commands", "crank", "hosts", "interrupt", "ports", "state"]),
 ];
 
 #[test]

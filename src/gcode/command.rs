@@ -2,7 +2,7 @@
 
 use super::number::Number;
 use super::parts::{
-    ArcShape, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, Plane, VelocityWords,
+    ArcShape, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, ParkWords, Plane, VelocityWords,
 };
 use crate::connectors::Heater;
 
@@ -88,17 +88,30 @@ pub enum Command<'a> {
     Relative,
     /// G92: the present position is called this from now on; all zero if no axis is named.
     SetPosition(AxisWords),
-    /// M0, M1, M600, M601: wait for the user.
+    /// M0, M1, M600, M601: pause the print and wait for the user.
     AwaitUser {
         /// S and P summed, in ms, after which it goes on by itself; 0 is never.
         ms: u32,
         /// Whether the filament is to be changed meanwhile (M600).
         filament: bool,
+        /// Where the tool waits.
+        park: ParkWords,
     },
-    /// M25: the host is to pause the print.
-    Pause,
-    /// M24, M602: the host is to resume it. A wait for the user is ended on the receive path.
+    /// M25, M125: pause the print.
+    Pause {
+        /// Whether the tool is parked even if nothing is printed (M125).
+        parks: bool,
+        /// Where the tool waits.
+        park: ParkWords,
+    },
+    /// M24, M602: the print goes on. A wait for the user is ended on the receive path.
     Resume,
+    /// M75: a print begins.
+    BeginJob,
+    /// M77: it ends.
+    EndJob,
+    /// M524: it is cancelled. The receive path acts on it.
+    Cancel,
     /// M876: an answer to a question. It is taken on the receive path.
     Answer,
     /// M28: what follows is a file for a card, of which there is none.

@@ -6,10 +6,10 @@ use super::command::Command;
 use super::heat;
 use super::lexer::{Words, last, number};
 use super::number::Number;
-use super::parts::{AxisFlags, AxisWords};
+use super::parts::{AxisFlags, AxisWords, ParkWords};
 use super::quiet::is_silent;
 use super::shaping::{linear_advance, pressure_advance, shaper};
-use super::text::{await_user, file_name, object, tell};
+use super::text::{await_user, change_filament, file_name, object, park_words, tell};
 use crate::connectors::Heater;
 
 /// The command of an M-code, or `None` if it is not understood.
@@ -19,11 +19,16 @@ pub(super) fn parse_m(code: Code, text: &[u8]) -> Option<Command<'_>> {
         return otherwise;
     }
     Some(match code.number {
-        0 | 1 | 600 | 601 => await_user(text, code.number == 600),
+        0 | 1 => await_user(text),
+        600 | 601 => change_filament(text, code.number == 600),
         17 => Command::EnableMotors(axis_flags(text)),
         18 | 84 => release_motors(text),
         24 | 602 => Command::Resume,
-        25 => Command::Pause,
+        25 => Command::Pause { parks: false, park: ParkWords::default() },
+        75 => Command::BeginJob,
+        77 => Command::EndJob,
+        125 => Command::Pause { parks: true, park: park_words(text, b'L') },
+        524 => Command::Cancel,
         28 => Command::BeginUpload(file_name(text)),
         29 => Command::EndUpload,
         48 | 290 | 851 => Command::Probing,

@@ -34,6 +34,6 @@ pub use named::names;
 pub use number::Number;
 pub use parse::parse;
 pub use parts::{
-    ArcShape, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, Plane, VelocityWords,
+    ArcShape, Audience, AxisFlags, AxisWords, Flaw, Form, MachineRecord, ModelWords, ParkWords, Plane, VelocityWords,
 };
 pub use shaping::ShaperName;

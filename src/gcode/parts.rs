@@ -115,6 +115,23 @@ pub enum MachineRecord<'a> {
     Store,
 }
 
+/// Where the tool waits while a print is paused; as the machine is set where a word is left out.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct ParkWords {
+    /// X: the parking place.
+    pub x: Option<Number>,
+    /// Y: the same.
+    pub y: Option<Number>,
+    /// Z: how far the tool is lifted.
+    pub z: Option<Number>,
+    /// E, or L of M125: how much filament is pulled back.
+    pub e: Option<Number>,
+    /// R: what the hotend is to be at when the print goes on.
+    pub target: Option<Number>,
+    /// The letter of another word, as of Marlin's M600 U.
+    pub other: Option<u8>,
+}
+
 /// The words of SET_VELOCITY_LIMIT.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct VelocityWords<'a> {

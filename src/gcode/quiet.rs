@@ -20,14 +20,12 @@ const CHECKS: u16 = 862;
 
 /// M-codes in rising order. Unless a reason stands beside it, a code is here because it asks for
 /// a part (lamp, beeper, display, power switch, second extruder) that this machine does not have.
-const SILENT: [u16; 22] = [
+const SILENT: [u16; 20] = [
     2,   // end of program: the line itself is the end
     20,  // list files: Repetier-Host sends it when it connects
     21,  // look for a card: OctoPrint and Repetier-Host send it when they connect
     74,  // weight of the print (Prusa)
-    75,  // job timer, on the host
-    76,  // job timer, on the host
-    77,  // job timer, on the host
+    76,  // job timer, which stops: the print goes on
     80,  // power supply on, which it is
     142, // heatbreak temperature (Prusa)
     150, // lamps

@@ -3,7 +3,7 @@
 use super::command::Command;
 use super::lexer::{Words, is_blank, is_outside, skip_blanks};
 use super::number::Number;
-use super::parts::{Audience, Form};
+use super::parts::{Audience, Form, ParkWords};
 use crate::text::trim_end;
 
 /// M118: the message after A1, E1 and P, which stand in front of it (Marlin M118.cpp).
@@ -27,14 +27,37 @@ pub(super) fn tell(text: &[u8]) -> Command<'_> {
     Command::Tell { form, to, text: trim_end(after, is_outside) }
 }
 
+/// M600, M601.
+pub(super) fn change_filament(text: &[u8], filament: bool) -> Command<'static> {
+    Command::AwaitUser { ms: 0, filament, park: park_words(text, b'E') }
+}
+
+/// The words of M125, M600, M601; `back` is the letter of the filament that is pulled back.
+pub(super) fn park_words(text: &[u8], back: u8) -> ParkWords {
+    let mut park = ParkWords::default();
+    for word in Words::new(text) {
+        match word.letter {
+            b'X' => park.x = word.number,
+            b'Y' => park.y = word.number,
+            b'Z' => park.z = word.number,
+            b'R' => park.target = word.number,
+            letter if letter == back => park.e = word.number,
+            // A tool, of which there is one; beeps; whether to ask.
+            b'T' | b'B' | b'P' | b'S' => {}
+            letter => park.other = Some(letter),
+        }
+    }
+    park
+}
+
 /// M0, M1: S and P in front, in any order, then a message that nobody shows.
-pub(super) fn await_user(text: &[u8], filament: bool) -> Command<'static> {
+pub(super) fn await_user(text: &[u8]) -> Command<'static> {
     let mut ms = 0u64;
     let timed = Words::new(text).map_while(|word| word.number.map(|number| (word.letter, number)));
     for (letter, number) in timed.take_while(|(letter, _)| matches!(letter, b'S' | b'P')) {
         ms += if letter == b'S' { number.to_thousandths().max(0) as u64 } else { u64::from(number.to_u32()) };
     }
-    Command::AwaitUser { ms: if filament { 0 } else { ms.min(Number::LIMIT as u64) as u32 }, filament }
+    Command::AwaitUser { ms: ms.min(Number::LIMIT as u64) as u32, filament: false, park: ParkWords::default() }
 }
 
 /// M28: the name of the file.
@@ -73,13 +96,18 @@ mod tests {
 
     #[test]
     fn a_wait_is_as_long_as_the_words_in_front_say() {
-        let wait = |ms| Command::AwaitUser { ms, filament: false };
+        let wait = |ms| Command::AwaitUser { ms, filament: false, park: ParkWords::default() };
         assert_eq!(parse(b"M0"), wait(0));
         assert_eq!(parse(b"M1 S1.5 P20"), wait(1520));
         assert_eq!(parse(b"M0 S10 Press the button"), wait(10_000));
         assert_eq!(parse(b"M0 Remove plate S5"), wait(0));
         assert_eq!(parse(b"M601"), wait(0));
-        assert_eq!(parse(b"M600 X10 E5"), Command::AwaitUser { ms: 0, filament: true });
+        let park = ParkWords { x: Some(Number::from(10)), e: Some(Number::from(-5)), ..ParkWords::default() };
+        assert_eq!(parse(b"M600 X10 E-5 T0 B3"), Command::AwaitUser { ms: 0, filament: true, park });
+        let park = ParkWords { other: Some(b'U'), ..ParkWords::default() };
+        assert_eq!(parse(b"M600 U80"), Command::AwaitUser { ms: 0, filament: true, park });
+        let park = ParkWords { e: Some(Number::from(3)), z: Some(Number::from(20)), ..ParkWords::default() };
+        assert_eq!(parse(b"M125 L3 Z20 P1"), Command::Pause { parks: true, park });
     }
 
     #[test]

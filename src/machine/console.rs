@@ -6,23 +6,26 @@
 //!
 //! M410 ends whatever is awaited by an error, which comes up to here: `quick_stop` brakes, drops the motion and puts right what a
 //! command had changed for a while (grouping, trim, drivers that measure, an axis that was being homed); then the line is answered. A
-//! command that must tidy up by itself catches the error where it waits (`await_user`, `tune`, `settings::stored`).
+//! command that must tidy up by itself catches the error where it waits (`tune`, `settings::stored`). A line that is kept without `ok`
+//! (`state::job`) waits here, while other hosts are served; it is taken up again when its user answers.
 
 use crate::gcode;
 use crate::kinematics::Groupings;
 use crate::machine::answers::answer::Answer;
 use crate::machine::belt::align::end_measuring;
 use crate::machine::belt::circulate::end_circulation;
-use crate::machine::commands::dispatch::carry_out;
+use crate::machine::commands::dispatch::{carry_out, go_on_with};
+use crate::machine::commands::job::{begin_another, end_job};
 use crate::machine::commands::settings::stored::{load_at_start, note_self_test};
 use crate::machine::commands::states::States;
 use crate::machine::crank::Crank;
 use crate::machine::hosts::host::{Asked, Text};
-use crate::machine::interrupt::Interrupt;
-use crate::machine::interrupt::Restart;
+use crate::machine::interrupt::{Interrupt, JobEnd, Restart};
 pub use crate::machine::ports::{PortSet, Ports};
+use crate::machine::state::job::Answered;
 use crate::motion::{Link, MoveMemory};
 use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
+use crate::protocol::Action;
 use crate::settings::Settings;
 use crate::thermal::Orders;
 use crate::units::Mm;
@@ -90,8 +93,13 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 crank.tell(found).await?;
             }
         }
-        // A command that an emergency ended is answered all the same.
+        // A command that an emergency ended is answered all the same, and so is a line that was kept.
         if crank.owes_ok() {
+            crank.tell(Answer::Ok).await?;
+            crank.end_line();
+        }
+        if crank.take_up().is_some() {
+            crank.tell_all(format_args!("{}", Action::PromptEnd));
             crank.tell(Answer::Ok).await?;
             crank.end_line();
         }
@@ -100,10 +108,19 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 
     async fn serve(&mut self) -> Result<Infallible, Interrupt> {
         let Self { crank, states } = self;
-        let mut text = Text::new();
+        let (mut text, mut kept_text) = (Text::new(), Text::new());
         loop {
             if crank.has_passed_test() {
                 note_self_test(crank).await?;
+            }
+            if crank.job_mut().take_cancel() {
+                end_job(crank, &mut states.modal, JobEnd::Cancelled).await?;
+            }
+            if let Some(answered) = crank.take_answer() {
+                if let Some(answer) = take_up(crank, states, &kept_text, answered).await? {
+                    tell_answer(crank, answer).await?;
+                }
+                continue;
             }
             let Some(asked) = crank.next_line(&mut text) else {
                 crank.turn().await?;
@@ -114,6 +131,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 Asked::Nothing => Answer::Nothing,
                 Asked::LineNumber(number) => {
                     states.begin_print();
+                    if number.is_none() {
+                        begin_another(crank, &mut states.modal).await?;
+                    }
                     Answer::LineNumber(number)
                 }
                 Asked::TooLong => Answer::TooLong,
@@ -123,11 +143,12 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             if let Some(lines) = crank.upload_given_up() {
                 crank.tell(Answer::UploadEnded(lines)).await?;
             }
-            crank.tell(answer).await?;
-            if !answer.has_ok() {
-                crank.tell(Answer::Ok).await?;
+            if let Answer::Kept = answer {
+                kept_text.clone_from(&text);
+                crank.set_aside();
+                continue;
             }
-            crank.end_line();
+            tell_answer(crank, answer).await?;
         }
     }
 
@@ -144,4 +165,37 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         }
         Ok(())
     }
+}
+
+/// Tells what there is to say to a line, and its `ok`.
+async fn tell_answer<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, answer: Answer<'_>) -> Result<(), Interrupt> {
+    crank.tell(answer).await?;
+    if !answer.has_ok() {
+        crank.tell(Answer::Ok).await?;
+    }
+    crank.end_line();
+    Ok(())
+}
+
+/// The line that is kept goes on: its print does, and if it could not be carried out before, it is now. What there is to say to it then;
+/// `None` if it goes on being kept.
+async fn take_up<'a, P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    states: &mut States,
+    text: &'a [u8],
+    answered: Answered,
+) -> Result<Option<Answer<'a>>, Interrupt> {
+    let Some(kept) = crank.take_up() else { return Ok(None) };
+    let answer = match go_on_with(crank, states, kept, answered).await {
+        Ok(Some(true)) => carry_out(crank, states, &gcode::parse(text)).await?,
+        Ok(Some(false)) => Answer::Nothing,
+        Ok(None) => Answer::Kept,
+        Err(Interrupt::EndJob(why)) => end_job(crank, &mut states.modal, why).await?,
+        Err(interrupt) => return Err(interrupt),
+    };
+    if let Answer::Kept = answer {
+        crank.set_aside();
+        return Ok(None);
+    }
+    Ok(Some(answer))
 }

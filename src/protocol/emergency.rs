@@ -1,4 +1,4 @@
-//! Emergency commands: M112, M108, M410, M999 and the answers to a pause act as they arrive, even while another
+//! Emergency commands: M112, M108, M410, M524, M999 and the answers to a pause act as they arrive, even while another
 //! command blocks.
 //!
 //! The scanner reads every byte beside the line layer (the idea is that of Marlin's emergency_parser.h).
@@ -21,6 +21,8 @@ pub enum Emergency {
     QuickStop,
     /// M24, M602, M876 S: the user is ready.
     Resume,
+    /// M524: the print is given up.
+    Cancel,
     /// M999: begin anew, if the machine is halted.
     Restart,
 }
@@ -33,6 +35,7 @@ impl Emergency {
             112 => Some(Self::Stop),
             24 | 602 => Some(Self::Resume),
             410 => Some(Self::QuickStop),
+            524 => Some(Self::Cancel),
             999 => Some(Self::Restart),
             _ => None,
         }

@@ -4,7 +4,7 @@
 
 use super::thermal::{FanSettings, HeaterModel, HeaterSettings, ThermalSettings, Thermistor};
 use super::{
-    AxisEnd, AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Settings, Shaper,
+    AxisEnd, AxisSettings, Bed, Belt, CornerRule, DriverSettings, Endstop, HomedAxis, Homing, Pause, Settings, Shaper,
 };
 use crate::connectors::Heater;
 use crate::kinematics::{MechanismError, multiple};
@@ -88,6 +88,12 @@ pub mod ranges {
     pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
     /// How far z is raised when a motor of the belt has failed.
     pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+    /// Filament that a pause pulls back: bowden tubes ask for less than a tenth of it.
+    pub const PAUSE_RETRACT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+    /// How far a pause lifts the tool.
+    pub const PAUSE_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(200) };
+    /// Minutes of a pause until heaters go off.
+    pub const PAUSE_HEAT_MIN: Range<u8> = Range { least: 1, most: 240 };
     /// How far a belt runs on after homing.
     pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
     /// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
@@ -274,6 +280,17 @@ fn belt(b: Belt) -> Result<(), SettingsError> {
     b.phases.into_iter().try_for_each(|phase| within(ranges::PHASE, phase, "belt.phases"))
 }
 
+fn pause(p: &Pause) -> Result<(), SettingsError> {
+    within(ranges::PAUSE_RETRACT, p.retract, "pause.retract")?;
+    within(ranges::SPEED, p.retract_speed, "pause.retract_speed")?;
+    within(ranges::SPEED, p.unretract_speed, "pause.unretract_speed")?;
+    within(ranges::PAUSE_LIFT, p.lift, "pause.lift")?;
+    within(ranges::BED_EDGE, p.x, "pause.x")?;
+    within(ranges::BED_EDGE, p.y, "pause.y")?;
+    within(ranges::SPEED, p.travel_speed, "pause.travel_speed")?;
+    within(ranges::PAUSE_HEAT_MIN, p.heat_off_min, "pause.heat_off_min")
+}
+
 fn shaper(s: &Shaper, name: &'static str) -> Result<(), SettingsError> {
     within(ranges::FREQUENCY, s.frequency, name)?;
     within(ranges::DAMPING, s.damping, name)?;
@@ -405,6 +422,7 @@ impl Settings {
         within(ranges::BAUD, self.baud, "baud")?;
         bed(self.bed)?;
         belt(self.belt)?;
+        pause(&self.pause)?;
         let most = ranges::SPEED.most;
         if self.min_feed > most || self.min_travel > most {
             return Err(SettingsError::OutOfRange("min_feed or min_travel"));

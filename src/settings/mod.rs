@@ -34,6 +34,7 @@ mod drivers;
 mod endstops;
 mod kept;
 mod name;
+mod pause;
 mod plugged;
 mod shaping;
 mod thermal;
@@ -47,6 +48,7 @@ pub use drivers::{DriverGroups, DriverSettings};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
 pub use kept::{Kept, sum};
 pub use name::MachineName;
+pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
@@ -157,6 +159,8 @@ pub struct Settings {
     pub belt: Belt,
     /// What hosts and screens call the machine (M115).
     pub name: MachineName,
+    /// What a pause does with the tool and the heat.
+    pub pause: Pause,
 }
 
 impl Settings {
@@ -216,6 +220,7 @@ impl Settings {
             probe: EndstopPlug::NONE,
             belt: Belt::prototype(),
             name: const { MachineName::lit("CoreH-bot prototype") },
+            pause: Pause::prototype(),
         }
     }
 
@@ -267,6 +272,7 @@ impl Settings {
             homing_order: _,
             bed: _,
             name: _,
+            pause: _,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring

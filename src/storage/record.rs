@@ -16,8 +16,8 @@ use crate::checksum::crc32;
 use crate::connectors::HEATERS;
 use crate::kinematics::Mechanism;
 use crate::settings::{
-    Axes, AxisSettings, Bed, Belt, Cartesian, Endstop, EndstopPlug, HeaterModel, Homing, MachineName, Pid, Settings,
-    SettingsError, Shapers, Wiring,
+    Axes, AxisSettings, Bed, Belt, Cartesian, Endstop, EndstopPlug, HeaterModel, Homing, MachineName, Pause, Pid,
+    Settings, SettingsError, Shapers, Wiring,
 };
 
 /// What the payload looks like. Every released change of the shape of [`Settings`] needs the next number; a test
@@ -32,8 +32,16 @@ pub(super) const HEADER: usize = 16;
 pub const LONGEST: usize = 1280;
 
 /// What of the settings has no u16, as far as it lies together without padding.
-type Wide =
-    (Axes<AxisSettings>, Cartesian<Homing>, Shapers, Cartesian<Endstop>, [(HeaterModel, Pid); HEATERS], Bed, Belt);
+type Wide = (
+    Axes<AxisSettings>,
+    Cartesian<Homing>,
+    Shapers,
+    Cartesian<Endstop>,
+    [(HeaterModel, Pid); HEATERS],
+    Bed,
+    Belt,
+    Pause,
+);
 
 /// Names of connectors: eight bytes, before which stands their length, and a `bool`.
 type Plugs = (Wiring, EndstopPlug);

@@ -125,12 +125,14 @@ impl HeaterGuards {
             Aim::Tune(target) => (None, Some(target), false),
         };
         let is_heated = is_believed && !seen.is_settled;
+        // One that has just been switched off has the duty of the period before, and nothing to warm up for.
+        let given = if now.aim == Aim::Off { 0 } else { now.duty };
         let found = [
             self.window.look(settings.too_hot(), now.measured),
             self.while_off.look(settings.guards.off_rise, &seen),
             self.at_target.look(&settings.guards, self.floor, hold, &seen),
             self.frozen.look(self.floor, now.measured, now.duty),
-            self.gain.look(self.floor, goal, smooth, (now.duty, now.most)),
+            self.gain.look(self.floor, goal, smooth, (given, now.most)),
             self.balance.look(is_heated, now.measured, now.power, now.fan, now.filament),
         ];
         let is_worst = |alarm: &&Alarm| alarm.cause.is_stuck_on();

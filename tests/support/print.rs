@@ -4,8 +4,8 @@ use core::fmt::{self, Display, Formatter, Write};
 
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    Absent, ArcShape, Audience, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Named, Number, Part, Plane,
-    VelocityWords,
+    Absent, ArcShape, Audience, AxisFlags, AxisWords, Command, Flaw, Form, MachineRecord, Named, Number, ParkWords,
+    Part, Plane, VelocityWords,
 };
 
 /// A command to be printed. One that stands for a whole family is printed as one of it: M74 for silent ones. A line that is not in order is printed as one with the same flaw. A text is printed with `?` for what is
@@ -197,10 +197,15 @@ impl Display for Printed<'_> {
             Command::Restart => f.write_str("M999"),
             Command::Malformed(flaw) => malformed(f, flaw),
             Command::Silent => f.write_str("M74"),
-            Command::AwaitUser { filament: true, .. } => f.write_str("M600"),
-            Command::AwaitUser { ms: 0, .. } => f.write_str("M0"),
+            Command::AwaitUser { filament: true, park, .. } => parked(f, "M600", 'E', park),
+            Command::AwaitUser { ms: 0, park, .. } if park == ParkWords::default() => f.write_str("M0"),
+            Command::AwaitUser { ms: 0, park, .. } => parked(f, "M601", 'E', park),
             Command::AwaitUser { ms, .. } => write!(f, "M0 P{ms}"),
-            Command::Pause => f.write_str("M25"),
+            Command::Pause { parks: false, .. } => f.write_str("M25"),
+            Command::Pause { parks: true, park } => parked(f, "M125", 'L', park),
+            Command::BeginJob => f.write_str("M75"),
+            Command::EndJob => f.write_str("M77"),
+            Command::Cancel => f.write_str("M524"),
             Command::BeginUpload(name) => {
                 f.write_str("M28 ")?;
                 write_text(f, name)
@@ -331,6 +336,14 @@ fn velocity_limit(f: &mut Formatter<'_>, limit: VelocityWords<'_>) -> fmt::Resul
 }
 
 /// One word, if it has a value.
+fn parked(f: &mut Formatter<'_>, code: &str, back: char, park: ParkWords) -> fmt::Result {
+    f.write_str(code)?;
+    for (letter, number) in [('X', park.x), ('Y', park.y), ('Z', park.z), (back, park.e), ('R', park.target)] {
+        word(f, letter, number)?;
+    }
+    park.other.map_or(Ok(()), |letter| write!(f, " {}", letter as char))
+}
+
 fn word(f: &mut Formatter<'_>, letter: char, number: Option<Number>) -> fmt::Result {
     match number {
         Some(number) => write!(f, " {letter}{number}"),

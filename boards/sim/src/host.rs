@@ -300,6 +300,9 @@ impl FileHost {
     /// The printer says what hosts show a user.
     fn hear_action(&mut self, action: &str) {
         match action {
+            // It said why before.
+            "pause action:pause" => self.fail("the printer holds this line until somebody heats it or homes it"),
+            "cancel action:cancel" => self.fail("the printer has ended the print"),
             // Waits that end by themselves need no user.
             "prompt_show" if !is_timed(&self.current().command) => self.paused = Some(self.now),
             "prompt_end" => self.paused = None,

@@ -22,18 +22,20 @@ use corehbot::connectors::{BoardConnectors, SIM};
 use corehbot::kinematics::{MOST_MULTIPLE, Mechanism, Row, direction, multiple};
 use corehbot::motors::Motor;
 use corehbot::settings::{
-    AxisSettings, Bed, Belt, CornerRule, DriverSettings, MachineName, PHASES, Range, Settings, Shaper, ShaperKind,
-    Wiring, ranges,
+    AxisSettings, Bed, Belt, CornerRule, DriverSettings, MachineName, PHASES, Pause, Range, Settings, Shaper,
+    ShaperKind, Wiring, ranges,
 };
 pub use error::MachineFileError;
-use form::{AxisToml, BedToml, BeltToml, CornerToml, DriverToml, MachineToml, MechanismToml, RowToml, ShaperToml};
+use form::{
+    AxisToml, BedToml, BeltToml, CornerToml, DriverToml, MachineToml, MechanismToml, PauseToml, RowToml, ShaperToml,
+};
 pub use place::Place;
 pub(crate) use place::{with_suggestion, words};
 pub use problems::{Problem, problems};
 use quantity::{
     ACCELERATION, ADVANCE, ADVANCE_WINDOW, AXIS_LENGTH, BAUD, BED_EDGE, BELT_SPAN, CRUISE_RATIO, DAMPING, FREQUENCY,
-    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LIMP_LIFT, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, PHASE, PRELOAD,
-    SETTLING, SPEED, TOLERANCE, put, put_whole, quantity,
+    HOMING_ADVANCE, KEEPALIVE, LEAST_SPEED, LIMP_LIFT, LOOKAHEAD_TIME, MOTOR_FREQUENCY, PATIENCE, PAUSE_LIFT,
+    PAUSE_RETRACT, PHASE, PRELOAD, SETTLING, SPEED, TOLERANCE, put, put_whole, quantity,
 };
 use resolution::resolution;
 pub use schema::schema;
@@ -120,6 +122,7 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     axis(&mut s.axes.z, "axes.z", &file.axes.z)?;
     axis(&mut s.axes.e, "axes.e", &file.axes.e)?;
     bed(&mut s, &file.bed)?;
+    pause(&mut s.pause, &file.pause)?;
     homing::homing(&mut s, &file.homing)?;
     put(&mut s.baud, "baud", file.baud, &BAUD)?;
     driver(&mut s.drivers.belt, "drivers.belt", &file.drivers.belt)?;
@@ -199,6 +202,18 @@ fn bed(s: &mut Settings, file: &BedToml) -> Result<(), MachineFileError> {
     put(&mut s.bed.depth, "bed.depth", file.depth, &AXIS_LENGTH)?;
     put(&mut s.bed.left, "bed.left", file.left, &BED_EDGE)?;
     put(&mut s.bed.front, "bed.front", file.front, &BED_EDGE)
+}
+
+fn pause(p: &mut Pause, file: &PauseToml) -> Result<(), MachineFileError> {
+    put(&mut p.retract, "pause.retract", file.retract, &PAUSE_RETRACT)?;
+    put(&mut p.retract_speed, "pause.retract_speed", file.retract_speed, &SPEED)?;
+    put(&mut p.unretract_speed, "pause.unretract_speed", file.unretract_speed, &SPEED)?;
+    put(&mut p.lift, "pause.lift", file.lift, &PAUSE_LIFT)?;
+    p.park = file.park.unwrap_or(p.park);
+    put(&mut p.x, "pause.x", file.x, &BED_EDGE)?;
+    put(&mut p.y, "pause.y", file.y, &BED_EDGE)?;
+    put(&mut p.travel_speed, "pause.travel_speed", file.travel_speed, &SPEED)?;
+    put_whole(&mut p.heat_off_min, "pause.heat_off_min", file.heat_off_min, ranges::PAUSE_HEAT_MIN)
 }
 
 fn shaper(s: &mut Shaper, table: &str, file: &ShaperToml) -> Result<(), MachineFileError> {

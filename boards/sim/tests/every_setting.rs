@@ -167,7 +167,7 @@ const NOT_SAID: [&str; 9] = [
 ];
 
 /// Settings that M503 says as a comment, and only a machine file sets.
-const FILE_ONLY: [&str; 24] = [
+const FILE_ONLY: [&str; 33] = [
     "name",
     "back_off",
     "baud",
@@ -181,6 +181,15 @@ const FILE_ONLY: [&str; 24] = [
     "alignment",
     "preload",
     "limp_lift",
+    "pause.heat_off_min",
+    "pause.lift",
+    "pause.park",
+    "pause.retract",
+    "pause.retract_speed",
+    "pause.travel_speed",
+    "pause.unretract_speed",
+    "pause.x",
+    "pause.y",
     "phases",
     "homing_order",
     "is_closed",
@@ -212,7 +221,7 @@ fn is_of_all_machines(path: &str) -> bool {
 
 /// The line that sets a setting.
 fn line_for(path: &str) -> Option<String> {
-    if path.starts_with("belt.") {
+    if path.starts_with("belt.") || path.starts_with("pause.") {
         return None;
     }
     let of_corners = CornerRule::all().map(corner).map(|[path, _, line]| (path, line));

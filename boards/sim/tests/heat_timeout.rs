@@ -84,6 +84,7 @@ fn f23_heaters_go_off_in_every_state_that_a_machine_is_left_in() {
         "M600",
         "M601",
         "M25",
+        "M125",
         // Nothing moves, whatever else is asked.
         "M84",
         "M106 S255",

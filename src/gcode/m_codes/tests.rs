@@ -171,7 +171,7 @@ fn every_code_has_its_command() {
         ("M17", Command::EnableMotors(no_flags)),
         ("M24", Command::Resume),
         ("M602", Command::Resume),
-        ("M25", Command::Pause),
+        ("M25", Command::Pause { parks: false, park: ParkWords::default() }),
         ("M48", Command::Probing),
         ("M290", Command::Probing),
         ("M851", Command::Probing),

@@ -29,6 +29,8 @@ pub(in crate::machine) enum Answer<'a> {
     /// M110, with the number that it asked for.
     LineNumber(Option<i32>),
     TooLong,
+    /// Nothing, and no `ok` as yet: the line is kept.
+    Kept,
     /// To a silent host: asks for the line after this one.
     Question(i32),
     Resend(ResendReason, i32),
@@ -73,6 +75,8 @@ pub(in crate::machine) enum Answer<'a> {
     Heat,
     /// Temperatures while a command waits for them, and the seconds that are missing.
     Heating(Option<u32>),
+    /// A heater that is waited for gets no warmer.
+    NoRise(Heater),
     /// A heater that a command is for is not fitted, but others are.
     NoHeater(Heater),
     /// M106 for a fan that no machine has.

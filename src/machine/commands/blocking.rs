@@ -7,17 +7,19 @@ use super::drivers::change_mode;
 use super::fans::set_fan;
 use super::heating::{TargetWords, await_heaters, heat_and_wait};
 use super::homing::home;
+use super::job::end_by_line;
 use super::machine_record::exchange_machine;
 use super::motors::{diagnose, motors_of};
 use super::moves::{ArcWords, Moves};
+use super::pause::{await_user, pause, resume};
 use super::self_test::test_heaters;
 use super::settings::set::change_resolution;
 use super::settings::stored::{check_storage, load_settings, reset_settings, save_settings};
 use super::shaping::{ShaperWords, change_advance, change_shapers};
 use super::states::States;
 use super::tuning::{TuningWords, tune};
-use super::waits::{await_user, dwell, pause, resume};
-use crate::gcode::{AxisFlags, AxisWords, MachineRecord, Number};
+use super::waits::dwell;
+use crate::gcode::{AxisFlags, AxisWords, MachineRecord, Number, ParkWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
@@ -54,9 +56,11 @@ pub(in crate::machine) enum Blocking<'c> {
     /// M915.
     AlignBelt { diagnoses: bool, repairs: bool },
     /// M0, M1, M600, M601.
-    AwaitUser { ms: u32, filament: bool },
-    /// M25.
-    Pause,
+    AwaitUser { ms: u32, filament: bool, park: &'c ParkWords },
+    /// M25, M125.
+    Pause { parks: bool, park: &'c ParkWords },
+    /// M77.
+    EndJob,
     /// M24, M602.
     Resume,
     /// M500.
@@ -109,8 +113,8 @@ pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
         }
         Blocking::Arc(words) => return Moves { crank, modal, clamps, notices, cold }.arc(&words).await,
         Blocking::Dwell { ms } => dwell(crank, ms).await?,
-        Blocking::Retract => Moves { crank, modal, clamps, notices, cold }.retract(retraction).await?,
-        Blocking::Recover => Moves { crank, modal, clamps, notices, cold }.recover(retraction).await?,
+        Blocking::Retract => return Moves { crank, modal, clamps, notices, cold }.retract(retraction).await,
+        Blocking::Recover => return Moves { crank, modal, clamps, notices, cold }.recover(retraction).await,
         Blocking::Home(flags) => home(crank, notices, flags).await?,
         Blocking::Finish => crank.finish().await?,
         Blocking::EmergencyStop => return Err(Interrupt::Halt),
@@ -125,10 +129,20 @@ pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
             crank.finish().await?;
             crank.unpower(motors_of(crank.groups(), flags));
             notices.renew_for_position();
+            let all = !(flags.x || flags.y || flags.z || flags.e);
+            if all || flags.e {
+                crank.commanded_mut().forget_retraction();
+            }
+            if all || flags.x || flags.y || flags.z {
+                end_by_line(crank, modal).await?;
+            }
         }
-        Blocking::AwaitUser { ms, filament } => await_user(crank, ms, filament).await?,
-        Blocking::Pause => pause(crank).await?,
-        Blocking::Resume => resume(crank).await?,
+        Blocking::AwaitUser { ms, filament, park } => {
+            return await_user(crank, modal, cold, (ms, filament), park).await;
+        }
+        Blocking::Pause { parks, park } => return pause(crank, modal, cold, parks, park).await,
+        Blocking::Resume => return resume(crank, modal, cold).await,
+        Blocking::EndJob => end_by_line(crank, modal).await?,
         Blocking::SaveSettings => return save_settings(crank, pieces).await.map(Answer::Storage),
         Blocking::LoadSettings => return load_settings(crank).await.map(Answer::Storage),
         Blocking::DefaultSettings => return reset_settings(crank).await.map(Answer::Storage),

@@ -10,13 +10,27 @@
 
 use super::blocking::carry_out_blocking;
 use super::immediate::{Outcome, carry_out_immediate};
+use super::job::{end_job, refuse};
+use super::pause::end_keeping;
 use super::states::States;
 use crate::gcode::Command;
 use crate::machine::answers::answer::Answer;
 use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
+use crate::machine::state::job::{Answered, Kept};
 use crate::port::Pend;
+
+/// The print of a line that is kept goes on, if it can: true if the line is to be carried out now, false if it needs its `ok` alone, `None`
+/// if it goes on being kept.
+pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    states: &mut States,
+    kept: Kept,
+    answered: Answered,
+) -> Result<Option<bool>, Interrupt> {
+    end_keeping(crank, &mut states.modal, &states.cold, kept, answered).await
+}
 
 /// Carries out a command, tells what was out of range, and returns what else there is to say before its `ok`.
 pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
@@ -25,6 +39,9 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     command: &Command<'a>,
 ) -> Result<Answer<'a>, Interrupt> {
     states.clamps.clear();
+    if let Some(answer) = refuse(crank, command) {
+        return Ok(answer);
+    }
     let done = match carry_out_immediate(crank, states, command) {
         Outcome::Done(answer) => Ok(answer),
         Outcome::TakesTime(command) => carry_out_blocking(crank, states, command).await,
@@ -32,6 +49,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     match done {
         // Why, `power` has told.
         Err(Interrupt::NoPower) => Ok(Answer::Nothing),
+        Err(Interrupt::EndJob(why)) => end_job(crank, &mut states.modal, why).await,
         Ok(answer) => crank.tell_clamps(&mut states.clamps).await.map(|()| answer),
         Err(interrupt) => Err(interrupt),
     }

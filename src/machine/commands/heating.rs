@@ -7,7 +7,7 @@ use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
 use crate::machine::crank::Crank;
-use crate::machine::interrupt::Interrupt;
+use crate::machine::interrupt::{Interrupt, JobEnd};
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::{Notice, Notices};
@@ -29,6 +29,14 @@ const RESIDENCY_MS: u32 = 3000;
 /// Marlin's MIN_COOLING_SLOPE_DEG and MIN_COOLING_SLOPE_TIME (Configuration_adv.h, 2.1).
 const LEAST_COOLING: Celsius = Celsius::lit("1.5");
 const COOLING_MS: u32 = 60_000;
+
+/// A heater below its target that gains less than this in the time of its kind does not get there. By the plants: one that can is at
+/// least 1 C below where full power would take it as long as it is waited for, so it gains 1 C x loss / capacity x time. The heaviest
+/// bed in use (5,500 J/K) loses 1 W/K at least, and gains 0.33 C in half an hour; a hotend (34 J/K at most, 0.05 W/K) 0.35 C in four
+/// minutes. The guards' floor halts the machine after ten minutes and an hour without 2 C. The host is told after a third of it.
+const LEAST_RISE: Celsius = Celsius::lit("0.2");
+const HOTEND_STUCK_MS: u32 = 240_000;
+const STUCK_MS: u32 = 1_800_000;
 
 /// From one line with temperatures to the next, in whatever wait.
 pub(super) const LINE_MS: u32 = 1000;
@@ -77,6 +85,46 @@ impl Cooling {
     }
 }
 
+/// Whether heaters that are to get warmer still do.
+struct Rising {
+    /// The warmest that each was, in steps of what counts as a rise, and since when.
+    best: [(Celsius, Instant); HEATERS],
+    is_told: bool,
+}
+
+/// What there is to do about a heater that gets no warmer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Stuck {
+    Tell(Heater),
+    End(Heater),
+}
+
+impl Rising {
+    fn new(measured: [Celsius; HEATERS], now: Instant) -> Self {
+        Self { best: measured.map(|measured| (measured, now)), is_told: false }
+    }
+
+    /// Looks at those that are too cold.
+    fn follow(&mut self, are_cold: [bool; HEATERS], measured: [Celsius; HEATERS], now: Instant) -> Option<Stuck> {
+        for heater in Heater::ALL {
+            let place = heater as usize;
+            let (best, since) = &mut self.best[place];
+            if !are_cold[place] || measured[place] >= best.saturating_add(LEAST_RISE) {
+                (*best, *since) = (measured[place], now);
+                continue;
+            }
+            let most_ms = if heater == Heater::Hotend { HOTEND_STUCK_MS } else { STUCK_MS };
+            if now >= since.after_ms(most_ms) {
+                return Some(Stuck::End(heater));
+            }
+            if now >= since.after_ms(most_ms / 3) && !core::mem::replace(&mut self.is_told, true) {
+                return Some(Stuck::Tell(heater));
+            }
+        }
+        None
+    }
+}
+
 /// What to say of a command for a heater that is not fitted; `None` if it is.
 fn missing<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
@@ -121,7 +169,12 @@ pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
     };
     if target > Celsius::ZERO {
         crank.test_before_heating();
+    } else if heater == Heater::Hotend && crank.job().is_printing() {
+        // Nothing is printed without a hotend: so files end that do not switch the motors off.
+        crank.job_mut().end();
     }
+    let least = if heater == Heater::Hotend { crank.settings().thermal.min_extrude } else { Celsius::ZERO };
+    crank.job_mut().note_target(heater, target, least);
     crank.heat(heater, target);
     crank.note_heaters_used();
     crank.send_orders();
@@ -180,6 +233,7 @@ async fn await_heat<P: PortSet, W: Pend>(
     }
     crank.pauses_mut().begin(Waiting::Heat);
     let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
+    let mut rising = Rising::new(measured, begun);
     let (mut next_line, mut moves) = (begun, true);
     crank.come_again();
     while !crank.pauses().is_over() {
@@ -196,6 +250,15 @@ async fn await_heat<P: PortSet, W: Pend>(
         if missing == Some(0) || (cools && cooling.has_ended(are_hot, measured, now)) {
             break;
         }
+        let are_cold = [0, 1, 2].map(|place| awaited[place] && off_by(place) < -NEAR);
+        match rising.follow(are_cold, measured, now) {
+            Some(Stuck::End(heater)) => {
+                let [at, target] = [measured, targets].map(|degrees| degrees[heater as usize].to_num::<i32>());
+                return Err(Interrupt::EndJob(JobEnd::Unreachable { heater, at, target }));
+            }
+            Some(Stuck::Tell(heater)) => crank.tell(Answer::NoRise(heater)).await?,
+            None => {}
+        }
         moves = moves && crank.let_motion_end();
         crank.turn().await?;
     }
@@ -203,17 +266,25 @@ async fn await_heat<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Heats again what was switched off while the user was waited for.
+/// Heaters are kept again at what they were at before a pause, or before they went off in the print, and are waited for.
 pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
-    let Some(targets) = crank.take_targets_before() else { return Ok(()) };
-    crank.tell(Answer::Line("echo:Heating again")).await?;
-    for (heater, target) in Heater::ALL.into_iter().zip(targets) {
-        crank.heat(heater, target);
+    let Some(targets) = crank.job().targets() else { return Ok(()) };
+    let (measured, mut awaited, mut is_new) = (crank.measured(), [false; HEATERS], false);
+    for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(_, target)| *target > Celsius::ZERO) {
+        if crank.target_of(heater) != target {
+            crank.heat(heater, target);
+            is_new = true;
+        }
+        awaited[heater as usize] = measured[heater as usize] < target.saturating_sub(NEAR);
     }
-    crank.send_orders();
-    // The answer that ended the wait for the user is not for this one.
-    crank.pauses_mut().end_command();
-    await_heat(crank, targets.map(|target| target > Celsius::ZERO), false).await
+    if is_new {
+        crank.tell(Answer::Line("echo:Heating again")).await?;
+        crank.note_heaters_used();
+        crank.send_orders();
+    }
+    await_heat(crank, awaited, false).await?;
+    crank.job_mut().forget_targets();
+    Ok(())
 }
 
 /// The heater that a command for its behaviour means, if it is fitted.
@@ -234,12 +305,18 @@ pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
 /// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
 pub(in crate::machine) fn switch_off<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Answer<'static> {
     crank.switch_off_heat();
+    if crank.job().is_printing() {
+        crank.job_mut().end();
+    }
     Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use std::vec::Vec;
 
     #[test]
     fn a_target_counts_as_reached_after_three_seconds_near_it() {
@@ -252,6 +329,28 @@ mod tests {
         assert_eq!(residency.follow(true, false, at(4000)), Some(3));
         assert_eq!(residency.follow(true, false, at(6999)), Some(1));
         assert_eq!(residency.follow(true, false, at(7000)), Some(0));
+    }
+
+    #[test]
+    fn a_wait_ends_when_nothing_gets_warmer_and_never_while_a_heavy_bed_still_does() {
+        let at = |s: u32| Instant(0).after_ms(s * 1000);
+        let celsius = Celsius::from_num::<f64>;
+        let bed = |degrees: f64| [celsius(25.0), celsius(degrees), celsius(25.0)];
+        let cold = [false, true, false];
+        // A bed of 5,500 J/K that loses 1 W/K and is heated to a degree above the target: seen until it is a degree below.
+        let mut rising = Rising::new(bed(25.0), at(0));
+        let (mut degrees, mut s) = (25.0, 0);
+        while degrees < 99.0 {
+            degrees += (100.0 - degrees) / 5500.0;
+            s += 1;
+            let stuck = rising.follow(cold, bed(degrees), at(s));
+            assert!(!matches!(stuck, Some(Stuck::End(_))), "{degrees} after {s} s");
+        }
+        // One that stays where it is.
+        let mut rising = Rising::new(bed(80.0), at(0));
+        let found: Vec<_> = (0..=1800).filter_map(|s| Some((s, rising.follow(cold, bed(80.1), at(s))?))).collect();
+        assert_eq!(found, [(600, Stuck::Tell(Heater::Bed)), (1800, Stuck::End(Heater::Bed))]);
+        assert_eq!(rising.follow([false; HEATERS], bed(80.1), at(9000)), None);
     }
 
     #[test]

@@ -89,6 +89,8 @@ async fn home_axes<P: PortSet, W: Pend>(
     aligns: bool,
 ) -> Result<(), Interrupt> {
     let all = !(flags.x || flags.y || flags.z);
+    // What a print has left pulled back is of no account to the next one.
+    crank.commanded_mut().forget_retraction();
     let mut is_home = [false; 3];
     let mut aligns = aligns;
     for axis in crank.settings().homing_order {

@@ -6,6 +6,7 @@ use super::drivers::set_drivers;
 use super::fans::set_controller_fan;
 use super::heater_settings::{set_model, set_pid};
 use super::heating::{TargetWords, model_of, set_target, switch_off};
+use super::job::starts_print;
 use super::messages::send_message;
 use super::moves::ArcWords;
 use super::retraction::{set_recovery, set_retraction};
@@ -64,8 +65,11 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::Conditional => return Outcome::TakesTime(Blocking::Conditional),
         Command::EnableMotors(flags) => return Outcome::TakesTime(Blocking::EnableMotors(flags)),
         Command::DisableMotors(flags) => return Outcome::TakesTime(Blocking::DisableMotors(flags)),
-        Command::AwaitUser { ms, filament } => return Outcome::TakesTime(Blocking::AwaitUser { ms, filament }),
-        Command::Pause => return Outcome::TakesTime(Blocking::Pause),
+        Command::AwaitUser { ms, filament, ref park } => {
+            return Outcome::TakesTime(Blocking::AwaitUser { ms, filament, park });
+        }
+        Command::Pause { parks, ref park } => return Outcome::TakesTime(Blocking::Pause { parks, park }),
+        Command::EndJob => return Outcome::TakesTime(Blocking::EndJob),
         Command::Resume => return Outcome::TakesTime(Blocking::Resume),
         Command::SaveSettings => return Outcome::TakesTime(Blocking::SaveSettings),
         Command::LoadSettings => return Outcome::TakesTime(Blocking::LoadSettings),
@@ -241,9 +245,24 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::CancelObject => Answer::Line("echo:objects cannot be left out, ignored"),
         Command::Malformed(Flaw::Absent(absent)) if !notices.give_absent(absent.key()) => Answer::Nothing,
         Command::Malformed(flaw) => Answer::Malformed(flaw),
-        Command::Unknown(text) => Answer::Unknown(text),
-        // The receive path has acted on M108, M410 and M876; of M110 it hands on nothing.
-        Command::Continue | Command::QuickStop | Command::Answer | Command::LineNumber => Answer::Nothing,
+        Command::Unknown(text) => {
+            let host = crank.serving();
+            match starts_print(text) {
+                Some(true) => crank.job_mut().begin_by_unknown_name(host),
+                Some(false) if crank.job().is_printing() => crank.job_mut().end(),
+                Some(false) | None => {}
+            }
+            Answer::Unknown(text)
+        }
+        Command::BeginJob => {
+            let host = crank.serving();
+            crank.job_mut().begin(host);
+            Answer::Nothing
+        }
+        // The receive path has acted on M108, M410, M524 and M876; of M110 it hands on nothing.
+        Command::Continue | Command::QuickStop | Command::Cancel | Command::Answer | Command::LineNumber => {
+            Answer::Nothing
+        }
         // There is no display, and nothing to begin anew while the machine is not halted.
         Command::Message | Command::Restart | Command::Silent => Answer::Nothing,
     })

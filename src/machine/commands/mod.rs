@@ -17,7 +17,9 @@
 //! | G28 | [`homing`], [`switch`] |
 //! | M17, M84, M122 | [`motors`] |
 //! | M915 | [`belt`], [`proof`] |
-//! | G4, M0, M24, M25, M600 | [`waits`] |
+//! | G4 | [`waits`] |
+//! | M0, M24, M25, M125, M600 | [`pause`] |
+//! | M75, M77, M524, what ends a print | [`job`] |
 //! | M104, M109, M116, M140, M141, M190, M191, M81 | [`heating`] |
 //! | M302 | [`cold_extrusion`] |
 //! | M303 | [`tuning`] |
@@ -48,10 +50,12 @@ mod heater_settings;
 mod heating;
 mod homing;
 mod immediate;
+pub(in crate::machine) mod job;
 mod machine_record;
 mod messages;
 mod motors;
 mod moves;
+pub(in crate::machine) mod pause;
 mod proof;
 mod retraction;
 mod self_test;

@@ -4,6 +4,8 @@
 
 use super::arcs::arc::{Arc, Shape, Way, join, split};
 use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
+use super::heating::heat_again;
+use super::pause::{Going, hold, resume_stream};
 use crate::gcode::{ArcShape, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
@@ -13,6 +15,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::commanded::{LEAST_FILAMENT, Wanted};
+use crate::machine::state::job::Kept;
 use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::retraction::{RetractionMove, RetractionSettings};
@@ -54,24 +57,121 @@ pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
     pub cold: &'c ColdExtrusion,
 }
 
+/// Whether a line may be carried out.
+enum Gate {
+    Open,
+    /// It may, and what its words mean has changed.
+    Changed,
+    /// It is kept.
+    Kept(Answer<'static>),
+}
+
+/// What a line asks of the machine before it may be carried out in a print.
+#[derive(Clone, Copy)]
+struct Asked {
+    /// The axes that it moves.
+    moves: [bool; 3],
+    /// Filament forth, or back if it is negative.
+    filament: Mm,
+}
+
+impl Asked {
+    /// Whether it prints.
+    fn prints(&self) -> bool {
+        let [x, y, _] = self.moves;
+        self.filament >= LEAST_FILAMENT && (x || y)
+    }
+}
+
 impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// G0, G1. A line that is refused changes nothing, F included.
     pub async fn line(&mut self, to: &AxisWords, feed: Option<Number>) -> Result<Answer<'static>, Interrupt> {
+        let mut wanted = self.wanted(to);
+        let asked = self.asked(&wanted);
+        match self.hold_back(asked).await? {
+            Gate::Open => {}
+            Gate::Changed => wanted = self.wanted(to),
+            Gate::Kept(answer) => return Ok(answer),
+        }
         let feed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
-        let wanted = self.target(to).await?;
-        let at = self.crank.commanded().position();
-        let moves = moving(at, wanted.position);
-        if !self.may_move(moves).await? {
+        self.tell_of(&wanted).await?;
+        if !self.may_move(asked.moves).await? {
             return Ok(Answer::NotHomed);
         }
-        let [x, y, _] = moves;
+        let [x, y, _] = asked.moves;
         if (x || y) && !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
+        self.crank.commanded_mut().leave_park(wanted.position, to, self.modal);
         self.go(wanted.position, feed).await?;
         self.modal.feed = feed;
         self.crank.commanded_mut().count_extrusion(wanted.extrusion);
+        self.note_printed(asked);
         Ok(Answer::Nothing)
+    }
+
+    /// Where the words of a line lead.
+    fn wanted(&self, to: &AxisWords) -> Wanted {
+        let crank = &*self.crank;
+        crank.commanded().target(to, self.modal, crank.settings(), self.cold.is_too_cold(crank))
+    }
+
+    /// What a straight line asks for.
+    fn asked(&self, wanted: &Wanted) -> Asked {
+        let commanded = self.crank.commanded();
+        let moves = moving(commanded.position(), wanted.position);
+        let filament = wanted.extrusion.saturating_sub(commanded.extrusion());
+        Asked { moves, filament: if self.modal.dry_run { Mm::ZERO } else { filament } }
+    }
+
+    /// In a print, a line waits for heat that has gone off by itself. One that cannot be carried out, because the hotend is too cold for it
+    /// or an axis has lost its place, is kept; the answer says so. A line that prints begins a print, and ends a pause.
+    async fn hold_back(&mut self, asked: Asked) -> Result<Gate, Interrupt> {
+        let mut gate = Gate::Open;
+        if asked.prints() && !self.crank.job().is_printing() {
+            let host = self.crank.serving();
+            let job = self.crank.job();
+            if job.is_paused() && job.kept().is_none() && job.is_of(host) {
+                gate = Gate::Changed;
+                if let Going::Not(why) = resume_stream(self.crank, self.modal, self.cold).await? {
+                    return self.keep(why).await;
+                }
+            }
+            self.crank.job_mut().begin(host);
+        }
+        if !self.crank.job().is_printing() {
+            return Ok(gate);
+        }
+        let (homed, job) = (self.crank.homed(), self.crank.job());
+        let must_be_homed = job.must_be_homed() || self.crank.settings().require_homing;
+        if homed.has_lost_one_of(asked.moves) || must_be_homed && homed.lacks_one_of(asked.moves) {
+            return self.keep(Kept::Lost(asked.moves)).await;
+        }
+        if asked.filament.saturating_abs() < LEAST_FILAMENT {
+            return Ok(gate);
+        }
+        if self.crank.job().targets().is_some() {
+            gate = Gate::Changed;
+            heat_again(self.crank).await?;
+        }
+        if asked.filament > Mm::ZERO && self.cold.is_too_cold(self.crank) {
+            return self.keep(Kept::Cold).await;
+        }
+        Ok(gate)
+    }
+
+    /// The line is kept for that reason, and is carried out as if it came then.
+    async fn keep(&mut self, why: Kept) -> Result<Gate, Interrupt> {
+        self.clamps.clear();
+        hold(self.crank, self.modal, why).await.map(Gate::Kept)
+    }
+
+    /// A move that prints was planned.
+    fn note_printed(&mut self, asked: Asked) {
+        if asked.prints() {
+            let position = self.crank.commanded().position();
+            self.crank.job_mut().note_printed(position);
+        }
     }
 
     /// Whether these axes may move: they were homed, or need not be, of which the host is told once.
@@ -113,7 +213,12 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         let (inside, moved) = {
             let crank = &*self.crank;
-            clamp(bounded(position), crank.commanded().position(), crank.homed(), crank.settings())
+            // It is the machine that has edges, wherever a pause has parked it.
+            let [px, py, pz, _] = crank.commanded().parked();
+            let parked = |[x, y, z, e]: [Mm; 4]| [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e];
+            let (to, from) = (parked(bounded(position)), parked(crank.commanded().position()));
+            let ([x, y, z, e], moved) = clamp(to, from, crank.homed(), crank.settings());
+            ([x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e], moved)
         };
         if moved {
             self.tell_of_edge().await?;
@@ -134,8 +239,13 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
 
     /// Where the words of a line lead; the host is told what they ask for beyond the possible.
     pub(super) async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
-        let crank = &*self.crank;
-        let wanted = crank.commanded().target(to, self.modal, crank.settings(), self.cold.is_too_cold(crank));
+        let wanted = self.wanted(to);
+        self.tell_of(&wanted).await?;
+        Ok(wanted)
+    }
+
+    /// Tells of words that ask for more than is possible.
+    async fn tell_of(&mut self, wanted: &Wanted) -> Result<(), Interrupt> {
         if wanted.is_held_back {
             tell_of_cold(self.crank, self.notices).await?;
         }
@@ -145,13 +255,22 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if wanted.is_too_far {
             self.tell_of_edge().await?;
         }
-        Ok(wanted)
+        Ok(())
     }
 
     /// G2, G3. The axis across the plane and E run evenly along the arc.
     pub async fn arc(&mut self, words: &ArcWords<'_>) -> Result<Answer<'static>, Interrupt> {
+        let mut wanted = self.wanted(words.to);
+        let Asked { moves: [x, y, z], filament } = self.asked(&wanted);
+        let [in_x, in_y, in_z, _] = join(self.modal.plane, [true, true], [false, false]);
+        let asked = Asked { moves: [x || in_x, y || in_y, z || in_z], filament };
+        match self.hold_back(asked).await? {
+            Gate::Open => {}
+            Gate::Changed => wanted = self.wanted(words.to),
+            Gate::Kept(answer) => return Ok(answer),
+        }
         let speed = self.clamps.feed(self.modal, words.feed).unwrap_or(self.modal.feed);
-        let wanted = self.target(words.to).await?;
+        self.tell_of(&wanted).await?;
         let plane = self.modal.plane;
         let (start, [sz, se]) = split(plane, self.crank.commanded().position());
         let (end, [ez, ee]) = split(plane, wanted.position);
@@ -173,6 +292,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
+        self.crank.commanded_mut().leave_park(wanted.position, words.to, self.modal);
         self.modal.feed = speed;
         let begin = self.crank.commanded().extrusion();
         let between = |from: Mm, to: Mm, part: u32| {
@@ -184,25 +304,41 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             self.go(join(plane, arc.point(part), along), speed).await?;
             self.crank.commanded_mut().count_extrusion(between(begin, wanted.extrusion, part));
         }
+        self.note_printed(asked);
         Ok(Answer::Nothing)
     }
 
     /// G10.
-    pub async fn retract(&mut self, settings: &RetractionSettings) -> Result<(), Interrupt> {
-        self.plan_retraction(self.crank.commanded().moves_away(settings, self.crank.settings().axes.z.max_speed)).await
+    pub async fn retract(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
+        let speed = self.crank.settings().axes.z.max_speed;
+        let moves = self.crank.commanded().moves_away(settings, speed);
+        self.plan_retraction(moves, -settings.length).await
     }
 
     /// G11.
-    pub async fn recover(&mut self, settings: &RetractionSettings) -> Result<(), Interrupt> {
-        self.plan_retraction(self.crank.commanded().moves_back(settings, self.crank.settings().axes.z.max_speed)).await
+    pub async fn recover(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
+        let speed = self.crank.settings().axes.z.max_speed;
+        let moves = self.crank.commanded().moves_back(settings, speed);
+        let [_, length] = self.crank.commanded().retracted();
+        self.plan_retraction(moves, length).await
     }
 
     /// Plans moves away from the commanded position, or back to it.
     ///
     /// Not with a cold hotend: what was pulled back stays so until it is hot.
-    async fn plan_retraction(&mut self, moves: Option<[RetractionMove; 2]>) -> Result<(), Interrupt> {
+    async fn plan_retraction(
+        &mut self,
+        moves: Option<[RetractionMove; 2]>,
+        filament: Mm,
+    ) -> Result<Answer<'static>, Interrupt> {
+        if moves.is_some()
+            && let Gate::Kept(answer) = self.hold_back(Asked { moves: [false; 3], filament }).await?
+        {
+            return Ok(answer);
+        }
         if self.cold.is_too_cold(self.crank) {
-            return tell_of_cold(self.crank, self.notices).await;
+            tell_of_cold(self.crank, self.notices).await?;
+            return Ok(Answer::Nothing);
         }
         for step in moves.into_iter().flatten() {
             let position = self.crank.commanded().after(step);
@@ -212,6 +348,6 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             self.crank.commanded_mut().note_retraction(step);
         }
         self.crank.commanded_mut().take_extra();
-        Ok(())
+        Ok(Answer::Nothing)
     }
 }

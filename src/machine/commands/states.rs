@@ -10,7 +10,7 @@ use crate::machine::state::retraction::RetractionSettings;
 /// All of it. The dispatch hands each command those that it names.
 pub(in crate::machine) struct States {
     /// What numbers of lines mean.
-    pub(super) modal: Modal,
+    pub(in crate::machine) modal: Modal,
     /// How G10 and G11 retract.
     pub(super) retraction: RetractionSettings,
     /// Values of the present command that were out of range.

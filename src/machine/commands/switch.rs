@@ -192,9 +192,7 @@ async fn stand_at_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis:
         }
     }
     crank.adopt_position(position).await?;
-    if axis.index == 2 {
-        crank.commanded_mut().forget_lift();
-    }
+    crank.commanded_mut().forget_park(axis.index);
     let stands = crank.to_mm(position);
     crank.commanded_mut().stand_at(stands);
     Ok(())

@@ -8,6 +8,7 @@ use crate::machine::hosts::schedule::Report;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::message::Message;
 use crate::machine::state::commanded::Commanded;
+use crate::machine::state::job::Job;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::Homed;
 use crate::port::{Clock, DriverBus, Pend};
@@ -113,6 +114,21 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     /// The same: a command says what it waits for.
     pub const fn pauses_mut(&mut self) -> &mut Pauses {
         &mut self.pauses
+    }
+
+    /// Whether a print is under way.
+    pub const fn job(&self) -> &Job {
+        &self.job
+    }
+
+    /// The same: a command begins it, pauses it or ends it.
+    pub const fn job_mut(&mut self) -> &mut Job {
+        &mut self.job
+    }
+
+    /// The host being served.
+    pub const fn serving(&self) -> usize {
+        self.hosts.serving()
     }
 
     /// Whether nothing was asked of the motion since the start.

@@ -4,6 +4,8 @@ use super::Crank;
 use crate::machine::hosts::host::{Asked, Text};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
+use crate::machine::state::job::{Answered, Kept};
+use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, DriverBus, MotorSet, Pend};
 use crate::protocol::Activity;
 
@@ -19,7 +21,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         let now = self.ports.clock.now();
         let patience = (u32::from(self.settings.patience_ms), self.activity());
         let asked = self.hosts.next_line(now, patience, text);
-        self.link.status().set_awaiting_input(asked.is_none());
+        self.link.status().set_awaiting_input(asked.is_none() && self.job.kept().is_none());
         asked
     }
 
@@ -45,6 +47,38 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.pauses.end_command();
     }
 
+    /// The line that is being carried out is kept without `ok`, and others are served. An answer that came in one packet with it counts.
+    pub fn keep_line(&mut self, kept: Kept) {
+        let answered = if self.pauses.is_answered() {
+            Some(Answered::Resume)
+        } else {
+            self.pauses.is_over().then_some(Answered::GoOn)
+        };
+        self.job.keep(kept, answered);
+    }
+
+    /// The host being served waits for a line that is kept.
+    pub const fn set_aside(&mut self) {
+        self.hosts.set_aside();
+        self.pauses.end_command();
+    }
+
+    /// How the line that is kept goes on, if that is known by now.
+    pub fn take_answer(&mut self) -> Option<Answered> {
+        if self.job.kept().is_some() && !self.hosts.has_set_aside() {
+            // Its host has opened the line anew.
+            let _ = self.job.take_kept();
+        }
+        self.job.take_answer(self.ports.clock.now())
+    }
+
+    /// Its host is being served again; no line is kept any more.
+    pub fn take_up(&mut self) -> Option<Kept> {
+        let kept = self.job.take_kept()?;
+        self.hosts.take_up();
+        Some(kept)
+    }
+
     /// Whether the host being served waits for the answer to a line.
     pub const fn owes_ok(&self) -> bool {
         self.hosts.owes_ok()
@@ -56,7 +90,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             Activity::Moving
         } else if !self.policy.has_waited() {
             Activity::Resting
-        } else if self.pauses.is_print_paused() {
+        } else if self.job.is_paused() {
             Activity::Paused
         } else {
             Activity::Waited
@@ -66,7 +100,13 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Takes in what has arrived.
     pub(super) fn receive(&mut self) -> Option<Interrupt> {
         let urgent = self.hosts.receive();
-        self.pauses.note(urgent.go_on, urgent.resume);
+        // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is kept.
+        let is_for_command = self.pauses.waiting() != Waiting::Nothing;
+        self.pauses.note(urgent.go_on || urgent.cancel, urgent.resume);
+        self.job.note_answers(urgent.go_on && !is_for_command, urgent.resume);
+        if urgent.cancel {
+            self.job.note_cancel();
+        }
         if urgent.stop {
             self.is_to_restart = urgent.restart;
             return Some(Interrupt::Halt);

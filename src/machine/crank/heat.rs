@@ -66,13 +66,14 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.heat_orders.target(heater, self.link.status().heat())
     }
 
-    /// Switches heaters off that nobody has used for long enough, in whatever state the Console is. Who comes back to a
-    /// question finds them as they were.
+    /// Switches heaters off that nobody has used for long enough, in whatever state the Console is. In a print they are heated
+    /// again before it goes on.
     fn watch_heaters(&mut self, now: Instant) {
         if self.has_motion() || !self.pauses.waiting().is_idle_for_heaters() {
             self.heaters_used = now;
         }
-        let minutes = u32::from(self.settings.thermal.idle_min).max(1);
+        let (idle_min, paused_min) = (self.settings.thermal.idle_min, self.settings.pause.heat_off_min);
+        let minutes = u32::from(if self.job.is_paused() { idle_min.min(paused_min) } else { idle_min }).max(1);
         if now < self.heaters_used.after_ms(minutes * 60_000) {
             return;
         }
@@ -81,8 +82,8 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         if targets.iter().all(|target| *target <= Celsius::ZERO) {
             return;
         }
-        if self.pauses.is_for_user() {
-            self.targets_before = Some(targets);
+        if self.job.is_under_way() {
+            self.job.remember_targets(targets);
         }
         for heater in Heater::ALL {
             self.heat_orders.heat(heater, Celsius::ZERO);

@@ -24,11 +24,6 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.heaters_used = self.ports.clock.now();
     }
 
-    /// What heaters were at before they went off while the user was waited for. It is not known any more then.
-    pub const fn take_targets_before(&mut self) -> Option<[Celsius; HEATERS]> {
-        self.targets_before.take()
-    }
-
     /// Settings of heaters or fans may have changed.
     pub const fn note_heat_settings(&mut self) {
         self.heat_orders.note_settings();

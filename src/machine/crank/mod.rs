@@ -45,7 +45,6 @@ mod take_over;
 mod tell;
 pub(in crate::machine) mod trim;
 
-use crate::connectors::HEATERS;
 use crate::driver::Drivers;
 use crate::kinematics::Groupings;
 use crate::machine::answers::speaker::Progress;
@@ -59,6 +58,7 @@ use crate::machine::state::commanded::Commanded;
 use crate::machine::state::fan_schedule::FanSchedule;
 use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::idle_timeout::IdleTimeout;
+use crate::machine::state::job::Job;
 use crate::machine::state::limping::Limping;
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::position::{Homed, RealPosition};
@@ -69,7 +69,7 @@ use crate::port::{Clock, DriverBus, Pend, Serial, Storage};
 use crate::protocol::Replies;
 use crate::settings::{Kept, Settings};
 use crate::thermal::Orders;
-use crate::units::{Celsius, Instant, Mm};
+use crate::units::{Instant, Mm};
 use core::future::poll_fn;
 use core::task::Poll;
 
@@ -100,6 +100,8 @@ pub(in crate::machine) struct Crank<'m, P: PortSet, W: Pend> {
     drivers: Drivers,
     idle_timeout: IdleTimeout,
     pauses: Pauses,
+    /// Whether a print is under way, and what a pause keeps of it.
+    job: Job,
     advance_in_use: AdvanceInUse,
     /// M999 came after M112.
     is_to_restart: bool,
@@ -108,9 +110,8 @@ pub(in crate::machine) struct Crank<'m, P: PortSet, W: Pend> {
     heat_orders: HeatOrders,
     fan_schedule: FanSchedule,
     self_tests: SelfTests,
-    /// When heaters were last used, and what they were at before they went off while the user was waited for.
+    /// When heaters were last used.
     heaters_used: Instant,
-    targets_before: Option<[Celsius; HEATERS]>,
     /// When heat is looked after next, and when the filament in the look-ahead is told next.
     heat_due: Instant,
     ahead_due: Instant,
@@ -151,6 +152,7 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Crank<'m, Ports
             drivers,
             idle_timeout: IdleTimeout::new(now),
             pauses: Pauses::new(),
+            job: Job::new(),
             advance_in_use: AdvanceInUse::new(),
             is_to_restart: false,
             orders,
@@ -158,7 +160,6 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Crank<'m, Ports
             fan_schedule: FanSchedule::new(),
             self_tests: SelfTests::new(),
             heaters_used: now,
-            targets_before: None,
             heat_due: now,
             ahead_due: now,
         }
@@ -208,7 +209,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.scrub(now);
         self.tend_heat(now)?;
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
-        self.hosts.keep_alive(now, keepalive_ms, self.pauses.is_for_user());
+        self.hosts.keep_alive(now, keepalive_ms);
         self.report_unasked();
         self.watch_idleness();
         self.hosts.send();

@@ -102,9 +102,10 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Takes power from all motors when nothing has moved for long enough.
     pub(super) fn watch_idleness(&mut self) {
         let now = self.ports.clock.now();
-        if !self.pauses.waiting().is_idle_for_motors() || self.has_motion() || self.trimming.is_measuring() {
+        let is_waiting = self.job.is_paused() || !self.pauses.waiting().is_idle_for_motors();
+        if is_waiting || self.has_motion() || self.trimming.is_measuring() {
             self.idle_timeout.note_motion(now);
-        } else if self.idle_timeout.is_over(now) && !self.drivers.powered().is_empty() {
+        } else if self.idle_timeout.is_over(now, self.job.is_printing()) && !self.drivers.powered().is_empty() {
             self.unpower(MotorSet::ALL);
         }
     }

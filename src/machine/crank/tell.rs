@@ -53,7 +53,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     pub(super) fn write(&mut self, answer: &Answer<'_>) -> bool {
         self.progress.begin();
         match answer {
-            Answer::Nothing => {}
+            Answer::Nothing | Answer::Kept => {}
             Answer::Ok => self.say_ok(),
             answer => self.say_answer(answer),
         }
@@ -93,7 +93,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
         let s = &**settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
-            Answer::Nothing | Answer::Ok | Answer::Position { .. } => {}
+            Answer::Nothing | Answer::Kept | Answer::Ok | Answer::Position { .. } => {}
             Answer::LineNumber(number) => to.put(&|replies| replies.line_number(number)),
             Answer::TooLong => to.put(&Replies::too_long),
             Answer::Question(last) => to.put(&|replies| replies.question(last)),
@@ -108,6 +108,10 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
             Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
             Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
+            Answer::NoRise(heater) => {
+                let name = heater.name();
+                to.say(format_args!("echo:{name} gets no warmer; the print ends if that goes on. M108 ends this wait"));
+            }
             Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
             Answer::NoFan(u8::MAX) => to.say(format_args!("echo:M106 ignored: there is no fan of that number")),
             Answer::NoFan(fan) => to.say(format_args!("echo:M106 ignored: there is no fan {fan}")),

@@ -62,6 +62,8 @@ pub(in crate::machine) struct Urgent {
     pub go_on: bool,
     /// M24, M602, M876 S
     pub resume: bool,
+    /// M524
+    pub cancel: bool,
     /// M999, and no M112 since
     pub restart: bool,
 }
@@ -110,6 +112,7 @@ impl<S: Serial> Host<S> {
                 }
                 Some(Emergency::Continue) => urgent.go_on = true,
                 Some(Emergency::Resume) => urgent.resume = true,
+                Some(Emergency::Cancel) => urgent.cancel = true,
                 None => {}
             }
         }

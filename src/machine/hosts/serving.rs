@@ -23,13 +23,15 @@ pub(in crate::machine) struct Hosts<S> {
     owes_ok: bool,
     /// The host being served has gone, and another has opened its line: nobody waits for the answer.
     is_gone: bool,
+    /// The host that waits for a line which is kept, while others are served.
+    aside: Option<usize>,
 }
 
 impl<S: Serial> Hosts<S> {
     /// Nobody is listened to before [`open`](Self::open): 4 KiB of memory for each host would pass through the stack with all
     /// else that is made at the start.
     pub(in crate::machine) const fn new(lines: Lines<S>) -> Self {
-        Self { hosts: Lines::new(), closed: lines, serving: 0, owes_ok: false, is_gone: false }
+        Self { hosts: Lines::new(), closed: lines, serving: 0, owes_ok: false, is_gone: false, aside: None }
     }
 
     /// Listens to all lines from now on.
@@ -76,7 +78,9 @@ impl<S: Serial> Hosts<S> {
         text: &mut Text,
     ) -> Option<Asked> {
         let count = self.hosts.len();
-        for place in (1..=count).map(|step| (self.serving + step) % count) {
+        let aside = self.aside;
+        let places = (1..=count).map(|step| (self.serving + step) % count);
+        for place in places.filter(|place| Some(*place) != aside) {
             let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, text)) else {
                 continue;
             };
@@ -102,6 +106,25 @@ impl<S: Serial> Hosts<S> {
     /// What the present line has shown to be over without M29.
     pub(in crate::machine) fn upload_given_up(&mut self) -> Option<u32> {
         self.hosts.get_mut(self.serving)?.upload.take_given_up()
+    }
+
+    /// The host being served goes on waiting for its `ok`, while others are served. One that has gone does not wait.
+    pub(in crate::machine) const fn set_aside(&mut self) {
+        self.aside = if self.is_gone { None } else { Some(self.serving) };
+        self.owes_ok = false;
+    }
+
+    /// Whether a host waits so.
+    pub(in crate::machine) const fn has_set_aside(&self) -> bool {
+        self.aside.is_some()
+    }
+
+    /// The host that waits so is served again, if it is still there.
+    pub(in crate::machine) fn take_up(&mut self) {
+        if let Some(place) = self.aside.take() {
+            self.turn_to(place);
+            self.owes_ok = true;
+        }
     }
 
     /// The host being served.
@@ -147,6 +170,7 @@ impl<S: Serial> Hosts<S> {
         for (place, host) in self.hosts.iter_mut().enumerate() {
             host.receive(&mut all);
             self.is_gone |= host.has_opened && self.owes_ok && place == self.serving;
+            self.aside = self.aside.filter(|aside| !(host.has_opened && place == *aside));
         }
         if all.quick_stop {
             for host in self.hosts.iter_mut().filter(|host| !host.has_stopped) {
@@ -162,13 +186,14 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Tells hosts that have waited for `every_ms` for the answer to a line that there is somebody. 0 is never.
-    pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every_ms: u32, is_paused: bool) {
-        let say = |replies: &mut Replies| if is_paused { replies.paused() } else { replies.busy() };
+    pub(in crate::machine) fn keep_alive(&mut self, now: Instant, every_ms: u32) {
+        let say = |replies: &mut Replies, is_aside: bool| if is_aside { replies.paused() } else { replies.busy() };
         for (place, host) in self.hosts.iter_mut().enumerate() {
             let is_served = self.owes_ok && !self.is_gone && place == self.serving;
-            let is_waiting = is_served || !host.receiver.is_empty();
-            if !is_waiting || (every_ms > 0 && now >= host.assured.after_ms(every_ms) && say(&mut host.replies).is_ok())
-            {
+            let is_aside = self.aside == Some(place);
+            let is_waiting = is_served || is_aside || !host.receiver.is_empty();
+            let is_due = every_ms > 0 && now >= host.assured.after_ms(every_ms);
+            if !is_waiting || (is_due && say(&mut host.replies, is_aside).is_ok()) {
                 host.assured = now;
             }
         }

@@ -7,7 +7,7 @@ use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
-use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Settings, Shaper, ShaperKind};
+use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
@@ -118,6 +118,7 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
         ));
     }
     to.remark(format_args!("bed: {width} x {depth} mm from X{left} Y{front}"));
+    say_pause(to, &s.pause);
     for axis in s.homing_order {
         let (homing, endstop) = (s.homing.of(axis), s.endstops.of(axis));
         let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
@@ -131,6 +132,22 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
     to.remark(format_args!("serial lines: {} baud", s.baud));
     let needed = if s.require_homing { "needed before moves" } else { "not needed before moves" };
     to.remark(format_args!("homing is {needed}"));
+}
+
+/// M503, what a pause does.
+fn say_pause(to: &mut Speaker<'_>, pause: &Pause) {
+    let [retract, lift, x, y] = [pause.retract, pause.lift, pause.x, pause.y].map(exact);
+    let [back, forth, travel] = [pause.retract_speed, pause.unretract_speed, pause.travel_speed].map(shortest);
+    let minutes = pause.heat_off_min;
+    to.remark(format_args!(
+        "pause: {retract} mm of filament back at {back} mm/s, forth at {forth} mm/s, lift {lift} mm, \
+         heat off after {minutes} min"
+    ));
+    if pause.park {
+        to.remark(format_args!("pause: parked at X{x} Y{y}, {travel} mm/s"));
+    } else {
+        to.remark(format_args!("pause: not parked"));
+    }
 }
 
 /// M503, the part of the drivers.

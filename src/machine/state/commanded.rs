@@ -1,5 +1,5 @@
-//! The commanded position: where the program has sent the tool, what it calls that place, and how far a retraction keeps the machine
-//! from it.
+//! The commanded position: where the program has sent the tool, what it calls that place, and how far a retraction
+//! or a pause keeps the machine from it.
 
 use super::modal::{FARTHEST, Modal};
 use super::retraction::{Retraction, RetractionMove, RetractionSettings};
@@ -22,6 +22,10 @@ pub(in crate::machine) struct Commanded {
     extrusion: Mm,
     /// How far the machine is away from it.
     retraction: Retraction,
+    /// And how far a pause has taken it away besides, where no line has sent it elsewhere since.
+    parked: [Mm; 4],
+    /// A host has pulled filament back in the pause: it does all by itself that the pause has done already.
+    has_taken_over: bool,
 }
 
 /// What a line of motion asks for.
@@ -48,6 +52,8 @@ impl Commanded {
             origin: [Mm::ZERO; 3],
             extrusion: Mm::ZERO,
             retraction: Retraction::new(),
+            parked: [Mm::ZERO; 4],
+            has_taken_over: false,
         }
     }
 
@@ -73,17 +79,105 @@ impl Commanded {
 
     /// Where the machine goes for a commanded position.
     pub fn of_machine(&self, position: [Mm; 4]) -> [Mm; 4] {
+        self.parked_from(self.retraction.away_from(position))
+    }
+
+    /// The same without a pause.
+    pub fn of_print(&self, position: [Mm; 4]) -> [Mm; 4] {
         self.retraction.away_from(position)
+    }
+
+    fn parked_from(&self, [x, y, z, e]: [Mm; 4]) -> [Mm; 4] {
+        let [px, py, pz, pe] = self.parked;
+        [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e.wrapping_add(pe)]
+    }
+
+    /// The commanded position of a machine that stands there.
+    fn of_program(&self, [x, y, z, e]: [Mm; 4]) -> [Mm; 4] {
+        let [px, py, pz, pe] = self.parked;
+        let unparked = [x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e.wrapping_sub(pe)];
+        self.retraction.commanded(unparked)
+    }
+
+    /// A pause has taken the machine there.
+    pub fn park_at(&mut self, machine: [Mm; 4]) {
+        let ([x, y, z, e], [mx, my, mz, me]) = (self.of_print(self.position), machine);
+        self.parked = [mx.saturating_sub(x), my.saturating_sub(y), mz.saturating_sub(z), me.wrapping_sub(e)];
+    }
+
+    /// How far a pause has taken the machine away.
+    pub const fn parked(&self) -> [Mm; 4] {
+        self.parked
+    }
+
+    /// The machine is back where the print is, but for filament that is still pulled back.
+    pub const fn unpark(&mut self, filament: Mm) {
+        (self.parked, self.has_taken_over) = ([Mm::ZERO, Mm::ZERO, Mm::ZERO, filament], false);
+    }
+
+    /// A line is about to send the program to `to` in a pause. An axis that it sends to a place goes there, from wherever it is parked. Who
+    /// pulls filament back has a pause script of its own: what the pause has pulled back and lifted already counts for it.
+    pub fn leave_park(&mut self, to: [Mm; 4], words: &AxisWords, modal: &Modal) {
+        let ([.., from_z, from_e], [.., to_z, to_e]) = (self.position, to);
+        let [x, y, z, e] = &mut self.parked;
+        let back = from_e.wrapping_sub(to_e);
+        if back > Mm::ZERO && *e < Mm::ZERO {
+            *e = e.saturating_add(back).min(Mm::ZERO);
+            self.has_taken_over = true;
+        }
+        if !modal.absolute {
+            let up = to_z.saturating_sub(from_z);
+            if self.has_taken_over && up > Mm::ZERO {
+                *z = z.saturating_sub(up).max(Mm::ZERO);
+            }
+            return;
+        }
+        for (parked, word) in [(x, words.x), (y, words.y), (z, words.z)] {
+            if word.is_some() {
+                *parked = Mm::ZERO;
+            }
+        }
+    }
+
+    /// The axis stands where its switch is: no pause has parked it.
+    pub fn forget_park(&mut self, axis: usize) {
+        if let Some(parked) = self.parked.get_mut(axis) {
+            *parked = Mm::ZERO;
+        }
+    }
+
+    /// The machine is where the program wants it: retractions and pauses are forgotten, and nothing moves.
+    pub fn settle(&mut self) {
+        self.position = self.of_machine(self.position);
+        self.retraction = Retraction::new();
+        self.unpark(Mm::ZERO);
+    }
+
+    /// A retraction is forgotten, and nothing moves.
+    pub fn forget_retraction(&mut self) {
+        self.position = self.retraction.away_from(self.position);
+        self.retraction = Retraction::new();
+    }
+
+    /// How far a retraction has lifted the tool, and how much filament it has pulled back.
+    pub fn retracted(&self) -> [Mm; 2] {
+        self.retraction.away()
+    }
+
+    /// Filament counts on from where `other` is, whatever was asked for here.
+    pub const fn count_filament_as(&mut self, other: &Self) {
+        let ([x, y, z, _], [.., e]) = (self.position, other.position);
+        (self.position, self.parked, self.has_taken_over) = ([x, y, z, e], other.parked, other.has_taken_over);
     }
 
     /// The machine stands there, and that is where the program has sent it.
     pub fn stand_at(&mut self, machine: [Mm; 4]) {
-        self.position = self.retraction.commanded(machine);
+        self.position = self.of_program(machine);
     }
 
     /// The machine was stopped there: filament that did not move was not asked for.
     pub fn fall_short(&mut self, machine: [Mm; 4]) {
-        let real = self.retraction.commanded(machine);
+        let real = self.of_program(machine);
         let [.., extrusion] = self.named(real);
         (self.extrusion, self.position) = (extrusion, real);
     }
@@ -100,7 +194,7 @@ impl Commanded {
 
     /// Where the machine stands after a move of them.
     pub fn after(&self, step: RetractionMove) -> [Mm; 4] {
-        self.retraction.after(step, self.position)
+        self.parked_from(self.retraction.after(step, self.position))
     }
 
     /// That move is planned.
@@ -114,11 +208,6 @@ impl Commanded {
             let [_, _, _, e] = &mut self.position;
             *e = e.wrapping_add(extra);
         }
-    }
-
-    /// Z was homed, so its lift is gone.
-    pub fn forget_lift(&mut self) {
-        self.retraction.forget_lift();
     }
 
     /// Where the words of a line lead. No filament moves if it `is_cold`; the program counts it all the same.
@@ -168,6 +257,11 @@ impl Commanded {
         if let Some(e) = words.e {
             self.extrusion = modal.length(e);
         }
+    }
+
+    /// All axes carry the machine's own zero again.
+    pub const fn forget_origins(&mut self) {
+        self.origin = [Mm::ZERO; 3];
     }
 
     /// The axis carries the machine's own zero again (G28).

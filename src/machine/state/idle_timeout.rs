@@ -6,6 +6,10 @@ use crate::units::Instant;
 /// idle_timeout is as long.
 const IDLE_TIMEOUT_S: u32 = 600;
 
+/// In a print they keep it for as long as a host may pause without a word: 12 hours, as owners set Klipper's idle_timeout while a print is
+/// paused. After that the print is one that nobody has ended.
+const PRINT_TIMEOUT_S: u32 = 12 * 3600;
+
 /// How long motors keep their power without motion.
 #[derive(Debug)]
 pub(in crate::machine) struct IdleTimeout {
@@ -29,8 +33,9 @@ impl IdleTimeout {
         self.last_motion = now;
     }
 
-    /// Whether nothing has moved for as long as motors keep their power.
-    pub fn is_over(&self, now: Instant) -> bool {
-        self.timeout_s > 0 && now >= self.last_motion.after_ms(self.timeout_s.saturating_mul(1000))
+    /// Whether nothing has moved for as long as motors keep their power; in a print for longer.
+    pub fn is_over(&self, now: Instant, is_printing: bool) -> bool {
+        let least_s = if is_printing { PRINT_TIMEOUT_S } else { 0 };
+        self.timeout_s > 0 && now >= self.last_motion.after_ms(self.timeout_s.max(least_s).saturating_mul(1000))
     }
 }

@@ -12,7 +12,8 @@
 //! | which axes are homed, where the machine stands | [`position`], [`soft_endstops`] |
 //! | a belt that runs round, motors of one belt that agree | [`circulation`], [`trimming`] |
 //! | a belt that has lost a motor | [`limping`] |
-//! | what a command waits for, M25 | [`pauses`], [`waiting`] |
+//! | what a command waits for | [`pauses`], [`waiting`] |
+//! | whether a print is under way, paused or ended; what a pause keeps of it | [`job`], [`program`] |
 //! | orders for heaters and fans on their way | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | a machine on its way over the line | [`machine_pieces`] |
 //! | what pressure advance the motion follows, when motors lose their power at rest | [`advance_in_use`], [`idle_timeout`] |
@@ -37,12 +38,14 @@ pub(in crate::machine) mod commanded;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod heat_orders;
 pub(in crate::machine) mod idle_timeout;
+pub(in crate::machine) mod job;
 pub(in crate::machine) mod limping;
 pub(in crate::machine) mod machine_pieces;
 pub(in crate::machine) mod modal;
 pub(in crate::machine) mod notices;
 pub(in crate::machine) mod pauses;
 pub(in crate::machine) mod position;
+pub(in crate::machine) mod program;
 pub(in crate::machine) mod retraction;
 pub(in crate::machine) mod self_tests;
 pub(in crate::machine) mod soft_endstops;

@@ -16,12 +16,14 @@ pub(in crate::machine) struct Homed {
     is_under_way: bool,
     /// The path of the tool in mm when x and y met their switches last.
     met: [Option<u32>; 2],
+    /// The axes whose position was ever known.
+    ever: [bool; 3],
 }
 
 impl Homed {
     /// These of x, y and z are homed.
     pub const fn new(axes: [bool; 3]) -> Self {
-        Self { axes, is_under_way: false, met: [None; 2] }
+        Self { axes, is_under_way: false, met: [None; 2], ever: axes }
     }
 
     /// Whether x, y and z are homed.
@@ -32,6 +34,15 @@ impl Homed {
     /// Whether one of the axes that move is not homed.
     pub fn lacks_one_of(&self, moves: [bool; 3]) -> bool {
         moves.into_iter().zip(self.axes).any(|(moves, is_homed)| moves && !is_homed)
+    }
+
+    /// Whether one of the axes that move was homed, and its position is not known any more.
+    pub fn has_lost_one_of(&self, moves: [bool; 3]) -> bool {
+        moves
+            .into_iter()
+            .zip(self.axes)
+            .zip(self.ever)
+            .any(|((moves, is_homed), was_ever)| moves && was_ever && !is_homed)
     }
 
     /// The axis is being homed.
@@ -60,8 +71,9 @@ impl Homed {
     }
 
     fn set(&mut self, axis: usize, is_homed: bool) {
-        if let Some(flag) = self.axes.get_mut(axis) {
+        if let (Some(flag), Some(ever)) = (self.axes.get_mut(axis), self.ever.get_mut(axis)) {
             *flag = is_homed;
+            *ever |= is_homed;
         }
     }
 

@@ -2,6 +2,9 @@
 //!
 //! The program knows nothing of it: what it commands goes on meaning the same, and the machine stays away from it by
 //! a lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep what M207 and M208 set.
+//!
+//! A retraction ends with what it belongs to: G28, M84 of the extruder, the end of a print and the next print forget it. The filament
+//! stays where it is then, and counts as asked for.
 
 use crate::units::{Mm, MmPerSec};
 
@@ -96,10 +99,8 @@ impl Retraction {
         Some(-length)
     }
 
-    /// Z was homed, so its lift is gone.
-    pub fn forget_lift(&mut self) {
-        if let Some([lift, _]) = &mut self.away {
-            *lift = Mm::ZERO;
-        }
+    /// How far the tool is lifted, and how much filament is pulled back.
+    pub fn away(&self) -> [Mm; 2] {
+        self.away.unwrap_or_default()
     }
 }

@@ -1,6 +1,7 @@
 //! What the Console waits for, and which timers that stops.
 //!
-//! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`. Every timer has an exhaustive match on it: whoever adds a state has to decide
+//! A wait that may last has its state here; motion, room, storage and drivers are `Nothing`, and the user is waited for by the
+//! [`job`](super::job), not by a command. Every timer has an exhaustive match on it: whoever adds a state has to decide
 //! whether heaters may stay on in it.
 
 /// What the present command waits for.
@@ -8,8 +9,6 @@
 pub(in crate::machine) enum Waiting {
     /// For the next line, or for something that is over in a moment: motion, room, storage, a driver.
     Nothing,
-    /// For the user: M0, M1, M600, M601.
-    User,
     /// G4 lets time pass.
     Time,
     /// For a temperature: M109, M116, M190, M191.
@@ -21,11 +20,11 @@ pub(in crate::machine) enum Waiting {
 }
 
 impl Waiting {
-    /// Whether the time counts after which unused heaters go off. What the machine does by itself ends by itself; a user may
-    /// stay away for hours, and so may a host.
+    /// Whether the time counts after which unused heaters go off. What the machine does by itself ends by itself; a host may stay away
+    /// for hours.
     pub const fn is_idle_for_heaters(self) -> bool {
         match self {
-            Self::Nothing | Self::User => true,
+            Self::Nothing => true,
             Self::Time | Self::Heat | Self::Tuning | Self::SelfTest => false,
         }
     }
@@ -35,7 +34,7 @@ impl Waiting {
     pub const fn is_idle_for_motors(self) -> bool {
         match self {
             Self::Nothing => true,
-            Self::User | Self::Time | Self::Heat | Self::Tuning | Self::SelfTest => false,
+            Self::Time | Self::Heat | Self::Tuning | Self::SelfTest => false,
         }
     }
 }

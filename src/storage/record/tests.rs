@@ -145,6 +145,17 @@ fn spelled_out() -> Settings {
             limp_lift: Mm::lit("12.5"),
         },
         name: MachineName::new("Spelled out 2.4").unwrap(),
+        pause: Pause {
+            retract: Mm::lit("1.5"),
+            retract_speed: MmPerSec::from_num(40),
+            unretract_speed: MmPerSec::from_num(25),
+            lift: Mm::from_num(15),
+            park: false,
+            x: Mm::from_num(-3),
+            y: Mm::from_num(410),
+            travel_speed: MmPerSec::from_num(150),
+            heat_off_min: 20,
+        },
     }
 }
 
@@ -253,6 +264,17 @@ fn the_longest_values_fit() {
         preload: Mm::MIN,
         phases: [u16::MAX; 2],
         limp_lift: Mm::MIN,
+    };
+    s.pause = Pause {
+        retract: Mm::MIN,
+        retract_speed: MmPerSec::MAX,
+        unretract_speed: MmPerSec::MAX,
+        lift: Mm::MIN,
+        park: true,
+        x: Mm::MIN,
+        y: Mm::MIN,
+        travel_speed: MmPerSec::MAX,
+        heat_off_min: u8::MAX,
     };
     for acceleration in [
         &mut s.motor_max_acceleration,

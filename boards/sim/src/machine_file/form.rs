@@ -6,7 +6,7 @@ mod motion;
 
 use corehbot::connectors::{BoardConnectors, NUCLEO, OCTOPUS, OCTOPUS_PRO, SIM, SPIDER};
 use corehbot::settings::Alignment;
-use corehbot::settings::ranges::BAUD;
+use corehbot::settings::ranges::{BAUD, PAUSE_HEAT_MIN};
 pub(super) use heat::{
     FanToml, FansToml, GuardsToml, HeaterToml, HeatersToml, ModelToml, PidToml, ThermalToml, ThermistorToml,
 };
@@ -82,6 +82,8 @@ pub(super) struct MachineToml {
     pub bed: BedToml,
     /// What ties the motors of x and y together.
     pub belt: BeltToml,
+    /// What a pause does with the tool and the heat.
+    pub pause: PauseToml,
     /// How each axis finds its endstop, where that is, and in which order.
     pub homing: HomingsToml,
     /// What the motor drivers (TMC2209) are told where they have a UART.
@@ -167,6 +169,32 @@ pub(super) struct BedToml {
     pub left: Option<f64>,
     /// y of its front edge, in mm.
     pub front: Option<f64>,
+}
+
+/// Where the tool waits while a print is paused, and how it gets there and back.
+#[derive(Deserialize, JsonSchema, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct PauseToml {
+    /// Filament that is pulled back before the tool leaves the part, in mm; 0 is none.
+    pub retract: Option<f64>,
+    /// Speed at which filament is pulled back, in mm/s.
+    pub retract_speed: Option<f64>,
+    /// Speed at which filament is pushed forward again, in mm/s.
+    pub unretract_speed: Option<f64>,
+    /// How far the tool is lifted off the part, in mm; 0 is not at all.
+    pub lift: Option<f64>,
+    /// Whether the tool goes to the place of x and y.
+    pub park: Option<bool>,
+    /// x of the parking place, in mm; beyond the reachable space it is the edge.
+    pub x: Option<f64>,
+    /// y of the parking place, in mm; beyond the reachable space it is the edge.
+    pub y: Option<f64>,
+    /// Speed of the way to the parking place and back, in mm/s.
+    pub travel_speed: Option<f64>,
+    /// Minutes of a pause after which heaters go off, to be heated again before the print goes on; they go off after thermal.idle_min at
+    /// the latest.
+    #[schemars(with = "Option<u8>", range(min = PAUSE_HEAT_MIN.least, max = PAUSE_HEAT_MIN.most))]
+    pub heat_off_min: Option<f64>,
 }
 
 /// The belt, and how it runs round.

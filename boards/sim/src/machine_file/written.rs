@@ -84,6 +84,21 @@ pub fn written(machine: &Settings) -> anyhow::Result<String> {
             ("limp_lift", number(b.limp_lift, &q::LIMP_LIFT)),
         ]),
     );
+    let p = &s.pause;
+    file.insert(
+        "pause".into(),
+        table([
+            ("retract", number(p.retract, &q::PAUSE_RETRACT)),
+            ("retract_speed", number(p.retract_speed, &q::SPEED)),
+            ("unretract_speed", number(p.unretract_speed, &q::SPEED)),
+            ("lift", number(p.lift, &q::PAUSE_LIFT)),
+            ("park", p.park.into()),
+            ("x", number(p.x, &q::BED_EDGE)),
+            ("y", number(p.y, &q::BED_EDGE)),
+            ("travel_speed", number(p.travel_speed, &q::SPEED)),
+            ("heat_off_min", whole(p.heat_off_min)),
+        ]),
+    );
     file.insert("homing".into(), homing(s));
     let d = &s.drivers;
     file.insert("drivers".into(), table([("belt", driver(&d.belt)), ("z", driver(&d.z)), ("e", driver(&d.e))]));

@@ -76,6 +76,10 @@ const ROWS: &[Row] = &[
     ("M25", &["//action:paused"]),
     ("M28 a.gco", &["echo:open failed, File: a.gco. There is no card; *"]),
     ("M29", SILENCE),
+    ("M125", &["//action:paused"]),
+    ("M125 L1 X20 Z2 P1", &["//action:paused"]),
+    ("M600 U90", &["*", "*", "*", "*", "echo:M600 U is not obeyed by this firmware", "*", "*", "*"]),
+    ("M524", SILENCE),
     ("M876 S0", SILENCE),
     ("M876 P1", SILENCE),
     // Limits and settings.

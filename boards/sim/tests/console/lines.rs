@@ -41,7 +41,7 @@ fn stops(line: &str) -> bool {
     use Command::{AwaitUser, Conditional, Dwell, EmergencyStop, Pause, Restart};
     let command = parse(line.as_bytes());
     // M112 is heard wherever it stands in a line; the two signs make a host wait.
-    matches!(command, AwaitUser { .. } | Conditional | Dwell { .. } | EmergencyStop | Pause | Restart)
+    matches!(command, AwaitUser { .. } | Conditional | Dwell { .. } | EmergencyStop | Pause { .. } | Restart)
         || line.starts_with(['!', '~'])
         || line.to_ascii_uppercase().replace(' ', "").contains("M112")
 }

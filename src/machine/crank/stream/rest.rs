@@ -35,7 +35,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             // A second quick stop changes nothing; a halt does.
             match self.turn().await {
                 Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => halted = Err(interrupt),
-                Err(Interrupt::QuickStop | Interrupt::NoPower) | Ok(()) => {}
+                Err(Interrupt::QuickStop | Interrupt::NoPower | Interrupt::EndJob(_)) | Ok(()) => {}
             }
             halted?;
         }

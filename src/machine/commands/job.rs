@@ -1,0 +1,136 @@
+//! The end of a job by the firmware, or by M524: one place for whatever ends a print and leaves the machine usable.
+
+use super::pause::announce;
+use crate::gcode::{Command, Number};
+use crate::machine::answers::answer::Answer;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::{Interrupt, JobEnd};
+use crate::machine::ports::PortSet;
+use crate::machine::state::modal::Modal;
+use crate::port::Pend;
+use crate::protocol::Action;
+
+/// What the stream of a print that was ended is told once.
+const ENDED: Answer<'static> =
+    Answer::Line("echo:the print was ended: moves and heating are ignored until G28, M108 or M110");
+
+/// Hosts are told to cancel, heaters go off, planned moves are made, and the machine is as before a print.
+pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+    why: JobEnd,
+) -> Result<Answer<'static>, Interrupt> {
+    crank.pauses_mut().end_command();
+    crank.switch_off_heat();
+    let is_wanted = why == JobEnd::Cancelled;
+    if !is_wanted || crank.job().is_under_way() {
+        crank.job_mut().end_early();
+        crank.tell_all(format_args!("echo:{why}"));
+        announce(crank, &[Action::Cancel]).await?;
+    }
+    crank.finish().await?;
+    clean_up(crank, modal).await?;
+    Ok(Answer::Nothing)
+}
+
+/// Nothing of a print is left that would change the next one: retraction, pause, modes, offsets, overrides.
+pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+) -> Result<(), Interrupt> {
+    crank.commanded_mut().settle();
+    crank.commanded_mut().forget_origins();
+    *modal = Modal { dry_run: modal.dry_run, ..Modal::new() };
+    if crank.feed_percent() != modal.kept_feed_percent {
+        crank.override_feed(modal.kept_feed_percent).await?;
+    }
+    Ok(())
+}
+
+/// The print ends by a line of its own or of its host's: M84, M77. Paused, it was cancelled, and is cleaned up after.
+pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+) -> Result<(), Interrupt> {
+    let was_paused = crank.job().is_paused();
+    crank.job_mut().end();
+    if was_paused {
+        crank.finish().await?;
+        clean_up(crank, modal).await?;
+    }
+    Ok(())
+}
+
+/// M110: another print begins, if it is of the host that has printed. What the one before has left is cleaned up.
+pub(in crate::machine) async fn begin_another<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+) -> Result<(), Interrupt> {
+    if crank.job().is_under_way() && crank.job().is_of(crank.serving()) {
+        clean_up(crank, modal).await?;
+        crank.job_mut().end();
+    }
+    crank.job_mut().forgive();
+    if !crank.job().is_under_way() {
+        crank.commanded_mut().settle();
+    }
+    Ok(())
+}
+
+/// What a line of a print that was ended is told; `None` if it is carried out all the same.
+pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    command: &Command<'_>,
+) -> Option<Answer<'static>> {
+    if !crank.job().is_ended() {
+        return None;
+    }
+    let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
+    let is_of_print = match *command {
+        Command::Line { .. } | Command::Circulate { .. } | Command::Arc { .. } => true,
+        Command::Retract | Command::Recover | Command::Dwell { .. } => true,
+        Command::AwaitUser { .. } | Command::Pause { .. } | Command::AwaitHeaters | Command::TuneHeater { .. } => true,
+        Command::HeaterTarget { target, .. } | Command::HeaterWait { target, .. } => heats(target),
+        Command::Home(_) | Command::Continue => {
+            crank.job_mut().forgive();
+            false
+        }
+        _ => false,
+    };
+    if !is_of_print {
+        return None;
+    }
+    Some(if crank.job_mut().tell_of_end() { ENDED } else { Answer::Nothing })
+}
+
+/// Whether a name that no command has is what starts a print elsewhere (`START_PRINT`), or ends it (false).
+pub(in crate::machine) fn starts_print(text: &[u8]) -> Option<bool> {
+    let end = text.iter().position(|byte| !(byte.is_ascii_alphanumeric() || *byte == b'_')).unwrap_or(text.len());
+    let name = text.get(..end).unwrap_or_default();
+    let has = |part: &[u8]| name.windows(part.len()).any(|window| window.eq_ignore_ascii_case(part));
+    if has(b"start") {
+        Some(true)
+    } else if has(b"print") && has(b"end") {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_begin_and_end_prints() {
+        for name in ["START_PRINT BED=60", "print_start", "_START_PRINT_BASE", "PRINT_START EXTRUDER=210 BED=60"] {
+            assert_eq!(starts_print(name.as_bytes()), Some(true), "{name}");
+        }
+        for name in ["END_PRINT", "print_end", "PRINT_END ; start"] {
+            assert_eq!(starts_print(name.as_bytes()), Some(false), "{name}");
+        }
+        for name in ["M1234", "BED_MESH_PROFILE LOAD=start", "", "%", "ENDSTOPS"] {
+            assert_eq!(starts_print(name.as_bytes()), None, "{name}");
+        }
+    }
+}

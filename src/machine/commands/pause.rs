@@ -1,0 +1,390 @@
+//! Pauses: M25, M125, M0, M1, M600, M601, lines that are kept because they cannot be carried out as yet, and how the print goes on.
+//!
+//! ```text
+//!   to the pause:  save the program ▶ filament back (hot) ▶ lift (z homed) ▶ parking place (all homed)
+//!   and back:      heat, and wait ▶ restore the program ▶ over its place ▶ down ▶ filament forth ▶ action:resumed
+//! ```
+//!
+//! The nozzle does not rest on the part. A host that has pulled back, lifted and parked by itself finds nothing left to do, and the other
+//! way round: how far the tool is from the part is known from where the last printing move ended, and what the pause has done counts for
+//! a script that comes later (`Commanded::leave_park`). What the tool does meanwhile, jog or home, is of no account: it goes back to where
+//! the print was. Which state follows which is in [`job`](crate::machine::state::job).
+
+use super::cold_extrusion::ColdExtrusion;
+use super::heating::heat_again;
+use crate::connectors::Heater;
+use crate::gcode::ParkWords;
+use crate::machine::answers::answer::Answer;
+use crate::machine::crank::Crank;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::ports::PortSet;
+use crate::machine::state::job::{Answered, Break, Kept};
+use crate::machine::state::modal::Modal;
+use crate::machine::state::program::{Dynamics, Program};
+use crate::motion::Target;
+use crate::port::{EndstopSet, Pend};
+use crate::protocol::Action;
+use crate::units::{Celsius, Instant, Mm, MmPerSec};
+
+/// So far above the end of the last printing move the tool is off the part: a slicer's z-hop is less (0.2 to 0.8 mm).
+const OFF_PART: Mm = Mm::const_from_int(1);
+
+/// What the user is asked.
+const PAUSED: &str = "Paused";
+const FILAMENT: &str = "Change the filament";
+const COLD: &str = "Hotend is too cold to print";
+const LOST: &str = "Home the axes to go on";
+
+/// How it went when a print was to go on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Going {
+    /// It goes on.
+    On,
+    /// The axes are not homed, or the hotend is too cold for the line that is kept.
+    Not(Kept),
+}
+
+/// Says the same to all hosts. One that is not being served and has no room for it misses it.
+pub(in crate::machine) async fn announce<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    actions: &[Action<'static>],
+) -> Result<(), Interrupt> {
+    for &action in actions {
+        crank.tell_others(format_args!("{action}"));
+        crank.tell(Answer::Action(action)).await?;
+    }
+    Ok(())
+}
+
+/// Asks the user to go on.
+async fn ask<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    first: Action<'static>,
+    question: &'static str,
+) -> Result<(), Interrupt> {
+    let question = Action::PromptBegin(question);
+    announce(crank, &[first, question, Action::PromptButton("Continue"), Action::PromptShow]).await
+}
+
+/// M25, M125. The hosts are told first, so that they stop sending while the motion ends.
+pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &Modal,
+    cold: &ColdExtrusion,
+    parks: bool,
+    words: &ParkWords,
+) -> Result<Answer<'static>, Interrupt> {
+    announce(crank, &[Action::Paused]).await?;
+    if crank.job().is_paused() {
+        crank.finish().await?;
+        return Ok(Answer::Nothing);
+    }
+    save_and_park(crank, modal, cold, parks, words).await?;
+    Ok(not_obeyed("M125", words))
+}
+
+/// M0, M1, M600, M601: the line is kept until M108, M24, M602 or an answer comes, or for `ms`; 0 is for ever.
+pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &Modal,
+    cold: &ColdExtrusion,
+    (ms, filament): (u32, bool),
+    words: &ParkWords,
+) -> Result<Answer<'static>, Interrupt> {
+    if crank.job().kept().is_some() {
+        return Ok(Answer::Line("echo:ignored, the print is paused already: send M24 or M108 first"));
+    }
+    crank.finish().await?;
+    ask(crank, Action::Paused, if filament { FILAMENT } else { PAUSED }).await?;
+    if !crank.job().is_paused() {
+        save_and_park(crank, modal, cold, false, words).await?;
+    }
+    if let told @ Answer::NotObeyed(..) = not_obeyed("M600", words) {
+        crank.tell(told).await?;
+    }
+    let until: Option<Instant> = (ms > 0).then(|| crank.now().after_ms(ms));
+    crank.keep_line(Kept::User(until));
+    Ok(Answer::Kept)
+}
+
+/// What to say of a word that is not obeyed.
+const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
+    match words.other {
+        Some(b'L') => Answer::NotObeyed(code, b"L"),
+        Some(b'U') => Answer::NotObeyed(code, b"U"),
+        Some(b'E') => Answer::NotObeyed(code, b"E"),
+        Some(_) | None => Answer::Nothing,
+    }
+}
+
+/// A line that prints cannot be carried out as yet: the host is to pause, and the line is kept. Nothing moves, for the nozzle may have
+/// frozen to the part, or its place is not known.
+pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &Modal,
+    why: Kept,
+) -> Result<Answer<'static>, Interrupt> {
+    crank.finish().await?;
+    save(crank, modal);
+    tell_why(crank, why, Action::Pause).await?;
+    crank.keep_line(why);
+    Ok(Answer::Kept)
+}
+
+/// Says why a line is kept, and what to do.
+async fn tell_why<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    why: Kept,
+    first: Action<'static>,
+) -> Result<(), Interrupt> {
+    let (line, question) = match why {
+        Kept::Lost(_) => ("echo:print held: axes are not homed any more. Home them (G28), then send M24", LOST),
+        Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
+    };
+    crank.tell_others(format_args!("{line}"));
+    crank.tell(Answer::Line(line)).await?;
+    ask(crank, first, question).await
+}
+
+/// The job is paused, and the state of the program saved.
+fn save<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, modal: &Modal) {
+    let program = Program {
+        modal: *modal,
+        commanded: *crank.commanded(),
+        feed_percent: crank.feed_percent(),
+        dynamics: Dynamics::of(crank.settings()),
+    };
+    let targets = Heater::ALL.map(|heater| crank.target_of(heater));
+    let (host, homed) = (crank.serving(), crank.homed().axes());
+    crank.job_mut().pause(host, Break { program, homed }, targets);
+    crank.note_heaters_used();
+}
+
+/// The same, and the tool leaves the part if it printed, or if `parks` or a word of the line says so.
+async fn save_and_park<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &Modal,
+    cold: &ColdExtrusion,
+    parks: bool,
+    words: &ParkWords,
+) -> Result<(), Interrupt> {
+    crank.finish().await?;
+    let was_printing = crank.job().is_printing();
+    save(crank, modal);
+    if let Some(target) = words.target {
+        let most = crank.settings().thermal.heater(Heater::Hotend).most;
+        let target = Celsius::saturating_from_num(target.value()).clamp(Celsius::ZERO, most);
+        let least = crank.settings().thermal.min_extrude;
+        crank.job_mut().note_target(Heater::Hotend, target, least);
+    }
+    let says = [words.x, words.y, words.z, words.e].iter().any(Option::is_some);
+    if was_printing || parks || says {
+        park(crank, modal, cold, words).await?;
+    }
+    Ok(())
+}
+
+/// One straight move of the machine, whatever the program commands.
+async fn travel<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    position: [Mm; 4],
+    speed: MmPerSec,
+) -> Result<(), Interrupt> {
+    crank.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await
+}
+
+/// Filament back, up, and away.
+async fn park<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &Modal,
+    cold: &ColdExtrusion,
+    words: &ParkWords,
+) -> Result<(), Interrupt> {
+    let (s, axes, soft) = (crank.settings().pause, crank.settings().axes, crank.settings().soft_endstops);
+    let commanded = *crank.commanded();
+    let [.., z_now, e_now] = commanded.position();
+    let [lifted, pulled] = commanded.retracted();
+    // What the program itself has done since it printed.
+    let (lifted, pulled) = match crank.job().printed_at() {
+        Some([.., z, e]) => {
+            let back = e.wrapping_sub(e_now).max(Mm::ZERO);
+            (lifted.saturating_add(z_now.saturating_sub(z)), pulled.saturating_add(back))
+        }
+        None => (lifted, pulled),
+    };
+    let is_off_part = lifted >= OFF_PART;
+    let length = |number| modal.length(number);
+    let mut machine = commanded.of_machine(commanded.position());
+    let back = words.e.map_or(s.retract, |number| length(number).saturating_abs()).saturating_sub(pulled);
+    if back > Mm::ZERO && !modal.dry_run && !cold.is_too_cold(crank) {
+        let [.., e] = &mut machine;
+        *e = e.wrapping_sub(back);
+        travel(crank, machine, s.retract_speed).await?;
+        crank.commanded_mut().park_at(machine);
+    }
+    let [x_homed, y_homed, z_homed] = crank.homed().axes();
+    let lift = match words.z {
+        Some(number) => length(number).max(Mm::ZERO),
+        None if is_off_part => Mm::ZERO,
+        None => s.lift,
+    };
+    if lift > Mm::ZERO && z_homed {
+        let [_, _, z, _] = &mut machine;
+        let top = if soft { axes.z.length.max(*z) } else { Mm::MAX };
+        *z = z.saturating_add(lift).min(top);
+        travel(crank, machine, axes.z.max_speed).await?;
+        crank.commanded_mut().park_at(machine);
+    }
+    let is_named = words.x.is_some() || words.y.is_some();
+    if (is_named || s.park && !is_off_part) && x_homed && y_homed && z_homed {
+        let [x, y, ..] = &mut machine;
+        for (at, word, place, axis) in [(x, words.x, s.x, axes.x), (y, words.y, s.y, axes.y)] {
+            if word.is_some() || s.park {
+                *at = word.map_or(place, length).clamp(Mm::ZERO, axis.length);
+            }
+        }
+        travel(crank, machine, s.travel_speed).await?;
+        crank.commanded_mut().park_at(machine);
+    }
+    crank.finish().await
+}
+
+/// The tool goes from wherever it is to where the program wants it: over its place, down, and the filament forth that the pause has
+/// pulled back. That stays back in a cold hotend, until a line that prints is kept for it and goes on.
+async fn go_back<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    cold: &ColdExtrusion,
+    from: [Mm; 4],
+) -> Result<(), Interrupt> {
+    let (s, axes) = (crank.settings().pause, crank.settings().axes);
+    let commanded = *crank.commanded();
+    let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);
+    // Over whatever stands on the bed, if somebody has lowered the tool.
+    let is_beside = (x, y) != (from_x, from_y);
+    let over = if is_beside && from_z < z { z.saturating_add(s.lift).min(axes.z.length.max(z)) } else { from_z };
+    travel(crank, [from_x, from_y, over, from_e], axes.z.max_speed).await?;
+    travel(crank, [x, y, over, from_e], s.travel_speed).await?;
+    travel(crank, [x, y, z, from_e], axes.z.max_speed).await?;
+    if e != from_e && cold.is_too_cold(crank) {
+        crank.commanded_mut().unpark(from_e.wrapping_sub(e));
+    } else {
+        travel(crank, [x, y, z, e], s.unretract_speed).await?;
+        crank.commanded_mut().unpark(Mm::ZERO);
+    }
+    crank.finish().await
+}
+
+/// Heat comes back, and is waited for; the tool goes back, and the print goes on. With `restores` the state of the program is that before
+/// the pause; without, it is what lines have made of it meanwhile.
+async fn go_on<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+    cold: &ColdExtrusion,
+    restores: bool,
+    kept: Option<Kept>,
+) -> Result<Going, Interrupt> {
+    let Some(Break { program, homed }) = crank.job().paused() else { return Ok(Going::On) };
+    let wanted = match kept {
+        Some(Kept::Lost(axes)) => axes,
+        Some(Kept::User(_) | Kept::Cold) | None => [false; 3],
+    };
+    let [x, y, z] = homed;
+    let [of_x, of_y, of_z] = wanted;
+    let needed = [x || of_x, y || of_y, z || of_z];
+    if crank.homed().lacks_one_of(needed) {
+        return Ok(Going::Not(Kept::Lost(needed)));
+    }
+    heat_again(crank).await?;
+    if kept == Some(Kept::Cold) && cold.is_too_cold(crank) {
+        return Ok(Going::Not(Kept::Cold));
+    }
+    crank.finish().await?;
+    let now = *crank.commanded();
+    let from = now.of_machine(now.position());
+    if restores {
+        restore(crank, modal, &program).await?;
+    }
+    go_back(crank, cold, from).await?;
+    crank.job_mut().go_on();
+    announce(crank, &[Action::Resumed]).await?;
+    Ok(Going::On)
+}
+
+/// The program is as it was. Filament that came and went meanwhile, as when it is changed, is none that the print has asked for.
+async fn restore<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+    program: &Program,
+) -> Result<(), Interrupt> {
+    let now = *crank.commanded();
+    *crank.commanded_mut() = program.commanded;
+    crank.commanded_mut().count_filament_as(&now);
+    *modal = program.modal;
+    program.dynamics.put(crank.settings_mut());
+    if crank.feed_percent() != program.feed_percent {
+        crank.override_feed(program.feed_percent).await?;
+    }
+    Ok(())
+}
+
+/// M24, M602. Where it has ended the wait of a line that is kept, that is told there.
+pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+    cold: &ColdExtrusion,
+) -> Result<Answer<'static>, Interrupt> {
+    if crank.job().kept().is_some() {
+        return Ok(Answer::Nothing);
+    }
+    Ok(match go_on(crank, modal, cold, true, None).await? {
+        Going::On => Answer::Nothing,
+        Going::Not(_) => Answer::Line("echo:not resumed: axes are not homed any more. Home them (G28), then send M24"),
+    })
+}
+
+/// The stream goes on without M24: what it has done meanwhile, its own script, is part of it.
+pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+    cold: &ColdExtrusion,
+) -> Result<Going, Interrupt> {
+    go_on(crank, modal, cold, false, None).await
+}
+
+/// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried out now; false if
+/// it needs its `ok`; `None` if it goes on being kept.
+pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    modal: &mut Modal,
+    cold: &ColdExtrusion,
+    kept: Kept,
+    answered: Answered,
+) -> Result<Option<bool>, Interrupt> {
+    if !crank.job().is_paused() {
+        announce(crank, &[Action::PromptEnd]).await?;
+        return Ok(Some(false));
+    }
+    // What has ended the wait of the line does not end the one for heat.
+    crank.pauses_mut().end_command();
+    let is_for_user = matches!(kept, Kept::User(_));
+    if is_for_user {
+        announce(crank, &[Action::PromptEnd]).await?;
+    }
+    match go_on(crank, modal, cold, true, Some(kept)).await? {
+        Going::On if is_for_user => Ok(Some(false)),
+        Going::On => {
+            announce(crank, &[Action::PromptEnd]).await?;
+            Ok(Some(true))
+        }
+        Going::Not(why) if is_for_user || answered == Answered::Resume => {
+            tell_why(crank, why, Action::Paused).await?;
+            crank.job_mut().keep(kept, None);
+            Ok(None)
+        }
+        Going::Not(_) => {
+            announce(crank, &[Action::PromptEnd]).await?;
+            crank.tell(Answer::Line("echo:line left out, the print is still paused: see above, then send M24")).await?;
+            Ok(Some(false))
+        }
+    }
+}

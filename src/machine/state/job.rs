@@ -1,0 +1,274 @@
+//! The job: whether a print is under way, is paused or was ended, and what of it is kept meanwhile.
+//!
+//! **In a print** is said in one place, here. A print begins with the first move that extrudes while x or y move (a jog moves one or the other), with
+//! M75, or with a name that no command has (`START_PRINT ...`). It ends with M77, M524, M104 S0 or M81 outside of a pause, M84 for x, y or
+//! z, M110 of its host, and when the firmware ends it. Unlike numbered lines, all hosts and files have that in common.
+//!
+//! | phase | by | motors | heaters | what a line does |
+//! |---|---|---|---|---|
+//! | none | the start, an end | lose power when idle | go off when idle | what it says; cold filament is left out, a move that needs homing refused |
+//! | printing | see above | hold | go off when idle, come back before filament moves | what it says; one that is cold or has lost its place is kept: paused |
+//! | paused | M25, M0, M1, M600, M601, M125, a line that is kept | hold | go off after a time, come back before the print goes on | what it says: jogs, heats |
+//! | ended | `Interrupt::EndJob` | lose power when idle | off | moves and heats nothing until G28, M108 or M110 |
+//!
+//! A pause goes on by M24, M602, and for the line that is kept by M108 and M876 S too; or, if no line is kept, by the next line of its host
+//! that prints. The line kept is without `ok` meanwhile, and other hosts are served.
+
+use super::program::Program;
+use crate::connectors::{HEATERS, Heater};
+use crate::units::{Celsius, Instant, Mm};
+
+/// Where the job stands.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Phase {
+    None,
+    Printing,
+    Paused { was_printing: bool },
+    Ended { is_told: bool },
+}
+
+/// Why a line is kept without `ok`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Kept {
+    /// It waits for the user, or until then.
+    User(Option<Instant>),
+    /// It is to be carried out when the hotend is warm enough.
+    Cold,
+    /// It is to be carried out when these axes are homed again.
+    Lost([bool; 3]),
+}
+
+/// How a line that is kept goes on.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Answered {
+    /// M108, or its time has passed: whatever comes of it.
+    GoOn,
+    /// M24, M602, M876 S: when it can be.
+    Resume,
+}
+
+/// What a pause keeps of the print.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Break {
+    /// The state of the program.
+    pub program: Program,
+    /// Which axes were homed.
+    pub homed: [bool; 3],
+}
+
+/// The job.
+#[derive(Debug)]
+pub(in crate::machine) struct Job {
+    phase: Phase,
+    /// The host whose lines it is.
+    host: usize,
+    /// A name that was unknown may have been meant to home: an axis that never was is not where it seems to be.
+    must_be_homed: bool,
+    /// Where the last move that printed ended.
+    printed_at: Option<[Mm; 4]>,
+    paused: Option<Break>,
+    /// What heaters were kept at before the pause, or before they went off in the print.
+    targets: Option<[Celsius; HEATERS]>,
+    kept: Option<Kept>,
+    answered: Option<Answered>,
+    is_cancelled: bool,
+}
+
+impl Job {
+    pub const fn new() -> Self {
+        Self {
+            phase: Phase::None,
+            host: 0,
+            must_be_homed: false,
+            printed_at: None,
+            paused: None,
+            targets: None,
+            kept: None,
+            answered: None,
+            is_cancelled: false,
+        }
+    }
+
+    /// A print begins, of that host.
+    pub fn begin(&mut self, host: usize) {
+        if !self.is_under_way() {
+            *self = Self { phase: Phase::Printing, host, must_be_homed: self.must_be_homed, ..Self::new() };
+        }
+    }
+
+    /// A name is unknown that may have been meant to home and to heat.
+    pub fn begin_by_unknown_name(&mut self, host: usize) {
+        if !self.is_under_way() {
+            self.begin(host);
+            self.must_be_homed = true;
+        }
+    }
+
+    /// The print is over, as it should be. What is kept is for the Console to answer.
+    pub const fn end(&mut self) {
+        *self = Self { kept: self.kept, answered: self.answered, ..Self::new() };
+    }
+
+    /// The print was ended; its stream may still come.
+    pub const fn end_early(&mut self) {
+        self.end();
+        self.phase = Phase::Ended { is_told: false };
+    }
+
+    /// Who goes on after a print that was ended knows of it.
+    pub const fn forgive(&mut self) {
+        if self.is_ended() {
+            self.phase = Phase::None;
+        }
+    }
+
+    /// The print was ended, and no line has said since then that there is another.
+    pub const fn is_ended(&self) -> bool {
+        matches!(self.phase, Phase::Ended { .. })
+    }
+
+    /// Whether the host is still to be told so.
+    pub const fn tell_of_end(&mut self) -> bool {
+        let is_new = matches!(self.phase, Phase::Ended { is_told: false });
+        if is_new {
+            self.phase = Phase::Ended { is_told: true };
+        }
+        is_new
+    }
+
+    /// A print is under way and is not paused.
+    pub const fn is_printing(&self) -> bool {
+        matches!(self.phase, Phase::Printing)
+    }
+
+    /// Something is paused, be it a print or not.
+    pub const fn is_paused(&self) -> bool {
+        matches!(self.phase, Phase::Paused { .. })
+    }
+
+    /// Whether it is, paused or not.
+    pub const fn is_under_way(&self) -> bool {
+        self.is_printing() || self.is_paused()
+    }
+
+    /// Whether it is the host's own.
+    pub const fn is_of(&self, host: usize) -> bool {
+        self.host == host
+    }
+
+    /// Whether an axis that was never homed counts as lost.
+    pub const fn must_be_homed(&self) -> bool {
+        self.must_be_homed
+    }
+
+    /// A move that prints ends there.
+    pub const fn note_printed(&mut self, position: [Mm; 4]) {
+        self.printed_at = Some(position);
+    }
+
+    /// Where the last one ended, if any was.
+    pub const fn printed_at(&self) -> Option<[Mm; 4]> {
+        self.printed_at
+    }
+
+    /// It is paused; heaters were kept at `targets`.
+    pub fn pause(&mut self, host: usize, paused: Break, targets: [Celsius; HEATERS]) {
+        let was_printing = self.is_printing();
+        if !was_printing {
+            self.host = host;
+        }
+        self.phase = Phase::Paused { was_printing };
+        self.paused = Some(paused);
+        self.remember_targets(targets);
+    }
+
+    /// What the pause keeps.
+    pub const fn paused(&self) -> Option<Break> {
+        self.paused
+    }
+
+    /// It goes on.
+    pub const fn go_on(&mut self) {
+        if let Phase::Paused { was_printing } = self.phase {
+            self.phase = if was_printing { Phase::Printing } else { Phase::None };
+        }
+        (self.paused, self.targets) = (None, None);
+    }
+
+    /// What heaters are to be kept at when it goes on, unless that is known already.
+    pub fn remember_targets(&mut self, targets: [Celsius; HEATERS]) {
+        if targets.iter().any(|target| *target > Celsius::ZERO) {
+            self.targets.get_or_insert(targets);
+        }
+    }
+
+    /// The same, if it has to be restored.
+    pub const fn targets(&self) -> Option<[Celsius; HEATERS]> {
+        self.targets
+    }
+
+    /// They are restored.
+    pub const fn forget_targets(&mut self) {
+        self.targets = None;
+    }
+
+    /// A line chooses a target. Meanwhile one that is warm enough to go on with is the one to go on with; any other is for the time of
+    /// the pause.
+    pub fn note_target(&mut self, heater: Heater, target: Celsius, least: Celsius) {
+        let is_enough = target > Celsius::ZERO && target >= least;
+        if self.is_paused() && is_enough {
+            self.targets.get_or_insert([Celsius::ZERO; HEATERS])[heater as usize] = target;
+        } else if let Some(targets) = self.targets.as_mut().filter(|_| is_enough) {
+            targets[heater as usize] = target;
+        }
+    }
+
+    /// The line that is being carried out is kept without `ok`. An answer that came in one packet with it counts.
+    pub const fn keep(&mut self, kept: Kept, answered: Option<Answered>) {
+        (self.kept, self.answered) = (Some(kept), answered);
+    }
+
+    /// Why a line is kept, if one is.
+    pub const fn kept(&self) -> Option<Kept> {
+        self.kept
+    }
+
+    /// No line is kept any more.
+    pub const fn take_kept(&mut self) -> Option<Kept> {
+        self.answered = None;
+        self.kept.take()
+    }
+
+    /// What has arrived for a line that is kept: M108, and M24, M602 or M876.
+    pub const fn note_answers(&mut self, go_on: bool, resume: bool) {
+        if self.kept.is_none() {
+            return;
+        }
+        if resume {
+            self.answered = Some(Answered::Resume);
+        }
+        if go_on {
+            self.answered = Some(Answered::GoOn);
+        }
+    }
+
+    /// How the line that is kept goes on, as far as is known by now.
+    pub fn take_answer(&mut self, now: Instant) -> Option<Answered> {
+        match self.kept? {
+            Kept::User(Some(until)) if now >= until => Some(Answered::GoOn),
+            // The print has ended meanwhile.
+            _ if !self.is_paused() => Some(Answered::GoOn),
+            _ => self.answered.take(),
+        }
+    }
+
+    /// M524 has arrived.
+    pub const fn note_cancel(&mut self) {
+        self.is_cancelled = true;
+    }
+
+    /// Whether it has.
+    pub const fn take_cancel(&mut self) -> bool {
+        core::mem::replace(&mut self.is_cancelled, false)
+    }
+}

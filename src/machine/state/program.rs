@@ -1,0 +1,55 @@
+//! The program's state as one value: everything that the lines before have set and the next line depends on.
+//!
+//! A pause saves it and restores it. Whatever else leaves the program for a while and comes back does the same.
+
+use super::commanded::Commanded;
+use super::modal::Modal;
+use crate::settings::{CornerRule, Settings};
+use crate::units::{MmPerSec, MmPerSec2, Ratio};
+
+/// All of it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::machine) struct Program {
+    /// Absolute or relative, units, plane, F, M221.
+    pub modal: Modal,
+    /// Position, E, G92, G10.
+    pub commanded: Commanded,
+    /// M220.
+    pub feed_percent: u16,
+    /// M204, M205, SET_VELOCITY_LIMIT.
+    pub dynamics: Dynamics,
+}
+
+/// Limits that lines of a program change as they go.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct Dynamics {
+    print: MmPerSec2,
+    retract: MmPerSec2,
+    travel: MmPerSec2,
+    corner: CornerRule,
+    extruder_jerk: MmPerSec,
+    least: [MmPerSec; 2],
+    cruise: Ratio,
+}
+
+impl Dynamics {
+    /// Those in force.
+    pub const fn of(s: &Settings) -> Self {
+        Self {
+            print: s.print_acceleration,
+            retract: s.retract_acceleration,
+            travel: s.travel_acceleration,
+            corner: s.corner,
+            extruder_jerk: s.extruder_jerk,
+            least: [s.min_feed, s.min_travel],
+            cruise: s.minimum_cruise_ratio,
+        }
+    }
+
+    /// Puts them in force again.
+    pub const fn put(&self, s: &mut Settings) {
+        (s.print_acceleration, s.retract_acceleration, s.travel_acceleration) = (self.print, self.retract, self.travel);
+        (s.corner, s.extruder_jerk, s.minimum_cruise_ratio) = (self.corner, self.extruder_jerk, self.cruise);
+        [s.min_feed, s.min_travel] = self.least;
+    }
+}
