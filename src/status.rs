@@ -57,6 +57,8 @@ pub struct Status {
     squeezed: Lateness,
     /// Whether the Console waits for the host and has nothing else to do.
     awaiting_input: AtomicBool,
+    /// Whether a command waits for the user.
+    awaiting_user: AtomicBool,
     /// Moves planned.
     moves: AtomicU32,
     /// Length of the path planned, in um, wrapping.
@@ -109,6 +111,7 @@ impl Status {
             late: Lateness::new(),
             squeezed: Lateness::new(),
             awaiting_input: AtomicBool::new(false),
+            awaiting_user: AtomicBool::new(false),
             moves: AtomicU32::new(0),
             path_um: AtomicU32::new(0),
             underruns: AtomicU32::new(0),

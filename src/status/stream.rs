@@ -11,6 +11,16 @@ impl Status {
         self.awaiting_input.load(Relaxed)
     }
 
+    /// Whether a command waits for the user.
+    #[must_use]
+    pub fn is_awaiting_user(&self) -> bool {
+        self.awaiting_user.load(Relaxed)
+    }
+
+    pub(crate) fn set_awaiting_user(&self, waiting: bool) {
+        self.awaiting_user.store(waiting, Relaxed);
+    }
+
     pub(crate) fn set_awaiting_input(&self, waiting: bool) {
         self.awaiting_input.store(waiting, Relaxed);
     }

@@ -43,6 +43,9 @@ pub(crate) struct New {
     /// The kind of machine.
     #[arg(long)]
     machine: Kind,
+    /// A hotend and a bed are fitted, on the board's usual outputs and sensors.
+    #[arg(long)]
+    heaters: bool,
     /// The file to write, which must not exist; standard output without it.
     #[arg(short, long, value_name = "M.toml")]
     output: Option<PathBuf>,
@@ -83,7 +86,7 @@ fn say(text: &str) -> Result<u8> {
 }
 
 fn write_new(new: &New) -> Result<u8> {
-    let text = template::file(new.machine, new.board)?;
+    let text = template::file(new.machine, new.board, new.heaters)?;
     let Some(path) = &new.output else { return say(&text) };
     let cannot = || format!("cannot create {}", path.display());
     let mut file = OpenOptions::new().write(true).create_new(true).open(path).with_context(cannot)?;

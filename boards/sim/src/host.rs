@@ -13,6 +13,7 @@ mod file_line;
 pub use file_line::{command_of, strip_comment, words};
 
 use crate::input::{Lines, Survey, lines_of, survey};
+use crate::short::short;
 use crate::world::Host;
 use corehbot::protocol::ACTION;
 use corehbot::units::TICKS_PER_SECOND;
@@ -66,7 +67,7 @@ impl fmt::Display for Remark {
         if self.line > 0 {
             write!(f, "{}: ", self.line)?;
         }
-        write!(f, "{}: {}", self.command, self.reply)
+        write!(f, "{}: {}", short(&self.command), short(&self.reply))
     }
 }
 
@@ -77,6 +78,36 @@ pub struct HeatWait {
     pub command: String,
     /// When it was sent, and when it was answered, in ticks.
     pub time: [u64; 2],
+}
+
+/// What the commands that were sent have asked for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Asked {
+    /// Commands that heat something.
+    pub heating: u32,
+    /// Filament: a move with an E above 0.
+    pub filament: bool,
+    /// M111 with its bit for a dry run, in which no filament moves.
+    pub dry_run: bool,
+}
+
+impl Asked {
+    /// Takes note of a command.
+    fn note(&mut self, command: &str) {
+        let mut words = words(command);
+        let Some((letter, Some(code))) = words.next() else { return };
+        let mut has = |letters: &str| {
+            words.any(|(letter, value)| letters.contains(letter) && value.is_some_and(|value| value > 0.0))
+        };
+        match (letter, code) {
+            ('G', 0.0..=3.0) => self.filament |= has("E"),
+            ('M', 104.0 | 109.0 | 140.0 | 141.0 | 190.0 | 191.0) => self.heating += u32::from(has("SR")),
+            ('M', 111.0) => {
+                self.dry_run |= words.any(|(letter, value)| letter == 'S' && value.is_some_and(|s| s as u32 & 8 != 0));
+            }
+            _ => {}
+        }
+    }
 }
 
 /// Sends a file and listens to the answers.
@@ -110,6 +141,10 @@ pub struct FileHost {
     /// The first commands that waited for a temperature; the last one may go on.
     heat_waits: Vec<HeatWait>,
     is_heat_awaited: bool,
+    /// Since when a command has waited for a temperature, and for how long all of them did.
+    heat_since: Option<u64>,
+    heat_ticks: u64,
+    asked: Asked,
     failure: Option<Remark>,
 }
 
@@ -146,6 +181,9 @@ impl FileHost {
             pauses_total: 0,
             heat_waits: Vec::new(),
             is_heat_awaited: false,
+            heat_since: None,
+            heat_ticks: 0,
+            asked: Asked { heating: 0, filament: false, dry_run: false },
             failure: None,
         }
     }
@@ -237,6 +275,18 @@ impl FileHost {
         &self.heat_waits
     }
 
+    /// What the commands so far have asked for.
+    #[must_use]
+    pub const fn asked(&self) -> Asked {
+        self.asked
+    }
+
+    /// The time, and how much of it commands have waited for a temperature, in ticks.
+    #[must_use]
+    pub fn time(&self) -> (u64, u64) {
+        (self.now, self.heat_ticks + self.heat_since.map_or(0, |since| self.now - since))
+    }
+
     /// Why the print failed, if it did.
     #[must_use]
     pub const fn failure(&self) -> Option<&Remark> {
@@ -270,8 +320,13 @@ impl FileHost {
     /// The command `index` has been sent: it may wait for a temperature.
     fn await_heat(&mut self, index: i64) {
         let now = self.now;
+        if let Ok(command) = self.command(index) {
+            let text = command.text.clone();
+            self.asked.note(&text);
+        }
         let known = self.command(index).ok().filter(|command| is_heat_wait(&command.text));
         let Some(command) = known.map(|command| command.text.clone()) else { return };
+        self.heat_since = Some(now);
         if self.heat_waits.len() < MOST_HEAT_WAITS {
             self.heat_waits.push(HeatWait { command, time: [now; 2] });
             self.is_heat_awaited = true;
@@ -363,6 +418,11 @@ impl Host for FileHost {
             }
             self.awaiting = self.awaiting.saturating_sub(1);
             self.is_heat_awaited &= self.awaiting > 0;
+            if self.awaiting == 0
+                && let Some(since) = self.heat_since.take()
+            {
+                self.heat_ticks += self.now - since;
+            }
         } else if let Some(action) = line.strip_prefix(ACTION) {
             self.hear_action(action);
         } else if let Some(number) = line.strip_prefix("Resend:") {
@@ -384,8 +444,10 @@ impl Host for FileHost {
 }
 
 /// Begins of echoes that answer a question, show life or say what is no trouble.
-const EXPECTED: [&str; 9] = [
-    " ",
+const EXPECTED: [&str; 11] = [
+    "  G",
+    "  M",
+    ";",
     "busy:",
     "M113 S",
     "E0 Flow:",

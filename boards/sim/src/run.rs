@@ -145,6 +145,7 @@ impl Prepared {
             plant.ring_out();
             plant.figures()
         });
+        summary.note_asked(host.asked(), settings);
         if !limits.is_judged {
             summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
             summary.warnings_total += 1;

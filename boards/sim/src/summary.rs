@@ -2,11 +2,13 @@
 
 use crate::belt::figures::BeltFigures;
 use crate::check::Findings;
-use crate::host::FileHost;
+use crate::host::{Asked, FileHost};
 use crate::printable::line;
 use crate::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
 use crate::world::Outcome;
+use corehbot::connectors::Heater;
 use corehbot::motors::Motor;
+use corehbot::settings::Settings;
 use corehbot::units::TICKS_PER_SECOND;
 use serde::Serialize;
 use std::fmt;
@@ -59,8 +61,14 @@ pub struct Summary {
     pub commands: u64,
     /// Moves that the planner made of them.
     pub moves: u32,
-    /// Motion time.
+    /// The whole time, from the printer's start to the last answer: motion, heat and waits.
     pub print_time_s: f64,
+    /// Motion time: what the trace and the tool path count.
+    pub motion_time_s: f64,
+    /// The time in which a command waited for a temperature.
+    pub heating_time_s: f64,
+    /// The rest: waits for the user, and moments in which nothing was under way.
+    pub waiting_time_s: f64,
     /// Length of the planned path.
     pub path_mm: f64,
     /// Step pulses, whatever their direction.
@@ -130,6 +138,10 @@ impl Summary {
             None if figures.events == 0 => Some("nothing was printed: no motor made a step".to_owned()),
             None => None,
         };
+        let seconds = |ticks: u64| ticks as f64 / f64::from(TICKS_PER_SECOND);
+        let (time, heat) = host.time();
+        let (motion, heating) = (seconds(outcome.ticks), seconds(heat));
+        let whole = seconds(time).max(motion);
         Self {
             file: names.file.to_owned(),
             machine: names.machine.to_owned(),
@@ -137,7 +149,10 @@ impl Summary {
             lines: host.lines(),
             commands: host.commands(),
             moves: outcome.moves,
-            print_time_s: outcome.ticks as f64 / f64::from(TICKS_PER_SECOND),
+            print_time_s: whole,
+            motion_time_s: motion,
+            heating_time_s: rounded(heating),
+            waiting_time_s: rounded((whole - motion - heating).max(0.0)),
             path_mm: outcome.path_um as f64 / 1000.0,
             steps: figures.pulses.map(|n| n as i64).into(),
             net_steps: figures.position.into(),
@@ -157,6 +172,24 @@ impl Summary {
             belt: None,
             trace_sha256,
             wall_time_s: 0.0,
+        }
+    }
+
+    /// Says what was asked for and did not happen on this machine: heat without a heater, and filament that never moved.
+    pub fn note_asked(&mut self, asked: Asked, settings: &Settings) {
+        let has_heaters = Heater::ALL.into_iter().any(|heater| settings.thermal.heater(heater).is_fitted);
+        if asked.heating > 0 && !has_heaters {
+            let commands = if asked.heating == 1 { "command" } else { "commands" };
+            self.warnings.push(format!(
+                "{}: {} heating {commands} ignored: no heater fitted, see [heaters] in the machine file",
+                self.file, asked.heating
+            ));
+            self.warnings_total += 1;
+        }
+        if asked.filament && !asked.dry_run && self.steps.e0 == 0 && settings.mechanism.fitted().has(Motor::E0) {
+            let why = format!("{}: filament was asked for and none moved: was the hotend cold?", self.file);
+            self.ok = false;
+            self.failure.get_or_insert(why);
         }
     }
 
@@ -180,6 +213,8 @@ impl fmt::Display for Summary {
         row("file", format!("{} ({} lines, {} commands)", self.file, self.lines, self.commands))?;
         row("machine", self.machine.clone())?;
         row("print time", format!("{} ({:.3} s)", clock(self.print_time_s), self.print_time_s))?;
+        let (motion, heating, waiting) = (self.motion_time_s, self.heating_time_s, self.waiting_time_s);
+        row("", format!("motion {motion:.3} s, heat {heating:.3} s, waits {waiting:.3} s"))?;
         if self.wall_time_s > 0.0 {
             let factor = self.print_time_s / self.wall_time_s;
             row("simulated in", format!("{:.2} s ({factor:.0} times real time)", self.wall_time_s))?;

@@ -69,6 +69,9 @@ fn a_print_leaves_a_trace_a_summary_and_a_report() {
         "commands",
         "moves",
         "print_time_s",
+        "motion_time_s",
+        "heating_time_s",
+        "waiting_time_s",
         "path_mm",
         "steps",
         "peak_speed_mm_s",
@@ -107,13 +110,93 @@ fn every_example_prints_without_a_remark() {
         let output = corehbot().arg("run").arg(&file).arg("--json").arg(&json).output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{}: {}", file.display(), text(&output.stdout));
         let summary: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
-        assert_eq!(summary["warnings_total"], 0, "{}: {summary}", file.display());
+        // The prototype has no heaters, and the first print heats as a sliced file does.
+        let warnings = u32::from(file.ends_with("first-print.gcode"));
+        assert_eq!(summary["warnings_total"], warnings, "{}: {summary}", file.display());
         assert_eq!(summary["underruns"], 0, "{}", file.display());
         let is_small = summary["events"].as_u64().unwrap() < 300_000;
         assert!(is_small || file.ends_with("first-print.gcode"), "{}", file.display());
         printed += 1;
     }
     assert!(printed >= 13);
+}
+
+/// Reproducer: a print that asked a cold hotend for filament, and got none, was `ok`.
+#[test]
+fn filament_that_was_asked_for_and_did_not_move_is_a_failure() {
+    let told = |gcode: &str| {
+        let output = heat_text("no-filament", gcode, &[]);
+        (output.status.code(), text(&output.stdout))
+    };
+    let (status, said) = told("G28\nG1 X20 E2 F3000\nG1 X40 E4\n");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("failed: ") && said.contains("the hotend is too cold"), "{said}");
+    for gcode in [
+        "G28\nM302 P1\nG1 X20 E2 F3000\n",
+        "G28\nG92 E5\nG1 X20 E-0.5 F3000\n",
+        "G28\nM111 S8\nG1 X20 E2 F3000\n",
+        "G28\nG1 X20 F3000\n",
+    ] {
+        let (status, said) = told(gcode);
+        assert_eq!(status, Some(0), "{gcode}: {said}");
+    }
+}
+
+#[test]
+fn heat_that_no_heater_makes_is_counted_and_told_once() {
+    let file = scratch("no-heaters").join("h.gcode");
+    let lines = "M140 S60\nM104 S215\nM190 S60\nM109 R215\n";
+    std::fs::write(&file, format!("{}G28\nG1 X20 F3000\nM104 S0\nM140 S0\n", lines.repeat(3))).unwrap();
+    let output = corehbot().arg("run").arg(&file).output().unwrap();
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert!(said.contains(": 12 heating commands ignored: no heater fitted, see [heaters]"), "{said}");
+    assert!(said.contains("warnings: 1\n"), "{said}");
+}
+
+#[test]
+fn the_time_of_a_print_is_all_of_it_and_its_parts_are_told() {
+    let json = scratch("times").join("t.json");
+    let gcode = "G28\nM109 S60\nG1 X100 F6000\nM400\nM0 Take it\nG1 X0\n";
+    let output = heat_text("times", gcode, &["--json", json.to_str().unwrap()]);
+    let said = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    let summary: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+    let [whole, motion, heating, waiting] =
+        ["print_time_s", "motion_time_s", "heating_time_s", "waiting_time_s"].map(|key| summary[key].as_f64().unwrap());
+    assert!((whole - motion - heating - waiting).abs() < 0.01, "{summary}");
+    // From 25 to 60 C a hotend takes seconds, and holds for 3 s; the user takes 5 s.
+    assert!(heating > 5.0 && (5.0..9.0).contains(&waiting) && motion > 3.0, "{summary}");
+    assert!(said.contains(&format!("motion {motion:.3} s, heat {heating:.3} s, waits {waiting:.3} s")), "{said}");
+}
+
+#[test]
+fn a_line_of_a_megabyte_is_not_printed_whole() {
+    let place = scratch("megabyte");
+    let (file, machine) = (place.join("m.gcode"), place.join("m.toml"));
+    let long = "x".repeat(1_000_000);
+    std::fs::write(&file, format!("G28\nFOO{long}\nG1 X20 F3000\n")).unwrap();
+    let output = corehbot().arg("run").arg(&file).output().unwrap();
+    assert!(output.stdout.len() + output.stderr.len() < 4_000, "{} bytes", output.stdout.len());
+    assert!(text(&output.stdout).contains("... (1000003 bytes): echo:"), "{}", text(&output.stdout));
+    for wrong in [
+        format!("name = \"{long}\""),
+        format!("{long} = 5"),
+        format!("[motors]\nm1 = \"{long}\""),
+        format!("board = \"{long}\""),
+    ] {
+        std::fs::write(&machine, wrong).unwrap();
+        for command in [["config", "check"], ["run", "--settings"]] {
+            let mut said = corehbot();
+            said.args(command).arg(&machine);
+            if command[0] == "run" {
+                said.arg(example("axes.gcode"));
+            }
+            let output = said.output().unwrap();
+            assert_ne!(output.status.code(), Some(0));
+            assert!(output.stdout.len() + output.stderr.len() < 4_000, "{command:?}: {}", output.stdout.len());
+        }
+    }
 }
 
 /// Prints text on a machine with a hotend of 40 W.

@@ -116,7 +116,7 @@ fn a_new_file_is_a_machine_and_prints() {
     let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new.toml");
     let _ = std::fs::remove_file(&path);
     let name = path.to_str().unwrap();
-    let new = ["new", "--board", "octopus", "--machine", "corexy", "-o", name];
+    let new = ["new", "--board", "octopus", "--machine", "corexy", "--heaters", "-o", name];
     assert_eq!(config(&new).status.code(), Some(0));
     let check = config(&["check", name]);
     assert_eq!(check.status.code(), Some(0));
@@ -125,7 +125,7 @@ fn a_new_file_is_a_machine_and_prints() {
     let again = config(&new);
     assert_eq!(again.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&again.stderr).contains("cannot create"));
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), out(&config(&new[..5])));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), out(&config(&new[..6])));
     let print = Command::new(env!("CARGO_BIN_EXE_corehbot"))
         .arg("run")
         .arg(machines().join("../circle.gcode"))
@@ -140,7 +140,10 @@ fn every_example_is_checked_without_a_remark() {
     for path in examples() {
         let check = config(&["check", path.to_str().unwrap()]);
         assert_eq!(check.status.code(), Some(0), "{}", out(&check));
-        assert!(out(&check).ends_with("; no errors, no warnings\n"), "{}", out(&check));
+        // Examples that name a board are for motion; their owners say what heats.
+        let said = out(&check);
+        let others = said.lines().filter(|line| !line.contains("an extruder (e0) without a hotend")).count();
+        assert!(others == 1 && said.contains("; no errors, "), "{said}");
     }
 }
 
@@ -155,6 +158,23 @@ fn a_file_with_errors_is_no_machine() {
     assert!(said.contains(&format!("\n{name}:4:2: error: unknown field `max_sped`")), "{said}");
     assert!(said.contains("did you mean `max_speed`?\n"), "{said}");
     assert!(said.ends_with(&format!("{name}: no machine; 2 errors, no warnings\n")), "{said}");
+}
+
+#[test]
+fn a_thermistor_that_is_none_is_told_which_there_are() {
+    for wrong in ["\"104gt3\"", "{ ohms = 100000 }", "5"] {
+        let path = file("thermistor", &format!("[heaters.hotend]\nthermistor = {wrong}\n"));
+        let said = out(&config(&["check", path.to_str().unwrap()]));
+        let lists = "error: thermistor is one of 104gt2, 104nt4, ntc_3950, slice_450 and pt1000, or an NTC: { ohms";
+        assert!(said.contains(lists) && !said.contains("untagged"), "{wrong}: {said}");
+    }
+}
+
+#[test]
+fn an_extruder_without_a_hotend_is_a_warning_on_a_board() {
+    let path = file("no-hotend", "board = \"octopus\"\n");
+    let said = out(&config(&["check", path.to_str().unwrap()]));
+    assert!(said.contains("warning: an extruder (e0) without a hotend: heating is ignored"), "{said}");
 }
 
 #[test]

@@ -209,6 +209,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.scrub(now);
         self.tend_heat(now)?;
         let keepalive_ms = u32::from(self.settings.keepalive_s) * 1000;
+        self.link.status().set_awaiting_user(self.job.is_paused());
         self.hosts.keep_alive(now, keepalive_ms);
         self.report_unasked();
         self.watch_idleness();

@@ -52,7 +52,7 @@ impl Kind {
 ///
 /// # Errors
 /// An example that is no machine file, or has a key that the prototype has not: tests see to it that none is.
-pub(super) fn file(kind: Kind, board: &BoardConnectors) -> Result<String> {
+pub(super) fn file(kind: Kind, board: &BoardConnectors, has_heaters: bool) -> Result<String> {
     let example: Table = kind.example().parse()?;
     let mut text = Text(PROTOTYPE.lines().skip_while(|line| !line.is_empty()).map(str::to_owned).collect());
     for (key, value) in &example {
@@ -77,6 +77,11 @@ pub(super) fn file(kind: Kind, board: &BoardConnectors) -> Result<String> {
     }
     for (header, comment) in comments(kind.example()) {
         text.set_comment(header, &comment);
+    }
+    if has_heaters {
+        for heater in ["heaters.hotend", "heaters.bed"] {
+            text.set(heater, "is_fitted", &true.into())?;
+        }
     }
     text.set("", "board", &board.key.into())?;
     let wiring = Wiring::usual(board);
@@ -199,7 +204,7 @@ mod tests {
     fn a_new_file_is_the_example_plugged_into_the_board() {
         for board in BoardConnectors::ALL {
             for kind in Kind::value_variants() {
-                let text = file(*kind, board).unwrap();
+                let text = file(*kind, board, false).unwrap();
                 let (machine, found) = problems(&text);
                 let is_error = |problem: &crate::machine_file::Problem| problem.is_error;
                 assert!(!found.iter().any(is_error), "{kind:?} on {}: {found:?}\n{text}", board.key);
@@ -218,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_new_file_says_what_the_example_says() {
-        let text = file(Kind::Corexy, BoardConnectors::ALL[0]).unwrap();
+        let text = file(Kind::Corexy, BoardConnectors::ALL[0], true).unwrap();
         assert!(text.contains("\n# One screw of 8 mm lead.\n[axes.z]\n") && !text.contains("Two ball screws M12x4"));
         assert!(text.contains("\nm8 = [1, -1, 0]\n") && text.contains("\nm8 = \"M4\"\n"), "{text}");
         assert!(text.contains("name = \"CoreXY\"") && text.contains("rotation_distance"));

@@ -71,13 +71,15 @@ impl Display for MachineFileError {
             Self::Row { key, row } => {
                 write!(
                     f,
-                    "{key} = {row:?} is no row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e"
+                    "{key} = {} is no row: -1, 0 or 1, all times one whole number up to 16, for x, y, z and, if not 0, for e",
+                    short(&format!("{row:?}"))
                 )
             }
             Self::Connector { key, value } => {
                 write!(
                     f,
-                    "{key} = {value:?} is no connector: its name on the board, up to 8 characters; perhaps ! before it"
+                    "{key} = {:?} is no connector: its name on the board, up to 8 characters; perhaps ! before it",
+                    short(value)
                 )
             }
             Self::Resolution { key, why } => write!(f, "{key}: {why}"),

@@ -3,6 +3,7 @@
 //! Nothing here knows the keys of a machine: places come from the TOML parser, suggestions from the list of names that
 //! the error itself carries.
 
+use crate::short::short;
 use std::fmt::{self, Display};
 use toml::de::{DeTable, DeValue, Error};
 
@@ -57,7 +58,11 @@ impl Place {
 /// What a TOML error says, in one line, and which known name is nearest to one that is not known.
 #[must_use]
 pub fn words(error: &Error) -> String {
-    with_suggestion(&error.message().lines().collect::<Vec<_>>().join(", "))
+    // Every other part is a name or a value of the file, in backticks.
+    let message = error.message().lines().collect::<Vec<_>>().join(", ");
+    let parts: Vec<_> = message.split('`').enumerate().collect();
+    let parts = parts.into_iter().map(|(place, part)| if place % 2 == 1 { short(part) } else { part.into() });
+    with_suggestion(&parts.collect::<Vec<_>>().join("`"))
 }
 
 /// A message that may name an unknown name and then those that are known, with the one that was meant.

@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn a_machine_without_a_fault_is_one() {
-        let (machine, found) = problems("board = \"octopus\"");
+        let (machine, found) = problems("board = \"octopus\"\n[heaters.hotend]\nis_fitted = true");
         assert!(machine.is_some() && found.is_empty(), "{found:?}");
     }
 }

@@ -85,6 +85,10 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
+    if machine.board.is_some() && s.mechanism.fitted().has(Motor::E0) && !s.thermal.heaters.hotend.is_fitted {
+        let text = "an extruder (e0) without a hotend: heating is ignored, and filament moves cold".to_owned();
+        warn("heaters.hotend.is_fitted", text);
+    }
     if s.thermal.heaters.hotend.is_fitted && !s.thermal.fans.iter().any(|fan| fan.role == FanRole::Hotend) {
         warn("heaters.hotend.is_fitted", "no fan has the role hotend, so nothing cools the cold end".to_owned());
     }
@@ -205,8 +209,10 @@ mod tests {
     #[test]
     fn switches_that_close_motors_without_a_socket_and_a_hotend_without_a_fan_are_told() {
         assert_eq!(keys("[endstops]\ny = \"!Y-STOP\""), ["endstops.y"]);
-        assert_eq!(keys("board = \"nucleo\""), ["motors.z1", "motors.z2", "motors.e0"]);
-        let last = "[motors]\ne0 = \"M7\"";
+        assert_eq!(keys("board = \"nucleo\""), ["motors.z1", "motors.z2", "motors.e0", "heaters.hotend.is_fitted"]);
+        let hot = "[heaters.hotend]\nis_fitted = true\n";
+        let last = format!("{hot}[motors]\ne0 = \"M7\"");
+        let last = last.as_str();
         assert_eq!((keys(&format!("board = \"octopus\"\n{last}")), keys(last)), (vec!["motors.e0".into()], vec![]));
         let hot = "[heaters.hotend]\nis_fitted = true\n[fans.fan1]\nrole = \"commanded\"";
         assert_eq!(keys(hot), ["heaters.hotend.is_fitted"]);

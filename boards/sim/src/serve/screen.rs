@@ -75,12 +75,7 @@ impl Screen {
         self.next = wall + PERIOD;
         let status = world.status();
         let is_moving = std::mem::replace(&mut self.seen_tick, status.tick()) != status.tick();
-        let state = match (status.is_halted(), is_moving, status.is_awaiting_input()) {
-            (true, ..) => "HALTED",
-            (_, true, _) => "moving",
-            (_, _, true) => "ready",
-            _ => "busy",
-        };
+        let state = state([status.is_halted(), is_moving, status.is_awaiting_user(), status.is_awaiting_input()]);
         let [x, y, z] = self.place(world.outcome().counts);
         let level = status.level();
         let temperatures = &self.temperatures;
@@ -104,6 +99,21 @@ impl Screen {
     }
 }
 
+/// What the printer is about: whether it has halted, moves, waits for its user, or waits for its host.
+const fn state([is_halted, is_moving, is_for_user, is_for_host]: [bool; 4]) -> &'static str {
+    if is_halted {
+        "HALTED"
+    } else if is_moving {
+        "moving"
+    } else if is_for_user {
+        "paused, waits for the user"
+    } else if is_for_host {
+        "ready"
+    } else {
+        "busy"
+    }
+}
+
 /// The temperatures in a line, without the duties of the heaters.
 fn temperatures(line: &str) -> Option<&str> {
     let at = line.find("T:").filter(|at| *at == 0 || line[..*at].ends_with(' '))?;
@@ -114,6 +124,15 @@ fn temperatures(line: &str) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_printer_that_waits_for_its_user_says_so() {
+        assert_eq!(state([false, false, true, false]), "paused, waits for the user");
+        assert_eq!(state([false, false, true, true]), "paused, waits for the user");
+        assert_eq!(state([false, true, true, false]), "moving");
+        assert_eq!(state([false, false, false, true]), "ready");
+        assert_eq!(state([true, false, true, false]), "HALTED");
+    }
 
     #[test]
     fn temperatures_are_found_in_answers_and_reports() {

@@ -12,7 +12,7 @@ fn shares_residual_and_skips_are_drawn_over_motion_time() {
         list.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
     };
     let (bin_s, residual) = (belt["bin_s"].as_f64().unwrap(), numbers(&belt["residual_um"]));
-    let print_time_s = page.data["summary"]["print_time_s"].as_f64().unwrap();
+    let print_time_s = page.data["summary"]["motion_time_s"].as_f64().unwrap();
     assert!((residual.len() as f64 * bin_s - print_time_s).abs() < 2.0 * bin_s);
     let skips = belt["skips"].as_array().unwrap();
     assert!(!skips.is_empty() && skips.len() == told["skips"].as_array().unwrap().len());

@@ -29,7 +29,7 @@ fn heat_is_drawn_as_the_plant_was_heated() {
     assert!((1024..=2048).contains(&motion.len()) && ((motion.len() as f64 - 0.5) * bin_s - end_s).abs() < bin_s);
     assert!(
         motion.is_sorted()
-            && (motion.last().unwrap() - page.data["summary"]["print_time_s"].as_f64().unwrap()).abs() < bin_s
+            && (motion.last().unwrap() - page.data["summary"]["motion_time_s"].as_f64().unwrap()).abs() < bin_s
     );
     let bin = |s: f64| ((s / bin_s) as usize).min(motion.len() - 1);
     let waits: Vec<_> = heat["waits"]

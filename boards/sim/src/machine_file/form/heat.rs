@@ -108,7 +108,10 @@ impl From<SensorToml> for Sensor {
 
 /// Sensors by the names under which they are sold; or an NTC by its numbers.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[serde(
+    rename_all = "snake_case",
+    expecting = "thermistor is one of 104gt2, 104nt4, ntc_3950, slice_450 and pt1000, or an NTC: { ohms = 100000, beta = 3950 }"
+)]
 pub(in crate::machine_file) enum ThermistorToml {
     #[serde(rename = "104gt2")]
     Semitec104Gt2,
