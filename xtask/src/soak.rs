@@ -41,7 +41,13 @@ enum Part {
 }
 
 /// Studies of the belt: alignment by load and by phases, skips, trust in a place.
-const BELT: [&str; 4] = ["aligned_motors", "a_machine_that_was_aligned_once", "a_single_skip", "a_place_that_is_said"];
+const BELT: [&str; 5] = [
+    "aligned_motors",
+    "a_machine_that_was_aligned_once",
+    "a_single_skip",
+    "a_place_that_is_said",
+    "a_place_is_trusted",
+];
 
 /// Runs the long forms.
 pub fn main(args: &Args) -> Result<()> {

@@ -20,6 +20,8 @@ pub(in crate::machine) enum AlignError {
     Unsure,
     /// Something has happened to the motors meanwhile.
     Changed,
+    /// A motor has no torque left where it strains the belt by hardly anything.
+    AtLimit(Motor),
     /// The drivers of motors that have just got power do not stand to each other as the phases of the belt say.
     Phase,
 }

@@ -6,7 +6,8 @@
 
 use super::diagnosis::FULL_STEPS_A_TURN;
 use super::load_curve::{
-    Findings, Load, PARTS, Readings, Slope, apex, is_less_loaded, load_of_stroke, slope, thousandths,
+    Findings, Load, PARTS, Readings, Slope, apex, dragged, is_less_loaded, load_of_stroke, slope, thousandths,
+    without_torque,
 };
 use crate::driver::{DriverError, Fault, Job};
 use crate::kinematics::{Residual, Residuals, motors_in};
@@ -147,6 +148,7 @@ async fn measure_each_again<P: PortSet, W: Pend>(
             go_to(crank, &mut scan, 0).await?;
         }
         let loads @ [left, _, right] = loads?;
+        each_follows(loads)?;
         let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
         if apex(left, right, slope).is_beyond(full_step) {
             return Err(AlignError::Changed.into());
@@ -243,6 +245,7 @@ async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
             return Err(AlignError::TooFar.into());
         }
     }
+    each_follows(loads)?;
     let slope = slope(loads, arm.into()).ok_or(AlignError::Flat)?;
     let [left, _, right] = loads;
     let mut findings = Findings::default();
@@ -254,6 +257,7 @@ async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
             return Err(AlignError::Unsure.into());
         }
         let (left, right) = (load_at(crank, scan, about - arm).await?, load_at(crank, scan, about + arm).await?);
+        all_have_torque(&[left, right])?;
         findings.note(about, apex(left, right, slope));
         about = findings.step();
         if findings.spread() > i64::from(full_step) * PARTS / 2 {
@@ -262,6 +266,18 @@ async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
     }
     go_to(crank, scan, about).await?;
     Ok(ApexFound { step: about, within: findings.bound(), slope })
+}
+
+/// Refuses a motor that does not follow its field, with an apex in the middle: it is elsewhere after the next move.
+fn each_follows(loads: [Load; 3]) -> Result<(), AlignError> {
+    all_have_torque(&loads)?;
+    dragged(loads).map_or(Ok(()), |motor| Err(AlignError::AtLimit(motor)))
+}
+
+/// Refuses a motor that had no torque left near the apex, where the strain takes a part of it alone. (Far up the curve, strain may
+/// take all of it.)
+fn all_have_torque(loads: &[Load]) -> Result<(), AlignError> {
+    without_torque(loads).map_or(Ok(()), |motor| Err(AlignError::AtLimit(motor)))
 }
 
 /// Turns the trimmed motor to a place, counted from where the scan began.

@@ -21,6 +21,10 @@ pub(super) const PARTS: i64 = 256;
 /// Readings of each motor without which a mean says nothing.
 const LEAST_READINGS: u32 = 8;
 
+/// A driver reads 0 of a motor that has no torque left. One of which so many of the readings are 0, as a part of them, is at its limit:
+/// a quarter, for a motor that falls now and then is no more to be relied on than one that does always.
+const AT_LIMIT: u32 = 4;
+
 /// What has been read of each motor on one way with one trim.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Readings([Sum; Motor::ALL.len()]);
@@ -32,6 +36,8 @@ struct Sum {
     sum: u32,
     /// Of their squares; 4,000 readings of 10 bits.
     squares: u32,
+    /// How many were 0.
+    without_torque: u32,
 }
 
 impl Readings {
@@ -41,41 +47,100 @@ impl Readings {
             sum.count += 1;
             sum.sum = sum.sum.saturating_add(reading);
             sum.squares = sum.squares.saturating_add(reading.saturating_mul(reading));
+            sum.without_torque += u32::from(reading == 0);
         }
+    }
+
+    /// The motor that had no torque left, if one of these had none. Where all read 0, their drivers measure nothing.
+    fn at_limit(&self, motors: MotorSet) -> Option<Motor> {
+        let is_at_limit = |sum: Sum| sum.count >= LEAST_READINGS && sum.without_torque * AT_LIMIT >= sum.count;
+        let each = || Motor::ALL.into_iter().zip(self.0).filter(|(motor, _)| motors.has(*motor));
+        let first = each().find(|(_, sum)| is_at_limit(*sum)).map(|(motor, _)| motor);
+        first.filter(|_| !each().all(|(_, sum)| is_at_limit(sum)))
     }
 
     /// The load of these motors; `None` if one of them was hardly read.
     fn load(&self, motors: MotorSet) -> Option<Load> {
-        let (mut mean, mut variance, mut number) = (0, 0, 0);
-        for (_, sum) in Motor::ALL.into_iter().zip(self.0).filter(|(motor, _)| motors.has(*motor)) {
+        let mut each = [Mean::default(); Motor::ALL.len()];
+        let (mut all, mut number) = (Mean::default(), 0);
+        for ((motor, sum), own) in Motor::ALL.into_iter().zip(self.0).zip(&mut each) {
+            if !motors.has(motor) {
+                continue;
+            }
             if sum.count < LEAST_READINGS {
                 return None;
             }
             let (n, total) = (i64::from(sum.count), i64::from(sum.sum));
             // n times the sum of squared deviations; what numbers are cut to is 2 of a reading.
             let spread = (n * i64::from(sum.squares) - total * total).max(0) + n * n / 3;
-            mean += total * PARTS / n;
-            variance += spread * PARTS * PARTS / (n * n * (n - 1));
+            *own = Mean { mean: total * PARTS / n, variance: spread * PARTS * PARTS / (n * n * (n - 1)) };
+            all.mean += own.mean;
+            all.variance += own.variance;
             number += 1;
         }
-        (number > 0).then(|| Load { mean: mean / number, variance: variance / (number * number) })
+        let all = || Mean { mean: all.mean / number, variance: all.variance / (number * number) };
+        (number > 0).then(|| Load { all: all(), each, at_limit: self.at_limit(motors) })
     }
 }
 
-/// The mean of what was read, over motors.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Load {
+/// A mean of readings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Mean {
     /// In parts of a reading: the higher, the less load.
     mean: i64,
     /// Of the mean, in parts of a reading squared.
     variance: i64,
 }
 
+impl Mean {
+    /// Of two ways.
+    const fn between(self, other: Self) -> Self {
+        Self { mean: (self.mean + other.mean) / 2, variance: (self.variance + other.variance) / 4 }
+    }
+}
+
+/// What was read with one trim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Load {
+    /// Over all motors.
+    all: Mean,
+    /// Of each of them.
+    each: [Mean; Motor::ALL.len()],
+    /// The motor that had no torque left, if one of them had none.
+    at_limit: Option<Motor>,
+}
+
 /// The load of these motors on the way there and back. Friction adds to the strain of some on one way and takes from it on the other, so
 /// each way has a mean of its own.
 pub(super) fn load_of_stroke(there: &Readings, back: &Readings, motors: MotorSet) -> Option<Load> {
     let (there, back) = (there.load(motors)?, back.load(motors)?);
-    Some(Load { mean: (there.mean + back.mean) / 2, variance: (there.variance + back.variance) / 4 })
+    let mut each = there.each;
+    each.iter_mut().zip(back.each).for_each(|(there, back)| *there = there.between(back));
+    Some(Load { all: there.all.between(back.all), each, at_limit: there.at_limit.or(back.at_limit) })
+}
+
+/// By how much the middle of a curve is above its arms, twice, where the arms meet; and the variance of that.
+fn rise([left, middle, right]: [Mean; 3]) -> Mean {
+    Mean {
+        mean: 2 * middle.mean - left.mean - right.mean + (right.mean - left.mean).abs(),
+        variance: 4 * middle.variance + 2 * left.variance + 2 * right.variance,
+    }
+}
+
+/// The motor that had no torque left on one of these strokes. The mean of all hides it: three others tell where the belt bears least, and
+/// this one is elsewhere after the next move.
+pub(super) fn without_torque(loads: &[Load]) -> Option<Motor> {
+    loads.iter().find_map(|load| load.at_limit)
+}
+
+/// The motor with a curve of its own that is upside down. One that rubs with more than it holds lets the belt drag it, and falls by a turn
+/// each time that the tool turns back: it bears less where the others strain the belt for it. (One that rubs with less bears the same
+/// everywhere, or less in the middle.) Its curve then falls as much as those of the others rise; a quarter of that is enough.
+pub(super) fn dragged(loads: [Load; 3]) -> Option<Motor> {
+    let own = |index: usize| rise(loads.map(|load| load.each.get(index).copied().unwrap_or_default()));
+    let most = (0..Motor::ALL.len()).map(|index| own(index).mean).max().unwrap_or_default();
+    let is_dragged = |Mean { mean, variance }: Mean| mean < 0 && -4 * mean > most && mean * mean > 36 * variance;
+    Motor::ALL.into_iter().enumerate().find(|(index, _)| is_dragged(own(*index))).map(|(_, motor)| motor)
 }
 
 /// Where the apex lies, in parts of a step.
@@ -106,20 +171,20 @@ impl Slope {
 
 /// Whether `a` is less loaded than `b` by more than chance explains: three times the standard error.
 pub(super) fn is_less_loaded(a: Load, b: Load) -> bool {
-    let difference = a.mean - b.mean;
-    difference > 0 && difference * difference > 9 * (a.variance + b.variance)
+    let difference = a.all.mean - b.all.mean;
+    difference > 0 && difference * difference > 9 * (a.all.variance + b.all.variance)
 }
 
 /// The slope of the arms, `arm` steps to either side; `None` if readings do not tell it from 0: twice as surely as an apex needs.
-pub(super) fn slope([left, middle, right]: [Load; 3], arm: i64) -> Option<Slope> {
-    let rise = 2 * middle.mean - left.mean - right.mean + (right.mean - left.mean).abs();
-    let variance = 4 * middle.variance + 2 * left.variance + 2 * right.variance;
+pub(super) fn slope(loads: [Load; 3], arm: i64) -> Option<Slope> {
+    let Mean { mean: rise, variance } = rise(loads.map(|load| load.all));
     let slope = rise / (2 * arm.max(1));
     (rise > 0 && slope > 0 && rise * rise > 36 * variance).then_some(Slope(slope))
 }
 
 /// Where arms of this slope meet.
 pub(super) fn apex(left: Load, right: Load, Slope(slope): Slope) -> Apex {
+    let (left, right) = (left.all, right.all);
     let at = (right.mean - left.mean) * PARTS / (2 * slope);
     Apex { at, variance: (left.variance + right.variance) * PARTS * PARTS / (4 * slope * slope) }
 }
@@ -178,7 +243,8 @@ mod tests {
     use super::*;
 
     fn load(mean: i64) -> Load {
-        Load { mean: mean * PARTS, variance: PARTS }
+        let all = Mean { mean: mean * PARTS, variance: PARTS };
+        Load { all, each: [Mean::default(); Motor::ALL.len()], at_limit: None }
     }
 
     /// 400 without load, 2 less a step.
@@ -226,16 +292,67 @@ mod tests {
         }
         assert_eq!(readings.load(both), None);
         let one = readings.load(MotorSet::of(Motor::M1)).unwrap();
-        assert_eq!(one.mean, 301 * PARTS);
+        assert_eq!(one.all.mean, 301 * PARTS);
         for _ in 0..100 {
             readings.note(Motor::M4, 200);
         }
         let two = readings.load(both).unwrap();
-        assert_eq!(two.mean, (301 + 200) * PARTS / 2);
+        assert_eq!(two.all.mean, (301 + 200) * PARTS / 2);
         // Of a square of 1 and the rounding's third, over 99 readings: of two motors, one of which does not change.
         let expected = (PARTS * PARTS * 4 / 3 / 99 + PARTS * PARTS / 3 / 99) / 4;
-        assert!((two.variance - expected).abs() <= 2, "{} {expected}", two.variance);
+        assert!((two.all.variance - expected).abs() <= 2, "{} {expected}", two.all.variance);
         assert!(!is_less_loaded(two, two) && is_less_loaded(one, two) && !is_less_loaded(two, one));
+    }
+
+    #[test]
+    fn a_motor_without_torque_is_named_although_the_mean_is_as_that_of_others() {
+        let motors = MotorSet::of(Motor::M1).with(MotorSet::of(Motor::M4));
+        let read = |zeros: u32| {
+            let mut readings = Readings::default();
+            (0..40).for_each(|n| readings.note(Motor::M4, if n < zeros { 0 } else { 300 }));
+            (0..40).for_each(|_| readings.note(Motor::M1, 300));
+            readings
+        };
+        assert_eq!((read(9).at_limit(motors), read(10).at_limit(motors)), (None, Some(Motor::M4)));
+        assert_eq!(read(40).at_limit(MotorSet::of(Motor::M1)), None);
+        // Of a motor alone, or all of them, it is the driver that measures nothing.
+        assert_eq!(read(40).at_limit(MotorSet::of(Motor::M4)), None);
+        let stroke = load_of_stroke(&read(0), &read(40), motors);
+        assert_eq!(stroke.and_then(|load| load.at_limit), Some(Motor::M4));
+        // A few readings say nothing.
+        let mut readings = Readings::default();
+        (1..LEAST_READINGS).for_each(|_| readings.note(Motor::M1, 0));
+        (0..40).for_each(|_| readings.note(Motor::M4, 300));
+        assert_eq!(readings.at_limit(motors), None);
+    }
+
+    /// What drivers read at the apex and two full steps beside it while motor 1 rubs with so many N and holds 63, by the belt's twin.
+    #[test]
+    fn a_motor_that_is_dragged_is_named_and_one_that_rubs_is_not() {
+        let motors =
+            [Motor::M1, Motor::M4, Motor::M8].map(MotorSet::of).into_iter().fold(MotorSet::NONE, MotorSet::with);
+        let stroke = |own: u32, others: u32| {
+            let mut readings = Readings::default();
+            for n in 0..25_u32 {
+                readings.note(Motor::M1, own + n % 5);
+                readings.note(Motor::M4, others + n % 7);
+                readings.note(Motor::M8, others + n % 3);
+            }
+            load_of_stroke(&readings, &readings, motors).unwrap()
+        };
+        for (newtons, arms, middle, expected) in [
+            (0, (330, 330), (390, 390), None),
+            (20, (278, 330), (278, 388), None),
+            (50, (101, 331), (100, 378), None),
+            (60, (110, 306), (43, 372), Some(Motor::M1)),
+            (70, (118, 232), (51, 300), Some(Motor::M1)),
+            (95, (101, 90), (39, 154), Some(Motor::M1)),
+        ] {
+            let [arm, middle] = [arms, middle].map(|(own, others)| stroke(own, others));
+            assert_eq!(dragged([arm, middle, arm]), expected, "{newtons}");
+            // Of the mean nothing is seen.
+            assert!(slope([arm, middle, arm], 32).is_some(), "{newtons}");
+        }
     }
 
     #[test]

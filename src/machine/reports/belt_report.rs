@@ -45,6 +45,10 @@ impl fmt::Display for AlignError {
             Self::TooFar => f.write_str("more strain than three turns explain"),
             Self::Phase => f.write_str("their drivers do not count microsteps as they should (M915 aligns by load)"),
             Self::Changed => f.write_str("a motor has skipped meanwhile"),
+            Self::AtLimit(motor) => {
+                write!(f, "motor {} has no torque left: it rubs, or its current is too low (M906); ", Name(*motor))?;
+                f.write_str("see that it turns freely, then M915")
+            }
             Self::Unsure => f.write_str("the loads that the drivers measure do not agree"),
         }
     }
@@ -106,7 +110,7 @@ pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, tr
             to.say(format_args!("echo:motor {name} has skipped by {full_steps:+} full steps"));
         }
         BeltAnswer::Diagnosis(Diagnosis::Several) => {
-            to.say(format_args!("echo:more than one skip: which motors cannot be told"));
+            to.say(format_args!("echo:more than one skip: which motors cannot be told (M915 aligns)"));
         }
         BeltAnswer::NotRepaired(error) => to.say(format_args!("echo:belt not repaired: {error}")),
         BeltAnswer::Repaired([x, y]) => {

@@ -7,6 +7,7 @@
 use crate::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::{Accidents, Brake};
+use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::params::Params;
 use corehbot_twin::sampling::random::Random;
 
@@ -19,16 +20,38 @@ const FULL_STEP_MM: f64 = 0.2;
 /// Motion time of the whole dialogue, in s: accidents come at any moment of it.
 const ALL_S: f64 = 140.0;
 
-/// One to three motors that are held for a moment, some time.
-fn accidents(random: &mut Random) -> Vec<Brake> {
-    let mut accident = || {
+/// What befalls the motors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Trouble {
+    /// One to three are held for a moment, some time.
+    Held,
+    /// One rubs from some time on, for good.
+    Rubbing,
+    /// One rubs for some seconds.
+    RubbingForAWhile,
+}
+
+fn accidents(trouble: Trouble, random: &mut Random) -> Vec<Brake> {
+    let mut accident = |newtons: [f64; 2], ms: Option<[f64; 2]>| {
         let name = ["m1", "m4", "m8", "m11"][(random.unit() * 4.0) as usize % 4];
-        let (force, from, ms) = (100.0 + 100.0 * random.unit(), ALL_S * random.unit(), 5.0 + 25.0 * random.unit());
-        format!("{name},{force:.0},{from:.3},{ms:.1}").parse().unwrap()
+        let mut between = |[least, most]: [f64; 2]| least + (most - least) * random.unit();
+        // What begins to rub as all is proved is seen by the next proof.
+        let until_s = if trouble == Trouble::Held { ALL_S } else { 90.0 };
+        let (force, from, ms) = (between(newtons), between([0.0, until_s]), ms.map(between));
+        let ms = ms.map_or(String::new(), |ms| format!(",{ms:.1}"));
+        format!("{name},{force:.0},{from:.3}{ms}").parse().unwrap()
     };
-    let first: Brake = accident();
-    let count = (first.force_n as usize) % 3;
-    std::iter::once(first).chain((0..count).map(|_| accident())).collect()
+    match trouble {
+        Trouble::Held => {
+            let held = ([100.0, 200.0], Some([5.0, 30.0]));
+            let first: Brake = accident(held.0, held.1);
+            let count = (first.force_n as usize) % 3;
+            std::iter::once(first).chain((0..count).map(|_| accident(held.0, held.1))).collect()
+        }
+        // A motor holds 63 N.
+        Trouble::Rubbing => vec![accident([10.0, 100.0], None)],
+        Trouble::RubbingForAWhile => vec![accident([10.0, 150.0], Some([1000.0, 40_000.0]))],
+    }
 }
 
 /// The place that M114 tells, in x and y.
@@ -45,11 +68,12 @@ struct Story {
     off_mm: [f64; 2],
     residual_mm: f64,
     heard: Vec<String>,
+    brakes: Vec<Brake>,
 }
 
-fn story(seed: u64) -> Story {
-    let mut random = Random::new(seed, 0x7472_7573);
-    let brakes = accidents(&mut random);
+fn story(trouble: Trouble, seed: u64) -> Story {
+    let mut random = Random::new(seed, 0x7472_7573 + trouble as u64);
+    let brakes = accidents(trouble, &mut random);
     let mut lines: Vec<String> = vec!["M915".into()];
     // A zigzag of 25 s at 100 mm/s, each way another.
     for _ in 0..40 {
@@ -58,16 +82,28 @@ fn story(seed: u64) -> Story {
     }
     let (last, said) =
         if random.unit() < 0.5 { ("M915 D", "no motor has skipped") } else { ("M915 R", "belt repaired") };
-    lines.extend([last, "M17", "M400", "M122", "M114"].map(str::to_owned));
+    // A G28 in between knows nothing of a skip, and takes away what the switches would have said of it.
+    if trouble != Trouble::Held && random.unit() < 0.4 {
+        lines.push("G28 X Y".to_owned());
+    }
+    lines.extend([last, "M17", "M400", "M122"].map(str::to_owned));
+    // A belt that is called aligned is printed with.
+    if trouble != Trouble::Held {
+        lines.extend(["G1 X150 Y150 F3000", "G1 X200 Y200", "G1 X150 Y150", "M400"].map(str::to_owned));
+    }
+    lines.push("M114".to_owned());
     let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
-    let mut plant = plant_of(Params::default(), START, seed, Accidents { brakes, ..Accidents::default() });
+    let accidents = Accidents { brakes: brakes.clone(), ..Accidents::default() };
+    let mut plant = plant_of(Params::default(), START, seed, accidents);
     let printed = print_as(&Settings::prototype(), &mut plant, Some(START), &lines);
     let mut plant = plant.unwrap();
     plant.ring_out();
     let has = |text: &str| printed.heard.iter().any(|line| line.contains(text));
     let is_trusted = (has(said) || has("no motor has skipped")) && has("Belt: motors aligned");
     let [x, y] = plant.tool_mm();
-    let [to_x, to_y] = told_place(&printed.heard).unwrap();
+    // Where a motor cannot be homed the machine halts, and nothing is said to be right.
+    let [to_x, to_y] = told_place(&printed.heard).unwrap_or([f64::NAN; 2]);
+    assert!(!is_trusted || !to_x.is_nan());
     let figures = plant.figures();
     Story {
         is_trusted,
@@ -75,22 +111,87 @@ fn story(seed: u64) -> Story {
         off_mm: [x - to_x, y - to_y],
         residual_mm: figures.residual_mm.unwrap(),
         heard: printed.heard.into_iter().filter(|line| line != "ok").collect(),
+        brakes,
     }
+}
+
+/// Tells stories, and holds those to the plant that were trusted.
+fn hold_to_the_plant(trouble: Trouble, few: u64) {
+    let stories = of_each(seeds(few), |seed| story(trouble, seed));
+    let is_right =
+        |story: &Story| story.off_mm.iter().all(|off| off.abs() <= FULL_STEP_MM) && story.residual_mm.abs() < 0.1;
+    let number = |what: &dyn Fn(&Story) -> bool| stories.iter().filter(|story| what(story)).count();
+    let (skipped, trusted) = (number(&|s| s.skips > 0), number(&|s| s.is_trusted));
+    let (right, rightly) = (number(&|s| is_right(s)), number(&|s| s.is_trusted && is_right(s)));
+    println!(
+        "{trouble:?}: {} stories, {skipped} with skips, {right} right in the end, {trusted} trusted, {rightly} rightly",
+        stories.len()
+    );
+    for (seed, story) in stories.iter().enumerate().filter(|(_, story)| story.is_trusted && !is_right(story)) {
+        let Story { skips, off_mm: [x, y], residual_mm, heard, brakes, .. } = story;
+        println!("{seed}: {brakes:?}, off {x:.3} {y:.3}, residual {residual_mm:.3}, {skips} skips, {heard:#?}");
+    }
+    assert_eq!(rightly, trusted, "{trouble:?}");
+    assert!(trusted > 0 && skipped > 0, "{trouble:?}");
 }
 
 /// `cargo xtask soak belt` tells 1,000 such stories.
 #[test]
 fn a_place_that_is_said_to_be_right_is_right_to_a_full_step() {
-    let stories = of_each(seeds(4), story);
-    for (seed, Story { is_trusted, skips, off_mm: [x, y], residual_mm, heard }) in stories.iter().enumerate() {
-        let is_right = x.abs() <= FULL_STEP_MM && y.abs() <= FULL_STEP_MM && residual_mm.abs() < 0.1;
+    hold_to_the_plant(Trouble::Held, 4);
+}
+
+/// A motor that rubs for good, from before it is aligned, while it is or later: the place is right and stays so as the tool goes on, or
+/// it is not trusted.
+#[test]
+fn a_place_is_trusted_beside_a_motor_that_rubs_only_if_it_stays_right() {
+    hold_to_the_plant(Trouble::Rubbing, 4);
+}
+
+#[test]
+fn a_place_is_trusted_after_a_motor_rubbed_for_a_while_only_if_it_is_right() {
+    hold_to_the_plant(Trouble::RubbingForAWhile, 4);
+}
+
+/// A print that is begun well: a motor rubs with more than it holds from 57 s on, as its moves are under way.
+const SEIZED: [&str; 13] = [
+    "G28",
+    "G1 Z5 F900",
+    "M915",
+    "G1 X100 Y120 F9000",
+    "G1 X200 Y150",
+    "G1 X150 Y250",
+    "M400",
+    "M915 R",
+    "M122",
+    "G1 X150 Y150 F3000",
+    "G1 X200 Y200",
+    "G1 X150 Y150",
+    "M400",
+];
+
+/// Of the three others the belt was told to be repaired, and the tool was 0.44 mm off: a motor without torque is named, whichever it is,
+/// and nothing is vouched for.
+#[test]
+fn a_motor_that_seizes_is_named_and_the_belt_not_called_repaired() {
+    let names = [("m1", "motor 1 "), ("m11", "motor 11 ")];
+    let heard = of_each(0..2, |index| {
+        let accidents = Accidents {
+            brakes: vec![format!("{},70,57", names[index as usize].0).parse().unwrap()],
+            ..Accidents::default()
+        };
+        let setup = BeltSetup { params: Params::default(), seed: Some(5), accidents };
+        let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
+        print_as(&Settings::prototype(), &mut plant, None, &SEIZED).heard
+    });
+    for (heard, (_, name)) in heard.iter().zip(names) {
+        let has = |text: &str| heard.iter().any(|line| line.contains(text));
+        assert!(has("echo:belt motors aligned"), "{heard:#?}");
         assert!(
-            !is_trusted || is_right,
-            "{seed}: off {x:.3} {y:.3}, residual {residual_mm:.3}, {skips} skips, {heard:#?}"
+            has(&format!("not repaired: {name}has no torque left"))
+                || has(&format!("not aligned: {name}has no torque left")),
+            "{heard:#?}"
         );
+        assert!(!has("belt repaired") && has("Belt: motors not aligned"), "{heard:#?}");
     }
-    let number = |what: fn(&Story) -> bool| stories.iter().filter(|story| what(story)).count();
-    let (skipped, trusted) = (number(|s| s.skips > 0), number(|s| s.is_trusted));
-    println!("{} stories, {skipped} with skips, {trusted} trusted", stories.len());
-    assert!(number(|s| s.is_trusted) > 0 && number(|s| s.skips > 0) > 0);
 }
