@@ -1,10 +1,10 @@
 //! The motors of a belt, as M915 asks for them: aligned; or the switches of x and y are met once more, to see whether the tool is where
-//! the steps say (D), and what is to be done if it is not (R). How it is done stands in `belt`.
+//! the steps say (D), and what is to be done if it is not (R); then the tool goes back to where it was. How it is done stands in `belt`.
 
 use super::homing::home_and_align;
 use super::proof::{is_anywhere_aside, prove, touch_both};
 use crate::gcode::AxisFlags;
-use crate::kinematics::Residuals;
+use crate::kinematics::{Mechanism, Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
 use crate::machine::belt::align::{BeltError, begin_measuring, end_measuring, find_apex, leave_at};
@@ -53,10 +53,12 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
         return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
     }
     let lift = lift(crank).await?;
+    let place = crank.planned_end_mm();
     let aside = touch_both(crank).await?;
     crank.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
     // Until it is known that nothing has happened, nobody is to believe it: M410 may end this with a motor on its way.
     let (homed, trimming) = (crank.homed(), *crank.trimming());
+    let aside = Aside { now: aside, homed: trimming.homed_aside() };
     crank.trimming_mut().forget();
     let mechanism = crank.groups().mechanism();
     crank.homed_mut().release(residuals.motors(), mechanism);
@@ -86,8 +88,32 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
             Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
         };
     }
+    go_back(crank, place).await?;
     lower(crank, lift).await?;
     Ok(Answer::Belt(answer))
+}
+
+/// How many steps beside their places the switches of x and y were met.
+#[derive(Clone, Copy)]
+struct Aside {
+    now: [i32; 2],
+    /// When they were homed since the motors were aligned.
+    homed: [i32; 2],
+}
+
+impl Aside {
+    /// What befell a residual: by the switches as they are met now; or, if x and y were homed after it, by what homing took away.
+    fn diagnose(self, mechanism: &Mechanism, residual: &Residual, strain: i32, full_step: i32) -> Diagnosis {
+        let of = |aside| diagnose(mechanism, residual, Touched { aside, residual: strain }, full_step);
+        let [x, y] = [0, 1].map(|axis| {
+            let of = |aside: [i32; 2]| aside.get(axis).copied().unwrap_or_default();
+            of(self.now).saturating_add(of(self.homed))
+        });
+        match (of(self.now), of([x, y])) {
+            (Diagnosis::Several, skip @ Diagnosis::Skip { .. }) => skip,
+            (now, _) => now,
+        }
+    }
 }
 
 /// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be repaired; all
@@ -95,7 +121,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
 async fn examine<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     residuals: &Residuals,
-    aside: [i32; 2],
+    aside: Aside,
     repairs: bool,
 ) -> Result<Diagnosis, BeltError> {
     begin_measuring(crank, residuals.motors()).await?;
@@ -109,7 +135,7 @@ async fn examine<P: PortSet, W: Pend>(
 async fn examine_each<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     residuals: &Residuals,
-    aside: [i32; 2],
+    aside: Aside,
     repairs: bool,
 ) -> Result<Diagnosis, BeltError> {
     let full_step = i32::from(crank.settings().drivers.belt.microsteps);
@@ -119,8 +145,7 @@ async fn examine_each<P: PortSet, W: Pend>(
         let preload = crank.preload_steps();
         let Some(apex) = find_apex(crank, residual).await? else { continue };
         let step = apex.step;
-        let touched = Touched { aside, residual: -step * times - preload };
-        let found = diagnose(&crank.settings().mechanism, residual, touched, full_step);
+        let found = aside.diagnose(&crank.settings().mechanism, residual, -step * times - preload, full_step);
         said = found.graver(said);
         if repairs && found != Diagnosis::Nothing {
             leave_at(crank, number, residual, apex, None).await?;
@@ -148,6 +173,20 @@ async fn lift<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<Mm, In
 /// Takes back what [`lift`] did.
 async fn lower<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
     shift_z(crank, -lift).await
+}
+
+/// Takes the tool back over a place where it was, if it is known where it is: a print that was paused goes on from there.
+async fn go_back<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
+    let ([x, y, ..], [is_x, is_y, _]) = (place, crank.homed().axes());
+    if !(is_x && is_y) {
+        return Ok(());
+    }
+    let [.., z, e] = crank.planned_end_mm();
+    let (position, speed) = ([x, y, z, e], crank.settings().axes.x.max_speed);
+    crank.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    crank.finish().await?;
+    crank.stand_at_end();
+    Ok(())
 }
 
 async fn shift_z<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, by: Mm) -> Result<(), Interrupt> {

@@ -53,8 +53,9 @@ pub(super) async fn home_named<P: PortSet, W: Pend>(
     axis: HomedAxis,
 ) -> Result<(), Interrupt> {
     let axis = facts(crank, axis);
+    let was_homed = crank.homed().axes().get(axis.index) == Some(&true);
     crank.homed_mut().begin(axis.index);
-    let result = home_axis(crank, &axis).await;
+    let result = home_axis(crank, &axis, was_homed).await;
     end_homing(crank, &axis, result).await
 }
 
@@ -87,12 +88,17 @@ pub(super) async fn touch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis
 
 async fn touch_axis<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
     let back_off = find_switch(crank, axis).await?;
-    let met = crank.real_steps();
-    let places = crank.to_steps([axis.endstop.position; 4]);
-    let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
+    let aside = steps_aside(crank, axis);
     travel(crank, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     crank.stand_at_end();
-    Ok(aside.unwrap_or_default().wrapping_round().to_num())
+    Ok(aside)
+}
+
+/// How many steps beside its place a switch was just met.
+fn steps_aside<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, axis: &Axis) -> i32 {
+    let (places, met) = (crank.to_steps([axis.endstop.position; 4]), crank.real_steps());
+    let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
+    aside.unwrap_or_default().wrapping_round().to_num()
 }
 
 /// What there is to know of an axis.
@@ -107,8 +113,16 @@ fn facts<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, axis: HomedAxis) -> Axis 
     Axis { index: axis as usize, name: axis.letter(), switch, endstop, homing, length }
 }
 
-async fn home_axis<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<(), HomeError> {
+async fn home_axis<P: PortSet, W: Pend>(
+    crank: &mut Crank<'_, P, W>,
+    axis: &Axis,
+    was_homed: bool,
+) -> Result<(), HomeError> {
     find_switch(crank, axis).await?;
+    if was_homed {
+        let aside = steps_aside(crank, axis);
+        crank.trimming_mut().note_homed(axis.index, aside);
+    }
     stand_at_switch(crank, axis).await?;
     crank.homed_mut().arrive(axis.index);
     crank.commanded_mut().forget_origin(axis.index);

@@ -30,6 +30,8 @@ pub(in crate::machine) struct Trimming {
     /// A phase of the belt was found that settings had not.
     has_new_phase: bool,
     found: [Option<Found>; RESIDUALS],
+    /// By how many steps of x and y the tool was beside its place when they were homed since, which took that away.
+    homed_aside: [i32; 2],
 }
 
 impl Trimming {
@@ -41,6 +43,7 @@ impl Trimming {
             is_measuring: false,
             has_new_phase: false,
             found: [None; RESIDUALS],
+            homed_aside: [0; 2],
         }
     }
 
@@ -61,7 +64,19 @@ impl Trimming {
 
     /// They agree within what was found.
     pub const fn align(&mut self) {
-        self.is_aligned = true;
+        (self.is_aligned, self.homed_aside) = (true, [0; 2]);
+    }
+
+    /// An axis was homed: its switch was met so many steps beside the place where the tool was believed to be.
+    pub fn note_homed(&mut self, axis: usize, aside: i32) {
+        if let Some(sum) = self.homed_aside.get_mut(axis).filter(|_| self.is_aligned) {
+            *sum = sum.saturating_add(aside);
+        }
+    }
+
+    /// How far the tool was beside its place when x and y were homed since the motors were aligned, in steps.
+    pub const fn homed_aside(&self) -> [i32; 2] {
+        self.homed_aside
     }
 
     /// Nobody knows any more.
