@@ -338,6 +338,7 @@ impl Planner<'_> {
 
     /// Gives the open line its place in the window, with the settings with which it was begun; nothing continues it
     /// then. False if there is none.
+    #[inline(always)]
     pub fn close_line(&mut self, settings: &Settings) -> bool {
         let is_open = self.line.is_open();
         if is_open {

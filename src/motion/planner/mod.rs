@@ -369,13 +369,15 @@ impl<'m> Planner<'m> {
         self.window.is_planned() && !self.window.has_ready()
     }
 
-    /// Whether no move waits.
+    /// Whether no move waits. Each turn of the Console asks for it several times.
+    #[inline(always)]
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Moves that wait; the open line, which has its place to come, is one.
+    #[inline(always)]
     #[must_use]
     pub fn len(&self) -> usize {
         self.window.len() + usize::from(self.line.is_open())
