@@ -2,7 +2,7 @@
 //! range finds it here.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-use corehbot::settings::{CornerRule, Settings, ShaperKind};
+use corehbot::settings::{Advance, CornerRule, Settings, ShaperKind};
 use corehbot::units::{Hertz, Mm, MmPerSec, Seconds};
 use serde_json::Value;
 
@@ -23,7 +23,7 @@ fn settings() -> Settings {
     for shaper in [&mut s.shapers.x, &mut s.shapers.y] {
         (shaper.span, shaper.motor_frequency) = (Mm::from_num(800), Hertz::from_num(200));
     }
-    s.advance.time = Seconds::from_num(0.05);
+    s.advance = Advance { time: Seconds::from_num(0.05), window: Some(Seconds::from_num(0.03)) };
     (s.min_feed, s.min_travel) = (MmPerSec::from_num(1), MmPerSec::from_num(1));
     s
 }

@@ -68,7 +68,7 @@ pub use step_counts::StepCounts;
 pub use stepgen::StepGenerator;
 pub use stepper::Stepper;
 pub use ticks::MIN_STEP_INTERVAL;
-pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, stiffenings, taps};
+pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, advance_window, stiffenings, taps};
 pub use work::{Entry, Work};
 
 /// Released moves between Console and StepGenerator. Full: the Console waits. Empty: the generator waits, and motion comes to

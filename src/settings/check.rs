@@ -409,7 +409,9 @@ impl Settings {
         shaper(&self.shapers.x, "shaper.x")?;
         shaper(&self.shapers.y, "shaper.y")?;
         within(ranges::ADVANCE, self.advance.time, "advance.time")?;
-        within(ranges::ADVANCE_WINDOW, self.advance.window, "advance.window")?;
+        if let Some(window) = self.advance.window {
+            within(ranges::ADVANCE_WINDOW, window, "advance.window")?;
+        }
         homing(&self.homing.x, "homing.x")?;
         homing(&self.homing.y, "homing.y")?;
         homing(&self.homing.z, "homing.z")?;

@@ -72,8 +72,9 @@ pub struct Shapers {
 pub struct Advance {
     /// K of M900.
     pub time: Seconds,
-    /// The speed is averaged over so long, half of it ahead.
-    pub window: Seconds,
+    /// The speed is averaged over so long, half of it ahead; `None` is as long as suits the shapers (`advance_window` in
+    /// `motion::trajectory`).
+    pub window: Option<Seconds>,
 }
 
 impl Shaper {
@@ -99,9 +100,9 @@ impl Shapers {
 }
 
 impl Advance {
-    /// Off; a window as long as Klipper's (pressure_advance_smooth_time), but even (`taps` in `motion::trajectory`).
+    /// Off; a window that suits the shapers.
     #[must_use]
     pub const fn prototype() -> Self {
-        Self { time: Seconds::ZERO, window: const { Seconds::lit("0.04") } }
+        Self { time: Seconds::ZERO, window: None }
     }
 }

@@ -17,7 +17,7 @@ mod planner;
 
 use corehbot::kinematics::Mechanism;
 use corehbot::motion::taps;
-use corehbot::settings::{CornerRule, Settings, Shaper, ShaperKind, Shapers, sum};
+use corehbot::settings::{Advance, CornerRule, Settings, Shaper, ShaperKind, Shapers, sum};
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use dice::Dice;
 use line::{Step, generate, generate_on, generate_shaped, plan};
@@ -227,7 +227,8 @@ fn shaped(kinds: [ShaperKind; 2], spans: [u16; 2]) -> Settings {
         *shaper = Shaper::new(kinds[axis], Hertz::from_num([57, 41][axis]), Ratio::from_num(0.08));
         (shaper.span, shaper.motor_frequency) = (Mm::from_num(spans[axis]), Hertz::from_num(spans[axis] / 4));
     }
-    settings.advance.time = Seconds::from_num(0.045);
+    // A window that is longer than any shaper.
+    settings.advance = Advance { time: Seconds::from_num(0.045), window: Some(Seconds::from_num(0.04)) };
     settings
 }
 

@@ -3,7 +3,7 @@
 use corehbot::kinematics::{Groupings, MotorTable};
 use corehbot::motion::{
     Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work,
-    stiffenings, taps,
+    advance_window, stiffenings, taps,
 };
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
 use corehbot::settings::Settings;
@@ -128,11 +128,17 @@ pub fn generate_shaped(moves: &[Move], settings: &Settings) -> Vec<Step> {
     generate_from(shaping(settings).chain(moves.iter().map(|m| Work::Move(*m))), settings)
 }
 
+/// The window of the pressure advance, if there is one.
+pub fn window(settings: &Settings) -> Option<Seconds> {
+    (settings.advance.time > Seconds::ZERO).then(|| advance_window(settings))
+}
+
 /// The work that makes axes follow the input shapers and the pressure advance of `settings`.
 pub fn shaping(settings: &Settings) -> impl Iterator<Item = Work> {
-    let window = (settings.advance.time > Seconds::ZERO).then_some(settings.advance.window);
-    let follow =
-        taps(&settings.shapers, window).into_iter().enumerate().map(|(axis, taps)| Work::Follow(axis as u8, taps));
+    let follow = taps(&settings.shapers, window(settings))
+        .into_iter()
+        .enumerate()
+        .map(|(axis, taps)| Work::Follow(axis as u8, taps));
     let stiffen = stiffenings(settings).into_iter().enumerate().map(|(axis, law)| Work::Stiffen(axis as u8, law));
     stiffen.chain(follow)
 }

@@ -13,6 +13,7 @@ mod line;
 mod longest;
 mod model;
 mod passes;
+mod pressure;
 mod properties;
 mod shaped;
 mod shapers;

@@ -1,6 +1,6 @@
 //! Shaped motion: every step against an independent model of shapers and pressure advance, in floating point.
 
-use super::line::{generate_shaped, plan};
+use super::line::{self, generate_shaped, plan};
 use super::model::{Trapezoid, trapezoids};
 use super::timing::{groups, steps_of, wander};
 use corehbot::settings::{Settings, Shaper, ShaperKind};
@@ -79,7 +79,7 @@ struct Follow {
 impl Follow {
     fn new(s: &Settings) -> Self {
         let (x, y) = (impulses(&s.shapers.x), impulses(&s.shapers.y));
-        let window = if s.advance.time > Seconds::ZERO { s.advance.window.to_num() } else { 0.0 };
+        let window = line::window(s).unwrap_or_default().to_num();
         let delay = mean(&x).max(mean(&y)).max(window / 2.0);
         Self { x, y, delay, window, settings: *s }
     }

@@ -13,16 +13,18 @@
 //!
 //! # Shaping
 //! An input shaper is a mean of the path at several times, which is no faster than the path. Pressure advance K over a
-//! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`. So it adds `K (v(t + h/2) - v(t - h/2)) / h`
-//! to the extruder's speed, at most `K V / h`, for both are between 0 and V; and `K (a(t + h/2) - a(t - h/2)) / h` to its
-//! acceleration, at most `2 K A / h`. A corner's jump enters the window and leaves it again, as a jump of K / h times as
-//! much. A change of K is such a jump too: the filament that is ahead, `K v`, is another at once.
+//! window h pushes the filament ahead by `K (e(t + h/2) - e(t - h/2)) / h`, which adds `(q(t + h/2) - q(t - h/2)) / h` to the
+//! extruder's speed, q being K times the speed of filament that is printed. The planner keeps the sum within the extruder's speed and
+//! acceleration (docs/shaping.md#what-the-extruder-bears), so neither limit is wider for an advance. A corner's jump enters the window
+//! and leaves it again, each time as a jump of its own that is no more than the extruder's jerk. Both, and a corner's own jump, may fall into
+//! one measurement.
 
 use crate::host::{command_of, words};
-use corehbot::gcode::{Command, VelocityWords, parse};
+use corehbot::gcode::{Command, Number, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;
-use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Range, Settings, ranges};
+use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
+use corehbot::units::Seconds;
 use std::f64::consts::SQRT_2;
 
 /// What one coordinate may do, in mm and s.
@@ -62,23 +64,12 @@ struct Widest {
     deviation: f64,
     square: f64,
     extruder: f64,
-    /// K.
-    advance: f64,
-    /// h.
-    window: f64,
-    /// Whether K changes under way.
-    advance_changes: bool,
+    /// Whether there is a pressure advance.
+    has_advance: bool,
 }
 
 impl Widest {
-    const NONE: Self = Self {
-        deviation: 0.0,
-        square: 0.0,
-        extruder: 0.0,
-        advance: 0.0,
-        window: f64::INFINITY,
-        advance_changes: false,
-    };
+    const NONE: Self = Self { deviation: 0.0, square: 0.0, extruder: 0.0, has_advance: false };
 
     /// Takes in what one set of settings allows.
     fn widen(&mut self, s: &Settings) {
@@ -87,21 +78,7 @@ impl Widest {
             CornerRule::JunctionDeviation(d) => self.deviation = self.deviation.max(d.to_num()),
             CornerRule::SquareCorner(w) => self.square = self.square.max(w.to_num()),
         }
-        self.widen_advance(Some(s.advance.time.to_num()), Some(s.advance.window.to_num()));
-    }
-
-    fn widen_advance(&mut self, time: Option<f64>, window: Option<f64>) {
-        let is_legal = |value: Option<f64>, range: Range<corehbot::units::Seconds>| {
-            value.is_none_or(|v| (range.least.to_num::<f64>()..=range.most.to_num()).contains(&v))
-        };
-        // The firmware leaves such a line alone.
-        if !is_legal(time, ranges::ADVANCE) || !is_legal(window, ranges::ADVANCE_WINDOW) {
-            return;
-        }
-        let time = time.unwrap_or(self.advance);
-        self.advance_changes |= self.advance > 0.0 && time != self.advance;
-        self.advance = self.advance.max(time);
-        self.window = self.window.min(window.unwrap_or(f64::INFINITY));
+        self.has_advance |= s.advance.time > Seconds::ZERO;
     }
 }
 
@@ -208,8 +185,10 @@ impl Limits {
 
     /// Takes in what one command allows.
     fn widen(&mut self, command: &str, s: &Settings, widest: &mut Widest, unit: &mut f64) {
-        if let Command::Advance { time, window } = parse(command.as_bytes()) {
-            return widest.widen_advance(time.map(|n| n.value().to_num()), window.map(|n| n.value().to_num()));
+        if let Command::Advance { time: Some(time), .. } = parse(command.as_bytes()) {
+            // The firmware leaves other lines alone.
+            widest.has_advance |= time > Number::ZERO && ranges::ADVANCE.holds(time.value().saturating_to_num());
+            return;
         }
         if let Command::VelocityLimit(VelocityWords { square_corner: Some(number), .. }) = parse(command.as_bytes()) {
             widest.square = widest.square.max(number.value().to_num());
@@ -290,14 +269,10 @@ impl Limits {
         }
     }
 
-    /// Adds what pressure advance asks of the extruder.
+    /// Adds the jumps of pressure advance.
     fn add_advance(&mut self, widest: &Widest) {
         let e = &mut self.of[3];
-        let share = widest.advance / widest.window;
-        let change = if widest.advance_changes { share * e.speed } else { 0.0 };
-        e.jump += 2.0 * share * e.jump + change;
-        e.acceleration += 2.0 * share * e.acceleration;
-        e.speed += share * e.speed;
+        e.jump *= if widest.has_advance { 3.0 } else { 1.0 };
     }
 }
 

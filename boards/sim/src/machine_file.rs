@@ -28,6 +28,7 @@ use corehbot::settings::{
 pub use error::MachineFileError;
 use form::{
     AxisToml, BedToml, BeltToml, CornerToml, DriverToml, MachineToml, MechanismToml, PauseToml, RowToml, ShaperToml,
+    WindowToml,
 };
 pub use place::Place;
 pub(crate) use place::{with_suggestion, words};
@@ -116,7 +117,13 @@ pub fn parse(text: &str) -> Result<Machine, MachineFileError> {
     shaper(&mut s.shapers.x, "shaper.x", &file.shaper.x)?;
     shaper(&mut s.shapers.y, "shaper.y", &file.shaper.y)?;
     put(&mut s.advance.time, "advance.time", file.advance.time, &ADVANCE)?;
-    put(&mut s.advance.window, "advance.window", file.advance.window, &ADVANCE_WINDOW)?;
+    match file.advance.window {
+        Some(WindowToml::Seconds(seconds)) => {
+            s.advance.window = Some(quantity("advance.window", seconds, &ADVANCE_WINDOW)?);
+        }
+        Some(WindowToml::Auto) => s.advance.window = None,
+        None => {}
+    }
     axis(&mut s.axes.x, "axes.x", &file.axes.x)?;
     axis(&mut s.axes.y, "axes.y", &file.axes.y)?;
     axis(&mut s.axes.z, "axes.z", &file.axes.z)?;

@@ -48,7 +48,11 @@ fn machines() -> impl Strategy<Value = Settings> {
     });
     let speeds = (100.0..400.0f64, 100.0..600.0f64);
     let shaped = (shapers(), proptest::option::of(shapers()));
-    let advance = prop_oneof![Just((0.0, 0.04)), (0.0..0.1f64, 0.01..0.06f64)];
+    let advance = prop_oneof![
+        Just((0.0, None)),
+        (0.0..0.1f64, proptest::option::of(0.005..0.06f64)),
+        (0.1..4.0f64, proptest::option::of(0.005..0.2f64)),
+    ];
     (accelerations, corner, speeds, shaped, advance, 0.0..0.9f64).prop_map(
         |((x, y, motor, print), corner, (speed, belt), (shaper, other), (time, window), cruise)| {
             let mut s = Settings::prototype();
@@ -60,7 +64,7 @@ fn machines() -> impl Strategy<Value = Settings> {
             s.motor_max_speed = MmPerSec::from_num(belt);
             s.corner = corner;
             (s.shapers.x, s.shapers.y) = (shaper, other.unwrap_or(shaper));
-            (s.advance.time, s.advance.window) = (Seconds::from_num(time), Seconds::from_num(window));
+            (s.advance.time, s.advance.window) = (Seconds::from_num(time), window.map(Seconds::from_num));
             s.minimum_cruise_ratio = Ratio::from_num(cruise);
             s
         },

@@ -87,6 +87,8 @@ fn file(rule: CornerRule) -> Table {
     for axis in ["x", "y"] {
         file["shaper"][axis]["kind"] = "zv".into();
     }
+    // One that follows the shapers would change with them.
+    file["advance"]["window"] = 0.03.into();
     // No board: it has not every connector that a setting may name.
     file.remove("board");
     file

@@ -132,6 +132,25 @@ fn the_checker_knows_how_fast_the_advance_may_push() {
     }
 }
 
+/// One row of lines at 150 mm/s and 5 m/s2, and what the machine was told before.
+fn fast_lines(setup: &str) -> Print {
+    let line = |i: u32| format!("G1 X{} E2 F9000\n", if i.is_multiple_of(2) { 160 } else { 100 });
+    print(&format!("M204 P5000\n{setup}\nM83\n{}M400\n", (0..8).map(line).collect::<String>()))
+}
+
+/// 115 mm/s of an extruder that has 80, before the planner knew of the advance.
+#[test]
+fn a_long_advance_stays_within_the_extruders_limits() {
+    for setup in ["M900 K.9", "M572 S.9 W.04", "M572 S.9 W.005", "M572 S4 W.2", "M593 F57.8 T2\nM900 K.9"] {
+        let print = fast_lines(setup);
+        assert_eq!(print.way, [0, 0, 0, 6400], "{setup}");
+        assert_eq!(print.findings.total, 0, "{setup}: {:?}", print.findings.first);
+    }
+    // What a direct drive asks for costs no time but that of a longer delay.
+    let [plain, advanced] = ["M900 K0", "M900 K.05"].map(|setup| fast_lines(setup).time);
+    assert!(advanced < plain + 130_000, "{advanced} {plain}");
+}
+
 #[test]
 fn an_advance_that_changes_does_not_wait_for_the_motion() {
     let time = |between: &dyn Fn(u32) -> String| {
@@ -144,7 +163,8 @@ fn an_advance_that_changes_does_not_wait_for_the_motion() {
     let changed = time(&|round| format!("M900 K{}\n", f64::from(round % 4) * 0.015));
     let waited = time(&|_| "M400\n".to_owned());
     println!("steady {steady}, changed {changed}, waited {waited} ticks");
-    assert_eq!(steady, changed);
+    // Where the flow jumps, a corner is slower with more of it; eight waits would cost ten times as much.
+    assert!(steady.abs_diff(changed) < 200_000, "{steady} {changed}");
     assert!(waited > steady + 7 * 100_000, "{waited} {steady}");
     // Neither does a shaper that stays the same.
     assert_eq!(time(&|_| "M593 F0\n".to_owned()), steady);
@@ -211,6 +231,68 @@ fn homing_with_shapers_finds_the_endstops() {
     assert_eq!(print.findings.total, 0, "{:?}", print.findings.first);
 }
 
+/// The window of M503.
+fn window(heard: &[String]) -> &str {
+    heard.iter().rev().find_map(|line| line.strip_prefix("echo:  M572 ")).unwrap()
+}
+
+#[test]
+fn the_window_follows_the_shapers_in_the_middle_of_a_print() {
+    let shapers =
+        ["M593 F57.8 T2", "M593 F57.8 T0", "M593 F57.8 T3", "M593 F0", "M593 X F107.5 T2", "M572 W.03", "M572 W0"];
+    let between = |round: u32| format!("{}\nM503\n", shapers[round as usize % shapers.len()]);
+    let print = print(&format!("M900 K.05\n{}", rounds(between)));
+    assert_eq!((print.way, print.findings.total), (WAY, 0), "{:?}", print.findings.first);
+    let told: Vec<_> = print.heard.iter().filter_map(|line| line.strip_prefix("echo:  M572 ")).collect();
+    let auto = |seconds: &str| format!("W0 ; auto: {seconds} s");
+    let expected = ["0.0171", "0.0149", "0.0218", "0.012", "0.012"].map(auto).into_iter();
+    let expected: Vec<_> = expected.chain(["W0.03".to_owned(), auto("0.012"), auto("0.0171")]).collect();
+    assert_eq!(told, expected);
+}
+
+#[test]
+fn a_second_print_is_as_the_first() {
+    let setup = "M593 F57.8 T2\nM900 K.05\n";
+    let [once, twice, thrice] = [1, 2, 3].map(|times| {
+        // Each begins where the one before began, with its own lines, as slicers write them.
+        let all = vec![format!("{setup}{}G1 X110 Y100\nG1 X100\nM400\n", rounds(|_| String::new())); times].concat();
+        let print = print(&all);
+        assert_eq!(print.findings.total, 0, "{:?}", print.findings.first);
+        (print.time, print.way)
+    });
+    assert_eq!(thrice.0 - twice.0, twice.0 - once.0);
+    assert_eq!(twice.1[3], 2 * once.1[3]);
+}
+
+#[test]
+fn a_longer_window_is_waited_for_once() {
+    // From 0.2 s on, the extruder needs more than 12 ms.
+    let time = |between: &dyn Fn(u32) -> String| {
+        let print = print(&format!("M900 K.3\n{}", rounds(between)));
+        assert_eq!((print.way, print.findings.total), (WAY, 0), "{:?}", print.findings.first);
+        print.time
+    };
+    let steady = time(&|_| "M900 K.3\n".to_owned());
+    // Nothing waits for an advance that goes down and comes back.
+    let changed = time(&|round| format!("M900 K{}\n", [".3", ".05"][round as usize % 2]));
+    assert!(changed <= steady, "{changed} {steady}");
+    let grown = time(&|round| format!("M900 K.3{round}\n"));
+    assert!(grown < steady + 8 * 600_000, "{grown} {steady}");
+}
+
+#[test]
+fn stored_windows_come_back() {
+    let mut eeprom = Eeprom::blank();
+    let lines = "M593 F57.8 T2\nM900 K.05\nM572 W.03\nM500\nM503\nM502\nM503\nM501\nM503\nM572 W0\nM500\nM503\n";
+    let heard = play(&Settings::prototype(), &mut eeprom, lines, None).heard;
+    let told: Vec<_> = heard.iter().filter_map(|line| line.strip_prefix("echo:  M572 ")).collect();
+    assert_eq!(told, ["W0.03", "W0 ; auto: 0.012 s", "W0.03", "W0 ; auto: 0.0171 s"]);
+    let gcode = format!("M501\n{}M503\n", rounds(|_| String::new()));
+    let print = play(&Settings::prototype(), &mut eeprom, &gcode, None);
+    assert_eq!((print.way, print.findings.total), (WAY, 0), "{:?}", print.findings.first);
+    assert_eq!(window(&print.heard), "W0 ; auto: 0.0171 s");
+}
+
 #[test]
 fn settings_are_reported_as_the_lines_that_set_them() {
     let lines = "M593 X F60 T2\nM593 Y F61.1 D.055 T4\nM900 K1e-05\nM900\nM900 K.05\nM572 W.03\n";
@@ -221,7 +303,7 @@ fn settings_are_reported_as_the_lines_that_set_them() {
     }
     assert!(heard.iter().any(|heard| heard == "echo:Advance K=0.00001"), "{heard:?}");
     let refused = print("M593 F5 D.9\nM593\nM572 S9 W1\nM503\nM502\nM593\nM900\n").heard;
-    for line in ["echo:  M593 X F0", "echo:  M900 K0", "  M593 Y F0"] {
+    for line in ["echo:  M593 X F0", "echo:  M900 K0", "echo:  M572 W0 ; auto: 0.012 s", "  M593 Y F0"] {
         assert!(refused.iter().any(|heard| heard == line), "{line}: {refused:?}");
     }
     assert_eq!(refused.last().unwrap(), "ok");

@@ -7,6 +7,7 @@ use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
+use crate::motion::advance_window;
 use crate::port::Pend;
 use crate::settings::{Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::units::{Hertz, Ratio};
@@ -95,13 +96,17 @@ impl ShaperWords {
 const NO_SUCH_KIND: &str =
     "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
 
-/// M900 K and M572 W, as far as they are in range.
+/// M900 K and M572 W, as far as they are in range; W0 is the window that suits the shapers.
 fn set_advance(time: Option<Number>, window: Option<Number>, wanted: &mut Settings, clamps: &mut Clamps) {
     if let Some(time) = time {
         clamps.near(["M900", "K"], time, ranges::ADVANCE, &mut wanted.advance.time);
     }
-    if let Some(window) = window {
-        clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW, &mut wanted.advance.window);
+    if window == Some(Number::ZERO) {
+        wanted.advance.window = None;
+    } else if let Some(window) = window {
+        let mut seconds = advance_window(wanted);
+        clamps.near(["M572", "W"], window, ranges::ADVANCE_WINDOW, &mut seconds);
+        wanted.advance.window = Some(seconds);
     }
 }
 
@@ -127,7 +132,8 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
 }
 
 /// M900, M572. The advance counts for the following moves. Motion comes to rest only before its window changes, and
-/// before the generator follows it for the first time: all axes are later from then on.
+/// before the generator follows it for the first time: all axes are later from then on
+/// ([`advance_in_use`](crate::machine::state::advance_in_use)).
 pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     crank: &mut Crank<'_, P, W>,
     clamps: &mut Clamps,

@@ -34,6 +34,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.settings.is_whole()
             && self.defaults.is_whole()
             && self.are_groups_whole()
+            && self.planner.has_advance_window(self.advance_in_use.window())
             && self.with_motion_settings(|settings| self.planner.is_whole(settings, self.real.groups()))
     }
 }

@@ -7,6 +7,7 @@ use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
+use crate::motion::advance_window;
 use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, ShaperKind};
 use crate::units::Mm;
 
@@ -67,9 +68,11 @@ pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s:
             say_shaper(to, 'Y', s.shapers.y);
         }
         Setting::Advance => {
-            let [time, window] = [s.advance.time, s.advance.window].map(shortest);
-            to.setting(format_args!("M900 K{time}"));
-            to.setting(format_args!("M572 W{window}"));
+            to.setting(format_args!("M900 K{}", shortest(s.advance.time)));
+            match s.advance.window {
+                Some(window) => to.setting(format_args!("M572 W{}", shortest(window))),
+                None => to.setting(format_args!("M572 W0 ; auto: {} s", shortest(advance_window(s)))),
+            }
         }
     }
 }

@@ -78,12 +78,13 @@ impl AccelLimits<'_> {
 }
 
 /// The greatest speed squared at which `before` may turn into `after`. The curvature of the path takes up that corner, and
-/// `after`.
+/// `after`. In the corner the extruder's speed jumps by `jump` times the speed of the tool.
 #[inline(always)]
 pub(in crate::motion) fn junction_speed_sq(
     before: &Geometry,
     after: &Geometry,
     curvature: &mut PathCurvature,
+    jump: f32,
     accel_limits: &AccelLimits<'_>,
     s: &Settings,
 ) -> SpeedSq {
@@ -97,7 +98,6 @@ pub(in crate::motion) fn junction_speed_sq(
         };
     }
     let mut most = bend(before, after, curvature, accel_limits, s);
-    let jump = (before.extrusion - after.extrusion).abs();
     if jump > 0.0 {
         let jerk = speed(s.extruder_jerk) / jump;
         most = least(most, jerk * jerk);
@@ -215,7 +215,8 @@ mod tests {
     ) -> u64 {
         let limits = &Limits::of_acceleration(s);
         let accel_limits = AccelLimits { acceleration: acceleration(a), max_speed: 300.0, limits, belts: &belts(s) };
-        junction_speed_sq(before, after, curvature, &accel_limits, s).0
+        let jump = (before.extrusion - after.extrusion).abs();
+        junction_speed_sq(before, after, curvature, jump, &accel_limits, s).0
     }
 
     fn heading(degrees: f64) -> Geometry {

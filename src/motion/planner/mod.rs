@@ -24,8 +24,9 @@
 //! - **gain**: by how much the square of the speed can grow over a move, `2 a L`.
 //! - **pass**: work over all moves of the window, done a few moves at a time.
 //! - **chord**: a move that is a part of a curve, or of a straight line. **bend**: where several of them turn the path.
-//!   **open line**: see [`joining`]. **lead**: see [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in
-//!   which the speed changes, and holds.
+//!   **open line**: see [`joining`]. **pressure**: what the advance asks of the extruder, see [`pressure`].
+//!   **lead**: see [`path_curvature`]. **ramp**, **cruise**: the phases of a trapezoid in which the speed changes, and
+//!   holds.
 
 mod filament;
 mod geometry;
@@ -36,6 +37,7 @@ mod pass_progress;
 mod passes;
 mod path_curvature;
 mod planned;
+mod pressure;
 mod profile;
 mod step_scale;
 mod window;
@@ -44,7 +46,7 @@ pub use overrides::WHOLE_SHARE;
 
 use crate::kinematics::Groups;
 use crate::motion::moves::{LONG_TIME, Move};
-use crate::motion::number::acceleration;
+use crate::motion::number::{acceleration, speed};
 use crate::port::EndstopSet;
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, MmPerSec2, Seconds, SpeedSq, Steps};
@@ -55,6 +57,7 @@ use overrides::Override;
 use path_curvature::PathCurvature;
 use planned::{FORCED_BATCH, NOT_FROZEN, Planned};
 pub use planned::{LOOKAHEAD_MOVES, MoveMemory};
+use pressure::{Flow, Most, Pressure};
 use profile::{MoveSpec, max_ramp_length};
 use step_scale::StepScale;
 use window::Window;
@@ -101,6 +104,8 @@ pub struct Planner<'m> {
     path_curvature: PathCurvature,
     /// The last move, if chords may continue it.
     line: OpenLine,
+    /// What the moves so far leave of the extruder.
+    pressure: Pressure,
     /// Nominal time of the moves in the window, in ticks.
     pub(in crate::motion) waiting: u64,
     /// How much of the feed is wanted.
@@ -126,6 +131,7 @@ impl<'m> Planner<'m> {
             last_exit_limit_sq: SpeedSq::ZERO,
             path_curvature: PathCurvature::default(),
             line: OpenLine::NONE,
+            pressure: Pressure::NONE,
             waiting: 0,
             wanted: Override::NONE,
             released_filament: Steps::ZERO,
@@ -146,6 +152,17 @@ impl<'m> Planner<'m> {
     pub fn regroup(&mut self, settings: &Settings, groups: &Groups) {
         self.set_resolution(settings);
         self.belts = Belts::new(groups);
+    }
+
+    /// The generator follows an advance over that window from now on, if any; the machine stands.
+    pub fn set_advance_window(&mut self, window: Option<Seconds>) {
+        self.pressure = Pressure::new(window);
+    }
+
+    /// Whether the window of the advance is still in memory as it was.
+    #[must_use]
+    pub fn has_advance_window(&self, window: Option<Seconds>) -> bool {
+        self.pressure.is_for(window)
     }
 
     /// Whether what follows from the settings is still in memory as it was: resolutions, and the rows of the belt motors.
@@ -189,6 +206,7 @@ impl<'m> Planner<'m> {
         self.window.clear();
         // Whatever way it came is of no account.
         self.last = Geometry::new([0; 4]);
+        self.pressure.rest();
         self.waiting = 0;
         self.end = position;
         self.released_filament = position[3];
@@ -240,27 +258,37 @@ impl<'m> Planner<'m> {
         let feed = target.speed.max(least);
         let shares = Shares::new(vector.direction, vector.extrusion, &self.belts);
         let limits = Limits::of_acceleration(settings);
-        let max_accel = shares.bound(acceleration(most), &limits);
+        let wanted_accel = shares.bound(acceleration(most), &limits);
         let max_speed = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
-        let accel_limits = AccelLimits { acceleration: max_accel, max_speed, limits: &limits, belts: &self.belts };
-        let junction_sq = junction_speed_sq(&self.last, vector, &mut self.path_curvature, &accel_limits, settings);
+        let mut most = Most { acceleration: wanted_accel, speed: max_speed };
+        let advance = if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO };
+        let jump = if self.pressure.is_in_use() {
+            let flow = Flow { geometry: vector, advance: advance.to_num(), feed: speed(feed) };
+            self.pressure.bound(&flow, &self.last, &mut most, settings)
+        } else {
+            (self.last.extrusion - vector.extrusion).abs()
+        };
+        let accel_limits =
+            AccelLimits { acceleration: wanted_accel, max_speed: most.speed, limits: &limits, belts: &self.belts };
+        let junction_sq =
+            junction_speed_sq(&self.last, vector, &mut self.path_curvature, jump, &accel_limits, settings);
         let mut planned = Planned {
             spec: MoveSpec {
                 length: vector.length,
                 max_ramp_length,
-                acceleration: MmPerSec2::from_bits((max_accel * 256.0) as u32).max(MmPerSec2::DELTA),
+                acceleration: MmPerSec2::from_bits((most.acceleration * 256.0) as u32).max(MmPerSec2::DELTA),
                 nominal: feed,
                 end: self.end,
                 watch: target.watch,
             },
             feed: if target.has_overrides { feed } else { MmPerSec::ZERO },
-            max_speed: MmPerSec::from_bits((max_speed * 65536.0) as u32),
+            max_speed: MmPerSec::from_bits((most.speed * 65536.0) as u32),
             junction_sq,
             max_entry_sq: SpeedSq::ZERO,
             cumulative_gain_sq: self.window.total_gain_sq(),
             frozen_exit_sq: NOT_FROZEN,
             nominal_ticks: 0,
-            advance: if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO },
+            advance,
         };
         planned.set_nominal(if target.has_overrides { self.wanted.of(feed) } else { feed });
         if planned.nominal_ticks >= LONG_TICKS {

@@ -29,7 +29,8 @@ mod span;
 mod stiffening;
 mod taps;
 
-pub use shaper::{stiffenings, taps};
+pub(in crate::motion) use shaper::MOST_PUSH;
+pub use shaper::{advance_window, stiffenings, taps};
 pub(crate) use span::{ADVANCE, AXES, AxisState, Boundary, LONGEST, Position, Span};
 pub use stiffening::Stiffening;
 pub use taps::{TAPS, Tap, Taps};

@@ -38,7 +38,7 @@ fn shaping_has_limits() {
     assert_eq!(error(|s| s.shapers.x.frequency = Hertz::lit("9.9")), illegal("shaper.x"));
     assert_eq!(error(|s| s.shapers.y.damping = Ratio::lit("0.51")), illegal("shaper.y"));
     assert_eq!(error(|s| s.advance.time = Seconds::lit("4.1")), illegal("advance.time"));
-    assert_eq!(error(|s| s.advance.window = Seconds::ZERO), illegal("advance.window"));
+    assert_eq!(error(|s| s.advance.window = Some(Seconds::ZERO)), illegal("advance.window"));
     assert_eq!(error(|s| s.advance.time = Seconds::lit("4")), Ok(()));
     assert_eq!(error(|s| s.minimum_cruise_ratio = Ratio::lit("0.91")), illegal("minimum_cruise_ratio"));
     assert_eq!(error(|s| s.lookahead_time = Seconds::lit("0.49")), illegal("lookahead_time"));

@@ -114,7 +114,7 @@ fn spelled_out() -> Settings {
         min_feed: MmPerSec::ONE,
         min_travel: MmPerSec::ZERO,
         shapers: Shapers { x: shaper(ShaperKind::Mzv, 61), y: shaper(ShaperKind::TwoHumpEi, 42) },
-        advance: Advance { time: Seconds::lit("0.06"), window: Seconds::lit("0.03") },
+        advance: Advance { time: Seconds::lit("0.06"), window: Some(Seconds::lit("0.03")) },
         homing: Cartesian { x: homing, y: homing, z: homing },
         soft_endstops: true,
         arc_tolerance: Mm::lit("0.005"),
@@ -237,7 +237,7 @@ fn the_longest_values_fit() {
         ..Shaper::new(ShaperKind::TwoHumpEi, Hertz::MAX, Ratio::MAX)
     };
     (s.shapers.x, s.shapers.y) = (shaper, shaper);
-    s.advance = Advance { time: Seconds::MAX, window: Seconds::MAX };
+    s.advance = Advance { time: Seconds::MAX, window: Some(Seconds::MAX) };
     let drivers = DriverSettings {
         current_ma: u16::MAX,
         hold_percent: u8::MAX,

@@ -12,7 +12,7 @@ pub(super) use heat::{
 };
 pub(super) use motion::{
     AdvanceToml, AxesToml, AxisToml, CornerToml, DriverToml, DriversToml, EndToml, HomedAxisToml, HomingToml,
-    HomingsToml, ShaperToml, ShapersToml,
+    HomingsToml, ShaperToml, ShapersToml, WindowToml,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -29,6 +29,10 @@ fn keys_stand_over_the_defaults() {
     let s2 = load("[shaper.y]\nspan = 862.2\nmotor_frequency = 167").unwrap();
     assert_eq!((s2.shapers.y.span, s2.shapers.y.motor_frequency), (Mm::from_num(862.2), Hertz::from_num(167)));
     assert_eq!((s.shapers.y.kind, s.advance.time), (ShaperKind::None, Seconds::from_num(0.05)));
+    for (word, window) in [("\"auto\"", None), ("0.03", Some(Seconds::from_num(0.03)))] {
+        assert_eq!(load(&format!("[advance]\nwindow = {word}")).unwrap().advance.window, window);
+    }
+    assert_eq!(s.advance.window, None);
 }
 
 /// The name of a sensor in a machine file: a new kind does not compile before it has one.
@@ -210,6 +214,8 @@ fn errors_name_the_key_and_what_is_legal() {
     assert!(error("[shaper.x]\nspan = 99").contains("shaper.x"));
     assert!(error("[shaper.y]\nkind = \"nonsense\"").contains("`none`, `zv`, `zvd`, `mzv`, `ei`, `2hump_ei`"));
     assert_eq!(error("[advance]\nwindow = 0.3"), "advance.window = 0.3 is outside 0.005 to 0.2");
+    assert_eq!(error("[advance]\nwindow = 0"), "advance.window = 0 is outside 0.005 to 0.2");
+    assert!(error("[advance]\nwindow = \"long\"").contains("expected \"auto\" or a number of seconds"));
     assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));
     assert!(error("[axes.y]\nsteps_per_mm = 100").contains("x and y share motors"));
     assert!(error("[corner]\nsquare_corner = 1\njunction_deviation = 0.1").contains("either"));

@@ -3,6 +3,7 @@
 use super::Machine;
 use corehbot::connectors::Heater;
 use corehbot::kinematics::{Mechanism, direction};
+use corehbot::motion::advance_window;
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::{FanRole, HeaterModel, HeaterSettings, Plausible, Settings};
 use corehbot::units::{Mm, Watts};
@@ -35,6 +36,15 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             s.patience_ms, s.lookahead_time
         );
         warn("patience_ms", text);
+    }
+    let line = line_acceleration(s);
+    if line < s.print_acceleration.to_num::<f64>() {
+        let text = format!(
+            "advance.time = {}: a line of 0.4 x 0.2 mm is accelerated at {line:.0} of print_acceleration = {} mm/s2, for the \
+             extruder has {} mm/s and {} mm/s2",
+            s.advance.time, s.print_acceleration, s.axes.e.max_speed, s.axes.e.max_acceleration
+        );
+        warn("advance.time", text);
     }
     let steps = steps_a_second(s);
     if steps > STEPS_A_SECOND {
@@ -129,6 +139,16 @@ fn rounded(value: f64) -> f64 {
     (value * digits).round() / digits
 }
 
+/// The most acceleration in mm/s2 that the extruder, with its pressure advance, bears in a line of 0.4 x 0.2 mm from filament of 1.75 mm
+/// (docs/shaping.md#what-the-extruder-bears).
+fn line_acceleration(s: &Settings) -> f64 {
+    let ratio = 0.4 * 0.2 / (1.75f64.powi(2) * std::f64::consts::FRAC_PI_4);
+    let (time, window): (f64, f64) = (s.advance.time.to_num(), advance_window(s).to_num());
+    let (speed, acceleration): (f64, f64) = (s.axes.e.max_speed.to_num(), s.axes.e.max_acceleration.to_num());
+    let by_speed = 0.75 * speed / (time * ratio);
+    by_speed.min(acceleration / (ratio * (1.0 + 2.0 * time / window)))
+}
+
 /// The most steps of all motors in a second, along any axis or diagonal, with the extruder at its own limit.
 fn steps_a_second(s: &Settings) -> f64 {
     let Mechanism { rows } = s.mechanism;
@@ -161,6 +181,14 @@ mod tests {
     fn the_prototype_is_wise() {
         assert_eq!(keys(""), [""; 0]);
         assert_eq!(keys("board = \"octopus\"\n[heaters.hotend]\nis_fitted = true"), [""; 0]);
+    }
+
+    #[test]
+    fn an_advance_that_slows_lines_down_is_told() {
+        assert_eq!(keys("[advance]\ntime = 0.6"), [""; 0]);
+        assert_eq!(keys("[advance]\ntime = 0.9"), ["advance.time"]);
+        let text = &warnings(&parse("print_acceleration = 5000\n[advance]\ntime = 0.9").unwrap())[0].1;
+        assert!(text.contains("at 2004 of print_acceleration = 5000 mm/s2"), "{text}");
     }
 
     #[test]

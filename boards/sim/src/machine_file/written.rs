@@ -54,8 +54,8 @@ pub fn written(machine: &Settings) -> anyhow::Result<String> {
     );
     file.insert("corner".into(), corner(s.corner));
     file.insert("shaper".into(), table([("x", shaper(&s.shapers.x)), ("y", shaper(&s.shapers.y))]));
-    let (time, window) = (number(s.advance.time, &q::ADVANCE), number(s.advance.window, &q::ADVANCE_WINDOW));
-    file.insert("advance".into(), table([("time", time), ("window", window)]));
+    let window = s.advance.window.map_or_else(|| "auto".into(), |window| number(window, &q::ADVANCE_WINDOW));
+    file.insert("advance".into(), table([("time", number(s.advance.time, &q::ADVANCE)), ("window", window)]));
     let a = &s.axes;
     file.insert("axes".into(), table([("x", axis(&a.x)), ("y", axis(&a.y)), ("z", axis(&a.z)), ("e", axis(&a.e))]));
     let b = &s.bed;
@@ -308,7 +308,7 @@ mod tests {
         machine.arc_tolerance += Mm::DELTA;
         machine.minimum_cruise_ratio -= Ratio::DELTA;
         machine.thermal.filament += corehbot::units::WattsPerKelvin::DELTA;
-        machine.advance.window += corehbot::units::Seconds::DELTA;
+        machine.advance.window = Some(corehbot::units::Seconds::lit("0.04") + corehbot::units::Seconds::DELTA);
         machine.wiring.motors[1].is_reversed = true;
         machine.wiring.endstops.y.is_normally_open = true;
         machine.thermal.heaters.bed.thermistor = Thermistor::Beta { ohms: 98_765, beta: 4321 };

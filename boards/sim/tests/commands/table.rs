@@ -153,7 +153,7 @@ const ROWS: &[Row] = &[
         "M900 K30",
         &["echo:M900 ignored: K30 is out of range (0 to 4), stays 0; K is in seconds (Linear Advance 1.5); *"],
     ),
-    ("M572 W9", &["echo:M572 ignored: W9 is out of range (0.005 to 0.2), stays 0.04"]),
+    ("M572 W9", &["echo:M572 ignored: W9 is out of range (0.005 to 0.2), stays 0.012"]),
     ("M913 X-5", &["echo:M913 ignored: X-5 is out of range (0 to 3000), stays 0"]),
     ("M915 D", &["echo:nothing to compare with: align the belt motors first (M915)"]),
     ("M914 X300", &["echo:M914 ignored: X300 is out of range (0 to 255), stays 0"]),

@@ -115,7 +115,8 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
 
     /// Tells the generator what each axis follows. Motion rests.
     pub(in crate::machine::crank) async fn follow(&mut self) -> Result<(), Interrupt> {
-        let window = self.advance_in_use.window(&self.settings);
+        let window = self.advance_in_use.follow(&self.settings);
+        self.planner.set_advance_window(window);
         for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {
             self.until(|c| c.link.has_room()).await?;
             self.link.send(Work::Stiffen(axis as u8, stiffening));

@@ -1,9 +1,12 @@
 //! Axes, corners, shapers, homing and drivers of a machine file.
 
 use super::super::resolution::FULL_STEPS;
-use corehbot::settings::ShaperKind;
-use schemars::JsonSchema;
-use serde::Deserialize;
+use corehbot::settings::{Range, ShaperKind, ranges};
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{self, Visitor};
+use serde::{Deserialize, Deserializer};
+use std::borrow::Cow;
+use std::fmt::{self, Formatter};
 
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
@@ -69,8 +72,66 @@ impl From<KindToml> for ShaperKind {
 pub(in crate::machine_file) struct AdvanceToml {
     /// K of M900, in s; 0 is none.
     pub time: Option<f64>,
-    /// Over how many seconds the extruder's speed is averaged (M572 W).
-    pub window: Option<f64>,
+    /// Over how many seconds the extruder's speed is averaged (M572 W); "auto" is as long as suits the shapers.
+    pub window: Option<WindowToml>,
+}
+
+/// The window of the advance: a number, or the word "auto".
+#[derive(Clone, Copy)]
+pub(in crate::machine_file) enum WindowToml {
+    Auto,
+    Seconds(f64),
+}
+
+// By hand: what serde derives for a number or a word says nothing of either when it finds something else.
+impl<'de> Deserialize<'de> for WindowToml {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Words;
+
+        impl Visitor<'_> for Words {
+            type Value = WindowToml;
+
+            fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+                f.write_str("\"auto\" or a number of seconds")
+            }
+
+            fn visit_f64<E: de::Error>(self, seconds: f64) -> Result<WindowToml, E> {
+                Ok(WindowToml::Seconds(seconds))
+            }
+
+            fn visit_i64<E: de::Error>(self, seconds: i64) -> Result<WindowToml, E> {
+                Ok(WindowToml::Seconds(seconds as f64))
+            }
+
+            fn visit_str<E: de::Error>(self, word: &str) -> Result<WindowToml, E> {
+                if word == "auto" {
+                    Ok(WindowToml::Auto)
+                } else {
+                    Err(E::invalid_value(de::Unexpected::Str(word), &self))
+                }
+            }
+        }
+
+        deserializer.deserialize_any(Words)
+    }
+}
+
+impl JsonSchema for WindowToml {
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn schema_name() -> Cow<'static, str> {
+        "Window".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let Range { least, most } = ranges::ADVANCE_WINDOW;
+        let [least, most] = [least, most].map(|seconds| (seconds.to_num::<f64>() * 1e6).round() / 1e6);
+        json_schema!({
+            "anyOf": [{ "type": "string", "enum": ["auto"] }, { "type": "number", "minimum": least, "maximum": most }]
+        })
+    }
 }
 
 #[derive(Deserialize, JsonSchema, Default)]
