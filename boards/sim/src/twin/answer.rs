@@ -12,7 +12,7 @@ use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// Where the figures go.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub(super) struct Json {
     /// Writes the figures as JSON; `-` is standard output, and the table goes to standard error then.
     #[arg(long, value_name = "F.json")]

@@ -7,6 +7,7 @@ mod calibrated;
 mod compare;
 mod compensate;
 mod fit;
+mod flow;
 mod limits;
 mod measured;
 mod page;
@@ -48,6 +49,8 @@ pub(crate) enum Twin {
     Fit(fit::Fit),
     /// Makes G-code, or a step trace, that goes ahead by what belts and motors will give way, for the firmware as it is.
     Compensate(compensate::Compensate),
+    /// How well the nozzle's flow follows the tool, by shaper and window of the pressure advance.
+    Flow(flow::Flow),
     /// Yin et al.'s CoreXY on a square of 20 mm: how far the tool cuts the corners.
     Yin(yin::Yin),
     /// Plays a G-code file or a step trace on the machine: errors of the tool, tensions, torques.
@@ -67,6 +70,7 @@ pub(crate) fn run(twin: &Twin) -> Result<u8> {
         Twin::Slip(args) => args.answer(),
         Twin::Resonance(args) => args.answer(),
         Twin::Limits(args) => args.answer(),
+        Twin::Flow(args) => args.answer(),
         Twin::Yin(args) => args.answer(),
         Twin::Compare(args) => args.answer(),
         Twin::Sweep(args) => args.answer(),
