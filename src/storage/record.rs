@@ -16,8 +16,8 @@ use crate::checksum::crc32;
 use crate::connectors::HEATERS;
 use crate::kinematics::Mechanism;
 use crate::settings::{
-    Advance, Axes, AxisSettings, Bed, Belt, Cartesian, CornerRule, Endstop, EndstopPlug, HeaterModel, Homing, MachineName,
-    Pause, Pid, Settings, SettingsError, Shapers, Wiring,
+    Advance, Axes, AxisSettings, Bed, Belt, Cartesian, CornerRule, Endstop, EndstopPlug, HeaterModel, Homing,
+    MachineName, Pause, Pid, Settings, SettingsError, Shapers, Wiring,
 };
 
 /// What the payload looks like. Every released change of the shape of [`Settings`] needs the next number; a test
