@@ -55,8 +55,8 @@ fn step(printer: &mut Printer, random: &mut Random, watts: f64) {
     printer.run(seconds * (0.5 + f64::from(random.next(100)) / 100.0));
 }
 
-/// How many lives; a soak has more of them.
-const LIVES: u64 = 120;
+/// How many lives; a soak has more of them. Of the first 120, 56 had a false alarm before guards were episodes.
+const LIVES: u64 = 60;
 
 /// The property: any sequence of targets, 0 included, on a healthy plant raises nothing.
 #[test]

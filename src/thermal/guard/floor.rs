@@ -38,6 +38,9 @@ const NEAR: Celsius = Celsius::const_from_int(2);
 /// A fall that counts.
 const FALL: Celsius = Celsius::const_from_int(10);
 
+/// Full power, as it is counted.
+const FULL: u32 = 255;
+
 /// What is counted is forgotten by this part of the time without power.
 const FORGETS: u32 = 4;
 
@@ -103,8 +106,8 @@ impl Floor {
 pub struct Gain {
     /// The coldest since the last gain.
     from: Celsius,
-    /// Power since then, in periods of full power with 16 fractional bits.
-    given: u64,
+    /// Power since then, in periods of full power times 255: two hours of them are 92 million.
+    given: u32,
     /// The warmest since there is more than half of the power, and the periods for which it was far above what is read now.
     warmest: Celsius,
     fallen: u32,
@@ -134,7 +137,7 @@ impl Gain {
         self.warmest = if duty > most / 2 { self.warmest.max(measured) } else { Celsius::MIN };
         if duty == 0 {
             self.fallen = 0;
-            self.given = self.given.saturating_sub(u64::from(u16::MAX / FORGETS as u16));
+            self.given = self.given.saturating_sub(FULL / FORGETS);
             return None;
         }
         let goal = target.unwrap_or(Celsius::MAX);
@@ -144,7 +147,7 @@ impl Gain {
         if !is_low && !(is_full && goal.saturating_sub(measured) >= NEAR) {
             return None;
         }
-        self.given += u64::from(duty);
+        self.given += u32::from(duty >> 8);
         let has_fallen = is_low && self.warmest.saturating_sub(measured) > FALL;
         self.fallen = if has_fallen { self.fallen + 1 } else { 0 };
         if self.fallen >= floor.falling {
@@ -152,7 +155,7 @@ impl Gain {
             return Some(Alarm { cause: Cause::TemperatureLost, value, limit });
         }
         let most = if is_low { floor.heating } else { floor.topping };
-        let is_over = self.given >= u64::from(most) * u64::from(u16::MAX);
+        let is_over = self.given >= most * FULL;
         let value = measured.saturating_sub(self.from);
         is_over.then_some(Alarm { cause: Cause::HeatsTooSlowly, value, limit: GAIN })
     }

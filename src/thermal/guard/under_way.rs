@@ -27,9 +27,16 @@ impl UnderWay {
 
     /// Follows a control period of a heater of this model. The model may be wrong, so the time stays within the floor's.
     pub fn follow(&mut self, is_powered: bool, model: &HeaterModel, floor: &Floor) {
-        self.settling = periods_of_lags(LAGS, model).clamp(floor.settling[0], floor.settling[1]);
         self.has_heated |= is_powered;
-        self.quiet = if is_powered { 0 } else { self.quiet.saturating_add(1) };
+        if is_powered {
+            self.quiet = 0;
+            return;
+        }
+        // As the power goes, and now and then, for memory that fails.
+        if self.quiet.is_multiple_of(64) {
+            self.settling = periods_of_lags(LAGS, model).clamp(floor.settling[0], floor.settling[1]);
+        }
+        self.quiet = self.quiet.saturating_add(1);
     }
 
     /// Whether it has had power since the start.
