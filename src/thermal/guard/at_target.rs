@@ -29,6 +29,12 @@ struct Hold {
     coldest: Celsius,
 }
 
+impl Default for AtTarget {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl AtTarget {
     /// No target yet.
     #[must_use]

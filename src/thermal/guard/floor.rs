@@ -113,6 +113,12 @@ pub struct Gain {
     fallen: u32,
 }
 
+impl Default for Gain {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Gain {
     /// Nothing was given yet.
     #[must_use]
@@ -144,7 +150,8 @@ impl Gain {
         let way = goal.saturating_sub(ROOM) / 5;
         // Sixty parts of a hundred are three fifths.
         let is_low = measured < ROOM.saturating_add(way.saturating_mul_int(3));
-        if !is_low && !(is_full && goal.saturating_sub(measured) >= NEAR) {
+        let counts = is_low || is_full && goal.saturating_sub(measured) >= NEAR;
+        if !counts {
             return None;
         }
         self.given += u32::from(duty >> 8);

@@ -30,6 +30,12 @@ struct Begun {
     heated: u32,
 }
 
+impl Default for Swapped {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Swapped {
     /// Nothing heats yet.
     #[must_use]

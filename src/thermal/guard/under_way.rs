@@ -18,6 +18,12 @@ pub struct UnderWay {
     has_heated: bool,
 }
 
+impl Default for UnderWay {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl UnderWay {
     /// Nobody knows what was before the start: a reset may have ended a heating.
     #[must_use]

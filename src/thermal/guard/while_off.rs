@@ -21,6 +21,12 @@ struct Coldest {
     left: u32,
 }
 
+impl Default for WhileOff {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl WhileOff {
     /// Nothing seen yet.
     #[must_use]
