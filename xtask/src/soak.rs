@@ -1,5 +1,5 @@
-//! `cargo xtask soak`: hours of simulated printing in which no guard may alarm, no switch may burn anything, and no step may be
-//! lost, power cuts while a machine is stored, and machines whose belt motors are to be aligned. `cargo xtask test` runs the same tests
+//! `cargo xtask soak`: hours of simulated printing and weeks of machines that are used, in which no guard may alarm, no switch may
+//! burn anything, and no step may be lost, power cuts while a machine is stored, and machines whose belt motors are to be aligned. `cargo xtask test` runs the same tests
 //! for a short time.
 
 use crate::checkout::{build_image, cargo, run};
@@ -16,6 +16,9 @@ pub struct Args {
     /// Simulated hours of prints with heat, each on a machine of its own.
     #[arg(long, value_name = "N", default_value_t = 100)]
     hours: u32,
+    /// Simulated hours of machines that are used, two days each, and of accidents in such lives: one seed for each day.
+    #[arg(long, value_name = "N", default_value_t = 672)]
+    life_hours: u32,
     /// Simulated hours of motion, split over the wraps of all counters.
     #[arg(long, value_name = "N", default_value_t = 72)]
     motion_hours: u32,
@@ -54,7 +57,10 @@ pub fn main(args: &Args) -> Result<()> {
     let parts = if args.parts.is_empty() { Part::value_variants() } else { &args.parts };
     for part in parts {
         match part {
-            Part::Heat => run(test("corehbot", "faults", &["quiet", "f10"], "HOURS", args.hours))?,
+            Part::Heat => {
+                run(test("corehbot", "faults", &["quiet", "f10"], "HOURS", args.hours))?;
+                run(test("corehbot-sim", "heat_lives", &[], "HOURS", args.life_hours))?;
+            }
             Part::Motion => run(test("corehbot-sim", "soak", &[], "HOURS", args.motion_hours))?,
             Part::Segments => run(test("corehbot-sim", "absurd", &["f52"], "SEGMENTS", args.segments))?,
             Part::Cuts => cuts(args.cuts)?,
