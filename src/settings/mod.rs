@@ -6,7 +6,7 @@
 //! | place | where | what holds it to that |
 //! |---|---|---|
 //! | field and default | here, or `axis`, `bed`, `belt`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
-//! | range, check | `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
+//! | range, check | `ranges`, `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a changed shape makes another `FORMAT` | `src/storage/record/tests.rs` |
 //! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test; `boards/sim/tests/console/legal_settings.rs` |
@@ -36,6 +36,7 @@ mod kept;
 mod name;
 mod pause;
 mod plugged;
+pub mod ranges;
 mod shaping;
 mod thermal;
 mod wiring;
@@ -43,13 +44,14 @@ mod wiring;
 pub use axis::{Axes, AxisSettings, Cartesian, Homing};
 pub use bed::Bed;
 pub use belt::{Alignment, Belt, PHASES};
-pub use check::{Range, SettingsError, ranges};
+pub use check::SettingsError;
 pub use drivers::{DriverGroups, DriverSettings};
 pub use endstops::{AxisEnd, Endstop, HomedAxis};
 pub use kept::{Kept, sum};
 pub use name::MachineName;
 pub use pause::Pause;
 pub use plugged::{ConnectorError, Plugged};
+pub use ranges::Range;
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use thermal::{
     Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Pid, Plausible,

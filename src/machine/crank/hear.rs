@@ -1,7 +1,8 @@
 //! Hearing: lines of hosts in, the urgent ones first, and what the machine is about while a host is silent.
 
 use super::Crank;
-use crate::machine::hosts::host::{Asked, Text};
+use crate::machine::hosts::asked::Asked;
+use crate::machine::hosts::host::Text;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{Answered, Kept};

@@ -1,10 +1,11 @@
 //! One host: its serial line, what has arrived on it, and what it is yet to be told.
 
+use super::asked::Asked;
 use super::schedule::Schedule;
 use super::upload::{Upload, is_mark};
 use crate::gcode::{self, Command};
 use crate::port::{Received, Serial};
-use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies, ResendReason};
+use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies};
 use crate::units::Instant;
 use heapless::Vec;
 
@@ -32,23 +33,6 @@ pub(super) struct Host<S> {
     pub(super) number: Option<i32>,
     /// Lines up to this place of the receiver came before a quick stop, which forgets them.
     pub(super) forgotten: Option<u32>,
-}
-
-/// What a line asks for; a command's text is elsewhere.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum Asked {
-    /// To carry out a command.
-    Command,
-    /// To be told `ok`.
-    Nothing,
-    /// M110, and what it wants to know.
-    LineNumber(Option<i32>),
-    /// Too much.
-    TooLong,
-    /// To be asked for again.
-    Resend(ResendReason, i32),
-    /// Nothing: the host is silent, and gets the question for the line after this one.
-    Question(i32),
 }
 
 /// What arrived and cannot wait.

@@ -17,6 +17,7 @@
 //! | upload | lines that a host sends for a card (M28 to M29): answered, not carried out, for there is no card |
 //! | patience | how long a host may be silent in the middle of its lines before it is prompted (`Settings::patience_ms`) |
 
+pub(in crate::machine) mod asked;
 pub(in crate::machine) mod host;
 pub(in crate::machine) mod schedule;
 pub(in crate::machine) mod serving;

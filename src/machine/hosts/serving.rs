@@ -6,7 +6,8 @@
 //! A host that waits hears `busy` (`keep_alive`): its text is in `protocol::reply`, its interval `Settings::keepalive_s` (M113). Waits
 //! for heat say temperatures besides, every second (`LINE_MS` in `commands::heating`).
 
-use super::host::{Asked, Host, Text, Urgent};
+use super::asked::Asked;
+use super::host::{Host, Text, Urgent};
 use super::schedule::Report;
 use crate::port::{LINES, Lines, Serial};
 use crate::protocol::{Activity, NoRoom, Replies};

@@ -6,14 +6,14 @@
 //!
 //! - The line is opened again (USB knows when), which the host sees as a reset.
 //! - M110, the first word of a print. Pronsole says it once within an upload too, directly behind M28, for it sends the
-//!   file as it prints
-//!   one (pronsole.py, `do_upload`); that one counts as part of the upload if it comes before any line of the file, and soon.
+//!   file as it prints one (pronsole.py, `do_upload`). That one counts as part of the upload if it comes before any line
+//!   of the file, and soon.
 //!   Its last word, before M29, is M110 again.
 //! - M115 without words, the first word of a host that connects. In a file it has a version behind it (`M115 U3.1.0`).
 //!
 //! Time does not end it: a host may be slow, and the rest of its file would then be carried out.
 
-use super::host::Asked;
+use super::asked::Asked;
 use crate::gcode::{self, Command};
 use crate::units::Instant;
 

@@ -1,6 +1,8 @@
 //! Tests of check.
 
 use super::*;
+use crate::settings::AxisEnd;
+use crate::units::{Hertz, Seconds};
 
 #[test]
 fn the_prototype_is_legal() {

@@ -1,0 +1,20 @@
+//! What a host's line asks for.
+
+use crate::protocol::ResendReason;
+
+/// What a line asks for; a command's text is elsewhere.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Asked {
+    /// To carry out a command.
+    Command,
+    /// To be told `ok`.
+    Nothing,
+    /// M110, and what it wants to know.
+    LineNumber(Option<i32>),
+    /// Too much.
+    TooLong,
+    /// To be asked for again.
+    Resend(ResendReason, i32),
+    /// Nothing: the host is silent, and gets the question for the line after this one.
+    Question(i32),
+}

@@ -1,0 +1,163 @@
+//! The ranges in which every setting must lie, by kind of quantity; outside of them the planner's arithmetic or the machine
+//! would not do what the number says. They hold on every board. `plugged.rs` asks for what one board bears less or more of,
+//! a field of `BoardConnectors`.
+
+use super::{AxisEnd, Belt};
+use crate::units::{
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+};
+
+/// Least and greatest legal value.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Range<T> {
+    /// Least legal value.
+    pub least: T,
+    /// Greatest legal value.
+    pub most: T,
+}
+
+impl<T: PartialOrd + Copy> Range<T> {
+    /// Whether `value` is legal.
+    #[must_use]
+    pub fn holds(&self, value: T) -> bool {
+        self.least <= value && value <= self.most
+    }
+
+    /// The legal value nearest to `value`.
+    #[must_use]
+    pub fn clamp(&self, value: T) -> T {
+        if value < self.least {
+            self.least
+        } else if value > self.most {
+            self.most
+        } else {
+            value
+        }
+    }
+}
+
+/// Resolution: from a full-step rack to 256 microsteps on a fine screw.
+pub const STEPS_PER_MM: Range<StepsPerMm> =
+    Range { least: StepsPerMm::const_from_int(1), most: StepsPerMm::const_from_int(25_600) };
+/// Speed: a snail to six times the fastest printers.
+pub const SPEED: Range<MmPerSec> = Range { least: MmPerSec::lit("0.01"), most: MmPerSec::const_from_int(3000) };
+/// Acceleration: below 1 mm/s2 a move would take minutes to start.
+pub const ACCELERATION: Range<MmPerSec2> =
+    Range { least: MmPerSec2::const_from_int(1), most: MmPerSec2::const_from_int(100_000) };
+/// Seconds between two busy messages; 0 is never. Hosts that wait for longer than a minute give up.
+pub const KEEPALIVE_S: Range<u8> = Range { least: 0, most: 60 };
+/// Length of an axis.
+pub const AXIS_LENGTH: Range<Mm> = Range { least: Mm::const_from_int(1), most: Mm::const_from_int(5000) };
+/// Junction deviation and arc tolerance.
+pub const TOLERANCE: Range<Mm> = Range { least: Mm::lit("0.001"), most: Mm::const_from_int(1) };
+/// Silence of a host, in ms: no less than its USB adapter, its garbage collector and its disk may make any day.
+pub const PATIENCE_MS: Range<u16> = Range { least: 100, most: 60_000 };
+/// How far an axis backs off after the first approach to an endstop.
+pub const BACK_OFF: Range<Mm> = Range { least: Mm::lit("0.1"), most: Mm::const_from_int(50) };
+/// How far outside the reachable space an endstop may sit: as far as an axis may back off.
+const ENDSTOP_OUTSIDE: Mm = BACK_OFF.most;
+/// Where an endstop at that end of an axis of this length may sit: in its half, or a bit outside.
+#[must_use]
+pub fn endstop_position(end: AxisEnd, length: Mm) -> Range<Mm> {
+    let half = length / 2;
+    match end {
+        AxisEnd::Min => Range { least: -ENDSTOP_OUTSIDE, most: half },
+        AxisEnd::Max => Range { least: half, most: length.saturating_add(ENDSTOP_OUTSIDE) },
+    }
+}
+/// Where an edge of the bed may lie: anywhere that an axis could reach.
+pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: AXIS_LENGTH.most };
+/// Milliseconds between two motors of a belt that get power: in the longest time a proof of a driver is as old as it may be twice.
+pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
+/// Phase of a residual: less than an electrical turn, or [`Belt::NO_PHASE`].
+pub const PHASE: Range<u16> = Range { least: 0, most: Belt::NO_PHASE };
+/// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/belt.md).
+pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
+/// How far z is raised when a motor of the belt has failed.
+pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+/// Filament that a pause pulls back: bowden tubes ask for less than a tenth of it.
+pub const PAUSE_RETRACT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+/// How far a pause lifts the tool.
+pub const PAUSE_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(200) };
+/// Minutes of a pause until heaters go off.
+pub const PAUSE_HEAT_MIN: Range<u8> = Range { least: 1, most: 240 };
+/// How far a belt runs on after homing.
+pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };
+/// Rate of a serial line, in baud: from what every adapter can to what a USART at 45 MHz and its adapters still hold.
+pub const BAUD: Range<u32> = Range { least: 9600, most: 1_000_000 };
+/// Steps a second of one motor: twenty times what 300 mm/s at 80 steps/mm ask for, and half of the 1 MHz
+/// at which two pulses of a motor would touch.
+pub const STEP_RATE: u32 = 500_000;
+/// Run current in mA: below 100 a NEMA 17 hardly turns itself, and 1768 is all that sense resistors of
+/// 110 mOhm give (TMC2209 datasheet rev 1.09, section 9).
+pub const CURRENT_MA: Range<u16> = Range { least: 100, most: 1700 };
+/// Hold current in percent of the run current.
+pub const HOLD_PERCENT: Range<u8> = Range { least: 0, most: 100 };
+/// Frequency of an input shaper: below 10 Hz a shaper takes longer than the trajectory remembers, above 500 it takes
+/// no more than a few steps.
+pub const FREQUENCY: Range<Hertz> = Range { least: Hertz::const_from_int(10), most: Hertz::const_from_int(500) };
+/// Length of the belts on both sides of the tool.
+pub const BELT_SPAN: Range<Mm> = Range { least: Mm::const_from_int(100), most: Mm::const_from_int(10_000) };
+/// Frequency at which the tool would ring on the motors alone; 0 for stiff ones.
+pub const MOTOR_FREQUENCY: Range<Hertz> = Range { least: Hertz::ZERO, most: Hertz::const_from_int(2000) };
+/// Damping of an axis, as a ratio; a frame has 0.02 to 0.2.
+pub const DAMPING: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.5") };
+/// Minimum cruise ratio: with more than 0.9, short moves would take twice as long.
+pub const CRUISE_RATIO: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.9") };
+/// Pressure advance: some 0.05 s with a direct drive, 1 s with a long tube.
+pub const ADVANCE: Range<Seconds> = Range { least: Seconds::ZERO, most: Seconds::const_from_int(4) };
+/// Window of the pressure advance: some milliseconds at least, for the speed is averaged over it, and without a window the advance
+/// would jump at every change of speed (`trajectory::taps`); a fifth of a second is more than any shaper is late. Delays hold 1.67 s.
+pub const ADVANCE_WINDOW: Range<Seconds> = Range { least: Seconds::lit("0.005"), most: Seconds::lit("0.2") };
+/// What waits in the look-ahead: with less than 0.5 s a host that pauses for a moment makes the tool stop; a print that
+/// is cancelled goes on for so long. Klipper's `buffer_time_high` is 2 s.
+pub const LOOKAHEAD_TIME: Range<Seconds> = Range { least: Seconds::lit("0.5"), most: Seconds::const_from_int(60) };
+/// Highest target of a hotend: up to what platinum sensors and all-metal hotends are sold for.
+pub const HOTEND: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(500) };
+/// Highest target of a bed or a chamber: adhesives of mats and magnets end at 150 C.
+pub const BED: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(150) };
+/// Power of a heater; a household's socket has 2 kW at least.
+pub const POWER: Range<Watts> = Range { least: Watts::const_from_int(1), most: Watts::const_from_int(2000) };
+/// Highest duty, of 1.
+pub const MAX_DUTY: Range<Ratio> = Range { least: Ratio::lit("0.05"), most: Ratio::ONE };
+/// Period of a relay in ms: more, and the bed swings.
+pub const RELAY_MS: Range<u16> = Range { least: 0, most: 5000 };
+/// Heat capacity, from a nozzle alone to a chamber of steel.
+pub const CAPACITY: Range<JoulesPerKelvin> =
+    Range { least: JoulesPerKelvin::lit("0.5"), most: JoulesPerKelvin::const_from_int(50_000) };
+/// Losses, from a hotend with a sock to a chamber with its door open.
+pub const LOSS: Range<WattsPerKelvin> =
+    Range { least: WattsPerKelvin::lit("0.001"), most: WattsPerKelvin::const_from_int(100) };
+/// Lags: the observer runs 50 times a second, and nobody waits for more than minutes.
+pub const LAG: Range<Seconds> = Range { least: Seconds::lit("0.1"), most: Seconds::const_from_int(120) };
+/// Gains of PID.
+pub const GAIN: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(20_000) };
+/// The part of its heat that has to be found again: less than 0.2 finds no loose cartridge, more than 0.6 alarms at 20 V.
+pub const HEATING: Range<Ratio> = Range { least: Ratio::lit("0.2"), most: Ratio::lit("0.6") };
+/// A temperature that is lost: Prusa's 15 C and Marlin's 4 C are in it.
+pub const LOST: Range<Celsius> = Range { least: Celsius::const_from_int(3), most: Celsius::const_from_int(20) };
+/// The time that it may be lost for, in s: Prusa's 80 s is not.
+pub const LOST_S: Range<u8> = Range { least: 2, most: 45 };
+/// Rise while off.
+pub const OFF_RISE: Range<Celsius> = Range { least: Celsius::const_from_int(3), most: Celsius::const_from_int(15) };
+/// Above the target without power.
+pub const OVERSHOOT: Range<Celsius> = Range { least: Celsius::const_from_int(5), most: Celsius::const_from_int(30) };
+/// Resistance of an NTC at 25 C, in Ohm.
+pub const OHMS: Range<u32> = Range { least: 1000, most: 2_000_000 };
+/// B of an NTC, in K.
+pub const BETA: Range<u16> = Range { least: 2000, most: 6000 };
+/// Least temperature at which filament moves; 0 for any, as Marlin's M302 S0.
+pub const MIN_EXTRUDE: Range<Celsius> = Range { least: Celsius::ZERO, most: Celsius::const_from_int(400) };
+/// From here on a hotend's cold end needs air: PLA softens at 55 to 60 C.
+pub const COLD_END: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(60) };
+/// How long a controller's fan runs on, in s.
+pub const RUN_ON_S: Range<u16> = Range { least: 0, most: 3600 };
+/// Idle minutes until heaters go off.
+pub const IDLE_MIN: Range<u8> = Range { least: 1, most: 240 };
+/// Heat that filament takes, in J/(K mm): from 1.75 mm to 3 mm, and a half more.
+pub const FILAMENT: Range<WattsPerKelvin> =
+    Range { least: WattsPerKelvin::lit("0.001"), most: WattsPerKelvin::lit("0.05") };
+/// A fan's kick in ms.
+pub const KICK_MS: Range<u16> = Range { least: 0, most: 5000 };
+/// Microsteps: MRES has every power of two in it (section 5.5.1).
+pub const MICROSTEPS: Range<u16> = Range { least: 1, most: 256 };
