@@ -104,6 +104,7 @@ const ACTS: [Act; 17] = [
     }),
     act("pause", 4, |life| {
         let [hotend, bed] = targets(life);
+        life.say("G28");
         life.say(&format!("M140 S{bed:.0}"));
         life.say(&format!("M109 S{hotend:.0}"));
         let pause = life.dice.pick(&["M0", "M601"]);
@@ -199,7 +200,7 @@ fn all_off(life: &mut Life<'_>) {
 
 /// So many seconds of filament at up to 6 mm3/s.
 fn extrude(life: &mut Life<'_>, seconds: f64) {
-    // A nozzle on its way down to a lower target is no reason to hold the line.
+    // A nozzle on its way down to a lower target would have the line held.
     life.say("M302 P1");
     life.say("M83");
     let end = life.now() + seconds;
@@ -214,6 +215,8 @@ fn extrude(life: &mut Life<'_>, seconds: f64) {
 
 /// A print of some minutes: heat, fan, filament, a change of the temperature, off.
 fn print(life: &mut Life<'_>, hotend: f64, bed: f64) {
+    // Motors that were left alone have lost their places.
+    life.say("G28");
     life.say(&format!("M140 S{bed:.0}"));
     life.say(&format!("M104 S{hotend:.0}"));
     life.say(&format!("M190 S{bed:.0}"));
