@@ -375,7 +375,8 @@ impl<'m> Planner<'m> {
     /// Whether another move can be planned.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        self.len() < LOOKAHEAD_MOVES
+        let len = self.window.len();
+        len < LOOKAHEAD_MOVES - 1 || len < LOOKAHEAD_MOVES && !self.line.is_open()
     }
 
     /// Moves that can be pushed.
@@ -401,7 +402,7 @@ impl<'m> Planner<'m> {
     #[inline(always)]
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.window.is_empty() && !self.line.is_open()
     }
 
     /// Moves that wait; the open line, which has its place to come, is one.
