@@ -402,7 +402,7 @@ impl<'m> Planner<'m> {
     #[inline(always)]
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.window.is_empty() && !self.line.is_open()
+        self.window.len() == 0 && !self.line.is_open()
     }
 
     /// Moves that wait; the open line, which has its place to come, is one.
