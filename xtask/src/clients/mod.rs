@@ -12,7 +12,8 @@ use std::path::Path;
 use std::process::Command;
 use venv::Venv;
 
-/// Printrun without the libraries of its window, which printcore does not need. pyserial is all that it does.
+/// Printrun without the libraries of its window, which printcore does not need, nor pronsole if it is told so
+/// (`pronsole_uploads.py`). pyserial is all that they do.
 const PRINTRUN: Venv<'static> =
     Venv { name: "printrun", packages: &["pyserial==3.5", "printrun==2.2.0"], options: &["--no-deps"] };
 
@@ -61,7 +62,7 @@ struct Trial {
     print: Print,
 }
 
-const TRIALS: [Trial; 10] = [
+const TRIALS: [Trial; 11] = [
     printcore("clean", Board::Simulator, Print::Sliced),
     printcore("corrupt", Board::Simulator, Print::Sliced),
     printcore("drop", Board::Simulator, Print::Example),
@@ -71,6 +72,7 @@ const TRIALS: [Trial; 10] = [
     octoprint("drop", Print::Example),
     heats(PRINTRUN, "printcore_heats.py", Board::Simulator),
     heats(PRINTRUN, "printcore_heats.py", Board::Qemu),
+    heats(PRINTRUN, "pronsole_uploads.py", Board::Simulator),
     heats(OCTOPRINT, "octoprint_heats.py", Board::Simulator),
 ];
 
