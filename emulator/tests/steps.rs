@@ -1,10 +1,12 @@
 //! The pins of the image do what the host simulator does.
 
-use crate::common::{MS, firmware, from_home, print, root};
-use corehbot::motors::Motor;
+use crate::common::{Bench, MS, firmware, from_home, heated_bench, print, print_on, root};
+use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
+use corehbot_emulator::heat::Climate;
 use corehbot_emulator::run::Seen;
+use corehbot_emulator::steps::StepEvent;
 use corehbot_emulator::watch::End;
 use std::path::{Path, PathBuf};
 
@@ -16,13 +18,17 @@ fn check_file(path: &Path) {
 }
 
 fn check_gcode(name: &str, gcode: &str) -> Seen {
+    check_on(&Bench::default(), name, gcode)
+}
+
+fn check_on(bench: &Bench<'_>, name: &str, gcode: &str) -> Seen {
     let firmware = firmware();
-    let seen = print(&firmware, gcode, None);
+    let seen = print_on(&firmware, gcode, bench);
     assert_eq!((seen.end, seen.line.failure.as_ref()), (End::Done, None), "{name}");
     assert!(seen.resets.is_empty() && seen.line.resends == 0, "{name}");
     seen.check_baud(250_000).unwrap();
     let pins = &seen.recorder.events;
-    let host = scheduled(gcode, &Settings::prototype()).unwrap();
+    let host = scheduled(gcode, &bench.settings).unwrap();
     if let Some(difference) = difference(pins, &host) {
         panic!("{name}: {difference}");
     }
@@ -104,6 +110,37 @@ fn a_print_steps_as_on_the_host() {
     println!("the begin of {}", path.display());
     let gcode: String = from_home(&path).split_inclusive('\n').take(LINES).collect();
     check_gcode(&path.file_name().unwrap().display().to_string(), &gcode);
+}
+
+/// As slicers have it: heat, home, print, and leave all off.
+const HEATED_PRINT: &str = "M140 S60\nM104 S200\nG28\nG90\nM83\nM190 S60\nM109 S200\nG92 E0\nG0 X20 Y10 Z0.2 F9000\nM106 S255\n\
+    G1 X35 Y10 E1 F3600\nG2 X45 Y20 I0 J10 E1\nG1 X20 Y15 E1\nG1 E-1 F2400\nM107\nM104 S0\nM140 S0\nG28 X Y\nM84\n";
+
+/// The last `count` events: how many ticks before the end, and which motors step which way.
+fn tail(events: &[StepEvent], count: usize) -> Vec<(u32, MotorSet, MotorSet)> {
+    let tick = |event: &StepEvent| event.schedule.unwrap().tick();
+    let end = tick(events.last().unwrap());
+    let last = &events[events.len() - count..];
+    last.iter().map(|event| (end.wrapping_sub(tick(event)), event.steps, event.forward)).collect()
+}
+
+/// The second print finds heaters that have been used, motors without power and a machine that was homed. From the end
+/// of its first homing on, which begins elsewhere, it steps as the first one did.
+#[test]
+fn a_print_that_heats_steps_the_same_twice_as_on_the_host() {
+    let climate = Climate { start: Some([198.0, 58.0]), mishap: None };
+    let bench = Bench { climate, ..heated_bench() };
+    let seen = check_on(&bench, "a heated print twice", &HEATED_PRINT.repeat(2));
+    let length = |gcode: &str| scheduled(gcode, &bench.settings).unwrap().len();
+    let (once, homing) = (length(HEATED_PRINT), length("G28\n"));
+    let count = once - homing;
+    assert!(count > 1000, "{count} events after the homing");
+    let twice = &seen.recorder.events;
+    assert!(tail(twice, count) == tail(&twice[..once], count), "the second print steps otherwise");
+    let faults: Vec<_> =
+        seen.line.said.iter().filter(|line| line.starts_with("Error") || line.contains("halted")).collect();
+    assert!(faults.is_empty(), "{faults:?}");
+    assert_eq!(seen.heat.supply.len(), 1, "{:?}", seen.heat.supply);
 }
 
 #[test]
