@@ -277,8 +277,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
         let of_hotend = self.circumstances();
         let of_others = Circumstances { filament: I8F24::ZERO, ahead: Ahead::default(), ..of_hotend };
-        // The hotend and the bed warm the chamber, for as long as they are warmer than it has to do with.
-        let is_warmed = [Heater::Hotend, Heater::Bed].iter().any(|heater| !self.heaters[*heater as usize].is_settled());
+        let warmed_to = Heater::ALL.map(|heater| self.warmed_to(heater));
         let mut duties = [0; OUTPUTS];
         let mut found = Found(self.test().err());
         for heater in Heater::ALL {
@@ -288,11 +287,8 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 continue;
             }
             let (output, sensor) = (settings.output, settings.sensor);
-            let now = match heater {
-                Heater::Hotend => of_hotend,
-                Heater::Bed => of_others,
-                Heater::Chamber => Circumstances { is_warmed, ..of_others },
-            };
+            let now = if heater == Heater::Hotend { of_hotend } else { of_others };
+            let now = Circumstances { warmed_to: warmed_to[heater as usize], ..now };
             match looped.period(self.status.heat().sample(sensor), &now) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
                 Ok(_) => {}
@@ -354,13 +350,27 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         let filament = quotient(u64::from(moved) * u64::from(self.common.filament.to_bits()), PERIOD_MS);
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
         let fan = share(self.part_fan);
-        let is_warmed = false;
         Circumstances {
-            is_warmed,
+            warmed_to: Celsius::MIN,
             fan,
             filament: I8F24::from_bits(saturated(filament.into())),
             ahead: Ahead { coming, then },
         }
+    }
+
+    /// Up to which temperature its neighbours warm a heater, rightly. A hot bed warms the hotend next to it, for as
+    /// long as it is hot; both warm the chamber, for as long as their heat is under way. Nothing warms a bed, which is
+    /// the heaviest.
+    fn warmed_to(&self, heater: Heater) -> Celsius {
+        let [hotend, bed, _] = &self.heaters;
+        let reading = |near: &HeaterLoop| near.measured().filter(|_| near.settings().is_fitted);
+        let warm = |near: &HeaterLoop| reading(near).filter(|_| !near.is_settled());
+        let near = match heater {
+            Heater::Hotend => reading(bed),
+            Heater::Bed => None,
+            Heater::Chamber => warm(hotend).max(warm(bed)),
+        };
+        near.unwrap_or(Celsius::MIN)
     }
 
     /// Whether each heater warms its own sensor.

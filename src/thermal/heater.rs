@@ -25,8 +25,8 @@ pub struct Circumstances {
     pub filament: I8F24,
     /// What the look-ahead knows of the filament.
     pub ahead: Ahead,
-    /// Another heater warms it, rightly: a bed warms its chamber.
-    pub is_warmed: bool,
+    /// Up to here another heater warms it, rightly: a bed warms its chamber, and a hotend that is off.
+    pub warmed_to: Celsius,
 }
 
 /// The ceiling: so far above its target a heater gets no power, whatever the model or the gains say.
@@ -251,8 +251,8 @@ impl HeaterLoop {
             target if self.tune.is_some() => Aim::Tune(target),
             target => Aim::Hold(target),
         };
-        let Circumstances { fan, filament, is_warmed, .. } = *now;
-        let watched = Watched { aim, measured, duty: self.wanted, most: self.most(), power, fan, filament, is_warmed };
+        let Circumstances { fan, filament, warmed_to, .. } = *now;
+        let watched = Watched { aim, measured, duty: self.wanted, most: self.most(), power, fan, filament, warmed_to };
         self.guards.look(&self.settings, &watched).map_or(Ok(()), Err)
     }
 

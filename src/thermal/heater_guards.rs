@@ -40,8 +40,8 @@ pub struct Watched {
     pub fan: Ratio,
     /// Heat that the filament takes away for each K, in W/K.
     pub filament: I8F24,
-    /// Another heater warms it, rightly.
-    pub is_warmed: bool,
+    /// Up to here another heater warms it, rightly.
+    pub warmed_to: Celsius,
 }
 
 /// The guards of one heater.
@@ -117,7 +117,7 @@ impl HeaterGuards {
             smooth,
             duty: now.duty,
             is_settled: self.under_way.is_over(),
-            is_warmed: now.is_warmed,
+            warmed_to: now.warmed_to,
         };
         let (hold, goal, is_believed) = match now.aim {
             Aim::Off | Aim::Pulse => (None, None, now.aim == Aim::Off),
@@ -133,7 +133,7 @@ impl HeaterGuards {
             self.at_target.look(&settings.guards, self.floor, hold, &seen),
             self.frozen.look(self.floor, now.measured, now.duty),
             self.gain.look(self.floor, goal, smooth, (given, now.most)),
-            self.balance.look(is_heated, now.measured, now.power, now.fan, now.filament),
+            self.balance.look(is_heated, &seen, now.power, now.fan, now.filament),
         ];
         let is_worst = |alarm: &&Alarm| alarm.cause.is_stuck_on();
         let mut alarms = found.iter().flatten();

@@ -2,6 +2,7 @@
 //! numbers are those of docs/safety.md.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
+mod beds;
 mod configuration;
 mod floor;
 mod fuzz;

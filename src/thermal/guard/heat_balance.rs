@@ -3,7 +3,7 @@
 //! A fixed rate (2 C in 20 s) is too strict for a bed that is warm already and too lax for a hotend. The balance holds at
 //! every temperature: what the thing took up and lost by its model, as a part of what the heater gave.
 
-use super::{Alarm, Episode, periods, periods_of_lags};
+use super::{Alarm, Episode, Seen, periods, periods_of_lags};
 use crate::fault::Cause;
 use crate::settings::{HeaterModel, HeaterSettings};
 use crate::thermal::fixed_point::{Power, RATE, part_per_period, saturated, times};
@@ -20,7 +20,16 @@ const LEAST_S: u32 = 20;
 /// A balance counts if the heat that was given would warm the thing by so much: less is noise.
 const LEAST_RISE: Celsius = Celsius::const_from_int(6);
 
-/// The guard that strikes the balance: an episode from the first power until all heat has arrived.
+/// Heat does not leave by itself: it is in the thing, or lost at no more than twice the model's rate. If so much of
+/// what was found is gone again, something cold was laid on, or the sensor has slipped. The heat that was given before
+/// says nothing then. The floor has numbers for a slipped sensor.
+const GONE: Celsius = Celsius::const_from_int(2);
+
+/// Periods between two looks for it: a look costs 64-bit products, and a second more or less does not matter.
+const LOOKS: u32 = 50;
+
+/// The guard that strikes the balance: an episode from the first power until all heat has arrived, or something cold
+/// comes.
 #[derive(Clone, Copy, Debug)]
 pub struct HeatBalance {
     numbers: Numbers,
@@ -51,6 +60,8 @@ struct Balance {
     /// Heat that has arrived and heat lost in this balance, in J times 50, with 20 fractional bits.
     given: i64,
     lost: i64,
+    /// The most that was in the thing or lost at twice the model's rate, counted as the others.
+    most: i64,
 }
 
 impl Numbers {
@@ -60,6 +71,12 @@ impl Numbers {
         let length = periods(LEAST_S).max(periods_of_lags(LAGS, &settings.model));
         let arrival = part_per_period(settings.model.lag());
         Self { least: settings.guards.heating, capacity, loss, fan_loss, length, arrival }
+    }
+
+    /// Heat for such a rise, in J times 50 with 20 fractional bits.
+    fn heat(&self, rise: Celsius) -> i64 {
+        (i64::from(rise.to_bits()) * i64::from(RATE)).saturating_mul(self.capacity.to_bits().into())
+            >> JoulesPerKelvin::FRAC_NBITS
     }
 }
 
@@ -81,21 +98,14 @@ impl HeatBalance {
         &self.numbers
     }
 
-    /// Looks at a control period: whether heat is on its way, the temperature, the power that was given, the part fan, the
-    /// filament in W/K.
-    pub fn look(
-        &mut self,
-        is_heated: bool,
-        measured: Celsius,
-        power: Power,
-        fan: Ratio,
-        filament: I8F24,
-    ) -> Option<Alarm> {
-        let n = &self.numbers;
-        let begin = || Balance { begun_at: measured, left: 0, arriving: Power::ZERO, given: 0, lost: 0 };
+    /// Looks at a control period: whether heat is on its way, what is seen, the power that was given, the part fan,
+    /// the filament in W/K.
+    pub fn look(&mut self, is_heated: bool, seen: &Seen, power: Power, fan: Ratio, filament: I8F24) -> Option<Alarm> {
+        let (n, measured) = (&self.numbers, seen.measured);
+        let begin = || Balance { begun_at: measured, left: 0, arriving: Power::ZERO, given: 0, lost: 0, most: 0 };
         let balance = self.balance.follow(is_heated.then_some(()), begin)?;
         if balance.left == 0 {
-            (balance.begun_at, balance.left, balance.given, balance.lost) = (measured, n.length, 0, 0);
+            *balance = Balance { left: n.length, arriving: balance.arriving, ..begin() };
         }
         let fan = I8F24::from_bits(saturated(
             (i64::from(n.fan_loss.to_bits()) * i64::from(fan.to_bits())) >> Ratio::FRAC_NBITS,
@@ -107,27 +117,33 @@ impl HeatBalance {
         balance.given += i64::from(balance.arriving.to_bits());
         balance.lost += i64::from(lost.to_bits());
         balance.left = balance.left.min(n.length) - 1;
+        if balance.left.is_multiple_of(LOOKS) && balance.has_gone(n, seen.smooth) {
+            self.balance = Episode::none();
+            return None;
+        }
         if balance.left == 0 { balance.strike(n, measured) } else { None }
     }
 }
 
 impl Balance {
+    /// Whether heat that was found is gone again.
+    fn has_gone(&mut self, numbers: &Numbers, smooth: Celsius) -> bool {
+        let there = numbers.heat(smooth.saturating_sub(self.begun_at)).saturating_add(2 * self.lost);
+        self.most = self.most.max(there);
+        there < self.most - numbers.heat(GONE)
+    }
+
     fn strike(&self, numbers: &Numbers, measured: Celsius) -> Option<Alarm> {
         let rise = measured.saturating_sub(self.begun_at);
-        // J times 50 with 20 fractional bits, as the others.
-        let heat = |rise: Celsius| {
-            (i64::from(rise.to_bits()) * i64::from(RATE)).saturating_mul(numbers.capacity.to_bits().into())
-                >> JoulesPerKelvin::FRAC_NBITS
-        };
         let wanted = (self.given >> 16).saturating_mul(numbers.least.to_bits().into());
-        let found = heat(rise).saturating_add(self.lost);
+        let found = numbers.heat(rise).saturating_add(self.lost);
         // Losses are known to half of them: a bed in a cold room that loses 1.4 times as much as its model says was taken for one that
         // does not heat. So heat that was given counts only where it is twice what is lost; the floor looks at the rest.
-        if self.given < heat(LEAST_RISE).max(2 * self.lost) || found >= wanted {
+        if self.given < numbers.heat(LEAST_RISE).max(2 * self.lost) || found >= wanted {
             return None;
         }
         // What is missing, in degrees.
-        let missing = wanted.saturating_sub(found) / heat(Celsius::ONE).max(1);
+        let missing = wanted.saturating_sub(found) / numbers.heat(Celsius::ONE).max(1);
         let limit = rise.saturating_add(Celsius::saturating_from_num(missing));
         Some(Alarm { cause: Cause::HeatsTooSlowly, value: rise, limit })
     }

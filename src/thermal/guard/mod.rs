@@ -24,7 +24,7 @@
 //! |---|---|---|
 //! | [`Window`], [`Frozen`] | a reading | a sensor that is broken while off; for `Frozen` a reading that moves |
 //! | [`Gain`] | power | a gain of 2 C; power that is off for four times as long |
-//! | [`HeatBalance`] | power | the arrival of all heat; M303 and self-test, which do not believe the model |
+//! | [`HeatBalance`] | power | the arrival of all heat; something cold that is laid on; M303 and self-test, which do not believe the model |
 //! | [`AtTarget`] | a target | another target, off, M303, a self-test, a fault |
 //! | [`WhileOff`] | the arrival of all heat | power |
 //! | [`Swapped`] | power from the cold, or alone | less than half of the power |
@@ -79,15 +79,15 @@ pub struct Seen {
     pub duty: u16,
     /// All its heat has arrived: it has been without power for long enough.
     pub is_settled: bool,
-    /// Another heater warms it, rightly: a bed warms its chamber.
-    pub is_warmed: bool,
+    /// Up to here another heater warms it, rightly: a bed warms its chamber, and a hotend that is off.
+    pub warmed_to: Celsius,
 }
 
 impl Seen {
     /// A heater without power, whose last heat is still under way.
     #[must_use]
     pub const fn quiet(measured: Celsius) -> Self {
-        Self { measured, smooth: measured, duty: 0, is_settled: false, is_warmed: false }
+        Self { measured, smooth: measured, duty: 0, is_settled: false, warmed_to: Celsius::MIN }
     }
 
     /// Whether it has any power.
