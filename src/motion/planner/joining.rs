@@ -395,7 +395,8 @@ impl Planner<'_> {
         self.line.is_open().then(|| {
             let ([.., from], [.., to]) = (begin, self.end);
             let seconds = self.geometry_between(begin, self.end).size / speed(feed);
-            (to.wrapping_sub(from), (seconds * const { TICKS_PER_SECOND as f32 }) as u64)
+            // It takes LONGEST_SECONDS a few times at the most, and the processor has no conversion to 64 bits.
+            (to.wrapping_sub(from), u64::from((seconds * const { TICKS_PER_SECOND as f32 }) as u32))
         })
     }
 }
