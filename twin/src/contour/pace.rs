@@ -3,7 +3,7 @@
 //! A file that was compensated, or played with other accelerations, goes along the same line in a time of its own, and lines lie
 //! next to each other: a place alone does not say when it was meant. So the two rows of places are matched as wholes, in their
 //! order, such that the sum of the squared distances is least (dynamic time warping; Sakoe and Chiba, 1978). Of the second row
-//! only the [`REACH`] places about the last match are looked at, which follows any difference that grows slower than the tool
+//! only the `REACH` places about the last match are looked at, which follows any difference that grows slower than the tool
 //! moves. Rests have no places, so they may be of any length.
 
 use super::path::Vertex;
