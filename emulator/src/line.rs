@@ -14,7 +14,7 @@ use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 
 /// Lines that are kept for a person to read.
-const KEPT: usize = 200;
+const KEPT: usize = 400;
 
 /// How hosts talk.
 #[derive(Clone, Copy, Default, Debug)]
