@@ -15,8 +15,8 @@ struct Budget {
 /// Code, constants and initial values. What is left is for probing, a card and a page.
 const FLASH: Budget = Budget { name: "flash", bytes: 440 * 1024, of: "480 KiB after the bootloader" };
 
-/// Variables without the stack, which takes the 28 KiB that are left (memory.x).
-const RAM: Budget = Budget { name: "static RAM", bytes: 100 * 1024, of: "128 KiB with the stack" };
+/// Variables without the stack, which takes the 32 KiB that are left (memory.x).
+const RAM: Budget = Budget { name: "static RAM", bytes: 96 * 1024, of: "128 KiB with the stack" };
 
 /// Why an image has no doubles.
 const DOUBLES: &str = "the processor has no double precision, and steps are integers";
