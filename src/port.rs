@@ -287,7 +287,7 @@ pub trait ThermalPort {
     }
 
     /// Has a fan run at this part of full speed, in units of 1/65,535, until told otherwise.
-    fn blow(&mut self, _fan: usize, _duty: u16) {}
+    fn set_fan(&mut self, _fan: usize, _duty: u16) {}
 
     /// The pulses that a fan's tachometer has given, wrapping; `None` where there is no tachometer.
     fn tachometer(&self, _fan: usize) -> Option<u16> {

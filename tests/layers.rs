@@ -239,7 +239,7 @@ fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
     assert!(wrong.is_empty(), "files that use each other in a circle:\n{}", wrong.join("\n"));
 }
 
-/// What the parts of the room `machine` may use of each other, each only those above it: a command gets the crank and the states that
+/// What the parts of the room `machine` may use of each other, each only those above it: a command gets the main loop and the states that
 /// it names, and the Console hands them to it.
 const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("ports", &[]),
@@ -250,10 +250,10 @@ const WITHIN_MACHINE: [(&str, &[&str]); 12] = [
     ("state", &["numbers"]),
     ("answers", &["hosts", "numbers", "state"]),
     ("reports", &["answers", "numbers", "state"]),
-    ("crank", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
-    ("belt", &["answers", "crank", "interrupt", "ports", "state"]),
-    ("commands", &["answers", "belt", "crank", "hosts", "interrupt", "numbers", "ports", "state"]),
-    ("console", &["answers", "belt", "commands", "crank", "hosts", "interrupt", "ports", "state"]),
+    ("main_loop", &["answers", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
+    ("belt", &["answers", "main_loop", "interrupt", "ports", "state"]),
+    ("commands", &["answers", "belt", "main_loop", "hosts", "interrupt", "numbers", "ports", "state"]),
+    ("console", &["answers", "belt", "commands", "main_loop", "hosts", "interrupt", "ports", "state"]),
 ];
 
 #[test]
@@ -286,7 +286,7 @@ fn names(code: &str, name: &str) -> bool {
 }
 
 #[test]
-fn no_command_gets_the_console_and_nobody_widens_the_crank() {
+fn no_command_gets_the_console_and_nobody_widens_the_main_loop() {
     let machine = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/machine");
     let mut files = Vec::new();
     sources(&machine, &mut files);
@@ -296,13 +296,13 @@ fn no_command_gets_the_console_and_nobody_widens_the_crank() {
         let text = fs::read_to_string(&file).unwrap();
         let code = code_of(&text);
         if names(&code, "Console") && !["console.rs", "mod.rs"].contains(&relative.as_str()) {
-            wrong.push(format!("{relative} names the Console: it gets the crank, and the states that it names"));
+            wrong.push(format!("{relative} names the Console: it gets the main_loop, and the states that it names"));
         }
-        let widens = code.lines().any(|line| line.starts_with("impl") && line.contains("> Crank<"));
-        if widens && !relative.starts_with("crank/") {
-            wrong.push(format!("{relative} adds to the crank: write a function that gets it"));
+        let widens = code.lines().any(|line| line.starts_with("impl") && line.contains("> MainLoop<"));
+        if widens && !relative.starts_with("main_loop/") {
+            wrong.push(format!("{relative} adds to the main_loop: write a function that gets it"));
         }
-        for owner in ["struct Crank<", "struct Console<"] {
+        for owner in ["struct MainLoop<", "struct Console<"] {
             let fields =
                 code.split_once(owner).map(|(_, begin)| begin.split_once("\n}").unwrap().0).unwrap_or_default();
             if fields.lines().any(|line| line.trim_start().starts_with("pub")) {

@@ -186,7 +186,7 @@ impl HeatWatch {
         self.heat.heat(&duties);
         let fans = self.fans.each_mut().map(|meter| meter.take(begin, at));
         for (fan, share) in fans.iter().enumerate() {
-            self.heat.blow(fan, (share * FULL).round() as u16);
+            self.heat.set_fan(fan, (share * FULL).round() as u16);
         }
         self.heat.advance(extruded, (at - begin) as f64 / 1e9);
         let Some(plant) = self.heat.plant() else { return };

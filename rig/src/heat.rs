@@ -204,7 +204,7 @@ impl ThermalPort for Heat {
         FANS
     }
 
-    fn blow(&mut self, fan: usize, duty: u16) {
+    fn set_fan(&mut self, fan: usize, duty: u16) {
         if let Some(place) = self.fans.get_mut(fan) {
             *place = duty;
         }

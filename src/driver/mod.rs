@@ -5,7 +5,7 @@
 //! was reset runs by its pins, makes other steps than the firmware counts, and would pull against the other three
 //! on the belt.
 //!
-//! [`Drivers`] is stepped by the Console's crank (see room `machine`) and never waits: at most one exchange goes on, in the background.
+//! [`Drivers`] is stepped by the Console's main loop (see room `machine`) and never waits: at most one exchange goes on, in the background.
 //! Everything that switches power goes through it.
 //!
 //! # Words

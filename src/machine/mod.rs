@@ -1,16 +1,16 @@
 //! The machine: what each command does, from the line that asked for it to the `ok` that answers it.
 //!
 //! ```text
-//!   bytes ──▶ crank ── line ──▶ gcode::parse ── Command ──▶ commands ── moves ──▶ crank ──▶ look-ahead ──▶ move queue
+//!   bytes ──▶ main loop ── line ──▶ gcode::parse ── Command ──▶ commands ── moves ──▶ main loop ──▶ look-ahead ──▶ move queue
 //!               ▲                                            │  ▲ states
 //!               └────────────── reports ◀── Answer ──────────┘
 //! ```
 //!
 //! The [`Console`] is one `async` function that is polled whenever something may have changed; it needs no
-//! executor and no waker. Every wait in it turns the same crank: take bytes in, see to emergencies, hand
+//! executor and no waker. Every wait in it turns the same main loop: take bytes in, see to emergencies, hand
 //! released moves on, send replies out.
 //!
-//! It owns two things. The `Crank` holds what must go on in every wait, with private fields; a command that waits gets it, and may do with it
+//! It owns two things. The `MainLoop` holds what must go on in every wait, with private fields; a command that waits gets it, and may do with it
 //! what its door allows. The `States` are what commands keep for themselves; a command gets the ones that it names. Nobody gets the
 //! Console.
 //!
@@ -19,7 +19,7 @@
 //! | `console` | the loop: take a line, carry it out, answer it |
 //! | `commands` | what each command does |
 //! | `belt` | a closed belt runs round, and its motors are aligned |
-//! | `crank` | what goes on in every wait, and what a command may have it do: plan, finish, power, tell |
+//! | `main_loop` | what goes on in every wait, and what a command may have it do: plan, finish, power, tell |
 //! | `reports` | how it is worded what there is to say |
 //! | `answers` | what there is to say, as values |
 //! | `state` | what earlier lines said, where the machine stands, what was noticed |
@@ -31,21 +31,21 @@
 //!
 //! | word | means |
 //! |---|---|
-//! | turn | the Console lets everybody else go on, and turns the crank once |
-//! | crank | everything that must go on whatever a command waits for |
+//! | turn | the Console lets everybody else go on, and turns the main loop once |
+//! | main loop | everything that must go on whatever a command waits for |
 //! | interrupt | why a command ends before it is done: M112, M410, no power |
 //! | rest | nothing moves |
 //! | tell, say | see `reports`, `answers` |
-//! | waiting, queued, dry, underrun | see `crank::stream`, `release` |
+//! | waiting, queued, dry, underrun | see `main_loop::stream`, `release` |
 //! | served, urgent, forgotten | see `hosts` |
 
 mod answers;
 mod belt;
 mod commands;
 mod console;
-mod crank;
 mod hosts;
 mod interrupt;
+mod main_loop;
 mod numbers;
 mod ports;
 mod release;

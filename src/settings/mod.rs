@@ -10,7 +10,7 @@
 //! | record | `storage::record`, by serde: a changed shape makes another `FORMAT` | `src/storage/record/tests.rs` |
 //! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test; `boards/sim/tests/console/legal_settings.rs` |
-//! | M503 | the words in `machine/reports/settings_report.rs` (`say_setting`, `say_settings`, `say_driver_settings`); a line of its own also in `machine/answers/setting.rs` | the same test |
+//! | M503 | the words in `machine/reports/settings_report.rs` (`report_setting`, `report_settings`, `report_driver_settings`); a line of its own also in `machine/answers/setting.rs` | the same test |
 //! | who reads it | `motion` (limits of a move by what it is for: `purpose` and `Limits` in `motion::planner`), `driver` or `machine` | its own tests; a limit of motion also in `tests/motion/model.rs` and, if a line may loosen it, `boards/sim/src/limits.rs` |
 //! | whether it counts at once | a setting that a board reads only when it starts: [`Settings::is_built_as`] | compiler |
 //! | its sum in RAM | `kept`, by `Hash` | compiler |

@@ -3,7 +3,7 @@
 use super::fans::{Fan, Needs};
 use super::fixed_point::{PERIOD_MS, quotient, saturated, share};
 use super::guard::{Alarm, FanTurns, Reference, Swapped};
-use super::hearts::{Context, Hearts};
+use super::heartbeats::{Context, Heartbeats};
 use super::heater::{Circumstances, HeaterLoop};
 use super::order::{Common, Order, OrdersIn};
 use super::predictive::Ahead;
@@ -54,7 +54,7 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     self_test: Option<SelfTest>,
     /// A switch sticks: only the power supply ends it, and all fans cool.
     is_stuck: bool,
-    hearts: Hearts,
+    heartbeats: Heartbeats,
     /// Whether motors have power, and periods for which the controller's fan goes on.
     has_motors: bool,
     runs_on: u32,
@@ -82,7 +82,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
             self_test: None,
             is_stuck: false,
-            hearts: Hearts::new(),
+            heartbeats: Heartbeats::new(),
             has_motors: false,
             runs_on: 0,
             extruded_um: 0,
@@ -99,7 +99,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         self.take_orders();
         self.listen();
         self.heat();
-        self.blow();
+        self.set_fan();
         self.status.heat().count_period();
     }
 
@@ -238,16 +238,16 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
 
     /// The watchdog, and the settings in RAM.
     fn listen(&mut self) {
-        if self.hearts.is_silent(Context::Generator) {
+        if self.heartbeats.is_silent(Context::Generator) {
             self.pend.pend_generator();
         }
-        if self.hearts.is_silent(Context::Stepper) {
+        if self.heartbeats.is_silent(Context::Stepper) {
             self.pend.pend_stepper();
         }
-        if let Some(fault) = self.hearts.listen(self.status) {
+        if let Some(fault) = self.heartbeats.listen(self.status) {
             self.status.fault().set(fault);
         }
-        if self.hearts.all_beat() {
+        if self.heartbeats.all_beat() {
             self.port.feed_watchdog();
         }
         self.scrub_in -= 1;
@@ -310,7 +310,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
         }
         self.port.heat(&duties);
-        self.tell_tuning();
+        self.report_tuning();
         let is_any_on = duties.iter().any(|duty| *duty > 0);
         for heater in Heater::ALL {
             let looped = &self.heaters[heater as usize];
@@ -323,7 +323,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     }
 
     /// Tells how far a tuning has come; one that is over switches its heater off.
-    fn tell_tuning(&mut self) {
+    fn report_tuning(&mut self) {
         for heater in &mut self.heaters {
             let Some(tune) = heater.tuning() else { continue };
             let state = tune.state();
@@ -404,7 +404,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     }
 
     /// All fans of the coming period.
-    fn blow(&mut self) {
+    fn set_fan(&mut self) {
         let [hotend, ..] = &self.heaters;
         // A hotend that nobody can measure may be hot.
         let is_warm = hotend.settings().is_fitted
@@ -426,7 +426,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             if is_part {
                 self.part_fan = self.part_fan.max(duty);
             }
-            self.port.blow(place, duty);
+            self.port.set_fan(place, duty);
             self.status.heat().set_fan(place, duty);
             let alarm = self.port.tachometer(place).and_then(|pulses| self.fan_turns[place].look(duty, pulses));
             if let Some(alarm) = alarm {
@@ -448,9 +448,9 @@ mod tests {
     use std::boxed::Box;
 
     #[derive(Clone, Copy)]
-    struct Nobody;
+    struct NullPend;
 
-    impl Pend for Nobody {
+    impl Pend for NullPend {
         fn pend_generator(&self) {}
         fn pend_stepper(&self) {}
     }
@@ -460,7 +460,7 @@ mod tests {
         let (queue, status) = (Box::leak(Box::new(OrderQueue::new())), Box::leak(Box::new(Status::new())));
         let (mut orders, orders_in) = queue.split();
         let status: &Status = status;
-        let mut control = ThermalControl::new(&ThermalSettings::prototype(), orders_in, status, NoHeaters, Nobody);
+        let mut control = ThermalControl::new(&ThermalSettings::prototype(), orders_in, status, NoHeaters, NullPend);
         let run = |control: &mut ThermalControl<'_, _, _>, periods: u32| {
             for _ in 0..periods {
                 status.heat().beat_of_console();
@@ -485,7 +485,7 @@ mod tests {
             let (queue, status) = (Box::leak(Box::new(OrderQueue::new())), Box::leak(Box::new(Status::new())));
             let status: &Status = status;
             let settings = ThermalSettings::prototype();
-            let mut control = ThermalControl::new(&settings, queue.split().1, status, NoHeaters, Nobody);
+            let mut control = ThermalControl::new(&settings, queue.split().1, status, NoHeaters, NullPend);
             control.heaters[0].damage(place);
             for _ in 0..=SCRUB {
                 status.heat().beat_of_console();

@@ -1,5 +1,5 @@
 //! Fans: who decides on each, and what its motor needs to start. How a commanded speed (M106) becomes a duty from one control period to
-//! the next is [`Fan::period`]; M303 goes past it (`blow` in `control.rs`,
+//! the next is [`Fan::period`]; M303 goes past it (`set_fan` in `control.rs`,
 //! which also counts how long the controller's fan runs on).
 
 use super::fixed_point::PERIOD_MS;

@@ -26,7 +26,7 @@ mod control;
 mod fans;
 mod fixed_point;
 pub mod guard;
-mod hearts;
+mod heartbeats;
 mod heater;
 mod heater_guards;
 mod lag_watch;

@@ -6,7 +6,7 @@ mod beds;
 mod configuration;
 mod floor;
 mod fuzz;
-mod hearts;
+mod heartbeats;
 mod heaters;
 mod latch;
 mod lives;

@@ -13,9 +13,9 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 #[derive(Clone, Copy)]
-struct Nobody;
+struct NullPend;
 
-impl Pend for Nobody {
+impl Pend for NullPend {
     fn pend_generator(&self) {}
     fn pend_stepper(&self) {}
 }
@@ -157,7 +157,7 @@ fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<S
         Pins { table: MotorTable::new(&groupings.tool.coupling()), forward: MotorSet::NONE, steps: Rc::default() };
     let alarm = Cell::new(None);
     let steps = pins.steps.clone();
-    let mut stepper = Stepper::new(steps_out, &status, pins, Hurry(&alarm, 0), Nobody);
+    let mut stepper = Stepper::new(steps_out, &status, pins, Hurry(&alarm, 0), NullPend);
     let mut left = work;
     let mut held = left.next();
     let mut idle = 0;
@@ -177,7 +177,7 @@ fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> Vec<S
             }
             held = left.next();
         }
-        generator.run(&Nobody);
+        generator.run(&NullPend);
         idle += 1;
         stepper.on_alarm();
         has_called();

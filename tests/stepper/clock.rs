@@ -29,9 +29,9 @@ impl StepClock for Timer<'_> {
 }
 
 #[derive(Clone, Copy)]
-pub struct Nobody;
+pub struct NullPend;
 
-impl Pend for Nobody {
+impl Pend for NullPend {
     fn pend_generator(&self) {}
     fn pend_stepper(&self) {}
 }

@@ -50,9 +50,9 @@ impl ThermalPort for WildPort {
 }
 
 #[derive(Clone, Copy)]
-struct Nobody;
+struct NullPend;
 
-impl Pend for Nobody {
+impl Pend for NullPend {
     fn pend_generator(&self) {}
     fn pend_stepper(&self) {}
 }
@@ -206,7 +206,7 @@ pub fn heat_orders(data: &[u8]) {
     let wild = Rc::new(Wild::default());
     let (mut queue, status) = (OrderQueue::new(), Status::new());
     let (mut orders, orders_in) = queue.split();
-    let mut control = ThermalControl::new(&machine, orders_in, &status, WildPort(wild.clone()), Nobody);
+    let mut control = ThermalControl::new(&machine, orders_in, &status, WildPort(wild.clone()), NullPend);
     let mut watch = Watch { machine, silent: [0; 3], had_target: [false; HEATERS], cause: None };
     let mut bytes = Bytes(data);
     while !bytes.0.is_empty() {
@@ -218,15 +218,15 @@ pub fn heat_orders(data: &[u8]) {
         wild.samples.set([bytes.sample(), bytes.sample(), bytes.sample()]);
         status.heat().set_extruded_um(bytes.word());
         status.heat().set_filament_ahead([bytes.word(), bytes.word()]);
-        let (periods, hearts) = (bytes.byte() % 64, bytes.byte());
+        let (periods, heartbeats) = (bytes.byte() % 64, bytes.byte());
         for _ in 0..=periods {
-            if hearts & 1 == 0 || hearts > 7 {
+            if heartbeats & 1 == 0 || heartbeats > 7 {
                 status.heat().beat_of_console();
             }
-            if hearts & 2 == 0 || hearts > 7 {
+            if heartbeats & 2 == 0 || heartbeats > 7 {
                 status.heat().beat_of_generator();
             }
-            if hearts & 4 == 0 || hearts > 7 {
+            if heartbeats & 4 == 0 || heartbeats > 7 {
                 status.count_look();
             }
             control.period();

@@ -55,7 +55,7 @@ impl ThermalPort for BenchPort {
         FANS
     }
 
-    fn blow(&mut self, fan: usize, duty: u16) {
+    fn set_fan(&mut self, fan: usize, duty: u16) {
         self.0.borrow_mut().fans[fan] = f64::from(duty) / 65_535.0;
     }
 
@@ -78,9 +78,9 @@ impl ThermalPort for BenchPort {
 
 /// Nobody is there to be pended.
 #[derive(Clone, Copy)]
-pub struct Nobody;
+pub struct NullPend;
 
-impl Pend for Nobody {
+impl Pend for NullPend {
     fn pend_generator(&self) {}
     fn pend_stepper(&self) {}
 }
@@ -90,7 +90,7 @@ pub struct Printer {
     pub bench: Rc<RefCell<Bench>>,
     pub status: &'static Status,
     pub orders: Orders<'static>,
-    control: ThermalControl<'static, BenchPort, Nobody>,
+    control: ThermalControl<'static, BenchPort, NullPend>,
     settings: ThermalSettings,
     extruded: f64,
     /// Contexts that no longer come by: Console, StepGenerator, Stepper.
@@ -137,7 +137,7 @@ impl Printer {
         let queue: &'static mut OrderQueue = Box::leak(Box::new(OrderQueue::new()));
         let (orders, orders_in) = queue.split();
         let status: &'static Status = Box::leak(Box::new(Status::new()));
-        let control = ThermalControl::new(&settings, orders_in, status, BenchPort(bench.clone()), Nobody);
+        let control = ThermalControl::new(&settings, orders_in, status, BenchPort(bench.clone()), NullPend);
         Self { bench, status, orders, control, settings, extruded: 0.0, silent: [false; 3], seconds: 0.0 }
     }
 

@@ -246,13 +246,13 @@ fn words_of_the_line_choose_the_place_and_an_unhomed_or_cold_machine_stays() {
         life.rest(5000);
         assert_eq!(life.count("echo:M600 U is not obeyed by this firmware"), 1);
         assert!(life.count("echo:busy: paused for user") >= 1, "{:?}", life.heard);
-        life.turn_to(1);
+        life.switch_to(1);
         assert_eq!(place(life), [30.0, 10.0, 70.0, 1.0]);
         life.say("M600");
         assert_eq!(life.count("echo:ignored, the print is paused already: send M24 or M108 first"), 1);
         life.say("G1 X40 F6000");
         life.say("M24");
-        life.turn_to(0);
+        life.switch_to(0);
         life.await_ok();
         assert_eq!(place(life), [110.0, 100.0, 50.0, 5.0]);
     });
@@ -406,9 +406,9 @@ fn a_line_that_has_lost_its_place_is_held_until_the_axes_are_homed() {
         for line in ["G28", "G1 Z5 F600", "G1 X50 Y50 E1 F6000"] {
             life.say(line);
         }
-        life.turn_to(1);
+        life.switch_to(1);
         life.say("M84 X Y");
-        life.turn_to(0);
+        life.switch_to(0);
         // M84 ends the print; who prints on has lost its place.
         life.put(0, "G1 X60 E2");
         life.rest(10_000);
@@ -416,15 +416,15 @@ fn a_line_that_has_lost_its_place_is_held_until_the_axes_are_homed() {
         assert_eq!(life.count("echo:print held: axes are not homed any more"), 1);
         assert!(life.count("echo:busy: paused for user") >= 4);
         let oks = life.oks();
-        life.turn_to(1);
+        life.switch_to(1);
         life.say("M24");
         life.rest(1000);
-        life.turn_to(0);
+        life.switch_to(0);
         assert_eq!((life.oks(), life.count("//action:resumed")), (oks, 0), "not without a home");
-        life.turn_to(1);
+        life.switch_to(1);
         life.say("G28 X Y");
         life.say("M24");
-        life.turn_to(0);
+        life.switch_to(0);
         life.await_ok();
         life.say("M400");
         assert_eq!(place(life), [60.0, 50.0, 5.0, 2.0], "from where it was");
@@ -465,10 +465,10 @@ fn a_cold_line_is_held_and_a_host_that_can_do_nothing_else_is_let_go_by_m108() {
     live(&heated(), 2, |life| {
         life.put(0, "G1 X110 E1 F6000");
         life.rest(3000);
-        life.turn_to(1);
+        life.switch_to(1);
         life.say("M104 S200");
         life.say("M24");
-        life.turn_to(0);
+        life.switch_to(0);
         life.await_ok();
         life.say("M400");
         assert!(life.celsius() > 195.0, "{}", life.celsius());

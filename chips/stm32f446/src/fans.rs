@@ -74,7 +74,7 @@ impl Fans {
     }
 
     /// Has one run at this duty.
-    pub fn blow(&mut self, fan: usize, duty: u16) {
+    pub fn set_fan(&mut self, fan: usize, duty: u16) {
         let Some(fan) = self.wired.get(fan) else { return };
         let channel = usize::from(fan.channel) - 1;
         match fan.timer {

@@ -81,8 +81,8 @@ impl ThermalPort for BoardHeat {
         self.fans.len()
     }
 
-    fn blow(&mut self, fan: usize, duty: u16) {
-        self.fans.blow(fan, duty);
+    fn set_fan(&mut self, fan: usize, duty: u16) {
+        self.fans.set_fan(fan, duty);
     }
 
     fn has_supply_switch(&self) -> bool {

@@ -88,7 +88,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         // What is stored may be what brings the faults about, so it is not looked at, not even for the rate.
         let (lines, usb) = open_lines(board, None, past.reason);
         let mut fans = Fans::start(board.fans);
-        (0..fans.len()).for_each(|fan| fans.blow(fan, u16::MAX));
+        (0..fans.len()).for_each(|fan| fans.set_fan(fan, u16::MAX));
         contexts::only_talk(lines, usb, record.fault);
     }
     let mut storage = BoardStorage(find(board));

@@ -1,7 +1,7 @@
 //! Answers: what a command has to say, as a value. `answer` is for what is said, `report` for how it is worded.
 //!
-//! A command does what it does and returns its answer; `crank::tell` writes it, and the Console has the `ok` told after it. A new reply is a variant
-//! here and an arm in `crank::tell`. A reply of several lines gets a function of its own, in `reports`. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
+//! A command does what it does and returns its answer; `main_loop::tell` writes it, and the Console has the `ok` told after it. A new reply is a variant
+//! here and an arm in `main_loop::tell`. A reply of several lines gets a function of its own, in `reports`. An `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
 
 use super::belt_answer::BeltAnswer;
 use super::driver_value::DriverValue;

@@ -1,7 +1,7 @@
 //! The speaker: says the parts of one answer to the host being served, each once and in order.
 //!
 //! A part is a line, or lines that must not be separated. Nothing waits between parts: when one finds no room,
-//! `crank::tell` lets the world go round and runs the whole report again, and the parts that were said before are passed
+//! `main_loop::tell` lets the world go round and runs the whole report again, and the parts that were said before are passed
 //! over. So a report is a plain function, and has no place to wait in.
 
 use crate::machine::hosts::serving::Hosts;

@@ -12,9 +12,9 @@ use super::load_curve::{
 use crate::driver::{DriverError, Fault, Job};
 use crate::kinematics::{Residual, Residuals, motors_in};
 use crate::machine::answers::belt_answer::AlignError;
-use crate::machine::crank::Crank;
-use crate::machine::crank::trim::{preload_of, trimmed};
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::trim::{preload_of, trimmed};
 use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
 use crate::motion::Target;
@@ -41,7 +41,7 @@ const MOST_ARMS: i32 = 6;
 /// Findings of an apex that are averaged: three at least, and more until they agree to [`SURE`].
 const ROUNDS: core::ops::Range<i64> = 3..12;
 
-/// How sure a finding has to be, in 256ths of a step, beyond the half step that nothing can be trimmed to: 0.4. `WITHIN` in `crank::phase`
+/// How sure a finding has to be, in 256ths of a step, beyond the half step that nothing can be trimmed to: 0.4. `WITHIN` in `main_loop::phase`
 /// counts with it.
 const SURE: i64 = 102;
 
@@ -88,8 +88,8 @@ struct Scan {
 
 impl Scan {
     /// Of a residual, with the motor as it is now.
-    fn new<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, motor: Motor, residual: &Residual) -> Self {
-        let (motors, mechanism) = (motors_in(residual), crank.groups().mechanism());
+    fn new<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, motor: Motor, residual: &Residual) -> Self {
+        let (motors, mechanism) = (motors_in(residual), main_loop.groups().mechanism());
         let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
         Self { motor, motors, is_along_y, at: 0 }
     }
@@ -97,25 +97,30 @@ impl Scan {
 
 /// Aligns all motors that can pull against each other. They have power, and the tool has room along x and y. It ends somewhere near: x and y
 /// are to be homed again, and then it is to be proved ([`measure_again`]).
-pub(in crate::machine) async fn align<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), BeltError> {
-    let residuals = crank.residuals();
-    crank.trimming_mut().forget();
-    crank.trimming_mut().note_phase(false);
-    let mechanism = crank.groups().mechanism();
-    crank.homed_mut().release(residuals.motors(), mechanism);
-    begin_measuring(crank, residuals.motors()).await?;
-    let result = align_each(crank, &residuals).await;
+pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), BeltError> {
+    let residuals = main_loop.residuals();
+    main_loop.trimming_mut().forget();
+    main_loop.trimming_mut().note_phase(false);
+    let mechanism = main_loop.groups().mechanism();
+    main_loop.homed_mut().release(residuals.motors(), mechanism);
+    begin_measuring(main_loop, residuals.motors()).await?;
+    let result = align_each(main_loop, &residuals).await;
     if !matches!(result, Err(BeltError::Interrupted(_))) {
-        end_measuring(crank).await?;
+        end_measuring(main_loop).await?;
     }
     result
 }
 
-async fn align_each<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, residuals: &Residuals) -> Result<(), BeltError> {
+async fn align_each<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residuals: &Residuals,
+) -> Result<(), BeltError> {
     for (number, residual) in residuals.iter().enumerate() {
-        let Some(found) = find_apex(crank, residual).await? else { continue };
-        let phase = crank.find_phase(residual).await?;
-        leave_at(crank, number, residual, found, phase).await?;
+        let Some(found) = find_apex(main_loop, residual).await? else { continue };
+        let phase = main_loop.find_phase(residual).await?;
+        leave_at(main_loop, number, residual, found, phase).await?;
     }
     Ok(())
 }
@@ -123,29 +128,29 @@ async fn align_each<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, residuals:
 /// Measures once more whether the belt bears what it should: a motor that skipped after it was trimmed, or so that what was found is
 /// wrong, strains it by four full steps or some. Nothing that was found before is relied on.
 pub(in crate::machine) async fn measure_again<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
 ) -> Result<(), BeltError> {
-    begin_measuring(crank, residuals.motors()).await?;
-    let result = measure_each_again(crank, residuals).await;
+    begin_measuring(main_loop, residuals.motors()).await?;
+    let result = measure_each_again(main_loop, residuals).await;
     if !matches!(result, Err(BeltError::Interrupted(_))) {
-        end_measuring(crank).await?;
+        end_measuring(main_loop).await?;
     }
     result
 }
 
 async fn measure_each_again<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
 ) -> Result<(), BeltError> {
-    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
     for residual in residuals.iter() {
         let Some((motor, times)) = trimmed(residual) else { continue };
-        let mut scan = Scan::new(crank, motor, residual);
-        let (middle, arm) = (-preload_of(residual, crank.preload_steps()) / times, ARM * full_step);
-        let loads = loads_about(crank, &mut scan, middle, arm).await;
+        let mut scan = Scan::new(main_loop, motor, residual);
+        let (middle, arm) = (-preload_of(residual, main_loop.preload_steps()) / times, ARM * full_step);
+        let loads = loads_about(main_loop, &mut scan, middle, arm).await;
         if !matches!(loads, Err(BeltError::Interrupted(_))) {
-            go_to(crank, &mut scan, 0).await?;
+            go_to(main_loop, &mut scan, 0).await?;
         }
         let loads @ [left, _, right] = loads?;
         each_follows(loads)?;
@@ -160,84 +165,87 @@ async fn measure_each_again<P: PortSet, W: Pend>(
 /// Leaves the trimmed motor of a residual, which stands at the apex, with the preload that is wanted, and notes what was found; the
 /// phase too, if it was looked for.
 pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
     ApexFound { step, within, slope }: ApexFound,
     phase: Option<u16>,
 ) -> Result<(), Interrupt> {
     let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
-    crank.trim(motor, preload_of(residual, crank.preload_steps()) / times).await?;
-    let was = crank.belt_length(i64::from(-step * times) * 1000);
-    let per_mm = slope.readings_per_mm(crank.settings().axes.x.steps_per_mm.to_num());
-    let found = Found { was, within: crank.belt_length(thousandths(within)), readings_per_mm: Some(per_mm), phase };
-    crank.trimming_mut().note(number, found);
+    main_loop.trim(motor, preload_of(residual, main_loop.preload_steps()) / times).await?;
+    let was = main_loop.belt_length(i64::from(-step * times) * 1000);
+    let per_mm = slope.readings_per_mm(main_loop.settings().axes.x.steps_per_mm.to_num());
+    let found = Found { was, within: main_loop.belt_length(thousandths(within)), readings_per_mm: Some(per_mm), phase };
+    main_loop.trimming_mut().note(number, found);
     Ok(())
 }
 
 /// Has the drivers of these motors measure loads.
 pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     motors: MotorSet,
 ) -> Result<(), BeltError> {
-    if !motors.without(crank.uarts()).is_empty() {
+    if !motors.without(main_loop.uarts()).is_empty() {
         return Err(AlignError::NoUart.into());
     }
-    crank.finish().await?;
-    let mut measuring: Settings = *crank.settings();
+    main_loop.finish().await?;
+    let mut measuring: Settings = *main_loop.settings();
     measuring.drivers.belt.stealth = true;
     measuring.drivers.belt.hybrid_threshold = MmPerSec::ZERO;
     // A motor at rest has all its torque: the belt is strained on purpose.
     measuring.drivers.belt.hold_percent = 100;
-    crank.trimming_mut().measure(true);
-    crank.configure_drivers(&measuring).await?;
-    let tuned = crank.now().after_ms(TUNING_MS);
-    crank.settle(tuned).await?;
+    main_loop.trimming_mut().measure(true);
+    main_loop.configure_drivers(&measuring).await?;
+    let tuned = main_loop.now().after_ms(TUNING_MS);
+    main_loop.settle(tuned).await?;
     Ok(())
 }
 
 /// Waits until drivers are as the settings say again, if they measure loads: nothing moves while they change their mode. Motion
 /// rests.
 pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    if !crank.trimming().is_measuring() {
+    if !main_loop.trimming().is_measuring() {
         return Ok(());
     }
-    crank.restore_drivers().await?;
-    crank.trimming_mut().measure(false);
+    main_loop.restore_drivers().await?;
+    main_loop.trimming_mut().measure(false);
     Ok(())
 }
 
 /// Looks for the trim at which the motors of a residual do not pull against each other, and leaves it there.
 pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     residual: &Residual,
 ) -> Result<Option<ApexFound>, BeltError> {
     let Some((motor, _)) = trimmed(residual) else { return Ok(None) };
-    let mut scan = Scan::new(crank, motor, residual);
-    let found = climb(crank, &mut scan).await;
+    let mut scan = Scan::new(main_loop, motor, residual);
+    let found = climb(main_loop, &mut scan).await;
     if let Err(BeltError::Align(_)) = found {
         // Nothing is known, so nothing is changed.
-        crank.trim(motor, -scan.at).await?;
+        main_loop.trim(motor, -scan.at).await?;
     }
     found.map(Some)
 }
 
-async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan) -> Result<ApexFound, BeltError> {
-    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+async fn climb<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    scan: &mut Scan,
+) -> Result<ApexFound, BeltError> {
+    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
     let arm = ARM * full_step;
     let mut middle = 0;
-    let mut loads = loads_about(crank, scan, middle, arm).await?;
+    let mut loads = loads_about(main_loop, scan, middle, arm).await?;
     // Uphill, until the summit is in the middle.
     loop {
         let [left, here, right] = loads;
         if is_less_loaded(left, here) {
             middle -= arm;
-            loads = [load_at(crank, scan, middle - arm).await?, left, here];
+            loads = [load_at(main_loop, scan, middle - arm).await?, left, here];
         } else if is_less_loaded(right, here) {
             middle += arm;
-            loads = [here, right, load_at(crank, scan, middle + arm).await?];
+            loads = [here, right, load_at(main_loop, scan, middle + arm).await?];
         } else {
             break;
         }
@@ -256,7 +264,8 @@ async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
         if findings.count() >= ROUNDS.end {
             return Err(AlignError::Unsure.into());
         }
-        let (left, right) = (load_at(crank, scan, about - arm).await?, load_at(crank, scan, about + arm).await?);
+        let (left, right) =
+            (load_at(main_loop, scan, about - arm).await?, load_at(main_loop, scan, about + arm).await?);
         all_have_torque(&[left, right])?;
         findings.note(about, apex(left, right, slope));
         about = findings.step();
@@ -264,7 +273,7 @@ async fn climb<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan
             return Err(AlignError::Unsure.into());
         }
     }
-    go_to(crank, scan, about).await?;
+    go_to(main_loop, scan, about).await?;
     Ok(ApexFound { step: about, within: findings.bound(), slope })
 }
 
@@ -281,79 +290,83 @@ fn all_have_torque(loads: &[Load]) -> Result<(), AlignError> {
 }
 
 /// Turns the trimmed motor to a place, counted from where the scan began.
-async fn go_to<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, scan: &mut Scan, place: i32) -> Result<(), Interrupt> {
-    crank.trim(scan.motor, place - scan.at).await?;
+async fn go_to<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    scan: &mut Scan,
+    place: i32,
+) -> Result<(), Interrupt> {
+    main_loop.trim(scan.motor, place - scan.at).await?;
     scan.at = place;
     Ok(())
 }
 
 /// How hard the motors pull with a trim, and with an arm less and more.
 async fn loads_about<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
     middle: i32,
     arm: i32,
 ) -> Result<[Load; 3], BeltError> {
-    let left = load_at(crank, scan, middle - arm).await?;
-    Ok([left, load_at(crank, scan, middle).await?, load_at(crank, scan, middle + arm).await?])
+    let left = load_at(main_loop, scan, middle - arm).await?;
+    Ok([left, load_at(main_loop, scan, middle).await?, load_at(main_loop, scan, middle + arm).await?])
 }
 
 /// How hard the motors pull with this trim, on a stroke along x or y and back.
 async fn load_at<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
     place: i32,
 ) -> Result<Load, BeltError> {
-    go_to(crank, scan, place).await?;
-    let ([x, y, ..], axes) = (crank.planned_end_mm(), &crank.settings().axes);
+    go_to(main_loop, scan, place).await?;
+    let ([x, y, ..], axes) = (main_loop.planned_end_mm(), &main_loop.settings().axes);
     let (at, length) = if scan.is_along_y { (y, axes.y.length) } else { (x, axes.x.length) };
     let stroke = STROKE.min(length / 3);
     let stroke = if at > length / 2 { -stroke } else { stroke };
     let (mut there, mut back) = (Readings::default(), Readings::default());
-    go_along(crank, scan, stroke, &mut there).await?;
-    go_along(crank, scan, -stroke, &mut back).await?;
+    go_along(main_loop, scan, stroke, &mut there).await?;
+    go_along(main_loop, scan, -stroke, &mut back).await?;
     Ok(load_of_stroke(&there, &back, scan.motors).ok_or(AlignError::TooFewReadings)?)
 }
 
 async fn go_along<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     scan: &Scan,
     by: Mm,
     readings: &mut Readings,
 ) -> Result<(), BeltError> {
     let along = |[x, y, ..]: [Steps; 4]| if scan.is_along_y { y } else { x };
-    let start = along(crank.real_steps());
-    let mut position = crank.planned_end_mm();
+    let start = along(main_loop.real_steps());
+    let mut position = main_loop.planned_end_mm();
     let [x, y, ..] = &mut position;
     let at = if scan.is_along_y { y } else { x };
     *at = at.saturating_add(by);
-    crank.plan(Target { position, speed: SPEED, has_overrides: false, watch: EndstopSet::NONE }).await?;
-    let cruise = along(crank.to_steps([RAMP; 4]))..along(crank.to_steps([by.abs() - RAMP; 4]));
+    main_loop.plan(Target { position, speed: SPEED, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    let cruise = along(main_loop.to_steps([RAMP; 4]))..along(main_loop.to_steps([by.abs() - RAMP; 4]));
     let mut is_in_cruise = false;
-    while crank.has_motion() {
-        crank.release_all();
+    while main_loop.has_motion() {
+        main_loop.release_all();
         for motor in Motor::ALL.into_iter().filter(|motor| scan.motors.has(*motor)) {
-            let reading = crank.ask_driver(Job::Load, motor).await?;
+            let reading = main_loop.ask_driver(Job::Load, motor).await?;
             let reading = reading.map_err(|error: DriverError| AlignError::Driver(Fault { motor, error }))?;
             let was_in_cruise = is_in_cruise;
-            is_in_cruise = cruise.contains(&along(crank.real_steps()).wrapping_sub(start).wrapping_abs());
+            is_in_cruise = cruise.contains(&along(main_loop.real_steps()).wrapping_sub(start).wrapping_abs());
             if was_in_cruise && is_in_cruise {
                 reading.loads().into_iter().for_each(|load| readings.note(motor, load.into()));
             }
         }
     }
-    crank.finish().await?;
+    main_loop.finish().await?;
     Ok(())
 }
 
 /// Whether printing moves may be made: the motors of a belt are aligned, or need not be.
-pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>) -> bool {
-    if crank.trimming().is_aligned() {
+pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
+    if main_loop.trimming().is_aligned() {
         return false;
     }
-    let motors = crank.residuals().motors();
+    let motors = main_loop.residuals().motors();
     // Who has no UART can't be aligned, and is not asked for it.
-    !motors.is_empty() && motors.without(crank.uarts()).is_empty()
+    !motors.is_empty() && motors.without(main_loop.uarts()).is_empty()
 }
 
 /// Skips of one turn are never too far, whatever power-up leaves with them.

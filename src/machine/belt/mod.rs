@@ -26,13 +26,13 @@
 //! | file | what |
 //! |---|---|
 //! | [`circulate`] | the belt runs round |
-//! | `crank::trim` | one motor is turned alone |
+//! | `main_loop::trim` | one motor is turned alone |
 //! | [`load_curve`] | where motors bear least, from what their drivers measure |
 //! | [`align`] | motors are aligned |
-//! | `crank::phase` | motors are aligned as they get power, by their drivers' sine tables |
+//! | `main_loop::phase` | motors are aligned as they get power, by their drivers' sine tables |
 //! | [`diagnosis`] | which motor has skipped |
 //! | [`report`] | what M122 says of it |
-//! | `crank::limp` | one motor has failed, and the others park the tool |
+//! | `main_loop::limp` | one motor has failed, and the others park the tool |
 
 pub(in crate::machine) mod align;
 pub(in crate::machine) mod circulate;

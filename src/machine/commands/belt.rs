@@ -9,9 +9,9 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
 use crate::machine::belt::align::{BeltError, begin_measuring, end_measuring, find_apex, leave_at};
 use crate::machine::belt::diagnosis::{Touched, diagnose};
-use crate::machine::crank::Crank;
-use crate::machine::crank::trim::trimmed;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::trim::trimmed;
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::motion::Target;
@@ -26,43 +26,43 @@ const BELT_AXES: AxisFlags = AxisFlags { x: true, y: true, z: false, e: false };
 
 /// M915: x and y are homed, their motors aligned, and x and y homed again.
 pub(in crate::machine) async fn align_belt<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Result<Answer<'static>, Interrupt> {
-    if crank.residuals().is_empty() {
+    if main_loop.residuals().is_empty() {
         return Ok(Answer::Belt(BeltAnswer::NoResidual));
     }
-    let lift = lift(crank).await?;
-    home_and_align(crank, notices, BELT_AXES, true).await?;
-    lower(crank, lift).await?;
+    let lift = lift(main_loop).await?;
+    home_and_align(main_loop, notices, BELT_AXES, true).await?;
+    lower(main_loop, lift).await?;
     Ok(Answer::Nothing)
 }
 
 /// M915 D and R: what has happened since the motors were aligned; with `repairs` it is set right.
 pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     repairs: bool,
 ) -> Result<Answer<'static>, Interrupt> {
-    let residuals = crank.residuals();
+    let residuals = main_loop.residuals();
     if residuals.is_empty() {
         return Ok(Answer::Belt(BeltAnswer::NoResidual));
     }
-    let [x, y, _] = crank.homed().axes();
-    if !(crank.trimming().is_aligned() && x && y && crank.has_power(residuals.motors())) {
+    let [x, y, _] = main_loop.homed().axes();
+    if !(main_loop.trimming().is_aligned() && x && y && main_loop.has_power(residuals.motors())) {
         return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
     }
-    let lift = lift(crank).await?;
-    let place = crank.planned_end_mm();
-    let aside = touch_both(crank).await?;
-    crank.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
+    let lift = lift(main_loop).await?;
+    let place = main_loop.planned_end_mm();
+    let aside = touch_both(main_loop).await?;
+    main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
     // Until it is known that nothing has happened, nobody is to believe it: M410 may end this with a motor on its way.
-    let (homed, trimming) = (crank.homed(), *crank.trimming());
+    let (homed, trimming) = (main_loop.homed(), *main_loop.trimming());
     let aside = Aside { now: aside, homed: trimming.homed_aside() };
-    crank.trimming_mut().forget();
-    let mechanism = crank.groups().mechanism();
-    crank.homed_mut().release(residuals.motors(), mechanism);
-    let mut answer = match examine(crank, &residuals, aside, repairs).await {
+    main_loop.trimming_mut().forget();
+    let mechanism = main_loop.groups().mechanism();
+    main_loop.homed_mut().release(residuals.motors(), mechanism);
+    let mut answer = match examine(main_loop, &residuals, aside, repairs).await {
         Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
         Err(BeltError::Align(error)) => BeltAnswer::NotAligned(error),
         Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
@@ -71,25 +71,25 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     let is_known = matches!(answer, BeltAnswer::Diagnosis(_));
     if is_well {
         // Something may have happened while loads were measured.
-        let again = touch_both(crank).await?;
-        if is_anywhere_aside(crank, again) {
-            crank.tell(Answer::Belt(BeltAnswer::Touched(again))).await?;
+        let again = touch_both(main_loop).await?;
+        if is_anywhere_aside(main_loop, again) {
+            main_loop.reply(Answer::Belt(BeltAnswer::Touched(again))).await?;
             answer = BeltAnswer::Diagnosis(Diagnosis::Several);
-        } else if crank.has_power(residuals.motors()) {
-            crank.homed_mut().believe(&homed);
-            *crank.trimming_mut() = trimming;
+        } else if main_loop.has_power(residuals.motors()) {
+            main_loop.homed_mut().believe(&homed);
+            *main_loop.trimming_mut() = trimming;
         }
     } else if repairs && is_known {
-        crank.tell(Answer::Belt(answer)).await?;
-        home_and_align(crank, notices, BELT_AXES, false).await?;
-        answer = match prove(crank).await {
+        main_loop.reply(Answer::Belt(answer)).await?;
+        home_and_align(main_loop, notices, BELT_AXES, false).await?;
+        answer = match prove(main_loop).await {
             Ok(aside) => BeltAnswer::Repaired(aside),
             Err(BeltError::Align(error)) => BeltAnswer::NotRepaired(error),
             Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
         };
     }
-    go_back(crank, place).await?;
-    lower(crank, lift).await?;
+    go_back(main_loop, place).await?;
+    lower(main_loop, lift).await?;
     Ok(Answer::Belt(answer))
 }
 
@@ -119,86 +119,86 @@ impl Aside {
 /// What the switches and the residuals say together. Motors that have skipped are left without strain if that is to be repaired; all
 /// others are as they were.
 async fn examine<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
     aside: Aside,
     repairs: bool,
 ) -> Result<Diagnosis, BeltError> {
-    begin_measuring(crank, residuals.motors()).await?;
-    let result = examine_each(crank, residuals, aside, repairs).await;
+    begin_measuring(main_loop, residuals.motors()).await?;
+    let result = examine_each(main_loop, residuals, aside, repairs).await;
     if !matches!(result, Err(BeltError::Interrupted(_))) {
-        end_measuring(crank).await?;
+        end_measuring(main_loop).await?;
     }
     result
 }
 
 async fn examine_each<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
     aside: Aside,
     repairs: bool,
 ) -> Result<Diagnosis, BeltError> {
-    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
+    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
     let mut said = Diagnosis::Nothing;
     for (number, residual) in residuals.iter().enumerate() {
         let Some((motor, times)) = trimmed(residual) else { continue };
-        let preload = crank.preload_steps();
-        let Some(apex) = find_apex(crank, residual).await? else { continue };
+        let preload = main_loop.preload_steps();
+        let Some(apex) = find_apex(main_loop, residual).await? else { continue };
         let step = apex.step;
-        let found = aside.diagnose(&crank.settings().mechanism, residual, -step * times - preload, full_step);
+        let found = aside.diagnose(&main_loop.settings().mechanism, residual, -step * times - preload, full_step);
         said = found.graver(said);
         if repairs && found != Diagnosis::Nothing {
-            leave_at(crank, number, residual, apex, None).await?;
+            leave_at(main_loop, number, residual, apex, None).await?;
         } else {
-            crank.trim(motor, -step).await?;
+            main_loop.trim(motor, -step).await?;
         }
     }
     Ok(said)
 }
 
 /// Lifts z if it is known where it is, and says by how much.
-async fn lift<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<Mm, Interrupt> {
-    crank.finish().await?;
-    let [.., z] = crank.homed().axes();
-    let position = crank.planned_end_mm();
+async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, Interrupt> {
+    main_loop.finish().await?;
+    let [.., z] = main_loop.homed().axes();
+    let position = main_loop.planned_end_mm();
     let [_, _, at, _] = position;
-    let lift = LIFT.min(crank.settings().axes.z.length.saturating_sub(at)).max(Mm::ZERO);
+    let lift = LIFT.min(main_loop.settings().axes.z.length.saturating_sub(at)).max(Mm::ZERO);
     if !z {
         return Ok(Mm::ZERO);
     }
-    shift_z(crank, lift).await?;
+    shift_z(main_loop, lift).await?;
     Ok(lift)
 }
 
 /// Takes back what [`lift`] did.
-async fn lower<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
-    shift_z(crank, -lift).await
+async fn lower<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
+    shift_z(main_loop, -lift).await
 }
 
 /// Takes the tool back over a place where it was, if it is known where it is: a print that was paused goes on from there.
-async fn go_back<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
-    let ([x, y, ..], [is_x, is_y, _]) = (place, crank.homed().axes());
+async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
+    let ([x, y, ..], [is_x, is_y, _]) = (place, main_loop.homed().axes());
     if !(is_x && is_y) {
         return Ok(());
     }
-    let [.., z, e] = crank.planned_end_mm();
-    let (position, speed) = ([x, y, z, e], crank.settings().axes.x.max_speed);
-    crank.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
-    crank.finish().await?;
-    crank.stand_at_end();
+    let [.., z, e] = main_loop.planned_end_mm();
+    let (position, speed) = ([x, y, z, e], main_loop.settings().axes.x.max_speed);
+    main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    main_loop.finish().await?;
+    main_loop.stand_at_end();
     Ok(())
 }
 
-async fn shift_z<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, by: Mm) -> Result<(), Interrupt> {
+async fn shift_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) -> Result<(), Interrupt> {
     if by == Mm::ZERO {
         return Ok(());
     }
-    let mut position = crank.planned_end_mm();
+    let mut position = main_loop.planned_end_mm();
     let [_, _, z, _] = &mut position;
     *z = z.saturating_add(by);
-    let speed = crank.settings().axes.z.max_speed;
-    crank.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
-    crank.finish().await?;
-    crank.stand_at_end();
+    let speed = main_loop.settings().axes.z.max_speed;
+    main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await?;
+    main_loop.finish().await?;
+    main_loop.stand_at_end();
     Ok(())
 }

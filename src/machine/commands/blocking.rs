@@ -1,6 +1,6 @@
 //! Commands that take time, in one match without a wildcard: a new one does not compile before it is decided what it does.
 //!
-//! They are awaited: motion, power, storage, drivers, questions to the user. Meanwhile the crank goes on turning.
+//! They are awaited: motion, power, storage, drivers, questions to the user. Meanwhile the main loop goes on turning.
 
 use super::belt::{align_belt, examine_belt};
 use super::drivers::change_mode;
@@ -21,8 +21,8 @@ use super::tuning::{TuningWords, tune};
 use super::waits::dwell;
 use crate::gcode::{AxisFlags, AxisWords, MachineRecord, Number, ParkWords};
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 
@@ -101,71 +101,71 @@ pub(in crate::machine) enum Blocking<'c> {
 
 /// Carries out a command that takes time, with the states that it names, and returns what there is to say before its `ok`.
 pub(super) async fn carry_out_blocking<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: Blocking<'_>,
 ) -> Result<Answer<'static>, Interrupt> {
     let States { modal, retraction, clamps, notices, pieces, cold } = states;
     match command {
-        Blocking::Line { to, feed } => return Moves { crank, modal, clamps, notices, cold }.line(to, feed).await,
+        Blocking::Line { to, feed } => return Moves { main_loop, modal, clamps, notices, cold }.line(to, feed).await,
         Blocking::Circulate { to, belt, feed } => {
-            return Moves { crank, modal, clamps, notices, cold }.circulate(to, belt, feed).await;
+            return Moves { main_loop, modal, clamps, notices, cold }.circulate(to, belt, feed).await;
         }
-        Blocking::Arc(words) => return Moves { crank, modal, clamps, notices, cold }.arc(&words).await,
-        Blocking::Dwell { ms } => dwell(crank, ms).await?,
-        Blocking::Retract => return Moves { crank, modal, clamps, notices, cold }.retract(retraction).await,
-        Blocking::Recover => return Moves { crank, modal, clamps, notices, cold }.recover(retraction).await,
-        Blocking::Home(flags) => home(crank, notices, flags).await?,
-        Blocking::Finish => crank.finish().await?,
+        Blocking::Arc(words) => return Moves { main_loop, modal, clamps, notices, cold }.arc(&words).await,
+        Blocking::Dwell { ms } => dwell(main_loop, ms).await?,
+        Blocking::Retract => return Moves { main_loop, modal, clamps, notices, cold }.retract(retraction).await,
+        Blocking::Recover => return Moves { main_loop, modal, clamps, notices, cold }.recover(retraction).await,
+        Blocking::Home(flags) => home(main_loop, notices, flags).await?,
+        Blocking::Finish => main_loop.finish().await?,
         Blocking::EmergencyStop => return Err(Interrupt::Halt),
         Blocking::Conditional => {
-            crank
-                .tell(Answer::Line("Error:which lines run depends on this one, and this firmware would run them all"))
+            main_loop
+                .reply(Answer::Line("Error:which lines run depends on this one, and this firmware would run them all"))
                 .await?;
             return Err(Interrupt::Halt);
         }
-        Blocking::EnableMotors(flags) => crank.power(motors_of(crank.groups(), flags)).await?,
+        Blocking::EnableMotors(flags) => main_loop.power(motors_of(main_loop.groups(), flags)).await?,
         Blocking::DisableMotors(flags) => {
-            crank.finish().await?;
-            crank.unpower(motors_of(crank.groups(), flags));
+            main_loop.finish().await?;
+            main_loop.unpower(motors_of(main_loop.groups(), flags));
             notices.renew_for_position();
             let all = !(flags.x || flags.y || flags.z || flags.e);
             if all || flags.e {
-                crank.commanded_mut().forget_retraction();
+                main_loop.commanded_mut().forget_retraction();
             }
             if all || flags.x || flags.y || flags.z {
-                end_by_line(crank, modal).await?;
+                end_by_line(main_loop, modal).await?;
             }
         }
         Blocking::AwaitUser { ms, filament, park } => {
-            return await_user(crank, modal, cold, (ms, filament), park).await;
+            return await_user(main_loop, modal, cold, (ms, filament), park).await;
         }
-        Blocking::Pause { parks, park } => return pause(crank, modal, cold, parks, park).await,
-        Blocking::Resume => return resume(crank, modal, cold).await,
-        Blocking::EndJob => end_by_line(crank, modal).await?,
-        Blocking::SaveSettings => return save_settings(crank, pieces).await.map(Answer::Storage),
-        Blocking::LoadSettings => return load_settings(crank).await.map(Answer::Storage),
-        Blocking::DefaultSettings => return reset_settings(crank).await.map(Answer::Storage),
-        Blocking::CheckStorage => return check_storage(crank).await.map(Answer::Storage),
-        Blocking::StepsPerMm(words) => return change_resolution(crank, clamps, words).await,
-        Blocking::Shaper(words) => return change_shapers(crank, clamps, &words).await,
-        Blocking::Advance { time, window } => return change_advance(crank, clamps, time, window).await,
-        Blocking::Stealth { on, axes } => return change_mode(crank, modal, clamps, on, axes).await,
-        Blocking::FeedPercent(percent) => crank.override_feed(percent).await?,
-        Blocking::Heat { words, cools } => return heat_and_wait(crank, notices, clamps, &words, cools).await,
-        Blocking::AwaitHeaters => return await_heaters(crank, notices).await,
-        Blocking::Fan { fan, speed } => return set_fan(crank, notices, clamps, fan, speed).await,
-        Blocking::Tune(words) => return tune(crank, clamps, &words).await,
-        Blocking::SelfTest => return test_heaters(crank).await,
-        Blocking::MachineRecord(order) => return exchange_machine(crank, pieces, order).await,
-        Blocking::AlignBelt { diagnoses: false, repairs: false } => return align_belt(crank, notices).await,
-        Blocking::AlignBelt { diagnoses: _, repairs } => return examine_belt(crank, notices, repairs).await,
+        Blocking::Pause { parks, park } => return pause(main_loop, modal, cold, parks, park).await,
+        Blocking::Resume => return resume(main_loop, modal, cold).await,
+        Blocking::EndJob => end_by_line(main_loop, modal).await?,
+        Blocking::SaveSettings => return save_settings(main_loop, pieces).await.map(Answer::Storage),
+        Blocking::LoadSettings => return load_settings(main_loop).await.map(Answer::Storage),
+        Blocking::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),
+        Blocking::CheckStorage => return check_storage(main_loop).await.map(Answer::Storage),
+        Blocking::StepsPerMm(words) => return change_resolution(main_loop, clamps, words).await,
+        Blocking::Shaper(words) => return change_shapers(main_loop, clamps, &words).await,
+        Blocking::Advance { time, window } => return change_advance(main_loop, clamps, time, window).await,
+        Blocking::Stealth { on, axes } => return change_mode(main_loop, modal, clamps, on, axes).await,
+        Blocking::FeedPercent(percent) => main_loop.override_feed(percent).await?,
+        Blocking::Heat { words, cools } => return heat_and_wait(main_loop, notices, clamps, &words, cools).await,
+        Blocking::AwaitHeaters => return await_heaters(main_loop, notices).await,
+        Blocking::Fan { fan, speed } => return set_fan(main_loop, notices, clamps, fan, speed).await,
+        Blocking::Tune(words) => return tune(main_loop, clamps, &words).await,
+        Blocking::SelfTest => return test_heaters(main_loop).await,
+        Blocking::MachineRecord(order) => return exchange_machine(main_loop, pieces, order).await,
+        Blocking::AlignBelt { diagnoses: false, repairs: false } => return align_belt(main_loop, notices).await,
+        Blocking::AlignBelt { diagnoses: _, repairs } => return examine_belt(main_loop, notices, repairs).await,
         Blocking::ReportEndstops => {
-            crank.look_at_endstops();
-            crank.turn().await?;
-            return Ok(Answer::Endstops(crank.status().endstops()));
+            main_loop.look_at_endstops();
+            main_loop.poll().await?;
+            return Ok(Answer::Endstops(main_loop.status().endstops()));
         }
-        Blocking::Diagnose => return diagnose(crank).await,
+        Blocking::Diagnose => return diagnose(main_loop).await,
     }
     Ok(Answer::Nothing)
 }

@@ -18,7 +18,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         belt: Number,
         feed: Option<Number>,
     ) -> Result<Answer<'static>, Interrupt> {
-        if !self.crank.settings().belt.is_closed {
+        if !self.main_loop.settings().belt.is_closed {
             return Ok(Answer::Malformed(Flaw::NoAxis(b'C')));
         }
         if to.z.is_some() || to.e.is_some() {
@@ -26,23 +26,24 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         let speed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
         let wanted = self.target(to).await?.position;
-        let at = self.crank.commanded().position();
+        let at = self.main_loop.commanded().position();
         if !self.may_move(moving(at, wanted)).await? {
             return Ok(Answer::NotHomed);
         }
-        let (inside, moved) = clamp(wanted, at, self.crank.homed(), self.crank.settings());
+        let (inside, moved) = clamp(wanted, at, self.main_loop.homed(), self.main_loop.settings());
         if moved {
             self.tell_of_edge().await?;
         }
         let belt = self.modal.length(belt);
-        let target = if self.modal.absolute { belt } else { self.crank.circulation().commanded.saturating_add(belt) };
+        let target =
+            if self.modal.absolute { belt } else { self.main_loop.circulation().commanded.saturating_add(belt) };
         if !FARTHEST.holds(target) {
             self.tell_of_edge().await?;
         }
         let [x, y, ..] = inside;
-        run_round(self.crank, [x, y], FARTHEST.clamp(target), speed).await?;
+        run_round(self.main_loop, [x, y], FARTHEST.clamp(target), speed).await?;
         self.modal.feed = speed;
-        self.crank.commanded_mut().go_to(inside);
+        self.main_loop.commanded_mut().go_to(inside);
         Ok(Answer::Nothing)
     }
 }

@@ -3,8 +3,8 @@
 use crate::connectors::Heater;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::{Notice, Notices};
@@ -27,12 +27,12 @@ impl ColdExtrusion {
     /// M302. Without a hotend nothing can be too cold.
     pub fn set<P: PortSet, W: Pend>(
         &mut self,
-        crank: &mut Crank<'_, P, W>,
+        main_loop: &mut MainLoop<'_, P, W>,
         clamps: &mut Clamps,
         least: Option<Number>,
         allow: Option<bool>,
     ) -> Answer<'static> {
-        let hotend = crank.settings().thermal.heater(Heater::Hotend);
+        let hotend = main_loop.settings().thermal.heater(Heater::Hotend);
         if !hotend.is_fitted {
             let forbids = least.is_some_and(|least| least > Number::ZERO) || allow == Some(false);
             return Answer::Line(if forbids {
@@ -46,7 +46,7 @@ impl ColdExtrusion {
         }
         if let Some(least) = least {
             let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };
-            clamps.near(["M302", "S"], least, range, &mut crank.settings_mut().thermal.min_extrude);
+            clamps.near(["M302", "S"], least, range, &mut main_loop.settings_mut().thermal.min_extrude);
             if clamps.refuses_line() {
                 return Answer::Nothing;
             }
@@ -55,27 +55,27 @@ impl ColdExtrusion {
         if let Some(allow) = allow {
             self.is_allowed = allow;
         }
-        crank.note_heat_settings();
+        main_loop.note_heat_settings();
         Answer::Nothing
     }
 
     /// Whether no filament may move: the hotend is too cold for it, or nobody knows.
-    pub fn is_too_cold<P: PortSet, W: Pend>(&self, crank: &Crank<'_, P, W>) -> bool {
-        let thermal = &crank.settings().thermal;
+    pub fn is_too_cold<P: PortSet, W: Pend>(&self, main_loop: &MainLoop<'_, P, W>) -> bool {
+        let thermal = &main_loop.settings().thermal;
         thermal.heater(Heater::Hotend).is_fitted
             && !self.is_allowed
             && thermal.min_extrude > Celsius::ZERO
-            && crank.measured()[Heater::Hotend as usize] < thermal.min_extrude
+            && main_loop.measured()[Heater::Hotend as usize] < thermal.min_extrude
     }
 }
 
 /// Tells once a print that filament was left out.
 pub(super) async fn tell_of_cold<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Result<(), Interrupt> {
     if notices.give(Notice::Cold) {
-        crank.tell(Answer::Line("echo: cold extrusion prevented")).await?;
+        main_loop.reply(Answer::Line("echo: cold extrusion prevented")).await?;
     }
     Ok(())
 }

@@ -15,8 +15,8 @@ use super::pause::end_keeping;
 use super::states::States;
 use crate::gcode::Command;
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{Answered, Kept};
 use crate::port::Pend;
@@ -24,33 +24,33 @@ use crate::port::Pend;
 /// The print of a line that is kept goes on, if it can: true if the line is to be carried out now, false if it needs its `ok` alone, `None`
 /// if it goes on being kept.
 pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     kept: Kept,
     answered: Answered,
 ) -> Result<Option<bool>, Interrupt> {
-    end_keeping(crank, &mut states.modal, &states.cold, kept, answered).await
+    end_keeping(main_loop, &mut states.modal, &states.cold, kept, answered).await
 }
 
 /// Carries out a command, tells what was out of range, and returns what else there is to say before its `ok`.
 pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &Command<'a>,
 ) -> Result<Answer<'a>, Interrupt> {
     states.clamps.clear();
-    if let Some(answer) = refuse(crank, command) {
+    if let Some(answer) = refuse(main_loop, command) {
         return Ok(answer);
     }
-    let done = match carry_out_immediate(crank, states, command) {
+    let done = match carry_out_immediate(main_loop, states, command) {
         Outcome::Done(answer) => Ok(answer),
-        Outcome::TakesTime(command) => carry_out_blocking(crank, states, command).await,
+        Outcome::TakesTime(command) => carry_out_blocking(main_loop, states, command).await,
     };
     match done {
         // Why, `power` has told.
         Err(Interrupt::NoPower) => Ok(Answer::Nothing),
-        Err(Interrupt::EndJob(why)) => end_job(crank, &mut states.modal, why).await,
-        Ok(answer) => crank.tell_clamps(&mut states.clamps).await.map(|()| answer),
+        Err(Interrupt::EndJob(why)) => end_job(main_loop, &mut states.modal, why).await,
+        Ok(answer) => main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer),
         Err(interrupt) => Err(interrupt),
     }
 }

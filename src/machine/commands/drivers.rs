@@ -6,8 +6,8 @@
 use crate::gcode::{AxisFlags, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
@@ -17,13 +17,13 @@ use crate::units::MmPerSec;
 
 /// M906, M913, M914, and M569. What `words` name is changed, without words all is reported.
 pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     value: DriverValue,
     words: &AxisWords,
     modal: &Modal,
     clamps: &mut Clamps,
 ) -> Answer<'static> {
-    if crank.uarts().is_empty() {
+    if main_loop.uarts().is_empty() {
         return Answer::Line("echo:drivers are set by their jumpers");
     }
     if *words == AxisWords::default() {
@@ -33,7 +33,7 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
     if words.x.is_some() && words.y.is_some() && words.x != words.y {
         return Answer::OneBelt(code);
     }
-    let mut wanted = crank.settings().drivers;
+    let mut wanted = main_loop.settings().drivers;
     let DriverGroups { belt, z, e } = &mut wanted;
     let xy = if words.x.is_some() { "X" } else { "Y" };
     for (group, axis, number) in [(belt, xy, words.x.or(words.y)), (z, "Z", words.z), (e, "E", words.e)] {
@@ -42,7 +42,7 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
         }
     }
     if !clamps.refuses_line() {
-        crank.use_driver_settings(wanted);
+        main_loop.use_driver_settings(wanted);
     }
     Answer::Nothing
 }
@@ -81,18 +81,18 @@ fn mode_words(stealth: bool, axes: AxisFlags) -> AxisWords {
 
 /// M569. The motion rests first: a motor that changes its mode at speed may lose steps.
 pub(in crate::machine) async fn change_mode<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     clamps: &mut Clamps,
     stealth: Option<bool>,
     axes: AxisFlags,
 ) -> Result<Answer<'static>, Interrupt> {
     let mut words = AxisWords::default();
-    if let Some(stealth) = stealth.filter(|_| !crank.uarts().is_empty()) {
-        crank.finish().await?;
+    if let Some(stealth) = stealth.filter(|_| !main_loop.uarts().is_empty()) {
+        main_loop.finish().await?;
         words = mode_words(stealth, axes);
     }
-    let answer = set_drivers(crank, DriverValue::Mode, &words, modal, clamps);
-    crank.await_drivers().await?;
+    let answer = set_drivers(main_loop, DriverValue::Mode, &words, modal, clamps);
+    main_loop.await_drivers().await?;
     Ok(answer)
 }

@@ -3,8 +3,8 @@
 use crate::gcode::{Absent, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::HeatSetting;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::Notices;
@@ -22,15 +22,15 @@ const fn duty(speed: Ratio) -> u16 {
 
 /// M106, M107.
 pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     clamps: &mut Clamps,
     fan: u8,
     speed: Number,
 ) -> Result<Answer<'static>, Interrupt> {
-    let fan = fan_meant(fan, &crank.settings().thermal);
+    let fan = fan_meant(fan, &main_loop.settings().thermal);
     // Slicers name fans of other machines.
-    let answer = match crank.settings().thermal.fans.get(usize::from(fan)) {
+    let answer = match main_loop.settings().thermal.fans.get(usize::from(fan)) {
         Some(settings) if settings.role.is_commanded() => None,
         Some(_) => Some(Answer::NotCommanded(fan)),
         None => Some(Answer::NoFan(fan)),
@@ -40,7 +40,7 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
         return Ok(if notices.give_absent(absent.key()) { answer } else { Answer::Nothing });
     }
     if let Some(speed) = clamps.near_of(["M106", "S"], speed, FULL, None) {
-        crank.blow(fan, duty(speed)).await?;
+        main_loop.set_fan(fan, duty(speed)).await?;
     }
     Ok(Answer::Nothing)
 }

@@ -6,8 +6,8 @@
 use crate::connectors::{HEATERS, Heater};
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::{Interrupt, JobEnd};
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::{Notice, Notices};
@@ -127,11 +127,11 @@ impl Rising {
 
 /// What to say of a command for a heater that is not fitted; `None` if it is.
 fn missing<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     heater: Heater,
 ) -> Option<Answer<'static>> {
-    let thermal = &crank.settings().thermal;
+    let thermal = &main_loop.settings().thermal;
     if thermal.heater(heater).is_fitted {
         return None;
     }
@@ -152,51 +152,51 @@ fn missing<P: PortSet, W: Pend>(
 /// is none: what the heater was at stays.
 #[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
 pub(in crate::machine) fn set_target<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     clamps: &mut Clamps,
     code: &'static str,
     words: &TargetWords,
 ) -> Result<bool, Answer<'static>> {
     let TargetWords { heater, target } = *words;
-    if let Some(answer) = missing(crank, notices, heater) {
+    if let Some(answer) = missing(main_loop, notices, heater) {
         return Err(answer);
     }
     let Some(number) = target else { return Ok(false) };
-    let range = Range { least: Celsius::ZERO, most: crank.settings().thermal.heater(heater).most };
-    let Some(target) = clamps.near_of([code, "S"], number, range, Some(crank.target_of(heater))) else {
+    let range = Range { least: Celsius::ZERO, most: main_loop.settings().thermal.heater(heater).most };
+    let Some(target) = clamps.near_of([code, "S"], number, range, Some(main_loop.target_of(heater))) else {
         return Ok(false);
     };
     if target > Celsius::ZERO {
-        crank.test_before_heating();
-    } else if heater == Heater::Hotend && crank.job().is_printing() {
+        main_loop.test_before_heating();
+    } else if heater == Heater::Hotend && main_loop.job().is_printing() {
         // Nothing is printed without a hotend: so files end that do not switch the motors off.
-        crank.job_mut().end();
+        main_loop.job_mut().end();
     }
-    let least = if heater == Heater::Hotend { crank.settings().thermal.min_extrude } else { Celsius::ZERO };
-    crank.job_mut().note_target(heater, target, least);
-    crank.heat(heater, target);
-    crank.note_heaters_used();
-    crank.send_orders();
+    let least = if heater == Heater::Hotend { main_loop.settings().thermal.min_extrude } else { Celsius::ZERO };
+    main_loop.job_mut().note_target(heater, target, least);
+    main_loop.heat(heater, target);
+    main_loop.note_heaters_used();
+    main_loop.send_orders();
     Ok(true)
 }
 
 /// M109, M190, M191.
 pub(in crate::machine) async fn heat_and_wait<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     clamps: &mut Clamps,
     words: &TargetWords,
     cools: bool,
 ) -> Result<Answer<'static>, Interrupt> {
     let code = ["M109", "M190", "M191"][words.heater as usize];
-    match set_target(crank, notices, clamps, code, words) {
+    match set_target(main_loop, notices, clamps, code, words) {
         Err(answer) => return Ok(answer),
         Ok(false) => {}
         Ok(true) => {
             // What was asked for is told before the wait, not minutes later.
-            crank.tell_clamps(clamps).await?;
-            await_heat(crank, Heater::ALL.map(|other| other == words.heater), cools).await?;
+            main_loop.reply_clamps(clamps).await?;
+            await_heat(main_loop, Heater::ALL.map(|other| other == words.heater), cools).await?;
         }
     }
     Ok(Answer::Nothing)
@@ -204,26 +204,26 @@ pub(in crate::machine) async fn heat_and_wait<P: PortSet, W: Pend>(
 
 /// M116: waits for all that are on.
 pub(in crate::machine) async fn await_heaters<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Result<Answer<'static>, Interrupt> {
-    if !crank.settings().thermal.has_heater() {
-        return Ok(missing(crank, notices, Heater::Hotend).unwrap_or(Answer::Nothing));
+    if !main_loop.settings().thermal.has_heater() {
+        return Ok(missing(main_loop, notices, Heater::Hotend).unwrap_or(Answer::Nothing));
     }
-    let are_on = Heater::ALL.map(|heater| crank.target_of(heater) > Celsius::ZERO);
-    await_heat(crank, are_on, true).await?;
+    let are_on = Heater::ALL.map(|heater| main_loop.target_of(heater) > Celsius::ZERO);
+    await_heat(main_loop, are_on, true).await?;
     Ok(Answer::Nothing)
 }
 
 /// Waits until heaters have reached their targets, or if `cools` is not set, have no need to warm up any more.
 async fn await_heat<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     heaters: [bool; HEATERS],
     cools: bool,
 ) -> Result<(), Interrupt> {
-    let begun = crank.now();
-    let measured = crank.measured();
-    let targets = Heater::ALL.map(|heater| crank.target_of(heater));
+    let begun = main_loop.now();
+    let measured = main_loop.measured();
+    let targets = Heater::ALL.map(|heater| main_loop.target_of(heater));
     let mut awaited = heaters;
     for ((awaited, measured), target) in awaited.iter_mut().zip(measured).zip(targets) {
         *awaited &= cools || measured < target;
@@ -231,20 +231,20 @@ async fn await_heat<P: PortSet, W: Pend>(
     if awaited == [false; HEATERS] {
         return Ok(());
     }
-    crank.pauses_mut().begin(Waiting::Heat);
+    main_loop.pauses_mut().begin(Waiting::Heat);
     let (mut residency, mut cooling) = (Residency { since: None }, Cooling { looked: (begun, measured) });
     let mut rising = Rising::new(measured, begun);
     let (mut next_line, mut moves) = (begun, true);
-    crank.come_again();
-    while !crank.pauses().is_over() {
-        let (now, measured) = (crank.now(), crank.measured());
+    main_loop.come_again();
+    while !main_loop.pauses().is_over() {
+        let (now, measured) = (main_loop.now(), main_loop.measured());
         let off_by = |place: usize| measured[place].saturating_sub(targets[place]);
         let is_within =
             |most: Celsius| (0..HEATERS).all(|place| !awaited[place] || off_by(place).saturating_abs() <= most);
         let missing = residency.follow(is_within(NEAR), !is_within(FAR), now);
         if now >= next_line {
             next_line = next_line.after_ms(LINE_MS);
-            crank.tell(Answer::Heating(missing)).await?;
+            main_loop.reply(Answer::Heating(missing)).await?;
         }
         let are_hot = [0, 1, 2].map(|place| awaited[place] && off_by(place) > NEAR);
         if missing == Some(0) || (cools && cooling.has_ended(are_hot, measured, now)) {
@@ -256,44 +256,46 @@ async fn await_heat<P: PortSet, W: Pend>(
                 let [at, target] = [measured, targets].map(|degrees| degrees[heater as usize].to_num::<i32>());
                 return Err(Interrupt::EndJob(JobEnd::Unreachable { heater, at, target }));
             }
-            Some(Stuck::Tell(heater)) => crank.tell(Answer::NoRise(heater)).await?,
+            Some(Stuck::Tell(heater)) => main_loop.reply(Answer::NoRise(heater)).await?,
             None => {}
         }
-        moves = moves && crank.let_motion_end();
-        crank.turn().await?;
+        moves = moves && main_loop.let_motion_end();
+        main_loop.poll().await?;
     }
-    crank.pauses_mut().end();
+    main_loop.pauses_mut().end();
     Ok(())
 }
 
 /// Heaters are kept again at what they were at before a pause, or before they went off in the print, and are waited for.
-pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
-    let Some(targets) = crank.job().targets() else { return Ok(()) };
-    let (measured, mut awaited, mut is_new) = (crank.measured(), [false; HEATERS], false);
+pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let Some(targets) = main_loop.job().targets() else { return Ok(()) };
+    let (measured, mut awaited, mut is_new) = (main_loop.measured(), [false; HEATERS], false);
     for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(_, target)| *target > Celsius::ZERO) {
-        if crank.target_of(heater) != target {
-            crank.heat(heater, target);
+        if main_loop.target_of(heater) != target {
+            main_loop.heat(heater, target);
             is_new = true;
         }
         awaited[heater as usize] = measured[heater as usize] < target.saturating_sub(NEAR);
     }
     if is_new {
-        crank.tell(Answer::Line("echo:Heating again")).await?;
-        crank.note_heaters_used();
-        crank.send_orders();
+        main_loop.reply(Answer::Line("echo:Heating again")).await?;
+        main_loop.note_heaters_used();
+        main_loop.send_orders();
     }
-    await_heat(crank, awaited, false).await?;
-    crank.job_mut().forget_targets();
+    await_heat(main_loop, awaited, false).await?;
+    main_loop.job_mut().forget_targets();
     Ok(())
 }
 
 /// The heater that a command for its behaviour means, if it is fitted.
 #[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
 pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
-    crank: &Crank<'_, P, W>,
+    main_loop: &MainLoop<'_, P, W>,
     heater: Option<Heater>,
 ) -> Result<Heater, Answer<'static>> {
-    let thermal = &crank.settings().thermal;
+    let thermal = &main_loop.settings().thermal;
     match heater {
         None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
         Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
@@ -303,10 +305,10 @@ pub(in crate::machine) fn model_of<P: PortSet, W: Pend>(
 }
 
 /// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
-pub(in crate::machine) fn switch_off<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Answer<'static> {
-    crank.switch_off_heat();
-    if crank.job().is_printing() {
-        crank.job_mut().end();
+pub(in crate::machine) fn switch_off<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Answer<'static> {
+    main_loop.switch_off_heat();
+    if main_loop.job().is_printing() {
+        main_loop.job_mut().end();
     }
     Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
 }

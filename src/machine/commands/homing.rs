@@ -19,7 +19,7 @@
 //! - a row of `STATES` in `boards/sim/tests/emergencies.rs`, for its descent;
 //! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
-//!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`crank/tell.rs`);
+//!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`main_loop/reply.rs`);
 //! - another word than "Probing" in boards/*/README.md, among what is not there.
 //!
 //! To home Z by the probe instead, moreover:
@@ -37,8 +37,8 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::belt::align::{BeltError, align, lacks_alignment};
 use crate::machine::belt::circulate::advance_belt;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::port::Pend;
@@ -55,92 +55,92 @@ const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
 
 /// G28. Whichever axis fails, the print must not go on: the machine halts.
 pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     flags: AxisFlags,
 ) -> Result<(), Interrupt> {
-    power_up(crank).await?;
+    power_up(main_loop).await?;
     // As motors got power they may have been aligned by their phases.
-    let aligns = crank.settings().belt.alignment == Alignment::Automatic && lacks_alignment(crank);
-    home_axes(crank, notices, flags, aligns).await
+    let aligns = main_loop.settings().belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
+    home_axes(main_loop, notices, flags, aligns).await
 }
 
 /// The same; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed again then.
 pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     flags: AxisFlags,
     aligns: bool,
 ) -> Result<(), Interrupt> {
-    power_up(crank).await?;
-    home_axes(crank, notices, flags, aligns).await
+    power_up(main_loop).await?;
+    home_axes(main_loop, notices, flags, aligns).await
 }
 
 /// Power first: where there is none, nothing is homed and the axes keep their homes.
-async fn power_up<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
-    crank.finish().await?;
-    crank.power(crank.groups().fitted()).await
+async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+    main_loop.finish().await?;
+    main_loop.power(main_loop.groups().fitted()).await
 }
 
 async fn home_axes<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     flags: AxisFlags,
     aligns: bool,
 ) -> Result<(), Interrupt> {
     let all = !(flags.x || flags.y || flags.z);
     // What a print has left pulled back is of no account to the next one.
-    crank.commanded_mut().forget_retraction();
+    main_loop.commanded_mut().forget_retraction();
     let mut is_home = [false; 3];
     let mut aligns = aligns;
-    for axis in crank.settings().homing_order {
+    for axis in main_loop.settings().homing_order {
         if !(all || is_named(flags, axis)) {
             continue;
         }
-        home_named(crank, axis).await?;
+        home_named(main_loop, axis).await?;
         if let Some(is_home) = is_home.get_mut(axis as usize) {
             *is_home = true;
         }
         if let [true, true, _] = is_home
             && core::mem::take(&mut aligns)
         {
-            align_at_home(crank).await?;
+            align_at_home(main_loop).await?;
         }
     }
     if let [true, true, _] = is_home {
-        advance_belt(crank).await?;
+        advance_belt(main_loop).await?;
     }
     notices.renew(Notice::Edge);
     Ok(())
 }
 
 /// X and y are home: the motors of their belt are aligned, both homed again, and that is proved. What came of it is told.
-async fn align_at_home<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
-    let aligned = align(crank).await;
+async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+    let aligned = align(main_loop).await;
     if let Err(BeltError::Interrupted(interrupt)) = aligned {
         return Err(interrupt);
     }
-    home_both(crank).await?;
+    home_both(main_loop).await?;
     let proved = match aligned {
-        Ok(()) => prove(crank).await.map(|_| ()),
+        Ok(()) => prove(main_loop).await.map(|_| ()),
         error => error,
     };
     match proved {
         Ok(()) => {
-            crank.keep_phases();
-            crank.tell(Answer::Belt(BeltAnswer::Aligned)).await
+            main_loop.keep_phases();
+            main_loop.reply(Answer::Belt(BeltAnswer::Aligned)).await
         }
         Err(BeltError::Interrupted(interrupt)) => Err(interrupt),
         Err(BeltError::Align(error)) => {
-            if !matches!(crank.homed().axes(), [true, true, _]) {
-                home_both(crank).await?;
+            if !matches!(main_loop.homed().axes(), [true, true, _]) {
+                home_both(main_loop).await?;
             }
-            crank.tell(Answer::Belt(BeltAnswer::NotAligned(error))).await
+            main_loop.reply(Answer::Belt(BeltAnswer::NotAligned(error))).await
         }
     }
 }
 
-async fn home_both<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<(), Interrupt> {
-    home_named(crank, HomedAxis::X).await?;
-    home_named(crank, HomedAxis::Y).await
+async fn home_both<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+    home_named(main_loop, HomedAxis::X).await?;
+    home_named(main_loop, HomedAxis::Y).await
 }

@@ -19,8 +19,8 @@ use super::tuning::TuningWords;
 use crate::gcode::{AxisWords, Command, Flaw, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
-use crate::machine::crank::Crank;
 use crate::machine::hosts::schedule::{PERIOD_S, Report};
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::{FARTHEST, Modal, PERCENT};
@@ -42,7 +42,7 @@ pub(in crate::machine) enum Outcome<'a, 'c> {
 /// Carries out a command if that can be done at once. Inlined, it would swell the future that awaits the others.
 #[inline(never)]
 pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &'c Command<'a>,
 ) -> Outcome<'a, 'c> {
@@ -105,31 +105,33 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             return Outcome::TakesTime(Blocking::Tune(TuningWords { heater, target, cycles, applies }));
         }
         // Limits and settings.
-        Command::MaxAcceleration(ref words) => set_max_acceleration(words, crank.settings_mut(), modal, clamps),
-        Command::MaxSpeed(ref words) => set_max_speed(words, crank.settings_mut(), modal, clamps),
+        Command::MaxAcceleration(ref words) => set_max_acceleration(words, main_loop.settings_mut(), modal, clamps),
+        Command::MaxSpeed(ref words) => set_max_speed(words, main_loop.settings_mut(), modal, clamps),
         Command::Acceleration { print, retract, travel } => {
-            set_acceleration([print, retract, travel], crank.settings_mut(), modal, clamps)
+            set_acceleration([print, retract, travel], main_loop.settings_mut(), modal, clamps)
         }
         Command::Corners { deviation, jerk, min_feed, min_travel, min_segment } => {
             let words = CornerWords { deviation, jerk, min_feed, min_travel, min_segment };
-            set_corners(&words, crank.settings_mut(), modal, clamps, notices)
+            set_corners(&words, main_loop.settings_mut(), modal, clamps, notices)
         }
-        Command::VelocityLimit(ref words) => set_velocity_limit(words, crank.settings_mut(), clamps),
+        Command::VelocityLimit(ref words) => set_velocity_limit(words, main_loop.settings_mut(), clamps),
         Command::RetractSettings { length, feed, lift } => {
             set_retraction([length, feed, lift], retraction, modal, clamps)
         }
         Command::RecoverSettings { extra, feed } => set_recovery([extra, feed], retraction, modal, clamps),
-        Command::DriverCurrent(ref words) => set_drivers(crank, DriverValue::Current, words, modal, clamps),
-        Command::HybridThreshold(ref words) => set_drivers(crank, DriverValue::HybridThreshold, words, modal, clamps),
-        Command::StallThreshold(ref words) => set_drivers(crank, DriverValue::StallThreshold, words, modal, clamps),
+        Command::DriverCurrent(ref words) => set_drivers(main_loop, DriverValue::Current, words, modal, clamps),
+        Command::HybridThreshold(ref words) => {
+            set_drivers(main_loop, DriverValue::HybridThreshold, words, modal, clamps)
+        }
+        Command::StallThreshold(ref words) => set_drivers(main_loop, DriverValue::StallThreshold, words, modal, clamps),
         Command::SoftEndstops(None) => Answer::SoftEndstops,
         Command::SoftEndstops(Some(on)) => {
-            crank.settings_mut().soft_endstops = on;
+            main_loop.settings_mut().soft_endstops = on;
             Answer::Nothing
         }
-        Command::Keepalive(seconds) => set_keepalive(seconds, crank.settings_mut(), clamps),
+        Command::Keepalive(seconds) => set_keepalive(seconds, main_loop.settings_mut(), clamps),
         Command::IdleTimeout { seconds } => {
-            crank.set_idle_timeout(seconds);
+            main_loop.set_idle_timeout(seconds);
             Answer::Nothing
         }
         // What later lines mean.
@@ -162,12 +164,12 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
             Answer::Nothing
         }
         Command::SetPosition(ref words) => {
-            set_position(crank, modal, clamps, words);
+            set_position(main_loop, modal, clamps, words);
             Answer::Nothing
         }
         Command::FeedPercent(None) => Answer::FeedPercent,
         Command::BackUpFeedPercent => {
-            modal.kept_feed_percent = crank.feed_percent();
+            modal.kept_feed_percent = main_loop.feed_percent();
             Answer::Nothing
         }
         Command::FlowPercent(None) => Answer::FlowPercent(modal.flow_percent),
@@ -188,53 +190,53 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::ReportSettings { for_replay } => Answer::Settings { retraction: *retraction, for_replay },
         Command::ReportLevelling => Answer::Line("echo:Bed Leveling OFF"),
         Command::AutoPosition(seconds) => {
-            report_every(crank, clamps, Report::Position, seconds);
+            report_every(main_loop, clamps, Report::Position, seconds);
             Answer::Nothing
         }
         Command::AutoReport(seconds) => {
-            report_every(crank, clamps, Report::Temperatures, seconds);
+            report_every(main_loop, clamps, Report::Temperatures, seconds);
             Answer::Nothing
         }
-        Command::Tell { form, to, text } => send_message(crank, (form, to), text),
+        Command::Tell { form, to, text } => send_message(main_loop, (form, to), text),
         Command::Progress { percent, minutes } => {
             let (hundred, long) = (Range { least: 0, most: 100 }, Range { least: 0, most: u16::MAX });
             let percent = percent.and_then(|percent| clamps.whole_of(["M73", "P"], percent, hundred, None));
             let minutes = minutes.and_then(|minutes| clamps.whole_of(["M73", "R"], minutes, long, None));
             if !clamps.refuses_line() {
-                crank.status().print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
+                main_loop.status().print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
             }
             Answer::Nothing
         }
         Command::Object(number) => {
             let object = number.to_thousandths().div_euclid(1000) as i32;
-            crank.status().print_progress.set_object(object);
+            main_loop.status().print_progress.set_object(object);
             Answer::Nothing
         }
         // Heaters and fans.
         Command::HeaterTarget { heater, target } => {
             let code = ["M104", "M140", "M141"][heater as usize];
             let words = TargetWords { heater, target };
-            set_target(crank, notices, clamps, code, &words).map_or_else(|answer| answer, |_| Answer::Nothing)
+            set_target(main_loop, notices, clamps, code, &words).map_or_else(|answer| answer, |_| Answer::Nothing)
         }
-        Command::Pid { heater, gains } => match model_of(crank, Some(heater)) {
-            Ok(_) => change_heat(crank, |s, _| set_pid(heater, gains, s.heater_mut(heater), clamps)),
+        Command::Pid { heater, gains } => match model_of(main_loop, Some(heater)) {
+            Ok(_) => change_heat(main_loop, |s, _| set_pid(heater, gains, s.heater_mut(heater), clamps)),
             Err(answer) => answer,
         },
-        Command::HeaterModel { heater, is_named, words } => match model_of(crank, heater) {
-            Ok(heater) => change_heat(crank, |s, _| set_model(heater, is_named, &words, s, clamps)),
+        Command::HeaterModel { heater, is_named, words } => match model_of(main_loop, heater) {
+            Ok(heater) => change_heat(main_loop, |s, _| set_model(heater, is_named, &words, s, clamps)),
             Err(answer) => answer,
         },
         Command::ControllerFan { speed, run_on, resets, other } => {
-            change_heat(crank, |s, made| set_controller_fan([speed, run_on], resets, other, s, made, clamps))
+            change_heat(main_loop, |s, made| set_controller_fan([speed, run_on], resets, other, s, made, clamps))
         }
-        Command::ColdExtrusion { least, allow } => cold.set(crank, clamps, least, allow),
-        Command::PowerOff => switch_off(crank),
+        Command::ColdExtrusion { least, allow } => cold.set(main_loop, clamps, least, allow),
+        Command::PowerOff => switch_off(main_loop),
         // What this firmware does not do.
         Command::BeginUpload(name) => {
-            crank.begin_upload();
+            main_loop.begin_upload();
             Answer::NoCard(name)
         }
-        Command::EndUpload => crank.end_upload().map_or(Answer::Nothing, Answer::UploadEnded),
+        Command::EndUpload => main_loop.end_upload().map_or(Answer::Nothing, Answer::UploadEnded),
         // M413 S0 asks for what is so.
         Command::PowerLossRecovery(Some(false)) => Answer::Nothing,
         Command::PowerLossRecovery(None) => Answer::Line("echo:Power-loss recovery OFF"),
@@ -246,17 +248,17 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
         Command::Malformed(Flaw::Absent(absent)) if !notices.give_absent(absent.key()) => Answer::Nothing,
         Command::Malformed(flaw) => Answer::Malformed(flaw),
         Command::Unknown(text) => {
-            let host = crank.serving();
+            let host = main_loop.serving();
             match starts_print(text) {
-                Some(true) => crank.job_mut().begin_by_unknown_name(host),
-                Some(false) if crank.job().is_printing() => crank.job_mut().end(),
+                Some(true) => main_loop.job_mut().begin_by_unknown_name(host),
+                Some(false) if main_loop.job().is_printing() => main_loop.job_mut().end(),
                 Some(false) | None => {}
             }
             Answer::Unknown(text)
         }
         Command::BeginJob => {
-            let host = crank.serving();
-            crank.job_mut().begin(host);
+            let host = main_loop.serving();
+            main_loop.job_mut().begin(host);
             Answer::Nothing
         }
         // The receive path has acted on M108, M410, M524 and M876; of M110 it hands on nothing.
@@ -270,18 +272,18 @@ pub(super) fn carry_out_immediate<'a, 'c, P: PortSet, W: Pend>(
 
 /// Changes settings of heaters or fans, given those that the machine was made with, and has them told.
 fn change_heat<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     change: impl FnOnce(&mut ThermalSettings, &ThermalSettings) -> Answer<'static>,
 ) -> Answer<'static> {
-    let defaults = crank.defaults().thermal;
-    let answer = change(&mut crank.settings_mut().thermal, &defaults);
-    crank.note_heat_settings();
+    let defaults = main_loop.defaults().thermal;
+    let answer = change(&mut main_loop.settings_mut().thermal, &defaults);
+    main_loop.note_heat_settings();
     answer
 }
 
 /// G92.
 fn set_position<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     clamps: &mut Clamps,
     words: &AxisWords,
@@ -292,18 +294,18 @@ fn set_position<P: PortSet, W: Pend>(
         }
     }
     if !clamps.refuses_line() {
-        crank.commanded_mut().rename(words, modal);
+        main_loop.commanded_mut().rename(words, modal);
     }
 }
 
 /// M154, M155. Without S nothing changes.
 fn report_every<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     report: Report,
     seconds: Option<Number>,
 ) {
     if let Some(seconds) = seconds.and_then(|s| clamps.whole_of([report.code(), "S"], s, PERIOD_S, None)) {
-        crank.schedule(report, seconds as u8);
+        main_loop.schedule(report, seconds as u8);
     }
 }

@@ -3,8 +3,8 @@
 use super::pause::announce;
 use crate::gcode::{Command, Number};
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::{Interrupt, JobEnd};
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::Modal;
 use crate::port::Pend;
@@ -16,73 +16,73 @@ const ENDED: Answer<'static> =
 
 /// Hosts are told to cancel, heaters go off, planned moves are made, and the machine is as before a print.
 pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     why: JobEnd,
 ) -> Result<Answer<'static>, Interrupt> {
-    crank.pauses_mut().end_command();
-    crank.switch_off_heat();
+    main_loop.pauses_mut().end_command();
+    main_loop.switch_off_heat();
     let is_wanted = why == JobEnd::Cancelled;
-    if !is_wanted || crank.job().is_under_way() {
-        crank.job_mut().end_early();
-        crank.tell_all(format_args!("echo:{why}"));
-        announce(crank, &[Action::Cancel]).await?;
+    if !is_wanted || main_loop.job().is_under_way() {
+        main_loop.job_mut().end_early();
+        main_loop.notify_all(format_args!("echo:{why}"));
+        announce(main_loop, &[Action::Cancel]).await?;
     }
-    crank.finish().await?;
-    clean_up(crank, modal).await?;
+    main_loop.finish().await?;
+    clean_up(main_loop, modal).await?;
     Ok(Answer::Nothing)
 }
 
 /// Nothing of a print is left that would change the next one: retraction, pause, modes, offsets, overrides.
 pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
-    crank.commanded_mut().settle();
-    crank.commanded_mut().forget_origins();
+    main_loop.commanded_mut().settle();
+    main_loop.commanded_mut().forget_origins();
     *modal = Modal { dry_run: modal.dry_run, ..Modal::new() };
-    if crank.feed_percent() != modal.kept_feed_percent {
-        crank.override_feed(modal.kept_feed_percent).await?;
+    if main_loop.feed_percent() != modal.kept_feed_percent {
+        main_loop.override_feed(modal.kept_feed_percent).await?;
     }
     Ok(())
 }
 
 /// The print ends by a line of its own or of its host's: M84, M77. Paused, it was cancelled, and is cleaned up after.
 pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
-    let was_paused = crank.job().is_paused();
-    crank.job_mut().end();
+    let was_paused = main_loop.job().is_paused();
+    main_loop.job_mut().end();
     if was_paused {
-        crank.finish().await?;
-        clean_up(crank, modal).await?;
+        main_loop.finish().await?;
+        clean_up(main_loop, modal).await?;
     }
     Ok(())
 }
 
 /// M110: another print begins, if it is of the host that has printed. What the one before has left is cleaned up.
 pub(in crate::machine) async fn begin_another<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
-    if crank.job().is_under_way() && crank.job().is_of(crank.serving()) {
-        clean_up(crank, modal).await?;
-        crank.job_mut().end();
+    if main_loop.job().is_under_way() && main_loop.job().is_of(main_loop.serving()) {
+        clean_up(main_loop, modal).await?;
+        main_loop.job_mut().end();
     }
-    crank.job_mut().forgive();
-    if !crank.job().is_under_way() {
-        crank.commanded_mut().settle();
+    main_loop.job_mut().forgive();
+    if !main_loop.job().is_under_way() {
+        main_loop.commanded_mut().settle();
     }
     Ok(())
 }
 
 /// What a line of a print that was ended is told; `None` if it is carried out all the same.
 pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     command: &Command<'_>,
 ) -> Option<Answer<'static>> {
-    if !crank.job().is_ended() {
+    if !main_loop.job().is_ended() {
         return None;
     }
     let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
@@ -92,7 +92,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         Command::AwaitUser { .. } | Command::Pause { .. } | Command::AwaitHeaters | Command::TuneHeater { .. } => true,
         Command::HeaterTarget { target, .. } | Command::HeaterWait { target, .. } => heats(target),
         Command::Home(_) | Command::Continue => {
-            crank.job_mut().forgive();
+            main_loop.job_mut().forgive();
             false
         }
         _ => false,
@@ -100,7 +100,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     if !is_of_print {
         return None;
     }
-    Some(if crank.job_mut().tell_of_end() { ENDED } else { Answer::Nothing })
+    Some(if main_loop.job_mut().tell_of_end() { ENDED } else { Answer::Nothing })
 }
 
 /// Whether a name that no command has is what starts a print elsewhere (`START_PRINT`), or ends it (false).

@@ -9,8 +9,8 @@ use super::settings::stored::save;
 use crate::gcode::MachineRecord;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::machine_answer::{MachineAnswer, MachineRefusal};
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::{MachinePieces, PIECE};
 use crate::port::Pend;
@@ -19,22 +19,22 @@ use crate::storage::{Receipt, machine_in, record_of};
 
 /// MACHINE_GET, MACHINE_PUT and MACHINE_STORE.
 pub(in crate::machine) async fn exchange_machine<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
     order: MachineRecord<'_>,
 ) -> Result<Answer<'static>, Interrupt> {
     Ok(Answer::Machine(match order {
-        MachineRecord::Get => match crank.refusal() {
+        MachineRecord::Get => match main_loop.refusal() {
             Some(why) => MachineAnswer::Refused(MachineRefusal::NoMachine(why)),
-            None => say_pieces(crank, pieces).await?,
+            None => report_pieces(main_loop, pieces).await?,
         },
         MachineRecord::Put { at, hex } => match pieces.put(at.into(), hex) {
             Ok(()) => return Ok(Answer::Nothing),
             Err(error) => MachineAnswer::Refused(MachineRefusal::Piece(error)),
         },
         MachineRecord::Store => {
-            let stored = match machine_that_came(crank, pieces) {
-                Ok(machine) => store_machine(crank, pieces, &machine).await?,
+            let stored = match machine_that_came(main_loop, pieces) {
+                Ok(machine) => store_machine(main_loop, pieces, &machine).await?,
                 Err(refusal) => Err(refusal),
             };
             match stored {
@@ -46,15 +46,15 @@ pub(in crate::machine) async fn exchange_machine<P: PortSet, W: Pend>(
 }
 
 /// Says the pieces of the machine's record, and gives its end.
-async fn say_pieces<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+async fn report_pieces<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
 ) -> Result<MachineAnswer<'static>, Interrupt> {
-    let length = record_of(crank.settings(), pieces.begin()).unwrap_or_default();
+    let length = record_of(main_loop.settings(), pieces.begin()).unwrap_or_default();
     pieces.end(length);
     let mut at = 0;
     while let Some(piece) = pieces.piece(at) {
-        crank.tell(Answer::Machine(MachineAnswer::Piece(at, piece))).await?;
+        main_loop.reply(Answer::Machine(MachineAnswer::Piece(at, piece))).await?;
         at += PIECE;
     }
     Ok(MachineAnswer::End(length))
@@ -62,28 +62,28 @@ async fn say_pieces<P: PortSet, W: Pend>(
 
 /// The machine that was put together from pieces, if this board can be it.
 fn machine_that_came<P: PortSet, W: Pend>(
-    crank: &Crank<'_, P, W>,
+    main_loop: &MainLoop<'_, P, W>,
     pieces: &MachinePieces,
 ) -> Result<Settings, MachineRefusal> {
     let machine = machine_in(pieces.record()).map_err(MachineRefusal::Record)?;
-    machine.check_connectors(crank.connectors()).map_err(MachineRefusal::Connectors)?;
+    machine.check_connectors(main_loop.connectors()).map_err(MachineRefusal::Connectors)?;
     Ok(machine)
 }
 
 /// Stores a machine, and takes it over if it is put together as this one. Otherwise the next start does.
 async fn store_machine<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
     machine: &Settings,
 ) -> Result<Result<(Receipt, bool), MachineRefusal>, Interrupt> {
-    let receipt = match save(crank, machine).await? {
+    let receipt = match save(main_loop, machine).await? {
         Ok(receipt) => receipt,
         Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
     };
-    let counts = machine.is_built_as(crank.settings()) && crank.refusal().is_none();
+    let counts = machine.is_built_as(main_loop.settings()) && main_loop.refusal().is_none();
     pieces.is_stored = !counts;
     if counts {
-        crank.use_settings(*machine).await?;
+        main_loop.use_settings(*machine).await?;
     }
     Ok(Ok((receipt, counts)))
 }

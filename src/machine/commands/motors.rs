@@ -5,8 +5,8 @@ use crate::gcode::AxisFlags;
 use crate::kinematics::Groups;
 use crate::machine::answers::answer::Answer;
 use crate::machine::belt::report::report_belt;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Motor, MotorSet, Pend};
 
@@ -20,14 +20,16 @@ pub(super) fn motors_of(groups: &Groups, flags: AxisFlags) -> MotorSet {
 }
 
 /// M122.
-pub(super) async fn diagnose<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<Answer<'static>, Interrupt> {
-    let fitted = crank.groups().fitted();
+pub(super) async fn diagnose<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<Answer<'static>, Interrupt> {
+    let fitted = main_loop.groups().fitted();
     for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
-        let has_uart = crank.uarts().has(motor);
-        let reading = if has_uart { Some(crank.ask_driver(Job::Read, motor).await?) } else { None };
-        crank.tell(Answer::Driver(motor, reading)).await?;
+        let has_uart = main_loop.uarts().has(motor);
+        let reading = if has_uart { Some(main_loop.ask_driver(Job::Read, motor).await?) } else { None };
+        main_loop.reply(Answer::Driver(motor, reading)).await?;
     }
-    report_belt(crank).await?;
-    crank.tell(Answer::Overload).await?;
+    report_belt(main_loop).await?;
+    main_loop.reply(Answer::Overload).await?;
     Ok(Answer::Heat)
 }

@@ -1,6 +1,6 @@
 //! Commands that move: straight moves (G0, G1), arcs (G2, G3), retraction (G10, G11).
 //!
-//! Each ends in `plan` of the crank, which waits until there is room for the move.
+//! Each ends in `plan` of the main loop, which waits until there is room for the move.
 
 use super::arcs::arc::{Arc, Shape, Way, join, split};
 use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
@@ -10,8 +10,8 @@ use crate::gcode::{ArcShape, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::belt::align::lacks_alignment;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::commanded::{LEAST_FILAMENT, Wanted};
@@ -50,7 +50,7 @@ pub(super) fn moving([x, y, z, _]: [Mm; 4], [to_x, to_y, to_z, _]: [Mm; 4]) -> [
 
 /// What a line of motion needs: what goes on meanwhile, what numbers mean, what is told of them, and whether filament may move.
 pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
-    pub crank: &'c mut Crank<'m, P, W>,
+    pub main_loop: &'c mut MainLoop<'m, P, W>,
     pub modal: &'c mut Modal,
     pub clamps: &'c mut Clamps,
     pub notices: &'c mut Notices,
@@ -102,23 +102,23 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if (x || y) && !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
-        self.crank.commanded_mut().leave_park(wanted.position, to, self.modal);
+        self.main_loop.commanded_mut().leave_park(wanted.position, to, self.modal);
         self.go(wanted.position, feed).await?;
         self.modal.feed = feed;
-        self.crank.commanded_mut().count_extrusion(wanted.extrusion);
+        self.main_loop.commanded_mut().count_extrusion(wanted.extrusion);
         self.note_printed(asked);
         Ok(Answer::Nothing)
     }
 
     /// Where the words of a line lead.
     fn wanted(&self, to: &AxisWords) -> Wanted {
-        let crank = &*self.crank;
-        crank.commanded().target(to, self.modal, crank.settings(), self.cold.is_too_cold(crank))
+        let main_loop = &*self.main_loop;
+        main_loop.commanded().target(to, self.modal, main_loop.settings(), self.cold.is_too_cold(main_loop))
     }
 
     /// What a straight line asks for.
     fn asked(&self, wanted: &Wanted) -> Asked {
-        let commanded = self.crank.commanded();
+        let commanded = self.main_loop.commanded();
         let moves = moving(commanded.position(), wanted.position);
         let filament = wanted.extrusion.saturating_sub(commanded.extrusion());
         Asked { moves, filament: if self.modal.dry_run { Mm::ZERO } else { filament } }
@@ -128,33 +128,33 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// or an axis has lost its place, is kept; the answer says so. A line that prints begins a print, and ends a pause.
     async fn hold_back(&mut self, asked: Asked) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
-        if asked.prints() && !self.crank.job().is_printing() {
-            let host = self.crank.serving();
-            let job = self.crank.job();
+        if asked.prints() && !self.main_loop.job().is_printing() {
+            let host = self.main_loop.serving();
+            let job = self.main_loop.job();
             if job.is_paused() && job.kept().is_none() && job.is_of(host) {
                 gate = Gate::Changed;
-                if let Going::Not(why) = resume_stream(self.crank, self.modal, self.cold).await? {
+                if let Going::Not(why) = resume_stream(self.main_loop, self.modal, self.cold).await? {
                     return self.keep(why).await;
                 }
             }
-            self.crank.job_mut().begin(host);
+            self.main_loop.job_mut().begin(host);
         }
-        if !self.crank.job().is_printing() {
+        if !self.main_loop.job().is_printing() {
             return Ok(gate);
         }
-        let (homed, job) = (self.crank.homed(), self.crank.job());
-        let must_be_homed = job.must_be_homed() || self.crank.settings().require_homing;
+        let (homed, job) = (self.main_loop.homed(), self.main_loop.job());
+        let must_be_homed = job.must_be_homed() || self.main_loop.settings().require_homing;
         if homed.has_lost_one_of(asked.moves) || must_be_homed && homed.lacks_one_of(asked.moves) {
             return self.keep(Kept::Lost(asked.moves)).await;
         }
         if asked.filament.saturating_abs() < LEAST_FILAMENT {
             return Ok(gate);
         }
-        if self.crank.job().targets().is_some() {
+        if self.main_loop.job().targets().is_some() {
             gate = Gate::Changed;
-            heat_again(self.crank).await?;
+            heat_again(self.main_loop).await?;
         }
-        if asked.filament > Mm::ZERO && self.cold.is_too_cold(self.crank) {
+        if asked.filament > Mm::ZERO && self.cold.is_too_cold(self.main_loop) {
             return self.keep(Kept::Cold).await;
         }
         Ok(gate)
@@ -163,29 +163,29 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// The line is kept for that reason, and is carried out as if it came then.
     async fn keep(&mut self, why: Kept) -> Result<Gate, Interrupt> {
         self.clamps.clear();
-        hold(self.crank, self.modal, why).await.map(Gate::Kept)
+        hold(self.main_loop, self.modal, why).await.map(Gate::Kept)
     }
 
     /// A move that prints was planned.
     fn note_printed(&mut self, asked: Asked) {
         if asked.prints() {
-            let position = self.crank.commanded().position();
-            self.crank.job_mut().note_printed(position);
+            let position = self.main_loop.commanded().position();
+            self.main_loop.job_mut().note_printed(position);
         }
     }
 
     /// Whether these axes may move: they were homed, or need not be, of which the host is told once.
     pub(super) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
-        if !self.crank.homed().lacks_one_of(moves) {
+        if !self.main_loop.homed().lacks_one_of(moves) {
             return Ok(true);
         }
-        if self.crank.settings().require_homing {
+        if self.main_loop.settings().require_homing {
             self.clamps.clear();
             return Ok(false);
         }
         if self.notices.give(Notice::MotionBeforeHoming) {
-            self.crank
-                .tell(Answer::Line("echo:motion before homing (G28), the ends of the axes are not known"))
+            self.main_loop
+                .reply(Answer::Line("echo:motion before homing (G28), the ends of the axes are not known"))
                 .await?;
         }
         Ok(true)
@@ -194,9 +194,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Whether a move of x and y to `position` may be made: it does not print, or the motors of the belt are aligned, or need not be, of
     /// which the host is told once.
     async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
-        let ([.., to], [.., from]) = (position, self.crank.commanded().position());
-        let rule = self.crank.settings().belt.alignment;
-        if rule == Alignment::Off || to.wrapping_sub(from) < LEAST_FILAMENT || !lacks_alignment(self.crank) {
+        let ([.., to], [.., from]) = (position, self.main_loop.commanded().position());
+        let rule = self.main_loop.settings().belt.alignment;
+        if rule == Alignment::Off || to.wrapping_sub(from) < LEAST_FILAMENT || !lacks_alignment(self.main_loop) {
             return Ok(true);
         }
         if rule == Alignment::Required {
@@ -204,7 +204,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             return Ok(false);
         }
         if self.notices.give(Notice::NotAligned) {
-            self.crank.tell(Answer::Line("echo:printing with belt motors that are not aligned (M915)")).await?;
+            self.main_loop.reply(Answer::Line("echo:printing with belt motors that are not aligned (M915)")).await?;
         }
         Ok(true)
     }
@@ -212,27 +212,27 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Plans a move within the reachable space and takes it as the commanded position.
     async fn go(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         let (inside, moved) = {
-            let crank = &*self.crank;
+            let main_loop = &*self.main_loop;
             // It is the machine that has edges, wherever a pause has parked it.
-            let [px, py, pz, _] = crank.commanded().parked();
+            let [px, py, pz, _] = main_loop.commanded().parked();
             let parked = |[x, y, z, e]: [Mm; 4]| [x.saturating_add(px), y.saturating_add(py), z.saturating_add(pz), e];
-            let (to, from) = (parked(bounded(position)), parked(crank.commanded().position()));
-            let ([x, y, z, e], moved) = clamp(to, from, crank.homed(), crank.settings());
+            let (to, from) = (parked(bounded(position)), parked(main_loop.commanded().position()));
+            let ([x, y, z, e], moved) = clamp(to, from, main_loop.homed(), main_loop.settings());
             ([x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e], moved)
         };
         if moved {
             self.tell_of_edge().await?;
         }
-        let position = self.crank.commanded().of_machine(inside);
-        self.crank.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
-        self.crank.commanded_mut().go_to(inside);
+        let position = self.main_loop.commanded().of_machine(inside);
+        self.main_loop.plan(Target { position, speed, has_overrides: true, watch: EndstopSet::NONE }).await?;
+        self.main_loop.commanded_mut().go_to(inside);
         Ok(())
     }
 
     /// Tells once that a target was beyond the edge.
     pub(super) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
         if self.notices.give(Notice::Edge) {
-            self.crank.tell(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
+            self.main_loop.reply(Answer::Line("echo:target beyond the reachable space, moved to its edge")).await?;
         }
         Ok(())
     }
@@ -247,10 +247,10 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Tells of words that ask for more than is possible.
     async fn tell_of(&mut self, wanted: &Wanted) -> Result<(), Interrupt> {
         if wanted.is_held_back {
-            tell_of_cold(self.crank, self.notices).await?;
+            tell_of_cold(self.main_loop, self.notices).await?;
         }
         if wanted.too_much {
-            self.crank.tell(Answer::TooMuchFilament).await?;
+            self.main_loop.reply(Answer::TooMuchFilament).await?;
         }
         if wanted.is_too_far {
             self.tell_of_edge().await?;
@@ -272,11 +272,18 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let speed = self.clamps.feed(self.modal, words.feed).unwrap_or(self.modal.feed);
         self.tell_of(&wanted).await?;
         let plane = self.modal.plane;
-        let (start, [sz, se]) = split(plane, self.crank.commanded().position());
+        let (start, [sz, se]) = split(plane, self.main_loop.commanded().position());
         let (end, [ez, ee]) = split(plane, wanted.position);
         let arc = Shape::new(words.shape, plane, |n| self.modal.length(n)).and_then(|shape| {
             let way = Way { clockwise: words.clockwise, turns: words.turns };
-            Arc::new(start, end, shape, way, self.crank.settings().arc_tolerance, self.modal.rounding(words.decimals))
+            Arc::new(
+                start,
+                end,
+                shape,
+                way,
+                self.main_loop.settings().arc_tolerance,
+                self.modal.rounding(words.decimals),
+            )
         });
         let arc = match arc {
             Ok(arc) => arc,
@@ -292,9 +299,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         if !self.may_print(wanted.position).await? {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
-        self.crank.commanded_mut().leave_park(wanted.position, words.to, self.modal);
+        self.main_loop.commanded_mut().leave_park(wanted.position, words.to, self.modal);
         self.modal.feed = speed;
-        let begin = self.crank.commanded().extrusion();
+        let begin = self.main_loop.commanded().extrusion();
         let between = |from: Mm, to: Mm, part: u32| {
             let length = to.to_bits().wrapping_sub(from.to_bits());
             Mm::from_bits(from.to_bits().wrapping_add(part_of(length, u64::from(part), u64::from(arc.chords()))))
@@ -302,7 +309,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         for part in 1..=arc.chords() {
             let along = [between(sz, ez, part), between(se, ee, part)];
             self.go(join(plane, arc.point(part), along), speed).await?;
-            self.crank.commanded_mut().count_extrusion(between(begin, wanted.extrusion, part));
+            self.main_loop.commanded_mut().count_extrusion(between(begin, wanted.extrusion, part));
         }
         self.note_printed(asked);
         Ok(Answer::Nothing)
@@ -310,16 +317,16 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
 
     /// G10.
     pub async fn retract(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
-        let speed = self.crank.settings().axes.z.max_speed;
-        let moves = self.crank.commanded().moves_away(settings, speed);
+        let speed = self.main_loop.settings().axes.z.max_speed;
+        let moves = self.main_loop.commanded().moves_away(settings, speed);
         self.plan_retraction(moves, -settings.length).await
     }
 
     /// G11.
     pub async fn recover(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
-        let speed = self.crank.settings().axes.z.max_speed;
-        let moves = self.crank.commanded().moves_back(settings, speed);
-        let [_, length] = self.crank.commanded().retracted();
+        let speed = self.main_loop.settings().axes.z.max_speed;
+        let moves = self.main_loop.commanded().moves_back(settings, speed);
+        let [_, length] = self.main_loop.commanded().retracted();
         self.plan_retraction(moves, length).await
     }
 
@@ -336,18 +343,18 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         {
             return Ok(answer);
         }
-        if self.cold.is_too_cold(self.crank) {
-            tell_of_cold(self.crank, self.notices).await?;
+        if self.cold.is_too_cold(self.main_loop) {
+            tell_of_cold(self.main_loop, self.notices).await?;
             return Ok(Answer::Nothing);
         }
         for step in moves.into_iter().flatten() {
-            let position = self.crank.commanded().after(step);
-            self.crank
+            let position = self.main_loop.commanded().after(step);
+            self.main_loop
                 .plan(Target { position, speed: step.speed, has_overrides: false, watch: EndstopSet::NONE })
                 .await?;
-            self.crank.commanded_mut().note_retraction(step);
+            self.main_loop.commanded_mut().note_retraction(step);
         }
-        self.crank.commanded_mut().take_extra();
+        self.main_loop.commanded_mut().take_extra();
         Ok(Answer::Nothing)
     }
 }

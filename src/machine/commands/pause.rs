@@ -15,8 +15,8 @@ use super::heating::heat_again;
 use crate::connectors::Heater;
 use crate::gcode::ParkWords;
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{Answered, Break, Kept};
 use crate::machine::state::modal::Modal;
@@ -46,64 +46,64 @@ pub(in crate::machine) enum Going {
 
 /// Says the same to all hosts. One that is not being served and has no room for it misses it.
 pub(in crate::machine) async fn announce<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     actions: &[Action<'static>],
 ) -> Result<(), Interrupt> {
     for &action in actions {
-        crank.tell_others(format_args!("{action}"));
-        crank.tell(Answer::Action(action)).await?;
+        main_loop.notify_others(format_args!("{action}"));
+        main_loop.reply(Answer::Action(action)).await?;
     }
     Ok(())
 }
 
 /// Asks the user to go on.
 async fn ask<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     first: Action<'static>,
     question: &'static str,
 ) -> Result<(), Interrupt> {
     let question = Action::PromptBegin(question);
-    announce(crank, &[first, question, Action::PromptButton("Continue"), Action::PromptShow]).await
+    announce(main_loop, &[first, question, Action::PromptButton("Continue"), Action::PromptShow]).await
 }
 
 /// M25, M125. The hosts are told first, so that they stop sending while the motion ends.
 pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     cold: &ColdExtrusion,
     parks: bool,
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    announce(crank, &[Action::Paused]).await?;
-    if crank.job().is_paused() {
-        crank.finish().await?;
+    announce(main_loop, &[Action::Paused]).await?;
+    if main_loop.job().is_paused() {
+        main_loop.finish().await?;
         return Ok(Answer::Nothing);
     }
-    save_and_park(crank, modal, cold, parks, words).await?;
+    save_and_park(main_loop, modal, cold, parks, words).await?;
     Ok(not_obeyed("M125", words))
 }
 
 /// M0, M1, M600, M601: the line is kept until M108, M24, M602 or an answer comes, or for `ms`; 0 is for ever.
 pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     cold: &ColdExtrusion,
     (ms, filament): (u32, bool),
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    if crank.job().kept().is_some() {
+    if main_loop.job().kept().is_some() {
         return Ok(Answer::Line("echo:ignored, the print is paused already: send M24 or M108 first"));
     }
-    crank.finish().await?;
-    ask(crank, Action::Paused, if filament { FILAMENT } else { PAUSED }).await?;
-    if !crank.job().is_paused() {
-        save_and_park(crank, modal, cold, false, words).await?;
+    main_loop.finish().await?;
+    ask(main_loop, Action::Paused, if filament { FILAMENT } else { PAUSED }).await?;
+    if !main_loop.job().is_paused() {
+        save_and_park(main_loop, modal, cold, false, words).await?;
     }
     if let told @ Answer::NotObeyed(..) = not_obeyed("M600", words) {
-        crank.tell(told).await?;
+        main_loop.reply(told).await?;
     }
-    let until: Option<Instant> = (ms > 0).then(|| crank.now().after_ms(ms));
-    crank.keep_line(Kept::User(until));
+    let until: Option<Instant> = (ms > 0).then(|| main_loop.now().after_ms(ms));
+    main_loop.keep_line(Kept::User(until));
     Ok(Answer::Kept)
 }
 
@@ -120,20 +120,20 @@ const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
 /// A line that prints cannot be carried out as yet: the host is to pause, and the line is kept. Nothing moves, for the nozzle may have
 /// frozen to the part, or its place is not known.
 pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     why: Kept,
 ) -> Result<Answer<'static>, Interrupt> {
-    crank.finish().await?;
-    save(crank, modal);
-    tell_why(crank, why, Action::Pause).await?;
-    crank.keep_line(why);
+    main_loop.finish().await?;
+    save(main_loop, modal);
+    report_reason(main_loop, why, Action::Pause).await?;
+    main_loop.keep_line(why);
     Ok(Answer::Kept)
 }
 
 /// Says why a line is kept, and what to do.
-async fn tell_why<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+async fn report_reason<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
     why: Kept,
     first: Action<'static>,
 ) -> Result<(), Interrupt> {
@@ -141,71 +141,71 @@ async fn tell_why<P: PortSet, W: Pend>(
         Kept::Lost(_) => ("echo:print held: axes are not homed any more. Home them (G28), then send M24", LOST),
         Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
     };
-    crank.tell_others(format_args!("{line}"));
-    crank.tell(Answer::Line(line)).await?;
-    ask(crank, first, question).await
+    main_loop.notify_others(format_args!("{line}"));
+    main_loop.reply(Answer::Line(line)).await?;
+    ask(main_loop, first, question).await
 }
 
 /// The job is paused, and the state of the program saved.
-fn save<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, modal: &Modal) {
+fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal) {
     let program = Program {
         modal: *modal,
-        commanded: *crank.commanded(),
-        feed_percent: crank.feed_percent(),
-        dynamics: Dynamics::of(crank.settings()),
+        commanded: *main_loop.commanded(),
+        feed_percent: main_loop.feed_percent(),
+        dynamics: Dynamics::of(main_loop.settings()),
     };
-    let targets = Heater::ALL.map(|heater| crank.target_of(heater));
-    let (host, homed) = (crank.serving(), crank.homed().axes());
-    crank.job_mut().pause(host, Break { program, homed }, targets);
-    crank.note_heaters_used();
+    let targets = Heater::ALL.map(|heater| main_loop.target_of(heater));
+    let (host, homed) = (main_loop.serving(), main_loop.homed().axes());
+    main_loop.job_mut().pause(host, Break { program, homed }, targets);
+    main_loop.note_heaters_used();
 }
 
 /// The same, and the tool leaves the part if it printed, or if `parks` or a word of the line says so.
 async fn save_and_park<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     cold: &ColdExtrusion,
     parks: bool,
     words: &ParkWords,
 ) -> Result<(), Interrupt> {
-    crank.finish().await?;
-    let was_printing = crank.job().is_printing();
-    save(crank, modal);
+    main_loop.finish().await?;
+    let was_printing = main_loop.job().is_printing();
+    save(main_loop, modal);
     if let Some(target) = words.target {
-        let most = crank.settings().thermal.heater(Heater::Hotend).most;
+        let most = main_loop.settings().thermal.heater(Heater::Hotend).most;
         let target = Celsius::saturating_from_num(target.value()).clamp(Celsius::ZERO, most);
-        let least = crank.settings().thermal.min_extrude;
-        crank.job_mut().note_target(Heater::Hotend, target, least);
+        let least = main_loop.settings().thermal.min_extrude;
+        main_loop.job_mut().note_target(Heater::Hotend, target, least);
     }
     let says = [words.x, words.y, words.z, words.e].iter().any(Option::is_some);
     if was_printing || parks || says {
-        park(crank, modal, cold, words).await?;
+        park(main_loop, modal, cold, words).await?;
     }
     Ok(())
 }
 
 /// One straight move of the machine, whatever the program commands.
 async fn travel<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     position: [Mm; 4],
     speed: MmPerSec,
 ) -> Result<(), Interrupt> {
-    crank.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await
+    main_loop.plan(Target { position, speed, has_overrides: false, watch: EndstopSet::NONE }).await
 }
 
 /// Filament back, up, and away.
 async fn park<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     cold: &ColdExtrusion,
     words: &ParkWords,
 ) -> Result<(), Interrupt> {
-    let (s, axes, soft) = (crank.settings().pause, crank.settings().axes, crank.settings().soft_endstops);
-    let commanded = *crank.commanded();
+    let (s, axes, soft) = (main_loop.settings().pause, main_loop.settings().axes, main_loop.settings().soft_endstops);
+    let commanded = *main_loop.commanded();
     let [.., z_now, e_now] = commanded.position();
     let [lifted, pulled] = commanded.retracted();
     // What the program itself has done since it printed.
-    let (lifted, pulled) = match crank.job().printed_at() {
+    let (lifted, pulled) = match main_loop.job().printed_at() {
         Some([.., z, e]) => {
             let back = e.wrapping_sub(e_now).max(Mm::ZERO);
             (lifted.saturating_add(z_now.saturating_sub(z)), pulled.saturating_add(back))
@@ -216,13 +216,13 @@ async fn park<P: PortSet, W: Pend>(
     let length = |number| modal.length(number);
     let mut machine = commanded.of_machine(commanded.position());
     let back = words.e.map_or(s.retract, |number| length(number).saturating_abs()).saturating_sub(pulled);
-    if back > Mm::ZERO && !modal.dry_run && !cold.is_too_cold(crank) {
+    if back > Mm::ZERO && !modal.dry_run && !cold.is_too_cold(main_loop) {
         let [.., e] = &mut machine;
         *e = e.wrapping_sub(back);
-        travel(crank, machine, s.retract_speed).await?;
-        crank.commanded_mut().park_at(machine);
+        travel(main_loop, machine, s.retract_speed).await?;
+        main_loop.commanded_mut().park_at(machine);
     }
-    let [x_homed, y_homed, z_homed] = crank.homed().axes();
+    let [x_homed, y_homed, z_homed] = main_loop.homed().axes();
     let lift = match words.z {
         Some(number) => length(number).max(Mm::ZERO),
         None if is_off_part => Mm::ZERO,
@@ -232,8 +232,8 @@ async fn park<P: PortSet, W: Pend>(
         let [_, _, z, _] = &mut machine;
         let top = if soft { axes.z.length.max(*z) } else { Mm::MAX };
         *z = z.saturating_add(lift).min(top);
-        travel(crank, machine, axes.z.max_speed).await?;
-        crank.commanded_mut().park_at(machine);
+        travel(main_loop, machine, axes.z.max_speed).await?;
+        main_loop.commanded_mut().park_at(machine);
     }
     let is_named = words.x.is_some() || words.y.is_some();
     if (is_named || s.park && !is_off_part) && x_homed && y_homed && z_homed {
@@ -243,47 +243,47 @@ async fn park<P: PortSet, W: Pend>(
                 *at = word.map_or(place, length).clamp(Mm::ZERO, axis.length);
             }
         }
-        travel(crank, machine, s.travel_speed).await?;
-        crank.commanded_mut().park_at(machine);
+        travel(main_loop, machine, s.travel_speed).await?;
+        main_loop.commanded_mut().park_at(machine);
     }
-    crank.finish().await
+    main_loop.finish().await
 }
 
 /// The tool goes from wherever it is to where the program wants it: over its place, down, and the filament forth that the pause has
 /// pulled back. That stays back in a cold hotend, until a line that prints is kept for it and goes on.
 async fn go_back<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     cold: &ColdExtrusion,
     from: [Mm; 4],
 ) -> Result<(), Interrupt> {
-    let (s, axes) = (crank.settings().pause, crank.settings().axes);
-    let commanded = *crank.commanded();
+    let (s, axes) = (main_loop.settings().pause, main_loop.settings().axes);
+    let commanded = *main_loop.commanded();
     let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);
     // Over whatever stands on the bed, if somebody has lowered the tool.
     let is_beside = (x, y) != (from_x, from_y);
     let over = if is_beside && from_z < z { z.saturating_add(s.lift).min(axes.z.length.max(z)) } else { from_z };
-    travel(crank, [from_x, from_y, over, from_e], axes.z.max_speed).await?;
-    travel(crank, [x, y, over, from_e], s.travel_speed).await?;
-    travel(crank, [x, y, z, from_e], axes.z.max_speed).await?;
-    if e != from_e && cold.is_too_cold(crank) {
-        crank.commanded_mut().unpark(from_e.wrapping_sub(e));
+    travel(main_loop, [from_x, from_y, over, from_e], axes.z.max_speed).await?;
+    travel(main_loop, [x, y, over, from_e], s.travel_speed).await?;
+    travel(main_loop, [x, y, z, from_e], axes.z.max_speed).await?;
+    if e != from_e && cold.is_too_cold(main_loop) {
+        main_loop.commanded_mut().unpark(from_e.wrapping_sub(e));
     } else {
-        travel(crank, [x, y, z, e], s.unretract_speed).await?;
-        crank.commanded_mut().unpark(Mm::ZERO);
+        travel(main_loop, [x, y, z, e], s.unretract_speed).await?;
+        main_loop.commanded_mut().unpark(Mm::ZERO);
     }
-    crank.finish().await
+    main_loop.finish().await
 }
 
 /// Heat comes back, and is waited for; the tool goes back, and the print goes on. With `restores` the state of the program is that before
 /// the pause; without, it is what lines have made of it meanwhile.
 async fn go_on<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     cold: &ColdExtrusion,
     restores: bool,
     kept: Option<Kept>,
 ) -> Result<Going, Interrupt> {
-    let Some(Break { program, homed }) = crank.job().paused() else { return Ok(Going::On) };
+    let Some(Break { program, homed }) = main_loop.job().paused() else { return Ok(Going::On) };
     let wanted = match kept {
         Some(Kept::Lost(axes)) => axes,
         Some(Kept::User(_) | Kept::Cold) | None => [false; 3],
@@ -291,52 +291,52 @@ async fn go_on<P: PortSet, W: Pend>(
     let [x, y, z] = homed;
     let [of_x, of_y, of_z] = wanted;
     let needed = [x || of_x, y || of_y, z || of_z];
-    if crank.homed().lacks_one_of(needed) {
+    if main_loop.homed().lacks_one_of(needed) {
         return Ok(Going::Not(Kept::Lost(needed)));
     }
-    heat_again(crank).await?;
-    if kept == Some(Kept::Cold) && cold.is_too_cold(crank) {
+    heat_again(main_loop).await?;
+    if kept == Some(Kept::Cold) && cold.is_too_cold(main_loop) {
         return Ok(Going::Not(Kept::Cold));
     }
-    crank.finish().await?;
-    let now = *crank.commanded();
+    main_loop.finish().await?;
+    let now = *main_loop.commanded();
     let from = now.of_machine(now.position());
     if restores {
-        restore(crank, modal, &program).await?;
+        restore(main_loop, modal, &program).await?;
     }
-    go_back(crank, cold, from).await?;
-    crank.job_mut().go_on();
-    announce(crank, &[Action::Resumed]).await?;
+    go_back(main_loop, cold, from).await?;
+    main_loop.job_mut().go_on();
+    announce(main_loop, &[Action::Resumed]).await?;
     Ok(Going::On)
 }
 
 /// The program is as it was. Filament that came and went meanwhile, as when it is changed, is none that the print has asked for.
 async fn restore<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     program: &Program,
 ) -> Result<(), Interrupt> {
-    let now = *crank.commanded();
-    *crank.commanded_mut() = program.commanded;
-    crank.commanded_mut().count_filament_as(&now);
+    let now = *main_loop.commanded();
+    *main_loop.commanded_mut() = program.commanded;
+    main_loop.commanded_mut().count_filament_as(&now);
     *modal = program.modal;
-    program.dynamics.put(crank.settings_mut());
-    if crank.feed_percent() != program.feed_percent {
-        crank.override_feed(program.feed_percent).await?;
+    program.dynamics.put(main_loop.settings_mut());
+    if main_loop.feed_percent() != program.feed_percent {
+        main_loop.override_feed(program.feed_percent).await?;
     }
     Ok(())
 }
 
 /// M24, M602. Where it has ended the wait of a line that is kept, that is told there.
 pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     cold: &ColdExtrusion,
 ) -> Result<Answer<'static>, Interrupt> {
-    if crank.job().kept().is_some() {
+    if main_loop.job().kept().is_some() {
         return Ok(Answer::Nothing);
     }
-    Ok(match go_on(crank, modal, cold, true, None).await? {
+    Ok(match go_on(main_loop, modal, cold, true, None).await? {
         Going::On => Answer::Nothing,
         Going::Not(_) => Answer::Line("echo:not resumed: axes are not homed any more. Home them (G28), then send M24"),
     })
@@ -344,46 +344,48 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
 
 /// The stream goes on without M24: what it has done meanwhile, its own script, is part of it.
 pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     cold: &ColdExtrusion,
 ) -> Result<Going, Interrupt> {
-    go_on(crank, modal, cold, false, None).await
+    go_on(main_loop, modal, cold, false, None).await
 }
 
 /// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried out now; false if
 /// it needs its `ok`; `None` if it goes on being kept.
 pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     cold: &ColdExtrusion,
     kept: Kept,
     answered: Answered,
 ) -> Result<Option<bool>, Interrupt> {
-    if !crank.job().is_paused() {
-        announce(crank, &[Action::PromptEnd]).await?;
+    if !main_loop.job().is_paused() {
+        announce(main_loop, &[Action::PromptEnd]).await?;
         return Ok(Some(false));
     }
     // What has ended the wait of the line does not end the one for heat.
-    crank.pauses_mut().end_command();
+    main_loop.pauses_mut().end_command();
     let is_for_user = matches!(kept, Kept::User(_));
     if is_for_user {
-        announce(crank, &[Action::PromptEnd]).await?;
+        announce(main_loop, &[Action::PromptEnd]).await?;
     }
-    match go_on(crank, modal, cold, true, Some(kept)).await? {
+    match go_on(main_loop, modal, cold, true, Some(kept)).await? {
         Going::On if is_for_user => Ok(Some(false)),
         Going::On => {
-            announce(crank, &[Action::PromptEnd]).await?;
+            announce(main_loop, &[Action::PromptEnd]).await?;
             Ok(Some(true))
         }
         Going::Not(why) if is_for_user || answered == Answered::Resume => {
-            tell_why(crank, why, Action::Paused).await?;
-            crank.job_mut().keep(kept, None);
+            report_reason(main_loop, why, Action::Paused).await?;
+            main_loop.job_mut().keep(kept, None);
             Ok(None)
         }
         Going::Not(_) => {
-            announce(crank, &[Action::PromptEnd]).await?;
-            crank.tell(Answer::Line("echo:line left out, the print is still paused: see above, then send M24")).await?;
+            announce(main_loop, &[Action::PromptEnd]).await?;
+            main_loop
+                .reply(Answer::Line("echo:line left out, the print is still paused: see above, then send M24"))
+                .await?;
             Ok(Some(false))
         }
     }

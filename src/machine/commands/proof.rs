@@ -9,8 +9,8 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::belt::align::{BeltError, measure_again};
 use crate::machine::belt::diagnosis::ways_aside;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::HomedAxis;
@@ -18,40 +18,40 @@ use crate::settings::HomedAxis;
 /// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Then, and only then, they are held
 /// to be aligned; while it goes on, and if it fails, nobody is to believe in either. Gives how many steps beside their places the
 /// switches were met.
-pub(super) async fn prove<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<[i32; 2], BeltError> {
-    let homed = crank.homed();
-    let (residuals, mechanism) = (crank.residuals(), crank.groups().mechanism());
-    crank.homed_mut().release(residuals.motors(), mechanism);
-    let result = look_again(crank, &residuals).await;
+pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
+    let homed = main_loop.homed();
+    let (residuals, mechanism) = (main_loop.residuals(), main_loop.groups().mechanism());
+    main_loop.homed_mut().release(residuals.motors(), mechanism);
+    let result = look_again(main_loop, &residuals).await;
     if result.is_ok() {
-        crank.homed_mut().believe(&homed);
-        crank.trimming_mut().align();
+        main_loop.homed_mut().believe(&homed);
+        main_loop.trimming_mut().align();
     } else {
-        crank.trimming_mut().forget();
+        main_loop.trimming_mut().forget();
     }
     result
 }
 
 async fn look_again<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
 ) -> Result<[i32; 2], BeltError> {
-    measure_again(crank, residuals).await?;
-    let aside = touch_both(crank).await?;
-    if is_anywhere_aside(crank, aside) {
-        crank.tell(Answer::Belt(BeltAnswer::Touched(aside))).await?;
+    measure_again(main_loop, residuals).await?;
+    let aside = touch_both(main_loop).await?;
+    if is_anywhere_aside(main_loop, aside) {
+        main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
         return Err(AlignError::Changed.into());
     }
-    if crank.has_power(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }
+    if main_loop.has_power(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }
 }
 
 /// Meets the switches of x and y, and backs off. Gives how many steps beside their places they were met.
-pub(super) async fn touch_both<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>) -> Result<[i32; 2], Interrupt> {
-    Ok([touch(crank, HomedAxis::X).await?, touch(crank, HomedAxis::Y).await?])
+pub(super) async fn touch_both<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], Interrupt> {
+    Ok([touch(main_loop, HomedAxis::X).await?, touch(main_loop, HomedAxis::Y).await?])
 }
 
 /// Whether a tool that is so many steps beside its place is where it should not be.
-pub(super) fn is_anywhere_aside<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, aside: [i32; 2]) -> bool {
-    let full_step = i32::from(crank.settings().drivers.belt.microsteps);
-    ways_aside(&crank.settings().mechanism, aside, full_step) != [0, 0]
+pub(super) fn is_anywhere_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, aside: [i32; 2]) -> bool {
+    let full_step = i32::from(main_loop.settings().drivers.belt.microsteps);
+    ways_aside(&main_loop.settings().mechanism, aside, full_step) != [0, 0]
 }

@@ -3,8 +3,8 @@
 use crate::gcode::{AxisFlags, Number, ShaperName};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::advance_window;
@@ -112,21 +112,21 @@ fn set_advance(time: Option<Number>, window: Option<Number>, wanted: &mut Settin
 
 /// M593. Motion comes to rest before a shaper changes.
 pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     words: &ShaperWords,
 ) -> Result<Answer<'static>, Interrupt> {
     if words.are_a_question() {
         return Ok(Answer::Setting(Setting::Shapers));
     }
-    let mut wanted = *crank.settings();
+    let mut wanted = *main_loop.settings();
     let Some(shapers) = words.change(wanted.shapers, clamps) else {
         return Ok(Answer::Line(NO_SUCH_KIND));
     };
     wanted.shapers = shapers;
-    if !clamps.refuses_line() && wanted.shapers != crank.settings().shapers {
-        crank.finish().await?;
-        crank.use_settings(wanted).await?;
+    if !clamps.refuses_line() && wanted.shapers != main_loop.settings().shapers {
+        main_loop.finish().await?;
+        main_loop.use_settings(wanted).await?;
     }
     Ok(Answer::Nothing)
 }
@@ -135,7 +135,7 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
 /// before the generator follows it for the first time: all axes are later from then on
 /// ([`advance_in_use`](crate::machine::state::advance_in_use)).
 pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     time: Option<Number>,
     window: Option<Number>,
@@ -143,16 +143,16 @@ pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     if time.or(window).is_none() {
         return Ok(Answer::Advance);
     }
-    let mut wanted = *crank.settings();
+    let mut wanted = *main_loop.settings();
     set_advance(time, window, &mut wanted, clamps);
     if clamps.refuses_line() {
         return Ok(Answer::Nothing);
     }
-    if crank.needs_rest(&wanted) {
-        crank.finish().await?;
-        crank.use_settings(wanted).await?;
+    if main_loop.needs_rest(&wanted) {
+        main_loop.finish().await?;
+        main_loop.use_settings(wanted).await?;
     } else {
-        *crank.settings_mut() = wanted;
+        *main_loop.settings_mut() = wanted;
     }
     Ok(Answer::Nothing)
 }

@@ -1,4 +1,4 @@
-//! What commands keep for themselves, from line to line or for one line (`clamps`): no turn of the crank needs it.
+//! What commands keep for themselves, from line to line or for one line (`clamps`): no turn of the main loop needs it.
 
 use super::cold_extrusion::ColdExtrusion;
 use crate::machine::state::clamps::Clamps;

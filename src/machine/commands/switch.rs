@@ -1,8 +1,8 @@
 //! Switches: an axis finds its endstop fast, backs off, and finds it again slowly; to be homed by it, or only to see where it is met.
 
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
@@ -49,30 +49,30 @@ struct Axis {
 
 /// Homes an axis. If that fails the host is told why, and the print must not go on.
 pub(super) async fn home_named<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
 ) -> Result<(), Interrupt> {
-    let axis = facts(crank, axis);
-    let was_homed = crank.homed().axes().get(axis.index) == Some(&true);
-    crank.homed_mut().begin(axis.index);
-    let result = home_axis(crank, &axis, was_homed).await;
-    end_homing(crank, &axis, result).await
+    let axis = facts(main_loop, axis);
+    let was_homed = main_loop.homed().axes().get(axis.index) == Some(&true);
+    main_loop.homed_mut().begin(axis.index);
+    let result = home_axis(main_loop, &axis, was_homed).await;
+    end_homing(main_loop, &axis, result).await
 }
 
 /// Tells why homing failed, if it did; then the print must not go on.
 async fn end_homing<T, P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     result: Result<T, HomeError>,
 ) -> Result<T, Interrupt> {
     if !matches!(result, Err(HomeError::Interrupted(_))) {
-        crank.homed_mut().stop();
+        main_loop.homed_mut().stop();
     }
     match result {
         Ok(found) => Ok(found),
         Err(HomeError::Interrupted(interrupt)) => Err(interrupt),
         Err(HomeError::Failed(why)) => {
-            crank.tell(Answer::HomingFailed { axis: axis.name, why }).await?;
+            main_loop.reply(Answer::HomingFailed { axis: axis.name, why }).await?;
             Err(Interrupt::Halt)
         }
     }
@@ -80,30 +80,33 @@ async fn end_homing<T, P: PortSet, W: Pend>(
 
 /// Meets the switch of an axis once more, and backs off. Gives how many steps beside its place it was met: the tool stands so far
 /// beside where the steps say.
-pub(super) async fn touch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: HomedAxis) -> Result<i32, Interrupt> {
-    let axis = facts(crank, axis);
-    let result = touch_axis(crank, &axis).await;
-    end_homing(crank, &axis, result).await
+pub(super) async fn touch<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    axis: HomedAxis,
+) -> Result<i32, Interrupt> {
+    let axis = facts(main_loop, axis);
+    let result = touch_axis(main_loop, &axis).await;
+    end_homing(main_loop, &axis, result).await
 }
 
-async fn touch_axis<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
-    let back_off = find_switch(crank, axis).await?;
-    let aside = steps_aside(crank, axis);
-    travel(crank, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
-    crank.stand_at_end();
+async fn touch_axis<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
+    let back_off = find_switch(main_loop, axis).await?;
+    let aside = steps_aside(main_loop, axis);
+    travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    main_loop.stand_at_end();
     Ok(aside)
 }
 
 /// How many steps beside its place a switch was just met.
-fn steps_aside<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, axis: &Axis) -> i32 {
-    let (places, met) = (crank.to_steps([axis.endstop.position; 4]), crank.real_steps());
+fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis) -> i32 {
+    let (places, met) = (main_loop.to_steps([axis.endstop.position; 4]), main_loop.real_steps());
     let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
     aside.unwrap_or_default().wrapping_round().to_num()
 }
 
 /// What there is to know of an axis.
-fn facts<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, axis: HomedAxis) -> Axis {
-    let s = crank.settings();
+fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
+    let s = main_loop.settings();
     let (switch, length) = match axis {
         HomedAxis::X => (EndstopSet::X, s.axes.x.length),
         HomedAxis::Y => (EndstopSet::Y, s.axes.y.length),
@@ -114,58 +117,58 @@ fn facts<P: PortSet, W: Pend>(crank: &Crank<'_, P, W>, axis: HomedAxis) -> Axis 
 }
 
 async fn home_axis<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     was_homed: bool,
 ) -> Result<(), HomeError> {
-    find_switch(crank, axis).await?;
+    find_switch(main_loop, axis).await?;
     if was_homed {
-        let aside = steps_aside(crank, axis);
-        crank.trimming_mut().note_homed(axis.index, aside);
+        let aside = steps_aside(main_loop, axis);
+        main_loop.trimming_mut().note_homed(axis.index, aside);
     }
-    stand_at_switch(crank, axis).await?;
-    crank.homed_mut().arrive(axis.index);
-    crank.commanded_mut().forget_origin(axis.index);
+    stand_at_switch(main_loop, axis).await?;
+    main_loop.homed_mut().arrive(axis.index);
+    main_loop.commanded_mut().forget_origin(axis.index);
     Ok(())
 }
 
 /// Finds the switch fast, backs off and finds it slowly. Gives how far it backed off.
-async fn find_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
-    let start = crank.real_steps();
-    if !approach(crank, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
+async fn find_switch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<Mm, HomeError> {
+    let start = main_loop.real_steps();
+    if !approach(main_loop, axis, axis.endstop.longest_way(axis.length) + BEYOND, axis.homing.fast).await? {
         return Err(NO_TRIGGER);
     }
     // Who did not move stood at the switch already, or anywhere behind it.
-    let depth = if crank.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
+    let depth = if main_loop.real_steps() == start { axis.endstop.depth(axis.length) } else { Mm::ZERO };
     let back_off = axis.homing.back_off + depth;
-    travel(crank, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
+    travel(main_loop, axis, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     // Twice the distance backed off finds any switch that is still there.
     let sought = back_off * 2;
-    let before = crank.real_steps();
-    if !approach(crank, axis, sought, axis.homing.slow).await? {
+    let before = main_loop.real_steps();
+    if !approach(main_loop, axis, sought, axis.homing.slow).await? {
         return Err(NO_TRIGGER);
     }
-    if crank.real_steps() == before {
+    if main_loop.real_steps() == before {
         return Err(STILL_PRESSED);
     }
-    let path = crank.planned_path();
-    crank.homed_mut().note_met(axis.index, path);
+    let path = main_loop.planned_path();
+    main_loop.homed_mut().note_met(axis.index, path);
     Ok(back_off)
 }
 
 /// Moves towards the switch; true if it was met.
 async fn approach<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     distance: Mm,
     speed: MmPerSec,
 ) -> Result<bool, HomeError> {
-    if !crank.status().inputs().has(axis.switch) {
+    if !main_loop.status().inputs().has(axis.switch) {
         return Err(NOT_FITTED);
     }
-    travel(crank, axis, axis.endstop.towards(distance), speed, axis.switch).await?;
-    let met = !crank.status().triggered().is_empty();
-    crank.drop_motion().await?;
+    travel(main_loop, axis, axis.endstop.towards(distance), speed, axis.switch).await?;
+    let met = !main_loop.status().triggered().is_empty();
+    main_loop.drop_motion().await?;
     Ok(met)
 }
 
@@ -173,31 +176,34 @@ async fn approach<P: PortSet, W: Pend>(
 /// the move takes them to whole steps, where all counts agree. From there an axis alone takes all its motors along at
 /// once, and the counts agree wherever a switch ends the move.
 async fn travel<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     distance: Mm,
     speed: MmPerSec,
     watch: EndstopSet,
 ) -> Result<(), Interrupt> {
-    let mut steps = crank.planned_end();
-    if crank.groups().is_redundant() {
+    let mut steps = main_loop.planned_end();
+    if main_loop.groups().is_redundant() {
         steps = steps.map(Steps::wrapping_round);
     }
-    let mut position = crank.to_mm(steps);
+    let mut position = main_loop.to_mm(steps);
     if let Some(at) = position.get_mut(axis.index) {
         *at = at.saturating_add(distance);
     }
-    crank.plan(Target { position, speed, has_overrides: false, watch }).await?;
-    crank.finish().await
+    main_loop.plan(Target { position, speed, has_overrides: false, watch }).await?;
+    main_loop.finish().await
 }
 
 /// The axis stands at its switch, or at the whole step next to it. Motors stand on whole steps, so an axis that shares them
 /// with this one may lie between two steps of its own; it moves to a whole one, half a step beside. Where motors have pulleys of
 /// different sizes the step of an axis is long, and no whole one is where all of them stand.
-async fn stand_at_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis: &Axis) -> Result<(), Interrupt> {
-    let mechanism = crank.groups().mechanism();
-    let mut position = crank.real_steps();
-    let [x, y, z, _] = crank.to_steps([axis.endstop.position; 4]);
+async fn stand_at_switch<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    axis: &Axis,
+) -> Result<(), Interrupt> {
+    let mechanism = main_loop.groups().mechanism();
+    let mut position = main_loop.real_steps();
+    let [x, y, z, _] = main_loop.to_steps([axis.endstop.position; 4]);
     for (other, (at, switch)) in position.iter_mut().zip([x, y, z]).enumerate() {
         if other == axis.index {
             *at = if mechanism.has_multiples() { switch } else { switch.wrapping_round() };
@@ -205,9 +211,9 @@ async fn stand_at_switch<P: PortSet, W: Pend>(crank: &mut Crank<'_, P, W>, axis:
             *at = at.wrapping_round();
         }
     }
-    crank.adopt_position(position).await?;
-    crank.commanded_mut().forget_park(axis.index);
-    let stands = crank.to_mm(position);
-    crank.commanded_mut().stand_at(stands);
+    main_loop.adopt_position(position).await?;
+    main_loop.commanded_mut().forget_park(axis.index);
+    let stands = main_loop.to_mm(position);
+    main_loop.commanded_mut().stand_at(stands);
     Ok(())
 }

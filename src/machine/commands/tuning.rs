@@ -5,8 +5,8 @@ use super::self_test::await_self_test;
 use crate::connectors::Heater;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::waiting::Waiting;
@@ -33,19 +33,19 @@ pub(in crate::machine) struct TuningWords {
 
 /// M303.
 pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     words: &TuningWords,
 ) -> Result<Answer<'static>, Interrupt> {
     let TuningWords { heater, target, cycles, applies } = *words;
-    let heater = match model_of(crank, heater) {
+    let heater = match model_of(main_loop, heater) {
         Ok(heater) => heater,
         Err(answer) => return Ok(answer),
     };
-    if crank.status().heat().measured(heater).is_none() {
+    if main_loop.status().heat().measured(heater).is_none() {
         return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
     }
-    let range = Range { least: Celsius::ZERO, most: crank.settings().thermal.heater(heater).most };
+    let range = Range { least: Celsius::ZERO, most: main_loop.settings().thermal.heater(heater).most };
     // Marlin's defaults (M303.cpp), for the chamber too.
     let default = Number::from(if heater == Heater::Hotend { 150 } else { 70 });
     let target = clamps.near_of(["M303", "S"], target.unwrap_or(default), range, None);
@@ -54,26 +54,26 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     if target < LEAST_TARGET {
         return Ok(Answer::Line("echo:M303 ignored: S is the temperature to tune at, 40 or more"));
     }
-    crank.finish().await?;
-    crank.tell(Answer::Line("PID Autotune start")).await?;
-    crank.pauses_mut().begin(Waiting::Tuning);
-    crank.test_before_heating();
-    await_self_test(crank).await?;
-    crank.order_tuning(heater, target, cycles as u8);
-    let found = await_tuning(crank, heater).await;
-    crank.pauses_mut().end();
+    main_loop.finish().await?;
+    main_loop.reply(Answer::Line("PID Autotune start")).await?;
+    main_loop.pauses_mut().begin(Waiting::Tuning);
+    main_loop.test_before_heating();
+    await_self_test(main_loop).await?;
+    main_loop.order_tuning(heater, target, cycles as u8);
+    let found = await_tuning(main_loop, heater).await;
+    main_loop.pauses_mut().end();
     // Done, failed or ended by M108, M410: in any case it is over.
-    crank.heat(heater, Celsius::ZERO);
-    crank.send_orders();
+    main_loop.heat(heater, Celsius::ZERO);
+    main_loop.send_orders();
     let tuned = match found? {
         Ok(tuned) => tuned,
         Err(failure) => return Ok(Answer::Line(way_out(failure))),
     };
     if applies {
-        apply(&tuned, crank.settings_mut().thermal.heater_mut(heater));
-        crank.note_heat_settings();
+        apply(&tuned, main_loop.settings_mut().thermal.heater_mut(heater));
+        main_loop.note_heat_settings();
     }
-    crank.tell(Answer::Tuned(heater, tuned)).await?;
+    main_loop.reply(Answer::Tuned(heater, tuned)).await?;
     Ok(if applies { Answer::Nothing } else { Answer::Line("echo:nothing is changed, M303 U1 uses what it finds") })
 }
 
@@ -98,40 +98,42 @@ const fn way_out(failure: Option<TuningFailure>) -> &'static str {
 
 /// Waits for the end of a tuning: why it failed, or nothing if M108 ended it.
 async fn await_tuning<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     heater: Heater,
 ) -> Result<Result<Tuned, Option<TuningFailure>>, Interrupt> {
     // The first state that is told is that of an earlier tuning.
-    let status = crank.status();
-    while !crank.are_orders_gone() {
-        crank.turn().await?;
+    let status = main_loop.status();
+    while !main_loop.are_orders_gone() {
+        main_loop.poll().await?;
     }
     let begun = status.heat().periods();
-    let (mut next_line, mut cycle, mut is_cooling) = (crank.now(), 0, false);
-    while !crank.pauses().is_over() {
-        let now = crank.now();
+    let (mut next_line, mut cycle, mut is_cooling) = (main_loop.now(), 0, false);
+    while !main_loop.pauses().is_over() {
+        let now = main_loop.now();
         if now >= next_line {
             next_line = next_line.after_ms(LINE_MS);
-            crank.tell(Answer::Heating(None)).await?;
+            main_loop.reply(Answer::Heating(None)).await?;
         }
         if status.heat().periods().wrapping_sub(begun) > 2 {
             match status.heat().tuning() {
                 Tuning::Done => return Ok(Ok(status.heat().tuned())),
                 Tuning::Cooling => {
                     if !core::mem::replace(&mut is_cooling, true) {
-                        crank.tell(Answer::Line("echo:it is too hot to begin and cools first, M108 ends that")).await?;
+                        main_loop
+                            .reply(Answer::Line("echo:it is too hot to begin and cools first, M108 ends that"))
+                            .await?;
                     }
                 }
                 Tuning::Cycle(done) => {
                     if core::mem::replace(&mut cycle, done) != done {
-                        crank.tell(Answer::TuningCycle(heater, done)).await?;
+                        main_loop.reply(Answer::TuningCycle(heater, done)).await?;
                     }
                 }
                 Tuning::None => return Ok(Err(None)),
                 Tuning::Failed(failure) => return Ok(Err(Some(failure))),
             }
         }
-        crank.turn().await?;
+        main_loop.poll().await?;
     }
     Ok(Err(None))
 }

@@ -1,18 +1,18 @@
 //! Commands that wait for time (G4). Waits for heat are in [`heating`](super::heating), those for the user in [`pause`](super::pause).
 
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 
 /// G4: lets time pass in the motion itself; M108 ends it.
 pub(in crate::machine) async fn dwell<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     ms: u32,
 ) -> Result<(), Interrupt> {
-    crank.finish().await?;
+    main_loop.finish().await?;
     if ms == 0 {
         return Ok(());
     }
-    crank.let_pass(ms).await
+    main_loop.let_pass(ms).await
 }

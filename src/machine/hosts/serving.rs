@@ -54,7 +54,7 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Has `host` hear what is said from now on.
-    pub(in crate::machine) fn turn_to(&mut self, host: usize) {
+    pub(in crate::machine) fn switch_to(&mut self, host: usize) {
         self.serving = host;
         self.is_gone = false;
     }
@@ -85,7 +85,7 @@ impl<S: Serial> Hosts<S> {
             let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, text)) else {
                 continue;
             };
-            self.turn_to(place);
+            self.switch_to(place);
             self.owes_ok = true;
             return Some(asked);
         }
@@ -123,7 +123,7 @@ impl<S: Serial> Hosts<S> {
     /// The host that waits so is served again, if it is still there.
     pub(in crate::machine) fn take_up(&mut self) {
         if let Some(place) = self.aside.take() {
-            self.turn_to(place);
+            self.switch_to(place);
             self.owes_ok = true;
         }
     }
@@ -201,14 +201,14 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Says the same line to all; one that has no room for it misses it.
-    pub(in crate::machine) fn tell_all(&mut self, line: fmt::Arguments<'_>) {
+    pub(in crate::machine) fn notify_all(&mut self, line: fmt::Arguments<'_>) {
         for host in &mut self.hosts {
             let _ = host.replies.line(line);
         }
     }
 
     /// Says the same line to all but the host being served; one that has no room for it misses it.
-    pub(in crate::machine) fn tell_others(&mut self, line: fmt::Arguments<'_>) {
+    pub(in crate::machine) fn notify_others(&mut self, line: fmt::Arguments<'_>) {
         let serving = self.serving;
         for (_, host) in self.hosts.iter_mut().enumerate().filter(|(place, _)| *place != serving) {
             let _ = host.replies.line(line);
@@ -217,7 +217,7 @@ impl<S: Serial> Hosts<S> {
 
     /// Says a line to the host in that place, unless it is the one being served; false if it is, or if there is none. One
     /// that has no room for it misses it.
-    pub(in crate::machine) fn tell_other(&mut self, place: usize, line: fmt::Arguments<'_>) -> bool {
+    pub(in crate::machine) fn notify_other(&mut self, place: usize, line: fmt::Arguments<'_>) -> bool {
         let other = self.hosts.get_mut(place).filter(|_| place != self.serving);
         other.map(|host| host.replies.line(line)).is_some()
     }
@@ -285,7 +285,7 @@ mod tests {
         let lines: Lines<Slow<'_>> = core::iter::once(Slow(&heard)).collect();
         let mut hosts = Hosts::new(lines);
         hosts.open(Instant(0));
-        hosts.turn_to(0);
+        hosts.switch_to(0);
         hosts.schedule(Report::Temperatures, 1, Instant(0));
         let mut now = Instant(0);
         for n in 0..200 {

@@ -1,6 +1,6 @@
 //! Release: when moves leave the look-ahead, and how much of the feed a slow host gets.
 //!
-//! Both files decide from times and counts alone and touch nothing; `crank::stream` asks them and moves the moves.
+//! Both files decide from times and counts alone and touch nothing; `main_loop::stream` asks them and moves the moves.
 //!
 //! | file | decides |
 //! |---|---|

@@ -61,13 +61,13 @@ fn length(steps: i32, resolution: StepsPerMm) -> Thousandths {
 }
 
 /// The lines of an answer.
-pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, trimming: &Trimming, s: &Settings) {
+pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, trimming: &Trimming, s: &Settings) {
     let per_mm = s.axes.x.steps_per_mm;
     match *answer {
         BeltAnswer::State => {
             let state = if trimming.is_aligned() { "aligned" } else { "not aligned since motors got power (M915)" };
             to.say(format_args!("Belt: motors {state}"));
-            say_found(to, "Belt: ", trimming, s);
+            report_found(to, "Belt: ", trimming, s);
             for (number, residual) in Residuals::new(&s.mechanism, s.belt.is_closed).iter().enumerate() {
                 if let Some(readings) = trimming.found(number).and_then(|found| found.readings_per_mm) {
                     to.say(format_args!("Belt: {}: a mm of strain takes {readings} of SG_RESULT", Sum(residual)));
@@ -86,7 +86,7 @@ pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, tr
         }
         BeltAnswer::Met(_) => to.say(format_args!("Belt: x and y have not met their switches (G28)")),
         BeltAnswer::Aligned => {
-            say_found(to, "echo:belt motors aligned: ", trimming, s);
+            report_found(to, "echo:belt motors aligned: ", trimming, s);
             if trimming.has_new_phase() {
                 to.say(format_args!("echo:stored settings lack the new phase of the belt: M500 keeps it, and motors align as they get power"));
             }
@@ -121,7 +121,7 @@ pub(in crate::machine) fn say_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, tr
 }
 
 /// What was found of each residual.
-fn say_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Settings) {
+fn report_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Settings) {
     let residuals = Residuals::new(&s.mechanism, s.belt.is_closed);
     for (number, residual) in residuals.iter().enumerate() {
         let Some(Found { was, within, .. }) = trimming.found(number) else { continue };

@@ -50,7 +50,7 @@ impl fmt::Display for Health<'_> {
 }
 
 /// M122, the lines of one driver.
-pub(in crate::machine) fn say_driver(
+pub(in crate::machine) fn report_driver(
     to: &mut Speaker<'_>,
     (motor, reading): (Motor, Option<Result<Reading, DriverError>>),
     drivers: &Drivers,
@@ -96,7 +96,7 @@ impl fmt::Display for DriverValueLine<'_> {
 }
 
 /// One value of each axis.
-pub(in crate::machine) fn say_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
+pub(in crate::machine) fn report_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
     let DriverGroups { belt, z, e } = s.drivers;
     for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
         to.say(format_args!("{}", DriverValueLine(axis, value, &group)));

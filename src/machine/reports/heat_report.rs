@@ -1,7 +1,7 @@
 //! What is said of heat: temperatures (M105, M155, waits), heaters and the fault (M122), what a tuning has found (M303).
 
 use super::report::Hundredths;
-use super::sensors::say_sensors;
+use super::sensors::report_sensors;
 use crate::connectors::{HEATERS, Heater};
 use crate::fault::Latch;
 use crate::machine::answers::speaker::Speaker;
@@ -54,7 +54,7 @@ impl fmt::Display for Temperatures {
 }
 
 /// Part of M122: the fault, the heaters, the sensors.
-pub(in crate::machine) fn say_heat(
+pub(in crate::machine) fn report_heat(
     to: &mut Speaker<'_>,
     thermal: &ThermalSettings,
     heat: &Heat,
@@ -76,11 +76,11 @@ pub(in crate::machine) fn say_heat(
             None => to.say(format_args!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),
         }
     }
-    say_sensors(to, heat);
+    report_sensors(to, heat);
 }
 
 /// M303: what was found. Hosts look for Marlin's words.
-pub(in crate::machine) fn say_tuned(to: &mut Speaker<'_>, heater: Heater, tuned: &Tuned) {
+pub(in crate::machine) fn report_tuned(to: &mut Speaker<'_>, heater: Heater, tuned: &Tuned) {
     let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|bits| shortest(Ratio::from_bits(bits)));
     to.say(format_args!("PID Autotune finished!"));
     to.say(format_args!(" Kp: {p} Ki: {i} Kd: {d}"));

@@ -9,7 +9,7 @@ use crate::machine::numbers::{rate, shortest};
 use crate::settings::{Control, FanRole, Pid, ThermalSettings};
 
 /// The line of one of them.
-pub(in crate::machine) fn say_heat_setting(to: &mut Speaker<'_>, setting: HeatSetting, thermal: &ThermalSettings) {
+pub(in crate::machine) fn report_heat_setting(to: &mut Speaker<'_>, setting: HeatSetting, thermal: &ThermalSettings) {
     match setting {
         HeatSetting::Pid(heater) => {
             let Pid { p, i, d } = thermal.heater(heater).pid;
@@ -42,7 +42,7 @@ pub(in crate::machine) fn say_heat_setting(to: &mut Speaker<'_>, setting: HeatSe
 }
 
 /// M503, the part of heaters that are fitted.
-pub(in crate::machine) fn say_heat_settings(to: &mut Speaker<'_>, thermal: &ThermalSettings) {
+pub(in crate::machine) fn report_heat_settings(to: &mut Speaker<'_>, thermal: &ThermalSettings) {
     let fitted = || Heater::ALL.into_iter().filter(|heater| thermal.heater(*heater).is_fitted);
     for heater in fitted() {
         let (pid, model) = (HeatSetting::Pid(heater), HeatSetting::Model(heater));
@@ -53,13 +53,13 @@ pub(in crate::machine) fn say_heat_settings(to: &mut Speaker<'_>, thermal: &Ther
             (_, Control::Pid) => [Some(model), Some(pid)],
         };
         for line in lines.into_iter().flatten() {
-            say_heat_setting(to, line, thermal);
+            report_heat_setting(to, line, thermal);
         }
     }
     if thermal.heater(Heater::Hotend).is_fitted {
-        say_heat_setting(to, HeatSetting::ColdExtrusion, thermal);
+        report_heat_setting(to, HeatSetting::ColdExtrusion, thermal);
     }
     if fitted().next().is_some() {
-        say_heat_setting(to, HeatSetting::ControllerFan, thermal);
+        report_heat_setting(to, HeatSetting::ControllerFan, thermal);
     }
 }

@@ -5,7 +5,7 @@ use crate::machine::answers::speaker::Speaker;
 use core::fmt;
 
 /// Says what there is to tell of it.
-pub(in crate::machine) fn say_machine(to: &mut Speaker<'_>, answer: &MachineAnswer<'_>) {
+pub(in crate::machine) fn report_machine(to: &mut Speaker<'_>, answer: &MachineAnswer<'_>) {
     match answer {
         MachineAnswer::Piece(at, piece) => to.say(format_args!("machine AT={at} HEX={}", Hex(piece))),
         MachineAnswer::End(length) => to.say(format_args!("machine END={length}")),

@@ -1,7 +1,7 @@
 //! Reports and replies: what the machine says, when a command asks and by itself.
 //!
 //! ```text
-//!   command ── Answer ──▶ crank::tell ── which report ──▶ report, driver_report, sensors, message, ...
+//!   command ── Answer ──▶ main loop::tell ── which report ──▶ report, driver_report, sensors, message, ...
 //!                                                           └── Speaker: one part after the other ──▶ host
 //! ```
 //!
@@ -9,7 +9,7 @@
 //! |---|---|
 //! | `answers` | **what** a command has to say, as a value |
 //! | [`report`] and the files beside it | **how** it is worded |
-//! | `crank::tell` | words single lines, chooses the report of several, and waits for room |
+//! | `main_loop::tell` | words single lines, chooses the report of several, and waits for room |
 //!
 //! | word | means |
 //! |---|---|

@@ -130,7 +130,7 @@ impl<'m> Position<'m> {
 }
 
 /// M115. BTT's screens and OctoPrint's EEPROM editor look for Marlin in the name.
-pub(in crate::machine) fn say_firmware(to: &mut Speaker<'_>, has_storage: bool, s: &Settings) {
+pub(in crate::machine) fn report_firmware(to: &mut Speaker<'_>, has_storage: bool, s: &Settings) {
     to.say(format_args!(
         "FIRMWARE_NAME:CoreH-bot {} (Marlin dialect) SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:{} \
          EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000",
@@ -145,7 +145,7 @@ pub(in crate::machine) fn say_firmware(to: &mut Speaker<'_>, has_storage: bool, 
 }
 
 /// M119: which endstops are pressed, of the inputs that there are.
-pub(in crate::machine) fn say_endstops(
+pub(in crate::machine) fn report_endstops(
     to: &mut Speaker<'_>,
     pressed: EndstopSet,
     inputs: EndstopSet,
@@ -164,7 +164,7 @@ pub(in crate::machine) fn say_endstops(
 }
 
 /// Part of M122: what was too slow since the start, and the worst of it.
-pub(in crate::machine) fn say_overload(to: &mut Speaker<'_>, overload: Overload) {
+pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overload) {
     let Overload { events, spans, starved, underruns } = overload;
     let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };
     to.say(format_args!(
@@ -178,7 +178,7 @@ pub(in crate::machine) fn say_overload(to: &mut Speaker<'_>, overload: Overload)
 }
 
 /// M211 without S.
-pub(in crate::machine) fn say_soft_endstops(to: &mut Speaker<'_>, s: &Settings, homed: Homed) {
+pub(in crate::machine) fn report_soft_endstops(to: &mut Speaker<'_>, s: &Settings, homed: Homed) {
     let state = if s.soft_endstops { "ON" } else { "OFF" };
     let a = s.axes;
     let (x, y, z) = (Hundredths(a.x.length), Hundredths(a.y.length), Hundredths(a.z.length));

@@ -1,6 +1,6 @@
 //! Settings as they are shown: as the lines that set them, one each for the command without words, all of them for M503.
 
-use super::heat_settings_report::say_heat_settings;
+use super::heat_settings_report::report_heat_settings;
 use crate::gcode::{Number, ShaperName};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
@@ -12,7 +12,7 @@ use crate::settings::{AxisEnd, Bed, Belt, CornerRule, Pause, Settings, Shaper, S
 use crate::units::Mm;
 
 /// M503: every setting that G-code can set, and as a comment how far the look-ahead reaches.
-pub(in crate::machine) fn say_settings(
+pub(in crate::machine) fn report_settings(
     to: &mut Speaker<'_>,
     s: &Settings,
     retraction: &RetractionSettings,
@@ -20,15 +20,15 @@ pub(in crate::machine) fn say_settings(
 ) {
     to.setting(format_args!("G21"));
     for setting in Setting::all() {
-        say_setting(to, setting, s);
+        report_setting(to, setting, s);
     }
-    say_retraction(to, retraction);
-    say_recovery(to, retraction);
+    report_retraction(to, retraction);
+    report_recovery(to, retraction);
     if has_drivers {
-        say_driver_settings(to, s);
+        report_driver_settings(to, s);
     }
-    say_heat_settings(to, &s.thermal);
-    say_space(to, s);
+    report_heat_settings(to, &s.thermal);
+    report_space(to, s);
     let (soft, keepalive) = (u8::from(s.soft_endstops), s.keepalive_s);
     to.setting(format_args!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
     to.setting(format_args!("M113 S{keepalive}"));
@@ -37,11 +37,11 @@ pub(in crate::machine) fn say_settings(
 }
 
 /// The line or lines of one setting.
-pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings) {
+pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings) {
     match setting {
-        Setting::Resolutions => say_axes(to, "M92", s.axes.map(|a| exact(a.steps_per_mm)).to_array()),
-        Setting::MaxSpeeds => say_axes(to, "M203", s.axes.map(|a| exact(a.max_speed)).to_array()),
-        Setting::MaxAccelerations => say_axes(to, "M201", s.axes.map(|a| exact(a.max_acceleration)).to_array()),
+        Setting::Resolutions => report_axes(to, "M92", s.axes.map(|a| exact(a.steps_per_mm)).to_array()),
+        Setting::MaxSpeeds => report_axes(to, "M203", s.axes.map(|a| exact(a.max_speed)).to_array()),
+        Setting::MaxAccelerations => report_axes(to, "M201", s.axes.map(|a| exact(a.max_acceleration)).to_array()),
         Setting::Accelerations => {
             let accelerations = [s.print_acceleration, s.retract_acceleration, s.travel_acceleration];
             let [p, r, t] = accelerations.map(exact);
@@ -64,8 +64,8 @@ pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s:
             to.named_setting(format_args!("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
         }
         Setting::Shapers => {
-            say_shaper(to, 'X', s.shapers.x);
-            say_shaper(to, 'Y', s.shapers.y);
+            report_shaper(to, 'X', s.shapers.x);
+            report_shaper(to, 'Y', s.shapers.y);
         }
         Setting::Advance => {
             to.setting(format_args!("M900 K{}", shortest(s.advance.time)));
@@ -78,13 +78,13 @@ pub(in crate::machine) fn say_setting(to: &mut Speaker<'_>, setting: Setting, s:
 }
 
 /// Says the line of a command that takes a number for each axis.
-fn say_axes(to: &mut Speaker<'_>, code: &str, values: [Number; 4]) {
+fn report_axes(to: &mut Speaker<'_>, code: &str, values: [Number; 4]) {
     let [x, y, z, e] = values;
     to.setting(format_args!("{code} X{x} Y{y} Z{z} E{e}"));
 }
 
 /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
-fn say_space(to: &mut Speaker<'_>, s: &Settings) {
+fn report_space(to: &mut Speaker<'_>, s: &Settings) {
     to.remark(format_args!("machine: {}", s.name));
     let [x, y, z, _] = s.axes.map(|a| exact(a.length)).to_array();
     to.remark(format_args!("reachable: X{x} Y{y} Z{z} mm"));
@@ -121,7 +121,7 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
         ));
     }
     to.remark(format_args!("bed: {width} x {depth} mm from X{left} Y{front}"));
-    say_pause(to, &s.pause);
+    report_pause(to, &s.pause);
     for axis in s.homing_order {
         let (homing, endstop) = (s.homing.of(axis), s.endstops.of(axis));
         let (fast, slow, back) = (shortest(homing.fast), shortest(homing.slow), exact(homing.back_off));
@@ -138,7 +138,7 @@ fn say_space(to: &mut Speaker<'_>, s: &Settings) {
 }
 
 /// M503, what a pause does.
-fn say_pause(to: &mut Speaker<'_>, pause: &Pause) {
+fn report_pause(to: &mut Speaker<'_>, pause: &Pause) {
     let [retract, lift, x, y] = [pause.retract, pause.lift, pause.x, pause.y].map(exact);
     let [back, forth, travel] = [pause.retract_speed, pause.unretract_speed, pause.travel_speed].map(shortest);
     let minutes = pause.heat_off_min;
@@ -154,7 +154,7 @@ fn say_pause(to: &mut Speaker<'_>, pause: &Pause) {
 }
 
 /// M503, the part of the drivers.
-fn say_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
+fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
     let groups = s.drivers;
     // Marlin's heading, by which a BTT TFT asks for M569.
     to.remark(format_args!("Driver stepping mode:"));
@@ -163,18 +163,18 @@ fn say_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
     }
     for value in [DriverValue::Current, DriverValue::HybridThreshold, DriverValue::StallThreshold] {
         let [belt, z, e] = [groups.belt, groups.z, groups.e].map(|group| value.number(&group));
-        say_axes(to, value.code(), [belt, belt, z, e]);
+        report_axes(to, value.code(), [belt, belt, z, e]);
     }
 }
 
 /// M503, the line of M207.
-pub(in crate::machine) fn say_retraction(to: &mut Speaker<'_>, settings: &RetractionSettings) {
+pub(in crate::machine) fn report_retraction(to: &mut Speaker<'_>, settings: &RetractionSettings) {
     let (length, feed, lift) = (exact(settings.length), exact(Mm::from(settings.speed) * 60), exact(settings.lift));
     to.setting(format_args!("M207 S{length} F{feed} Z{lift}"));
 }
 
 /// M503, the line of M208.
-pub(in crate::machine) fn say_recovery(to: &mut Speaker<'_>, settings: &RetractionSettings) {
+pub(in crate::machine) fn report_recovery(to: &mut Speaker<'_>, settings: &RetractionSettings) {
     let (extra, feed) = (exact(settings.extra), exact(Mm::from(settings.recover_speed) * 60));
     to.setting(format_args!("M208 S{extra} F{feed}"));
 }
@@ -192,7 +192,7 @@ const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
 }
 
 /// M503, a line of M593.
-fn say_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
+fn report_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
     match name_of(shaper.kind).map(|name| name as usize) {
         Some(number) => to.setting(format_args!("M593 {axis} F{frequency} D{damping} T{number}")),

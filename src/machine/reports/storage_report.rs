@@ -5,7 +5,7 @@ use crate::machine::answers::storage_news::{Slots, StorageNews};
 use crate::storage::Rejected;
 
 /// Says what there is to tell of the storage.
-pub(in crate::machine) fn say_storage(to: &mut Speaker<'_>, news: &StorageNews) {
+pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNews) {
     match *news {
         StorageNews::Saved(receipt) => to.say(format_args!("echo:Settings Stored {receipt}")),
         StorageNews::NoMachine(why) => to.say(format_args!("echo:Settings not stored: {why}")),
@@ -18,32 +18,32 @@ pub(in crate::machine) fn say_storage(to: &mut Speaker<'_>, news: &StorageNews) 
         StorageNews::Unanswered(error) => to.say(format_args!("echo:{error}")),
         StorageNews::Unreadable(error) => {
             to.say(format_args!("echo:{error}"));
-            say_defaults(to);
+            report_defaults(to);
         }
         StorageNews::Loaded { rejected, receipt } => {
-            say_rejected(to, rejected);
+            report_rejected(to, rejected);
             match receipt {
                 Some(receipt) => to.say(format_args!("echo:stored settings retrieved {receipt}")),
-                None => say_defaults(to),
+                None => report_defaults(to),
             }
         }
         StorageNews::Checked { rejected, receipt } => {
-            say_rejected(to, rejected);
+            report_rejected(to, rejected);
             match receipt {
                 Some(receipt) => to.say(format_args!("echo:stored settings valid {receipt}")),
                 None => to.say(format_args!("echo:no valid settings stored")),
             }
         }
-        StorageNews::Defaults => say_defaults(to),
+        StorageNews::Defaults => report_defaults(to),
     }
 }
 
-fn say_defaults(to: &mut Speaker<'_>) {
+fn report_defaults(to: &mut Speaker<'_>) {
     to.say(format_args!("echo:Hardcoded Default Settings Loaded"));
 }
 
 /// Names the slots whose content is not used; an empty one is no news.
-fn say_rejected(to: &mut Speaker<'_>, slots: Slots) {
+fn report_rejected(to: &mut Speaker<'_>, slots: Slots) {
     for (slot, why) in slots {
         if let Some(why) = why.filter(|why| *why != Rejected::Blank) {
             to.say(format_args!("echo:storage slot {slot} not used: {why}"));

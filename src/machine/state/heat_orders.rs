@@ -65,7 +65,7 @@ impl HeatOrders {
     }
 
     /// A fan is to run at `speed`, of 65,535.
-    pub fn blow(&mut self, fan: u8, speed: u16) {
+    pub fn set_fan(&mut self, fan: u8, speed: u16) {
         if let Some(place) = self.fans.get_mut(usize::from(fan)) {
             *place = Some(speed);
         }
@@ -222,12 +222,12 @@ mod tests {
         let mut orders = HeatOrders::new(&settings);
         let celsius = Celsius::const_from_int;
         orders.heat(Heater::Hotend, celsius(200));
-        orders.blow(0, 9);
+        orders.set_fan(0, 9);
         orders.switch_off();
         orders.heat(Heater::Bed, celsius(50));
         orders.heat(Heater::Bed, celsius(60));
-        orders.blow(3, 1);
-        orders.blow(3, 2);
+        orders.set_fan(3, 1);
+        orders.set_fan(3, 2);
         orders.note_motors(true);
         let expected = [Order::Off, Order::Target(Heater::Bed, celsius(60)), Order::Motors(true), Order::Fan(3, 2)];
         assert_eq!(all(&mut orders, &settings), expected);

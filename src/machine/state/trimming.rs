@@ -15,7 +15,7 @@ pub(in crate::machine) struct Found {
     pub within: Mm,
     /// How much the load that drivers measure (SG_RESULT) falls for a mm of strain, if they measured it.
     pub readings_per_mm: Option<u16>,
-    /// The phase at which nothing strains the belt (`crank::phase`), if it was looked for.
+    /// The phase at which nothing strains the belt (`main_loop::phase`), if it was looked for.
     pub phase: Option<u16>,
 }
 

@@ -380,9 +380,9 @@ mod tests {
     use crate::status::Status;
     use crate::units::{Mm, MmPerSec, StepsPerMm};
 
-    struct Nobody;
+    struct NullPend;
 
-    impl Pend for Nobody {
+    impl Pend for NullPend {
         fn pend_generator(&self) {}
         fn pend_stepper(&self) {}
     }
@@ -396,7 +396,7 @@ mod tests {
             let (mut spans, status) = (SpanMemory::new(), Status::new());
             let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
             let call_for_each_axis = |generator: &mut StepGenerator<'_>| {
-                (0..AXES * usize::from(SCRUB)).for_each(|_| generator.run(&Nobody));
+                (0..AXES * usize::from(SCRUB)).for_each(|_| generator.run(&NullPend));
                 status.fault().fault().map(|fault| fault.cause)
             };
             assert_eq!(call_for_each_axis(&mut generator), None);

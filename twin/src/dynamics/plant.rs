@@ -218,10 +218,10 @@ impl Plant {
                 continue;
             }
             let stretch: f64 = spring.row.iter().filter(|(i, _)| *i == coordinate).map(|(_, c)| c * step_mm).sum();
-            let blow = self.params.belt_damping_s * spring.stiffness * stretch;
+            let set_fan = self.params.belt_damping_s * spring.stiffness * stretch;
             for (i, c) in &spring.row {
                 if let (Some(speed), Some(mobility)) = (speeds.get_mut(*i), self.mobility.get(*i)) {
-                    *speed -= c * blow * mobility;
+                    *speed -= c * set_fan * mobility;
                 }
             }
         }

@@ -97,7 +97,7 @@ impl Life<'_> {
     }
 
     /// From now on the other host is spoken to and heard.
-    pub fn turn_to(&mut self, host: usize) {
+    pub fn switch_to(&mut self, host: usize) {
         self.all[self.host] = std::mem::take(&mut self.heard);
         self.host = host;
         self.heard = std::mem::take(&mut self.all[host]);

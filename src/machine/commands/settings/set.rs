@@ -5,8 +5,8 @@
 use crate::gcode::{AxisWords, Number, VelocityWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
@@ -120,25 +120,25 @@ fn set_resolution(words: &AxisWords, s: &mut Settings, clamps: &mut Clamps) -> R
 
 /// M92. The machine comes to rest first: a step must not change its size under way.
 pub(in crate::machine) async fn change_resolution<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     words: &AxisWords,
 ) -> Result<Answer<'static>, Interrupt> {
     if *words == AxisWords::default() {
         return Ok(Answer::Setting(Setting::Resolutions));
     }
-    let mut wanted = *crank.settings();
+    let mut wanted = *main_loop.settings();
     let resolved = set_resolution(words, &mut wanted, clamps);
     if clamps.refuses_line() {
         return Ok(Answer::Nothing);
     }
     match resolved {
         Ok(Resolved::Resolutions) => {}
-        Ok(Resolved::LoweredSpeeds) => crank.tell(Answer::LoweredSpeeds).await?,
+        Ok(Resolved::LoweredSpeeds) => main_loop.reply(Answer::LoweredSpeeds).await?,
         Err(axes) => return Ok(Answer::SharedMotors(axes)),
     }
-    crank.finish().await?;
-    crank.use_settings(wanted).await?;
+    main_loop.finish().await?;
+    main_loop.use_settings(wanted).await?;
     Ok(Answer::Nothing)
 }
 

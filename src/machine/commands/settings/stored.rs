@@ -3,8 +3,8 @@
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::storage_news::StorageNews;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::MachinePieces;
 use crate::port::{Pend, Storage, StorageError};
@@ -14,19 +14,19 @@ use crate::storage::{self, Receipt, SaveError, Survey};
 /// The storage, with the world going round once after every transfer, so that M112 is heard while settings
 /// are being saved.
 struct Paced<'c, 'm, P: PortSet, W: Pend> {
-    crank: &'c mut Crank<'m, P, W>,
+    main_loop: &'c mut MainLoop<'m, P, W>,
     interrupt: Option<Interrupt>,
 }
 
 impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
-    const fn new(crank: &'c mut Crank<'m, P, W>) -> Self {
-        Self { crank, interrupt: None }
+    const fn new(main_loop: &'c mut MainLoop<'m, P, W>) -> Self {
+        Self { main_loop, interrupt: None }
     }
 
     /// An interrupt ends the transfers, but for an M410 that finds no motion to stop.
     async fn go_round(&mut self) -> Result<(), StorageError> {
-        match self.crank.turn().await {
-            Err(interrupt) if matches!(interrupt, Interrupt::Halt | Interrupt::Limp) || self.crank.has_motion() => {
+        match self.main_loop.poll().await {
+            Err(interrupt) if matches!(interrupt, Interrupt::Halt | Interrupt::Limp) || self.main_loop.has_motion() => {
                 self.interrupt = Some(interrupt);
                 Err(StorageError::Failed)
             }
@@ -45,94 +45,94 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
 
 impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
     fn capacity(&self) -> u32 {
-        self.crank.storage().capacity()
+        self.main_loop.storage().capacity()
     }
 
     async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
-        self.crank.storage_mut().read(at, into).await?;
+        self.main_loop.storage_mut().read(at, into).await?;
         self.go_round().await
     }
 
     async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
-        self.crank.storage_mut().write(at, bytes).await?;
+        self.main_loop.storage_mut().write(at, bytes).await?;
         self.go_round().await?;
-        while !self.crank.storage_mut().is_done()? {
+        while !self.main_loop.storage_mut().is_done()? {
             self.go_round().await?;
         }
         Ok(())
     }
 
     fn image(&self) -> Option<u32> {
-        self.crank.storage().image()
+        self.main_loop.storage().image()
     }
 }
 
 /// Looks into the storage.
 pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Result<Survey, StorageError>, Interrupt> {
-    let mut paced = Paced::new(crank);
+    let mut paced = Paced::new(main_loop);
     let survey = storage::survey(&mut paced).await;
     paced.into_result()?;
-    Ok(survey.map(|survey| survey.on(&crank.defaults().mechanism)))
+    Ok(survey.map(|survey| survey.on(&main_loop.defaults().mechanism)))
 }
 
 /// Takes the settings that are stored, before the first `start`, and returns what to tell of them after it: a
 /// host listens only then. A machine without storage has nothing to tell, and on a board that is no machine nothing stored counts.
 pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
-    let survey = match survey(crank).await? {
+    let survey = match survey(main_loop).await? {
         Ok(survey) => survey,
         Err(StorageError::Absent) => return Ok(Answer::Nothing),
         Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
     };
-    if crank.refusal().is_some() {
+    if main_loop.refusal().is_some() {
         return Ok(Answer::Nothing);
     }
     if let Some(stored) = survey.newest {
-        crank.use_settings(stored.settings).await?;
+        main_loop.use_settings(stored.settings).await?;
     }
-    let mut paced = Paced::new(crank);
+    let mut paced = Paced::new(main_loop);
     let passed = storage::passed_test(&mut paced).await;
     paced.into_result()?;
     // A note that cannot be read costs a test, and no more.
-    crank.know_passed_test(passed.unwrap_or_default());
+    main_loop.know_passed_test(passed.unwrap_or_default());
     Ok(Answer::Storage(StorageNews::loaded(&survey)))
 }
 
 /// Notes the self-test that was passed, for starts to come.
 pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
-    let Some(tested) = crank.take_passed_test() else { return Ok(()) };
-    let mut paced = Paced::new(crank);
+    let Some(tested) = main_loop.take_passed_test() else { return Ok(()) };
+    let mut paced = Paced::new(main_loop);
     let _ = storage::note_passed_test(&mut paced, tested).await;
     paced.into_result()
 }
 
 /// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not become one.
 pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     pieces: &MachinePieces,
 ) -> Result<StorageNews, Interrupt> {
     if pieces.is_stored {
         return Ok(StorageNews::MachineWaits);
     }
-    if let Some(why) = crank.refusal() {
+    if let Some(why) = main_loop.refusal() {
         return Ok(StorageNews::NoMachine(why));
     }
-    let settings = *crank.settings();
-    Ok(save(crank, &settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+    let settings = *main_loop.settings();
+    Ok(save(main_loop, &settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
 }
 
 /// Stores settings. The machine rests: storage may be flash, whose erasing stops the processor.
 pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     settings: &Settings,
 ) -> Result<Result<Receipt, SaveError>, Interrupt> {
-    crank.finish().await?;
-    let mut paced = Paced::new(crank);
+    main_loop.finish().await?;
+    let mut paced = Paced::new(main_loop);
     let saved = storage::save(&mut paced, settings).await;
     paced.into_result()?;
     Ok(saved)
@@ -141,35 +141,35 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
 /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a board without
 /// a machine.
 pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {
-    if let Some(why) = crank.refusal() {
+    if let Some(why) = main_loop.refusal() {
         return Ok(StorageNews::NotLoaded(why));
     }
-    crank.finish().await?;
-    let survey = match survey(crank).await? {
+    main_loop.finish().await?;
+    let survey = match survey(main_loop).await? {
         Ok(survey) => survey,
         Err(error) => return Ok(StorageNews::Unchanged(error)),
     };
-    let settings = survey.newest.map_or(*crank.defaults(), |stored| stored.settings);
-    crank.use_settings(settings).await?;
+    let settings = survey.newest.map_or(*main_loop.defaults(), |stored| stored.settings);
+    main_loop.use_settings(settings).await?;
     Ok(StorageNews::loaded(&survey))
 }
 
 /// M502.
 pub(in crate::machine) async fn reset_settings<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {
-    crank.finish().await?;
-    crank.use_settings(*crank.defaults()).await?;
+    main_loop.finish().await?;
+    main_loop.use_settings(*main_loop.defaults()).await?;
     Ok(StorageNews::Defaults)
 }
 
 /// M504.
 pub(in crate::machine) async fn check_storage<P: PortSet, W: Pend>(
-    crank: &mut Crank<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {
-    Ok(match survey(crank).await? {
+    Ok(match survey(main_loop).await? {
         Ok(survey) => StorageNews::checked(&survey),
         Err(error) => StorageNews::Unanswered(error),
     })

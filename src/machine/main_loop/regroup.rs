@@ -2,7 +2,7 @@
 //!
 //! Motors are regrouped at rest. `belt` says what for.
 
-use super::Crank;
+use super::MainLoop;
 use crate::fault::{Cause, Fault};
 use crate::kinematics::{Grouping, Residuals};
 use crate::machine::interrupt::Interrupt;
@@ -28,7 +28,7 @@ fn circulating(s: &Settings) -> Settings {
     settings
 }
 
-impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
+impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// What the motors of x and y could do to the belt.
     pub fn residuals(&self) -> Residuals {
         Residuals::new(&self.settings.mechanism, self.settings.belt.is_closed)

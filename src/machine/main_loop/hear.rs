@@ -1,6 +1,6 @@
 //! Hearing: lines of hosts in, the urgent ones first, and what the machine is about while a host is silent.
 
-use super::Crank;
+use super::MainLoop;
 use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
 use crate::machine::interrupt::Interrupt;
@@ -10,7 +10,7 @@ use crate::machine::state::waiting::Waiting;
 use crate::port::{Clock, DriverBus, MotorSet, Pend};
 use crate::protocol::Activity;
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// No motor has power, and hosts are listened to from now on.
     pub fn begin(&mut self) {
         self.ports.drivers.enable(MotorSet::NONE);

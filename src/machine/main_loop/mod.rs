@@ -1,11 +1,11 @@
-//! The crank: everything that must go on whatever a command waits for.
+//! The main loop: everything that must go on whatever a command waits for.
 //!
 //! ```text
 //!   a command ── plan, finish, power, tell, ... ──▶ door ──▶ owners
 //!        └────── waits: turn ──▶ bytes in ▶ emergencies ▶ drivers ▶ moves ▶ settings ▶ heat ▶ replies out
 //! ```
 //!
-//! A waiting command holds `&mut Crank` and the states that it names, and nothing else. The fields are private to this folder: what a
+//! A waiting command holds `&mut MainLoop` and the states that it names, and nothing else. The fields are private to this folder: what a
 //! command may do with them are the methods that it can see. Nothing here uses
 //! `commands`; `halted` alone reads lines, those of a machine that has stopped.
 //!
@@ -39,10 +39,10 @@ mod limp;
 mod phase;
 mod power;
 mod regroup;
+mod reply;
 mod scrub;
 mod stream;
 mod take_over;
-mod tell;
 pub(in crate::machine) mod trim;
 
 use crate::driver::Drivers;
@@ -74,7 +74,7 @@ use core::future::poll_fn;
 use core::task::Poll;
 
 /// What goes on in every wait.
-pub(in crate::machine) struct Crank<'m, P: PortSet, W: Pend> {
+pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     ports: Devices<P>,
     hosts: Hosts<P::Serial>,
     link: Link<'m, W>,
@@ -117,7 +117,7 @@ pub(in crate::machine) struct Crank<'m, P: PortSet, W: Pend> {
     ahead_due: Instant,
 }
 
-impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Crank<'m, Ports<S, D, K, T>, W> {
+impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> MainLoop<'m, Ports<S, D, K, T>, W> {
     /// That of a machine with these groups of motors that stands at `start` if that is known, as if homed.
     pub fn new(
         settings: Settings,
@@ -166,20 +166,20 @@ impl<'m, S: Serial, D: DriverBus, K: Clock, T: Storage, W: Pend> Crank<'m, Ports
     }
 }
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// There is more to do at once: the next turn is wanted before anything happens.
     pub const fn come_again(&mut self) {
         self.comes_again = true;
     }
 
     /// Lets the world go round once, without waiting for anything to happen.
-    async fn turn_again(&mut self) -> Result<(), Interrupt> {
+    async fn poll_again(&mut self) -> Result<(), Interrupt> {
         self.come_again();
-        self.turn().await
+        self.poll().await
     }
 
     /// Lets the world go round once.
-    pub async fn turn(&mut self) -> Result<(), Interrupt> {
+    pub async fn poll(&mut self) -> Result<(), Interrupt> {
         let comes_again = core::mem::take(&mut self.comes_again);
         yield_once(comes_again).await;
         if !comes_again {
@@ -192,7 +192,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Waits until `done`.
     async fn until(&mut self, done: fn(&mut Self) -> bool) -> Result<(), Interrupt> {
         while !done(self) {
-            self.turn().await?;
+            self.poll().await?;
         }
         Ok(())
     }

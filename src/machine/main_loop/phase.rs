@@ -18,8 +18,8 @@ use crate::driver::Job;
 use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
 use crate::port::{Motor, MotorSet, Pend};
@@ -52,7 +52,7 @@ fn only_one(residual: &Residual, motors: MotorSet) -> Option<(Motor, i32)> {
     found.next().filter(|_| found.next().is_none())
 }
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// The sum of a residual over the places in the sine tables; `None` if a driver does not tell.
     async fn phase_sum(&mut self, residual: &Residual) -> Result<Option<i32>, Interrupt> {
         let mut sum = 0;
@@ -127,7 +127,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         for (number, residual) in residuals.iter().enumerate() {
             if !self.is_in_phase(number, residual).await? {
                 self.trimming.forget();
-                return self.tell(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase))).await;
+                return self.reply(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase))).await;
             }
         }
         self.trimming.align();

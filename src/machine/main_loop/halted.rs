@@ -10,10 +10,10 @@ use crate::fault::Fault;
 use crate::gcode::{self, Command};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
-use crate::machine::crank::{Crank, yield_once};
 use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
 use crate::machine::interrupt::Restart;
+use crate::machine::main_loop::{MainLoop, yield_once};
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::port::{Clock, LINES, Pend};
@@ -34,7 +34,7 @@ enum Reason {
 }
 
 /// Says that only M999 or a reset helps, and why if that was not the host's own wish.
-fn say_killed(replies: &mut Replies, reason: Reason) -> Result<(), NoRoom> {
+fn report_killed(replies: &mut Replies, reason: Reason) -> Result<(), NoRoom> {
     match reason {
         Reason::Host => replies.killed(),
         Reason::Driver(fault) => replies.killed_by(fault),
@@ -60,7 +60,7 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
     )
 }
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// After a stop, until M999.
     pub async fn stay_halted(&mut self) -> Restart {
         self.link.status().set_halted();
@@ -78,17 +78,17 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         if let Some(parked) = self.limping.outcome() {
             match parked {
                 Some(raised) => {
-                    self.hosts.tell_all(format_args!("echo:tool parked, z raised by {} mm", shortest(raised)));
+                    self.hosts.notify_all(format_args!("echo:tool parked, z raised by {} mm", shortest(raised)));
                 }
-                None => self.hosts.tell_all(format_args!("echo:the tool was not parked")),
+                None => self.hosts.notify_all(format_args!("echo:the tool was not parked")),
             }
         }
-        self.hosts.greet(|replies| say_killed(replies, reason));
+        self.hosts.greet(|replies| report_killed(replies, reason));
         // Hosts that came later.
         let mut are_new = [false; LINES];
         let mut text = Text::new();
         while !self.is_to_restart {
-            self.turn_halted(&mut are_new).await;
+            self.poll_halted(&mut are_new).await;
             let now = self.ports.clock.now();
             while !self.is_to_restart
                 && let Some(asked) = self.hosts.next_line(now, (0, Activity::Paused), &mut text)
@@ -101,10 +101,10 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
                 match self.answer_halted(asked, &text).filter(|_| knows) {
                     Some(answers) => {
                         for answer in answers {
-                            self.tell_halted(answer, &mut are_new).await;
+                            self.reply_halted(answer, &mut are_new).await;
                         }
                     }
-                    None => drop(self.hosts.replies().map(|replies| say_killed(replies, reason))),
+                    None => drop(self.hosts.replies().map(|replies| report_killed(replies, reason))),
                 }
             }
         }
@@ -130,15 +130,15 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     }
 
     /// Tells the host being served, as soon as there is room for it, or until M999.
-    async fn tell_halted(&mut self, answer: Answer<'static>, are_new: &mut [bool; LINES]) {
+    async fn reply_halted(&mut self, answer: Answer<'static>, are_new: &mut [bool; LINES]) {
         self.progress = Progress::default();
         while !self.is_to_restart && !self.write(&answer) {
-            self.turn_halted(are_new).await;
+            self.poll_halted(are_new).await;
         }
     }
 
     /// Lets the world go round once: bytes in, answers out, and whoever has opened a line is greeted.
-    async fn turn_halted(&mut self, are_new: &mut [bool; LINES]) {
+    async fn poll_halted(&mut self, are_new: &mut [bool; LINES]) {
         self.hosts.send();
         self.link.status().heat().beat_of_console();
         self.send_orders();

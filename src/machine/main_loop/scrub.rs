@@ -3,7 +3,7 @@
 
 use crate::fault::{Cause, Fault};
 use crate::kinematics::Groups;
-use crate::machine::crank::Crank;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::units::Instant;
@@ -11,7 +11,7 @@ use crate::units::Instant;
 /// So often, in ms: a flipped bit is found within a second even by a Console that storage keeps busy.
 const EVERY_MS: u32 = 500;
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Takes legal changes for right, and looks whether there were others.
     pub(super) fn scrub(&mut self, now: Instant) {
         self.settings.settle();
@@ -44,8 +44,8 @@ mod tests {
     extern crate std;
     use crate::fault::Cause;
     use crate::kinematics::{Groupings, Mechanism};
-    use crate::machine::crank::Crank;
     use crate::machine::interrupt::Interrupt;
+    use crate::machine::main_loop::MainLoop;
     use crate::machine::ports::Ports;
     use crate::motion::{Link, MoveMemory, MoveQueue, StepQueue};
     use crate::port::{Clock, DriverBus, Lines, MotorSet, NoStorage, Pend, Received, Serial};
@@ -84,16 +84,16 @@ mod tests {
     }
 
     #[derive(Clone, Copy)]
-    struct Nobody;
+    struct NullPend;
 
-    impl Pend for Nobody {
+    impl Pend for NullPend {
         fn pend_generator(&self) {}
         fn pend_stepper(&self) {}
     }
 
-    type Machine<'m> = Crank<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage>, Nobody>;
+    type Machine<'m> = MainLoop<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage>, NullPend>;
 
-    /// What a crank with the groups of a mechanism finds within a second after each of the changes.
+    /// What a main loop with the groups of a mechanism finds within a second after each of the changes.
     fn find(mechanism: &Mechanism, changes: &[fn(&mut Machine<'_>)]) -> Option<(u32, Cause)> {
         let settings = Settings::prototype();
         let (mut moves, mut events, mut orders) = (MoveQueue::new(), StepQueue::new(), OrderQueue::new());
@@ -102,15 +102,15 @@ mod tests {
         let (moves_in, _moves) = moves.split();
         let (_events, events_out) = events.split();
         let (orders_in, _orders) = orders.split();
-        let link = Link::new(moves_in, &status, events_out.counts(&status), Nobody);
+        let link = Link::new(moves_in, &status, events_out.counts(&status), NullPend);
         let now = Cell::new(Instant::default());
         let serial: Lines<_> = [Nothing].into_iter().collect();
         let ports = Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage };
-        let mut crank = Crank::new(settings, None, &mut memory, orders_in, &groupings, link, ports);
+        let mut main_loop = MainLoop::new(settings, None, &mut memory, orders_in, &groupings, link, ports);
         for change in changes {
             for ms in 0..=1000 {
                 now.set(now.get().after_ms(1));
-                match crank.go_on() {
+                match main_loop.go_on() {
                     Ok(()) => assert_eq!(status.fault().fault(), None, "a fault ends the turn"),
                     Err(interrupt) => {
                         assert_eq!(interrupt, Interrupt::Halt);
@@ -118,7 +118,7 @@ mod tests {
                     }
                 }
                 if ms == 0 {
-                    change(&mut crank);
+                    change(&mut main_loop);
                 }
             }
         }

@@ -1,14 +1,14 @@
 //! Out of the look-ahead: the part of a turn that hands moves on when the release policy lets them go.
 
-use crate::machine::crank::Crank;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::release::policy::{GATHERED, Release};
 use crate::motion::Work;
 use crate::port::{Clock, Pend};
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Hands released moves on, and releases more when it is time.
-    pub(in crate::machine::crank) fn feed_motion(&mut self) {
+    pub(in crate::machine::main_loop) fn feed_motion(&mut self) {
         // Asked at every turn, because that counts up what was stepped.
         self.link.left();
         let level = (self.planner.len() + self.link.level()) as u32;

@@ -2,8 +2,8 @@
 //! stands in [`heat_door`](super::heat_door).
 
 use crate::connectors::Heater;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::status::SelfTest;
@@ -15,7 +15,7 @@ const TURN_MS: u32 = 5;
 /// And what the look-ahead knows of it so often: a fraction of any heater's lag.
 const AHEAD_MS: u32 = 50;
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Everything about heat that must go on whatever the Console waits for. A fault ends the motion here and now.
     pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
         let faults = self.link.status().fault();
@@ -32,7 +32,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.send_orders();
         self.follow_self_test();
         if self.settings.thermal.heater(Heater::Hotend).is_fitted {
-            self.tell_filament(now);
+            self.report_filament(now);
         }
         Ok(())
     }
@@ -57,7 +57,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         let (planned, _) = self.planner.planned();
         self.fan_schedule.note_left(planned.wrapping_sub(self.planner.len() as u32), self.link.entries());
         while let Some((fan, speed)) = self.fan_schedule.take(self.link.entries_done()) {
-            self.heat_orders.blow(fan, speed);
+            self.heat_orders.set_fan(fan, speed);
         }
     }
 
@@ -88,11 +88,11 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         for heater in Heater::ALL {
             self.heat_orders.heat(heater, Celsius::ZERO);
         }
-        self.hosts.tell_all(format_args!("echo:Heaters off after {minutes} minutes without use"));
+        self.hosts.notify_all(format_args!("echo:Heaters off after {minutes} minutes without use"));
     }
 
     /// What the filament takes of the hotend's heat.
-    fn tell_filament(&mut self, now: Instant) {
+    fn report_filament(&mut self, now: Instant) {
         let [.., at] = self.real_steps();
         let heat = self.link.status().heat();
         heat.set_extruded_um(self.planner.filament_um(at) as u32);
@@ -118,7 +118,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         let Some(end) = self.self_tests.follow(!self.heat_orders.is_test_waiting(), heat.periods(), state) else {
             return;
         };
-        self.hosts.tell_all(match end {
+        self.hosts.notify_all(match end {
             SelfTest::Passed => format_args!("echo:Self-test passed: each heater warms its own sensor"),
             SelfTest::PutOff => {
                 format_args!(

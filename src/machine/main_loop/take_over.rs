@@ -1,12 +1,12 @@
 //! Taking over settings that more than the next plan depends on: the size of a step, what the generator follows, what drivers hold.
 
-use super::Crank;
+use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::port::{MotorSet, Pend};
 use crate::settings::{DriverGroups, Settings};
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Whether motion must rest before an advance counts that is another.
     pub fn needs_rest(&self, wanted: &Settings) -> bool {
         self.advance_in_use.needs_rest(&self.settings, wanted)

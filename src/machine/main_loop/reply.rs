@@ -1,26 +1,28 @@
 //! Telling: an answer is written, and whoever tells it waits wherever there is no room for a part of it.
 //!
-//! An answer of one line is worded here, one of several lines in `reports`. A report of what the crank does not hold gets it in its answer.
+//! An answer of one line is worded here, one of several lines in `reports`. A report of what the main loop does not hold gets it in its answer.
 
 use crate::connectors::Heater;
 use crate::gcode::{Absent, Flaw, Named, Part};
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::{Progress, Speaker};
-use crate::machine::crank::Crank;
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
-use crate::machine::reports::belt_report::say_belt;
-use crate::machine::reports::driver_report::{say_driver, say_driver_values};
-use crate::machine::reports::heat_report::{Temperatures, say_heat, say_tuned};
-use crate::machine::reports::heat_settings_report::say_heat_setting;
-use crate::machine::reports::machine_report::say_machine;
+use crate::machine::reports::belt_report::report_belt;
+use crate::machine::reports::driver_report::{report_driver, report_driver_values};
+use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
+use crate::machine::reports::heat_settings_report::report_heat_setting;
+use crate::machine::reports::machine_report::report_machine;
 use crate::machine::reports::message::Message;
-use crate::machine::reports::report::{Position, say_endstops, say_firmware, say_overload, say_soft_endstops};
-use crate::machine::reports::settings_report::{say_recovery, say_retraction, say_setting, say_settings};
-use crate::machine::reports::storage_report::say_storage;
+use crate::machine::reports::report::{
+    Position, report_endstops, report_firmware, report_overload, report_soft_endstops,
+};
+use crate::machine::reports::settings_report::{report_recovery, report_retraction, report_setting, report_settings};
+use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
 use crate::port::{Clock, DriverBus, Pend};
 use crate::protocol::{Echo, Replies};
@@ -28,21 +30,21 @@ use crate::settings::ranges;
 use crate::storage;
 use crate::units::Celsius;
 
-impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
+impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// Tells the host being served, as soon as there is room for it.
-    pub async fn tell(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
+    pub async fn reply(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
         self.progress = Progress::default();
         while !self.write(&answer) {
-            self.turn().await?;
+            self.poll().await?;
         }
         Ok(())
     }
 
     /// Tells the host what was brought into range.
-    pub async fn tell_clamps(&mut self, clamps: &mut Clamps) -> Result<(), Interrupt> {
+    pub async fn reply_clamps(&mut self, clamps: &mut Clamps) -> Result<(), Interrupt> {
         let mut place = 0;
         while let Some(clamp) = clamps.get(place) {
-            self.tell(Answer::Clamp(clamp)).await?;
+            self.reply(Answer::Clamp(clamp)).await?;
             place += 1;
         }
         clamps.clear();
@@ -54,8 +56,8 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
         self.progress.begin();
         match answer {
             Answer::Nothing | Answer::Kept => {}
-            Answer::Ok => self.say_ok(),
-            answer => self.say_answer(answer),
+            Answer::Ok => self.reply_ok(),
+            answer => self.reply_answer(answer),
         }
         self.progress.is_complete()
     }
@@ -82,7 +84,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
         Temperatures::new(&self.settings.thermal, self.link.status().heat(), |heater| self.target_of(heater))
     }
 
-    fn say_answer(&mut self, answer: &Answer<'_>) {
+    fn reply_answer(&mut self, answer: &Answer<'_>) {
         if let Answer::Position { real } = *answer {
             let position = self.position(real);
             return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
@@ -99,7 +101,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             Answer::Question(last) => to.put(&|replies| replies.question(last)),
             Answer::Resend(reason, last) => to.put(&|replies| replies.resend(reason, last)),
             Answer::Unknown(text) => to.put(&|replies| replies.unknown(text)),
-            Answer::Malformed(flaw) => say_malformed(to, flaw),
+            Answer::Malformed(flaw) => report_malformed(to, flaw),
             Answer::NotObeyed(command, word) => {
                 to.say(format_args!("echo:{command} {} is not obeyed by this firmware", Echo(word)));
             }
@@ -116,14 +118,14 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             Answer::NoFan(u8::MAX) => to.say(format_args!("echo:M106 ignored: there is no fan of that number")),
             Answer::NoFan(fan) => to.say(format_args!("echo:M106 ignored: there is no fan {fan}")),
             Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),
-            Answer::HeatSetting(setting) => say_heat_setting(to, setting, &s.thermal),
+            Answer::HeatSetting(setting) => report_heat_setting(to, setting, &s.thermal),
             Answer::ColdExtrusion(allows_cold) => {
                 let least = s.thermal.min_extrude;
                 let state = if allows_cold || least <= Celsius::ZERO { "enabled" } else { "disabled" };
                 to.say(format_args!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
             }
             Answer::TuningCycle(heater, done) => to.say(format_args!("echo:{}: {done} cycles done", heater.name())),
-            Answer::Tuned(heater, tuned) => say_tuned(to, heater, &tuned),
+            Answer::Tuned(heater, tuned) => report_tuned(to, heater, &tuned),
             Answer::Start => {
                 to.put(&Replies::start);
                 to.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
@@ -146,25 +148,25 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
             Answer::UploadEnded(lines) => {
                 to.say(format_args!("echo:upload ended: there is no card, lines not carried out: {lines}"));
             }
-            Answer::Firmware => say_firmware(to, storage::is_present(&ports.storage), s),
-            Answer::Endstops(pressed) => say_endstops(to, pressed, link.status().inputs(), &self.settings.endstops),
-            Answer::SoftEndstops => say_soft_endstops(to, s, *homed),
-            Answer::Heat => say_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
+            Answer::Firmware => report_firmware(to, storage::is_present(&ports.storage), s),
+            Answer::Endstops(pressed) => report_endstops(to, pressed, link.status().inputs(), &self.settings.endstops),
+            Answer::SoftEndstops => report_soft_endstops(to, s, *homed),
+            Answer::Heat => report_heat(to, &s.thermal, link.status().heat(), link.status().fault(), targets),
             Answer::Overload => {
-                say_overload(to, link.status().overload());
+                report_overload(to, link.status().overload());
                 if let Some(warning) = ports.drivers.warning() {
                     to.say(format_args!("echo:{warning}"));
                 }
             }
-            Answer::Machine(answer) => say_machine(to, &answer),
-            Answer::Setting(setting) => say_setting(to, setting, s),
-            Answer::Retraction(settings) => say_retraction(to, &settings),
-            Answer::Recovery(settings) => say_recovery(to, &settings),
+            Answer::Machine(answer) => report_machine(to, &answer),
+            Answer::Setting(setting) => report_setting(to, setting, s),
+            Answer::Retraction(settings) => report_retraction(to, &settings),
+            Answer::Recovery(settings) => report_recovery(to, &settings),
             Answer::Settings { retraction, for_replay } => {
                 if !for_replay {
                     to.echo_settings();
                 }
-                say_settings(to, s, &retraction, !drivers.lines().is_empty());
+                report_settings(to, s, &retraction, !drivers.lines().is_empty());
             }
             Answer::OneBelt(code) => {
                 to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
@@ -180,10 +182,10 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
                 let most = s.axes.e.length.to_num::<i32>();
                 to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
             }
-            Answer::DriverValues(value) => say_driver_values(to, value, s),
-            Answer::Driver(motor, reading) => say_driver(to, (motor, reading), drivers, s),
-            Answer::Belt(answer) => say_belt(to, &answer, trimming, s),
-            Answer::Storage(news) => say_storage(to, &news),
+            Answer::DriverValues(value) => report_driver_values(to, value, s),
+            Answer::Driver(motor, reading) => report_driver(to, (motor, reading), drivers, s),
+            Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
+            Answer::Storage(news) => report_storage(to, &news),
             Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor was given power")),
             Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),
             Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor was given power")),
@@ -192,7 +194,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     }
 
     /// Says `ok`, with what a host that fills a window wants to know if it is to be told.
-    fn say_ok(&mut self) {
+    fn reply_ok(&mut self) {
         if !self.settings.advanced_ok {
             return Speaker::new(&mut self.progress, &mut self.hosts).put(&Replies::ok);
         }
@@ -217,7 +219,7 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
 
 /// Says which part of a machine a line was for that is not there. OctoPrint learns from its own words for tools which
 /// ones there are (comm.py, "Invalid extruder").
-fn say_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
+fn report_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
     let which = Echo(absent.which);
     let part = absent.part.name();
     match (absent.command, absent.part) {
@@ -232,7 +234,7 @@ fn say_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
 }
 
 /// Says why a line was not carried out.
-fn say_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
+fn report_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
     match flaw {
         Flaw::NoWord(text) => {
             to.say(format_args!("echo:line ignored: \"{}\" is no letter with a number", Echo(text)));
@@ -246,6 +248,6 @@ fn say_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
         Flaw::SecondCommand(text) => {
             to.say(format_args!("echo:line ignored: {} is a second command on it", Echo(text)));
         }
-        Flaw::Absent(absent) => say_absent(to, &absent),
+        Flaw::Absent(absent) => report_absent(to, &absent),
     }
 }

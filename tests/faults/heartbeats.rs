@@ -22,7 +22,7 @@ fn f30_a_context_that_hangs_is_found_and_the_watchdog_hungers() {
 }
 
 #[test]
-fn all_hearts_beating_it_is_fed_every_period() {
+fn all_heartbeats_beating_it_is_fed_every_period() {
     let mut printer = printing();
     let fed = printer.bench.borrow().fed;
     printer.run(10.0);

@@ -1,6 +1,6 @@
-//! The door: what a command may look at and change at once, of what the crank goes on with.
+//! The door: what a command may look at and change at once, of what the main loop goes on with.
 
-use super::Crank;
+use super::MainLoop;
 use crate::connectors::BoardConnectors;
 use crate::gcode::Form;
 use crate::kinematics::Groups;
@@ -17,7 +17,7 @@ use crate::status::Status;
 use crate::units::{Instant, Mm, Steps};
 use core::fmt;
 
-impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
+impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// What time it is.
     pub fn now(&self) -> Instant {
         self.ports.clock.now()
@@ -71,29 +71,29 @@ impl<'m, P: PortSet, W: Pend> Crank<'m, P, W> {
     }
 
     /// Has a host hear what is told from now on.
-    pub fn turn_to(&mut self, host: usize) {
-        self.hosts.turn_to(host);
+    pub fn switch_to(&mut self, host: usize) {
+        self.hosts.switch_to(host);
     }
 
     /// Says the same line to all hosts; one that has no room for it misses it.
-    pub fn tell_all(&mut self, line: fmt::Arguments<'_>) {
-        self.hosts.tell_all(line);
+    pub fn notify_all(&mut self, line: fmt::Arguments<'_>) {
+        self.hosts.notify_all(line);
     }
 
     /// Says the same line to all but the host being served; one that has no room for it misses it.
-    pub fn tell_others(&mut self, line: fmt::Arguments<'_>) {
-        self.hosts.tell_others(line);
+    pub fn notify_others(&mut self, line: fmt::Arguments<'_>) {
+        self.hosts.notify_others(line);
     }
 
     /// Says a message to all hosts but the one being served; one that has no room for it misses it.
     pub fn message_others(&mut self, form: Form, text: &[u8]) {
-        self.hosts.tell_others(format_args!("{}", Message { form, text }));
+        self.hosts.notify_others(format_args!("{}", Message { form, text }));
     }
 
     /// Says a message to the host on one of the lines, from 0, if that is not the one being served; false if it is, or if
     /// there is no such line.
     pub fn message_other(&mut self, place: usize, form: Form, text: &[u8]) -> bool {
-        self.hosts.tell_other(place, format_args!("{}", Message { form, text }))
+        self.hosts.notify_other(place, format_args!("{}", Message { form, text }))
     }
 
     /// Has the host being served told a report every `period_s`.

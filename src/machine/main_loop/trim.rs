@@ -4,8 +4,8 @@
 //! position stays the same, though the tool goes aside by a quarter of the trim or so.
 
 use crate::kinematics::{Grouping, Residual};
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Motor, Pend};
 use crate::units::{Mm, Steps};
@@ -20,7 +20,7 @@ pub(in crate::machine) fn preload_of(residual: &Residual, preload: i32) -> i32 {
     trimmed(residual).map_or(0, |(_, times)| preload * times.abs())
 }
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// The preload in steps of belt.
     pub fn preload_steps(&self) -> i32 {
         self.belt_steps(self.settings.belt.preload).wrapping_round().to_num()

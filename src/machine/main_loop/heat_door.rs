@@ -1,6 +1,6 @@
 //! Heat, the door: what commands order of heaters and fans, and what they may know of them.
 
-use super::Crank;
+use super::MainLoop;
 use crate::connectors::{HEATERS, Heater};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
@@ -8,7 +8,7 @@ use crate::port::{Clock, Pend, Storage};
 use crate::thermal::test_subject;
 use crate::units::Celsius;
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// What each heater is at; the coldest there is without a reading.
     pub fn measured(&self) -> [Celsius; HEATERS] {
         Heater::ALL.map(|heater| self.link.status().heat().measured(heater).unwrap_or(Celsius::MIN))
@@ -31,15 +31,15 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
 
     /// A fan is to run at `speed`, of 65,535, when the moves that were planned are done. With as many speeds on their way as there
     /// may be, it waits as a move does that finds the look-ahead full: only as long as that changes no speed of a move.
-    pub async fn blow(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
+    pub async fn set_fan(&mut self, fan: u8, speed: u16) -> Result<(), Interrupt> {
         self.close_line();
         if !self.has_motion() && self.fan_schedule.is_empty() {
-            self.heat_orders.blow(fan, speed);
+            self.heat_orders.set_fan(fan, speed);
             return Ok(());
         }
         while !self.fan_schedule.has_room() && !self.planner.lacks_moves() {
             self.policy.note_full();
-            self.turn().await?;
+            self.poll().await?;
         }
         self.fan_schedule.add(self.planner.planned().0, fan, speed);
         Ok(())

@@ -28,12 +28,12 @@ const MOST: u8 = 20;
 
 /// Listens to the contexts.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Hearts {
+pub struct Heartbeats {
     last: [u32; 3],
     silent: [u8; 3],
 }
 
-impl Hearts {
+impl Heartbeats {
     /// Nobody heard yet.
     #[must_use]
     pub const fn new() -> Self {

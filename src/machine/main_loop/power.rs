@@ -2,8 +2,8 @@
 
 use crate::driver::{DriverError, Fault, Job, Name, News, Reading};
 use crate::machine::answers::answer::Answer;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::{Clock, DriverBus, Motor, MotorSet, Pend};
 use crate::units::Instant;
@@ -12,7 +12,7 @@ use crate::units::Instant;
 /// bad that the first proofs are too old when the last ones come is not one to print with.
 const MOST_PROOFS: usize = 6 * Motor::ALL.len();
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Whether these motors have power, and their steps are of the size that is counted on.
     pub fn has_power(&self, motors: MotorSet) -> bool {
         motors.without(self.drivers.powered()).is_empty() && self.drivers.is_drivable()
@@ -25,7 +25,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// settling take up to a second and a half and happen before anything is planned, so they change no step.
     pub async fn power(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
         if let Some(why) = self.ports.drivers.refusal() {
-            self.tell(Answer::Refused(why)).await?;
+            self.reply(Answer::Refused(why)).await?;
             return Err(Interrupt::NoPower);
         }
         let residuals = self.residuals();
@@ -55,7 +55,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
                 if let Err(error) = proof {
                     // Before the host is told, which may take its time to listen.
                     self.unpower(self.drivers.powered().without(before));
-                    self.tell(Answer::NoPower(Fault { motor, error })).await?;
+                    self.reply(Answer::NoPower(Fault { motor, error })).await?;
                     return Err(Interrupt::NoPower);
                 }
                 continue;
@@ -72,7 +72,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
                 self.settle(now.after_ms(self.settings.belt.settling_ms.into())).await?;
             } else if !self.has_power(motors) {
                 // Other microsteps are on their way to motors that have power.
-                self.turn().await?;
+                self.poll().await?;
             }
         }
         Ok(())
@@ -81,7 +81,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Lets rotors come to rest.
     pub async fn settle(&mut self, until: Instant) -> Result<(), Interrupt> {
         while self.ports.clock.now() < until {
-            self.turn().await?;
+            self.poll().await?;
         }
         Ok(())
     }
@@ -117,7 +117,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             if let Some(result) = self.drivers.answer() {
                 return Ok(result);
             }
-            self.turn().await?;
+            self.poll().await?;
         }
     }
 
@@ -136,7 +136,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
             Some(News::Stopped(fault)) => self.meet_driver_fault(fault),
             Some(News::Hot(motor)) => {
                 let name = Name(motor);
-                self.hosts.tell_all(format_args!(
+                self.hosts.notify_all(format_args!(
                     "echo:driver of motor {name} is hot and will switch itself off if it gets hotter"
                 ));
             }

@@ -1,14 +1,14 @@
 //! To rest: the end of the motion is awaited, or the motion is stopped; and where the machine stands then.
 
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
 use crate::motion::{Work, stiffenings, taps};
 use crate::port::{Clock, Pend};
 use crate::units::{Steps, SubTicks, TICKS_PER_MS};
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Whether anything planned has not been stepped yet.
     pub fn has_motion(&self) -> bool {
         !self.planner.is_empty() || !self.link.is_idle()
@@ -33,7 +33,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         let mut halted = Ok(());
         while !self.link.is_idle() {
             // A second quick stop changes nothing; a halt does.
-            match self.turn().await {
+            match self.poll().await {
                 Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) => halted = Err(interrupt),
                 Err(Interrupt::QuickStop | Interrupt::NoPower | Interrupt::EndJob(_)) | Ok(()) => {}
             }
@@ -58,7 +58,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.link.brake();
         while !self.link.has_stopped() {
             // The path may lead on into moves that have not left the planner, so they go on leaving it.
-            if let Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) = self.turn().await {
+            if let Err(interrupt @ (Interrupt::Halt | Interrupt::Limp)) = self.poll().await {
                 return Err(interrupt);
             }
         }
@@ -101,7 +101,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     }
 
     /// The same of a position that rounds to where every motor stands.
-    pub(in crate::machine::crank) async fn adopt_exactly(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
+    pub(in crate::machine::main_loop) async fn adopt_exactly(&mut self, position: [Steps; 4]) -> Result<(), Interrupt> {
         self.planner.stand_at(position);
         self.real.adopt(position, self.link.counts());
         self.until(|c| c.link.has_room()).await?;
@@ -114,7 +114,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     }
 
     /// Tells the generator what each axis follows. Motion rests.
-    pub(in crate::machine::crank) async fn follow(&mut self) -> Result<(), Interrupt> {
+    pub(in crate::machine::main_loop) async fn follow(&mut self) -> Result<(), Interrupt> {
         let window = self.advance_in_use.follow(&self.settings);
         self.planner.set_advance_window(window);
         for (axis, stiffening) in stiffenings(&self.settings).into_iter().enumerate() {

@@ -2,18 +2,18 @@
 //!
 //! How much motion waits before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`, whose default is in
 //! `Settings::prototype`. Without room the look-ahead counts as full to `release` (`note_full`): motion begins, and a slow host's share
-//! ends. `crank::heat_door` (`blow`) waits by the same exemption; `crank::tell` (P of `advanced_ok`) asks `has_room`.
+//! ends. `main_loop::heat_door` (`set_fan`) waits by the same exemption; `main_loop::tell` (P of `advanced_ok`) asks `has_room`.
 //! `boards/sim/tests/lookahead_time.rs` holds it; it is told in docs/flow.md, docs/host-protocol.md, README.md, `machine_file/form.rs` and
 //! `examples/machines/prototype.toml`. M220 is here too.
 
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{Clock, Pend};
 use crate::units::{Seconds, TICKS_PER_SECOND};
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Plans a move as soon as there is room for it.
     pub async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
         let motors = self.real.groups().fitted();
@@ -30,7 +30,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
                     self.planner.release_some();
                 }
             }
-            self.turn().await?;
+            self.poll().await?;
         }
         if self.planner.was_cut_before(&target) {
             self.policy.note_dry();
@@ -38,7 +38,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.note_added();
         self.follow_stream();
         while !self.planner.prepare() {
-            self.turn_again().await?;
+            self.poll_again().await?;
         }
         // The stream may have run dry in these turns too.
         self.note_added();
@@ -51,7 +51,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Whether the look-ahead takes another move: there is a place for it, and the planned moves do not last for too long. As
     /// long as the first waiting move is not final, there are too few moves, however long they last. So a full look-ahead
     /// delays moves, and changes no speed.
-    pub(in crate::machine::crank) fn has_room(&mut self) -> bool {
+    pub(in crate::machine::main_loop) fn has_room(&mut self) -> bool {
         let most_ticks = u64::from(self.settings.lookahead_time.to_bits()) * u64::from(TICKS_PER_SECOND);
         let most_ticks = most_ticks >> Seconds::FRAC_NBITS;
         let planned_ticks = self.planner.waiting() + self.link.left();
@@ -66,7 +66,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     }
 
     /// Slows down for a stream that has run dry and goes on. How long the moves last is known when all of them are planned.
-    pub(in crate::machine::crank) fn follow_stream(&mut self) {
+    pub(in crate::machine::main_loop) fn follow_stream(&mut self) {
         if !self.policy.is_steady() && self.planner.is_planned() {
             let share = self.policy.share(self.planner.waiting(), self.link.left());
             self.planner.take_share(share);
@@ -78,9 +78,9 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     pub async fn override_feed(&mut self, percent: u16) -> Result<(), Interrupt> {
         if !self.planner.is_planned() {
             while !self.planner.replan() {
-                self.turn_again().await?;
+                self.poll_again().await?;
             }
-            self.turn_again().await?;
+            self.poll_again().await?;
         }
         self.planner.override_feed(percent);
         self.policy.note_news();
@@ -89,7 +89,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
 
     /// Chords that are one line and wait to be continued get their place in the look-ahead, as they must before settings of the
     /// planner change; false if there are none.
-    pub(in crate::machine::crank) fn close_line(&mut self) -> bool {
+    pub(in crate::machine::main_loop) fn close_line(&mut self) -> bool {
         let is_closed = self.planner.close_line(&self.settings);
         if is_closed {
             self.note_path();
@@ -98,7 +98,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     }
 
     /// Tells the other contexts how much was planned.
-    pub(in crate::machine::crank) fn note_path(&self) {
+    pub(in crate::machine::main_loop) fn note_path(&self) {
         let (moves, path) = self.planner.planned();
         self.link.status().set_planned(moves, path);
     }

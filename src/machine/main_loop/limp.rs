@@ -15,8 +15,8 @@
 use crate::driver::{self, Name};
 use crate::fault::{self, Cause};
 use crate::kinematics::Grouping;
-use crate::machine::crank::Crank;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{Clock, EndstopSet, Motor, MotorSet, Pend};
@@ -37,7 +37,7 @@ const MOST_MS: u32 = 60_000;
 /// The tool rings at 57 Hz, and with one motor less more softly, before it is let go.
 const RING_MS: u32 = 200;
 
-impl<P: PortSet, W: Pend> Crank<'_, P, W> {
+impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// A driver has failed. Either its motor alone loses its power and the tool brakes to be parked by the others, or the motion ends and
     /// all motors lose their power, at once.
     pub(super) fn meet_driver_fault(&mut self, fault: driver::Fault) {
@@ -56,7 +56,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
         self.homed.release(MotorSet::of(motor), self.real.groups().mechanism());
         self.trimming.forget();
         let name = Name(motor);
-        self.hosts.tell_all(format_args!("echo:{fault}; motor {name} is off, the others park the tool"));
+        self.hosts.notify_all(format_args!("echo:{fault}; motor {name} is off, the others park the tool"));
     }
 
     /// Whether the tool can be parked without this motor.
@@ -120,7 +120,7 @@ impl<P: PortSet, W: Pend> Crank<'_, P, W> {
     /// Goes to a place with what three motors hold without effort. The motor that has failed has no power, so none is asked for.
     async fn go_gently(&mut self, position: [Mm; 4], speed: MmPerSec) -> Result<(), Interrupt> {
         while !self.planner.prepare() {
-            self.turn_again().await?;
+            self.poll_again().await?;
         }
         let target = Target { position, speed, has_overrides: false, watch: EndstopSet::NONE };
         self.planner.push(&target, &gentle(&self.settings));
