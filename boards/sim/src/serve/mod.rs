@@ -203,7 +203,7 @@ impl Server {
         while !(stop.is_set() || world.has_ended()) {
             let wall = self.begin.elapsed();
             if wall >= look {
-                self.hear_host(world.now())?;
+                self.hear_host(world)?;
                 screen.show(wall, world);
                 look = wall + LOOK;
             }
@@ -221,11 +221,12 @@ impl Server {
         Ok(())
     }
 
-    fn hear_host(&mut self, now: u64) -> Result<()> {
+    fn hear_host(&mut self, world: &World<'_>) -> Result<()> {
+        let now = world.now();
         let mut bytes = Vec::new();
         self.port.read(&mut bytes)?;
         if !bytes.is_empty() {
-            self.pace.hear();
+            self.pace.hear(world.status().planned().0);
             if let Some(echo) = &mut self.echo {
                 self.outbound.send(now, echo.show(&bytes));
             }

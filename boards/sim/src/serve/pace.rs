@@ -36,16 +36,22 @@ pub(crate) struct Pace {
     anchor: (Duration, u64),
     /// Since when the host thinks.
     asked: Option<Duration>,
+    /// Moves that the printer had planned when the host last got time to think.
+    moves: u32,
 }
 
 impl Pace {
     pub const fn new(speed: Speed) -> Self {
-        Self { speed, anchor: (Duration::ZERO, 0), asked: None }
+        Self { speed, anchor: (Duration::ZERO, 0), asked: None, moves: 0 }
     }
 
-    /// The host has said something.
-    pub const fn hear(&mut self) {
-        self.asked = None;
+    /// The host has sent something, and the printer has planned so many moves. Time may stand still once more only if they have
+    /// become more: a host that asks for temperatures ten times a second would otherwise never see them change.
+    pub const fn hear(&mut self, moves: u32) {
+        if self.moves != moves {
+            self.moves = moves;
+            self.asked = None;
+        }
     }
 
     /// How long to wait before time goes on from `tick`.
@@ -111,10 +117,28 @@ mod tests {
         assert_eq!(pace.wait(ms(0), 100 * SECOND, false), Duration::ZERO);
         assert_eq!(pace.wait(ms(100), 100 * SECOND, true), THINKING);
         assert_eq!(pace.wait(ms(200), 100 * SECOND, true), THINKING - ms(100));
-        pace.hear();
+        pace.hear(1);
         assert_eq!(pace.wait(ms(300), 100 * SECOND, true), THINKING);
         assert_eq!(pace.wait(ms(550), 100 * SECOND, true), Duration::ZERO);
         assert_eq!(pace.wait(ms(550), 101 * SECOND, true), ms(1000));
         assert_eq!(pace.wait(ms(550), 101 * SECOND, false), Duration::ZERO);
+    }
+
+    #[test]
+    fn at_full_speed_time_goes_on_while_a_host_asks_again_and_again() {
+        let mut pace = Pace::new(Speed::Max);
+        let mut tick = 0;
+        for wall in (0..10_000).step_by(100) {
+            pace.hear(0);
+            let mut wall = ms(wall);
+            let end = wall + ms(100);
+            while wall < end {
+                match pace.wait(wall, tick, true) {
+                    Duration::ZERO => tick += SECOND / 1000,
+                    wait => wall += wait,
+                }
+            }
+        }
+        assert!((9 * SECOND..=10 * SECOND).contains(&tick), "{tick}");
     }
 }
