@@ -1,4 +1,4 @@
-//! Faults: one latch for all contexts. The first cause wins, and what it was outlives the reset that follows.
+//! Faults: one latch for all contexts. The first cause wins, and its record survives the following reset.
 //!
 //! ```text
 //!   guard, driver, watchdog ── set ──▶ Latch ──▶ heaters off, motion ends ──▶ Record in RAM that no reset clears
@@ -8,10 +8,10 @@
 //!
 //! | word | means |
 //! |---|---|
-//! | cause | what went wrong, a number that never changes its meaning |
-//! | subject | which heater, sensor, motor or context it went wrong with |
-//! | record | the last faults, as words for memory that keeps them over a reset |
-//! | communication-only mode | after three faults in a minute: hosts are answered, nothing moves or heats |
+//! | cause | the kind of fault, a number that never changes its meaning |
+//! | subject | the heater, sensor, motor or context with the fault |
+//! | record | the last faults, as words in memory that survives a reset |
+//! | communication-only mode | after three faults in a minute: hosts get replies, nothing moves or heats |
 
 mod cause;
 mod latch;

@@ -1,8 +1,8 @@
-//! What can go wrong, each with a number that stays what it is: it is kept over resets and told to people, as `[E04]`.
+//! Causes of faults. Each has a fixed number, which is kept over resets and shown as `[E04]`.
 //!
-//! A new cause gets the next number at the end. The matches below have no wildcard, so the compiler asks for the rest: its
-//! place in [`Cause::all`], whether only the power supply can end it, its text, what to do about it, and what its numbers are. Hosts read the text, so
-//! `tests/replies.rs` looks for words that they take for something else.
+//! A new cause gets the next number at the end. The matches below have no wildcard, so the compiler asks for the rest:
+//! its place in [`Cause::all`], whether only the power supply can end it, its text, its remedy, and the meaning of its
+//! numbers. Hosts read the text, so `tests/replies.rs` looks for words that they would misread.
 
 use crate::connectors::Heater;
 use crate::units::Celsius;
@@ -16,37 +16,37 @@ pub enum Cause {
     SensorOpen = 1,
     /// The sensor reads a short circuit.
     SensorShort = 2,
-    /// The sensor reads colder than it may; the value is in degrees.
+    /// The sensor reads colder than allowed; the value is in degrees.
     TooCold = 3,
-    /// The sensor reads hotter than it may.
+    /// The sensor reads hotter than allowed.
     TooHot = 4,
-    /// The sensor fails now and then, too often.
+    /// The sensor fails for short times, too often.
     SensorFlickers = 5,
-    /// The sensor stands still although its heater's power has changed.
+    /// The reading does not change after the heater power changed.
     SensorFrozen = 6,
-    /// Another sensor than the heater's follows the heater.
+    /// Another heater's sensor follows this heater.
     SensorsSwapped = 7,
-    /// It gets warm more slowly than its model allows; value and limit are degrees in the time looked at.
+    /// It warms more slowly than its model allows; value and limit are degrees in the observed time.
     HeatsTooSlowly = 8,
     /// The temperature was reached and is lost.
     TemperatureLost = 9,
-    /// It gets warmer although it is off.
+    /// It warms although it is off.
     HeatsWhileOff = 10,
     /// It is far above its target and gets no power.
     Overshoot = 11,
-    /// A fan that is driven stands still; the subject says which.
+    /// A driven fan does not turn; the subject is its number.
     FanFailed = 12,
-    /// The converter's reference reads something else than it is.
+    /// The converter's reference reads a wrong value.
     Reference = 13,
     /// The converter delivers nothing.
     ConverterStopped = 14,
-    /// Settings in RAM have changed by themselves.
+    /// Settings in RAM changed without a command.
     SettingsDamaged = 15,
-    /// In a self-test the wrong sensor followed, or none; value and limit are the rise that was, and that should have been.
+    /// In a self-test the wrong sensor followed, or none; value and limit are the measured and the required rise.
     SelfTest = 16,
-    /// A context has not come by; the subject says which.
+    /// A context sends no heartbeat; the subject is its number.
     ContextHangs = 17,
-    /// The program gave up; the value is the place.
+    /// The program panicked; the value is the line.
     Panic = 18,
     /// The processor refused an instruction or an address; value and limit are CFSR and the program counter.
     HardFault = 19,
@@ -58,7 +58,7 @@ pub enum Cause {
     Watchdog = 22,
     /// The supply sagged.
     Supply = 23,
-    /// A motor driver.
+    /// A motor driver failed.
     Driver = 24,
     /// An interrupt came so often that nothing below it ran; the subject is its number in the vector table.
     InterruptStorm = 25,
@@ -70,7 +70,8 @@ impl Cause {
         core::iter::successors(Some(Self::SensorOpen), |cause| cause.next())
     }
 
-    /// The cause with the next number. Without a wildcard: a new cause is linked in here, or [`Self::of`] would not find it.
+    /// The cause with the next number. There is no wildcard: a new cause is added here, or [`Self::of`] would not find
+    /// it.
     const fn next(self) -> Option<Self> {
         match self {
             Self::SensorOpen => Some(Self::SensorShort),
@@ -107,7 +108,7 @@ impl Cause {
         Self::all().find(|cause| *cause as u8 == number)
     }
 
-    /// Whether the heater may be on whatever the firmware does: only the power supply can end it.
+    /// Whether the heater may be on whatever the firmware does, so that only the power supply can end it.
     #[must_use]
     pub const fn is_stuck_on(self) -> bool {
         match self {
@@ -137,7 +138,7 @@ impl Cause {
         }
     }
 
-    /// What is told of it.
+    /// Its message.
     const fn text(self) -> &'static str {
         match self {
             Self::SensorOpen => "sensor open or unplugged",
@@ -168,7 +169,7 @@ impl Cause {
         }
     }
 
-    /// What to do about it. A `#` stands for the heater's E in M303 and M306.
+    /// The remedy. A `#` stands for the heater's E in M303 and M306.
     const fn way_out(self) -> &'static str {
         match self {
             Self::SensorOpen => "plug its sensor in, or mend the wire",
@@ -201,7 +202,7 @@ impl Cause {
         }
     }
 
-    /// What the number of its subject means.
+    /// The meaning of its subject's number.
     const fn subject(self) -> Subject {
         match self {
             Self::SensorOpen
@@ -264,10 +265,10 @@ impl Cause {
     }
 }
 
-/// What the number of a fault's subject means.
+/// The meaning of the number of a fault's subject.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Subject {
-    /// A heater, which is told by name.
+    /// A heater, shown by name.
     Heater,
     /// A fan.
     Fan,
@@ -283,16 +284,16 @@ enum Subject {
 pub struct Fault {
     /// Why.
     pub cause: Cause,
-    /// Which heater, fan, context or interrupt.
+    /// The number of the heater, fan, context or interrupt.
     pub subject: u8,
-    /// What was measured; degrees as in [`Celsius`].
+    /// The measured value; degrees as in [`Celsius`].
     pub value: i32,
-    /// What would have been right, in the same unit.
+    /// The limit, in the same unit.
     pub limit: i32,
 }
 
 impl Fault {
-    /// A cause that has no numbers.
+    /// A cause without numbers.
     #[must_use]
     pub const fn plain(cause: Cause) -> Self {
         Self { cause, subject: 0, value: 0, limit: 0 }
@@ -322,7 +323,7 @@ impl core::fmt::Display for Fault {
             write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
         }
         write!(f, " [E{:02}]: ", self.cause as u8)?;
-        // As M303 and M306 count heaters: 0, -1, -2.
+        // M303 and M306 number heaters 0, -1, -2.
         let mut gap = "";
         for part in self.cause.way_out().split('#') {
             f.write_str(gap)?;
@@ -356,7 +357,7 @@ mod tests {
         }
         let count = Cause::all().count() as u8;
         assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
-        // Decoders know every variant; so no cause is left out of `next`.
+        // Decoders know every variant, so `next` lacks no cause.
         assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::InterruptStorm));
         assert!(postcard::from_bytes::<Cause>(&[count]).is_err());
     }

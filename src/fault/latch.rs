@@ -1,11 +1,11 @@
-//! The latch: whoever sees a fault first sets it, from any context, and only a reset clears it.
+//! The latch: the first context that finds a fault sets it, and only a reset clears it.
 
 use super::cause::{Cause, Fault};
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU32, Ordering};
 
 /// The first fault since start.
 pub struct Latch {
-    /// Somebody has been the first.
+    /// A context has set it.
     is_taken: AtomicBool,
     /// The cause's number; 0 until all else is written.
     cause: AtomicU8,
@@ -36,7 +36,8 @@ impl Latch {
         }
     }
 
-    /// Sets it; true if this is the first fault. No lock, no wait: an interrupt that comes in between sets nothing.
+    /// Sets it; true if this is the first fault. It takes no lock and does not wait: an interrupt in between sets
+    /// nothing.
     pub fn set(&self, fault: Fault) -> bool {
         if self.is_taken.swap(true, Ordering::AcqRel) {
             self.more.fetch_add(1, Ordering::Relaxed);

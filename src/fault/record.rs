@@ -1,6 +1,6 @@
-//! The record: the last fault and how close the ones before it were, as words for RAM that no reset clears.
+//! The record: the last fault and its distance from earlier ones, as words for RAM that no reset clears.
 //!
-//! Such RAM holds anything after power-up, so the words end with a checksum.
+//! Such RAM has random content after power-up, so the words end with a checksum.
 
 use super::cause::{Cause, Fault};
 use crate::checksum::crc32;
@@ -8,29 +8,29 @@ use crate::checksum::crc32;
 /// Words of a record.
 pub const WORDS: usize = 7;
 
-/// Faults within [`CLOSE_S`] that bring about the communication-only mode (promise for reset loops: three in a minute).
+/// Faults within [`CLOSE_S`] that cause the communication-only mode (promise for reset loops: three in a minute).
 const MOST: u32 = 3;
 
 /// Faults that close together count as a series, in s.
 const CLOSE_S: u32 = 60;
 
-/// What RAM keeps of faults.
+/// The faults that RAM keeps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Record {
     /// The last fault.
     pub fault: Fault,
-    /// Seconds after start at which it came.
+    /// Seconds from the start to the fault.
     pub uptime_s: u32,
-    /// Faults of the series.
+    /// Number of faults in the series.
     pub count: u32,
 }
 
 impl Record {
-    /// A fault that comes `uptime_s` after the start that `before` was found at.
+    /// A fault `uptime_s` after the start that found the record `before`.
     #[must_use]
     pub const fn next(before: Option<Self>, fault: Fault, uptime_s: u32) -> Self {
         match before {
-            // From the fault before to this one it took one run of the firmware.
+            // Between the previous fault and this one lies one run of the firmware.
             Some(before) if uptime_s <= CLOSE_S => {
                 let is_close = before.count < MOST - 1 || before.uptime_s.saturating_add(uptime_s) <= CLOSE_S;
                 let count = if is_close { before.count.saturating_add(1) } else { MOST - 1 };
@@ -40,7 +40,7 @@ impl Record {
         }
     }
 
-    /// Whether faults come so fast that nothing but talking makes sense any more.
+    /// Whether faults come so fast that only communication is still useful.
     #[must_use]
     pub const fn is_series(&self) -> bool {
         self.count >= MOST
@@ -63,7 +63,7 @@ impl Record {
         words
     }
 
-    /// From words, if they are a record.
+    /// From words, if they are a valid record.
     #[must_use]
     pub fn from_words(words: &[u32; WORDS]) -> Option<Self> {
         let [magic, what, value, limit, uptime_s, count, sum] = *words;
@@ -76,7 +76,7 @@ impl Record {
     }
 }
 
-/// The first word: which shape the others have.
+/// The first word: the format of the others.
 const MAGIC: u32 = 0xC0FA_0001;
 
 /// The checksum of all words but the last.

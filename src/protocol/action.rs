@@ -1,28 +1,28 @@
-//! Host actions: lines by which the printer tells its hosts what it has done, or asks them to do something.
+//! Host actions: lines that tell hosts about an action of the printer, or ask them for one.
 //!
-//! The form is Marlin's, `//action:` without a blank (Marlin, feature/host_actions.cpp), because a BTT TFT looks for
-//! nothing else (Mainboard_AckHandler.c, `ack_starts_with("//action:")`). OctoPrint takes the line with and without one
-//! (comm.py strips what follows the `//`). Printrun takes only what follows the first blank of a line, and only `pause`,
-//! `resume`, `cancel` and `disconnect` (pronsole.py, `recvcb_actions`). So what asks for one of these says it twice in
-//! its line, and each of the three acts on it once.
+//! The form is Marlin's, `//action:` without a blank (Marlin, feature/host_actions.cpp), because a BTT TFT accepts no
+//! other (Mainboard_AckHandler.c, `ack_starts_with("//action:")`). OctoPrint accepts the line with and without a blank
+//! (comm.py strips the text that follows the `//`). Printrun reads only the text after the first blank of a line, and
+//! only `pause`, `resume`, `cancel` and `disconnect` (pronsole.py, `recvcb_actions`). So a line that asks for one of
+//! these contains it twice, and each of the three hosts acts on it once.
 
 use core::fmt;
 
-/// What every line of an action begins with.
+/// Prefix of every action line.
 pub const ACTION: &str = "//action:";
 
-/// Characters of a question, and of an answer to it, for which a BTT TFT has room (`prompt_begin`, `prompt_button`).
+/// Length of a question, and of an answer, that a BTT TFT can show (`prompt_begin`, `prompt_button`).
 const QUESTION: usize = 28;
 const BUTTON: usize = 18;
 
-/// A host action; displayed, it is the line.
+/// A host action; its `Display` is the line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Action<'a> {
-    /// Hosts shall pause their print, with what they do at a pause.
+    /// Hosts shall pause their print, with their own pause scripts.
     Pause,
     /// The printer has paused by itself.
     Paused,
-    /// The printer goes on by itself.
+    /// The printer continues by itself.
     Resumed,
     /// Hosts shall end their print.
     Cancel,
@@ -30,9 +30,9 @@ pub enum Action<'a> {
     PromptBegin(&'a str),
     /// An answer that the user may give.
     PromptButton(&'a str),
-    /// The question is whole and shall be shown.
+    /// The question is complete and shall be shown.
     PromptShow,
-    /// The question is of no interest any more.
+    /// The question is withdrawn.
     PromptEnd,
 }
 

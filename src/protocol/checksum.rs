@@ -1,8 +1,8 @@
-//! Checksum: the number after a line's `*`, and whether it is the XOR of the bytes before.
+//! Checksum: the number after a line's `*`, compared with the XOR of the bytes before.
 
 use super::syntax::is_blank;
 
-/// What the checksum of a line says.
+/// Result of the comparison.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Checksum {
     /// There is no `*`.
@@ -13,7 +13,7 @@ pub(super) enum Checksum {
     Bad,
 }
 
-/// What has been read after a `*`.
+/// State of the reader after a `*`.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Tail {
     /// Blanks at most.
@@ -24,7 +24,7 @@ enum Tail {
     Blanks,
     /// Digits, then a comment.
     Comment,
-    /// Something that does not belong after a checksum.
+    /// Something else.
     Rubbish,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct ChecksumReader {
 }
 
 impl ChecksumReader {
-    /// A `*` after `length` bytes whose XOR is `sum`.
+    /// A `*` after `length` bytes with the XOR `sum`.
     pub(super) const fn new(length: usize, sum: u8) -> Self {
         Self { length, sum, claim: 0, tail: Tail::Nothing }
     }

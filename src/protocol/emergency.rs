@@ -1,10 +1,9 @@
 //! Emergency commands: M112, M108, M410, M524, M999 and the answers to a pause act as they arrive, even while another
 //! command blocks.
 //!
-//! The scanner reads every byte beside the line layer (the idea is that of Marlin's emergency_parser.h).
-//! It ignores numbers and checksums, because a stop that comes through damaged is still meant, but it
-//! insists on the start of a line and on the end of the digits: M1125 and `M117 M112` are harmless.
-//! The line then also takes its turn in the queue and is answered there.
+//! The scanner reads every byte in parallel with the line layer (idea: Marlin's emergency_parser.h). It ignores numbers
+//! and checksums, because a damaged stop is still meant. But it requires the start of a line and the end of the digits:
+//! M1125 and `M117 M112` are harmless. The line then also takes its turn in the queue and gets its reply there.
 
 use super::framing::is_erasing;
 use super::syntax::is_blank;
@@ -15,15 +14,15 @@ use super::syntax::is_blank;
 pub enum Emergency {
     /// M112: stop everything until M999 or a reset.
     Stop,
-    /// M108: end the present wait.
+    /// M108: end the current wait.
     Continue,
-    /// M410: stop the motion now and forget what is queued.
+    /// M410: stop the motion now and discard the queue.
     QuickStop,
     /// M24, M602, M876 S: the user is ready.
     Resume,
-    /// M524: the print is given up.
+    /// M524: cancel the print.
     Cancel,
-    /// M999: begin anew, if the machine is halted.
+    /// M999: restart, if the machine is halted.
     Restart,
 }
 
@@ -42,10 +41,10 @@ impl Emergency {
     }
 }
 
-/// The code of an answer, which is one only with S: `M876 P1` says that the host can show questions.
+/// The code of an answer; it needs S, because `M876 P1` means that the host can show questions.
 const ANSWER: u16 = 876;
 
-/// Where in a line the scanner is.
+/// The scanner's place in a line.
 #[derive(Clone, Copy)]
 enum State {
     /// Nothing but blanks so far.
@@ -77,7 +76,7 @@ impl Scanner {
         Self { state: State::Start }
     }
 
-    /// Damage: whatever this line was, it is nothing now.
+    /// Damage: the rest of this line is ignored.
     pub(super) const fn spoil(&mut self) {
         self.state = State::Other;
     }
@@ -98,7 +97,7 @@ impl Scanner {
         }
         self.state = match (self.state, byte) {
             (state, 0) => state,
-            // What is erased may have been the emergency; the line then takes its turn like any other.
+            // The erased character may be part of an emergency; the line then takes its turn like any other.
             (State::Start, byte) if is_erasing(byte) => State::Start,
             (_, byte) if is_erasing(byte) => State::Other,
             (State::Start | State::Numbered, b'M' | b'm') => State::Letter,

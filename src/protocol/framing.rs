@@ -1,16 +1,15 @@
-//! Framing: bytes become one line, with its comment taken out and its checksum worked out on the way.
+//! Framing: bytes become one line, without its comment, and its checksum is computed on the way.
 //!
-//! The checksum is the XOR of everything before the last `*`, so the sum is noted at every `*` and the
-//! digits after it are read as they come. A line of any length is therefore verified, although only its
-//! first [`CAPACITY`] bytes are kept: a slicer's object outline may be 9 kB long, and a host that reads
-//! `checksum mismatch` would send it again for ever.
+//! The checksum is the XOR of everything before the last `*`. So the sum is stored at every `*`, and the digits after
+//! it are read as they come. This verifies a line of any length, although only its first [`CAPACITY`] bytes are kept. A
+//! slicer's object outline may be 9 kB long, and a host that reads `checksum mismatch` would send it again for ever.
 //!
-//! A `;` begins a comment, but not within `( )`, which is a comment of its own that stays in the text: `(a;b)` is one
-//! (printcore's regular expression takes it so). Whether a parenthesis is closed is known at its end, so the `;` in it is
-//! noted until then.
+//! A `;` begins a comment, but not within `( )`, which is a comment that stays in the text: `(a;b)` is one comment, as
+//! in printcore's regular expression. Only the end shows whether a parenthesis is closed, so the `;` in it is stored
+//! until then.
 //!
-//! People who type may erase characters. Nothing is erased where a line begins with N, or in the middle of numbered lines:
-//! that is a host's line, and damaged.
+//! People who type may erase characters. Nothing is erased in a line that begins with N, or between numbered lines:
+//! these come from a host, and the byte is damage.
 
 use super::checksum::{Checksum, ChecksumReader};
 use super::syntax::{is_blank, line_number};
@@ -18,12 +17,12 @@ use super::syntax::{is_blank, line_number};
 /// Bytes of a line that are kept: 256 of payload and room for the line number.
 pub(super) const CAPACITY: usize = 288;
 
-/// What terminals send for the key that erases a character: backspace, or delete.
+/// The bytes that a terminal sends to erase a character: backspace, or delete.
 pub(super) const fn is_erasing(byte: u8) -> bool {
     matches!(byte, 0x08 | 0x7F)
 }
 
-/// Where in the text of a line the next byte stands.
+/// Context of the next byte in the text of a line.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Context {
     Plain,
@@ -31,10 +30,10 @@ enum Context {
     Comment,
 }
 
-/// A line in the making.
+/// An incomplete line.
 pub(super) struct Frame {
     text: [u8; CAPACITY],
-    /// Length without comment, counted on where `text` is full.
+    /// Length without comment; counted further when `text` is full.
     length: usize,
     sum: u8,
     checksum: Option<ChecksumReader>,
@@ -43,7 +42,7 @@ pub(super) struct Frame {
     comment: usize,
     /// Whether a parenthesis is open.
     is_aside: bool,
-    /// Where the first `;` stands in it: a comment begins there if it is never closed.
+    /// Place of the first `;` in it: a comment begins there if it is never closed.
     semicolon: Option<usize>,
     is_escaped: bool,
     is_damaged: bool,
@@ -84,13 +83,13 @@ impl Frame {
         self.is_damaged = true;
     }
 
-    /// Whether nothing of a line has come yet.
+    /// Whether no byte of a line has come yet.
     pub(super) fn is_empty(&self) -> bool {
         self.length == 0 && self.context == Context::Plain
     }
 
-    /// Takes as many of `bytes` as mean nothing by themselves, and says how many: most of a line, so this is the loop
-    /// in which its time is spent.
+    /// Takes the leading bytes of `bytes` without special meaning, and returns their count. Most bytes of a line are
+    /// such, so this loop takes most of the time.
     pub(super) fn push_plain(&mut self, bytes: &[u8]) -> usize {
         let is_blank_first = self.length == 0 && bytes.first() == Some(&b' ');
         if self.context != Context::Plain || self.checksum.is_some() || is_blank_first {
@@ -114,7 +113,7 @@ impl Frame {
         count
     }
 
-    /// As [`push`](Self::push), for a line that may have been typed: the keys that erase a character do so.
+    /// As [`push`](Self::push), for a line that may be typed: the erasing keys erase.
     pub(super) fn push_typed(&mut self, byte: u8) {
         if is_erasing(byte) && !matches!(self.text().first(), Some(b'N' | b'n')) {
             self.erase();
@@ -123,7 +122,7 @@ impl Frame {
         }
     }
 
-    /// Forgets the byte that came last.
+    /// Erases the last byte.
     fn erase(&mut self) {
         if self.context == Context::Comment {
             self.comment = self.comment.saturating_sub(1);
@@ -140,7 +139,7 @@ impl Frame {
         }
     }
 
-    /// Takes a byte of the line; its end is not one of them.
+    /// Takes a byte of the line; not its line end.
     pub(super) fn push(&mut self, byte: u8) {
         // Blanks before the line are not part of it (Marlin queue.cpp), nor of its checksum.
         if self.length == 0 && self.context == Context::Plain && is_blank(byte) {
@@ -175,7 +174,7 @@ impl Frame {
             _ if is_literal => {}
             (_, b'\\') => self.is_escaped = true,
             (Context::Plain, b'(') => {
-                // Within another one it says that the other is none.
+                // An inner parenthesis: the outer one is not a comment, so its `;` begins one.
                 if let Some(semicolon) = self.semicolon.take() {
                     self.comment = self.length.saturating_sub(semicolon);
                     self.length = semicolon;
@@ -202,7 +201,7 @@ impl Frame {
         self.is_damaged
     }
 
-    /// Whether the line has a number in front.
+    /// Whether the line begins with a number.
     pub(super) fn is_numbered(&self) -> bool {
         line_number(self.text()).is_some()
     }
@@ -212,7 +211,7 @@ impl Frame {
         self.semicolon.unwrap_or(self.length)
     }
 
-    /// The line without comment, as far as it was kept.
+    /// The kept part of the line, without comment.
     pub(super) fn text(&self) -> &[u8] {
         self.text.get(..self.length()).unwrap_or(&self.text)
     }
@@ -223,17 +222,17 @@ impl Frame {
         self.checksum.and_then(|checksum| text.get(..checksum.length)).unwrap_or(text)
     }
 
-    /// Whether the line was longer than what is kept of it.
+    /// Whether the line was longer than its kept part.
     pub(super) fn is_too_long(&self) -> bool {
         self.length() > CAPACITY
     }
 
-    /// Whether the part before the checksum was longer than what is kept of it.
+    /// Whether the part before the checksum was longer than its kept part.
     pub(super) fn is_too_long_before_checksum(&self) -> bool {
         self.checksum.map_or(self.length(), |checksum| checksum.length.min(self.length())) > CAPACITY
     }
 
-    /// What the checksum says.
+    /// The result of the checksum.
     pub(super) fn checksum(&self) -> Checksum {
         self.checksum.map_or(Checksum::Missing, ChecksumReader::checksum)
     }

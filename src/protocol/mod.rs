@@ -1,12 +1,11 @@
-//! The host protocol: bytes become lines that may be trusted, and answers become whole lines.
+//! The host protocol: bytes become verified lines, and replies become whole lines.
 //!
-//! The dialect is that of Marlin, as OctoPrint, Printrun, Cura and Repetier-Host speak it: the host sends
-//! a line, perhaps numbered and with a checksum, and waits for `ok`. Damage is repaired by a resend
-//! dialogue. This room does not know what a line means, except for M110, which sets the line number,
-//! and for the emergency commands, which act as they arrive.
+//! The dialect is Marlin's, as OctoPrint, Printrun, Cura and Repetier-Host speak it: the host sends a line, perhaps
+//! numbered and with a checksum, and waits for `ok`. A resend request repairs damage. This room does not know the
+//! meaning of a line, except for M110, which sets the line number, and for the emergency commands, which act as they
+//! arrive.
 //!
-//! Rule: everything that [`Receiver::next_line`] returns is answered with exactly one `ok`, and nothing
-//! else is.
+//! Rule: everything that [`Receiver::next_line`] returns gets exactly one `ok`, and nothing else does.
 
 mod action;
 mod checksum;

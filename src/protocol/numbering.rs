@@ -1,16 +1,18 @@
-//! Numbering: is this the line we wait for, and did it come through whole?
+//! Numbering: is this the expected line, and is it undamaged?
 //!
-//! The order of the questions is Marlin's (queue.cpp): first the number, then the checksum. Three things
-//! are better than there: M110 is recognised as the command and not as a piece of text; an unnumbered line
-//! with a checksum is a numbered line that lost its head, and is asked for again; a numbered line with
-//! nothing in it is acknowledged.
+//! The order of the checks is Marlin's (queue.cpp): first the number, then the checksum. Three things are better than
+//! there:
+//!
+//! - M110 is recognised as the command and not as a piece of text.
+//! - An unnumbered line with a checksum is a numbered line without its head, and is asked for again.
+//! - A numbered line without content is acknowledged.
 //!
 //! And three things are in no other firmware:
 //!
-//! - A line that comes a second time is acknowledged. If the next line were asked for instead, the host would send that one
-//!   twice too, and so on to the end of the print.
+//! - A repeated line is acknowledged. A request for the next line would make the host send that one twice too, and so
+//!   on to the end of the print.
 //! - A line without a number right after damage is not trusted: it may be a piece of the damaged line.
-//! - The first line of all may be N0, because printcore cannot repeat the M110 before it.
+//! - The very first line may be N0, because printcore cannot repeat the M110 before it.
 
 use super::checksum::Checksum;
 use super::framing::Frame;
@@ -18,7 +20,7 @@ use super::request::Request;
 use super::syntax::{ends_in_checksum, find_line_number, line_number, m_code, skip_blanks, trim_end};
 use crate::units::Instant;
 
-/// Numbered lines in a row that make a stream. One is no stream: OctoPrint numbers M110 and M115 when it connects, and
+/// Numbered lines in a row that make a stream. One line does not: OctoPrint numbers M110 and M115 when it connects, and
 /// nothing else until it prints.
 const STREAM: u8 = 2;
 
@@ -34,33 +36,33 @@ pub enum ResendReason {
     NoChecksum,
 }
 
-/// Lines that are known again: more than a host has under way that sends its next line twice.
+/// Remembered lines: more than a host that sends its next line twice has under way.
 const KNOWN: usize = 8;
 
-/// What to make of a line.
+/// The verdict on a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Verdict {
-    /// A command, which lies in the frame's text.
+    /// A command in the frame's text.
     Command {
-        /// Where the command ends in the frame's text.
+        /// End of the command in the frame's text.
         end: usize,
         /// Its length.
         length: usize,
     },
-    /// Nothing to do but `ok`.
+    /// Only `ok`.
     Acknowledge,
     /// M110 was carried out.
     LineNumber {
         /// The number to report, if M110 asked for it.
         report: Option<i32>,
     },
-    /// The line is in order, but too long to be kept.
+    /// The line is valid, but too long to be kept.
     TooLong,
     /// The line after `last` must be sent again.
     Resend {
-        /// What was wrong.
+        /// The reason.
         reason: ResendReason,
-        /// The last line that was in order.
+        /// The last accepted line.
         last: i32,
     },
 }
@@ -68,19 +70,19 @@ pub(super) enum Verdict {
 /// The line numbers of a connection.
 pub(super) struct Numbering {
     last: i32,
-    /// The checksums of the last lines, by their numbers, and how many of them there are since M110.
+    /// The checksums of the last lines, by their numbers, and their count since M110.
     sums: [u8; KNOWN],
     known: u8,
-    /// Numbered lines in a row, as far as they matter. Once they are a stream, lines without a number may stand between
-    /// them: printcore has its M105 there.
+    /// Numbered lines in a row, up to [`STREAM`]. In a stream, lines without a number may come between them: printcore
+    /// sends M105 there.
     taken: u8,
-    /// The last line in order that gave a line number had a checksum: the host vouches for its lines.
+    /// The last accepted line with a number had a checksum: the host uses checksums.
     is_vouched: bool,
     /// Something was damaged or lost since M110.
     is_bad: bool,
     /// The host is printcore, which waits for an answer for ever.
     waits_for_ever: bool,
-    /// No line number has been heard of since the connection was made.
+    /// No line number has come since the connection was made.
     is_fresh: bool,
     request: Option<Request>,
 }
@@ -101,7 +103,7 @@ impl Numbering {
         }
     }
 
-    /// The last line that was in order.
+    /// The last accepted line.
     pub(super) const fn last(&self) -> i32 {
         self.last
     }
@@ -121,13 +123,13 @@ impl Numbering {
         self.waits_for_ever
     }
 
-    /// The stream is over, or pauses: then one numbered line is enough for it to go on.
+    /// The stream ends or pauses; one numbered line is then enough to continue it.
     pub(super) const fn end_stream(&mut self) {
         self.taken = STREAM - 1;
         self.is_vouched = false;
     }
 
-    /// Judges a complete line; `None` if there is nothing in it that asks for an answer.
+    /// Judges a complete line; `None` if it needs no reply.
     pub(super) fn judge(&mut self, frame: &Frame, now: Instant) -> Option<Verdict> {
         if frame.is_damaged() {
             return Some(self.damaged(now));
@@ -138,8 +140,8 @@ impl Numbering {
         }
     }
 
-    /// Judges a line whose end does not come. It is asked for again; only M110 is taken as it is, if it is whole,
-    /// because hosts do not repeat it.
+    /// Judges a line without its line end, which is asked for again. Only a complete M110 is accepted, because hosts do
+    /// not repeat it.
     pub(super) fn judge_cut(&mut self, frame: &Frame, now: Instant) -> Verdict {
         match line_number(frame.text()) {
             Some((number, after)) if matches!(m_code(skip_blanks(after)), Some((110, _))) => {
@@ -149,12 +151,12 @@ impl Numbering {
         }
     }
 
-    /// A line of which a part was lost.
+    /// A line with lost bytes.
     pub(super) fn damaged(&mut self, now: Instant) -> Verdict {
         self.ask(ResendReason::ChecksumMismatch, self.last, now)
     }
 
-    /// A line with a number in front.
+    /// A line that begins with a number.
     fn judge_numbered(&mut self, number: i32, frame: &Frame, now: Instant) -> Verdict {
         let before = trim_end(frame.before_checksum());
         let payload = skip_blanks(line_number(before).map_or(&[], |(_, after)| after));
@@ -169,7 +171,8 @@ impl Numbering {
             (Checksum::Missing, _) => return self.ask(ResendReason::NoChecksum, number, now),
             (Checksum::Bad, _) => return self.ask(ResendReason::ChecksumMismatch, number, now),
             (Checksum::Good(_), Some(new_number)) => {
-                // Below zero it is printcore's first word, and the print follows at once; after a stream it is its last.
+                // Below zero it is printcore's first line, and the print follows at once; after a stream it is
+                // printcore's last.
                 let taken = if new_number < 0 && !self.is_stream() { STREAM } else { 0 };
                 self.count_from(new_number);
                 (self.is_vouched, self.taken, self.waits_for_ever) = (true, taken, new_number < 0);
@@ -186,27 +189,27 @@ impl Numbering {
         }
     }
 
-    /// Whether it is line `number`'s turn.
+    /// Whether line `number` is the next one.
     fn is_next(&self, number: i32) -> bool {
         Some(number) == self.last.checked_add(1) || (self.is_fresh && number == 0)
     }
 
-    /// A line without a number in front.
+    /// A line that does not begin with a number.
     fn judge_bare(&mut self, frame: &Frame, now: Instant) -> Option<Verdict> {
         let text = trim_end(frame.text());
         if text.is_empty() {
-            // Hosts take comments out before they add checksums, so one with a checksum was a line whose N
-            // came through as a semicolon. Unanswered, its host would wait for ever.
+            // Hosts remove comments before they add checksums, so a comment with a checksum was a line whose N arrived
+            // as a semicolon. Without a reply, its host would wait for ever.
             let was_line = frame.ends_in_number();
             return was_line.then(|| self.damaged(now));
         }
         let code = m_code(text);
         let is_headless = if frame.is_too_long() { frame.ends_in_number() } else { ends_in_checksum(text) };
-        // A message may end in "50*2". Even if it did lose its head, showing it twice does no harm.
+        // A message may end in "50*2". If it did lose its head, showing it twice does no harm.
         let is_message = matches!(code, Some((117 | 118, _)));
         let is_verified = matches!(frame.checksum(), Checksum::Good(_));
         let is_urgent = matches!(code, Some((108 | 112 | 410, _)));
-        // The pieces of one line are asked for once, and an `ok` too many would stay with its host for good.
+        // The pieces of one line are asked for once: the host would count every extra `ok` to the end of the print.
         if !is_verified && (is_headless || !is_urgent) && self.is_doubtful(now) {
             return None;
         }
@@ -230,7 +233,7 @@ impl Numbering {
         })
     }
 
-    /// Whether something without a number is likelier to be a piece of the damaged line before it than a command.
+    /// Whether a line without a number is more likely a piece of the damaged line before it than a command.
     fn is_doubtful(&self, now: Instant) -> bool {
         self.is_vouched && self.request.is_some_and(|request| request.is_recent(now))
     }
@@ -246,12 +249,12 @@ impl Numbering {
         (self.is_vouched, self.is_fresh) = (true, false);
     }
 
-    /// Counts on from `number`, as M110 wants it.
+    /// Sets the last number to `number`, for M110.
     const fn count_from(&mut self, number: i32) {
         *self = Self { last: number, is_fresh: false, ..Self::new() };
     }
 
-    /// Answers a line whose turn it is not.
+    /// Replies to a line with an unexpected number.
     fn refuse_number(&mut self, number: i32, frame: &Frame, now: Instant) -> Verdict {
         if self.is_repetition(number, frame.checksum())
             || self.request.as_mut().is_some_and(|request| request.passes_over(number, now))
@@ -261,7 +264,7 @@ impl Numbering {
         self.ask(ResendReason::LineNumber, number, now)
     }
 
-    /// Whether it is one of the last lines once more.
+    /// Whether it repeats one of the last lines.
     fn is_repetition(&self, number: i32, checksum: Checksum) -> bool {
         let is_known = (0..i64::from(self.known)).contains(&(i64::from(self.last) - i64::from(number)));
         is_known && self.sums.get(number as usize % KNOWN).is_some_and(|sum| checksum == Checksum::Good(*sum))
@@ -275,7 +278,7 @@ impl Numbering {
     }
 }
 
-/// Whether a line that has no number begins as one that had, or with rubbish: no command does.
+/// Whether a line without a number begins like the rest of a numbered one, or with rubbish: no command does.
 const fn is_piece(text: &[u8]) -> bool {
     matches!(text, [b'N' | b'n' | b'0'..=b'9' | b'-' | b'+' | ..b' ' | 127.., ..])
 }

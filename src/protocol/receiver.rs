@@ -1,4 +1,4 @@
-//! The receiver: what arrives on the serial line, as lines in order and emergencies at once.
+//! The receiver: received bytes become lines in order, and emergencies at once.
 
 use super::emergency::{Emergency, Scanner};
 use super::framing::Frame;
@@ -9,36 +9,36 @@ use super::syntax::{line_number, skip_blanks};
 use crate::port::Received;
 use crate::units::Instant;
 
-/// A damaged line whose end does not come within this time has lost its end too. Within a line a host
-/// pauses for no longer than its USB adapter does (FTDI latency timer: 16 ms).
+/// A damaged line without an end for this time has lost its end too. A pause within a line is no longer than the
+/// latency of the host's USB adapter (FTDI latency timer: 16 ms).
 const QUIET_MS: u32 = 100;
 
-/// A line, or what became of one. Each is answered with exactly one `ok`.
+/// A line, or its replacement. Each gets exactly one `ok`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Incoming<'a> {
-    /// A command to carry out: verified, or sent without number and checksum. Never empty, without
-    /// blanks round it and without its `;` comment; any bytes but NUL, CR and LF.
+    /// A command to carry out: verified, or sent without number and checksum. It is not empty, and has no blanks around
+    /// it and no `;` comment. It has any bytes but NUL, CR and LF.
     Command(&'a [u8]),
-    /// Nothing to carry out: an empty numbered line, or one that is stale while a request is open. Or nothing arrived at
-    /// all, and the host may be waiting for an answer that was lost, or to a line that was.
+    /// Nothing to carry out: an empty numbered line, or a stale one while a request is open. Or nothing arrived, and
+    /// the host may wait because a line or its `ok` was lost.
     Acknowledge,
     /// M110 was carried out.
     LineNumber {
         /// The line number, if a bare M110 asked for it.
         report: Option<i32>,
     },
-    /// The line was in order, but is too long to be carried out.
+    /// The line is valid, but too long to be carried out.
     TooLong,
     /// The host must send again from the line after `last`.
     Resend {
-        /// What was wrong.
+        /// The reason.
         reason: ResendReason,
-        /// The last line that was in order.
+        /// The last accepted line.
         last: i32,
     },
-    /// The host has been silent for long, and is asked for the line after `last` (see `silence`).
+    /// The host has been silent for too long, and is asked for the line after `last` (see `silence`).
     Question {
-        /// The last line that was in order.
+        /// The last accepted line.
         last: i32,
     },
 }
@@ -49,7 +49,7 @@ pub struct Receiver {
     ring: Ring,
     scanner: Scanner,
     frame: Frame,
-    /// Whether `frame` holds a line that was handed out.
+    /// Whether `frame` holds a line that `next_line` has returned.
     is_frame_done: bool,
     numbering: Numbering,
     silence: Silence,
@@ -75,8 +75,8 @@ impl Receiver {
         }
     }
 
-    /// Whether another byte can be fed without loss. Feeding on regardless finds emergencies still, but
-    /// spoils the line.
+    /// Whether another byte can be fed without loss. More bytes are still searched for emergencies, but damage the
+    /// line.
     #[must_use]
     pub const fn has_room(&self) -> bool {
         self.ring.has_room()
@@ -88,8 +88,8 @@ impl Receiver {
         self.ring.room()
     }
 
-    /// Takes what arrived; an emergency command is returned at the end of its line. That line will
-    /// also come out of [`next_line`](Self::next_line) and is answered there.
+    /// Takes received bytes; returns an emergency command at the end of its line. [`next_line`](Self::next_line) also
+    /// returns that line, which gets its reply there.
     pub fn feed(&mut self, received: Received) -> Option<Emergency> {
         self.ring.push(received);
         match received {
@@ -100,7 +100,7 @@ impl Receiver {
         None
     }
 
-    /// Whether everything that arrived has been looked at.
+    /// Whether all received bytes have been read.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.ring.is_empty()
@@ -112,35 +112,34 @@ impl Receiver {
         self.ring.places().0
     }
 
-    /// Whether the line handed out last ended at or before a [`place`](Self::place).
+    /// Whether the last returned line ended at or before a [`place`](Self::place).
     #[must_use]
     pub const fn is_within(&self, place: u32) -> bool {
         place.wrapping_sub(self.ring.places().1) as i32 >= 0
     }
 
-    /// What was kept of the line handed out last, after its line number. Of one that is too long this is the
-    /// beginning.
+    /// The kept part of the last returned line, after its line number. A line that is too long is cut at its end.
     #[must_use]
     pub fn kept(&self) -> &[u8] {
         let text = self.frame.text();
         line_number(text).map_or(text, |(_, after)| skip_blanks(after))
     }
 
-    /// The number of the last line that was in order.
+    /// The number of the last accepted line.
     #[must_use]
     pub const fn last_line(&self) -> i32 {
         self.numbering.last()
     }
 
-    /// The next line that asks for an answer, if a whole one has arrived. Reads at most the bytes fed so
-    /// far. Call it also while nothing arrives, so that a damaged line without an end is noticed.
+    /// The next line that needs a reply, if a whole one has arrived. Reads at most the bytes fed so far. Call it also
+    /// while nothing arrives, so that a damaged line without an end is noticed.
     pub fn next_line(&mut self, now: Instant) -> Option<Incoming<'_>> {
         let verdict = self.next_verdict(now)?;
         Some(self.incoming(verdict))
     }
 
-    /// What to do about a host that has said nothing for `patience_ms` or more while the machine was about that
-    /// `activity`. Call it when there is no [`next_line`](Self::next_line) and everything is answered.
+    /// The prompt for a host that has been silent for `patience_ms` or more during `activity`. Call it when there is no
+    /// [`next_line`](Self::next_line) and every line has its reply.
     pub fn break_silence(&mut self, now: Instant, patience_ms: u32, activity: Activity) -> Option<Incoming<'_>> {
         let is_begun = !self.is_frame_done && !self.frame.is_empty();
         if is_begun {
@@ -169,7 +168,7 @@ impl Receiver {
         }
     }
 
-    /// Has the silence begin now, because the host has been hearing answers until now.
+    /// Restarts the silence, because the host has been receiving replies until now.
     pub const fn hold_silence(&mut self) {
         self.silence.end();
     }
@@ -213,8 +212,8 @@ impl Receiver {
         self.give_up_damaged(now)
     }
 
-    /// Asks for a damaged line again that never ends. The host would wait for an answer for ever
-    /// (printcore) or for half a minute (OctoPrint).
+    /// Asks again for a damaged line that never ends. Otherwise the host would wait for ever (printcore) or for half a
+    /// minute (OctoPrint).
     fn give_up_damaged(&mut self, now: Instant) -> Option<Verdict> {
         if self.is_frame_done || !self.frame.is_damaged() || !self.silence.has_lasted(QUIET_MS, now) {
             return None;

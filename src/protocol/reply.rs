@@ -1,11 +1,11 @@
-//! Replies: every text of the protocol, and the ring that they leave by.
+//! Replies: every text of the protocol, and the output ring.
 //!
-//! A line goes into the ring whole or not at all, and so do the lines of one dialogue: hosts have ended
-//! prints over an `ok` with a temperature report in the middle (OctoPrint issue 4671). Only printable
-//! ASCII leaves, because one other byte ends printcore's reading thread.
+//! A line goes into the ring whole or not at all, and so do the lines of one resend request: an `ok` with a temperature
+//! report in the middle has ended prints (OctoPrint issue 4671). Only printable ASCII is sent, because any other byte
+//! ends printcore's reading thread.
 //!
-//! Hosts act on what a line begins with, and on some words anywhere in it. The fixed texts here avoid
-//! every such word that is not meant; a test holds the texts to it.
+//! Hosts act on the beginning of a line, and on some words anywhere in it. The fixed texts here avoid every such word
+//! that is not meant; a test checks this.
 //!
 //! Full: [`NoRoom`], nothing is written, the caller tries again later. Empty: nothing is sent.
 
@@ -15,19 +15,19 @@ use heapless::Deque;
 
 use super::numbering::ResendReason;
 
-/// Bytes held: 178 ms at 115200 baud, several times the answer to M115.
+/// Bytes held: 178 ms at 115200 baud, several times the reply to M115.
 const CAPACITY: usize = 2048;
 
-/// What a host hears while its line is being worked on. Hosts wait on when they read `busy:`.
+/// Sent while a line is being carried out. A host that reads `busy:` keeps waiting.
 pub const BUSY: &str = "echo:busy: processing";
 
-/// What a host hears while its line waits for the user.
+/// Sent while a line waits for the user.
 pub const BUSY_PAUSED: &str = "echo:busy: paused for user";
 
-/// Characters of an unknown command that are echoed.
+/// Characters of an unknown command in its reply.
 const ECHOED: usize = 60;
 
-/// Bytes of a line, where room is given in lines: Marlin's MAX_CMD_SIZE, which hosts know.
+/// Bytes of a line, for room that is given in lines: Marlin's MAX_CMD_SIZE, which hosts know.
 const LINE: usize = 96;
 
 /// The lines do not fit now; nothing was written. Try again when some have been sent.
@@ -69,7 +69,7 @@ impl Replies {
         self.whole(|replies| replies.append(args))
     }
 
-    /// The oldest bytes that wait to be sent, as many as lie together; empty if none do.
+    /// The oldest unsent bytes, as many as are contiguous; empty if there are none.
     #[must_use]
     pub fn pending(&self) -> &[u8] {
         self.bytes.as_slices().0
@@ -90,7 +90,7 @@ impl Replies {
         self.bytes.capacity() - self.bytes.len()
     }
 
-    /// `ok`: the line was taken.
+    /// `ok`: the line was accepted.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -98,8 +98,8 @@ impl Replies {
         self.line(format_args!("ok"))
     }
 
-    /// `ok` with the number of the line, if it had one, the moves that still fit and the bytes. Marlin's form
-    /// (queue.cpp, ADVANCED_OK), which hosts that fill a window read.
+    /// `ok` with the number of the line, if it had one, and the moves and bytes that still fit. Marlin's form
+    /// (queue.cpp, ADVANCED_OK), which windowed hosts read.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -111,12 +111,12 @@ impl Replies {
         }
     }
 
-    /// Asks for the line after `last` in three lines, the third of which is the refused line's `ok`.
+    /// Asks for the line after `last` in three lines; the third is the refused line's `ok`.
     ///
     /// # Errors
     /// [`NoRoom`]
     pub fn resend(&mut self, reason: ResendReason, last: i32) -> Result<(), NoRoom> {
-        // Marlin's words (language.h): hosts know by them that the error is not fatal.
+        // Marlin's words (language.h) tell hosts that the error is not fatal.
         let what = match reason {
             ResendReason::LineNumber => "Line Number is not Last Line Number+1",
             ResendReason::ChecksumMismatch => "checksum mismatch",
@@ -129,8 +129,8 @@ impl Replies {
         })
     }
 
-    /// The question to a silent host: asks for the line after `last` as if that had been refused, but without an error,
-    /// for none is known of. The `ok` is that of the line that was lost, or was itself lost on its way.
+    /// The question to a silent host: a request for the line after `last` without an error, because none is known. Its
+    /// `ok` replaces the one of a lost line, or a lost `ok`.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -141,7 +141,7 @@ impl Replies {
         })
     }
 
-    /// Answers M110, with the line number if it asked for it.
+    /// Replies to M110, with the line number if it asked for it.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -154,7 +154,7 @@ impl Replies {
         })
     }
 
-    /// Answers a line that is too long, `ok` included.
+    /// Replies to a line that is too long, with `ok`.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -165,8 +165,8 @@ impl Replies {
         })
     }
 
-    /// Answers a command that is not understood, `ok` included. The beginning of the text is echoed, its
-    /// colons and quotes as `?`: ` T:` or `Cap:` would mean something to a host.
+    /// Replies to an unknown command, with `ok`. The beginning of the text is echoed, with its colons and quotes as
+    /// `?`, because hosts act on ` T:` or `Cap:`.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -177,7 +177,7 @@ impl Replies {
         })
     }
 
-    /// Says that a line is still being worked on.
+    /// Reports that a line is still being carried out.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -185,7 +185,7 @@ impl Replies {
         self.line(format_args!("{BUSY}"))
     }
 
-    /// Says that a line waits for the user.
+    /// Reports that a line waits for the user.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -201,7 +201,7 @@ impl Replies {
         self.line(format_args!("start"))
     }
 
-    /// The answer to everything after an emergency stop; there is no `ok` any more.
+    /// The reply to everything after an emergency stop; there is no `ok` any more.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -209,7 +209,7 @@ impl Replies {
         self.line(format_args!("Error:Printer halted. kill() called! Send M999 or reset"))
     }
 
-    /// The same after a fault, which is named.
+    /// The same after a fault, with its name.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -217,7 +217,7 @@ impl Replies {
         self.line(format_args!("Error:Printer halted. kill() called! ({fault}) Send M999 or reset"))
     }
 
-    /// The same after a fault that has a line of its own, as hosts know it from Marlin.
+    /// The same after a fault with a line of its own, as hosts know it from Marlin.
     ///
     /// # Errors
     /// [`NoRoom`]
@@ -255,8 +255,8 @@ impl Write for Line<'_> {
     }
 }
 
-/// The beginning of a host's text, made harmless: no colon or quotes, for ` T:` or `Cap:` would mean something to a
-/// host, and nothing but printable ASCII.
+/// The beginning of a host's text, made harmless: printable ASCII only, and no colon or quotes, because hosts act on `
+/// T:` or `Cap:`.
 #[derive(Clone, Copy, Debug)]
 pub struct Echo<'a>(pub &'a [u8]);
 

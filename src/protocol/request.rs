@@ -1,24 +1,24 @@
-//! Requests: a line was asked for, and lines that were on their way already are passed over.
+//! Requests: a line was asked for, and lines that were already on their way are passed over.
 //!
-//! A host that sends several lines ahead goes on with lines that are stale once one was refused. They are
-//! acknowledged in silence, because every request makes such a host send everything again.
+//! After a refusal, a host that sends several lines ahead still sends stale lines. They get only an `ok`, because every
+//! request makes such a host send everything again.
 
 use crate::units::Instant;
 
-/// A request is repeated after this time, should it have been lost itself. For as long nothing is trusted that
-/// comes without a number: the pieces of a line that false line ends cut up follow each other at once. It has nothing to do
-/// with the patience of `silence`, and may be longer or shorter.
+/// A request is repeated after this time, in case it was lost. For the same time, no line without a number is trusted,
+/// because the pieces of a line that false line ends cut follow each other at once. It is independent of the patience
+/// of `silence`.
 const ASK_AGAIN_MS: u32 = 1000;
 
-/// Stale lines that are passed over in silence. OctoPrint can repeat its last 50 lines only (comm.py,
-/// lastLineBufferSize), so the request must be repeated well before that.
+/// Stale lines that get only an `ok`. OctoPrint can repeat only its last 50 lines (comm.py, lastLineBufferSize), so the
+/// request must be repeated well before that.
 pub(super) const STALE_LINES: u8 = 20;
 
-/// A line that was asked for and has not come yet.
+/// An open request for a line.
 #[derive(Clone, Copy)]
 pub(super) struct Request {
     at: Instant,
-    /// The number of the line that was refused most recently. Stale lines of one burst rise.
+    /// The number of the line that was refused last. The numbers of stale lines in one burst rise.
     refused: i32,
     /// Lines passed over since.
     stale: u8,
@@ -30,12 +30,12 @@ impl Request {
         Self { at: now, refused, stale: 0 }
     }
 
-    /// Whether it was made or repeated not long ago.
+    /// Whether it was made or repeated recently.
     pub(super) fn is_recent(&self, now: Instant) -> bool {
         now < self.at.after_ms(ASK_AGAIN_MS)
     }
 
-    /// Whether line `number`, whose turn it is not, was on its way already when the request was made.
+    /// Whether line `number`, which is not the next one, was already on its way when the request was made.
     pub(super) fn passes_over(&mut self, number: i32, now: Instant) -> bool {
         let is_stale = number > self.refused && self.stale < STALE_LINES && self.is_recent(now);
         if is_stale {

@@ -1,15 +1,15 @@
-//! The byte ring: holds what arrived while a command is being carried out.
+//! The byte ring: holds received bytes while a command is carried out.
 //!
-//! Damage travels with the bytes, so that it spoils the line it belongs to and no other. Its mark is the
-//! NUL byte, which means nothing in this protocol and is dropped on arrival.
+//! Damage is stored among the bytes, so that it affects only its own line. Its mark is the NUL byte, which has no
+//! meaning in this protocol and is dropped on arrival.
 //!
-//! Full: the byte is lost, which is damage and is marked as such; one place is kept free for the mark.
-//! Empty: there is nothing to do.
+//! Full: the byte is lost, which is marked as damage; one place is kept free for the mark. Empty: there is nothing to
+//! do.
 
 use crate::port::Received;
 
-/// Bytes held: some thirty lines, or 89 ms at 115200 baud. A power of two, so that a place is found by
-/// masking; this runs for every byte.
+/// Bytes held: some thirty lines, or 89 ms at 115200 baud. A power of two, so that a mask gives the place; this runs
+/// for every byte.
 const CAPACITY: usize = 1024;
 
 /// The mark of damage.
@@ -51,7 +51,7 @@ impl Ring {
         (self.taken, self.taken.wrapping_sub(self.length as u32))
     }
 
-    /// Takes what arrived.
+    /// Takes received bytes or damage.
     pub(super) fn push(&mut self, received: Received) {
         match received {
             Received::Byte(0) => {}
@@ -60,19 +60,19 @@ impl Ring {
         }
     }
 
-    /// The oldest bytes, as many as lie together; damage among them is a NUL.
+    /// The oldest bytes, as many as are contiguous; a NUL among them is damage.
     pub(super) fn together(&self) -> &[u8] {
         let end = (self.first + self.length).min(CAPACITY);
         self.bytes.get(self.first..end).unwrap_or_default()
     }
 
-    /// Forgets the oldest bytes, no more than lie [`together`](Self::together).
+    /// Removes the oldest bytes, at most those of [`together`](Self::together).
     pub(super) fn skip(&mut self, count: usize) {
         self.first = (self.first + count) % CAPACITY;
         self.length = self.length.saturating_sub(count);
     }
 
-    /// The oldest thing that arrived.
+    /// Removes the oldest entry.
     pub(super) fn pop(&mut self) -> Option<Received> {
         self.length = self.length.checked_sub(1)?;
         let byte = *self.bytes.get(self.first)?;
@@ -80,7 +80,7 @@ impl Ring {
         Some(if byte == DAMAGE { Received::Lost } else { Received::Byte(byte) })
     }
 
-    /// Marks damage. A second mark beside the first would say nothing new, so there is always a place.
+    /// Marks damage. A second mark next to the first adds nothing, so there is always a place.
     fn mark(&mut self) {
         let newest = (self.first + self.length + CAPACITY - 1) % CAPACITY;
         if self.length == 0 || self.bytes.get(newest) != Some(&DAMAGE) {

@@ -1,45 +1,45 @@
-//! Silence: how long a host has said nothing, and how often the host was prompted for its silence.
+//! Silence: how long a host has sent nothing, and how often it was prompted.
 //!
-//! How long it may be silent is a setting, the patience: `Settings::patience_ms`, by default in `Settings::prototype`, in a machine
-//! file by `patience_ms`; stored settings keep their own. It should stay below `lookahead_time`, or a lost line costs a stop.
+//! The permitted silence is a setting, the patience: `Settings::patience_ms`, with its default in
+//! `Settings::prototype`, in a machine file `patience_ms`; stored settings keep their own. It should stay below
+//! `lookahead_time`, or a lost line stops the motion.
 //!
-//! A line may be lost whole, line end and all, or the `ok` for the last one. A host that waits for its `ok` then waits for
-//! ever (printcore) or for half a minute (OctoPrint). So a silence in the middle of a stream is broken. A host that merely
-//! pauses looks just the same from here, so on a line that has lost nothing so far it hears an `ok` and no more: who
-//! waits for one goes on, and if a line was lost, the next one shows it by its number; who waits for none does not care.
-//! On a line that has lost something the next line is asked for, as long as the machine moves. docs/host-protocol.md says
-//! what each host makes of either, in each of its states.
+//! A line may be lost whole, with its line end, or the `ok` for the last one. The host then waits for its `ok` for ever
+//! (printcore) or for half a minute (OctoPrint). So a silence in a stream is broken by a **prompt**. A host that pauses
+//! looks the same from here, so on a port without damage the prompt is only an `ok`. A waiting host continues, and the
+//! next line shows a lost one by its number; any other host ignores it. On a damaged port the prompt asks for the next
+//! line, as long as the machine moves. docs/host-protocol.md has the effect on each host, in each of its states.
 //!
-//! Either of them is a **prompt**. The request for the next line is the **question**: `Resend:` and `ok`, without an error (`question`
-//! in `reply.rs`). The `ok` is that of any line (`Incoming::Acknowledge`); another text for it would be a variant of its own.
+//! The prompt that asks for the next line is the **question**: `Resend:` and `ok`, without an error (`question` in
+//! `reply.rs`). The other one is the `ok` of any line (`Incoming::Acknowledge`); another text for it would need a new
+//! variant.
 //!
 //! | the machine | nothing was ever damaged | something was |
 //! |---|---|---|
 //! | moves | `ok` | a question, twice, then `ok` |
 //! | has come to rest by itself | `ok` | `ok` |
-//! | has waited for its motion to end | `ok` if the host began its numbers below 0, as printcore does, which waits for ever | the same |
+//! | has waited for its motion to end | `ok` if the first number was below 0: printcore, which waits for ever | the same |
 //! | is paused | nothing | nothing |
 
 use crate::units::Instant;
 
-/// Prompts in one silence: the line may lose some of them, or of the lines that answer them, and a host with several lines
-/// under way may have lost an answer to each.
+/// Prompts in one silence. The port may lose some of them, or of the lines that answer them, and a windowed host may
+/// have lost the reply to each of its lines.
 const PROMPTS: u8 = 8;
 
-/// From one prompt to the next the time doubles, so many times at most: to 16 times the patience. OctoPrint
-/// itself asks after 30 s.
+/// The time between prompts doubles this often: up to 16 times the patience. OctoPrint itself asks after 30 s.
 const DOUBLINGS: u8 = 4;
 
-/// So many of the first prompts may be questions. OctoPrint counts each as a resend, and gives up at the eleventh for the
+/// The first prompts that may be questions. OctoPrint counts each as a resend, and gives up at the eleventh for the
 /// same line (comm.py, maxConsecutiveResends).
 const QUESTIONS: u8 = 2;
 
-/// What the machine is doing while a host is silent.
+/// The machine's activity while a host is silent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Activity {
     /// Motion is under way.
     Moving,
-    /// It has come to rest because nothing more was sent.
+    /// It has stopped because nothing more was sent.
     Resting,
     /// A command has waited for the end of the motion, and nothing was planned since.
     Waited,
@@ -47,18 +47,18 @@ pub enum Activity {
     Paused,
 }
 
-/// How a silence is broken.
+/// Kind of prompt.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Prompt {
-    /// By an `ok`.
+    /// An `ok`.
     Ok,
-    /// By the question: the host is asked for the next line.
+    /// The question: the host is asked for the next line.
     Question,
 }
 
 impl Activity {
-    /// How to break the silence of a host on a line that has lost something or not, who would wait for an answer for ever
-    /// or not.
+    /// The prompt for a silent host, if any: `is_bad` if the port had damage, `waits_for_ever` if the host never gives
+    /// up.
     pub(super) const fn prompt(self, is_bad: bool, waits_for_ever: bool) -> Option<Prompt> {
         match self {
             Self::Moving if is_bad => Some(Prompt::Question),
@@ -72,31 +72,31 @@ impl Activity {
 /// The silence of a host.
 pub(super) struct Silence {
     since: Option<Instant>,
-    /// The line that was awaited when the host was prompted most recently.
+    /// The expected line at the last prompt.
     line: i32,
-    /// How often it was.
+    /// Number of prompts for it.
     prompts: u8,
 }
 
 impl Silence {
-    /// Nothing is known yet.
+    /// The state at the start.
     pub(super) const fn new() -> Self {
         Self { since: None, line: 0, prompts: 0 }
     }
 
-    /// Something was said.
+    /// The host or the firmware has sent something.
     pub(super) const fn end(&mut self) {
         self.since = None;
     }
 
-    /// Whether nothing has been said for `ms`, as far as anybody listened.
+    /// Whether nothing has been sent for `ms` since the first call.
     pub(super) fn has_lasted(&mut self, ms: u32, now: Instant) -> bool {
         let since = *self.since.get_or_insert(now);
         now >= since.after_ms(ms)
     }
 
-    /// Whether to prompt the host for `line` now: after `patience_ms`, and each time after twice as long. `None` if that
-    /// was done often enough.
+    /// Whether to prompt the host for `line` now: after `patience_ms`, and then each time after twice as long. `None`
+    /// after the last prompt.
     pub(super) fn is_over(&mut self, line: i32, patience_ms: u32, now: Instant) -> Option<bool> {
         if line != self.line {
             (self.line, self.prompts) = (line, 0);
@@ -112,7 +112,7 @@ impl Silence {
         Some(is_time)
     }
 
-    /// Whether the present prompt may be a question.
+    /// Whether the current prompt may be a question.
     pub(super) const fn may_ask(&self) -> bool {
         self.prompts <= QUESTIONS
     }

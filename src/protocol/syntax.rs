@@ -1,5 +1,5 @@
-//! Syntax: the little of a line that this room reads, which is its line number, the few M-codes that the room acts on,
-//! and whether it ends in a checksum.
+//! Syntax: the part of a line that this room reads. It is the line number, the few M-codes of this room, and the
+//! presence of a checksum.
 
 use crate::text;
 
@@ -8,18 +8,18 @@ pub(super) const fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t')
 }
 
-/// `text` without the blanks it begins with.
+/// `text` without leading blanks.
 pub(super) fn skip_blanks(text: &[u8]) -> &[u8] {
     text::trim_start(text, is_blank)
 }
 
-/// `text` without the blanks it ends with.
+/// `text` without trailing blanks.
 pub(super) fn trim_end(text: &[u8]) -> &[u8] {
     text::trim_end(text, is_blank)
 }
 
-/// The line number that `text` begins with (`N12`, `n -1`), and the text after it.
-/// A number that 32 bits cannot hold saturates.
+/// The line number at the beginning of `text` (`N12`, `n -1`), and the text after it. A number beyond 32 bits
+/// saturates.
 pub(super) fn line_number(text: &[u8]) -> Option<(i32, &[u8])> {
     let [b'N' | b'n', after @ ..] = text else {
         return None;
@@ -41,7 +41,7 @@ pub(super) fn line_number(text: &[u8]) -> Option<(i32, &[u8])> {
     if after.len() == digits.len() { None } else { Some((number, after)) }
 }
 
-/// The number of the M-code that `text` begins with, and the text after it.
+/// The number of the M-code at the beginning of `text`, and the text after it.
 ///
 /// `None` for M110.1 and M110_X, which are other commands.
 pub(super) fn m_code(text: &[u8]) -> Option<(u16, &[u8])> {
@@ -67,7 +67,7 @@ pub(super) fn find_line_number(mut text: &[u8]) -> Option<i32> {
     None
 }
 
-/// Whether `text` ends as a checksummed line does: a `*`, digits, blanks.
+/// Whether `text` ends like a line with a checksum: a `*`, digits, blanks.
 pub(super) fn ends_in_checksum(text: &[u8]) -> bool {
     let mut after = trim_end(text);
     let length = after.len();

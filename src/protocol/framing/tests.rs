@@ -110,12 +110,12 @@ fn what_is_typed_can_be_erased_and_what_a_host_sends_cannot() {
         assert_eq!(frame(line).text(), text.as_bytes(), "{line:?}");
     }
     assert_eq!(frame("G1*34\x08\x08\x08").checksum(), Checksum::Missing);
-    // A damaged line of a host keeps what was damaged, or it might pass: HH became H and a backspace.
+    // A damaged line of a host keeps the erasing byte, or it might pass: HH became H and a backspace.
     let sum = "N5 M117 HH".bytes().fold(0, |sum, byte| sum ^ byte);
     assert_eq!(frame(&std::format!("N5 M117 H\x08*{sum}")).checksum(), Checksum::Bad);
     let long = std::format!("M117 {}{}", "x".repeat(9000), "\x08".repeat(9000));
     assert_eq!(frame(&long).text(), b"M117 ");
-    // The last character that is kept is forgotten with all that it meant.
+    // The last kept character is erased, with its effect on the state.
     let full = "x".repeat(CAPACITY - 1);
     assert_eq!(frame(&std::format!("{full}\"\x08;c")).text(), full.as_bytes());
 }

@@ -6,7 +6,7 @@ use super::super::request::STALE_LINES;
 use super::*;
 use std::format;
 
-/// A numbering at `last`, and the verdict on one line after the other.
+/// A numbering at `last`, and the verdict on each line.
 struct Story(Numbering);
 
 const OK: Verdict = Verdict::Acknowledge;
@@ -26,7 +26,7 @@ impl Story {
         self.0.judge(&frame, Instant(0).after_ms(ms))
     }
 
-    /// An empty line of that number, so that it is acknowledged whether it is taken or passed over.
+    /// An empty line with that number, so that it is acknowledged whether it is accepted or passed over.
     fn line(&mut self, number: i64, ms: u32) -> Verdict {
         let body = format!("N{number} ");
         let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
@@ -114,7 +114,7 @@ fn a_repetition_of_one_of_the_last_lines_is_acknowledged() {
     for number in -2..=5 {
         assert_eq!(story.line(number, 2000), OK);
     }
-    // Another line of that number is another matter, and so is an older one.
+    // A different line with that number is refused, and so is an older one.
     assert_eq!(story.raw("N5 G1*58", 2000), Some(resend(ResendReason::LineNumber, 5)));
     assert_eq!(story.line(-3, 4000), resend(ResendReason::LineNumber, 5));
     assert_eq!(story.0.last(), 5);
@@ -134,7 +134,7 @@ fn a_fresh_connection_may_begin_with_either_line() {
 fn eight_lines_are_known_and_no_older_one() {
     let sum = |body: &str| body.bytes().fold(0, |sum, byte| sum ^ byte);
     let mut story = Story::at(0);
-    // Line 9 has the checksum of line 1, and its place among those that are known.
+    // Line 9 has the checksum of line 1, and its place among the remembered lines.
     let (first, ninth) = ("N1 i", "N9 a");
     assert_eq!(sum(first), sum(ninth));
     assert!(matches!(story.raw(&format!("{first}*{}", sum(first)), 0), Some(Verdict::Command { .. })));
