@@ -1,14 +1,14 @@
-//! Status: what the contexts know of each other, beside the moves and step events in the queues.
+//! Status: the data that contexts share, apart from the moves and step events in the queues.
 //!
-//! Each field is an atomic of its own with one writer. The field's comment names the writer; where it names none, the
-//! Console writes. Only `triggered` has two: the Stepper sets it, and the Console clears it, after it has begun another epoch
-//! and when Stepper and generator are idle.
+//! Each field is an atomic with one writer, named in its comment; without a name it is the Console. Only `triggered`
+//! has two writers: the Stepper sets it, and the Console clears it after it has begun another epoch and when Stepper
+//! and generator are idle.
 //!
-//! Whether there is motion is told by counts that only grow. Who hands work on counts what was begun, who does the work counts
-//! what was finished, and there is no motion when the two counts are equal. No order of events can make that wrong.
+//! Two counts that only grow show whether there is motion. The giver of work counts what it began, the worker counts
+//! what it finished, and without motion the two are equal. This holds for any order of events.
 //!
-//! A reader gets copies of single fields. Two fields may be of different instants; where that matters, the method says in which
-//! order it reads them.
+//! A reader gets copies of single fields. Two fields may come from different times; where that matters, the method
+//! documents the order of its reads.
 
 mod counted;
 mod heat;
@@ -26,36 +26,36 @@ use overload::Lateness;
 pub use overload::{Late, Overload};
 use print_progress::PrintProgress;
 
-/// What the contexts know of each other.
+/// The data that contexts share.
 #[repr(C)]
 pub struct Status {
     /// Work of another epoch is discarded; written by the Console.
     epoch: AtomicU8,
-    /// Endstops that ended the present epoch's motion; written by the Stepper, cleared with the epoch.
+    /// Endstops that ended the motion of the current epoch; written by the Stepper, cleared with the epoch.
     triggered: AtomicU8,
-    /// All endstop inputs as the Stepper last saw them.
+    /// All endstop inputs as the Stepper last read them.
     endstops: AtomicU8,
-    /// The endstops that there are; written when the Stepper is made.
+    /// The existing endstops; written when the Stepper is made.
     inputs: AtomicU8,
-    /// Groups whose step lines take longer; written when the Stepper is made.
+    /// Groups with slow step lines; written when the Stepper is made.
     slow: AtomicU8,
-    /// When the last event was due, by the step timer; written by the Stepper.
+    /// Due time of the last event, by the step timer; written by the Stepper.
     due: AtomicU32,
-    /// By how many ticks motion time lags the step timer; written by the Stepper.
+    /// Lag of motion time behind the step timer, in ticks; written by the Stepper.
     lag: AtomicU32,
     /// Entries of the MoveQueue finished; written by the StepGenerator.
     entries_done: AtomicU32,
     /// Events put into the StepQueue; written by the StepGenerator.
     events_made: AtomicU32,
-    /// Events taken out of the StepQueue when motion last came to rest; written by the Stepper.
+    /// Events taken out of the StepQueue when motion last ended; written by the Stepper.
     rested: AtomicU32,
     /// How often the StepQueue ran dry in mid-motion; written by the StepGenerator.
     starved: AtomicU32,
-    /// Events that came so late that time was stretched; written by the Stepper.
+    /// Late events that stretched time; written by the Stepper.
     late: Lateness,
-    /// Spans that were made longer; written by the StepGenerator.
+    /// Stretched spans; written by the StepGenerator.
     squeezed: Lateness,
-    /// Whether the Console waits for the host and has nothing else to do.
+    /// Whether the Console only waits for the host.
     awaiting_input: AtomicBool,
     /// Whether a command waits for the user.
     awaiting_user: AtomicBool,
@@ -63,24 +63,24 @@ pub struct Status {
     moves: AtomicU32,
     /// Length of the path planned, in um, wrapping.
     path_um: AtomicU32,
-    /// How often the host was so slow that the look-ahead had to let go of moves unfinished.
+    /// How often a slow host made the look-ahead release unfinished moves.
     underruns: AtomicU32,
-    /// Moves planned and not yet begun, as of the Console's last turn.
+    /// Moves planned and not begun, at the Console's last turn.
     level: AtomicU32,
-    /// One more than the fewest moves in the look-ahead while the stream ran; 0 if it never did. (A status of
-    /// zeros costs no flash.)
+    /// One more than the fewest moves in the look-ahead while the stream ran; 0 if it never ran. (A status of zeros
+    /// costs no flash.)
     low_water: AtomicU32,
     /// Whether an emergency stop holds until M999 or a reset.
     halted: AtomicBool,
-    /// What the print's own lines say of it.
+    /// The progress that the print's own lines report.
     pub(crate) print_progress: PrintProgress,
-    /// One more than the epoch whose motion is to come to rest along its path; 0 for none; written by the Console.
+    /// One more than the epoch that shall brake along its path; 0 for none; written by the Console.
     brake: AtomicU32,
-    /// One more than the epoch whose motion has come to rest; 0 for none; written by the StepGenerator.
+    /// One more than the epoch that has stopped; 0 for none; written by the StepGenerator.
     stopped: AtomicU32,
     /// Steps of the events put into the StepQueue; written by the StepGenerator.
     made: Counted,
-    /// How often the Stepper looked at the endstops because it was pended; written by the Stepper.
+    /// Endstop reads of the Stepper because it was pended; written by the Stepper.
     looks: AtomicU32,
     heat: Heat,
     fault: Latch,

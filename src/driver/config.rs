@@ -1,21 +1,22 @@
-//! Configuration: what a driver's registers must hold, given the settings. Which of them are read back is `AFTER` in `run`.
+//! Configuration: the required contents of a driver's registers, from the settings. `AFTER` in `run` lists those that
+//! are read back.
 
 use super::registers::{Register, chopconf, gconf, gstat};
 use crate::motors::Motor;
 use crate::settings::{DriverSettings, Settings};
 use crate::units::{StepsPerMm, mul_div};
 
-/// Frequency of the driver's own clock (datasheet rev 1.09, electrical characteristics: 12 MHz, give or take some
-/// percent, which a threshold of speed can bear).
+/// Frequency of the driver's own clock (datasheet rev 1.09, electrical characteristics: 12 MHz with a tolerance of some
+/// percent, which is enough for a speed threshold).
 const CLOCK_HZ: u64 = 12_000_000;
 
-/// Steps of the driver's own scale in a full step: TSTEP and its thresholds count those (section 5.2).
+/// Finest steps in a full step: TSTEP and its thresholds count those (section 5.2).
 const FINEST: u64 = 256;
 
 /// Greatest value of a threshold that TSTEP is compared with: 20 bits (section 5.2).
 const SLOWEST: u32 = 0xF_FFFF;
 
-/// Sense resistor of every common TMC2209 module, and what the chip adds to it (section 9: R_SENSE + 20 mOhm).
+/// Sense resistor of every common TMC2209 module, and the chip's own part (section 9: R_SENSE + 20 mOhm).
 const SENSE_MILLIOHM: u64 = 110 + 20;
 
 /// Full-scale voltage in mV with high and with low sensitivity (section 9: V_FS).
@@ -24,8 +25,8 @@ const FULL_SCALE_MV: [u64; 2] = [180, 325];
 /// Off time, blank time, hysteresis start; hysteresis end is 0. The defaults of Klipper's tmc2209.
 const CHOPPER: u32 = 3 | 5 << chopconf::HSTRT | 2 << chopconf::TBL;
 
-/// PWM_LIM 12, PWM_REG 8, autograd, autoscale, PWM_FREQ 1, PWM_GRAD 14, PWM_OFS 36: the defaults of Klipper's
-/// tmc2209. They differ from those of the chip, so that reading them back says something.
+/// PWM_LIM 12, PWM_REG 8, autograd, autoscale, PWM_FREQ 1, PWM_GRAD 14, PWM_OFS 36: the defaults of Klipper's tmc2209.
+/// They differ from the chip's, so reading them back proves the write.
 const PWMCONF: u32 = 0xC80D_0E24;
 
 /// Steps of 2^18 clocks, 22 ms, in which the current falls at rest (section 5.2; Klipper's default).
@@ -34,7 +35,7 @@ const IHOLDDELAY: u32 = 8;
 /// Time at rest until it falls: 20 * 2^18 clocks, 0.44 s (section 5.2: power-up value).
 const TPOWERDOWN: u32 = 20;
 
-/// What a driver's registers hold.
+/// The contents of a driver's registers.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Config {
     gconf: u32,
@@ -44,8 +45,8 @@ pub struct Config {
     chopconf: u32,
 }
 
-/// Registers to be written. Those that could spoil a step come with what another firmware may have left:
-/// coolStep and the pulse generator.
+/// Registers to be written. They include coolStep and the pulse generator, because another firmware may have left
+/// values there that spoil steps.
 pub(super) const WRITTEN: [Register; 10] = [
     Register::Gconf,
     Register::IholdIrun,
@@ -60,7 +61,7 @@ pub(super) const WRITTEN: [Register; 10] = [
 ];
 
 impl Config {
-    /// What the driver of `motor` must hold.
+    /// The required configuration of `motor`'s driver.
     #[must_use]
     pub fn new(motor: Motor, settings: &Settings) -> Self {
         Self::of(settings.drivers.of(motor).0, settings.steps_per_mm(motor))
@@ -80,7 +81,7 @@ impl Config {
         }
     }
 
-    /// What `register` must hold; registers that are not written hold what they like.
+    /// The required value of `register`; `None` for registers that are not written.
     #[must_use]
     pub const fn value(&self, register: Register) -> u32 {
         match register {
@@ -88,7 +89,7 @@ impl Config {
             Register::IholdIrun => self.currents,
             Register::Tpowerdown => TPOWERDOWN,
             Register::Tpwmthrs => self.tpwmthrs,
-            // DIAG tells of stalls down to the slowest speed, or never.
+            // DIAG signals stalls down to the slowest speed, or never.
             Register::Tcoolthrs => {
                 if self.sgthrs == 0 {
                     0
@@ -114,22 +115,22 @@ impl Config {
         microsteps(self.chopconf)
     }
 
-    /// The run current that comes of it, in mA.
+    /// The resulting run current, in mA.
     #[must_use]
     pub fn run_current_ma(&self) -> u32 {
         rms_ma((self.currents >> 8) & 0x1F, self.chopconf & chopconf::VSENSE != 0)
     }
 }
 
-/// Microsteps that a value of CHOPCONF makes, if GCONF lets it.
+/// Microsteps of a CHOPCONF value, if GCONF enables it.
 pub(super) const fn microsteps(chopconf: u32) -> u32 {
     256 >> ((chopconf >> chopconf::MRES) & 0xF)
 }
 
-/// VSENSE and the current scale (0 to 31) that come nearest to a root mean square.
+/// VSENSE and the current scale (0 to 31) nearest to a root mean square.
 ///
-/// Section 9: I_RMS = (CS + 1) / 32 * V_FS / (R_SENSE + 20 mOhm) / sqrt 2. High sensitivity is taken as far as it
-/// reaches, for a scale above 16 makes finer microsteps.
+/// Section 9: I_RMS = (CS + 1) / 32 * V_FS / (R_SENSE + 20 mOhm) / sqrt 2. High sensitivity is used as far as it
+/// reaches, because a scale above 16 makes finer microsteps.
 fn current_scale(ma: u16) -> (u32, u32) {
     let wanted = u64::from(ma);
     for (full_scale, vsense) in FULL_SCALE_MV.into_iter().zip([chopconf::VSENSE, 0]) {

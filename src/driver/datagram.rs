@@ -1,7 +1,7 @@
-//! Datagrams: what goes over the one-wire UART of a TMC2209, and what comes back.
+//! Datagrams: the frames on the one-wire UART of a TMC2209, in both directions.
 //!
-//! Sync, address, register and, in a write or a reply, the value with its highest byte first; a checksum ends
-//! each (datasheet rev 1.09, sections 4.1 and 4.2).
+//! A datagram is sync, address, register and, in a write or a reply, the value with its highest byte first. A checksum
+//! ends it (datasheet rev 1.09, sections 4.1 and 4.2).
 
 use super::registers::Register;
 use crate::port::Frame;
@@ -9,30 +9,30 @@ use crate::port::Frame;
 /// Begins every datagram (section 4.1.1).
 const SYNC: u8 = 0x05;
 
-/// Address of every driver, because each has a wire of its own: MS1 and MS2 low (section 4.1.1).
+/// Address of every driver, because each has its own wire: MS1 and MS2 low (section 4.1.1).
 const DRIVER: u8 = 0;
 
 /// Address in every reply: the master's (section 4.1.2).
 const MASTER: u8 = 0xFF;
 
-/// The register's bit that makes a write of it (section 4.1.1).
+/// The register bit for a write (section 4.1.1).
 const WRITE: u8 = 0x80;
 
 /// Bytes of a reply (section 4.1.2).
 pub(super) const REPLY: usize = 8;
 
-/// Asks for the value of a register.
+/// Frame that asks for a register.
 pub(super) fn read(register: Register) -> Frame {
     finish(&[SYNC, DRIVER, register.address()])
 }
 
-/// Puts a value into a register.
+/// Frame that writes a register.
 pub(super) fn write(register: Register, value: u32) -> Frame {
     let [a, b, c, d] = value.to_be_bytes();
     finish(&[SYNC, DRIVER, register.address() | WRITE, a, b, c, d])
 }
 
-/// The value that a reply gives for `register`; `None` if it is none, or is damaged.
+/// The value of `register` in a reply; `None` if the reply is invalid or damaged.
 pub(super) fn value(reply: &[u8], register: Register) -> Option<u32> {
     let [body @ .., sum] = reply else { return None };
     match *body {

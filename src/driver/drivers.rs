@@ -1,4 +1,4 @@
-//! All drivers: who holds what, who has power, the one job that goes on, and the looks in between.
+//! All drivers: their proofs, their power, the current job, and the looks in between.
 
 mod turns;
 
@@ -13,21 +13,21 @@ use crate::settings::Settings;
 use crate::units::Instant;
 use turns::Turn;
 
-/// A proof is this many ms old at most when power comes: seven quick ones take 170 ms, and 400 with looks in between.
+/// Greatest age of a proof in ms when power comes: seven quick proofs take 170 ms, and 400 with looks in between.
 const FRESH_MS: u32 = 500;
 
 const MOTORS: usize = Motor::ALL.len();
 
-/// What is known of one driver.
+/// The state of one driver.
 #[derive(Clone, Copy, Debug)]
 struct Driver {
-    /// What it is to hold.
+    /// Its required configuration.
     wanted: Config,
-    /// What it has proved to hold.
+    /// Its proved configuration.
     held: Option<Config>,
-    /// When it last did, if that still counts: a proof is good for getting power once.
+    /// Time of the last proof, if it still counts: a proof is valid for one power-up.
     proved: Option<Instant>,
-    /// Exchanges with it that failed.
+    /// Failed exchanges with it.
     errors: u16,
     is_warned: bool,
 }
@@ -39,15 +39,15 @@ pub struct Drivers {
     powered: MotorSet,
     drivers: [Driver; MOTORS],
     watch: Watch,
-    /// The urgent look that goes on, or the poll that follows from a look.
+    /// The current urgent look, or the poll that follows from a look.
     urgent: Option<Run>,
-    /// The look in the background that goes on. Between two of its exchanges others have theirs.
+    /// The current background look. Other exchanges may come between two of its own.
     background: Option<Run>,
-    /// The job that goes on. Between two of its exchanges there are looks.
+    /// The current job. Looks come between two of its exchanges.
     run: Option<Run>,
-    /// Whose exchange is on the wire.
+    /// The owner of the exchange on the wire.
     on_wire: Option<Turn>,
-    /// The job that somebody waits for, and its result.
+    /// The job that a caller waits for, and its result.
     asked: Option<(Job, Motor)>,
     is_awaited: bool,
     result: Option<Result<Reading, DriverError>>,
@@ -55,7 +55,8 @@ pub struct Drivers {
 }
 
 impl Drivers {
-    /// Drivers of which those of `lines` can be talked to, if their motor is fitted. Nothing is known of them, and no motor has power.
+    /// Drivers at the start: nothing is proved, and no motor has power. Those of `lines` can be reached if their motor
+    /// is fitted.
     #[must_use]
     pub fn new(lines: MotorSet, settings: &Settings) -> Self {
         let drivers = Motor::ALL.map(|motor| Driver {
@@ -82,7 +83,7 @@ impl Drivers {
         }
     }
 
-    /// Motors whose driver can be talked to.
+    /// Motors with a driver that can be reached.
     #[must_use]
     pub const fn lines(&self) -> MotorSet {
         self.lines
@@ -100,21 +101,21 @@ impl Drivers {
         self.fault
     }
 
-    /// What the driver of `motor` has proved to hold, and how many exchanges with it failed.
+    /// The proved configuration of `motor`'s driver, and its number of failed exchanges.
     #[must_use]
     pub fn known(&self, motor: Motor) -> (Option<Config>, u16) {
         self.get(motor).map_or((None, 0), |d| (d.held, d.errors))
     }
 
-    /// From now on the drivers are to hold what `settings` say. Those of motors with power are written soon, the
-    /// others before they get it.
+    /// Sets the required configurations from `settings`. Drivers of motors with power are written soon, the others
+    /// before their next power-up.
     pub fn want(&mut self, settings: &Settings) {
         for (motor, driver) in Motor::ALL.into_iter().zip(&mut self.drivers) {
             driver.wanted = Config::new(motor, settings);
         }
     }
 
-    /// A motor of `on` that may not have power yet, because its driver has yet to prove what it holds.
+    /// A motor of `on` that may not have power yet, because its driver still needs a proof.
     #[must_use]
     pub fn unproved(&self, on: MotorSet, now: Instant) -> Option<Motor> {
         let fresh = on.without(self.powered);
@@ -147,13 +148,13 @@ impl Drivers {
         Ok(())
     }
 
-    /// Takes the power from all motors, whatever goes on.
+    /// Takes the power from all motors, in any state.
     pub fn cut(&mut self, bus: &mut impl DriverBus) {
         self.powered = MotorSet::NONE;
         bus.enable(MotorSet::NONE);
     }
 
-    /// Whether every motor that has power makes the microsteps that it is to make.
+    /// Whether every motor with power makes the required microsteps.
     #[must_use]
     pub fn is_drivable(&self) -> bool {
         let agrees = |d: &Driver| d.held.is_some_and(|held| held.microsteps() == d.wanted.microsteps());
@@ -163,29 +164,29 @@ impl Drivers {
             .all(|(motor, d)| !(self.lines.has(motor) && self.powered.has(motor)) || agrees(d))
     }
 
-    /// Whether every motor that has power holds what it is to hold.
+    /// Whether every motor with power has its required configuration.
     #[must_use]
     pub fn is_configured(&self) -> bool {
         self.stale().is_none()
     }
 
-    /// Begins a job as soon as that may be, and forgets the one before if nobody took its result.
+    /// Begins a job as soon as possible, and drops the result of the previous one.
     pub fn ask(&mut self, job: Job, motor: Motor) {
         (self.asked, self.is_awaited, self.result) = (Some((job, motor)), false, None);
     }
 
-    /// The result of the job that was asked for, once.
+    /// The result of the requested job, once.
     pub fn answer(&mut self) -> Option<Result<Reading, DriverError>> {
         self.result.take()
     }
 
-    /// Motors that can pull against each other: one of them that fails is to be known within 100 ms.
+    /// Motors that can pull against each other: a failure of one must be found within 100 ms.
     pub const fn watch_closely(&mut self, motors: MotorSet) {
         self.watch.hurry(motors);
     }
 
-    /// After a fault of one driver: takes the power from its motor alone, and looks at all others at once. They are watched on, and a
-    /// second fault is told; jobs are forgotten.
+    /// After a fault of one driver: takes the power from its motor alone, and looks at all others at once. These are
+    /// still watched, and a second fault is reported; jobs are dropped.
     pub fn go_on_without(&mut self, motor: Motor, bus: &mut impl DriverBus) {
         self.powered = self.powered.without(MotorSet::of(motor));
         bus.enable(self.powered);
@@ -193,18 +194,19 @@ impl Drivers {
         self.watch.ask_at_once(MotorSet::ALL);
     }
 
-    /// Whether a driver whose motor has power has yet to be seen without a fault since [`go_on_without`](Self::go_on_without).
+    /// Whether a driver with power still waits for its first look without a fault since
+    /// [`go_on_without`](Self::go_on_without).
     #[must_use]
     pub const fn are_unseen(&self) -> bool {
         !self.watch.unseen(self.watched()).is_empty()
     }
 
-    /// Motors with power whose drivers can be talked to.
+    /// Motors with power and a driver that can be reached.
     const fn watched(&self) -> MotorSet {
         self.lines.without(MotorSet::ALL.without(self.powered))
     }
 
-    /// Goes on. Never waits; call it every millisecond.
+    /// Does the next part of the work. Never waits; call it every millisecond.
     pub fn step(&mut self, bus: &mut impl DriverBus, now: Instant) -> Option<News> {
         if self.lines.is_empty() || self.is_over() {
             return None;
@@ -221,7 +223,7 @@ impl Drivers {
         news
     }
 
-    /// Whether nobody is talked to any more: a driver has failed, and no motor has power.
+    /// Whether no exchange follows: a driver has failed, and no motor has power.
     const fn is_over(&self) -> bool {
         self.fault.is_some() && self.powered.is_empty()
     }
@@ -246,7 +248,7 @@ impl Drivers {
         }
     }
 
-    /// A motor with power that does not hold what it is to hold.
+    /// A motor with power without its required configuration.
     fn stale(&self) -> Option<Motor> {
         let both = Motor::ALL.into_iter().zip(&self.drivers);
         both.filter(|(motor, _)| self.powered.has(*motor) && self.lines.has(*motor))
@@ -279,7 +281,7 @@ impl Drivers {
                 self.fault.get_or_insert(fault);
                 return Some(News::Stopped(fault));
             }
-            // It lost its power in the meantime, and must prove everything before it gets it again.
+            // It lost its power in between, and must prove everything before its next power-up.
             (Job::Adjust, Err(_)) => driver.held = None,
             (Job::Poll, Err(_)) => {
                 driver.held = None;

@@ -1,39 +1,39 @@
-//! What can be wrong with a driver, and what the user can do about it.
+//! Errors of a driver, with their remedies.
 
 use super::registers::{Register, drv_status, gstat};
 use crate::motors::Motor;
 use core::fmt;
 
-/// What is wrong with a driver.
+/// Error of a driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DriverError {
     /// It does not answer.
     Silent,
-    /// It answers, but what arrives is damaged each time.
+    /// It replies, but each reply is damaged.
     Garbled,
-    /// It did not take every write.
+    /// It did not accept every write.
     NotTaken,
-    /// It took the writes, but a register holds something else.
+    /// It accepted the writes, but a register has another value.
     Differs(Register),
-    /// It makes another number of microsteps than the settings say.
+    /// It makes another number of microsteps than the settings require.
     Microsteps,
-    /// It was reset, and runs by its pins.
+    /// It was reset, and is configured by its pins.
     LostConfiguration,
-    /// It is no TMC2209.
+    /// It is not a TMC2209.
     WrongChip(u8),
     /// A coil is shorted to ground or to the supply.
     ShortCircuit,
     /// It has switched itself off because it is too hot.
     OverTemperature,
-    /// It has switched itself off, and no longer says why.
+    /// It has switched itself off, and no longer reports the reason.
     ShutDown,
     /// Its charge pump fails, so the motor has no current.
     LowSupply,
 }
 
 impl DriverError {
-    /// What GSTAT says is wrong.
+    /// The error that GSTAT reports.
     pub(super) const fn from_flags(flags: u32) -> Option<Self> {
         if flags & gstat::RESET != 0 {
             Some(Self::LostConfiguration)
@@ -46,7 +46,7 @@ impl DriverError {
         }
     }
 
-    /// What DRV_STATUS says is wrong.
+    /// The error that DRV_STATUS reports.
     pub(super) const fn from_status(status: u32) -> Option<Self> {
         if status & drv_status::SHORTS != 0 {
             Some(Self::ShortCircuit)
@@ -78,7 +78,7 @@ impl fmt::Display for DriverError {
 
 impl core::error::Error for DriverError {}
 
-/// The name of a motor as a user knows it.
+/// The name of a motor for users.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Name(pub Motor);
 
@@ -96,12 +96,12 @@ impl fmt::Display for Name {
     }
 }
 
-/// Which driver has what.
+/// An error of one driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Fault {
     /// The driver's motor.
     pub motor: Motor,
-    /// What is wrong with it.
+    /// Its error.
     pub error: DriverError,
 }
 
@@ -113,12 +113,12 @@ impl fmt::Display for Fault {
 
 impl core::error::Error for Fault {}
 
-/// What the Console must know at once.
+/// News that the Console must have at once.
 #[must_use]
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum News {
-    /// A driver failed: the motion must end at once, and then [`Drivers::cut`](super::Drivers::cut) be called. In this order
-    /// no step is made without power.
+    /// A driver failed: the motion must end at once, and then [`Drivers::cut`](super::Drivers::cut) must follow. In
+    /// this order no step is made without power.
     Stopped(Fault),
     /// A driver is hot, and still at work. Reported once.
     Hot(Motor),

@@ -1,20 +1,20 @@
-//! The drivers: TMC2209s are configured, proved to be so, and watched while they have power.
+//! The drivers: TMC2209s are configured, the configuration is proved, and they are watched while they have power.
 //!
-//! The promise: **a motor whose driver can be talked to has power only after that driver has proved to hold the
-//! configuration that the firmware counts on, and loses it as soon as the driver is found without.** A driver that
-//! was reset runs by its pins, makes other steps than the firmware counts, and would pull against the other three
-//! on the belt.
+//! The promise: **a motor with a reachable driver gets power only after the driver has proved its configuration, and
+//! loses power as soon as that is lost.** A driver that was reset is configured by its pins, makes other steps than the
+//! firmware counts, and would pull against the other three on the belt.
 //!
-//! [`Drivers`] is stepped by the Console's main loop (see room `machine`) and never waits: at most one exchange goes on, in the background.
-//! Everything that switches power goes through it.
+//! The main loop steps [`Drivers`] (see room `machine`), which never waits: at most one exchange is under way, in the
+//! background. All switching of power goes through it.
 //!
 //! # Words
 //!
-//! - **exchange**: a request to one driver and its reply, if one is due: a datagram each way (`datagram`).
-//! - **job**: what is to be done with a driver. **run**: a job on its way, several exchanges one after the other (`run`).
-//! - **proof**: a run which has shown that the driver holds its configuration. It counts for a short time and for getting
-//!   power once. A **quick proof** reads three registers, of a driver that was configured before.
-//! - **look**: one register of a driver whose motor has power is read (`watch`). **poll**: all that tell why a driver failed.
+//! - **exchange**: a request to one driver and its reply, if it has one: a datagram each way (`datagram`).
+//! - **job**: a task for a driver. **run**: a job in progress, several exchanges one after the other (`run`).
+//! - **proof**: a run that shows that the driver has its configuration. It is valid for a short time and for one
+//!   power-up. A **quick proof** reads three registers of a driver that was configured before.
+//! - **look**: one register of a driver with power is read (`watch`). **poll**: all registers that show why a driver
+//!   failed are read.
 
 mod config;
 mod datagram;

@@ -1,19 +1,19 @@
-//! A reading: what a driver says of itself, for a report.
+//! A reading: the values that a driver reports of itself.
 
 use super::config::microsteps;
 use super::error::DriverError;
 use super::registers::{Register, drv_status, gconf};
 
-/// Readings of its load that are kept.
+/// Number of stored load readings.
 pub(super) const LOADS: usize = 4;
 
-/// The bits of MSCNT (section 5.4): places of its sine table.
+/// The bits of MSCNT (section 5.4): positions in its sine table.
 const PLACES: u32 = 0x3FF;
 
 /// The bits of SG_RESULT (datasheet rev 1.09, section 5.3).
 const STALL: u16 = 0x3FF;
 
-/// What a driver said.
+/// The values of one driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Reading {
     pub(super) flags: u32,
@@ -60,13 +60,13 @@ impl Reading {
         if self.gconf & gconf::EN_SPREADCYCLE == 0 { "stealthChop" } else { "spreadCycle" }
     }
 
-    /// Whether it is so hot that it may soon switch itself off.
+    /// Whether it is near the temperature at which it switches itself off.
     #[must_use]
     pub const fn is_hot(&self) -> bool {
         self.status & drv_status::OTPW != 0
     }
 
-    /// How warm it is.
+    /// Its temperature range.
     #[must_use]
     pub const fn temperature(&self) -> &'static str {
         match self.status {
@@ -78,27 +78,27 @@ impl Reading {
         }
     }
 
-    /// Whether a coil seems to be open, which is true only of a motor that turns slowly.
+    /// Whether a coil seems to be open; valid only while the motor turns slowly.
     #[must_use]
     pub const fn seems_open(&self) -> bool {
         self.status & drv_status::OPEN_LOADS != 0
     }
 
-    /// StallGuard's result: the smaller, the greater the load. It means something in stealthChop only.
+    /// StallGuard's result: the smaller, the greater the load. Valid only in stealthChop.
     #[must_use]
     pub const fn stall(&self) -> u32 {
         let [newest, ..] = self.stalls;
         newest as u32
     }
 
-    /// All that is kept of it; of a job that reads loads, its results.
+    /// All stored load readings; after a job that reads loads, its results.
     #[must_use]
     pub const fn loads(&self) -> [u16; LOADS] {
         self.stalls
     }
 
-    /// Where in its sine table the driver stands, in 1024ths of an electrical turn; `None` if two readings did not agree, for a damaged
-    /// one may pass its checksum.
+    /// The driver's position in its sine table, in 1024ths of an electrical turn. `None` if two readings differ,
+    /// because a damaged one may pass its checksum.
     #[must_use]
     pub fn phase(&self) -> Option<u16> {
         let [newest, before] = self.places;
@@ -111,7 +111,7 @@ impl Reading {
         self.count
     }
 
-    /// What is wrong with it, apart from its registers.
+    /// Its error, apart from its registers.
     #[must_use]
     pub const fn problem(&self) -> Option<DriverError> {
         match DriverError::from_status(self.status) {
@@ -164,7 +164,7 @@ mod tests {
             assert_eq!(reading.problem(), problem, "bit {bit}");
             assert_eq!((reading.is_hot(), reading.seems_open()), (bit == 0, (6..=7).contains(&bit)), "bit {bit}");
         }
-        // The hotter it is, the more of the bits are set: the highest counts.
+        // The hotter it is, the more bits are set: the highest counts.
         for (status, temperature) in [
             (0, "below 120 C"),
             (0x100, "above 120 C"),
@@ -193,7 +193,7 @@ mod tests {
         assert_eq!(reading.phase(), None);
         reading.note(Register::Mscnt, 0x2F1);
         assert_eq!(reading.phase(), None);
-        // Of the other bits nothing is said.
+        // The other bits are undefined.
         reading.note(Register::Mscnt, 0xFC00 | 0x2F1);
         assert_eq!(reading.phase(), Some(0x2F1));
     }
@@ -213,7 +213,7 @@ mod tests {
         let mut reading = with(Register::SgResult, 510);
         assert_eq!((reading.stall(), reading.writes()), (510, 0));
         reading.note(Register::Ifcnt, 255);
-        // What no report tells is forgotten.
+        // Values that no report uses are dropped.
         reading.note(Register::Ioin, 0x2100_0000);
         assert_eq!((reading.stall(), reading.writes()), (510, 255));
     }

@@ -19,9 +19,9 @@ pub enum Register {
     IholdIrun = 0x10,
     /// Time at rest until the current falls (5.2).
     Tpowerdown = 0x11,
-    /// Speed above which stealthChop gives way (5.2).
+    /// Speed above which stealthChop changes to spreadCycle (5.2).
     Tpwmthrs = 0x13,
-    /// Speed below which StallGuard says nothing (5.3).
+    /// Speed below which StallGuard is inactive (5.3).
     Tcoolthrs = 0x14,
     /// Speed of the driver's own pulse generator (5.2).
     Vactual = 0x22,
@@ -31,7 +31,7 @@ pub enum Register {
     SgResult = 0x41,
     /// coolStep (5.3).
     Coolconf = 0x42,
-    /// Where in its sine table the driver stands: 1024 places are an electrical turn (5.4).
+    /// The driver's position in its sine table: 1024 are an electrical turn (5.4).
     Mscnt = 0x6A,
     /// Chopper and microsteps (5.5.1).
     Chopconf = 0x6C,
@@ -81,7 +81,7 @@ pub(super) mod gconf {
     pub const PDN_DISABLE: u32 = 1 << 6;
     /// Microsteps by MRES instead of the pins.
     pub const MSTEP_REG_SELECT: u32 = 1 << 7;
-    /// Filters step pulses when it sees speed above 750 Hz of full steps.
+    /// Filters step pulses at speeds above 750 full steps a second.
     pub const MULTISTEP_FILT: u32 = 1 << 8;
 }
 
@@ -99,7 +99,7 @@ pub(super) mod gstat {
 
 /// Fields of IOIN (5.1).
 pub(super) mod ioin {
-    /// Where the version begins.
+    /// First bit of the version.
     pub const VERSION: u32 = 24;
     /// The version of a TMC2209.
     pub const TMC2209: u32 = 0x21;
@@ -107,13 +107,13 @@ pub(super) mod ioin {
 
 /// Fields of CHOPCONF (5.5.1).
 pub(super) mod chopconf {
-    /// Where HSTRT begins; TOFF begins at 0.
+    /// First bit of HSTRT; TOFF begins at 0.
     pub const HSTRT: u32 = 4;
-    /// Where TBL begins.
+    /// First bit of TBL.
     pub const TBL: u32 = 15;
     /// High sensitivity of the sense resistors: 180 mV at full scale instead of 325.
     pub const VSENSE: u32 = 1 << 17;
-    /// Where MRES begins; 0 is 256 microsteps, 8 is a full step.
+    /// First bit of MRES; 0 is 256 microsteps, 8 is a full step.
     pub const MRES: u32 = 24;
     /// Steps are interpolated to 256 microsteps.
     pub const INTPOL: u32 = 1 << 28;
@@ -127,7 +127,7 @@ pub(super) mod drv_status {
     pub const OT: u32 = 1 << 1;
     /// Shorts to ground (2, 3) and to the supply (4, 5) of either coil.
     pub const SHORTS: u32 = 0xF << 2;
-    /// Coil A or B seems open; not to be trusted at rest or at high speed.
+    /// Coil A or B seems open; not reliable at rest or at high speed.
     pub const OPEN_LOADS: u32 = 3 << 6;
     /// The temperature is above 120, 143, 150, 157 degrees.
     pub const T120: u32 = 1 << 8;

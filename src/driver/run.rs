@@ -1,8 +1,10 @@
 //! A run: the exchanges of one job with one driver, one after the other.
 //!
-//! Three answers to three kinds of trouble. An exchange that fails is tried again. A value that should not be is
-//! read until two readings agree, for one damaged reply in 256 passes its checksum. And a configuration that did not arrive as it
-//! should is written again from the beginning.
+//! There are three kinds of trouble, each with its own answer:
+//!
+//! - An exchange fails: it is tried again.
+//! - A value is wrong: it is read until two readings agree, because one damaged reply in 256 passes its checksum.
+//! - A configuration did not arrive correctly: it is written again from the beginning.
 
 use super::config::{Config, WRITTEN};
 use super::datagram;
@@ -12,53 +14,53 @@ use super::registers::{Register, chopconf, gconf, ioin};
 use crate::motors::Motor;
 use crate::port::{BusError, Frame};
 
-/// How often a read is tried before the driver counts as silent or unreadable.
+/// Attempts to read before the driver counts as silent or unreadable.
 const TRIES: u8 = 4;
 
-/// How often a configuration is written again before it counts as not taken.
+/// Attempts to write a configuration before it counts as not accepted.
 const ROUNDS: u8 = 3;
 
-/// What is to be done with a driver.
+/// A task for a driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Job {
-    /// Prove that it holds its configuration, and write that if need be. The motor has no power.
+    /// Prove its configuration, and write it if necessary. The motor has no power.
     Verify,
     /// Change the configuration of a motor that has power.
     Adjust,
-    /// See whether all is well with a motor that has power, or what is wrong.
+    /// Check a motor with power, and find its error.
     Poll,
-    /// Read what a report tells.
+    /// Read the values for a report.
     Read,
-    /// Read several times how hard the motor pulls.
+    /// Read the motor's load several times.
     Load,
-    /// Read twice where in its sine table the driver stands.
+    /// Read the driver's position in its sine table twice.
     Phase,
 }
 
-/// One exchange, and what is made of it.
+/// One exchange, and the check of its reply.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Step {
     /// It must be a TMC2209.
     Version,
-    /// Write a register without counting it.
+    /// Write a register; the write is not counted.
     Tell(Register),
-    /// No flag may be up.
+    /// No flag may be set.
     Flags,
-    /// How many writes it has taken so far.
+    /// Read the count of accepted writes.
     Count,
     /// Write a register.
     Write(Register),
-    /// It must have taken all writes since [`Step::Count`], and no others.
+    /// It must have accepted all writes since [`Step::Count`], and no others.
     Counted,
-    /// A register must hold what was written.
+    /// A register must have its written value.
     Same(Register),
     /// It must not have switched itself off.
     Status,
-    /// Read without a judgement.
+    /// Read without a check.
     Note(Register),
 }
 
-/// What a look is at: one register of a motor that has power.
+/// The register of a look, for a motor with power.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Look {
     /// GSTAT.
@@ -93,13 +95,13 @@ const READ: &[Step] = &[
     Step::Note(Register::Ifcnt),
 ];
 
-/// The drivers measure anew every full step.
+/// The drivers measure again in every full step.
 const LOAD: &[Step] = &[Step::Note(Register::SgResult); LOADS];
 
 const PHASE: &[Step] = &[Step::Note(Register::Mscnt); 2];
 
-/// Another firmware may have asked for late replies, so the first word is to answer soon. The flags are cleared
-/// before everything else: a reset from there on is seen.
+/// Another firmware may have set late replies, so the first write makes replies fast. The flags are cleared before all
+/// else, so that any later reset is seen.
 const CONFIGURE: &[Step] = &script::<4, CONFIGURE_STEPS>([
     Step::Tell(Register::Slaveconf),
     Step::Version,
@@ -107,10 +109,10 @@ const CONFIGURE: &[Step] = &script::<4, CONFIGURE_STEPS>([
     Step::Count,
 ]);
 
-/// A driver that has power must not have its flags cleared: they may tell of a reset that nobody has seen yet.
+/// The flags of a driver with power must not be cleared: they may show a reset that was not read yet.
 const ADJUST: &[Step] = &script::<3, ADJUST_STEPS>([Step::Status, Step::Flags, Step::Count]);
 
-/// What follows the writes.
+/// The steps after the writes.
 const AFTER: [Step; 5] = [
     Step::Counted,
     Step::Same(Register::Gconf),
@@ -122,7 +124,7 @@ const AFTER: [Step; 5] = [
 const CONFIGURE_STEPS: usize = 4 + WRITTEN.len() + AFTER.len();
 const ADJUST_STEPS: usize = 3 + WRITTEN.len() + AFTER.len();
 
-/// What comes before, the writes, what comes after.
+/// The steps before, the writes, the steps after.
 const fn script<const BEFORE: usize, const ALL: usize>(before: [Step; BEFORE]) -> [Step; ALL] {
     let mut steps = [Step::Counted; ALL];
     let mut i = 0;
@@ -139,16 +141,16 @@ const fn script<const BEFORE: usize, const ALL: usize>(before: [Step; BEFORE]) -
     steps
 }
 
-/// How a run goes on.
+/// Continuation of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Next {
-    /// With another exchange.
+    /// Another exchange.
     Exchange,
-    /// Not at all: it is done.
+    /// The run is done.
     Done(Result<Reading, DriverError>),
 }
 
-/// Whether a value was found to be wrong.
+/// Whether a value was wrong.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Doubt {
     None,
@@ -156,25 +158,25 @@ enum Doubt {
     WrongThenRight,
 }
 
-/// A job with one driver, on its way.
+/// A job in progress with one driver.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
     pub motor: Motor,
     pub job: Job,
-    /// The configuration that the driver must hold.
+    /// The required configuration.
     pub config: Config,
     steps: &'static [Step],
     at: usize,
     tries: u8,
     rounds: u8,
-    /// What the present value said so far: once wrong, or once wrong and then right.
+    /// Readings of the current value so far: once wrong, or once wrong and then right.
     doubt: Doubt,
     count: u8,
     reading: Reading,
 }
 
 impl Run {
-    /// A new run; a driver that `is_configured` may prove it quickly.
+    /// A new run; a driver that `is_configured` may use the quick proof.
     pub fn new(motor: Motor, job: Job, config: Config, is_configured: bool) -> Self {
         let steps = match job {
             Job::Verify if is_configured => CHECK,
@@ -189,7 +191,7 @@ impl Run {
         Self { motor, job, config, steps, at: 0, tries: 0, rounds: 0, doubt: Doubt::None, count: 0, reading }
     }
 
-    /// A look at a driver whose motor has power, and that holds `config`.
+    /// A look at a driver with power and the configuration `config`.
     pub fn look(motor: Motor, look: Look, config: Config) -> Self {
         Self { steps: look.steps(), ..Self::new(motor, Job::Poll, config, true) }
     }
@@ -199,14 +201,14 @@ impl Run {
         matches!(self.steps, [Step::Flags])
     }
 
-    /// Whether another register may tell why a look has found this: DRV_STATUS why a driver has switched itself off, GSTAT that it was
-    /// reset and so has another CHOPCONF.
+    /// Whether another register may give the reason for this finding. DRV_STATUS shows why a driver has switched itself
+    /// off; GSTAT shows the reset that changed CHOPCONF.
     pub fn is_part_of_the_story(&self, error: DriverError) -> bool {
         let is_of_others = matches!(error, DriverError::ShutDown | DriverError::Microsteps | DriverError::Differs(_));
         self.steps.len() == 1 && is_of_others
     }
 
-    /// Whether it may write, so that what the driver holds is not known until it is done.
+    /// Whether it may write, so that the driver's configuration is unknown until it is done.
     pub fn writes(&self) -> bool {
         self.steps.iter().any(|step| matches!(step, Step::Write(_)))
     }
@@ -228,14 +230,14 @@ impl Run {
         })
     }
 
-    /// What the exchange brought, and how to go on. The second value tells whether it failed.
+    /// Takes the result of the exchange, and returns the continuation and whether the exchange failed.
     pub fn take(&mut self, outcome: Result<Frame, BusError>) -> (Next, bool) {
         let Some(step) = self.step() else { return (Next::Done(Ok(self.reading)), false) };
         let register = match step {
             Step::Tell(_) | Step::Write(_) => {
                 return match outcome {
                     Ok(_) => (self.go_on(), false),
-                    // Whether it arrived is not known, so the count would be worth nothing.
+                    // It is not known whether the write arrived, so the count would be useless.
                     Err(_) => (self.fail(DriverError::NotTaken), true),
                 };
             }
@@ -312,7 +314,7 @@ impl Run {
         if self.at < self.steps.len() { Next::Exchange } else { Next::Done(Ok(self.reading)) }
     }
 
-    /// A driver is not as it should be: writes what it must hold, if that may be written now.
+    /// A driver is wrong: writes its configuration again, if writing is allowed now.
     fn fail(&mut self, error: DriverError) -> Next {
         let again = match (self.job, error) {
             (Job::Poll | Job::Read | Job::Load | Job::Phase, _) | (_, DriverError::WrongChip(_)) => false,

@@ -1,26 +1,31 @@
-//! Watch: which driver with power is looked at next, and at which of its registers.
+//! Watch: the next driver with power to look at, and the register.
 //!
-//! The wires take one exchange at a time, of 7.4 ms at 19,200 baud: a **slot**. Motors that can pull against each other (the machine's residuals)
-//! are **urgent**: one that fails is to be off within 100 ms, so every second slot reads GSTAT of one of them, in turn. It has all that
-//! ends a motor's torque or makes its steps others: reset, a short circuit or heat (drv_err), a low charge pump (uv_cp); and who has no
-//! supply does not answer. The slots in between belong to jobs, and without one to the **background**: GSTAT of the other motors, and of all of them
-//! CHOPCONF and DRV_STATUS, which warns of heat. Background looks get every [`BETWEEN`]th of these slots even if jobs wait.
+//! The wires take one exchange at a time, of 7.4 ms at 19,200 baud: a **slot**.
 //!
-//! Four urgent motors are looked at every 64 ms each. A driver that has lost its supply is asked four times, 32 ms, before it counts as
-//! silent: 96 ms at most. Without urgent motors all slots are background, which looks at each driver of seven every 168 ms.
+//! - **Urgent** motors can pull against each other (the machine's residuals). One that fails must be off within 100 ms,
+//!   so every second slot reads GSTAT of one of them, in turn. GSTAT has everything that ends a motor's torque or
+//!   changes its steps: reset, a short circuit or heat (drv_err), a low charge pump (uv_cp). A driver without supply
+//!   does not reply.
+//! - The slots in between belong to jobs, and otherwise to the **background**: GSTAT of the other motors, and CHOPCONF
+//!   and DRV_STATUS of all; DRV_STATUS warns of heat. One in [`BETWEEN`] of these slots is reserved for the background
+//!   even when a job is pending.
+//!
+//! Each of four urgent motors gets a look every 64 ms. A driver that has lost its supply is asked four times, 32 ms,
+//! before it counts as silent: 96 ms at most. Without urgent motors all slots are background, and each driver of seven
+//! gets a look every 168 ms.
 
 use super::run::Look;
 use crate::motors::{Motor, MotorSet};
 use crate::units::Instant;
 
-/// A look after a look begins no earlier than so many ms after it: an exchange and the Console's next turn.
+/// Least time in ms from one look to the next: an exchange and the next turn of the main loop.
 const SLOT_MS: u32 = 8;
 
-/// Of so many slots between urgent looks the background gets one although a job waits.
+/// One in N slots between urgent looks is reserved for the background even when a job is pending.
 const BETWEEN: u8 = 5;
 
-/// Registers in the background beside urgent looks. One of three is GSTAT of a motor that is not urgent: each of three every 144 ms.
-/// CHOPCONF of each of seven comes every 224 ms, DRV_STATUS every 672 ms.
+/// Background registers while there are urgent looks. One in three is GSTAT of a motor that is not urgent: each of
+/// three motors every 144 ms. CHOPCONF of each of seven comes every 224 ms, DRV_STATUS every 672 ms.
 const BESIDE: [Look; 12] = [
     Look::Flags,
     Look::Chopper,
@@ -36,40 +41,40 @@ const BESIDE: [Look; 12] = [
     Look::Status,
 ];
 
-/// The same while jobs wait: GSTAT of each of three every 320 ms, the others when there is time.
+/// The same while jobs wait: GSTAT of each of three every 320 ms, the others in free slots.
 const BUSY: [Look; 8] =
     [Look::Flags, Look::Flags, Look::Flags, Look::Chopper, Look::Flags, Look::Flags, Look::Flags, Look::Status];
 
-/// Registers if no motor is urgent.
+/// Background registers if no motor is urgent.
 const ALONE: [Look; 3] = [Look::Status, Look::Flags, Look::Chopper];
 
-/// Whose slot it is.
+/// The owner of a slot.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Slot {
     /// An urgent look at GSTAT of this driver.
     Urgent(Motor),
     /// A look in the background, at this register of this driver.
     Background(Motor, Look),
-    /// The look in the background that is under way, once more.
+    /// The current background look, once more.
     Again,
-    /// A job, or nobody.
+    /// A job, or none.
     Job,
 }
 
-/// What there is to be looked at.
+/// The state that decides on the next slot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
-    /// Motors with power whose drivers can be talked to.
+    /// Motors with power and a driver that can be reached.
     pub watched: MotorSet,
-    /// The driver that is being written: its CHOPCONF may be the old or the new one.
+    /// The driver that is being written: its CHOPCONF may be old or new.
     pub writing: Option<Motor>,
     /// A job waits for a slot.
     pub has_job: bool,
-    /// A look in the background has not come to an end.
+    /// A background look is not complete.
     pub has_look: bool,
 }
 
-/// A motor after the other.
+/// The motors in turn.
 #[derive(Clone, Copy, Debug)]
 struct Round(Motor);
 
@@ -86,10 +91,10 @@ impl Round {
 #[derive(Debug)]
 pub(super) struct Watch {
     urgent: MotorSet,
-    /// Motors whose GSTAT is to be read before anything else.
+    /// Motors that need a look at GSTAT before all else.
     at_once: MotorSet,
     is_urgent_turn: bool,
-    /// Slots that jobs have had since the background's last one.
+    /// Slots of jobs since the last background slot.
     given: u8,
     place: usize,
     urgent_round: Round,
@@ -121,7 +126,7 @@ impl Watch {
         self.urgent = urgent;
     }
 
-    /// GSTAT of these is read before anything else.
+    /// GSTAT of these is read before all else.
     pub const fn ask_at_once(&mut self, motors: MotorSet) {
         self.at_once = motors;
     }
@@ -131,12 +136,12 @@ impl Watch {
         self.at_once = self.at_once.without(MotorSet::of(motor));
     }
 
-    /// Those of `motors` whose GSTAT was to be read at once, and was not yet.
+    /// Those of `motors` that still wait for their look at GSTAT.
     pub const fn unseen(&self, motors: MotorSet) -> MotorSet {
         motors.without(MotorSet::ALL.without(self.at_once))
     }
 
-    /// Whose slot it is now.
+    /// The owner of the present slot.
     pub fn next(&mut self, wanted: Wanted, now: Instant) -> Slot {
         let Wanted { watched, has_job, has_look, .. } = wanted;
         if watched.is_empty() || now < self.due {
@@ -160,7 +165,7 @@ impl Watch {
         slot
     }
 
-    /// Whether a job that waits gets a slot that is not for an urgent look.
+    /// Whether a pending job gets a slot that is not urgent.
     const fn is_for_job(&mut self, has_urgent: bool) -> bool {
         let most = if has_urgent { BETWEEN - 1 } else { 1 };
         let is_for_job = self.given < most;

@@ -1,4 +1,4 @@
-//! Steps are counted by the generator, so that the step interrupt need not count.
+//! Step counts: the generator counts, so that the step interrupt need not.
 
 use crate::motors::MOST_GROUPS;
 use core::sync::atomic::{AtomicI32, Ordering::Acquire, Ordering::Relaxed};
@@ -11,7 +11,7 @@ impl Counted {
         Self([const { AtomicI32::new(0) }; MOST_GROUPS])
     }
 
-    /// So many more of each group. One context is the only writer.
+    /// Adds `steps` to each group. One context is the only writer.
     pub fn add(&self, steps: [i32; MOST_GROUPS]) {
         for (count, steps) in self.0.iter().zip(steps) {
             count.store(count.load(Relaxed).wrapping_add(steps), Relaxed);

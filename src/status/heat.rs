@@ -1,36 +1,36 @@
-//! What the Console knows of heaters and fans, and what it tells of the filament.
+//! Heaters and fans for the Console, and its information on the filament.
 
 use crate::connectors::{FANS, HEATERS, Heater, SENSORS, Sensor};
 use crate::fault::Cause;
 use crate::units::Celsius;
 use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU16, AtomicU32, Ordering::Relaxed};
 
-/// How far a tuning has come (M303).
+/// Progress of a tuning (M303).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Tuning {
     /// There is none.
     None,
     /// It was too hot, and cools first.
     Cooling,
-    /// It goes on; so many cycles are done.
+    /// It runs; the number of finished cycles.
     Cycle(u8),
     /// It is done, and the results can be read.
     Done,
-    /// It did not work.
+    /// It failed.
     Failed(TuningFailure),
 }
 
-/// Why a tuning did not work.
+/// Why a tuning failed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum TuningFailure {
-    /// It does not get as cold as it must be to begin.
+    /// It does not cool to the temperature at which it can begin.
     StaysHot = 0,
     /// Full power does not bring it to the target.
     OutOfReach = 1,
-    /// The temperature did not swing as it should.
+    /// The temperature did not swing as expected.
     NoSwing = 2,
-    /// No heater of this power is what was found.
+    /// A heater of this power cannot have the result.
     Impossible = 3,
 }
 
@@ -39,32 +39,32 @@ impl TuningFailure {
     const ALL: [Self; 4] = [Self::StaysHot, Self::OutOfReach, Self::NoSwing, Self::Impossible];
 }
 
-/// Numbers of [`Tuning`] as one word: failures have four, cycles those behind.
+/// Numbers of [`Tuning`] as one word: failures have four, cycles the following ones.
 const FIRST_FAILURE: u32 = 3;
 const FIRST_CYCLE: u32 = FIRST_FAILURE + TuningFailure::ALL.len() as u32;
 
-/// How far a self-test has come. One that fails is a fault.
+/// Progress of a self-test. A failure is a fault.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum SelfTest {
-    /// There was none, or it was ended.
+    /// None ran, or it was ended.
     None = 0,
-    /// It goes on.
+    /// It runs.
     Testing = 1,
     /// Each heater warms its own sensor.
     Passed = 2,
-    /// A heater is hot, or its sensor has no reading: nothing was found out.
+    /// A heater is hot, or its sensor has no reading: there is no result.
     PutOff = 3,
 }
 
-/// What M303 has found, in the bits of the types that settings have.
+/// The result of M303, in the bits of the settings' types.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Tuned {
     /// J/K.
     pub capacity: u32,
     /// W/K.
     pub loss: u32,
-    /// W/K in addition with the part fan at full speed; 0 if it was not found out.
+    /// W/K in addition with the part fan at full speed; 0 if unknown.
     pub fan_loss: u32,
     /// s, from the heater to the sensor.
     pub lag: u32,
@@ -76,11 +76,11 @@ pub struct Tuned {
     pub d: u32,
 }
 
-/// Temperatures, duties and filament. Written by the thermal context but for what its field names.
+/// Temperatures, duties and filament. Written by the thermal context; fields with another writer name it.
 pub struct Heat {
     /// One more than the last sample of each sensor; 0 for none.
     samples: [AtomicU32; SENSORS],
-    /// Bits of a [`Celsius`]; the least number for none.
+    /// Bits of a [`Celsius`]; the smallest number for none.
     measured: [AtomicI32; HEATERS],
     targets: [AtomicI32; HEATERS],
     /// Numbers of the causes for which heaters are refused; 0 for none.
@@ -93,15 +93,15 @@ pub struct Heat {
     tuning: AtomicU32,
     tuned: [AtomicU32; 7],
     self_test: AtomicU8,
-    /// Filament that went through the nozzle, in um, wrapping; written by the Console.
+    /// Filament extruded, in um, wrapping; written by the Console.
     extruded_um: AtomicU32,
-    /// Heat for each K that filament will take within the hotend's lag, and at its end, in 2^-24 J/K and W/K; written by the
-    /// Console.
+    /// Heat per K that the filament will take within the hotend's lag, and at its end, in 2^-24 J/K and W/K; written by
+    /// the Console.
     coming: AtomicU32,
     then: AtomicU32,
-    /// Counted up by the Console whenever it comes by.
+    /// Heartbeats of the Console.
     console_beats: AtomicU8,
-    /// Counted up by the StepGenerator.
+    /// Heartbeats of the StepGenerator.
     generator_beats: AtomicU8,
 }
 
@@ -134,7 +134,7 @@ impl Heat {
         Some(self.samples[sensor as usize].load(Relaxed).checked_sub(1)? as u16)
     }
 
-    /// The temperature of a heater; none if there is no such heater or nothing was measured yet.
+    /// The temperature of a heater; `None` without such a heater or a reading.
     #[must_use]
     pub fn measured(&self, heater: Heater) -> Option<Celsius> {
         let bits = self.measured[heater as usize].load(Relaxed);
@@ -153,7 +153,7 @@ impl Heat {
         self.duties[heater as usize].load(Relaxed)
     }
 
-    /// Why it must not heat: its sensor is broken. It stays off until the sensor is well again.
+    /// Why it must not heat: its sensor is broken. It stays off until the sensor works.
     #[must_use]
     pub fn ailment(&self, heater: Heater) -> Option<Cause> {
         Cause::of(self.ailments[heater as usize].load(Relaxed))
@@ -171,7 +171,7 @@ impl Heat {
         self.periods.load(Relaxed)
     }
 
-    /// How far a tuning has come.
+    /// The progress of a tuning.
     #[must_use]
     pub fn tuning(&self) -> Tuning {
         match self.tuning.load(Relaxed) {
@@ -185,7 +185,7 @@ impl Heat {
         }
     }
 
-    /// How far a self-test has come.
+    /// The progress of a self-test.
     #[must_use]
     pub fn self_test(&self) -> SelfTest {
         match self.self_test.load(Relaxed) {
@@ -196,7 +196,7 @@ impl Heat {
         }
     }
 
-    /// What a tuning has found.
+    /// The result of a tuning.
     #[must_use]
     pub fn tuned(&self) -> Tuned {
         let [capacity, loss, fan_loss, lag, p, i, d] = self.tuned.each_ref().map(|word| word.load(Relaxed));
@@ -249,38 +249,38 @@ impl Heat {
         }
     }
 
-    /// Filament that went through the nozzle, in um, wrapping.
+    /// Filament extruded, in um, wrapping.
     pub(crate) fn extruded_um(&self) -> u32 {
         self.extruded_um.load(Relaxed)
     }
 
-    /// Filament that went through the nozzle, in um, wrapping; the Console calls it.
+    /// Sets the extruded filament; the Console calls it.
     pub fn set_extruded_um(&self, um: u32) {
         self.extruded_um.store(um, Relaxed);
     }
 
-    /// Heat for each K that filament will take within the hotend's lag, in 2^-24 J/K, and at its end, in 2^-24 W/K.
+    /// Heat per K that the filament will take within the hotend's lag, in 2^-24 J/K, and at its end, in 2^-24 W/K.
     pub(crate) fn filament_ahead(&self) -> [u32; 2] {
         [self.coming.load(Relaxed), self.then.load(Relaxed)]
     }
 
-    /// What `filament_ahead` gives; the Console calls it.
+    /// Sets the heat that the filament will take; the Console calls it.
     pub fn set_filament_ahead(&self, [coming, then]: [u32; 2]) {
         self.coming.store(coming, Relaxed);
         self.then.store(then, Relaxed);
     }
 
-    /// How often Console and StepGenerator came by, wrapping.
+    /// Heartbeats of Console and StepGenerator, wrapping.
     pub(crate) fn beats(&self) -> [u8; 2] {
         [self.console_beats.load(Relaxed), self.generator_beats.load(Relaxed)]
     }
 
-    /// The Console has come by.
+    /// A heartbeat of the Console.
     pub fn beat_of_console(&self) {
         self.console_beats.store(self.console_beats.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    /// The StepGenerator has run.
+    /// A heartbeat of the StepGenerator.
     pub fn beat_of_generator(&self) {
         self.generator_beats.store(self.generator_beats.load(Relaxed).wrapping_add(1), Relaxed);
     }

@@ -1,8 +1,8 @@
-//! Overload: how often something was too slow, and how much at worst.
+//! Overload: how often a context was too slow, and the worst case.
 
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-/// How often something was late, and the worst of it in ticks. One context counts it.
+/// Number of late events, and the worst in ticks. One context counts it.
 pub(super) struct Lateness {
     count: AtomicU32,
     worst: AtomicU32,
@@ -13,7 +13,7 @@ impl Lateness {
         Self { count: AtomicU32::new(0), worst: AtomicU32::new(0) }
     }
 
-    /// Once more, by so many ticks.
+    /// Counts one more, late by `ticks`.
     pub fn add(&self, ticks: u32) {
         self.count.store(self.count.load(Relaxed).wrapping_add(1), Relaxed);
         self.worst.store(self.worst.load(Relaxed).max(ticks), Relaxed);
@@ -24,25 +24,25 @@ impl Lateness {
     }
 }
 
-/// How often something was late, and by how many ticks at worst.
+/// Number of late events, and the worst in ticks.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Late {
-    /// How often; wraps.
+    /// The number; wraps.
     pub count: u32,
     /// The worst, in ticks.
     pub worst: u32,
 }
 
-/// What was too slow since the start.
+/// Overload since the start.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Overload {
-    /// Events that came so late that all later ones were moved: the processor was too slow.
+    /// Late events that delayed all later ones: the processor was too slow.
     pub events: Late,
-    /// Spans of the trajectory that were made longer, because so many short ones were under way that the slowest tap
-    /// would have lost its own: the shaper remembers no more.
+    /// Spans of the trajectory that were made longer: more short ones were under way than the shaper remembers, and its
+    /// slowest tap would have lost its own.
     pub spans: Late,
     /// How often the StepQueue ran dry in mid-motion: the generator was too slow.
     pub starved: u32,
-    /// How often the host was so slow that the look-ahead had to let go of moves unfinished.
+    /// How often a slow host made the look-ahead release unfinished moves.
     pub underruns: u32,
 }

@@ -1,14 +1,14 @@
-//! Print progress: what the print's own lines say of it (M73, M486), which is how much is done and which object is being
-//! printed.
+//! Print progress: the percentage, the minutes left and the current object, as the print's own lines report them (M73,
+//! M486).
 
 use core::sync::atomic::{AtomicI32, AtomicU32, Ordering::Relaxed};
 
-/// What the print's lines have said.
+/// The reported progress.
 #[derive(Debug)]
 pub struct PrintProgress {
-    /// One more than the percentage of the print that is done; 0 if nobody has said.
+    /// One more than the finished percentage of the print; 0 if not reported.
     percent: AtomicU32,
-    /// One more than the minutes that are left; 0 if nobody has said.
+    /// One more than the minutes left; 0 if not reported.
     minutes: AtomicU32,
     /// One more than the number of the object being printed; 0 for none.
     object: AtomicI32,
@@ -19,7 +19,7 @@ impl PrintProgress {
         Self { percent: AtomicU32::new(0), minutes: AtomicU32::new(0), object: AtomicI32::new(0) }
     }
 
-    /// The percentage of the print that is done, and the minutes that are left, as far as the print has said.
+    /// The finished percentage of the print, and the minutes left, if reported.
     #[must_use]
     pub fn progress(&self) -> (Option<u32>, Option<u32>) {
         (self.percent.load(Relaxed).checked_sub(1), self.minutes.load(Relaxed).checked_sub(1))
@@ -34,7 +34,7 @@ impl PrintProgress {
         }
     }
 
-    /// The object being printed, as the print counts them.
+    /// The current object, by the print's own number.
     #[must_use]
     pub fn object(&self) -> Option<u32> {
         self.object.load(Relaxed).checked_sub(1).and_then(|object| object.try_into().ok())

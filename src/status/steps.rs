@@ -1,4 +1,4 @@
-//! What the interrupts say of the steps: made, played, late, and whether there are none any more.
+//! Status of the steps: made, played, late, and at rest.
 
 use super::{Overload, Status};
 use crate::motors::{GroupSet, MOST_GROUPS};
@@ -10,23 +10,24 @@ impl Status {
         self.made.read()
     }
 
-    /// So many more steps of each group are in the StepQueue. The StepGenerator is the only writer.
+    /// Counts more steps of each group in the StepQueue. The StepGenerator is the only writer.
     pub(crate) fn add_steps_made(&self, steps: [i32; MOST_GROUPS]) {
         self.made.add(steps);
     }
 
-    /// An event that was due at this tick of the step timer is played. The Stepper is the only writer.
+    /// Stores the due time of a played event, by the step timer. The Stepper is the only writer.
     #[inline(always)]
     pub(crate) fn event_played(&self, due: u32) {
         self.due.store(due, Relaxed);
     }
 
-    /// When the last event was due; for the Stepper.
+    /// Due time of the last event; for the Stepper.
     pub(crate) fn played_at(&self) -> u32 {
         self.due.load(Relaxed)
     }
 
-    /// Motion time lags the step timer by so many ticks, and is what it was: the last event is now dated `due`.
+    /// Sets the lag of motion time behind the step timer. Motion time stays as it is: the last event now has the time
+    /// `due`.
     pub(crate) fn set_lag(&self, ticks: u32, due: u32) {
         self.lag.store(ticks, Relaxed);
         self.event_played(due);
@@ -44,7 +45,7 @@ impl Status {
         }
     }
 
-    /// Groups whose steps the Stepper looks at closely.
+    /// Groups with steps that the Stepper checks first.
     pub(crate) fn slow_groups(&self) -> GroupSet {
         GroupSet(self.slow.load(Relaxed))
     }
@@ -66,44 +67,44 @@ impl Status {
         self.events_made.store(made, Release);
     }
 
-    /// Events put into the StepQueue, as of the last turn of the StepGenerator.
+    /// Events put into the StepQueue, at the last turn of the StepGenerator.
     pub(crate) fn events_made(&self) -> u32 {
         self.events_made.load(Acquire)
     }
 
-    /// The Stepper, whom nobody sees half-way, has come to rest when so many events were taken out of the StepQueue.
+    /// Stores the events taken out of the StepQueue when the Stepper came to rest. No reader can preempt the Stepper.
     pub(crate) fn set_rested(&self, done: u32) {
         self.rested.store(done, Relaxed);
     }
 
-    /// Events that the Stepper had taken when it last rested.
+    /// Events that the Stepper had taken when it last came to rest.
     pub(crate) fn rested_at(&self) -> u32 {
         self.rested.load(Acquire)
     }
 
-    /// A number that changes whenever the Stepper has emitted an event or was pended.
+    /// A number that changes whenever the Stepper has played an event or was pended.
     pub(crate) fn stepper_beat(&self) -> u32 {
         self.due.load(Relaxed).wrapping_add(self.looks.load(Relaxed))
     }
 
-    /// The Stepper was pended and has looked at the endstops.
+    /// The Stepper was pended and has read the endstops.
     pub fn count_look(&self) {
         self.looks.store(self.looks.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    /// Whether all events made are done.
+    /// Whether all events made are played.
     pub(super) fn has_rested(&self) -> bool {
         self.events_made.load(Acquire) == self.rested.load(Acquire)
     }
 
-    /// Whether all `entries` that the Console ever queued have been stepped to their end.
+    /// Whether all `entries` that the Console queued are played to their end.
     #[must_use]
     pub fn is_idle(&self, entries: u32) -> bool {
         // The order matters: once every entry is done, no event is added to those already made.
         self.entries_done.load(Acquire) == entries && self.has_rested()
     }
 
-    /// What was too slow since the start.
+    /// Overload since the start.
     #[must_use]
     pub fn overload(&self) -> Overload {
         Overload {
@@ -118,12 +119,12 @@ impl Status {
         self.starved.store(self.starved.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    /// An event came so many ticks late that all later ones are moved.
+    /// Counts an event that came `ticks` late and delayed all later ones.
     pub(crate) fn count_late(&self, ticks: u32) {
         self.late.add(ticks);
     }
 
-    /// A span was made longer by so many ticks.
+    /// Counts a span that was made longer by `ticks`.
     pub(crate) fn count_squeezed(&self, ticks: u32) {
         self.squeezed.add(ticks);
     }

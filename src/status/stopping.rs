@@ -1,23 +1,23 @@
-//! What ends motion: epochs, endstops, braking and the halt.
+//! The ends of motion: epochs, endstops, braking and the halt.
 
 use super::Status;
 use crate::motors::EndstopSet;
 use core::sync::atomic::{Ordering::Acquire, Ordering::Relaxed, Ordering::Release};
 
 impl Status {
-    /// The present epoch.
+    /// The current epoch.
     #[must_use]
     pub fn epoch(&self) -> u8 {
         self.epoch.load(Acquire)
     }
 
-    /// As [`epoch`](Self::epoch), for the Stepper: while it runs, no store of another context is under way.
+    /// As [`epoch`](Self::epoch), for the Stepper: while it runs, no other context can write.
     #[inline(always)]
     pub(crate) fn epoch_in_interrupt(&self) -> u8 {
         self.epoch.load(Relaxed)
     }
 
-    /// Begins a new epoch: everything queued is to be discarded.
+    /// Begins a new epoch: everything queued is discarded.
     pub(crate) fn next_epoch(&self) -> u8 {
         let epoch = self.epoch().wrapping_add(1);
         self.epoch.store(epoch, Release);
@@ -34,12 +34,12 @@ impl Status {
         self.triggered.store(0, Release);
     }
 
-    /// For the Stepper, whom nobody sees half-way.
+    /// For the Stepper. No reader can preempt it, so Relaxed suffices.
     pub(crate) fn set_triggered(&self, set: EndstopSet) {
         self.triggered.store(set.0, Relaxed);
     }
 
-    /// Endstop inputs as last seen.
+    /// Endstop inputs as last read.
     #[must_use]
     pub fn endstops(&self) -> EndstopSet {
         EndstopSet(self.endstops.load(Relaxed))
@@ -49,7 +49,7 @@ impl Status {
         self.endstops.store(set.0, Relaxed);
     }
 
-    /// The endstops that there are.
+    /// The existing endstops.
     #[must_use]
     pub fn inputs(&self) -> EndstopSet {
         EndstopSet(self.inputs.load(Relaxed))
@@ -59,7 +59,7 @@ impl Status {
         self.inputs.store(set.0, Relaxed);
     }
 
-    /// Whether an emergency stop holds.
+    /// Whether an emergency stop is active.
     #[must_use]
     pub fn is_halted(&self) -> bool {
         self.halted.load(Relaxed)
@@ -69,12 +69,12 @@ impl Status {
         self.halted.store(true, Relaxed);
     }
 
-    /// Has the motion of an epoch come to rest along its path; of none with `None`.
+    /// Lets the motion of an epoch brake along its path; `None` withdraws it.
     pub(crate) fn set_brake(&self, epoch: Option<u8>) {
         self.brake.store(epoch.map_or(0, |epoch| u32::from(epoch) + 1), Release);
     }
 
-    /// Whether the motion of this epoch is to come to rest.
+    /// Whether the motion of this epoch shall brake.
     pub(crate) fn is_braking(&self, epoch: u8) -> bool {
         self.brake.load(Acquire) == u32::from(epoch) + 1
     }
@@ -83,7 +83,7 @@ impl Status {
         self.stopped.store(epoch.map_or(0, |epoch| u32::from(epoch) + 1), Release);
     }
 
-    /// Whether the motion of this epoch has come to rest, and all its steps are made.
+    /// Whether the motion of this epoch has stopped, and all its steps are played.
     pub(crate) fn has_stopped(&self, epoch: u8) -> bool {
         self.stopped.load(Acquire) == u32::from(epoch) + 1 && self.has_rested()
     }

@@ -1,11 +1,11 @@
-//! What the Console says of the stream of commands: moves planned and waiting, underruns, and the print's progress.
+//! Status of the command stream: moves planned and waiting, underruns, and the print's progress.
 
 use super::Status;
 use super::print_progress::PrintProgress;
 use core::sync::atomic::Ordering::Relaxed;
 
 impl Status {
-    /// Whether the Console waits for the host and has nothing else to do.
+    /// Whether the Console only waits for the host.
     #[must_use]
     pub fn is_awaiting_input(&self) -> bool {
         self.awaiting_input.load(Relaxed)
@@ -40,7 +40,7 @@ impl Status {
         self.underruns.store(self.underruns.load(Relaxed).wrapping_add(1), Relaxed);
     }
 
-    /// Moves planned and not yet begun.
+    /// Moves planned and not begun.
     #[must_use]
     pub fn level(&self) -> u32 {
         self.level.load(Relaxed)
@@ -62,7 +62,7 @@ impl Status {
         }
     }
 
-    /// What the print's own lines say of it.
+    /// The progress that the print's own lines report.
     #[must_use]
     pub const fn print_progress(&self) -> &PrintProgress {
         &self.print_progress

@@ -51,7 +51,7 @@ fn every_register_that_is_written_has_its_value() {
         (Register::Tpowerdown, 20),
         (Register::Sgthrs, 9),
         (Register::Pwmconf, pwm),
-        // All flags are cleared; the driver steps by its input, without coolStep, and answers at once.
+        // All flags are cleared; the driver steps by its input, without coolStep, and replies at once.
         (Register::Gstat, 0b111),
         (Register::Vactual, 0),
         (Register::Coolconf, 0),

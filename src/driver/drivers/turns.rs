@@ -1,4 +1,4 @@
-//! Turns: whose exchange is the next on the wires, which take one at a time.
+//! Turns: the order of exchanges on the wires, which take one at a time.
 
 use super::Drivers;
 use crate::driver::reading::Reading;
@@ -8,7 +8,7 @@ use crate::motors::Motor;
 use crate::port::DriverBus;
 use crate::units::Instant;
 
-/// Whose exchange it is.
+/// The owner of an exchange.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Turn {
     Urgent,
@@ -17,7 +17,7 @@ pub(super) enum Turn {
 }
 
 impl Drivers {
-    /// Sends what is to be sent now.
+    /// Sends the next request.
     pub(super) fn exchange(&mut self, bus: &mut impl DriverBus, now: Instant) {
         let turn = self.next_turn(now);
         let run = match turn {
@@ -29,7 +29,7 @@ impl Drivers {
         if run.writes()
             && let Some(driver) = self.get_mut(run.motor)
         {
-            // Under power the old values are as good as the new ones, unless a step changes its size.
+            // With power, the old values are as good as the new ones, unless the size of a step changes.
             let microsteps = run.config.microsteps();
             driver.held = driver.held.filter(|held| run.job == Job::Adjust && held.microsteps() == microsteps);
         }
@@ -39,8 +39,8 @@ impl Drivers {
         }
     }
 
-    /// Whose exchange comes next. An urgent look that was not answered, or told of trouble, is repeated at once; so is one in the
-    /// background whose motor has lost its power since.
+    /// The owner of the next exchange. An urgent look without a reply, or with a finding, is repeated at once. So is a
+    /// background look of a motor that has lost its power since.
     fn next_turn(&mut self, now: Instant) -> Turn {
         if self.urgent.is_some() {
             return Turn::Urgent;
@@ -75,7 +75,7 @@ impl Drivers {
         self.get(motor).map(|driver| Run::look(motor, look, driver.held.unwrap_or(driver.wanted)))
     }
 
-    /// The job that is to be done next: changes, what somebody asked for.
+    /// The next job: a change first, then a request.
     fn begin_job(&mut self) -> Option<Run> {
         if self.fault.is_some() {
             return None;
@@ -85,7 +85,7 @@ impl Drivers {
         }
         let (job, motor) = self.asked.take()?;
         if !self.lines.has(motor) || (job == Job::Verify && self.powered.has(motor)) {
-            // Nothing to say, or nothing to prove: the flags of a motor with power are not to be cleared.
+            // Nothing to report, or nothing to prove: the flags of a motor with power must not be cleared.
             self.result = Some(Ok(Reading::default()));
             return None;
         }

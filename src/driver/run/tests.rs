@@ -35,7 +35,7 @@ fn a_configuration_is_begun_anew_three_times_and_only_where_that_may_help() {
         assert_eq!((again(Job::Verify, error), again(Job::Adjust, error)), (3, 3), "{error:?}");
         assert_eq!((again(Job::Poll, error), again(Job::Read, error)), (0, 0), "{error:?}");
     }
-    // Under power its flags are not cleared, so what they say remains; without power they may be old.
+    // The flags of a driver with power are not cleared, so they remain; without power they may be old.
     for error in [DriverError::LostConfiguration, DriverError::ShortCircuit] {
         assert_eq!((again(Job::Verify, error), again(Job::Adjust, error)), (3, 0), "{error:?}");
     }

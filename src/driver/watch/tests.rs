@@ -7,7 +7,7 @@ use std::vec::Vec;
 
 const BELT: MotorSet = MotorSet::BELT;
 
-/// Whose slot it was at which ms, of so many seconds.
+/// Owner and time in ms of each slot, for so many seconds.
 fn slots(urgent: MotorSet, watched: MotorSet, has_job: bool, seconds: u32) -> Vec<(u32, Slot)> {
     let mut watch = Watch::new();
     watch.hurry(urgent);
@@ -17,13 +17,13 @@ fn slots(urgent: MotorSet, watched: MotorSet, has_job: bool, seconds: u32) -> Ve
     while ms < seconds * 1000 {
         let slot = watch.next(wanted, Instant::default().after_ms(ms));
         all.push((ms, slot));
-        // As long as an exchange takes, whoever has it.
+        // Every exchange takes as long.
         ms += SLOT_MS;
     }
     all
 }
 
-/// The register of a driver that is looked at.
+/// The driver and register of a look.
 fn looks_at(slot: Slot) -> Option<(Motor, Look)> {
     match slot {
         Slot::Urgent(motor) => Some((motor, Look::Flags)),
@@ -84,7 +84,7 @@ fn without_motors_that_can_pull_against_each_other_all_drivers_are_alike() {
     // A job gets every second slot.
     let busy = slots(none, MotorSet::ALL, true, 10);
     assert!(busy.chunks_exact(2).all(|pair| pair.iter().filter(|(_, slot)| *slot == Slot::Job).count() == 1));
-    // Where only belt motors have power, the background has no flags to read but theirs.
+    // If only belt motors have power, the background has only their flags to read.
     let belt = slots(BELT, BELT, false, 10);
     assert!(longest_of(&belt, BELT, Look::Flags) <= 64 && longest_of(&belt, BELT, Look::Chopper) <= 256);
 }
