@@ -17,16 +17,16 @@ use crate::status::{self, Status, Tuning};
 use crate::units::Celsius;
 use fixed::types::I8F24;
 
-/// Periods between two looks at the settings in RAM: 1 s.
+/// Periods between two checks of the settings in RAM: 1 s.
 const SCRUB: u32 = 1000 / PERIOD_MS;
 
-/// More filament in a period than any extruder moves, in um: what its heat comes to stays within 64 bits, whatever the settings.
+/// More filament in a period than any extruder moves, in um: its heat then stays within 64 bits, whatever the settings.
 const MOST_UM: i32 = 1 << 20;
 
-/// Below this a hotend is cold: at full power it warms faster than anything else.
+/// Below this a hotend is cold: at full power it then warms faster than any other heater.
 const COLD: Celsius = Celsius::const_from_int(60);
 
-/// What the guards of a period have found: the first of them, unless another one is a switch that sticks.
+/// The alarm of a period: the first one, unless a later one is a switch that sticks.
 struct Found(Option<(Heater, Alarm)>);
 
 impl Found {
@@ -52,16 +52,16 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
     self_test: Option<SelfTest>,
-    /// A switch sticks: only the power supply ends it, and all fans cool.
+    /// A switch sticks: only the power supply ends it, and all fans run.
     is_stuck: bool,
     heartbeats: Heartbeats,
-    /// Whether motors have power, and periods for which the controller's fan goes on.
+    /// Whether motors have power, and the remaining periods of the controller fan.
     has_motors: bool,
     runs_on: u32,
     extruded_um: u32,
-    /// The sum of the settings, as they came.
+    /// The sum of the settings when they came.
     settings_sum: u32,
-    /// Periods until it is looked at.
+    /// Periods until the next check of the sum.
     scrub_in: u32,
 }
 
@@ -90,7 +90,8 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             scrub_in: SCRUB,
         };
         control.settings_sum = control.sum();
-        // The power supply is the board's to switch on. After a switch that stuck it stays off, and nobody here knows of that.
+        // The board switches the power supply on. After a switch that stuck it stays off, which this room does not
+        // know.
         control
     }
 
@@ -103,7 +104,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         self.status.heat().count_period();
     }
 
-    /// What hardware does for it.
+    /// The hardware port.
     pub const fn port(&mut self) -> &mut H {
         &mut self.port
     }
@@ -112,7 +113,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         let mut has_new_settings = false;
         while let Some(order) = self.orders.dequeue() {
             match order {
-                // After a fault nothing heats any more.
+                // After a fault no heater may heat.
                 Order::Target(..) | Order::Tune(..) | Order::SelfTest if self.status.fault().is_set() => {}
                 Order::Target(heater, target) => match &mut self.self_test {
                     Some(test) => test.hold(heater, self.heaters[heater as usize].legal(target)),
@@ -158,7 +159,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// What each heater's sensor reads.
+    /// The reading of each heater's sensor.
     fn readings(&self) -> Readings {
         self.heaters.each_ref().map(|heater| heater.measured().filter(|_| heater.settings().is_fitted))
     }
@@ -178,7 +179,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         self.status.heat().set_self_test(state);
     }
 
-    /// One control period of a self-test that goes on.
+    /// One control period of the current self-test.
     fn test(&mut self) -> Result<(), (Heater, Alarm)> {
         if self.self_test.is_none() {
             return Ok(());
@@ -199,7 +200,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         Ok(())
     }
 
-    /// A self-test that goes on is over, and heaters get the targets that were held.
+    /// Ends the current self-test; heaters get their held targets.
     fn end_self_test(&mut self, end: End) {
         let Some(test) = self.self_test.take() else { return };
         for (heater, target) in self.heaters.iter_mut().zip(test.held()) {
@@ -211,7 +212,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         self.status.heat().set_self_test(state);
     }
 
-    /// A self-test that goes on is over, and so is all heating.
+    /// Ends the current self-test and all heating.
     fn stop_self_test(&mut self) {
         if self.self_test.take().is_some() {
             self.heaters.iter_mut().for_each(|heater| heater.pulse(false));
@@ -219,7 +220,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// Which fans cool what is printed, and the hotend's block with it.
+    /// The fans that cool the print, and with it the hotend's block.
     fn part_fans(&self) -> [bool; FANS] {
         part_fans(self.fans.each_ref().map(|fan| fan.settings().role))
     }
@@ -236,7 +237,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// The watchdog, and the settings in RAM.
+    /// Feeds the watchdog, and checks the settings in RAM.
     fn listen(&mut self) {
         if self.heartbeats.is_silent(Context::Generator) {
             self.pend.pend_generator();
@@ -259,7 +260,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// The sum of the settings, and of what was made of them for the guards.
+    /// The sum of the settings, and of the numbers that guards derive from them.
     fn sum(&self) -> u32 {
         let heaters = self.heaters.each_ref();
         sum(&(
@@ -322,7 +323,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// Tells how far a tuning has come; one that is over switches its heater off.
+    /// Reports the progress of a tuning; a finished one switches its heater off.
     fn report_tuning(&mut self) {
         for heater in &mut self.heaters {
             let Some(tune) = heater.tuning() else { continue };
@@ -337,7 +338,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// What surrounds the heaters: the part fans, the strongest of which counts, and the filament.
+    /// The surroundings of the heaters: the strongest part fan, and the filament.
     fn circumstances(&mut self) -> Circumstances {
         let heat = self.status.heat();
         let um = heat.extruded_um();
@@ -358,9 +359,8 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         }
     }
 
-    /// Up to which temperature its neighbours warm a heater, rightly. A hot bed warms the hotend next to it, for as
-    /// long as it is hot; both warm the chamber, for as long as their heat is under way. Nothing warms a bed, which is
-    /// the heaviest.
+    /// The temperature up to which its neighbours may warm a heater. A hot bed warms the hotend next to it as long as
+    /// it is hot; both warm the chamber as long as their heat is under way. Nothing warms a bed, which is the heaviest.
     fn warmed_to(&self, heater: Heater) -> Celsius {
         let [hotend, bed, _] = &self.heaters;
         let reading = |near: &HeaterLoop| near.measured().filter(|_| near.settings().is_fitted);
@@ -373,14 +373,14 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         near.unwrap_or(Celsius::MIN)
     }
 
-    /// Whether each heater warms its own sensor.
+    /// Checks that each heater warms its own sensor.
     fn compare(&mut self) -> Result<(), (Heater, Alarm)> {
         let mut found = Ok(());
         for own in Heater::ALL {
             let a = &self.heaters[own as usize];
             let Some(a_is) = a.measured().filter(|_| a.settings().is_fitted) else { continue };
             let heats = a.duty() > u16::MAX / 2;
-            // A hotend is quicker than anything that is heated with it.
+            // A hotend is quicker than any heater that heats with it.
             let is_quick = own == Heater::Hotend && a.is_full() && a_is < COLD;
             for (other, guard) in Heater::ALL.into_iter().zip(&mut self.swapped[own as usize]) {
                 let b = &self.heaters[other as usize];
@@ -393,7 +393,8 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         found
     }
 
-    /// A guard has found something: the first cause counts, and a switch that sticks costs the power supply, whatever was first.
+    /// Handles an alarm: the first cause counts. A switch that sticks switches the power supply off, whatever came
+    /// first.
     fn fail(&mut self, subject: u8, alarm: Alarm) {
         let Alarm { cause, value, limit } = alarm;
         self.status.fault().set(Fault { cause, subject, value: value.to_bits(), limit: limit.to_bits() });
@@ -406,7 +407,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     /// All fans of the coming period.
     fn set_fan(&mut self) {
         let [hotend, ..] = &self.heaters;
-        // A hotend that nobody can measure may be hot.
+        // A hotend without a reading may be hot.
         let is_warm = hotend.settings().is_fitted
             && hotend.measured().is_none_or(|measured| measured > self.common.hotend_fan_above);
         let is_busy = self.has_motors || self.heaters.iter().any(HeaterLoop::is_powered);
@@ -415,7 +416,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         } else {
             self.runs_on.saturating_sub(1)
         };
-        // A tuning needs the part fan in its own time.
+        // A tuning controls the part fan itself.
         let tuned = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
         let (mut standing, parts) = (None, self.part_fans());
         self.part_fan = 0;
@@ -478,7 +479,7 @@ mod tests {
         assert_eq!(run(&mut control, SCRUB), Some(Cause::SettingsDamaged));
     }
 
-    /// Numbers that guards make of the settings are looked at too; no guard keeps a threshold that the settings have.
+    /// The check includes numbers that guards derive from the settings; guards keep no copy of a threshold.
     #[test]
     fn f40_what_was_made_of_the_settings_is_found_within_a_second_too() {
         for place in 0..4 {

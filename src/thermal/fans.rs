@@ -1,18 +1,18 @@
-//! Fans: who decides on each, and what its motor needs to start. How a commanded speed (M106) becomes a duty from one control period to
-//! the next is [`Fan::period`]; M303 goes past it (`set_fan` in `control.rs`,
-//! which also counts how long the controller's fan runs on).
+//! Fans: the source of each fan's speed, and the kick that its motor needs to start. [`Fan::period`] turns a commanded
+//! speed (M106) into a duty, one control period at a time. M303 bypasses it (`set_fan` in `control.rs`, which also
+//! counts the run-on of the controller fan).
 
 use super::fixed_point::PERIOD_MS;
 use crate::settings::{FanRole, FanSettings};
 
-/// What decides on fans that nobody commands.
+/// Needs for fans that G-code does not control.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Needs {
     /// The hotend is warm.
     pub hotend: bool,
-    /// Motors or heaters have power, or had until a moment ago.
+    /// Motors or heaters have power, or had it within the run-on time.
     pub controller: bool,
-    /// Something went wrong with heat: all fans at full speed.
+    /// A heat fault: all fans at full speed.
     pub all: bool,
 }
 
@@ -21,13 +21,13 @@ pub struct Needs {
 pub struct Fan {
     settings: FanSettings,
     commanded: u16,
-    /// Periods of the kick that are left.
+    /// Remaining periods of the kick.
     kick: u16,
     given: u16,
 }
 
 impl Fan {
-    /// A fan that stands still.
+    /// A stopped fan.
     #[must_use]
     pub const fn new(settings: FanSettings) -> Self {
         Self { settings, commanded: 0, kick: 0, given: 0 }
@@ -44,7 +44,7 @@ impl Fan {
         &self.settings
     }
 
-    /// How fast it is to run, of 65,535.
+    /// Sets its commanded speed, of 65,535.
     pub const fn command(&mut self, speed: u16) {
         self.commanded = speed;
     }

@@ -1,11 +1,11 @@
-//! Arithmetic of the thermal room: everything saturates, so that no input brings about nonsense.
+//! Arithmetic of the thermal room: everything saturates, so that no input gives nonsense.
 
 use crate::units::{self, Ratio, Seconds};
 use fixed::FixedI32;
 use fixed::types::extra::{LeEqU32, Unsigned};
 use fixed::types::{I0F32, I8F24, I12F20};
 
-/// A power in W with a sign, a millionth fine; +-2048.
+/// A signed power in W, in steps of a millionth; +-2048.
 pub type Power = I12F20;
 
 /// Control periods a second.
@@ -14,7 +14,7 @@ pub const RATE: i32 = 50;
 /// Milliseconds of a control period.
 pub const PERIOD_MS: u32 = 1000 / RATE.unsigned_abs();
 
-/// The part of a difference that a lag makes up for in a control period.
+/// The fraction of a difference that a lag closes in a control period.
 pub fn part_per_period(lag: Seconds) -> I0F32 {
     units::part_per_period(lag, RATE.unsigned_abs())
 }
@@ -30,18 +30,19 @@ pub fn times<F: Unsigned + LeEqU32>(value: I12F20, factor: FixedI32<F>) -> I12F2
 #[inline(always)]
 pub fn saturated(wide: i64) -> i32 {
     let narrow = wide as i32;
-    // The bits above are copies of the sign: two instructions, where comparing with both limits takes ten.
+    // The upper bits are copies of the sign: two instructions, where a comparison with both limits takes ten.
     if i64::from(narrow) == wide { narrow } else { out_of_range(wide) }
 }
 
-/// The limit that is next to what has more than 32 bits.
+/// The nearest limit for a value of more than 32 bits.
 #[inline(always)]
 const fn out_of_range(wide: i64) -> i32 {
     i32::MAX ^ (wide >> 63) as i32
 }
 
-/// A quotient, cut off; the greatest number if it has more than 32 bits. In two digits of 16 bits (D. E. Knuth, The Art of
-/// Computer Programming, 4.3.1, algorithm D): a division of 64 bits by 64 takes a Cortex-M4 six times as long.
+/// A truncated quotient; the greatest number if it has more than 32 bits. It uses two digits of 16 bits (D. E. Knuth,
+/// The Art of Computer Programming, 4.3.1, algorithm D): a division of 64 bits by 64 takes a Cortex-M4 six times as
+/// long.
 pub fn quotient(dividend: u64, divisor: u32) -> u32 {
     let (upper, lower) = ((dividend >> 32) as u32, dividend as u32);
     if upper >= divisor {
@@ -56,8 +57,8 @@ pub fn quotient(dividend: u64, divisor: u32) -> u32 {
     first << 16 | second
 }
 
-/// The digit that `divisor` is contained in `rest` followed by `next`, and what is left. `rest` is less than `divisor`, whose
-/// highest bit is set.
+/// The digit of `rest` followed by `next` over `divisor`, and the remainder. `rest` is less than `divisor`, which has
+/// its highest bit set.
 #[inline(always)]
 const fn digit(rest: u32, next: u32, divisor: u32) -> (u32, u32) {
     let (upper, lower) = (divisor >> 16, divisor & 0xFFFF);
@@ -69,20 +70,20 @@ const fn digit(rest: u32, next: u32, divisor: u32) -> (u32, u32) {
     (digit, (rest << 16 | next).wrapping_sub(digit.wrapping_mul(divisor)))
 }
 
-/// A value over a factor that is greater than 0.
+/// A value over a factor above 0.
 pub fn over(value: I12F20, factor: I8F24) -> I12F20 {
     let magnitude = u64::from(value.unsigned_abs().to_bits()) << I8F24::FRAC_NBITS;
     let magnitude = i64::from(quotient(magnitude, factor.unsigned_abs().to_bits()));
     I12F20::from_bits(saturated(if value < I12F20::ZERO { -magnitude } else { magnitude }))
 }
 
-/// A duty of 0 to 65,535 as a part of one.
+/// A duty of 0 to 65,535 as a fraction.
 #[inline(always)]
 pub fn share(duty: u16) -> Ratio {
     Ratio::from_bits(u32::from(duty) + u32::from(duty >> 15))
 }
 
-/// The part that `value` is of `whole`, as a duty.
+/// `value` over `whole`, as a duty.
 #[inline(always)]
 pub fn duty(value: Power, whole: Power) -> u16 {
     if whole <= Power::ZERO {
@@ -112,7 +113,7 @@ mod tests {
             }
             assert_eq!(quotient(dividend, 0), u32::MAX);
         }
-        // Digits that are estimated too great by one and by two, wherever they fall.
+        // Digits that are estimated too great by one and by two, in both places.
         let mut random = 1u64;
         for _ in 0..200_000 {
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

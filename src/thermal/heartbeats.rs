@@ -1,17 +1,17 @@
-//! Hearts: the watchdog is fed only while everybody has been heard of.
+//! Heartbeats: the watchdog is fed only while every context sends one.
 //!
-//! | context | heard of by |
+//! | context | heartbeat |
 //! |---|---|
 //! | converter | samples come, or the board has none |
-//! | control period | needs no sign: it is the code that looks |
-//! | Stepper | it has emitted an event, or answered being pended |
+//! | control period | none needed: it is the code that checks |
+//! | Stepper | it has played an event, or answered being pended |
 //! | StepGenerator | it has run after being pended |
-//! | Console | it has come by |
+//! | Console | each turn of the main loop |
 
 use crate::fault::{Cause, Fault};
 use crate::status::Status;
 
-/// A context whose heart is listened to; its number is the subject of a fault.
+/// A context that sends heartbeats; its number is the subject of a fault.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 #[repr(u8)]
 pub enum Context {
@@ -23,10 +23,11 @@ pub enum Context {
     Stepper = 2,
 }
 
-/// Control periods that a context may be silent for: 0.4 s. Storage keeps a Console for 25 ms, a driver for some more.
+/// Control periods that a context may be silent for: 0.4 s. Storage blocks the Console for 25 ms, a driver for slightly
+/// more.
 const MOST: u8 = 20;
 
-/// Listens to the contexts.
+/// Checks the heartbeats.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Heartbeats {
     last: [u32; 3],
@@ -34,13 +35,13 @@ pub struct Heartbeats {
 }
 
 impl Heartbeats {
-    /// Nobody heard yet.
+    /// No heartbeat yet.
     #[must_use]
     pub const fn new() -> Self {
         Self { last: [0; 3], silent: [0; 3] }
     }
 
-    /// Listens once in a control period; what it finds is a context that has been silent for too long.
+    /// Checks once in a control period; returns a fault if a context has been silent for too long.
     pub fn listen(&mut self, status: &Status) -> Option<Fault> {
         let [console, generator] = status.heat().beats();
         let beats = [u32::from(console), u32::from(generator), status.stepper_beat()];
@@ -53,14 +54,14 @@ impl Heartbeats {
         Some(Fault { cause: Cause::ContextHangs, subject: silent.0 as u8, value: 0, limit: 0 })
     }
 
-    /// Whom to pend so that it can be heard: who has been silent in the last period. Others come by themselves, and an interrupt
-    /// more would delay a step.
+    /// Contexts without a heartbeat in the last period; the caller pends them. Others run by themselves, and an extra
+    /// interrupt would delay a step.
     #[must_use]
     pub const fn is_silent(&self, context: Context) -> bool {
         self.silent[context as usize] > 0
     }
 
-    /// Whether all have been heard of in the last half of the time that they have.
+    /// Whether each has sent a heartbeat within half of its permitted time.
     #[must_use]
     pub fn all_beat(&self) -> bool {
         self.silent.iter().all(|silent| *silent < MOST / 2)

@@ -16,20 +16,20 @@ use crate::settings::{Bounds, Control, HeaterSettings};
 use crate::units::{Celsius, Ratio};
 use fixed::types::I8F24;
 
-/// What a control period brings, beside the sensor's sample.
+/// The surroundings of a heater in a control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Circumstances {
     /// The part fan's duty, of 1.
     pub fan: Ratio,
     /// Heat that the filament takes away for each K, in W/K.
     pub filament: I8F24,
-    /// What the look-ahead knows of the filament.
+    /// The look-ahead's knowledge of the filament.
     pub ahead: Ahead,
-    /// Up to here another heater warms it, rightly: a bed warms its chamber, and a hotend that is off.
+    /// Temperature up to which another heater may warm it: a bed warms its chamber, and a hotend that is off.
     pub warmed_to: Celsius,
 }
 
-/// The ceiling: so far above its target a heater gets no power, whatever the model or the gains say.
+/// The ceiling: a heater gets no power this far above its target, whatever the model or the gains say.
 const CEILING: Celsius = Celsius::const_from_int(10);
 
 /// One heater.
@@ -38,7 +38,7 @@ pub struct HeaterLoop {
     settings: HeaterSettings,
     curve: Curve,
     filter: Filter,
-    /// Since there is a reading.
+    /// Present after the first reading.
     observer: Option<Observer>,
     lag_watch: LagWatch,
     pid: Pid,
@@ -46,15 +46,15 @@ pub struct HeaterLoop {
     guards: HeaterGuards,
     target: Celsius,
     measured: Option<Celsius>,
-    /// What was put out in the last period, of 65,535, and whether it could have been more and less.
+    /// The output of the last period, of 65,535, and whether it could have been more and less.
     given: u16,
     is_free: bool,
-    /// What was asked of the output, without switching.
+    /// The requested output, before switching.
     wanted: u16,
     tune: Option<Tune>,
     /// Full power whatever the target, for a self-test.
     is_pulsed: bool,
-    /// Why it must not heat, while nobody wants it to.
+    /// Why it must not heat, while it has no target.
     ailment: Option<Cause>,
 }
 
@@ -83,7 +83,7 @@ impl HeaterLoop {
         }
     }
 
-    /// Takes other settings. A heater that hangs elsewhere, or has another sensor, goes off.
+    /// Takes other settings. A heater with another output or sensor goes off.
     pub fn configure(&mut self, settings: HeaterSettings) {
         let before = core::mem::replace(&mut self.settings, settings);
         let place = |s: &HeaterSettings| (s.is_fitted, s.output, s.sensor, s.thermistor);
@@ -110,7 +110,7 @@ impl HeaterLoop {
         &self.settings
     }
 
-    /// What it is to be kept at; 0 or less is off.
+    /// Sets the target; 0 or less is off.
     pub fn set_target(&mut self, target: Celsius) {
         let target = self.legal(target);
         if target == Celsius::ZERO {
@@ -130,17 +130,17 @@ impl HeaterLoop {
         self.target
     }
 
-    /// The temperature, if there was a good reading yet.
+    /// The temperature, after the first good reading.
     pub const fn measured(&self) -> Option<Celsius> {
         self.measured
     }
 
-    /// The duty that was put out last, of 65,535; that of a relay averaged.
+    /// The last output duty, of 65,535; averaged for a relay.
     pub const fn duty(&self) -> u16 {
         self.wanted
     }
 
-    /// Why it must not heat, though nothing has happened yet: its sensor is broken.
+    /// Why it must not heat, although there is no fault yet: its sensor is broken.
     pub const fn ailment(&self) -> Option<Cause> {
         self.ailment
     }
@@ -150,22 +150,22 @@ impl HeaterLoop {
         self.guards.is_settled()
     }
 
-    /// Whether it was heated since the start, and not all of that has arrived.
+    /// Whether it has heated since the start, and some heat is still under way.
     pub const fn is_warming(&self) -> bool {
         self.guards.is_warming()
     }
 
-    /// Whether it is at the most that it may have.
+    /// Whether it is at its greatest permitted duty.
     pub fn is_full(&self) -> bool {
         self.wanted > 0 && self.wanted >= self.most()
     }
 
-    /// What comes of the settings, to be summed up with them.
+    /// Numbers from the settings, for their sum.
     pub const fn derived(&self) -> (&Curve, &Numbers, &LagNumbers) {
         (&self.curve, self.guards.numbers(), self.lag_watch.numbers())
     }
 
-    /// Changes a number that came of the settings, as memory that fails does.
+    /// Changes a number from the settings, as failing memory does.
     #[cfg(test)]
     pub fn damage(&mut self, place: usize) {
         let other = HeaterSettings { most: Celsius::const_from_int(400), ..self.settings };
@@ -180,24 +180,24 @@ impl HeaterLoop {
         }
     }
 
-    /// Whether it was given power in the last period.
+    /// Whether it had power in the last period.
     pub const fn is_powered(&self) -> bool {
         self.wanted > 0
     }
 
-    /// Begins to find out how it behaves, with the part fan too if that cools it.
+    /// Begins a tuning, with the part fan too if that cools it.
     pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool, bounds: &'static Bounds) {
         self.set_target(target);
         let tune = self.measured.filter(|_| self.target > Celsius::ZERO);
         self.tune = tune.map(|measured| Tune::new(&self.settings, self.target, cycles, has_fan, bounds, measured));
     }
 
-    /// The tuning that goes on.
+    /// The current tuning.
     pub const fn tuning(&self) -> Option<&Tune> {
         self.tune.as_ref()
     }
 
-    /// Whether to give full power in the coming period whatever the target, for a self-test.
+    /// Sets full power for the coming period whatever the target, for a self-test.
     pub const fn pulse(&mut self, is_pulsed: bool) {
         self.is_pulsed = is_pulsed;
     }
@@ -205,14 +205,14 @@ impl HeaterLoop {
     /// One control period.
     ///
     /// # Errors
-    /// What a guard has found; the heater is to go off.
+    /// The alarm of a guard; the heater must go off.
     pub fn period(&mut self, sample: Option<u16>, now: &Circumstances) -> Result<u16, Alarm> {
         let contact = self.filter.take(self.curve.read(sample));
         let good = match contact {
             Contact::Good(measured) => Some(measured),
             Contact::Doubtful => None,
             Contact::Broken(cause) if self.target == Celsius::ZERO && self.wanted == 0 => {
-                // Nothing is lost yet; it just must not be heated.
+                // It is off, so this is not a fault yet; it just must not heat.
                 (self.ailment, self.measured, self.observer) = (Some(cause), None, None);
                 self.guards.end();
                 self.guards.follow(&self.settings, false);
@@ -228,7 +228,7 @@ impl HeaterLoop {
             (None, None) => {}
         }
         let Some(measured) = good else {
-            // Nobody heats more because of what cannot be believed, and nobody heats what is to be off.
+            // A doubtful reading never raises the duty, and a heater that shall be off gets none.
             let wanted = if self.target == Celsius::ZERO { 0 } else { self.wanted };
             self.guards.follow(&self.settings, wanted > 0);
             return Ok(self.put_out(wanted));
@@ -256,7 +256,7 @@ impl HeaterLoop {
         self.guards.look(&self.settings, &watched).map_or(Ok(()), Err)
     }
 
-    /// The most that it may have, of 65,535.
+    /// Its greatest permitted duty, of 65,535.
     fn most(&self) -> u16 {
         ((u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535) >> 16) as u16
     }

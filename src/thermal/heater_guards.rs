@@ -1,4 +1,4 @@
-//! The guards of one heater, and what they are fed.
+//! The guards of one heater, and their inputs.
 
 use super::fixed_point::Power;
 use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, Numbers, Seen, UnderWay, WhileOff, Window};
@@ -10,37 +10,37 @@ use fixed::types::I8F24;
 /// A reading is smoothed over 1/2^4 of its history: 0.3 s.
 const SMOOTHING: u32 = 4;
 
-/// What a heater is made to do.
+/// The task of a heater.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Aim {
     /// Nothing.
     Off,
-    /// To be kept at this temperature.
+    /// Hold this temperature.
     Hold(Celsius),
-    /// To swing around this temperature (M303): its model is not believed.
+    /// Swing around this temperature (M303); the guards do not use its model.
     Tune(Celsius),
-    /// To be warmed a little (self-test): its model is not believed.
+    /// Warm a little (self-test); the guards do not use its model.
     Pulse,
 }
 
-/// What a control period was like.
+/// One control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Watched {
-    /// What it is made to do.
+    /// Its task.
     pub aim: Aim,
     /// The reading.
     pub measured: Celsius,
-    /// The duty that is wanted for it, of 65,535. A relay is off at times although power is wanted.
+    /// The requested duty, of 65,535. A relay may be off although power is requested.
     pub duty: u16,
-    /// The most that it may have.
+    /// Its greatest permitted duty.
     pub most: u16,
-    /// The power that was given.
+    /// The given power.
     pub power: Power,
     /// The part fan's duty, of 1.
     pub fan: Ratio,
     /// Heat that the filament takes away for each K, in W/K.
     pub filament: I8F24,
-    /// Up to here another heater warms it, rightly.
+    /// Temperature up to which another heater may warm it.
     pub warmed_to: Celsius,
 }
 
@@ -48,7 +48,7 @@ pub struct Watched {
 pub struct HeaterGuards {
     floor: &'static Floor,
     under_way: UnderWay,
-    /// The reading without its noise, once there is one.
+    /// The reading without its noise, after the first one.
     smooth: Option<Celsius>,
     window: Window,
     gain: Gain,
@@ -59,7 +59,7 @@ pub struct HeaterGuards {
 }
 
 impl HeaterGuards {
-    /// Guards that have seen nothing yet.
+    /// Guards without observations.
     pub fn new(heater: Heater, settings: &HeaterSettings) -> Self {
         Self {
             floor: Floor::of(heater),
@@ -74,12 +74,12 @@ impl HeaterGuards {
         }
     }
 
-    /// Other numbers. What was seen so far still counts, or settings that keep coming would hold up every alarm.
+    /// Sets other numbers. Observations still count; otherwise settings that keep coming would delay every alarm.
     pub fn configure(&mut self, settings: &HeaterSettings) {
         self.balance.configure(settings);
     }
 
-    /// All episodes end: there is no reading. Power that was given counts on.
+    /// Ends all episodes, because there is no reading. Given power still counts.
     pub fn end(&mut self) {
         self.smooth = None;
         (self.window, self.at_target, self.while_off, self.frozen) =
@@ -91,7 +91,7 @@ impl HeaterGuards {
         self.under_way.follow(is_powered, &settings.model, self.floor);
     }
 
-    /// Whether it was heated since the start, and not all of that has arrived.
+    /// Whether it has heated since the start, and some heat is still under way.
     pub const fn is_warming(&self) -> bool {
         self.under_way.has_heated() && !self.under_way.is_over()
     }
@@ -101,12 +101,12 @@ impl HeaterGuards {
         self.under_way.is_over()
     }
 
-    /// What the guards have made of the settings, to be summed up with them.
+    /// Numbers that the guards derive from the settings, for their sum.
     pub const fn numbers(&self) -> &Numbers {
         self.balance.numbers()
     }
 
-    /// Looks at a control period. Every guard does, whatever others have found; a switch that sticks is the worst.
+    /// Follows a control period. Every guard runs, whatever others have found; a switch that sticks counts most.
     pub fn look(&mut self, settings: &HeaterSettings, now: &Watched) -> Option<Alarm> {
         self.follow(settings, now.duty > 0);
         let before = self.smooth.unwrap_or(now.measured);
@@ -125,7 +125,7 @@ impl HeaterGuards {
             Aim::Tune(target) => (None, Some(target), false),
         };
         let is_heated = is_believed && !seen.is_settled;
-        // One that has just been switched off has the duty of the period before, and nothing to warm up for.
+        // A heater that was just switched off still has the duty of the last period, and no task.
         let given = if now.aim == Aim::Off { 0 } else { now.duty };
         let found = [
             self.window.look(settings.too_hot(), now.measured),

@@ -1,7 +1,7 @@
-//! The lag watch: a loose sensor lags far behind the block. If heating stopped only when it shows the target, the block would be
-//! far too hot by then.
+//! The lag watch: a loose sensor lags far behind the block. If heating stopped only when the sensor shows the target,
+//! the block would be far too hot.
 //!
-//! At full power, the heat that the heater has given rises with time. The heat that the sensor's reading accounts for (stored plus
+//! At full power, the heat given by the heater rises with time. The heat found by the sensor's reading (stored plus
 //! lost so far) rises by the same slope, but later: by the lag.
 //!
 //! ```text
@@ -17,21 +17,21 @@ use crate::settings::HeaterModel;
 use crate::units::Celsius;
 use fixed::types::{I8F24, I12F20};
 
-/// The slope is that of this time, in s, and in periods.
+/// Time over which the slope is measured, in s, and in periods.
 const SLOPE_S: i32 = 8;
 const SLOPE: u32 = SLOPE_S.unsigned_abs() * RATE.unsigned_abs();
 
-/// A heating counts from the cold: a warm block's losses are no better known than its model.
+/// Only a heating from the cold counts: a warm block's losses are no better known than its model.
 const COLD: Celsius = Celsius::const_from_int(60);
 
-/// Losses beyond this part of the power, 1/4, say more of the losses than of the lag.
+/// With losses above a quarter of the power, the result depends more on the losses than on the lag.
 const LOSSES: i32 = 4;
 
-/// A lag that is longer than this many times the model's, and than this many seconds more, is another one.
+/// A lag that exceeds this many times the model's, and this many seconds more, replaces the model's.
 const TIMES: i64 = 2;
 const MORE_S: i64 = 2;
 
-/// What was seen.
+/// The measured lag and slope.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Seen {
     /// From the heater to the sensor, in s with 24 fractional bits.
@@ -40,7 +40,7 @@ pub struct Seen {
     pub slope: I12F20,
 }
 
-/// What the model comes to: J/K with 16 fractional bits, W/K, and its lags in s with 24 fractional bits.
+/// Numbers from the model: J/K with 16 fractional bits, W/K, and its lags in s with 24 fractional bits.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct LagNumbers {
     capacity: i64,
@@ -57,12 +57,12 @@ pub struct LagWatch {
     periods: u32,
     /// Heat lost since, in J times 50 with 20 fractional bits.
     lost: i64,
-    /// Heat found at the beginning of the present slope, in J with 20 fractional bits, and the temperature.
+    /// Heat found at the begin of the current slope, in J with 20 fractional bits, and the temperature.
     before: (i64, Celsius),
 }
 
 impl LagWatch {
-    /// Nothing is heated yet.
+    /// No heating yet.
     #[must_use]
     pub fn new(model: &HeaterModel) -> Self {
         Self {
@@ -78,12 +78,12 @@ impl LagWatch {
         }
     }
 
-    /// What the model has come to.
+    /// The numbers from the model.
     pub const fn numbers(&self) -> &LagNumbers {
         &self.numbers
     }
 
-    /// Looks at a control period; `is_full` if the heater is at its limit, `is_warming` if heat was under way before it.
+    /// Follows a control period; `is_full` if the heater is at its limit, `is_warming` if heat was under way before it.
     pub fn look(&mut self, measured: Celsius, power: Power, is_full: bool, is_warming: bool) -> Option<Seen> {
         let LagNumbers { capacity, loss, lag: model_lag } = self.numbers;
         let losses = times(measured.saturating_sub(ROOM), loss).max(Power::ZERO);

@@ -8,7 +8,7 @@
 //!                         └── guards ──▶ fault::Latch ──▶ all heaters off, power supply off if a switch sticks
 //! ```
 //!
-//! [`ThermalControl`] runs once in a control period of 20 ms, in a context of its own between the step interrupts and the
+//! [`ThermalControl`] runs once in a control period of 20 ms, in its own context between the step interrupts and the
 //! Console, so no command delays it. Everything is in fixed point, so there is no NaN.
 //!
 //! | word | means |
@@ -17,10 +17,10 @@
 //! | room | the air around the machine, not a folder of `src` |
 //! | element, block, sensor | the three masses of a heater's model |
 //! | lag | time constant between two of them |
-//! | drift | power that comes or goes beside the heater's, as the observer has learned |
-//! | gain | by how much the heater is stronger than its model says |
-//! | excess | by how much a block will be too hot with the heat that is on its way to it |
-//! | doubtful | a reading that cannot be |
+//! | drift | power that is missing in the model, as the observer has learned |
+//! | gain | ratio of the heater's real power to its model's |
+//! | excess | excess temperature that the block will have with the heat on its way to it |
+//! | doubtful | a reading that is impossible |
 
 mod control;
 mod fans;

@@ -1,4 +1,4 @@
-//! The observer: what a heater's model knows that its sensor does not show yet.
+//! The observer: values of a heater's model that its sensor does not show yet.
 //!
 //! ```text
 //!   power ──▶ element ──▶ block ──▶ sensor
@@ -6,11 +6,11 @@
 //!                           └──▶ room, part fan, filament
 //! ```
 //!
-//! The model runs beside the heater with the same power. Where the sensor says something else, block and sensor of the model
-//! are moved, and what the model lacks is learned: a power that comes or goes beside the heater's (`drift`), or, as long as
-//! the heater is at full power, by how much its power is stronger than it should be (`gain`): a weak supply, a worn
-//! cartridge, a block that is heavier. A Luenberger observer with all three poles at the same place (K. Astrom and
-//! R. Murray, Feedback Systems, section 8.2).
+//! The model runs in parallel with the heater, with the same power. If the sensor disagrees, block and sensor of the
+//! model are corrected, and the model's error is learned. While the heater is free, this is an additional power
+//! (`drift`). At full power it is the ratio of the real power to the model's (`gain`): a weak supply, a worn cartridge,
+//! a heavier block. It is a Luenberger observer with all three poles at the same place (K. Astrom and R. Murray,
+//! Feedback Systems, section 8.2).
 
 use super::fixed_point::{Power, RATE, over, part_per_period, saturated, times};
 use super::lag_watch::Seen;
@@ -19,13 +19,13 @@ use crate::settings::{HeaterModel, HeaterSettings};
 use crate::units::{Celsius, Ratio, Seconds};
 use fixed::types::{I0F32, I2F30, I8F24, I12F20};
 
-/// Limits of what the gain may be: 18 V at a supply of 24 V are 0.56, 26 V 1.17, a block may be a third lighter or heavier.
+/// Limits of the gain: 18 V at a supply of 24 V are 0.56, 26 V 1.17, a block may be a third lighter or heavier.
 const GAIN: [I8F24; 2] = [I8F24::lit("0.4"), I8F24::lit("1.8")];
 
-/// The time constant below which the observer of a period of 20 ms makes no sense.
+/// The shortest time constant for an observer with a period of 20 ms.
 const SHORTEST_LAG: Seconds = Seconds::lit("0.125");
 
-/// What happened in a control period.
+/// A past control period.
 #[derive(Clone, Copy, Debug)]
 pub struct Past {
     /// The heater's power.
@@ -36,16 +36,16 @@ pub struct Past {
     pub fan: Ratio,
     /// Heat that the filament takes away for each K, in W/K.
     pub filament: I8F24,
-    /// What the sensor says, if that can be believed.
+    /// The sensor's reading, if it is not doubtful.
     pub measured: Option<Celsius>,
 }
 
 /// The model's numbers, ready for a control period.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Coefficients {
-    /// K a period for each W.
+    /// K per period and W.
     warming: I0F32,
-    /// Parts a period by which the block's heat follows the power, and the sensor the block.
+    /// Fractions per period by which the block's heat follows the power, and the sensor the block.
     element: I0F32,
     sensor: I0F32,
     /// W/K.
@@ -53,13 +53,13 @@ pub struct Coefficients {
     fan_loss: I8F24,
     /// s.
     heater_lag: I12F20,
-    /// W for each K that is missing: the heat is made up for within `heater_lag`.
+    /// W per K of missing temperature: the heat is made up for within `heater_lag`.
     pub grip: I12F20,
-    /// How far the sensor's, the block's and the drift's values move for each K of innovation.
+    /// Corrections of the sensor, the block and the drift per K of innovation.
     sensor_step: I0F32,
     block_step: I0F32,
     drift_step: I12F20,
-    /// The same for the gain, in parts a K.
+    /// The same for the gain, as a fraction per K.
     gain_step: I2F30,
 }
 
@@ -73,12 +73,12 @@ impl Coefficients {
         let [heater_lag, sensor_lag] = [element, sensor].map(|lag| i64::from(lag.to_bits()));
         let capacity = i64::from(capacity.to_bits()).max(1 << 14);
         let rate = i64::from(RATE);
-        // Where the poles are, in rad/s with 24 fractional bits: one over the mean of the lags.
+        // Place of the poles, in rad/s with 24 fractional bits: one over the mean of the lags.
         let pole = (1 << 49) / (heater_lag + sensor_lag);
         let pole2 = (pole * pole) >> 24;
         let pole3 = (pole2 * pole) >> 24;
         let per_period = |value: i64| I0F32::from_bits(saturated((value << 8) / rate));
-        // What the drift learns in a period, in W for each K: C w^3 tau_s.
+        // Correction of the drift in a period, in W/K: C w^3 tau_s.
         let drift_step = (capacity.saturating_mul((pole3 * sensor_lag) >> 24) / rate) >> 20;
         let most = i64::from(settings.power.to_bits()).max(1 << 16);
         Self {
@@ -97,7 +97,7 @@ impl Coefficients {
     }
 }
 
-/// A heater's model beside the heater.
+/// A heater's model in parallel with the heater.
 #[derive(Clone, Copy, Debug)]
 pub struct Observer {
     numbers: Coefficients,
@@ -107,14 +107,14 @@ pub struct Observer {
     sensor: Celsius,
     drift: Power,
     gain: I8F24,
-    /// Heat that leaves the block for the room and for the part fan's air, for each K, in W/K.
+    /// Heat from the block to the room and to the part fan's air, in W/K.
     to_room: I8F24,
-    /// Heat that leaves it with the filament, in W/K.
+    /// Heat from the block to the filament, in W/K.
     to_filament: I8F24,
 }
 
 impl Observer {
-    /// A heater that stands at `measured`, without power.
+    /// A heater at `measured`, without power.
     #[must_use]
     pub const fn new(numbers: Coefficients, measured: Celsius) -> Self {
         let (arriving, drift) = (Power::ZERO, Power::ZERO);
@@ -122,7 +122,7 @@ impl Observer {
         Self { numbers, arriving, block: measured, sensor: measured, drift, gain, to_room, to_filament }
     }
 
-    /// Takes in what happened in a control period.
+    /// Follows a control period.
     pub fn follow(&mut self, past: &Past) {
         let n = &self.numbers;
         self.to_room = n.loss.saturating_add(times_ratio(n.fan_loss, past.fan));
@@ -144,7 +144,7 @@ impl Observer {
         }
     }
 
-    /// The sensor is later than the model says: it is that much behind a block that warms by this slope.
+    /// Corrects the state for a sensor with a longer lag than the model's: `seen` has the lag and the block's slope.
     pub fn take_lag(&mut self, settings: &HeaterSettings, seen: Seen, measured: Celsius) {
         let heater_lag = i64::from(settings.model.heater_lag.to_bits());
         let lag = u32::try_from(seen.lag - heater_lag).unwrap_or(u32::MAX).max(settings.model.sensor_lag.to_bits());
@@ -153,7 +153,7 @@ impl Observer {
         let behind = (i64::from(seen.slope.to_bits()) * i64::from(lag)) >> Seconds::FRAC_NBITS;
         self.block = measured.saturating_add(Celsius::from_bits(saturated(behind)));
         self.sensor = measured;
-        // W for each W: what warms the block by this slope, with what it loses.
+        // W per W: the power that warms the block at this slope, plus its losses.
         let warming = (i64::from(seen.slope.to_bits()) << I0F32::FRAC_NBITS)
             / (i64::from(self.numbers.warming.to_bits()) * i64::from(RATE)).max(1);
         let needed = Power::from_bits(saturated(warming)).saturating_add(self.losses(self.block, self.to_filament));
@@ -166,14 +166,14 @@ impl Observer {
         times(self.arriving, self.gain).saturating_add(self.drift)
     }
 
-    /// Heat that leaves a block of this temperature, if filament takes so much for each K.
+    /// Losses of a block at this temperature, with `filament` in W/K.
     fn losses(&self, block: Celsius, filament: I8F24) -> Power {
         times(block.saturating_sub(ROOM), self.to_room.saturating_add(filament))
     }
 
-    /// By how much the block will be too hot, in K, if the heater gives from now on what holds `target`: what it is already
-    /// and what is still on its way, less the heat that filament will take beside what it takes now. `coming` is the heat for
-    /// each K that filament takes within the heater's lag, in J/K.
+    /// The block's future excess temperature in K, if the heater gives the power for `target` from now on. It is the
+    /// present excess, plus the heat on its way, less the additional heat that filament will take. `coming` is the heat
+    /// that filament takes within the heater's lag, in J/K.
     #[must_use]
     pub fn excess(&self, target: Celsius, coming: I8F24) -> Celsius {
         let n = &self.numbers;
@@ -185,7 +185,7 @@ impl Observer {
         self.block.saturating_sub(target).saturating_add(on_its_way)
     }
 
-    /// The heater's power that holds `target`, if filament takes so much heat for each K, and `extra` beside.
+    /// The heater's power that holds `target`, with `filament` in W/K, plus `extra`.
     #[must_use]
     pub fn power(&self, target: Celsius, filament: I8F24, extra: Power) -> Power {
         let wanted = self.losses(target, filament).saturating_sub(self.drift).saturating_add(extra);

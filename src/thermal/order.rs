@@ -1,4 +1,4 @@
-//! Orders: what the Console asks of the heaters and fans. They go through a queue, so that the control period finds each of
+//! Orders: the Console's commands to heaters and fans. They go through a queue, so that the control period gets each of
 //! them whole.
 
 use crate::connectors::Heater;
@@ -6,7 +6,7 @@ use crate::settings::{FanSettings, HeaterSettings, ThermalSettings};
 use crate::units::Celsius;
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// Orders that may wait. All settings anew are eleven.
+/// Orders that may wait. A complete set of settings is eleven.
 const MOST: usize = 16;
 
 /// Memory of the queue.
@@ -16,28 +16,28 @@ pub type Orders<'m> = Producer<'m, Order>;
 /// The end of the control period.
 pub type OrdersIn<'m> = Consumer<'m, Order>;
 
-/// What is asked for.
+/// A command to heaters or fans.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Order {
-    /// A heater's target; 0 or less is off. A target beyond the heater's limit is brought to it.
+    /// A heater's target; 0 or less is off. A target beyond the heater's limit is set to the limit.
     Target(Heater, Celsius),
-    /// How fast a fan is to run, if nothing else decides on it: 0 to 65,535.
+    /// Commanded speed of a fan with a commanded role: 0 to 65,535.
     Fan(u8, u16),
     /// Whether any motor has power.
     Motors(bool),
-    /// Everything off, fans too, but for those that cool what is hot.
+    /// Everything off, except fans that cool hot parts.
     Off,
-    /// Find out how a heater behaves, around this temperature and in so many cycles (M303).
+    /// Tune a heater around this temperature, with so many cycles (M303).
     Tune(Heater, Celsius, u8),
-    /// End that.
+    /// End the tuning.
     StopTuning,
-    /// Find out whether each heater warms its own sensor; targets wait until that is known.
+    /// Test that each heater warms its own sensor; targets wait until then.
     SelfTest,
     /// Other settings for a heater.
     Heater(Heater, HeaterSettings),
     /// Other settings for a fan.
     FanSettings(u8, FanSettings),
-    /// All other settings; heaters and fans in them do not count.
+    /// All other settings, without heaters and fans.
     Common(Common),
 }
 
@@ -46,14 +46,14 @@ pub enum Order {
 pub struct Common {
     /// The hotend's fan runs above this temperature.
     pub hotend_fan_above: Celsius,
-    /// Seconds that the controller's fan goes on for.
+    /// Run-on time of the controller fan in s.
     pub fan_run_on_s: u16,
-    /// Heat that a mm of filament takes up for each K, in J/(K mm).
+    /// Heat that filament takes up, in J/(K mm).
     pub filament: crate::units::WattsPerKelvin,
 }
 
 impl Common {
-    /// The part of the settings.
+    /// These settings.
     #[must_use]
     pub const fn of(settings: &ThermalSettings) -> Self {
         let ThermalSettings { hotend_fan_above, fan_run_on_s, filament, .. } = *settings;

@@ -1,12 +1,12 @@
-//! PID in Marlin's terms (M301): output of 0 to 255 from an error in K. The integral stands still while the output is at a
-//! limit and would go beyond, and the derivative is that of the measurement, so that a new target is no blow.
+//! PID in Marlin's terms (M301): output of 0 to 255 from an error in K. The integral stops while the output is at a
+//! limit and would go beyond. The derivative is the measurement's, so that a new target causes no jump.
 
 use super::fixed_point::{RATE, saturated};
 use crate::settings;
 use crate::units::{Celsius, Ratio};
 use fixed::types::I12F20;
 
-/// Below the target by more than this, the heater is at full power and nothing is integrated (Marlin's
+/// Further than this below the target, the heater is at full power and nothing is integrated (Marlin's
 /// PID_FUNCTIONAL_RANGE).
 const RANGE: Celsius = Celsius::const_from_int(10);
 
@@ -20,7 +20,7 @@ const FULL: I12F20 = I12F20::const_from_int(255);
 #[derive(Clone, Copy, Debug)]
 pub struct Pid {
     gains: settings::Pid,
-    /// Of the output, 0 to 255.
+    /// Part of the output, 0 to 255.
     integral: I12F20,
     last: Option<Celsius>,
     /// K a second.
@@ -59,7 +59,7 @@ impl Pid {
         (duty as u16).min(most)
     }
 
-    /// Forgets what it has learned.
+    /// Resets it.
     pub const fn rest(&mut self) {
         *self = Self::new(self.gains);
     }
@@ -93,7 +93,7 @@ mod tests {
         for _ in 0..50_000 {
             pid.duty(c(200), c(191), 65_535);
         }
-        // P gives 198 of 255, and I no more than what is missing.
+        // P gives 198 of 255, and I no more than the rest.
         assert!(pid.integral <= I12F20::const_from_int(58), "{}", pid.integral);
         let mut pid = Pid::new(GAINS);
         for _ in 0..50_000 {

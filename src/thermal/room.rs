@@ -1,6 +1,6 @@
-//! The room that the machine stands in.
+//! The room around the machine.
 
 use crate::units::Celsius;
 
-/// The room's temperature that models assume; what a warmer or colder room makes of it is a drift.
+/// The room temperature that models assume; another temperature shows as a drift.
 pub const ROOM: Celsius = Celsius::const_from_int(25);

@@ -1,4 +1,4 @@
-//! Self-test: whether each heater warms its own sensor, and no other.
+//! Self-test: each heater must warm its own sensor, and no other.
 //!
 //! ```text
 //!  power  __####______________    a pulse for 3 C by the heater's model, of at most 30 s
@@ -6,11 +6,12 @@
 //!  other  ____________________    ... and twice as much as any other sensor has risen
 //! ```
 //!
-//! The model says how careful to begin, and no more: a heater that is heavier than its model gets a second pulse, twice as long, and
-//! a third one. Seven times the first pulse warm a block or a bed of twenty times its model's mass by 1 C.
+//! The model only gives a careful first pulse: a heater that is heavier than its model gets a second pulse, twice as
+//! long, and a third. Seven times the first pulse warms a block or a bed of twenty times its model's mass by 1 C.
 //!
-//! One heater after the other, from the slowest to the quickest, so that what is still on its way to a sensor is small beside
-//! the next rise. It begins with everything cold, and targets wait until it is over. All guards stay on.
+//! Heaters are tested one after the other, from the slowest to the quickest, so that heat on its way to a sensor is
+//! small compared to the next rise. The test begins with everything cold, and targets wait until it is over. All guards
+//! stay on.
 
 use super::fixed_point::RATE;
 use super::guard::Alarm;
@@ -19,10 +20,10 @@ use crate::fault::Cause;
 use crate::settings::{HeaterSettings, ThermalSettings, sum};
 use crate::units::Celsius;
 
-/// The rise that a pulse is made for: thirty times the noise of a reading, and nothing that could harm.
+/// The intended rise of a pulse: thirty times the noise of a reading, and harmless.
 const RISE: i64 = 3;
 
-/// What its own sensor must rise by: ten times the noise of a reading.
+/// Required rise of its own sensor: ten times the noise of a reading.
 const LEAST: Celsius = Celsius::ONE;
 
 /// Pulses of a heater, each twice as long as the one before.
@@ -31,14 +32,14 @@ const PULSES: u32 = 3;
 /// The longest first pulse, in periods: 30 s.
 const LONGEST: i64 = 30 * RATE as i64;
 
-/// A block that is as hot as this or hotter loses too much heat to be tested: Marlin's fan of a hotend runs from here on
+/// From this temperature on a block loses too much heat to be tested: Marlin's fan of a hotend runs from here on
 /// (EXTRUDER_AUTO_FAN_TEMPERATURE, Configuration_adv.h, 2.1).
 const COLD: Celsius = Celsius::const_from_int(50);
 
 /// From the slowest to the quickest.
 const ORDER: [Heater; HEATERS] = [Heater::Bed, Heater::Chamber, Heater::Hotend];
 
-/// What a test is of, as one number: the image that heats, and which output and sensor each heater has.
+/// The subject of a test as one number: the image that heats, and the output and sensor of each heater.
 #[must_use]
 pub fn subject(settings: &ThermalSettings, image: u32) -> u32 {
     let heaters = Heater::ALL.map(|heater| {
@@ -48,17 +49,17 @@ pub fn subject(settings: &ThermalSettings, image: u32) -> u32 {
     sum(&(image, heaters))
 }
 
-/// What each heater's sensor reads; nothing where no heater is fitted.
+/// The reading of each heater's sensor; `None` where no heater is fitted.
 pub type Readings = [Option<Celsius>; HEATERS];
 
-/// How a test has ended.
+/// Result of a test.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum End {
     /// Each heater warms its own sensor.
     Passed,
     /// A sensor did not follow, or another one did.
     Failed(Heater, Alarm),
-    /// Something is hot, or has no reading: there is nothing to be learned now.
+    /// Something is hot, or has no reading: there is no result now.
     PutOff,
 }
 
@@ -69,33 +70,33 @@ struct Pulse {
     before: Readings,
     /// Pulses of this heater so far, with this one.
     number: u32,
-    /// Periods since the pulse began, of power, and until the rise is judged.
+    /// Periods since the begin of the pulse, with power, and until the rise is judged.
     elapsed: u32,
     power: u32,
     judged: u32,
 }
 
-/// A test that goes on.
+/// A running test.
 #[derive(Clone, Copy, Debug)]
 pub struct SelfTest {
     pulse: Pulse,
-    /// What the heaters are to be kept at afterwards.
+    /// The targets of the heaters after the test.
     held: [Celsius; HEATERS],
 }
 
 impl SelfTest {
-    /// A test, if everything is cold and some heater is fitted; heaters are to be kept at `held` afterwards.
+    /// A test, if everything is cold and a heater is fitted; heaters get `held` as targets afterwards.
     #[must_use]
     pub fn new(settings: [&HeaterSettings; HEATERS], readings: &Readings, held: [Celsius; HEATERS]) -> Option<Self> {
         pulse(0, settings, readings).map(|pulse| Self { pulse, held })
     }
 
-    /// A target that came meanwhile.
+    /// A target that came during the test.
     pub const fn hold(&mut self, heater: Heater, target: Celsius) {
         self.held[heater as usize] = target;
     }
 
-    /// What the heaters are to be kept at afterwards.
+    /// The targets of the heaters after the test.
     #[must_use]
     pub const fn held(&self) -> [Celsius; HEATERS] {
         self.held
@@ -107,7 +108,7 @@ impl SelfTest {
         ORDER.get(self.pulse.place).copied().filter(|_| self.pulse.elapsed < self.pulse.power)
     }
 
-    /// One control period; how the test has ended, if it has.
+    /// One control period; returns the result if the test has ended.
     pub fn period(&mut self, settings: [&HeaterSettings; HEATERS], readings: &Readings) -> Option<End> {
         self.pulse.elapsed += 1;
         if self.pulse.elapsed < self.pulse.judged {
@@ -122,7 +123,7 @@ impl SelfTest {
         let others = Heater::ALL.into_iter().filter(|heater| *heater != own).filter_map(rise);
         let limit = others.map(|rise| rise.saturating_mul_int(2)).fold(LEAST, Celsius::max);
         if value < limit {
-            // As long as no other sensor has risen either, it may be heavy.
+            // While no other sensor has risen either, it may be heavy.
             if limit < LEAST * 2 && self.pulse.number < PULSES {
                 self.pulse.again();
                 return None;
@@ -140,14 +141,14 @@ impl SelfTest {
 }
 
 impl Pulse {
-    /// Once more, twice as long.
+    /// Another pulse, twice as long.
     const fn again(&mut self) {
         (self.number, self.elapsed) = (self.number + 1, 0);
         (self.power, self.judged) = (2 * self.power, self.judged + self.power);
     }
 }
 
-/// The pulse of the next heater that is fitted; none if there is no such heater, or not everything is cold.
+/// The pulse of the next fitted heater; `None` if there is no such heater, or not everything is cold.
 fn pulse(from: usize, settings: [&HeaterSettings; HEATERS], readings: &Readings) -> Option<Pulse> {
     let is_cold = |heater: Heater| {
         !settings[heater as usize].is_fitted || readings[heater as usize].is_some_and(|reading| reading < COLD)
@@ -179,7 +180,7 @@ mod tests {
     use super::*;
     use crate::units::{Ratio, Watts};
 
-    /// How a test of hotend and bed ends if the bed's pulse has their sensors rise by so much, and the hotend's by so much.
+    /// The result of a test of hotend and bed: rises of both sensors by the bed's pulse, and by the hotend's.
     fn ends(by_bed: [i32; 2], by_hotend: [i32; 2]) -> End {
         let mut thermal = ThermalSettings::prototype();
         (thermal.heaters.hotend.is_fitted, thermal.heaters.bed.is_fitted) = (true, true);
@@ -200,7 +201,7 @@ mod tests {
         panic!("it has no end")
     }
 
-    /// Reproducer: power and duty beyond their ranges, as only memory that fails may have them, overflowed.
+    /// Reproducer: power and duty beyond their ranges, which only failing memory can have, overflowed.
     #[test]
     fn any_power_and_duty_have_a_pulse() {
         let mut thermal = ThermalSettings::prototype();

@@ -1,5 +1,5 @@
-//! Switching: a duty as on and off. The board's pulse-width modulation takes any duty each control period; a relay is on or off
-//! for whole periods, and no more often than it likes.
+//! Switching: a duty as on and off. The board's pulse-width modulation takes any duty each control period; a relay is
+//! on or off for whole periods, and no more often than its cycle.
 
 use super::fixed_point::PERIOD_MS;
 
@@ -8,26 +8,26 @@ use super::fixed_point::PERIOD_MS;
 pub struct Switching {
     /// Control periods of a cycle of a relay; 0 is pulse-width modulation.
     cycle: u16,
-    /// Periods until the next cycle.
+    /// Remaining periods until the next cycle.
     left: u16,
     /// Periods of this cycle that it is on for.
     on: u16,
-    /// What was asked for and not given, in periods times 65,535.
+    /// Requested and not yet given power, in periods times 65,535.
     owed: u32,
 }
 
 impl Switching {
-    /// An output that is switched every so many milliseconds.
+    /// An output that is switched once in so many milliseconds.
     #[must_use]
     pub const fn new(period_ms: u16) -> Self {
         let cycle = (period_ms as u32 / PERIOD_MS) as u16;
         Self { cycle, left: 0, on: 0, owed: 0 }
     }
 
-    /// The duty to put out in this control period.
+    /// The output duty for this control period.
     pub fn next(&mut self, duty: u16) -> u16 {
         if duty == 0 {
-            // Off is off, at once; the next cycle begins no earlier.
+            // Off takes effect at once; the next cycle does not begin earlier.
             (self.on, self.owed, self.left) = (0, 0, self.left.saturating_sub(1));
             return 0;
         }

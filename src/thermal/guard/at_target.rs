@@ -1,25 +1,25 @@
-//! A temperature that was reached is kept; above it, there is no power.
+//! A reached temperature must be kept, and above it there must be no power.
 
 use super::{Alarm, Episode, Floor, Seen, periods};
 use crate::fault::Cause;
 use crate::settings::Guards;
 use crate::units::Celsius;
 
-/// So close it counts as reached.
+/// Distance from the target that counts as reached.
 const REACHED: Celsius = Celsius::const_from_int(2);
 
-/// Seconds above the limit without power that are a stuck switch.
+/// Seconds above the limit without power that mean a stuck switch.
 const OVER_S: u32 = 5;
 
-/// By so much it rises without power, from its coldest after all heat has arrived. Air that stands still again after the part
-/// fan's makes a kelvin; noise of 3 steps of 12 bits makes half of one at 280 C.
+/// Permitted rise without power, from the coldest reading after all heat has arrived. The end of the part fan's wind
+/// makes a kelvin; noise of 3 steps of 12 bits makes half of one at 280 C.
 const RISES: Celsius = Celsius::const_from_int(3);
 
 /// The guard of a heater with a target: an episode for each target.
 #[derive(Clone, Copy, Debug)]
 pub struct AtTarget(Episode<Celsius, Hold>);
 
-/// What was seen since the target is what it is.
+/// Observations since the last change of the target.
 #[derive(Clone, Copy, Debug)]
 struct Hold {
     is_reached: bool,
@@ -42,14 +42,14 @@ impl AtTarget {
         Self(Episode::none())
     }
 
-    /// Looks at a control period; the target is that which the heater is to be kept at, if there is one.
+    /// Follows a control period; `target` is the one that the heater holds, if any.
     pub fn look(&mut self, guards: &Guards, floor: &Floor, target: Option<Celsius>, seen: &Seen) -> Option<Alarm> {
         let begin = || Hold { is_reached: false, far: 0, over: 0, coldest: Celsius::MAX };
         let hold = self.0.follow(target, begin)?;
         let target = target?;
         hold.is_reached |= magnitude(seen.measured, target) <= REACHED;
         let lost = hold.lost(guards, target, seen.measured);
-        // The floor's number holds whatever the settings say.
+        // The floor's number limits the setting.
         hold.overshoot(target.saturating_add(guards.overshoot.min(floor.overshoot)), seen).or(lost)
     }
 }
@@ -62,8 +62,8 @@ impl Hold {
         is_lost.then_some(Alarm { cause: Cause::TemperatureLost, value: measured, limit })
     }
 
-    /// A heater that comes down from a higher target is above this one, rightly, as long as it falls. Heat under way may still
-    /// raise it. What rises after that has power.
+    /// A heater that comes down from a higher target may be above this one as long as it falls. Heat under way may
+    /// still raise it. A rise after that means power.
     fn overshoot(&mut self, limit: Celsius, seen: &Seen) -> Option<Alarm> {
         self.over = if seen.measured > limit && !seen.is_powered() { self.over + 1 } else { 0 };
         self.coldest = if seen.is_settled { self.coldest.min(seen.smooth) } else { Celsius::MAX };
@@ -86,7 +86,7 @@ mod tests {
         Celsius::from_num(degrees)
     }
 
-    /// Periods until an alarm, for temperatures by the period; `duty` of 65,535.
+    /// Periods until an alarm, with its cause, for a temperature per period; `duty` of 65,535.
     fn run(guard: &mut AtTarget, target: i32, duty: u16, at: impl Fn(u32) -> i32) -> Option<(u32, Cause)> {
         let floor = Floor::of(Heater::Hotend);
         (0..3000).find_map(|n| {
@@ -108,7 +108,8 @@ mod tests {
         assert_eq!(run(&mut guard, 200, FULL, |_| 189), Some((249, Cause::TemperatureLost)));
     }
 
-    /// Reproducer: a target that was reached stayed reached while the heater was off, so the second heating to it was lost.
+    /// Reproducer: a target that was reached stayed reached while the heater was off, so the second heating to it was
+    /// lost.
     #[test]
     fn the_same_target_after_an_end_has_not_been_reached() {
         let mut guard = AtTarget::new();

@@ -1,9 +1,9 @@
-//! An episode: what a guard sees between a begin and an end. Nothing of it is left after the end.
+//! An episode: a guard's observations between a begin and an end. None of them is left after the end.
 //!
-//! A guard keeps what it has seen in an [`Episode`], which forgets it by itself: the guard cannot find the state of an
-//! episode that is over, because it is not there.
+//! A guard keeps its observations in an [`Episode`], which drops them by itself. So the guard cannot read the state of
+//! a past episode.
 
-/// An episode that is about `K`, a target for example, and in which a guard has seen `S`.
+/// An episode with the key `K` (a target, for example) and a guard's observations `S`.
 #[derive(Clone, Copy, Debug)]
 pub struct Episode<K, S>(Option<(K, S)>);
 
@@ -14,7 +14,7 @@ impl<K: PartialEq + Copy, S> Episode<K, S> {
         Self(None)
     }
 
-    /// Follows the episode about `key`. Another one than before begins with `begin`; without a key the episode ends.
+    /// Follows the episode of `key`. A new key begins an episode with `begin`; without a key the episode ends.
     pub fn follow(&mut self, key: Option<K>, begin: impl FnOnce() -> S) -> Option<&mut S> {
         let Some(key) = key else {
             self.0 = None;

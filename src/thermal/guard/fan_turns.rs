@@ -1,16 +1,18 @@
-//! Fan turns: a fan that is driven and stands still, where its connector has a tachometer.
+//! Fan turns: a driven fan that does not turn, where its connector has a tachometer.
 //!
-//! No board counts pulses yet: `ThermalPort::tachometer` is `None` but in tests. A board that does needs
+//! No board counts pulses yet: `ThermalPort::tachometer` is `None` except in tests. A board that does needs
 //!
-//! - the pin in its `FanPin` (`chips/stm32f446/src/wiring.rs`), where the compiler leads to the checks; it may be one of `inputs` so far;
-//! - a count by an interrupt or a timer, for pulses are faster than a control period (`resources.rs`, `priorities.rs`), which `heat.rs`
-//!   there hands out;
-//! - a setting that says whether the fan that is plugged in has a tachometer (`FanSettings` in `settings/thermal/fans.rs`);
-//! - the pin in `emulator/src/wiring.rs` and pulses in `heat.rs` there, or every fan that is driven stands still.
+//! - the pin in its `FanPin` (`chips/stm32f446/src/wiring.rs`), where the compiler leads to the checks; it may be one
+//!   of `inputs` so far;
+//! - a count by an interrupt or a timer, because pulses are faster than a control period (`resources.rs`,
+//!   `priorities.rs`); `heat.rs` there returns it;
+//! - a setting for the presence of a tachometer in the connected fan (`FanSettings` in `settings/thermal/fans.rs`);
+//! - the pin in `emulator/src/wiring.rs` and pulses in `heat.rs` there; otherwise every driven fan counts as stopped.
 //!
-//! The pulses are counted over windows of 2 s. A fan of a 3D printer gives two a turn and makes some 1000 turns a minute at its
-//! slowest (4-wire fans: Intel, "4-Wire Pulse Width Modulation Controlled Fans", rev 1.3, sections 3.1 and 3.2: two pulses a
-//! turn, standing below 30 % duty is legal), so one turn in a window is far below any that works.
+//! The pulses are counted over windows of 2 s. A fan of a 3D printer gives two a turn and makes some 1000 turns a
+//! minute at its slowest. So one turn in a window is far below any working fan. (4-wire fans: Intel, "4-Wire Pulse
+//! Width Modulation Controlled Fans", rev 1.3, sections 3.1 and 3.2: two pulses a turn, standing below 30 % duty is
+//! legal.)
 
 use super::{Alarm, periods};
 use crate::fault::Cause;
@@ -22,23 +24,23 @@ const WINDOW: u32 = periods(2);
 /// Pulses in a window: one turn.
 const LEAST: u16 = 2;
 
-/// Below a third a fan may stand still.
+/// Below a third of full duty a fan may stop.
 const DRIVEN: u16 = u16::MAX / 3;
 
-/// Windows in a row without a turn: the first after it was switched on may be spent on getting it to turn.
+/// Windows in a row without a turn: in the first one after it is switched on, the fan may still be starting.
 const MOST_STILL: u8 = 2;
 
 /// The guard of one fan.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FanTurns {
-    /// The count of pulses when the window began.
+    /// The pulse count at the begin of the window.
     before: u16,
     elapsed: u32,
     still: u8,
 }
 
 impl FanTurns {
-    /// A fan that nobody has driven yet.
+    /// A fan that was not driven yet.
     #[must_use]
     pub const fn new() -> Self {
         Self { before: 0, elapsed: 0, still: 0 }

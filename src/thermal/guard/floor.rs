@@ -1,11 +1,11 @@
-//! The floor: what every heater of its kind does, whatever its model, its settings and the commands say.
+//! The floor: the behaviour of every heater of a kind, whatever its model, its settings and the commands.
 //!
-//! The model's guards find a fault sooner, but a wrong model makes them blind: with `power = 1` or `M306 C200` a heater that
-//! gives nothing looks right. So this guard stands below them, and its numbers depend on the kind of heater alone.
+//! The model's guards find a fault sooner, but a wrong model makes them blind: with `power = 1` or `M306 C200` a heater
+//! without power looks right. So this guard is below them, and its numbers depend only on the kind of heater.
 //!
-//! A heater that can reach a target has power to spare on the way: at a part p of the way from the room to the highest
-//! temperature that its power allows, 1 - p of its power still warms it. A target that can be reached is no higher than that.
-//! So on the first 60 % of the way to any such target, 40 % of the power is left at the least:
+//! A heater that can reach a target has spare power on the way. At a fraction p of the way from the room to the highest
+//! temperature that its power allows, 1 - p of its power still warms it. A reachable target is no higher than that
+//! temperature. So on the first 60 % of the way to it, at least 40 % of the power is left:
 //!
 //! | | power / capacity | 2 C at 60 % of the way | allowed |
 //! |---|---|---|---|
@@ -13,14 +13,15 @@
 //! | bed of 220 W and 5500 J/K, at 21 V | 0.031 K/s | 163 s | 240 s |
 //! | chamber of 300 W and 20,000 J/K | 0.015 K/s | 333 s | 600 s |
 //!
-//! Above, a reading that is right comes from a thing that is hot: there is only a limit of time. A hotend of 25 W and 34 J/K that
-//! can get to 270 C needs more than 10 minutes for its last 2 C before 267 (`tests/faults/floor.rs`); it gets 30.
+//! Above that, a correct reading comes from a hot heater: there is only a limit of time. A hotend of 25 W and 34 J/K
+//! that can reach 270 C needs more than 10 minutes for its last 2 C before 267 (`tests/faults/floor.rs`); it gets 30.
 //!
-//! On the first 60 % of the way a reading does not fall by 10 C either while there is more than half of the power: a hotend that cools at 3 K/s as
-//! the power comes falls by 7 C in its lag. A sensor that slips falls so far in a second, and need not be waited for.
+//! On the first 60 % of the way a reading must not fall by 10 C either while there is more than half of the power. A
+//! hotend that cools at 3 K/s when the power comes falls by 7 C in its lag. A sensor that slips falls as far in a
+//! second.
 //!
-//! Time counts by the duty, and what was counted is forgotten four times as slowly while there is no power. So a heater that
-//! is switched off and on, and a target that changes all the time, hold up nothing.
+//! Time counts by the duty, and is forgotten four times as slowly without power. So neither a heater that is switched
+//! off and on nor a target that changes all the time delays the alarm.
 
 use super::{Alarm, periods};
 use crate::connectors::Heater;
@@ -28,41 +29,42 @@ use crate::fault::Cause;
 use crate::thermal::room::ROOM;
 use crate::units::Celsius;
 
-/// A gain that counts. Klipper's `heating_gain` (verify_heater) is 2 C too.
+/// A rise that counts as a gain. Klipper's `heating_gain` (verify_heater) is 2 C too.
 const GAIN: Celsius = Celsius::const_from_int(2);
 
-/// On the rest of the way full power counts alone, and only so far below the target: a controller without an integral part
-/// stays below for ever, with less than full power.
+/// On the rest of the way only full power counts, and only this far below the target: a controller without an integral
+/// part stays below for ever, with less than full power.
 const NEAR: Celsius = Celsius::const_from_int(2);
 
-/// A fall that counts.
+/// A fall of the reading that counts.
 const FALL: Celsius = Celsius::const_from_int(10);
 
-/// Full power, as it is counted.
+/// Full power in units of `given`.
 const FULL: u32 = 255;
 
-/// What is counted is forgotten by this part of the time without power.
+/// Counted time is forgotten at this fraction of the time without power.
 const FORGETS: u32 = 4;
 
-/// What holds for a kind of heater, whatever its settings.
+/// Numbers of a kind of heater, whatever its settings.
 #[derive(Debug)]
 pub struct Floor {
     /// Periods at full power for each gain, on the first 60 % of the way.
     heating: u32,
     /// The same on the rest of the way.
     topping: u32,
-    /// Periods for which it may read 10 C less than before at half of the power, on the first 60 % of the way.
+    /// Periods for which it may read 10 C less than before at more than half of the power, on the first 60 % of the
+    /// way.
     falling: u32,
-    /// Periods for which a reading may stand still after the power has changed.
+    /// Periods for which a reading may stay constant after the power has changed.
     pub still: u32,
-    /// The least and the greatest number of periods within which heat that is under way arrives.
+    /// Range of the number of periods within which heat under way arrives.
     pub settling: [u32; 2],
-    /// So far above a target that was reached it may be, at the most.
+    /// Greatest permitted distance above a reached target.
     pub overshoot: Celsius,
 }
 
 impl Floor {
-    /// What holds for this heater.
+    /// The numbers of this heater.
     #[must_use]
     pub const fn of(heater: Heater) -> &'static Self {
         /// Klipper's `check_gain_time` of a hotend is 20 s. The lags of a hotend are 1 to 6 s together.
@@ -108,7 +110,7 @@ pub struct Gain {
     from: Celsius,
     /// Power since then, in periods of full power times 255: two hours of them are 92 million.
     given: u32,
-    /// The warmest since there is more than half of the power, and the periods for which it was far above what is read now.
+    /// The warmest reading since there is more than half of the power, and the periods with a reading far below it.
     warmest: Celsius,
     fallen: u32,
 }
@@ -120,14 +122,14 @@ impl Default for Gain {
 }
 
 impl Gain {
-    /// Nothing was given yet.
+    /// No power was given yet.
     #[must_use]
     pub const fn new() -> Self {
         Self { from: Celsius::MAX, given: 0, warmest: Celsius::MIN, fallen: 0 }
     }
 
-    /// Looks at a control period of a heater with this duty of 65,535, and the most that it may have. A pulse of
-    /// a self-test has no target.
+    /// Follows a control period of a heater with this duty of 65,535, and its greatest permitted duty. A pulse of a
+    /// self-test has no target.
     pub fn look(
         &mut self,
         floor: &Floor,

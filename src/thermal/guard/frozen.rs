@@ -1,10 +1,10 @@
-//! A reading that stands still although the power has changed is none: the converter, or what is before it, has stopped.
+//! A reading that does not change after the heater power changed is invalid: the converter, or its input, has stopped.
 
 use super::{Alarm, Floor};
 use crate::fault::Cause;
 use crate::units::Celsius;
 
-/// Converters and thermistors always make this much noise, or the temperature moves: a third of a 12-bit step of a hot hotend.
+/// Least movement of a valid reading, by noise or by temperature: a third of a 12-bit step of a hot hotend.
 const STILL: Celsius = Celsius::lit("0.02");
 
 /// A change of the duty that any heater's temperature follows.
@@ -15,9 +15,9 @@ const CHANGE: u16 = u16::MAX / 5;
 pub struct Frozen {
     least: Celsius,
     most: Celsius,
-    /// The least and the greatest mean duty since then.
+    /// The smallest and the greatest mean duty since then.
     duties: [u16; 2],
-    /// The duty, averaged over a second or so.
+    /// The duty, averaged over about a second.
     mean: u32,
     /// Periods since the power has changed.
     still: u32,
@@ -36,7 +36,7 @@ impl Frozen {
         Self { least: Celsius::MAX, most: Celsius::MIN, duties: [u16::MAX, 0], mean: 0, still: 0 }
     }
 
-    /// Looks at a control period.
+    /// Follows a control period.
     pub fn look(&mut self, floor: &Floor, measured: Celsius, duty: u16) -> Option<Alarm> {
         self.mean = self.mean - (self.mean >> 6) + u32::from(duty);
         let mean = (self.mean >> 6) as u16;
@@ -47,7 +47,7 @@ impl Frozen {
             return None;
         }
         let has_changed = self.duties[1].saturating_sub(self.duties[0]) > CHANGE || mean > u16::MAX / 2;
-        // What stood still before the power changed says nothing: a cold bed may stand still for hours.
+        // A constant reading before the power changed means nothing: a cold bed may read the same for hours.
         self.still = if has_changed { self.still.saturating_add(1) } else { 0 };
         let is_frozen = self.still >= floor.still;
         is_frozen.then_some(Alarm { cause: Cause::SensorFrozen, value: measured, limit: STILL })
@@ -80,7 +80,8 @@ mod tests {
         assert!((0..2000).any(|_| look(&mut guard, at, 65_535).is_some()), "full power, and it does not warm");
     }
 
-    /// Reproducer: a converter without noise, and a bed that had been cold for a while: frozen as soon as it was heated.
+    /// Reproducer: a converter without noise, and a bed that had been cold for a while, which counted as frozen at
+    /// once.
     #[test]
     fn what_stood_still_before_the_power_came_does_not_count() {
         let mut guard = Frozen::new();

@@ -1,7 +1,7 @@
-//! Heat that went in must be found again: in a thing that is warmer, or in what it loses because it is warm.
+//! Heat that went in must be found again: in the warmer mass, or in its losses.
 //!
-//! A fixed rate (2 C in 20 s) is too strict for a bed that is warm already and too lax for a hotend. The balance holds at
-//! every temperature: what the thing took up and lost by its model, as a part of what the heater gave.
+//! A fixed rate (2 C in 20 s) is too strict for a warm bed and too lax for a hotend. The balance holds at every
+//! temperature. It compares the heat that the mass took up and lost, by its model, with the heat that the heater gave.
 
 use super::{Alarm, Episode, Seen, periods, periods_of_lags};
 use crate::fault::Cause;
@@ -11,46 +11,45 @@ use crate::thermal::room::ROOM;
 use crate::units::{Celsius, JoulesPerKelvin, Ratio};
 use fixed::types::{I0F32, I8F24};
 
-/// A balance is struck over this many lags, so that what is on its way is a small part of it, ...
+/// Lags in a balance, so that heat on its way is a small part of it, ...
 const LAGS: u32 = 6;
 
-/// ... and over no less than this: the time after which Klipper and Marlin look at a hotend, in s.
+/// ... and its least length: the time after which Klipper and Marlin check a hotend, in s.
 const LEAST_S: u32 = 20;
 
-/// A balance counts if the heat that was given would warm the thing by so much: less is noise.
+/// A balance counts if the given heat would warm the mass by this much: less is noise.
 const LEAST_RISE: Celsius = Celsius::const_from_int(6);
 
-/// Heat does not leave by itself: it is in the thing, or lost at no more than twice the model's rate. If so much of
-/// what was found is gone again, something cold was laid on, or the sensor has slipped. The heat that was given before
-/// says nothing then. The floor has numbers for a slipped sensor.
+/// Heat does not disappear: it is in the mass, or lost at no more than twice the model's rate. If this much of the
+/// found heat has disappeared, something cold was laid on, or the sensor has slipped. The balance then says nothing.
+/// The floor has numbers for a slipped sensor.
 const GONE: Celsius = Celsius::const_from_int(2);
 
-/// Periods between two looks for it: a look costs 64-bit products, and a second more or less does not matter.
+/// Periods between two such checks: a check costs 64-bit products, and a second of delay does not matter.
 const LOOKS: u32 = 50;
 
-/// The guard that strikes the balance: an episode from the first power until all heat has arrived, or something cold
-/// comes.
+/// The guard: an episode from the first power until all heat has arrived, or something cold comes.
 #[derive(Clone, Copy, Debug)]
 pub struct HeatBalance {
     numbers: Numbers,
     balance: Episode<(), Balance>,
 }
 
-/// What the settings come to. They are summed up with the settings, for memory that fails.
+/// Numbers from the settings. They are part of the settings' sum, which finds failing memory.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct Numbers {
-    /// The part that has to be found.
+    /// The fraction of the heat that must be found.
     least: Ratio,
     capacity: JoulesPerKelvin,
     loss: I8F24,
     fan_loss: I8F24,
     /// Control periods of a balance.
     length: u32,
-    /// Parts a period by which heat arrives.
+    /// Fraction of the heat that arrives in a period.
     arrival: I0F32,
 }
 
-/// What was seen in this balance.
+/// The observations of this balance.
 #[derive(Clone, Copy, Debug)]
 struct Balance {
     begun_at: Celsius,
@@ -60,7 +59,7 @@ struct Balance {
     /// Heat that has arrived and heat lost in this balance, in J times 50, with 20 fractional bits.
     given: i64,
     lost: i64,
-    /// The most that was in the thing or lost at twice the model's rate, counted as the others.
+    /// The most heat that was in the mass or lost at twice the model's rate, in the same unit.
     most: i64,
 }
 
@@ -87,19 +86,19 @@ impl HeatBalance {
         Self { numbers: Numbers::new(settings), balance: Episode::none() }
     }
 
-    /// Other thresholds; the balance goes on.
+    /// Sets other thresholds; the balance continues.
     pub fn configure(&mut self, settings: &HeaterSettings) {
         self.numbers = Numbers::new(settings);
     }
 
-    /// What the settings have come to.
+    /// The numbers from the settings.
     #[must_use]
     pub const fn numbers(&self) -> &Numbers {
         &self.numbers
     }
 
-    /// Looks at a control period: whether heat is on its way, what is seen, the power that was given, the part fan,
-    /// the filament in W/K.
+    /// Follows a control period: whether heat is on its way, the readings, the given power, the part fan, the filament
+    /// in W/K.
     pub fn look(&mut self, is_heated: bool, seen: &Seen, power: Power, fan: Ratio, filament: I8F24) -> Option<Alarm> {
         let (n, measured) = (&self.numbers, seen.measured);
         let begin = || Balance { begun_at: measured, left: 0, arriving: Power::ZERO, given: 0, lost: 0, most: 0 };
@@ -126,7 +125,7 @@ impl HeatBalance {
 }
 
 impl Balance {
-    /// Whether heat that was found is gone again.
+    /// Whether found heat has disappeared.
     fn has_gone(&mut self, numbers: &Numbers, smooth: Celsius) -> bool {
         let there = numbers.heat(smooth.saturating_sub(self.begun_at)).saturating_add(2 * self.lost);
         self.most = self.most.max(there);
@@ -137,12 +136,13 @@ impl Balance {
         let rise = measured.saturating_sub(self.begun_at);
         let wanted = (self.given >> 16).saturating_mul(numbers.least.to_bits().into());
         let found = numbers.heat(rise).saturating_add(self.lost);
-        // Losses are known to half of them: a bed in a cold room that loses 1.4 times as much as its model says was taken for one that
-        // does not heat. So heat that was given counts only where it is twice what is lost; the floor looks at the rest.
+        // Losses are known to within half of them: a bed in a cold room that lost 1.4 times as much as its model
+        // counted as one that does not heat. So given heat counts only where it is twice the losses; the floor covers
+        // the rest.
         if self.given < numbers.heat(LEAST_RISE).max(2 * self.lost) || found >= wanted {
             return None;
         }
-        // What is missing, in degrees.
+        // The missing heat, in degrees.
         let missing = wanted.saturating_sub(found) / numbers.heat(Celsius::ONE).max(1);
         let limit = rise.saturating_add(Celsius::saturating_from_num(missing));
         Some(Alarm { cause: Cause::HeatsTooSlowly, value: rise, limit })

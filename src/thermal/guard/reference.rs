@@ -1,5 +1,5 @@
-//! The converter's internal reference tells whether the supply it compares with is what it should be, and whether its channels
-//! come in order: in the wrong slot there would stand a thermistor's reading.
+//! The converter's internal reference shows whether its supply is right, and whether its channels come in order: in the
+//! wrong slot there would be a thermistor's reading.
 
 use super::Alarm;
 use crate::fault::Cause;
@@ -8,11 +8,11 @@ use crate::units::Celsius;
 /// 1.21 V of 3.3 V (STM32F446 datasheet, V_REFINT: 1.18 to 1.24 V), in 1/65,536.
 const NOMINAL: u16 = 24_030;
 
-/// It may be off by this: 2.5 % of the reference, and 3.0 to 3.6 V of supply; thermistors are compared with the same supply and
-/// do not care.
+/// Permitted deviation: 2.5 % of the reference, and 3.0 to 3.6 V of supply. Thermistor readings are relative to the
+/// same supply, so they stay right.
 const TOLERANCE: u16 = 2_900;
 
-/// So many periods beyond are a fault: 0.2 s.
+/// Periods beyond it that are a fault: 0.2 s.
 const MOST: u8 = 10;
 
 /// The guard of the reference.
@@ -28,7 +28,7 @@ impl Reference {
         Self { beyond: 0 }
     }
 
-    /// Looks at a control period.
+    /// Follows a control period.
     pub fn look(&mut self, sample: u16) -> Option<Alarm> {
         let is_right = sample.abs_diff(NOMINAL) <= TOLERANCE;
         self.beyond = if is_right { 0 } else { self.beyond.saturating_add(1) };

@@ -1,28 +1,28 @@
-//! A heater must warm its own sensor. If another one follows it, plugs are swapped, and the heater would run away while the wrong
-//! sensor stays cold.
+//! A heater must warm its own sensor. If another one follows it, plugs are swapped, and the heater would run away while
+//! the wrong sensor stays cold.
 //!
-//! A pair of a heater and another one's sensor tells something in two cases:
+//! A pair of a heater and another one's sensor is meaningful in two cases:
 //!
-//! - the other heater has no power, and none of its heat is under way: nothing but this heater can warm it;
-//! - a hotend is heated from the cold at full power together with a bed or a chamber, in whatever state. They are slower: 1 kW in a
-//!   bed of 500 J/K, which has no mass left for a plate, make 2 K/s after its mat's lag, and 25 W in a hotend of 34 J/K 0.7. The
-//!   hotend's own sensor has risen by a quarter of it in any case.
+//! - The other heater has no power, and none of its heat is under way: only this heater can warm it.
+//! - A hotend heats from the cold at full power together with a bed or a chamber, in any state. They are slower: 1 kW
+//!   in a bed of 500 J/K, which is too light for a plate, makes 2 K/s after its mat's lag, and 25 W in a hotend of 34
+//!   J/K makes 0.7. The hotend's own sensor has risen by a quarter of it in any case.
 
 use super::{Alarm, Episode, periods};
 use crate::fault::Cause;
 use crate::units::Celsius;
 
-/// So much another sensor must have risen, and its own not even by a quarter of it.
+/// Rise of the other sensor that is an alarm if its own has not risen by a quarter of it.
 const RISE: Celsius = Celsius::const_from_int(6);
 
-/// The guard looks at the first seconds of a heating; later, a hot nozzle warms a bed near it.
+/// The guard covers the first seconds of a heating; later, a hot nozzle warms a bed near it.
 const FIRST_S: u32 = 60;
 
-/// The guard of a pair, a heater that heats and the sensor of another one: an episode for as long as the pair tells something.
+/// The guard of a pair, a heater that heats and the sensor of another one: an episode while the pair is meaningful.
 #[derive(Clone, Copy, Debug)]
 pub struct Swapped(Episode<(), Begun>);
 
-/// What was seen when the heating began.
+/// The readings when the heating began.
 #[derive(Clone, Copy, Debug)]
 struct Begun {
     own: Celsius,
@@ -37,13 +37,13 @@ impl Default for Swapped {
 }
 
 impl Swapped {
-    /// Nothing heats yet.
+    /// No heater heats yet.
     #[must_use]
     pub const fn new() -> Self {
         Self(Episode::none())
     }
 
-    /// Looks at a control period; `tells` if the pair tells something now.
+    /// Follows a control period; `tells` if the pair is meaningful now.
     pub fn look(&mut self, tells: bool, own: Celsius, other: Celsius) -> Option<Alarm> {
         let begun = self.0.follow(tells.then_some(()), || Begun { own, other, heated: 0 })?;
         begun.heated = begun.heated.saturating_add(1);

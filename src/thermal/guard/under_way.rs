@@ -1,10 +1,10 @@
-//! Heat under way: after the power is gone, a sensor goes on rising. This is the one place that knows for how long.
+//! Heat under way: after the last power, a sensor still rises. Only this file knows for how long.
 
 use super::floor::Floor;
 use super::periods_of_lags;
 use crate::settings::HeaterModel;
 
-/// Heat on its way arrives within so many lags: behind two equal ones 0.05 % are missing then.
+/// Lags within which heat arrives: behind two equal lags, 0.05 % is missing then.
 const LAGS: u32 = 5;
 
 /// How long a heater has had no power.
@@ -25,20 +25,21 @@ impl Default for UnderWay {
 }
 
 impl UnderWay {
-    /// Nobody knows what was before the start: a reset may have ended a heating.
+    /// The time before the start is unknown: a reset may have ended a heating.
     #[must_use]
     pub const fn new() -> Self {
         Self { quiet: 0, settling: 0, has_heated: false }
     }
 
-    /// Follows a control period of a heater of this model. The model may be wrong, so the time stays within the floor's.
+    /// Follows a control period of a heater of this model. The model may be wrong, so the time stays within the
+    /// floor's.
     pub fn follow(&mut self, is_powered: bool, model: &HeaterModel, floor: &Floor) {
         self.has_heated |= is_powered;
         if is_powered {
             self.quiet = 0;
             return;
         }
-        // As the power goes, and now and then, for memory that fails.
+        // When the power goes, and again from time to time, in case memory fails.
         if self.quiet.is_multiple_of(64) {
             self.settling = periods_of_lags(LAGS, model).clamp(floor.settling[0], floor.settling[1]);
         }
@@ -51,7 +52,7 @@ impl UnderWay {
         self.has_heated
     }
 
-    /// Whether all heat has arrived, so that nothing rises any more by itself.
+    /// Whether all heat has arrived, so that the reading no longer rises by itself.
     #[must_use]
     pub const fn is_over(&self) -> bool {
         self.quiet > self.settling

@@ -1,32 +1,32 @@
-//! A heater that is off does not get warmer. A transistor or relay that does not switch off is what burns printers down, and
+//! A heater that is off must not get warmer. A transistor or relay that does not switch off burns printers down, and
 //! only the power supply's switch ends it.
 
 use super::{Alarm, Episode, Seen, periods};
 use crate::fault::Cause;
 use crate::units::Celsius;
 
-/// A rise counts against the coldest of this time, in s: a sunny window takes longer.
+/// A rise counts from the coldest reading of this time, in s: a sunny window takes longer.
 const MEMORY_S: u32 = 120;
 
-/// A neighbour may warm it up to its own temperature, but not so far in this time, in s. 0.05 W/K from a bed of 110 C
-/// warm a block of 6 J/K by 0.7 K/s; 8 K in 6 s are twice as much. 25 W in 10.8 J/K make 2.3 K/s.
+/// A neighbour may warm it up to its own temperature, but not that far in this time, in s. 0.05 W/K from a bed of 110 C
+/// warms a block of 6 J/K by 0.7 K/s; 8 K in 6 s is twice as much. 25 W in 10.8 J/K makes 2.3 K/s.
 const QUICK_S: u32 = 6;
 
 /// The guard of a heater without power: an episode from the arrival of its last heat to its next power.
 #[derive(Clone, Copy, Debug)]
 pub struct WhileOff(Episode<(), Memories>);
 
-/// The coldest of both times.
+/// The coldest readings of both times.
 #[derive(Clone, Copy, Debug)]
 struct Memories {
     late: Coldest,
     quick: Coldest,
 }
 
-/// The coldest of late.
+/// The coldest recent reading.
 #[derive(Clone, Copy, Debug)]
 struct Coldest {
-    /// Of this half of the memory, and of the half before.
+    /// In this half of the memory, and in the half before.
     halves: [Celsius; 2],
     /// Periods until this half becomes the half before.
     left: u32,
@@ -35,7 +35,7 @@ struct Coldest {
 impl Coldest {
     const NONE: Self = Self { halves: [Celsius::MAX; 2], left: 0 };
 
-    /// Follows a control period; the coldest of so many seconds.
+    /// Follows a control period; returns the coldest reading of `seconds`.
     fn follow(&mut self, seconds: u32, smooth: Celsius) -> Celsius {
         if self.left == 0 {
             *self = Self { halves: [Celsius::MAX, self.halves[0]], left: periods(seconds / 2) };
@@ -59,8 +59,8 @@ impl WhileOff {
         Self(Episode::none())
     }
 
-    /// Looks at a control period; `rise` is more than it may get warmer. A neighbour warms it up to its own
-    /// temperature, slowly.
+    /// Follows a control period; a rise above `rise` is an alarm. A neighbour may warm it slowly, up to its own
+    /// temperature.
     pub fn look(&mut self, rise: Celsius, seen: &Seen) -> Option<Alarm> {
         let begin = || Memories { late: Coldest::NONE, quick: Coldest::NONE };
         let coldest = self.0.follow(seen.is_settled.then_some(()), begin)?;
@@ -77,7 +77,7 @@ mod tests {
 
     const RISE: Celsius = Celsius::const_from_int(8);
 
-    /// Seconds until the alarm at a rise of so many K a second.
+    /// Seconds until the alarm at a slope in K/s.
     fn run(guard: &mut WhileOff, from: f64, slope: f64, seconds: u32, warmed_to: i32) -> Option<u32> {
         let warmed_to = Celsius::from_num(warmed_to);
         (0..seconds * 50).find_map(|n| {

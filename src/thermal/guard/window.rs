@@ -4,11 +4,11 @@ use super::Alarm;
 use crate::fault::Cause;
 use crate::units::Celsius;
 
-/// No printer is colder. An NTC of 100 kOhm has 630 kOhm there and is well told from an open one, so that a cold garage is no
-/// fault, as it is with limits of 0 or 5 C.
+/// No printer is colder. An NTC of 100 kOhm has 630 kOhm there, which differs clearly from an open one. So a cold
+/// garage is not a fault, as it is with limits of 0 or 5 C.
 pub const LEAST: Celsius = Celsius::const_from_int(-15);
 
-/// So many periods beyond the window are a fault: 0.2 s, so that noise at the edge is none.
+/// Periods outside the window that are a fault: 0.2 s, so that noise at its edge is not.
 const MOST: u8 = 10;
 
 /// The guard of a sensor's window.
@@ -24,7 +24,7 @@ impl Window {
         Self { beyond: 0 }
     }
 
-    /// Looks at a reading, of a heater that may not be hotter than `most`.
+    /// Follows a reading of a heater that may not be hotter than `most`.
     pub fn look(&mut self, most: Celsius, measured: Celsius) -> Option<Alarm> {
         let is_inside = LEAST <= measured && measured <= most;
         self.beyond = if is_inside { 0 } else { self.beyond.saturating_add(1) };

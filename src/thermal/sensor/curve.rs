@@ -1,17 +1,17 @@
-//! Curves: from what the converter reads to degrees.
+//! Curves: from the converter's sample to degrees.
 //!
-//! The sensor hangs between ground and the converter, with a resistor of 4.7 kOhm to the converter's own reference. So the
-//! reading is R / (R + 4700), whatever the voltage is.
+//! The sensor is between ground and the converter, with a resistor of 4.7 kOhm to the converter's own reference. So the
+//! reading is R / (R + 4700), whatever the voltage.
 
 use super::logarithm::{FRACTION, log2, natural};
 use crate::settings::Thermistor;
 use crate::thermal::fixed_point::{quotient, saturated};
 use crate::units::Celsius;
 
-/// The resistor to the reference, in Ohm: that of the Octopus and of most boards (BTT's schematic, R at TH0).
+/// The resistor to the reference, in Ohm, on the Octopus and most boards (BTT's schematic, R at TH0).
 const PULL_UP: u32 = 4700;
 
-/// What a sensor says.
+/// A reading of a sensor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Reading {
     /// A temperature.
@@ -20,14 +20,14 @@ pub enum Reading {
     Open,
     /// The wires touch.
     Short,
-    /// The converter says nothing.
+    /// The converter gives no sample.
     Silent,
 }
 
-/// Degrees of a reading, for one kind of sensor.
+/// Conversion from samples to degrees for one kind of sensor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash)]
 pub enum Curve {
-    /// An NTC, by the law of Steinhart and Hart: 1/T = a + b ln R + c (ln R)^3, T in K and R in Ohm.
+    /// An NTC, by the Steinhart-Hart equation: 1/T = a + b ln R + c (ln R)^3, T in K and R in Ohm.
     SteinhartHart {
         /// With 40 fractional bits.
         a: i64,
@@ -46,7 +46,7 @@ const ZERO_C: i64 = (273.15 * (1u64 << Celsius::FRAC_NBITS) as f64) as i64;
 /// 1/298.15 K, 25 C, with 40 fractional bits.
 const AT_25: i64 = (((1u64 << 40) as f64) / 298.15) as i64;
 
-/// No NTC has less (Vishay's catalogue begins at 2800 K), and with it 1/B has no more than 31 bits.
+/// Below every NTC (Vishay's catalogue begins at 2800 K); 1/B then has no more than 31 bits.
 const LEAST_BETA: u16 = 1000;
 
 /// Coefficients of IEC 60751: R / R0 = 1 + A t + B t^2, above 0 C; below, it is off by 0.02 K at -20 C.
@@ -58,7 +58,7 @@ impl Curve {
     #[must_use]
     pub const fn new(thermistor: Thermistor) -> Self {
         match thermistor {
-            // From three points of the data sheets each, as tests/ have them.
+            // Each from three points of the data sheet, as in tests/.
             Thermistor::Semitec104Gt2 => {
                 const { steinhart_hart(8.096_510_542_751_242e-4, 2.116_360_307_356_851_7e-4, 7.074_208_839_939_73e-8) }
             }
@@ -80,12 +80,12 @@ impl Curve {
         }
     }
 
-    /// What a reading says, which is in units of 1/65,536 of the reference.
+    /// The reading for a sample in units of 1/65,536 of the reference.
     #[must_use]
     pub fn read(&self, sample: Option<u16>) -> Reading {
         let Some(sample) = sample else { return Reading::Silent };
         let (short, open) = match self {
-            // 18 Ohm, which no NTC of 100 kOhm has below 450 C, and 2.3 MOhm, which it has at -38 C.
+            // An NTC of 100 kOhm has less than 18 Ohm only above 450 C, and 2.3 MOhm at -38 C.
             Self::SteinhartHart { .. } => (250, 65_400),
             // 750 Ohm, -63 C, and 3.9 kOhm, 900 C.
             Self::Platinum => (9_000, 29_800),
@@ -157,8 +157,8 @@ mod tests {
         }
     }
 
-    /// Three points of a sensor's data sheet, in C and Ohm (Semitec GT-2 and NT-4 series; Keenovo's table of NTC 3950; Slice
-    /// Engineering; IEC 60751, table 1). A new kind does not compile before it has them.
+    /// Three points of a sensor's data sheet, in C and Ohm (Semitec GT-2 and NT-4 series; Keenovo's table of NTC 3950;
+    /// Slice Engineering; IEC 60751, table 1). A new kind does not compile without them.
     const fn sheet(thermistor: Thermistor) -> Option<[(f64, f64); 3]> {
         match thermistor {
             Thermistor::Semitec104Gt2 => Some([(20.0, 126_800.0), (150.0, 1360.0), (300.0, 80.65)]),
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(Curve::Platinum.read(Some(0)), Reading::Short);
         assert_eq!(Curve::Platinum.read(Some(u16::MAX)), Reading::Open);
         assert_eq!(Curve::Platinum.read(None), Reading::Silent);
-        // Nonsense from a machine file has an answer too.
+        // Nonsense from a machine file must not panic either.
         for (ohms, beta) in [(0, 0), (1, 1), (u32::MAX, u16::MAX)] {
             let curve = Curve::new(Thermistor::Beta { ohms, beta });
             for sample in (0..=u16::MAX).step_by(97) {

@@ -1,16 +1,16 @@
-//! The filter: a loose contact or a spark is no temperature. Readings that cannot be are left out, and too many of them are
-//! a fault.
+//! The filter: a loose contact or a spark is not a temperature. Impossible readings are skipped, and too many of them
+//! are a fault.
 
 use super::curve::Reading;
 use crate::fault::Cause;
 use crate::units::Celsius;
 
-/// What a reading comes to.
+/// The verdict on a reading.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Contact {
     /// A temperature.
     Good(Celsius),
-    /// Not to be believed: nobody may heat more because of it.
+    /// Not reliable: it must never raise the power.
     Doubtful,
     /// The sensor is broken.
     Broken(Cause),
@@ -19,17 +19,17 @@ pub enum Contact {
 /// Doubtful readings in a row that are a fault: 0.4 s. A connector that is bumped loses contact for up to 0.3 s.
 const MOST_IN_A_ROW: u16 = 20;
 
-/// What a doubtful reading weighs against good ones: one in twenty may be doubtful for ever.
+/// Weight of a doubtful reading against good ones: one in twenty may be doubtful for ever.
 const WEIGHT: u16 = 20;
 
-/// Weight of doubtful readings at which the contact is loose: 30 that come together.
+/// Weight of doubtful readings that means a loose contact: 30 together.
 const LOOSE: u16 = 600;
 
-/// Nothing in a printer warms or cools by more than this in a control period of 20 ms: 150 K/s. (A block of 10 J/K would
-/// need 1500 W.) A contact that opens within a sample shows a jump like that.
+/// Greatest possible change in a control period of 20 ms: 150 K/s. (A block of 10 J/K would need 1500 W.) A contact
+/// that opens within a sample shows a greater jump.
 const JUMP: Celsius = Celsius::const_from_int(3);
 
-/// Nor by more than this in each period of a gap: 25 K/s, six times what 60 W do to a hotend.
+/// Greatest change per period of a gap: 25 K/s, six times the effect of 60 W on a hotend.
 const GAP: Celsius = Celsius::lit("0.5");
 
 /// The filter of one sensor.
@@ -38,7 +38,7 @@ pub struct Filter {
     last: Option<Celsius>,
     /// Doubtful readings since the last good one.
     in_a_row: u16,
-    /// Weight of doubtful readings, less one for each good one.
+    /// Weight of doubtful readings, minus one for each good one.
     weight: u16,
 }
 
@@ -52,7 +52,7 @@ impl Filter {
     /// Takes a reading; called once in a control period.
     pub fn take(&mut self, reading: Reading) -> Contact {
         let cause = match reading {
-            // The longer the gap, the more may have happened in it.
+            // The longer the gap, the more the temperature may have changed.
             Reading::Celsius(celsius) if self.is_near(celsius) => {
                 (self.last, self.in_a_row) = (Some(celsius), 0);
                 self.weight = self.weight.saturating_sub(1);
@@ -86,7 +86,7 @@ mod tests {
 
     const WARM: Reading = Reading::Celsius(Celsius::const_from_int(200));
 
-    /// What comes of a contact that is open for `open` of `period` readings, within a minute.
+    /// The fault within a minute, if any, of a contact that is open for `open` of `period` readings.
     fn after_a_minute(open: usize, period: usize) -> Option<(usize, Cause)> {
         let mut filter = Filter::new();
         (0..3000).find_map(|n| {

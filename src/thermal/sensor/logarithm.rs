@@ -1,13 +1,14 @@
-//! The binary logarithm in fixed point: out of a table for a number near by, and two terms of the series for how far it is from it.
+//! The binary logarithm in fixed point: a table gives it for a number near by, and two terms of the series add the
+//! distance from that.
 
 /// Fractional bits of a logarithm.
 pub(super) const FRACTION: u32 = 26;
 
-/// Bits of a number that choose a row of the table. The third term of the series is less than 2 millionths then, which are
-/// less than a thousandth of a degree.
+/// Bits of a number that select a row of the table. The third term of the series is then less than 2 millionths, which
+/// is less than a thousandth of a degree.
 const ROW: u32 = 5;
 
-/// Reciprocals of the middles of the rows, with 32 fractional bits, and their logarithms with the sign changed.
+/// Reciprocals of the middles of the rows, with 32 fractional bits, and their negated logarithms.
 const TABLE: [(u32, i32); 1 << ROW] = {
     let mut table = [(0, 0); 1 << ROW];
     let mut row = 0;
@@ -23,21 +24,20 @@ const TABLE: [(u32, i32); 1 << ROW] = {
 /// 1/ln 2, with 30 fractional bits.
 const PER_LN_2: i64 = 1_549_082_005;
 
-/// Logarithm to base 2 of a number that is not 0, with [`FRACTION`] fractional bits; right to 2 millionths.
+/// Logarithm to base 2 of a number above 0, with [`FRACTION`] fractional bits; right to 2 millionths.
 pub(super) const fn log2(number: u32) -> i64 {
     let zeros = number.leading_zeros();
     // Between 1 and 2, with 31 fractional bits.
     let mantissa = number << zeros;
     let (reciprocal, log) = TABLE[(mantissa >> (31 - ROW)) as usize & ((1 << ROW) - 1)];
-    // By how much it is more than the middle of its row, as a part of that, with 31 fractional bits: 1/64 at most.
+    // Distance from the middle of its row, as a fraction of it, with 31 fractional bits: 1/64 at most.
     let beyond = (((mantissa as u64 * reciprocal as u64) >> 32) as u32).wrapping_sub(1 << 31) as i32;
     let square = ((beyond as i64 * beyond as i64) >> 32) as i32;
     let rest = ((beyond - square) as i64 * PER_LN_2) >> (61 - FRACTION);
     (((31 - zeros) as i64) << FRACTION) + log as i64 + rest
 }
 
-/// The same bit by bit: squared again and again, a number tells its logarithm (D. E. Knuth, The Art of Computer Programming,
-/// 1.2.2, exercise 25).
+/// The same bit by bit, by repeated squaring (D. E. Knuth, The Art of Computer Programming, 1.2.2, exercise 25).
 const fn by_squaring(number: u32) -> i64 {
     let whole = number.ilog2();
     let mut rest = (number << (31 - whole)) as u64;
@@ -56,7 +56,7 @@ const fn by_squaring(number: u32) -> i64 {
 /// The natural logarithm of 2, with 32 fractional bits.
 const LN_2: i64 = 2_977_044_472;
 
-/// Natural logarithm of what has this logarithm to base 2; both with [`FRACTION`] fractional bits.
+/// Natural logarithm from the logarithm to base 2; both with [`FRACTION`] fractional bits.
 pub(super) const fn natural(log2: i64) -> i64 {
     (log2 * LN_2) >> 32
 }

@@ -1,7 +1,7 @@
-//! Sensors: from samples of the converter to a temperature that can be trusted, or a fault.
+//! Sensors: samples of the converter become a reliable temperature, or a fault.
 //!
-//! Kinds of sensor are variants of [`settings::Thermistor`](crate::settings::Thermistor), which says where each is known; `curve`
-//! has their numbers.
+//! Kinds of sensor are variants of [`settings::Thermistor`](crate::settings::Thermistor), which lists where each is
+//! used; `curve` has their numbers.
 
 mod curve;
 mod filter;

@@ -1,4 +1,4 @@
-//! What a tuning finds from what it has seen.
+//! Results of a tuning from its observations.
 
 use super::{HYSTERESIS, Tune, above_room};
 use crate::status::{Tuned, TuningFailure};
@@ -10,10 +10,10 @@ const RISE_AFTER_CUT: [i64; 17] =
     [8192, 6744, 5722, 4870, 4133, 3485, 2910, 2398, 1942, 1537, 1180, 868, 601, 376, 197, 66, 0];
 
 impl Tune {
-    /// What was found.
+    /// The results.
     ///
     /// # Errors
-    /// No heater of this kind and power is like that.
+    /// No heater of this kind and power can have them.
     pub fn find(&self) -> Result<Tuned, TuningFailure> {
         let found = self.figures().ok_or(TuningFailure::Impossible)?;
         let power = Watts::from_bits(self.power.to_bits().cast_unsigned() >> 4);
@@ -22,7 +22,7 @@ impl Tune {
         if is_within { Ok(found) } else { Err(TuningFailure::Impossible) }
     }
 
-    /// The figures, whatever they are.
+    /// The figures, unchecked.
     fn figures(&self) -> Option<Tuned> {
         let power = i64::from(self.power.to_bits());
         let loss = self.still.loss(power)?;
@@ -34,7 +34,8 @@ impl Tune {
         let given = power * i64::from(self.rise_periods) / rate;
         let lost = (loss * (self.warmth / rate)) >> 12;
         let capacity = (given.saturating_sub(lost) << 16) / rise;
-        // Slopes after and before the cut, in K/s with 20 fractional bits: losses, and power less losses, over the capacity.
+        // Slopes after and before the cut, in K/s with 20 fractional bits: losses, and power less losses, over the
+        // capacity.
         let losses = (loss * above_room(self.cut_at)) >> 12;
         let [fall, rise] = [losses, power - losses].map(|watts| (watts.max(0) << 16) / capacity.max(1));
         let both = (fall + rise).max(1);

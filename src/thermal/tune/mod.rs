@@ -1,4 +1,4 @@
-//! Tuning (M303): what the heater's model and a PID for it are, from how the temperature swings around a target.
+//! Tuning (M303): the heater's model and PID gains, from the swings of the temperature around a target.
 //!
 //! ```text
 //!  temperature      cut ___ peak                 relay: full power below the target, none above
@@ -9,21 +9,24 @@
 //!
 //! | found | from |
 //! |---|---|
-//! | lag | how far the sensor goes on rising after the cut (two lags in series are told apart by nobody: each gets half) |
+//! | lag | the sensor's rise after the cut (two lags in series cannot be separated: each gets half) |
 //! | loss | mean power of whole swings, over the mean temperature above the room |
 //! | loss to the part fan | the same with the fan at full speed, less that; only of a hotend, and last |
-//! | capacity | heat that went in on the way up less losses, over the rise between two points of the same slope |
-//! | PID | K. Astrom and T. Hagglund's relay experiment with hysteresis h: Ku = 4 d / (pi sqrt(a^2 - h^2)); P = 0.6 Ku, I = 2 P / Tu, D = P Tu / 8 |
+//! | capacity | heat of the way up less losses, over the rise between two points of the same slope |
+//! | PID | relay experiment, below |
 //!
-//! Up to the cut (t = 0) the block rises by a slope r; from then on it falls by s, its losses over its capacity. Behind two lags of
-//! a each, the sensor's slope is then -s + (r + s) (1 + x) e^-x with x = t / a. Where this is 0 the sensor peaks; it has risen by
-//! a (r + s) k since the cut. k depends only on s / (r + s); [`RISE_AFTER_CUT`] tabulates it.
+//! The relay experiment with hysteresis h is K. Astrom's and T. Hagglund's: Ku = 4 d / (pi sqrt(a^2 - h^2)); P = 0.6
+//! Ku, I = 2 P / Tu, D = P Tu / 8.
 //!
-//! It begins in the cold half of the way from the room to the target: what is hotter cools first. So there is a way up to look at,
-//! and the slope half-way is that of full power. No step believes the heater's model: cooling, rising and swinging have to go on, and
-//! what was found has to be a heater of its kind and power ([`Bounds`]).
+//! Up to the cut (t = 0) the block rises by a slope r; from then on it falls by s, its losses over its capacity. Behind
+//! two lags of a each, the sensor's slope is then -s + (r + s) (1 + x) e^-x with x = t / a. Where this is 0 the sensor
+//! peaks; it has risen by a (r + s) k since the cut. k depends only on s / (r + s); [`RISE_AFTER_CUT`] tabulates it.
 //!
-//! All guards stay on but those of a lost target and of the model.
+//! A tuning begins in the cold half of the way from the room to the target; a hotter heater cools first. So there is a
+//! way up to measure, and the slope half-way is the one of full power. No step uses the heater's model: cooling, rising
+//! and swinging must continue, and the result must be possible for a heater of its kind and power ([`Bounds`]).
+//!
+//! All guards stay on except those of a lost target and of the model.
 
 mod find;
 mod swings;
@@ -35,33 +38,33 @@ use crate::status::{Tuning, TuningFailure};
 use crate::units::Celsius;
 use swings::Swings;
 
-/// Swings that are thrown away before those that count; the fan cools the block down first.
+/// Swings that are skipped before those that count; the fan cools the block down first.
 const FIRST: u8 = 1;
 const FIRST_BLOWN: u8 = 2;
 
 /// Swings with the fan that count.
 const BLOWN: u8 = 3;
 
-/// Nothing swings more slowly than this, in periods: 20 minutes.
+/// Longest swing, in periods: 20 minutes.
 const LONGEST: u32 = 20 * 60 * RATE.unsigned_abs();
 
-/// The relay switches so far from the target: ten times a reading's noise.
+/// Distance from the target at which the relay switches: ten times a reading's noise.
 const HYSTERESIS: Celsius = Celsius::const_from_int(1);
 
-/// Half-way up, from where the slope counts: the parts of the way that are done, in 256ths.
+/// Half-way up, where the measured slope begins, in 256ths of the way.
 const HALF_WAY: i64 = 128;
 
-/// Cooling and rising have to go on, by a kelvin in so many periods: 5 minutes, half of what the floor's guard allows a
-/// hotend. A bed of 5500 J/K with 220 W gains one in 4 minutes when a tenth of its power is left.
+/// Cooling and rising must continue, by a kelvin in so many periods: 5 minutes. A bed of 5500 J/K with 220 W gains one
+/// in 4 minutes when a tenth of its power is left.
 const STALLED: u32 = 5 * 60 * RATE.unsigned_abs();
 
-/// The peaks are those of a reading that is smoothed over 1/2^4 of its history: 0.3 s.
+/// Peaks come from a reading that is smoothed over 1/2^4 of its history: 0.3 s.
 const SMOOTHING: u32 = 4;
 
-/// Where the tuning stands.
+/// Phase of the tuning.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Phase {
-    /// Without power, until it is cold enough.
+    /// Without power, until it is cold enough to begin.
     Cool,
     /// At full power, up to the target.
     Rise,
@@ -73,7 +76,7 @@ enum Phase {
     Blown,
 }
 
-/// A tuning that goes on.
+/// A running tuning.
 #[derive(Clone, Copy, Debug)]
 pub struct Tune {
     target: Celsius,
@@ -85,29 +88,29 @@ pub struct Tune {
     phase: Phase,
     /// The reading without its noise.
     smooth: Celsius,
-    /// The farthest that cooling or rising has come, and periods since then.
+    /// The farthest temperature of cooling or rising, and periods since then.
     farthest: Celsius,
     stalled: u32,
     is_on: bool,
     /// Periods of this phase or cycle.
     periods: u32,
-    /// Temperature and period at the half of the way, and at the cut.
+    /// Temperature and period half-way up, and at the cut.
     half_way: Option<(Celsius, u32)>,
     begun_at: Celsius,
     cut_at: Celsius,
-    /// Sum of the temperature above the room from the half of the way on, in K periods with 8 fractional bits.
+    /// Sum of the temperature above the room from half-way up on, in K periods with 8 fractional bits.
     warmth: i64,
-    /// The swing under way, and the swings that count without and with the fan.
+    /// The current swing, and the swings that count without and with the fan.
     swing: Swing,
     still: Swings,
     blown: Swings,
     rise_periods: u32,
-    /// By how much the sensor rose after the cut, in bits.
+    /// Rise of the sensor after the cut, in bits.
     after_cut: i64,
     result: Option<Tuning>,
 }
 
-/// A swing: from one time that the power comes back to the next.
+/// A swing: from one return of the power to the next.
 #[derive(Clone, Copy, Debug)]
 struct Swing {
     most: Celsius,
@@ -123,7 +126,7 @@ impl Swing {
 }
 
 impl Tune {
-    /// A tuning around `target` with so many swings that count, of a heater that is at `measured`.
+    /// A tuning around `target` with so many swings that count, for a heater at `measured`.
     #[must_use]
     pub fn new(
         settings: &HeaterSettings,
@@ -163,7 +166,7 @@ impl Tune {
         }
     }
 
-    /// How far it has come.
+    /// Its progress.
     #[must_use]
     pub fn state(&self) -> Tuning {
         let going_on = match self.phase {
@@ -173,7 +176,7 @@ impl Tune {
         self.result.unwrap_or(going_on)
     }
 
-    /// Whether the part fan is to run at full speed, and else to stand still; nothing once it is over.
+    /// Whether the part fan runs at full speed or stops; `None` after the tuning.
     #[must_use]
     pub fn fan(&self) -> Option<bool> {
         (self.has_fan && self.result.is_none()).then_some(matches!(self.phase, Phase::Cool | Phase::Blown))
@@ -203,7 +206,7 @@ impl Tune {
         }
     }
 
-    /// It has come so much farther than at the last kelvin; if that takes too long, it has failed.
+    /// Notes another kelvin of progress; fails if that takes too long.
     fn go_on(&mut self, farther: Celsius, failure: TuningFailure) {
         self.stalled += 1;
         if farther >= Celsius::ONE {
@@ -284,7 +287,7 @@ impl Tune {
     }
 }
 
-/// The hottest that a tuning around `target` may begin at: half-way from the room.
+/// The hottest temperature at which a tuning around `target` may begin: half-way from the room.
 fn cold_enough(target: Celsius) -> Celsius {
     ROOM.saturating_add(target.saturating_sub(ROOM) / 2)
 }

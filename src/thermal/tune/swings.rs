@@ -1,11 +1,11 @@
-//! Swings: sums over those that count.
+//! Swings: sums over the swings that count.
 
 use super::Swing;
 
 /// Sums over swings.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Swings {
-    /// Swings that are done, those that do not count too.
+    /// Finished swings, with those that do not count.
     pub done: u8,
     count: i64,
     periods: i64,
@@ -15,7 +15,7 @@ pub(super) struct Swings {
 }
 
 impl Swings {
-    /// A swing that counts, of so many periods.
+    /// Adds a swing that counts, of so many periods.
     pub fn add(&mut self, swing: &Swing, periods: u32) {
         self.count += 1;
         self.periods += i64::from(periods);
@@ -24,8 +24,8 @@ impl Swings {
         self.warmth += swing.warmth;
     }
 
-    /// The losses: mean power over mean temperature above the room, in W/K with 24 fractional bits. `power` is that of the
-    /// heater in W with 20.
+    /// The losses: mean power over mean temperature above the room, in W/K with 24 fractional bits. `power` is the
+    /// heater's, in W with 20.
     pub fn loss(&self, power: i64) -> Option<i64> {
         let warmth = (self.warmth / self.periods.max(1)).max(1);
         Some(power.checked_mul(self.on)?.checked_div(self.periods)?.checked_mul(1 << 12)? / warmth)
