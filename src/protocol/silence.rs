@@ -18,7 +18,7 @@
 //! |---|---|---|
 //! | moves | `ok` | a question, twice, then `ok` |
 //! | has come to rest by itself | `ok` | `ok` |
-//! | has waited for its motion to end | `ok` if the first number was below 0: printcore, which waits for ever | the same |
+//! | has waited for its motion to end | `ok` if the first number was below 0 (printcore, which waits for ever) | same |
 //! | is paused | nothing | nothing |
 
 use crate::units::Instant;
