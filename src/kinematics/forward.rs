@@ -1,8 +1,8 @@
-//! Forward kinematics: from what motors have turned to where the tool is, in whole numbers.
+//! Forward kinematics: from motor counts to the tool's position, in whole numbers.
 //!
-//! With as many coordinates as axes this is the inverse of their rows; with more, the position that fits best (least
-//! squares): `(R^T R)^-1 R^T n`, with the adjugate over the determinant for the inverse. Rows are small integers, so each
-//! axis is a sum of counts over one small number, and for counts that belong to a position it is that position exactly.
+//! With as many coordinates as axes this is the inverse of their rows. With more it is the least-squares position
+//! `(R^T R)^-1 R^T n`, with the inverse as adjugate over determinant. Rows are small integers, so each axis is a sum of
+//! counts divided by one small number. Counts that belong to a position give exactly that position.
 
 use super::row::Row;
 use crate::units::Steps;
@@ -13,12 +13,12 @@ struct Weights {
     /// Of x, y and z.
     adjugate: [[i32; 3]; 3],
     determinant: i64,
-    /// Squares of the coordinates that are the filament's.
+    /// Sum of the squares of the filament's coefficients.
     filament: i64,
 }
 
 impl Weights {
-    /// One copy of it, and no loop unrolled: it is needed once.
+    /// One copy and no unrolled loop: the firmware needs it once.
     #[inline(never)]
     fn new(rows: &[Row]) -> Option<Self> {
         let mut square = [[0i64; 3]; 3];
@@ -33,25 +33,25 @@ impl Weights {
             filament += i64::from(e) * i64::from(e);
         }
         let [[a, b, c], [_, d, e], [.., f]] = square;
-        // Symmetric, so six numbers are all.
+        // Symmetric, so six numbers suffice.
         let (bc, ac, ab) = (c * e - b * f, b * e - c * d, b * c - a * e);
         let adjugate = [[d * f - e * e, bc, ac], [bc, a * f - c * c, ab], [ac, ab, a * d - b * b]];
         let determinant = a * adjugate[0][0] + b * bc + c * ac;
-        // In lowest terms, lest sums of counts grow too long.
+        // In lowest terms, to keep sums of counts short.
         let divisor = adjugate.as_flattened().iter().fold(determinant, |all, one| greatest_divisor(all, *one)).max(1);
-        // Squares of seven rows of 16 each: below 2^11, products of two of them below 2^23.
+        // Squares of seven rows of 16 each are below 2^11, products of two of them below 2^23.
         let adjugate = adjugate.map(|row| row.map(|weight| (weight / divisor) as i32));
         (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant: determinant / divisor, filament })
     }
 
-    /// Each axis as a sum, and what it is to be divided by.
+    /// Each axis as a sum and its divisor.
     fn fractions(&self, rows: &[Row], counts: &[i64]) -> [(i64, i64); 4] {
         let [x, y, z] = self.adjugate.map(|[a, b, c]| (sum([a, b, c, 0], rows, counts), self.determinant));
         [x, y, z, (sum([0, 0, 0, 1], rows, counts), self.filament)]
     }
 }
 
-/// The sum of counts, each as often as its row has these weights.
+/// Sum of the counts, each multiplied by its row times these weights.
 #[inline(never)]
 fn sum([a, b, c, d]: [i32; 4], rows: &[Row], counts: &[i64]) -> i64 {
     let mut sum = 0;
@@ -61,16 +61,16 @@ fn sum([a, b, c, d]: [i32; 4], rows: &[Row], counts: &[i64]) -> i64 {
     sum
 }
 
-/// A sum divided, in steps.
+/// A divided sum, in steps.
 #[inline(never)]
 fn steps((sum, over): (i64, i64)) -> Steps {
     let (whole, rest) = (sum.div_euclid(over), sum.rem_euclid(over));
-    // Rows whose numbers are all 1 divide by less than 2^31; the longer division takes a thousand instructions.
+    // Rows of ones divide by less than 2^31. The longer division takes a thousand instructions.
     let part = if over < 1 << 31 { (rest << 32) / over } else { ((i128::from(rest) << 32) / i128::from(over)) as i64 };
     Steps::from_bits((whole << 32).wrapping_add(part))
 }
 
-/// The greatest number that divides both, never negative (Euclid, Elements, VII.2).
+/// Greatest common divisor, never negative (Euclid, Elements, VII.2).
 pub(super) const fn greatest_divisor(a: i64, b: i64) -> i64 {
     let (mut a, mut b) = (a.abs(), b.abs());
     while b != 0 {
@@ -92,23 +92,23 @@ pub struct ForwardKinematics<const N: usize> {
 }
 
 impl<const N: usize> ForwardKinematics<N> {
-    /// Of counts that say nothing: all axes are 0.
+    /// For counts that determine nothing: all axes are 0.
     pub const NONE: Self =
         Self { rows: [[0; 4]; N], weights: Weights { adjugate: [[0; 3]; 3], determinant: 0, filament: 0 } };
 
-    /// Of counts with these rows; `None` if they do not hold every axis.
+    /// For counts with these rows; `None` if they do not hold every axis.
     #[must_use]
     pub fn new(rows: [Row; N]) -> Option<Self> {
         Weights::new(&rows).map(|weights| Self { rows, weights })
     }
 
-    /// Each axis as a sum, and what it is to be divided by.
+    /// Each axis as a sum and its divisor.
     #[must_use]
     pub fn fractions(&self, counts: &[i64; N]) -> [(i64, i64); 4] {
         self.weights.fractions(&self.rows, counts).map(|(sum, over)| (sum, over.max(1)))
     }
 
-    /// x, y, z and e in steps; exact unless the number that a sum is divided by is no power of two.
+    /// x, y, z and e in steps; exact unless a divisor is no power of two.
     #[must_use]
     pub fn position(&self, counts: &[i64; N]) -> [Steps; 4] {
         self.fractions(counts).map(steps)

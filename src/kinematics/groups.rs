@@ -1,7 +1,7 @@
-//! Groups: motors that always step in the same instant, because one coordinate drives them all.
+//! Groups: motors that always step at the same instant, because one coordinate drives them all.
 //!
-//! They follow from the [`Mechanism`]: motors whose rows are equal or opposite are a group. Everything in motion counts
-//! groups, not motors, so a second ball screw or the second motor of a pair costs no time.
+//! They follow from the [`Mechanism`]: motors with equal or opposite rows form a group. Motion counts groups, not
+//! motors, so a second ball screw or the second motor of a pair costs no time.
 
 use super::forward::{ForwardKinematics, greatest_divisor};
 use super::mechanism::{Mechanism, mirrored};
@@ -9,7 +9,7 @@ use super::row::Row;
 use crate::motors::{Coupling, GroupSet, MOST_GROUPS, Motor, MotorSet};
 use crate::units::Steps;
 
-/// The motor of a group that comes first here leads it, and so the groups are ordered. Thus u = x + y, which motor 11
+/// The first motor of a group in this list leads it, and this list orders the groups. So u = x + y, which motor 11
 /// turns forward, comes before v = x - y of motor 8: A and B of a CoreXY.
 const LEADERS: [Motor; Motor::ALL.len()] =
     [Motor::M11, Motor::M8, Motor::M4, Motor::M1, Motor::Z1, Motor::Z2, Motor::E0];
@@ -17,7 +17,7 @@ const LEADERS: [Motor; Motor::ALL.len()] =
 /// One coordinate and the motors that it drives.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Group {
-    /// The coordinate as a sum of x, y, z and e, each taken this many times.
+    /// The coordinate as a sum of x, y, z and e with these factors.
     pub row: Row,
     /// Motors that turn forward when the coordinate grows.
     pub with: MotorSet,
@@ -28,7 +28,7 @@ pub struct Group {
 }
 
 impl Group {
-    /// Without motors. (All zeros, like everything here that is not known yet: such memory costs no flash.)
+    /// No motors. All zeros, like every initial value here: such memory costs no flash.
     const NONE: Self = Self { row: [0; 4], with: MotorSet::NONE, against: MotorSet::NONE, lead: Motor::M1 };
 
     /// The group's coordinate at a position in steps of x, y, z and e.
@@ -54,14 +54,14 @@ impl Group {
         x != 0 || y != 0 || z != 0
     }
 
-    /// Whether the limits of a belt motor hold for it: it moves x or y.
+    /// Whether the limits of belt motors apply: it moves x or y.
     #[must_use]
     pub const fn is_belt(&self) -> bool {
         let [x, y, ..] = self.row;
         x != 0 || y != 0
     }
 
-    /// The axis that its coordinate is, if it is a single one.
+    /// The axis of its coordinate, if it is a single one.
     #[must_use]
     pub fn axis(&self) -> Option<usize> {
         let mut axes = self.row.iter().enumerate().filter(|(_, times)| **times != 0).map(|(axis, _)| axis);
@@ -69,8 +69,8 @@ impl Group {
     }
 }
 
-/// The count of steps of a group at a coordinate: the nearest whole step, and of two the even one. So groups that mirror each
-/// other about any whole step are at counts that do, and step together.
+/// Step count of a group at a coordinate: the nearest whole step, and the even one of two. So groups that mirror each
+/// other about a whole step have mirrored counts and step together.
 #[must_use]
 pub const fn count_at(coordinate: Steps) -> i32 {
     const HALF: i64 = 1 << 31;
@@ -79,7 +79,7 @@ pub const fn count_at(coordinate: Steps) -> i32 {
     (bits.wrapping_add(HALF - 1 + is_odd) >> 32) as i32
 }
 
-/// A mechanism, sorted by groups.
+/// A mechanism, sorted into groups.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Groups {
     mechanism: Mechanism,
@@ -97,7 +97,7 @@ impl Groups {
         back: ForwardKinematics::NONE,
     };
 
-    /// The groups of a mechanism that [`Mechanism::check`] finds sound.
+    /// Groups of a mechanism that passes [`Mechanism::check`].
     #[must_use]
     #[inline(never)]
     pub fn new(mechanism: &Mechanism) -> Self {
@@ -126,19 +126,19 @@ impl Groups {
         groups
     }
 
-    /// The mechanism that they sort.
+    /// The mechanism of these groups.
     #[must_use]
     pub const fn mechanism(&self) -> &Mechanism {
         &self.mechanism
     }
 
-    /// The motors that there are.
+    /// The fitted motors.
     #[must_use]
     pub const fn fitted(&self) -> MotorSet {
         self.fitted
     }
 
-    /// The groups in their order; after those that there are come empty ones.
+    /// The groups in their order, followed by empty ones.
     pub fn iter(&self) -> core::slice::Iter<'_, Group> {
         self.groups.iter()
     }
@@ -150,27 +150,27 @@ impl Groups {
         !last.motors().is_empty()
     }
 
-    /// Where x, y, z and e are, in steps, given the counts of the groups: exactly where these say, or as near to all of
-    /// them as can be if no position has such counts.
+    /// Position of x, y, z and e in steps, given the counts of the groups. If no position has these counts, it is the
+    /// nearest position.
     #[must_use]
     pub fn position(&self, counts: [i32; MOST_GROUPS]) -> [Steps; 4] {
         self.back.position(&counts.map(i64::from))
     }
 
-    /// The steps of each motor, given those of the groups.
+    /// The steps of each motor, given the steps of the groups.
     #[must_use]
     pub fn motor_counts(&self, counts: [i32; MOST_GROUPS]) -> [i32; Motor::ALL.len()] {
         self.coupling().motor_counts(counts)
     }
 
-    /// How often each group's count is taken in the one sum that no position changes: 0 at rest to within a step. `None`
-    /// if there is no such sum, for all counts are possible.
+    /// Factor of each group's count in the one sum that no position changes: 0 at rest to within a step. `None` if
+    /// there is no such sum, because all counts are possible.
     #[must_use]
     pub fn constraint(&self) -> Option<[i32; MOST_GROUPS]> {
         if !self.is_redundant() {
             return None;
         }
-        // Four rows of three: each is taken as often as the other three span, with signs in turns (Cramer).
+        // Four rows of three: each factor is the volume that the other three span, with alternating signs (Cramer).
         let mut tool = [(0, [0; 3]); 4];
         for (slot, (number, group)) in tool.iter_mut().zip(self.iter().enumerate().filter(|(_, group)| group.is_tool()))
         {
@@ -190,13 +190,13 @@ impl Groups {
         Some(constraint)
     }
 
-    /// Which motors a step of each group turns.
+    /// The motors that a step of each group turns.
     #[must_use]
     pub fn coupling(&self) -> Coupling {
         Coupling::new(self.groups.map(|group| (group.with, group.against)))
     }
 
-    /// The coupling of [`Grouping::Trim`]: a step of z turns `motor`, and nothing else turns.
+    /// The coupling of [`Grouping::Trim`]: a step of z turns `motor`, and no other motor turns.
     #[must_use]
     pub fn trim_coupling(&self, motor: Motor) -> Coupling {
         let is_z = |group: &Group| group.axis() == Some(2);
@@ -204,19 +204,19 @@ impl Groups {
     }
 }
 
-/// What the motors of x and y are grouped for.
+/// Which coordinates the motors of x and y are grouped for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Grouping {
-    /// The tool alone; a closed belt stands, or runs as the tool pulls it.
+    /// The tool alone; a closed belt is at rest, or follows the tool.
     Tool,
-    /// The tool and a closed belt, which takes the place of z ([`Mechanism::circulating`]).
+    /// The tool and a closed belt in the place of z ([`Mechanism::circulating`]).
     Circulation,
-    /// A single motor of the belt, which takes the place of z ([`Mechanism::trimming`]).
+    /// A single motor of the belt in the place of z ([`Mechanism::trimming`]).
     Trim,
 }
 
 impl Grouping {
-    /// The rows of a mechanism as it is grouped so.
+    /// The rows of a mechanism in this grouping.
     #[must_use]
     pub fn rows_of(self, mechanism: &Mechanism) -> Mechanism {
         match self {
@@ -227,14 +227,14 @@ impl Grouping {
     }
 }
 
-/// The groups of a mechanism in every grouping that it may have.
+/// Groups of a mechanism in each of its groupings.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Groupings {
     /// [`Grouping::Tool`].
     pub tool: Groups,
-    /// [`Grouping::Circulation`]; nobody asks for it where no belt is closed.
+    /// [`Grouping::Circulation`]; unused without a closed belt.
     pub circulation: Groups,
-    /// [`Grouping::Trim`]; nobody asks for it where motors can't pull against each other.
+    /// [`Grouping::Trim`]; unused where motors cannot pull against each other.
     pub trim: Groups,
 }
 
@@ -242,14 +242,14 @@ impl Groupings {
     /// No motors at all.
     pub const NONE: Self = Self { tool: Groups::NONE, circulation: Groups::NONE, trim: Groups::NONE };
 
-    /// Those of a mechanism that [`Mechanism::check`] finds sound.
+    /// Groups of a mechanism that passes [`Mechanism::check`].
     #[must_use]
     pub fn new(mechanism: &Mechanism) -> Self {
         let groups = |grouping: Grouping| Groups::new(&grouping.rows_of(mechanism));
         Self { tool: groups(Grouping::Tool), circulation: groups(Grouping::Circulation), trim: groups(Grouping::Trim) }
     }
 
-    /// The groups in one of them.
+    /// The groups of one grouping.
     #[must_use]
     pub const fn of(&self, grouping: Grouping) -> &Groups {
         match grouping {
@@ -265,10 +265,10 @@ const fn span(a: [i32; 3], b: [i32; 3], c: [i32; 3]) -> i32 {
     a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
-/// Sets of groups that there are.
+/// Number of sets of groups.
 pub const SETS: usize = 1 << MOST_GROUPS;
 
-/// [`Coupling::motors`] and [`Coupling::forward_motors`] of every set, for those who have no time to gather them.
+/// [`Coupling::motors`] and [`Coupling::forward_motors`] of every set, for callers without the time to compute them.
 #[derive(Clone, Copy, Debug)]
 pub struct MotorTable {
     motors: [MotorSet; SETS],
@@ -296,7 +296,7 @@ impl MotorTable {
         self.motors[groups.0 as usize % SETS]
     }
 
-    /// The motors that turn forward if the coordinates of these groups grow and those of the others fall.
+    /// The motors that turn forward if the coordinates of these groups grow and the other coordinates fall.
     #[must_use]
     #[inline(always)]
     pub const fn forward_motors(&self, groups: GroupSet) -> MotorSet {

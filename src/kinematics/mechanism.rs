@@ -1,16 +1,17 @@
 //! The mechanism as data: how far each motor turns for a step of x, y, z and e.
 //!
-//! One row a motor, over (x, y, z, e): -1, 0 or 1 for each, mostly; how far a step goes is the axis's resolution. A machine of belts or screws is
-//! nothing but such rows: what its motors must do is rows times position, and everything else follows from the rows
-//! ([`Groups`](super::Groups)). A row of zeros is a motor that is not fitted.
+//! Each motor has a row over (x, y, z, e), mostly of -1, 0 or 1. The axis's resolution says how far a step goes. A
+//! machine of belts or screws is fully described by these rows: motor steps are rows times position, and everything
+//! else follows from the rows ([`Groups`](super::Groups)). A row of zeros is a motor that is not fitted.
 //!
-//! Motors that share axes may have pulleys of different sizes: equation 8 of the paper divides each row by the motor's own radius.
-//! These fractions have a common denominator, by which the step of the axis is made longer, and what is left are whole numbers: with
-//! pulleys of 20 and 16 teeth, `[4, 4, 0]` and `[5, -5, 0]` at a quarter of the usual steps/mm. So nothing is rounded but the count.
+//! Motors that share axes may have pulleys of different sizes: equation 8 of the paper divides each row by the motor's
+//! own radius. The common denominator of these fractions lengthens the step of the axis, which leaves whole numbers.
+//! Pulleys of 20 and 16 teeth have `[4, 4, 0]` and `[5, -5, 0]` at a quarter of the usual steps/mm. So only the count
+//! is rounded.
 //!
-//! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`). A board starts as the machine
-//! that is stored, or else as that of its image. The tests of `boards/sim/tests/machines` home,
-//! print and stop every file; `tests/mechanisms/machines.rs` and docs/kinematics.md have tables of them.
+//! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`). A board starts as
+//! the stored machine, or else as the machine of its image. The tests of `boards/sim/tests/machines` home, print and
+//! stop every file; `tests/mechanisms/machines.rs` and docs/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};
 use super::row::{Row, direction, multiple};
@@ -23,37 +24,37 @@ const NOT_FITTED: Row = [0; 4];
 /// Names of the axes.
 const AXES: [&str; 4] = ["x", "y", "z", "e"];
 
-/// The greatest whole number of a row: pulleys of 60 teeth and of 16 are 4 to 15.
+/// Largest whole number of a row: pulleys of 60 and 16 teeth are 4 to 15.
 pub const MOST_MULTIPLE: i8 = 16;
 
-/// One row a motor, in the order of [`Motor::ALL`]. Stored as one number: the directions, two bits an entry, and above them the
-/// whole numbers, four bits a motor, if any is more than 1.
+/// One row per motor, in the order of [`Motor::ALL`]. Stored as one number: the directions with two bits per entry, and
+/// above them the whole numbers with four bits per motor, if any is more than 1.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 #[serde(from = "i128", into = "i128")]
 pub struct Mechanism {
-    /// The rows; [`check`](Self::check) says what is legal.
+    /// The rows; [`check`](Self::check) verifies them.
     pub rows: [Row; Motor::ALL.len()],
 }
 
-/// Bits of a direction: -2, which is no legal one, to 1.
+/// Bits of a direction: -2 (not legal) to 1.
 const ENTRY: u32 = 2;
 
 /// Bits of all directions.
 const DIRECTIONS: u32 = ENTRY * 4 * Motor::ALL.len() as u32;
 
-/// Bits of a whole number, which is counted from 1.
+/// Bits of a whole number, counted from 1.
 const MULTIPLE: u32 = 4;
 const _: () = assert!(MOST_MULTIPLE as u32 == 1 << MULTIPLE && DIRECTIONS + MULTIPLE * (Motor::ALL.len() as u32) < 127);
 
-/// Set if there are such numbers: firmware that knows none reads 64 bits, and refuses what is longer.
+/// Set if there are such numbers. Firmware without them reads 64 bits and refuses longer values.
 const UNLIKE: i128 = 1 << 120;
 
 impl From<i128> for Mechanism {
-    // Not inlined in every encoder and decoder.
+    // One copy, not one in every encoder and decoder.
     #[inline(never)]
     fn from(packed: i128) -> Self {
         let mut directions = packed as i64;
-        // Records of rows whose numbers are all 1 are as they were when there were no others: one number with a sign.
+        // Records with only ones keep their older format: one number with a sign.
         let is_plain = i128::from(directions) == packed && directions.unsigned_abs() < 1 << DIRECTIONS;
         let mut multiples = if is_plain { 0 } else { (packed & !UNLIKE) >> DIRECTIONS };
         let mut mechanism = Self { rows: [NOT_FITTED; Motor::ALL.len()] };
@@ -62,7 +63,7 @@ impl From<i128> for Mechanism {
             multiples >>= MULTIPLE;
             for entry in row {
                 let direction = (directions as i8) << (i8::BITS - ENTRY) >> (i8::BITS - ENTRY);
-                // What is no direction stays illegal.
+                // An illegal direction stays illegal.
                 *entry = if direction < -1 { i8::MIN } else { multiple * direction };
                 directions >>= ENTRY;
             }
@@ -87,12 +88,13 @@ impl From<Mechanism> for i128 {
     }
 }
 
-/// Why rows are no machine.
+/// Why rows are not a valid machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum MechanismError {
     /// The entries of this motor are not -1, 0 or 1 times a whole number up to [`MOST_MULTIPLE`].
     Entry(Motor),
-    /// Whole numbers above 1 for a motor of a single axis, whose resolution says it, or where more motors differ than there are axes.
+    /// Whole numbers above 1 for a motor of a single axis, where the resolution expresses them, or where more motors
+    /// differ than there are axes.
     Multiples,
     /// This motor moves the tool and the filament.
     Mixed(Motor),
@@ -146,13 +148,13 @@ impl Mechanism {
         Motor::ALL.into_iter().zip(self.rows)
     }
 
-    /// The motors whose row has what `wanted` asks for.
+    /// The motors with a row that `wanted` accepts.
     fn motors_with(&self, wanted: impl Fn(Row) -> bool) -> MotorSet {
         self.motors()
             .fold(MotorSet::NONE, |set, (motor, row)| if wanted(row) { set.with(MotorSet::of(motor)) } else { set })
     }
 
-    /// The motors that there are.
+    /// The fitted motors.
     #[must_use]
     pub fn fitted(&self) -> MotorSet {
         self.motors_with(|row| row != NOT_FITTED)
@@ -165,13 +167,13 @@ impl Mechanism {
         self.motors_with(|row| row.get(axis).is_some_and(|times| *times != 0))
     }
 
-    /// The motors that move x or y, which have belts.
+    /// The motors that move x or y. They have belts.
     #[must_use]
     pub fn belt_motors(&self) -> MotorSet {
         self.motors_with(|[x, y, ..]| x != 0 || y != 0)
     }
 
-    /// Whether all belt motors can turn alike while the tool stands, so that a closed belt over all of them runs round.
+    /// Whether all belt motors can turn alike with the tool at rest, so that a closed belt over all of them circulates.
     #[must_use]
     pub fn can_circulate(&self) -> bool {
         let belt = self.belt_motors();
@@ -181,8 +183,8 @@ impl Mechanism {
         !self.has_multiples() && [0, 1, 2].into_iter().all(sums_to_zero) && self.circulating().check().is_ok()
     }
 
-    /// The same belt motors, which move the belt round instead of z: of a CoreH-bot the rows are those of a CoreXYZ, whose lift is
-    /// the circulation. Nothing else moves but the filament.
+    /// The same belt motors, moving the belt's circulation instead of z. On a CoreH-bot the rows are those of a CoreXYZ
+    /// with circulation as its lift. Only the filament moves besides.
     #[must_use]
     pub fn circulating(&self) -> Self {
         let belt = self.belt_motors();
@@ -194,8 +196,9 @@ impl Mechanism {
         mechanism
     }
 
-    /// One motor alone in the place of z; which one, the coupling says ([`Groups::trim_coupling`](super::Groups::trim_coupling)). X and y
-    /// have a row each, for a position has to have them, and stand.
+    /// One motor alone in the place of z. The coupling says which one
+    /// ([`Groups::trim_coupling`](super::Groups::trim_coupling)). X and y have a row each, because a position needs
+    /// them, and do not move.
     #[must_use]
     pub const fn trimming() -> Self {
         let mut rows = [NOT_FITTED; Motor::ALL.len()];
@@ -226,29 +229,29 @@ impl Mechanism {
         self.rows.iter().any(|row| multiple(*row) > 1)
     }
 
-    /// The most steps that a motor makes for one step of an axis.
+    /// The most steps that any motor makes for one step of an axis.
     #[must_use]
     pub fn most_times(&self, axis: usize) -> i8 {
         let times = self.rows.iter().filter_map(|row| row.get(axis)).map(|times| times.saturating_abs());
         times.max().unwrap_or_default()
     }
 
-    /// What each motor must have turned for x, y, z and e to be there.
+    /// The count of each motor at a position of x, y, z and e.
     #[must_use]
     pub fn inverse(&self, position: [i64; 4]) -> [i64; Motor::ALL.len()] {
         self.rows.map(|row| row.into_iter().zip(position).map(|(times, steps)| i64::from(times) * steps).sum())
     }
 
-    /// The way back from what the motors have turned; `None` if they do not hold the tool.
+    /// Forward kinematics from the motors' counts; `None` if they do not hold the tool.
     #[must_use]
     pub fn forward_kinematics(&self) -> Option<ForwardKinematics<{ Motor::ALL.len() }>> {
         ForwardKinematics::new(self.rows)
     }
 
-    /// Whether these are the rows of a machine.
+    /// Whether these rows are a valid machine.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// The first rule that they break.
     pub fn check(&self) -> Result<(), MechanismError> {
         for (motor, row) in self.motors() {
             let multiple = multiple(row);
@@ -280,11 +283,11 @@ impl Mechanism {
         if is_held(&different) { Ok(()) } else { Err(MechanismError::Loose) }
     }
 
-    /// Whether steps taken in one instant strain nothing: motors that one coordinate drives step together, those whose
-    /// rows are opposite in opposite directions.
+    /// Whether steps in one instant cause no strain: motors of one coordinate step together, and motors with opposite
+    /// rows in opposite directions.
     #[must_use]
     pub fn is_unstrained(&self, steps: MotorSet, forward: MotorSet) -> bool {
-        // Every event is looked at in tests, whose build makes calls of closures: these loops have none.
+        // Tests check every event in a build without inlined closures, so these loops have none.
         for (motor, row) in self.motors() {
             if !steps.has(motor) {
                 continue;

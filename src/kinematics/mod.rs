@@ -1,4 +1,4 @@
-//! Kinematics: between where the tool is and how far each motor has turned.
+//! Kinematics: between the tool's position and the counts of the motors.
 
 mod forward;
 mod groups;

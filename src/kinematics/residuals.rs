@@ -1,22 +1,23 @@
-//! Residuals: what motors can turn together that no position of the tool asks for, and that strains the belt.
+//! Residuals: combinations of motor steps that move no axis and strain the belt.
 //!
-//! Four motors on one belt are more than it takes to hold x and y. The sums of their turns that every position leaves at 0 are the
-//! left null space of the mechanism's matrix: one for the CoreH-bot (m1 - m4 + m8 - m11, equation 11 of the paper) and for a
-//! CoreXYZ with four motors, two for a CoreXY with two motors a belt, none for a CoreXY. One closed belt that all its
-//! motors turn the same way round runs round freely: that is no residual, but another column of the matrix.
+//! Four motors on one belt are more than x and y need. The sums of motor counts that are 0 for every position form the
+//! left null space of the mechanism's matrix. The CoreH-bot (m1 - m4 + m8 - m11, equation 11 of the paper) and a
+//! CoreXYZ with four motors have one such sum. A CoreXY with two motors per belt has two, a CoreXY none. If all motors
+//! of one closed belt turn the same way, the belt circulates freely: this is another column of the matrix, not a
+//! residual.
 //!
-//! A residual of 0 is what the firmware's counts have at rest. What the rotors have is another matter: each finds its own nearest rest when
-//! it gets power, up to two full steps away.
+//! At rest the firmware's counts have a residual of 0. The rotors need not: at power-up each settles at its own nearest
+//! rest position, up to two full steps away.
 
 use super::mechanism::Mechanism;
 use crate::motors::{Motor, MotorSet};
 
 const MOTORS: usize = Motor::ALL.len();
 
-/// Motors of x and y that are not needed to hold these two.
+/// Motors of x and y beyond the two needed.
 const MOST: usize = MOTORS - 2;
 
-/// How often each motor's turn is taken in one sum.
+/// Factor of each motor's count in one sum.
 pub type Residual = [i32; MOTORS];
 
 /// The residuals of a mechanism.
@@ -24,13 +25,13 @@ pub type Residual = [i32; MOTORS];
 pub struct Residuals(heapless::Vec<Residual, MOST>);
 
 impl Residuals {
-    /// Those of the motors that move x or y; with `is_closed` they turn one closed belt, and turning all of them alike strains
-    /// nothing.
+    /// Residuals of the motors that move x or y. With `is_closed` they turn one closed belt, and turning all of them
+    /// alike strains nothing.
     #[must_use]
     #[inline(never)]
     pub fn new(mechanism: &Mechanism, is_closed: bool) -> Self {
         let belt = mechanism.belt_motors();
-        // Each motor alone, and then, for each column, only what it leaves at 0.
+        // Each motor alone, then for each column only the sums that it leaves at 0.
         let mut sums: heapless::Vec<Residual, MOTORS> = heapless::Vec::new();
         for motor in Motor::ALL.into_iter().filter(|motor| belt.has(*motor)) {
             let mut alone = [0; MOTORS];
@@ -52,7 +53,7 @@ impl Residuals {
         self.0.iter()
     }
 
-    /// Whether there are none, for the motors are just enough.
+    /// Whether there are none, because no motor is redundant.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -68,7 +69,7 @@ impl Residuals {
     #[must_use]
     pub fn with_opponents(&self, motors: MotorSet) -> MotorSet {
         let mut all = motors;
-        // Each round takes one residual more, or none and then all are in.
+        // Each round adds a residual, or none and then all are in.
         for _ in self.iter() {
             for residual in self.iter().map(motors_in) {
                 if residual.intersects(all) {
@@ -79,7 +80,7 @@ impl Residuals {
         all
     }
 
-    /// Of `motors`, which are all to get power, those that may get it now, at once: whoever can pull against another gets it alone.
+    /// The subset of `motors` that may get power now. Motors that can pull against each other get power one at a time.
     #[must_use]
     pub fn first_of(&self, motors: MotorSet) -> MotorSet {
         let mut first = MotorSet::NONE;
@@ -93,14 +94,15 @@ impl Residuals {
     }
 }
 
-/// The motors that a sum takes.
+/// The motors in a sum.
 #[must_use]
 pub fn motors_in(residual: &Residual) -> MotorSet {
     let both = Motor::ALL.into_iter().zip(residual);
     both.filter(|(_, times)| **times != 0).fold(MotorSet::NONE, |set, (motor, _)| set.with(MotorSet::of(motor)))
 }
 
-/// Leaves the sums whose product with `column` is 0, one less unless all had it: each takes as much of one that has not as makes it so.
+/// Keeps the combinations of sums with a zero product with `column`. This is one sum less, unless all products were
+/// zero.
 fn eliminate(sums: &mut heapless::Vec<Residual, MOTORS>, column: &Residual) {
     let product = |sum: &Residual| sum.iter().zip(column).map(|(a, b)| a * b).sum::<i32>();
     let Some(place) = sums.iter().position(|sum| product(sum) != 0) else { return };
@@ -116,7 +118,7 @@ fn eliminate(sums: &mut heapless::Vec<Residual, MOTORS>, column: &Residual) {
     }
 }
 
-/// The same with the first entry that there is above 0.
+/// The same sum with a positive first entry.
 fn with_sign(residual: Residual) -> Residual {
     match residual.iter().find(|entry| **entry != 0) {
         Some(entry) if *entry < 0 => residual.map(|entry| -entry),

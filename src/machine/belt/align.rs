@@ -1,8 +1,9 @@
-//! Alignment: motors of one belt are turned against each other until none of them strains it.
+//! Alignment: trims motors of one belt against each other until none of them strains it.
 //!
-//! How hard a motor pulls, a TMC2209 knows only while it turns, and only how hard, not which way (SG_RESULT; datasheet rev 1.09, section 11).
-//! So the tool goes to and fro with the belt strained on purpose to one side and to the other: where both are as hard, there is no
-//! strain in the middle ([`load_curve`](super::load_curve)). Drivers measure in stealthChop, which they are put into meanwhile.
+//! A TMC2209 measures a motor's load only while it turns, and without its direction (SG_RESULT; datasheet rev 1.09,
+//! section 11). So the tool moves back and forth with the belt strained on purpose, first one way and then the other.
+//! Where both loads are equal, the strain in the middle is zero ([`load_curve`](super::load_curve)). Drivers measure in
+//! stealthChop, which is switched on for this time.
 
 use super::diagnosis::FULL_STEPS_A_TURN;
 use super::load_curve::{
@@ -22,30 +23,31 @@ use crate::port::{EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::Settings;
 use crate::units::{Mm, MmPerSec, Steps};
 
-/// Speed of a stroke: a turn a second of a pulley of 40 mm. Load is measured too coarsely far below (section 11: "a few 10 rpm").
+/// Speed of a stroke: one turn a second of a pulley of 40 mm. Far below, load readings are too coarse (section 11: "a
+/// few 10 rpm").
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
 
-/// Length of a stroke, 1.5 s: some 25 jobs of [`Job::Load`] beside the polls. On a short axis a third of it.
+/// Length of a stroke, 1.5 s: about 25 jobs of [`Job::Load`] between the polls. On a short axis, a third of it.
 const STROKE: Mm = Mm::const_from_int(60);
 
-/// What of it is not looked at, at either end: enough to reach the speed with 200 mm/s2.
+/// Part of a stroke at either end that is not measured: enough to reach the speed with 200 mm/s2.
 const RAMP: Mm = Mm::const_from_int(4);
 
-/// Trim of either arm of the load curve, in full steps: as much as power-up leaves at most, so that the apex lies between.
+/// Trim to either side on the load curve, in full steps. Power-up leaves at most this much, so the apex lies between.
 const ARM: i32 = 2;
 
-/// How far the apex is looked for, in arms: three electrical turns. Four motors that pull against each other by more do not hold
-/// (docs/twin.md: a single turn takes a third of their torque).
+/// Search range of the apex, in arms: three electrical turns. Four motors do not hold a larger strain (docs/twin.md: a
+/// single turn takes a third of their torque).
 const MOST_ARMS: i32 = 6;
 
-/// Findings of an apex that are averaged: three at least, and more until they agree to [`SURE`].
+/// Findings of an apex that are averaged: at least three, and more until they agree to [`SURE`].
 const ROUNDS: core::ops::Range<i64> = 3..12;
 
-/// How sure a finding has to be, in 256ths of a step, beyond the half step that nothing can be trimmed to: 0.4. `WITHIN` in `main_loop::phase`
-/// counts with it.
+/// Required uncertainty of a finding in 256ths of a step: 0.4, in addition to the half step of trimming. `WITHIN` in
+/// `main_loop::phase` includes it.
 const SURE: i64 = 102;
 
-/// stealthChop tunes itself at standstill, for more than 130 ms (section 6.2.1).
+/// stealthChop tunes itself at rest for more than 130 ms (section 6.2.1).
 const TUNING_MS: u32 = 200;
 
 /// Why work on the belt ended early.
@@ -67,27 +69,27 @@ impl From<AlignError> for BeltError {
     }
 }
 
-/// The trim with which the motors of a residual bear least.
+/// The trim with the least load on the motors of a residual.
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct ApexFound {
-    /// In steps from where the trimmed motor was.
+    /// In steps from the trimmed motor's start.
     pub step: i32,
-    /// How far it is from there at most, in 256ths of a step.
+    /// Its error bound, in 256ths of a step.
     within: i64,
     slope: Slope,
 }
 
-/// Where a scan stands: how far the motor is trimmed from where it was.
+/// State of a scan: the motor's trim from its start.
 struct Scan {
     motor: Motor,
     motors: MotorSet,
-    /// Strokes go along y, for not all of the motors turn for x.
+    /// Strokes go along y, because not all of the motors turn for x.
     is_along_y: bool,
     at: i32,
 }
 
 impl Scan {
-    /// Of a residual, with the motor as it is now.
+    /// A scan of a residual, with the motor at its present place.
     fn new<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, motor: Motor, residual: &Residual) -> Self {
         let (motors, mechanism) = (motors_in(residual), main_loop.groups().mechanism());
         let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
@@ -95,8 +97,8 @@ impl Scan {
     }
 }
 
-/// Aligns all motors that can pull against each other. They have power, and the tool has room along x and y. It ends somewhere near: x and y
-/// are to be homed again, and then it is to be proved ([`measure_again`]).
+/// Aligns all motors that can pull against each other. They have power, and the tool has room along x and y. The tool
+/// ends near its place. The caller then homes x and y and proves the result ([`measure_again`]).
 pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), BeltError> {
@@ -125,8 +127,8 @@ async fn align_each<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Measures once more whether the belt bears what it should: a motor that skipped after it was trimmed, or so that what was found is
-/// wrong, strains it by four full steps or some. Nothing that was found before is relied on.
+/// Proves that the belt has the wanted strain. A skip after trimming, or one that spoiled the findings, strains it by
+/// about four full steps. The proof relies on no earlier finding.
 pub(in crate::machine) async fn measure_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
@@ -162,8 +164,8 @@ async fn measure_each_again<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Leaves the trimmed motor of a residual, which stands at the apex, with the preload that is wanted, and notes what was found; the
-/// phase too, if it was looked for.
+/// Moves the trimmed motor of a residual from the apex to the wanted preload and notes the finding, with the phase if
+/// it was searched for.
 pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
@@ -180,7 +182,7 @@ pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Has the drivers of these motors measure loads.
+/// Switches the drivers of these motors to load measurement.
 pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     motors: MotorSet,
@@ -192,7 +194,7 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
     let mut measuring: Settings = *main_loop.settings();
     measuring.drivers.belt.stealth = true;
     measuring.drivers.belt.hybrid_threshold = MmPerSec::ZERO;
-    // A motor at rest has all its torque: the belt is strained on purpose.
+    // A motor at rest needs all its torque, because the belt is strained on purpose.
     measuring.drivers.belt.hold_percent = 100;
     main_loop.trimming_mut().measure(true);
     main_loop.configure_drivers(&measuring).await?;
@@ -201,8 +203,8 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Waits until drivers are as the settings say again, if they measure loads: nothing moves while they change their mode. Motion
-/// rests.
+/// Restores the drivers' settings if they measure loads. Nothing moves during the change of mode, and motion is at
+/// rest.
 pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
@@ -214,7 +216,7 @@ pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Looks for the trim at which the motors of a residual do not pull against each other, and leaves it there.
+/// Finds the trim at which the motors of a residual do not pull against each other, and leaves the motor there.
 pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residual: &Residual,
@@ -223,7 +225,7 @@ pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
     let mut scan = Scan::new(main_loop, motor, residual);
     let found = climb(main_loop, &mut scan).await;
     if let Err(BeltError::Align(_)) = found {
-        // Nothing is known, so nothing is changed.
+        // Nothing is known, so the motor returns.
         main_loop.trim(motor, -scan.at).await?;
     }
     found.map(Some)
@@ -237,7 +239,7 @@ async fn climb<P: PortSet, W: Pend>(
     let arm = ARM * full_step;
     let mut middle = 0;
     let mut loads = loads_about(main_loop, scan, middle, arm).await?;
-    // Uphill, until the summit is in the middle.
+    // Climb until the apex is in the middle.
     loop {
         let [left, here, right] = loads;
         if is_less_loaded(left, here) {
@@ -277,19 +279,19 @@ async fn climb<P: PortSet, W: Pend>(
     Ok(ApexFound { step: about, within: findings.bound(), slope })
 }
 
-/// Refuses a motor that does not follow its field, with an apex in the middle: it is elsewhere after the next move.
+/// Refuses a motor that does not follow its field, with the apex in the middle: it moves with the next stroke.
 fn each_follows(loads: [Load; 3]) -> Result<(), AlignError> {
     all_have_torque(&loads)?;
     dragged(loads).map_or(Ok(()), |motor| Err(AlignError::AtLimit(motor)))
 }
 
-/// Refuses a motor that had no torque left near the apex, where the strain takes a part of it alone. (Far up the curve, strain may
-/// take all of it.)
+/// Refuses a motor without torque near the apex, where strain takes only a part of it. Far from the apex, strain may
+/// take all of it.
 fn all_have_torque(loads: &[Load]) -> Result<(), AlignError> {
     without_torque(loads).map_or(Ok(()), |motor| Err(AlignError::AtLimit(motor)))
 }
 
-/// Turns the trimmed motor to a place, counted from where the scan began.
+/// Turns the trimmed motor to a place, counted from the start of the scan.
 async fn go_to<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
@@ -300,7 +302,7 @@ async fn go_to<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// How hard the motors pull with a trim, and with an arm less and more.
+/// Load of the motors at a trim, and with an arm less and more.
 async fn loads_about<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
@@ -311,7 +313,7 @@ async fn loads_about<P: PortSet, W: Pend>(
     Ok([left, load_at(main_loop, scan, middle).await?, load_at(main_loop, scan, middle + arm).await?])
 }
 
-/// How hard the motors pull with this trim, on a stroke along x or y and back.
+/// Load of the motors at this trim, on a stroke along x or y and back.
 async fn load_at<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
@@ -359,15 +361,15 @@ async fn go_along<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// Whether printing moves may be made: the motors of a belt are aligned, or need not be.
+/// Whether a printing move needs an alignment first.
 pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
     if main_loop.trimming().is_aligned() {
         return false;
     }
     let motors = main_loop.residuals().motors();
-    // Who has no UART can't be aligned, and is not asked for it.
+    // Motors without UART cannot be aligned, so they need not be.
     !motors.is_empty() && motors.without(main_loop.uarts()).is_empty()
 }
 
-/// Skips of one turn are never too far, whatever power-up leaves with them.
+/// A skip of one turn is always within the search range, with any strain of power-up.
 const _: () = assert!(MOST_ARMS * ARM >= FULL_STEPS_A_TURN + ARM);

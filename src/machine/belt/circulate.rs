@@ -1,4 +1,4 @@
-//! Circulation: the belt runs round, with the tool standing or moving in x and y. `commands::circulate` is the line that asks for it.
+//! Circulation: the belt runs round with the tool at rest or moving in x and y. `commands::circulate` has the command.
 
 use crate::kinematics::Grouping;
 use crate::machine::interrupt::Interrupt;
@@ -8,7 +8,7 @@ use crate::machine::state::modal::FARTHEST;
 use crate::port::Pend;
 use crate::units::{Mm, MmPerSec, Steps};
 
-/// Has a belt that can run round do so a little, after homing, so that it does not always bend at the same teeth.
+/// Lets a belt that can circulate do so a little after homing, so that it does not always bend at the same teeth.
 pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
@@ -19,7 +19,7 @@ pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
     let position = main_loop.commanded().position();
     let [x, y, ..] = position;
     let farther = main_loop.circulation().commanded + belt.homing_advance;
-    // Round and round: no farther than numbers go.
+    // Wrapped within the range of numbers.
     let target =
         if FARTHEST.holds(farther) { farther } else { main_loop.circulation().commanded - belt.homing_advance };
     run_round(main_loop, [x, y], target, belt.max_speed).await?;
@@ -27,7 +27,7 @@ pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// The tool goes to x and y while the belt runs on up to `belt`.
+/// Moves the tool to x and y while the belt circulates up to `belt`.
 pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     to: [Mm; 2],
@@ -36,7 +36,7 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
     main_loop.power(main_loop.groups().mechanism().belt_motors()).await?;
-    // Where the motors stand, which may be beside the end of the last move (`motion::stepgen::alignment`).
+    // The motors' position, which may differ from the end of the last move (`motion::stepgen::alignment`).
     let ([x, y, ..], [.., z, e]) = (main_loop.real_steps(), main_loop.planned_end());
     let [.., z_mm, _] = main_loop.planned_end_mm();
     main_loop.circulation_mut().begin((z, z_mm));
@@ -52,14 +52,14 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
     Ok(())
 }
 
-/// The belt has run as far as it should, or was stopped: z has its place again. Motion rests.
+/// The belt has reached its circulation or was stopped: z has its place again. Motion is at rest.
 pub(in crate::machine) async fn end_circulation<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     if main_loop.grouping() != Grouping::Circulation {
         return Ok(());
     }
-    // No way at all, unless it was stopped between two places where the counts agree.
+    // No distance, unless it was stopped between two places where the counts agree.
     main_loop.plan_whole(main_loop.planned_end(), main_loop.settings().belt.max_speed, false);
     main_loop.finish().await?;
     let [x, y, c, e] = main_loop.planned_end();

@@ -1,8 +1,9 @@
-//! Diagnosis: which motor has skipped, from where the switches are met and from the residual.
+//! Diagnosis: which motor has skipped, from the switches and the residual.
 //!
-//! A rotor that skips settles an electrical turn of four full steps beside its field. Of a motor whose row is (x, y) the tool goes aside
-//! in the direction of that row, and the residual changes by the motor's part of it. The signs of the three differ for every motor and
-//! either direction; how far the tool goes aside depends on where it is, and is less than half the skip.
+//! A rotor that skips settles an electrical turn of four full steps away from its field. If the motor's row is (x, y),
+//! the tool is displaced in the direction of this row, and the residual changes by the motor's part of it. The three
+//! signs differ for every motor and direction. The displacement depends on the tool's place and is less than half the
+//! skip.
 
 use crate::kinematics::{Mechanism, Residual};
 use crate::machine::answers::belt_answer::Diagnosis;
@@ -11,27 +12,28 @@ use crate::motors::Motor;
 /// Full steps of an electrical turn of any two-phase motor.
 pub(in crate::machine) const FULL_STEPS_A_TURN: i32 = 4;
 
-/// What was found, in steps.
+/// What was measured, in steps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Touched {
-    /// How far beside its place each switch was met: the tool stands so far beside where the steps say.
+    /// How far from its place each switch was met: the tool's displacement from the step counts.
     pub aside: [i32; 2],
-    /// What the rotors strain the belt by: the sum of the residual.
+    /// The residual of the rotors: their strain on the belt.
     pub residual: i32,
 }
 
-/// Which way a tool is aside along x and y, if it is, given the microsteps of a full step. What is less than three sixteenths of one may
-/// be friction and the switch; the least that a skip does is twice that (at the corner of the reach; `boards/sim/tests/belt`).
+/// Direction of the tool's displacement along x and y, or 0, given the microsteps of a full step. Less than three
+/// sixteenths of a full step may be friction and the switch. A skip does at least twice that (at the corner of the
+/// reach; `boards/sim/tests/belt`).
 pub(in crate::machine) fn ways_aside(mechanism: &Mechanism, aside: [i32; 2], full_step: i32) -> [i32; 2] {
     of_motors(mechanism, aside).map(|steps| if steps.abs() * 16 >= 3 * full_step { steps.signum() } else { 0 })
 }
 
-/// Steps of x and y as those of the motors that turn farthest for them.
+/// Steps of x and y as steps of the motors that turn farthest for them.
 fn of_motors(mechanism: &Mechanism, [x, y]: [i32; 2]) -> [i32; 2] {
     [x.saturating_mul(mechanism.most_times(0).into()), y.saturating_mul(mechanism.most_times(1).into())]
 }
 
-/// Says what has happened, given the microsteps of a full step.
+/// The diagnosis, given the microsteps of a full step.
 pub(in crate::machine) fn diagnose(
     mechanism: &Mechanism,
     residual: &Residual,
@@ -54,7 +56,7 @@ pub(in crate::machine) fn diagnose(
     let is_one_skip = of_motors(mechanism, touched.aside).iter().all(|aside| 2 * aside.abs() <= turn);
     let motors = Motor::ALL.into_iter().zip(residual).zip(mechanism.rows);
     let mut explaining = motors.filter_map(|((motor, times), [its_x, its_y, ..])| {
-        // The way that this motor must have gone to strain the belt so.
+        // The direction in which this motor must have skipped to cause this strain.
         let way = turns * times.signum();
         let explains = way != 0 && [its_x, its_y].map(|row| i32::from(row.signum()) * way) == signs;
         explains.then_some(Diagnosis::Skip { motor, full_steps: way * FULL_STEPS_A_TURN })
@@ -80,7 +82,8 @@ mod tests {
 
     #[test]
     fn each_skip_of_the_table_names_its_motor() {
-        // By a turn forward: motor, its way in x and y, its part of the residual (equations 8 to 11 of the paper).
+        // A skip of one turn forward: motor, its direction in x and y, its part of the residual (equations 8 to 11 of
+        // the paper).
         for (motor, x, y, part) in
             [(Motor::M1, -1, 1, 1), (Motor::M4, -1, -1, -1), (Motor::M8, 1, -1, 1), (Motor::M11, 1, 1, -1)]
         {
@@ -91,7 +94,7 @@ mod tests {
         }
     }
 
-    /// Where motors turn four and five steps for a step of an axis, a step of it is a long way.
+    /// Where motors turn four and five steps for a step of an axis, one axis step is a large displacement.
     #[test]
     fn a_tool_is_aside_by_steps_of_motors() {
         let mut mechanism = Mechanism::corehbot();
@@ -105,7 +108,7 @@ mod tests {
     fn what_no_single_skip_explains_has_no_name() {
         assert_eq!(corehbot([1, -1], 3), Diagnosis::Nothing);
         assert_eq!(corehbot([25, 1], -3), Diagnosis::Alike);
-        // Between two turns; two turns; a way that is too long; a tool that stands.
+        // Between two turns; two turns; a displacement that is too large; a tool at its place.
         for (aside, residual) in [([7, 7], 30), ([14, 14], 128), ([80, 80], -64), ([0, 0], 64), ([7, 0], 64)] {
             assert_eq!(corehbot(aside, residual), Diagnosis::Several, "{aside:?} {residual}");
         }

@@ -1,4 +1,4 @@
-//! Load curve: what drivers measure of their motors' load while one motor of the belt is trimmed, and where it is least.
+//! Load curve: the measured load of the motors as one motor of the belt is trimmed, and the trim with the least load.
 //!
 //! ```text
 //!  SG_RESULT   ^        .                      one motor is turned against the others by a trim u;
@@ -9,23 +9,24 @@
 //!              +--l-----m-----r----> u
 //! ```
 //!
-//! So `right - left = 2 c u0` and `2 middle - left - right + |right - left| = 2 c arm`. What a driver reads without load (o), the friction
-//! that goes the same way on both arms, and how much a reading falls for a newton (c) drop out: only that it falls as much to one side as
-//! to the other is assumed. The tip of the curve is rounded by friction, so u0 is taken from the arms alone.
+//! So `right - left = 2 c u0` and `2 middle - left - right + |right - left| = 2 c arm`. These unknowns drop out: a
+//! driver's reading without load (o), friction in the same direction on both arms, and the reading's fall per newton
+//! (c). The only assumption is that the reading falls equally on both sides. Friction rounds the tip of the curve, so
+//! u0 comes from the arms alone.
 
 use crate::motors::{Motor, MotorSet};
 
-/// Parts of a reading and of a step in which means are counted.
+/// Fractions of a reading and of a step in which means are counted.
 pub(super) const PARTS: i64 = 256;
 
-/// Readings of each motor without which a mean says nothing.
+/// Minimum number of readings per motor for a mean.
 const LEAST_READINGS: u32 = 8;
 
-/// A driver reads 0 of a motor that has no torque left. One of which so many of the readings are 0, as a part of them, is at its limit:
-/// a quarter, for a motor that falls now and then is no more to be relied on than one that does always.
+/// A driver reads 0 of a motor without torque left. A motor with this share of zero readings, a quarter, is at its
+/// limit. One that fails now and then is no more reliable than one that always does.
 const AT_LIMIT: u32 = 4;
 
-/// What has been read of each motor on one way with one trim.
+/// Readings of each motor in one direction with one trim.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Readings([Sum; Motor::ALL.len()]);
 
@@ -34,14 +35,14 @@ pub(super) struct Readings([Sum; Motor::ALL.len()]);
 struct Sum {
     count: u32,
     sum: u32,
-    /// Of their squares; 4,000 readings of 10 bits.
+    /// Sum of their squares; 4,000 readings of 10 bits.
     squares: u32,
-    /// How many were 0.
+    /// Number of zero readings.
     without_torque: u32,
 }
 
 impl Readings {
-    /// Takes in what the driver of a motor has measured (SG_RESULT, ten bits).
+    /// Adds a motor's load reading (SG_RESULT, ten bits).
     pub fn note(&mut self, motor: Motor, reading: u32) {
         if let Some(sum) = self.0.get_mut(motor as usize) {
             sum.count += 1;
@@ -51,7 +52,7 @@ impl Readings {
         }
     }
 
-    /// The motor that had no torque left, if one of these had none. Where all read 0, their drivers measure nothing.
+    /// The motor without torque left, if there is one. If all read 0, their drivers measure nothing.
     fn at_limit(&self, motors: MotorSet) -> Option<Motor> {
         let is_at_limit = |sum: Sum| sum.count >= LEAST_READINGS && sum.without_torque * AT_LIMIT >= sum.count;
         let each = || Motor::ALL.into_iter().zip(self.0).filter(|(motor, _)| motors.has(*motor));
@@ -59,7 +60,7 @@ impl Readings {
         first.filter(|_| !each().all(|(_, sum)| is_at_limit(sum)))
     }
 
-    /// The load of these motors; `None` if one of them was hardly read.
+    /// Load of these motors; `None` if one of them has too few readings.
     fn load(&self, motors: MotorSet) -> Option<Load> {
         let mut each = [Mean::default(); Motor::ALL.len()];
         let (mut all, mut number) = (Mean::default(), 0);
@@ -71,7 +72,7 @@ impl Readings {
                 return None;
             }
             let (n, total) = (i64::from(sum.count), i64::from(sum.sum));
-            // n times the sum of squared deviations; what numbers are cut to is 2 of a reading.
+            // n times the sum of squared deviations. SG_RESULT is rounded to steps of 2.
             let spread = (n * i64::from(sum.squares) - total * total).max(0) + n * n / 3;
             *own = Mean { mean: total * PARTS / n, variance: spread * PARTS * PARTS / (n * n * (n - 1)) };
             all.mean += own.mean;
@@ -86,32 +87,32 @@ impl Readings {
 /// A mean of readings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Mean {
-    /// In parts of a reading: the higher, the less load.
+    /// In fractions of a reading. More means less load.
     mean: i64,
-    /// Of the mean, in parts of a reading squared.
+    /// Variance of the mean, in fractions of a reading squared.
     variance: i64,
 }
 
 impl Mean {
-    /// Of two ways.
+    /// Mean of both directions.
     const fn between(self, other: Self) -> Self {
         Self { mean: (self.mean + other.mean) / 2, variance: (self.variance + other.variance) / 4 }
     }
 }
 
-/// What was read with one trim.
+/// Readings with one trim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Load {
     /// Over all motors.
     all: Mean,
     /// Of each of them.
     each: [Mean; Motor::ALL.len()],
-    /// The motor that had no torque left, if one of them had none.
+    /// The motor without torque left, if there is one.
     at_limit: Option<Motor>,
 }
 
-/// The load of these motors on the way there and back. Friction adds to the strain of some on one way and takes from it on the other, so
-/// each way has a mean of its own.
+/// Load of these motors over a stroke and back. Friction adds to the strain of some in one direction and reduces it in
+/// the other, so each direction has its own mean.
 pub(super) fn load_of_stroke(there: &Readings, back: &Readings, motors: MotorSet) -> Option<Load> {
     let (there, back) = (there.load(motors)?, back.load(motors)?);
     let mut each = there.each;
@@ -119,7 +120,7 @@ pub(super) fn load_of_stroke(there: &Readings, back: &Readings, motors: MotorSet
     Some(Load { all: there.all.between(back.all), each, at_limit: there.at_limit.or(back.at_limit) })
 }
 
-/// By how much the middle of a curve is above its arms, twice, where the arms meet; and the variance of that.
+/// Twice the height of the curve's middle above its arms, where the arms meet, and its variance.
 fn rise([left, middle, right]: [Mean; 3]) -> Mean {
     Mean {
         mean: 2 * middle.mean - left.mean - right.mean + (right.mean - left.mean).abs(),
@@ -127,15 +128,15 @@ fn rise([left, middle, right]: [Mean; 3]) -> Mean {
     }
 }
 
-/// The motor that had no torque left on one of these strokes. The mean of all hides it: three others tell where the belt bears least, and
-/// this one is elsewhere after the next move.
+/// The motor without torque left on one of these strokes. The mean hides it: the three others show where the load is
+/// least, and this motor moves with the next stroke.
 pub(super) fn without_torque(loads: &[Load]) -> Option<Motor> {
     loads.iter().find_map(|load| load.at_limit)
 }
 
-/// The motor with a curve of its own that is upside down. One that rubs with more than it holds lets the belt drag it, and falls by a turn
-/// each time that the tool turns back: it bears less where the others strain the belt for it. (One that rubs with less bears the same
-/// everywhere, or less in the middle.) Its curve then falls as much as those of the others rise; a quarter of that is enough.
+/// The motor with an inverted curve of its own. If friction exceeds its holding torque, the belt drags it, and it skips
+/// a turn at each reversal. Strain by the others then relieves it. With less friction its load is equal everywhere, or
+/// less in the middle. An inverted curve falls as much as the other curves rise; a quarter of that is enough.
 pub(super) fn dragged(loads: [Load; 3]) -> Option<Motor> {
     let own = |index: usize| rise(loads.map(|load| load.each.get(index).copied().unwrap_or_default()));
     let most = (0..Motor::ALL.len()).map(|index| own(index).mean).max().unwrap_or_default();
@@ -143,7 +144,7 @@ pub(super) fn dragged(loads: [Load; 3]) -> Option<Motor> {
     Motor::ALL.into_iter().enumerate().find(|(index, _)| is_dragged(own(*index))).map(|(_, motor)| motor)
 }
 
-/// Where the apex lies, in parts of a step.
+/// Place of the apex, in fractions of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Apex {
     /// From the trim in the middle.
@@ -152,30 +153,30 @@ pub(super) struct Apex {
 }
 
 impl Apex {
-    /// Whether it is so many steps from the trim in the middle, or farther.
+    /// Whether it is at least this many steps from the trim in the middle.
     pub const fn is_beyond(self, steps: i32) -> bool {
         self.at.abs() >= steps as i64 * PARTS
     }
 }
 
-/// How much a reading falls for a step of trim, in parts of a reading.
+/// Fall of a reading per step of trim, in fractions of a reading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slope(i64);
 
 impl Slope {
-    /// How many steps of trim are a mm of belt, given: how much a reading falls for a mm.
+    /// Fall of a reading per mm of trim, given the trim steps in a mm of belt.
     pub fn readings_per_mm(self, steps_per_mm: i64) -> u16 {
         u16::try_from(self.0 * steps_per_mm / PARTS).unwrap_or(u16::MAX)
     }
 }
 
-/// Whether `a` is less loaded than `b` by more than chance explains: three times the standard error.
+/// Whether `a` has less load than `b` beyond chance: three times the standard error.
 pub(super) fn is_less_loaded(a: Load, b: Load) -> bool {
     let difference = a.all.mean - b.all.mean;
     difference > 0 && difference * difference > 9 * (a.all.variance + b.all.variance)
 }
 
-/// The slope of the arms, `arm` steps to either side; `None` if readings do not tell it from 0: twice as surely as an apex needs.
+/// Slope of the arms, `arm` steps to either side; `None` if it does not differ from 0 twice as surely as an apex needs.
 pub(super) fn slope(loads: [Load; 3], arm: i64) -> Option<Slope> {
     let Mean { mean: rise, variance } = rise(loads.map(|load| load.all));
     let slope = rise / (2 * arm.max(1));
@@ -200,7 +201,7 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    /// Takes in an apex that was looked for about a trim in steps.
+    /// Adds an apex that was measured about a trim in steps.
     pub fn note(&mut self, trim: i32, apex: Apex) {
         let at = i64::from(trim) * PARTS + apex.at;
         let is_first = self.count == 0;
@@ -215,17 +216,17 @@ impl Findings {
         self.count
     }
 
-    /// How far they lie apart.
+    /// Their spread.
     pub const fn spread(&self) -> i64 {
         self.greatest - self.least
     }
 
-    /// The step that is nearest to their mean.
+    /// The step nearest to their mean.
     pub fn step(&self) -> i32 {
         ((2 * self.sum + PARTS * self.count).div_euclid((2 * PARTS * self.count).max(1))) as i32
     }
 
-    /// How far their mean is from that step at most, in parts of a step: three times the standard error farther than it is.
+    /// Bound of their mean's distance from that step, in fractions of a step: the distance plus three standard errors.
     pub fn bound(&self) -> i64 {
         let count = self.count.max(1);
         let beside = (self.sum / count - i64::from(self.step()) * PARTS).abs();
@@ -233,7 +234,7 @@ impl Findings {
     }
 }
 
-/// A number of parts as thousandths of a step.
+/// Fractions as thousandths of a step.
 pub(super) const fn thousandths(parts: i64) -> i64 {
     parts * 1000 / PARTS
 }
@@ -279,7 +280,7 @@ mod tests {
     fn flat_and_inverted_curves_have_no_slope() {
         assert_eq!(slope([load(300); 3], 32), None);
         assert_eq!(slope([load(300), load(200), load(300)], 32), None);
-        // A reading more than the others, when each is sure to a sixteenth.
+        // One reading more than the others, when each is accurate to a sixteenth.
         assert!(slope([load(300), load(320), load(300)], 32).is_some());
     }
 
@@ -298,7 +299,7 @@ mod tests {
         }
         let two = readings.load(both).unwrap();
         assert_eq!(two.all.mean, (301 + 200) * PARTS / 2);
-        // Of a square of 1 and the rounding's third, over 99 readings: of two motors, one of which does not change.
+        // Of a square of 1 and the rounding's third, over 99 readings, for two motors of which one does not change.
         let expected = (PARTS * PARTS * 4 / 3 / 99 + PARTS * PARTS / 3 / 99) / 4;
         assert!((two.all.variance - expected).abs() <= 2, "{} {expected}", two.all.variance);
         assert!(!is_less_loaded(two, two) && is_less_loaded(one, two) && !is_less_loaded(two, one));
@@ -315,18 +316,19 @@ mod tests {
         };
         assert_eq!((read(9).at_limit(motors), read(10).at_limit(motors)), (None, Some(Motor::M4)));
         assert_eq!(read(40).at_limit(MotorSet::of(Motor::M1)), None);
-        // Of a motor alone, or all of them, it is the driver that measures nothing.
+        // With one motor alone, or with all of them, the driver measures nothing.
         assert_eq!(read(40).at_limit(MotorSet::of(Motor::M4)), None);
         let stroke = load_of_stroke(&read(0), &read(40), motors);
         assert_eq!(stroke.and_then(|load| load.at_limit), Some(Motor::M4));
-        // A few readings say nothing.
+        // A few readings are not enough.
         let mut readings = Readings::default();
         (1..LEAST_READINGS).for_each(|_| readings.note(Motor::M1, 0));
         (0..40).for_each(|_| readings.note(Motor::M4, 300));
         assert_eq!(readings.at_limit(motors), None);
     }
 
-    /// What drivers read at the apex and two full steps beside it while motor 1 rubs with so many N and holds 63, by the belt's twin.
+    /// Readings at the apex and two full steps away while motor 1 rubs with this many N and holds 63, from the belt's
+    /// twin.
     #[test]
     fn a_motor_that_is_dragged_is_named_and_one_that_rubs_is_not() {
         let motors =
@@ -350,7 +352,7 @@ mod tests {
         ] {
             let [arm, middle] = [arms, middle].map(|(own, others)| stroke(own, others));
             assert_eq!(dragged([arm, middle, arm]), expected, "{newtons}");
-            // Of the mean nothing is seen.
+            // The mean shows nothing.
             assert!(slope([arm, middle, arm], 32).is_some(), "{newtons}");
         }
     }
@@ -376,7 +378,7 @@ mod tests {
             findings.note(trim, Apex { at, variance: 300 });
         }
         assert_eq!((findings.step(), findings.count(), findings.spread()), (-3, 3, PARTS / 2));
-        // Half a step beside, and three times 10 parts.
+        // Half a step of distance, and three times 10 parts.
         assert_eq!(findings.bound(), PARTS / 2 + 3 * 10 + 1);
         let mut findings = Findings::default();
         findings.note(5, Apex { at: 130, variance: 0 });

@@ -1,5 +1,5 @@
-//! What M122 says of the belt: whether its motors are aligned, whether its drivers have made the steps that the firmware counts, and how
-//! long ago the switches of x and y showed where the tool is.
+//! The belt's part of M122: alignment, lost steps between drivers and counts, and how long ago the switches of x and y
+//! were met.
 
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
@@ -8,7 +8,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 
-/// M122, the part of the belt; nothing on a machine whose motors cannot pull against each other.
+/// The belt's part of M122; nothing on a machine without motors that can pull against each other.
 pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
@@ -17,7 +17,7 @@ pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
         return Ok(());
     }
     main_loop.reply(Answer::Belt(BeltAnswer::State)).await?;
-    // Drivers are asked where they stand at rest: on the way there is another place for each answer.
+    // Drivers are read only at rest: in motion their positions would change between the replies.
     if main_loop.trimming().is_aligned() && !main_loop.has_motion() && main_loop.has_power(residuals.motors()) {
         for (number, residual) in residuals.iter().enumerate() {
             if let Some(strain) = main_loop.strain(number, residual).await? {
