@@ -1,4 +1,4 @@
-//! The Console's end of the motion: puts work into the MoveQueue and knows how much of it is left.
+//! The Console's end of the motion: fills the MoveQueue and tracks how much of it is left.
 
 use super::step_counts::StepCounts;
 use super::work::{Entry, Work};
@@ -19,12 +19,12 @@ pub struct Link<'m, W: Pend> {
     entries: u32,
     /// Motion time queued and not yet seen to be stepped, in ticks times 2^16.
     left: SubTicks,
-    /// The Stepper's tick when last looked at.
+    /// The Stepper's tick at the last look.
     seen: u32,
 }
 
 impl<'m, W: Pend> Link<'m, W> {
-    /// The end `queue` of the MoveQueue.
+    /// A link with the end `queue` of the MoveQueue.
     pub fn new(queue: Producer<'m, Entry>, status: &'m Status, counts: StepCounts<'m>, pend: W) -> Self {
         Self {
             queue,
@@ -38,17 +38,17 @@ impl<'m, W: Pend> Link<'m, W> {
         }
     }
 
-    /// What the contexts know of each other.
+    /// The state shared between the contexts.
     pub const fn status(&self) -> &'m Status {
         self.status
     }
 
-    /// Steps that each group of motors has really made, signed.
+    /// Signed steps that each group of motors has made.
     pub fn counts(&self) -> [i32; MOST_GROUPS] {
         self.counts.read()
     }
 
-    /// Whether the queue takes another entry.
+    /// Whether the queue has room for another entry.
     pub fn has_room(&self) -> bool {
         self.queue.ready()
     }
@@ -58,7 +58,7 @@ impl<'m, W: Pend> Link<'m, W> {
         self.queue.len()
     }
 
-    /// Whether all that was ever queued has been stepped.
+    /// Whether every queued entry has been stepped.
     pub fn is_idle(&self) -> bool {
         self.status.is_idle(self.entries)
     }
@@ -78,12 +78,12 @@ impl<'m, W: Pend> Link<'m, W> {
         self.status.entries_done()
     }
 
-    /// Lets the Stepper look at the endstops, which it does by itself only while there is motion.
+    /// Makes the Stepper read the endstops, which it otherwise does only during motion.
     pub fn look_at_endstops(&self) {
         self.pend.pend_stepper();
     }
 
-    /// Queues work; the caller has asked [`has_room`](Self::has_room).
+    /// Queues work; the caller has checked [`has_room`](Self::has_room).
     pub fn send(&mut self, work: Work) {
         let time = match &work {
             Work::Move(m) => m.time(),
@@ -97,7 +97,7 @@ impl<'m, W: Pend> Link<'m, W> {
         }
     }
 
-    /// Motion time queued and not yet stepped, in ticks. Ask more often than every 429 s.
+    /// Motion time queued and not yet stepped, in ticks. Call it at least every 429 s.
     pub fn left(&mut self) -> u64 {
         let tick = self.status.tick();
         let done = SubTicks::of_ticks(tick.wrapping_sub(self.seen).into());
@@ -106,19 +106,19 @@ impl<'m, W: Pend> Link<'m, W> {
         self.left.whole_ticks()
     }
 
-    /// Has the motion come to rest along its path, as fast as its accelerations allow. Work goes on being taken:
-    /// the path may lead on into moves that are not queued yet.
+    /// Brings the motion to rest along its path, as fast as its accelerations allow. The queue still takes work: the
+    /// path may lead into moves that are not queued yet.
     pub fn brake(&mut self) {
         self.status.set_brake(Some(self.epoch));
         self.pend.pend_generator();
     }
 
-    /// Whether nothing moves any more, and without an [`abort`](Self::abort) nothing will.
+    /// Whether the motion is at rest, and stays so without an [`abort`](Self::abort).
     pub fn has_stopped(&self) -> bool {
         self.status.has_stopped(self.epoch) || self.is_idle()
     }
 
-    /// Drops everything queued, and every step not yet made. The link is idle when that has happened.
+    /// Drops all queued work and every step not yet made. Then the link is idle.
     pub fn abort(&mut self) {
         self.status.set_brake(None);
         self.epoch = self.status.next_epoch();
@@ -126,7 +126,7 @@ impl<'m, W: Pend> Link<'m, W> {
         self.pend.pend_stepper();
     }
 
-    /// After an abort, when the link is idle: no time is queued, and no endstop has triggered.
+    /// After an abort, with the link idle: resets queued time and triggered endstops.
     pub fn restart(&mut self) {
         self.status.clear_triggered();
         self.left = SubTicks::ZERO;

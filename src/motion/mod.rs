@@ -7,42 +7,44 @@
 //!                Link <==============|==================== Status <========|
 //! ```
 //!
-//! The [`Planner`] looks ahead and releases moves whose speeds can no longer change; the [`StepGenerator`]
-//! turns released moves into step events; the [`Stepper`] plays these on the pins. Two queues stand
-//! between the three, and each end of a queue has one owner, so nothing is locked.
+//! The [`Planner`] looks ahead and releases moves with final speeds. The [`StepGenerator`] turns released moves into
+//! step events, and the [`Stepper`] plays these on the pins. Two queues connect the three. Each end of a queue has one
+//! owner, so there are no locks.
 //!
-//! # Who runs it
+//! # Contexts
 //!
 //! | folder or file | job | context |
 //! |---|---|---|
 //! | `planner/` | targets to moves with speeds | Console |
 //! | `link` | puts work into the MoveQueue, brakes, aborts | Console |
-//! | `trajectory/` | where each axis is at each time, shaped | generator; `shaper` makes taps of settings in the Console |
+//! | `trajectory/` | shaped position of each axis over time | generator; `shaper` makes taps in the Console |
 //! | `stepgen/` | moves to step events | generator |
 //! | `queue/` | the StepQueue | generator writes, Stepper reads |
 //! | `stepper` | step events to pins | Stepper |
-//! | `step_counts` | what each group has really stepped | Console |
-//! | `moves`, `work` | what stands in the MoveQueue | Console writes, generator reads |
-//! | `ramps`, `ticks`, `number` | formulas, comparisons, numbers | whoever calls |
+//! | `step_counts` | steps that each group has made | Console |
+//! | `moves`, `work` | entries of the MoveQueue | Console writes, generator reads |
+//! | `ramps`, `ticks`, `number` | formulas, comparisons, numbers | any |
 //!
 //! # Words
 //!
-//! - **move**: a straight piece of path with a trapezoid of speed. **phase**: a part of a move in which the speed rises, holds
-//!   or falls. **span**: a piece of the trajectory, which is a phase or a part of a long one (M122 calls it so).
-//! - **group**: motors that always step together; it has one count of steps. **piece**: a time in which a group's position is a
-//!   quadratic.
-//! - **step event**: all groups that step in one tick. **epoch**: what is queued between two aborts.
-//! - **work**: what the Console asks of the generator: a move, a dwell, other taps. **entry**: work in the MoveQueue, with its
-//!   epoch. (An entry speed is something else: how fast a move begins.)
+//! - **move**: a straight piece of path with a trapezoid of speed. **phase**: a part of a move in which the speed
+//!   rises, holds or falls. **span**: a piece of the trajectory, which is a phase or a part of a long one (M122 calls
+//!   it so).
+//! - **group**: motors that always step together; it has one count of steps. **piece**: a time in which a group's
+//!   position is a quadratic.
+//! - **step event**: all groups that step in one tick. **epoch**: the work queued between two aborts.
+//! - **work**: an order of the Console to the generator: a move, a dwell, other taps. **entry**: work in the MoveQueue,
+//!   with its epoch. An entry speed, in contrast, is the speed at which a move begins.
 //! - **to lay**: to add a move's phases to the trajectory. **to release**: to let a move leave the look-ahead for good.
-//! - **covered**: how much of a path has been travelled so far. **following**: later on the path, or in time.
+//! - **covered**: the distance travelled along a path so far. **following**: later on the path, or in time.
 //!
 //! # Suffixes
 //!
-//! Types in [`units`](crate::units) say what a number is where it is handed on. Elsewhere names do: `_sq` is a square of a
-//! speed, `_tick` a whole tick of 0.1 us that wraps, `_time` a time in ticks times 2^16. A `fraction`, `part` or `share` that is
-//! a `u32` is scaled by [`WHOLE`]. A `length` that is a `u64` has the bits of `Mm`; one that is an `f32` is in mm. Formulas
-//! call speeds v and u, accelerations a, times t and T, lengths L and d; w is a square of a speed there.
+//! Where numbers are handed on, types in [`units`](crate::units) give their meaning. Elsewhere names do: `_sq` is a
+//! square of a speed, `_tick` a whole tick of 0.1 us that wraps, `_time` a time in ticks times 2^16. A `fraction`,
+//! `part` or `share` of type `u32` is scaled by [`WHOLE`]. A `length` of type `u64` has the bits of `Mm`, one of type
+//! `f32` is in mm. Formulas use v and u for speeds, a for accelerations, t and T for times, L and d for lengths, and w
+//! for the square of a speed.
 
 mod link;
 mod moves;
@@ -57,7 +59,7 @@ mod ticks;
 mod trajectory;
 mod work;
 
-// The queue's, by a name that a test can give to a memory of its own.
+// The atomics of the queue under a name that a test can replace by its own memory.
 use core::sync::atomic;
 
 pub use link::Link;
@@ -71,6 +73,6 @@ pub use ticks::MIN_STEP_INTERVAL;
 pub use trajectory::{SpanMemory, Stiffening, TAPS, Tap, Taps, advance_window, stiffenings, taps};
 pub use work::{Entry, Work};
 
-/// Released moves between Console and StepGenerator. Full: the Console waits. Empty: the generator waits, and motion comes to
-/// its end.
+/// Released moves between Console and StepGenerator. Full: the Console waits. Empty: the generator waits, and motion
+/// comes to rest.
 pub type MoveQueue = heapless::spsc::Queue<Entry, 33>;

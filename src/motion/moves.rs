@@ -1,4 +1,4 @@
-//! Moves: what the planner releases and the generator steps. A released move never changes.
+//! Moves: released by the planner, stepped by the generator. A released move never changes.
 
 use crate::port::EndstopSet;
 use crate::units::{MmPerSec2, Steps, SubTicks};
@@ -6,23 +6,23 @@ use crate::units::{MmPerSec2, Steps, SubTicks};
 /// One in the fixed point of fractions of a move.
 pub const WHOLE: u32 = 1 << 31;
 
-/// From here on the 31 bits of a fraction of a move are too few for its time: 27 s, in ticks times 2^16.
+/// From this time on, the 31 bits of a move's fraction are too few: 27 s, in ticks times 2^16.
 pub(in crate::motion) const LONG_TIME: SubTicks = SubTicks(1 << 44);
 
-/// A straight move with a trapezoid of speed: its distance is cut in three phases, each with its time.
+/// A straight move with a trapezoid of speed: its distance has three phases, each with its time.
 ///
 /// Fractions are scaled by [`WHOLE`], 2^31.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Move {
-    /// Where it ends, in steps of x, y, z and e.
+    /// Its end, in steps of x, y, z and e.
     pub end: [Steps; 4],
-    /// The fraction of the path that is covered when the change from the entry speed ends.
+    /// Fraction of the path covered when the change from the entry speed ends.
     pub accelerated: u32,
-    /// The fraction of the path that is covered when the deceleration begins.
+    /// Fraction of the path covered when the deceleration begins.
     pub cruised: u32,
-    /// The part of the first phase that the lower of its two speeds alone would cover in its time.
+    /// Part of the first phase that the lower of its two speeds alone would cover in its time.
     pub entry_share: u32,
-    /// The part of the decelerating phase that its exit speed alone would cover in its time.
+    /// Part of the decelerating phase that its exit speed alone would cover in its time.
     pub exit_share: u32,
     /// Time of the first phase, which accelerates unless the move [brakes first](Self::brakes_first).
     pub accelerate: SubTicks,
@@ -32,20 +32,21 @@ pub struct Move {
     pub decelerate: SubTicks,
     /// Length of its path, in raw `Mm` bits; of the filament if the tool does not move.
     pub length: u64,
-    /// Acceleration of its ramps, with which it also brakes where it was not planned.
+    /// Acceleration of its ramps, also for braking that was not planned.
     pub acceleration: MmPerSec2,
-    /// The pressure that its filament needs: its way of filament times the advance, in steps times seconds.
+    /// Pressure that its filament needs: filament length times advance, in steps times seconds.
     pub advance: Steps,
-    /// Whether its entry speed is above its nominal one, because an override has lowered that under way.
+    /// Whether its entry speed is above its nominal one, because an override lowered the nominal speed during the
+    /// motion.
     pub brakes_first: bool,
-    /// Whether motion ends with it: nothing follows that was known when it was released.
+    /// Whether motion ends with it: no following move was known when it was released.
     pub rests: bool,
     /// Endstops that end it early.
     pub watch: EndstopSet,
 }
 
 impl Move {
-    /// No way, and no time.
+    /// No distance and no time.
     pub(in crate::motion) const NONE: Self = Self {
         end: [Steps::ZERO; 4],
         accelerated: 0,
@@ -63,7 +64,7 @@ impl Move {
         watch: EndstopSet::NONE,
     };
 
-    /// How long it takes, in ticks times 2^16.
+    /// Its duration, in ticks times 2^16.
     #[must_use]
     pub const fn time(&self) -> SubTicks {
         SubTicks(self.accelerate.0 + self.cruise.0 + self.decelerate.0)

@@ -1,7 +1,7 @@
-//! Numbers of motion: between fixed point, which is exact, and single precision, which is fast.
+//! Numbers of motion: conversion between fixed point, which is exact, and single precision, which is fast.
 //!
-//! IEEE 754 says to the last bit what each sum, difference, product and quotient of two single-precision numbers is,
-//! and nothing else is used here, so every platform computes the same.
+//! IEEE 754 defines every bit of the sum, difference, product and quotient of two single-precision numbers. This code
+//! uses no other operation, so every platform computes the same.
 
 use crate::units::{MmPerSec, MmPerSec2, Steps, SubTicks};
 
@@ -15,8 +15,8 @@ pub(crate) fn time(ticks: f32) -> SubTicks {
     SubTicks(u64::from((ticks * 256.0) as u32) << 8)
 }
 
-/// A distance in steps, exact to 2^-24 of itself. One and its opposite have the same digits, so that motors that mirror
-/// each other do so to the tick.
+/// A distance in steps, exact to 2^-24 of its value. A number and its negative have the same digits, so that mirrored
+/// motors mirror each other to the tick.
 pub(crate) fn to_f32(steps: Steps) -> f32 {
     let bits = steps.to_bits();
     let size = bits.unsigned_abs();
@@ -31,20 +31,20 @@ pub(crate) fn from_f32(steps: f32) -> Steps {
     Steps::from_bits((i64::from(whole) << 32) + (i64::from(part) << 1))
 }
 
-/// The square root to the last bit but one; 0 of what is not positive. The first guess halves the exponent and is
-/// wrong by 3.5 % at most; each of Newton's steps squares that.
+/// Square root, exact except for the last bit; 0 for a negative number. The first guess halves the exponent and is
+/// wrong by 3.5 % at most; each Newton step squares this error.
 pub(crate) fn root(square: f32) -> f32 {
     if square <= 0.0 {
         return 0.0;
     }
-    // Written out: firmware is made for size, which leaves loops as they are.
+    // Written out, because firmware is compiled for size, which does not unroll loops.
     let root = f32::from_bits((square.to_bits() >> 1) + 0x1FBD_1DF5);
     let root = 0.5 * (root + square / root);
     let root = 0.5 * (root + square / root);
     0.5 * (root + square / root)
 }
 
-/// The square root of a 64-bit square in 32 bits, wrong by at most one in the last.
+/// Square root of a 64-bit square in 32 bits, wrong by at most one in the last bit.
 pub(crate) fn root_of(square: u64) -> u32 {
     if square == 0 {
         return 0;
@@ -53,7 +53,7 @@ pub(crate) fn root_of(square: u64) -> u32 {
     large_root(square << shift) >> (shift / 2)
 }
 
-/// The same of a square of at least 2^60. What single precision leaves is made up by one of Newton's steps in integers.
+/// The same for a square of at least 2^60. A Newton step in integers corrects the error of single precision.
 pub(crate) fn large_root(square: u64) -> u32 {
     let guess = root(((square >> 32) as u32) as f32);
     let whole = (guess * 65536.0) as u32;
@@ -62,12 +62,12 @@ pub(crate) fn large_root(square: u64) -> u32 {
     whole.saturating_add_signed(correction as i32)
 }
 
-/// A number with 32 fractional bits, as a number.
+/// A value with 32 fractional bits, as a number.
 pub(crate) fn from_bits(bits: u64) -> f32 {
     ((bits >> 32) as u32) as f32 + ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 }
 }
 
-/// A number from 0 on with 32 fractional bits; saturates, and so does what is no number.
+/// A non-negative number with 32 fractional bits. Saturates, also for NaN.
 pub(crate) fn to_bits(number: f32) -> u64 {
     const MOST: f32 = 4_294_967_296.0;
     if number < MOST {
@@ -124,7 +124,7 @@ mod tests {
         for bits in [0, 1, 1 << 20, 1 << 32, 0xFF_FFFF << 30, 3 << 60] {
             assert_eq!(to_bits(from_bits(bits)), bits);
         }
-        // The first that is too great, and the last that is not.
+        // The first value that is too large, and the last that fits.
         assert_eq!(to_bits(4_294_967_296.0), u64::MAX);
         assert_eq!(to_bits(4_294_967_040.0), 4_294_967_040 << 32);
         assert_eq!(to_bits(f32::INFINITY), u64::MAX);

@@ -1,4 +1,4 @@
-//! Ramps: the formulas of motion at a constant acceleration, for the planner and for a brake that was not planned.
+//! Ramps: formulas of motion at constant acceleration, for the planner and for unplanned braking.
 //!
 //! Over the length L the square of the speed changes by `2 a L`.
 
@@ -6,17 +6,17 @@ use super::moves::WHOLE;
 use super::number::{acceleration, from_bits, root_of, to_bits};
 use crate::units::{MmPerSec2, SpeedSq};
 
-/// Speed squared gained over `length` (raw `Mm` bits): 2 a L, saturating.
+/// Gain of squared speed over `length` (raw `Mm` bits): 2 a L, saturating.
 #[must_use]
 pub(in crate::motion) const fn gain_sq(a: MmPerSec2, length: u64) -> SpeedSq {
-    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7; in two halves, to save its upper 64 bits.
+    // Acceleration has 8 fractional bits, so 2 a L is a product shifted by 7. Two halves avoid its upper 64 bits.
     let a = a.to_bits() as u64;
     let (high, low) = (a * (length >> 32), (a * (length & 0xFFFF_FFFF)) >> 7);
     if high >> 38 != 0 { SpeedSq::MAX } else { SpeedSq((high << 25).saturating_add(low)) }
 }
 
-/// The speed of a given square, in 2^-32 mm/s. The square is scaled up first, so that the root has 31
-/// significant bits however slow the move is: at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
+/// Speed of a square, in 2^-32 mm/s. Scaling the square up first gives the root 31 significant bits for slow moves too:
+/// at 200 mm/s2 the 2^-16 mm/s of `MmPerSec` are a tick.
 pub(in crate::motion) fn speed_of(SpeedSq(square): SpeedSq) -> u64 {
     let shift = square.leading_zeros() & !1;
     if square == 0 { 0 } else { (u64::from(root_of(square << shift)) << 16) >> (shift / 2) }
@@ -46,7 +46,7 @@ mod tests {
     fn a_speed_is_the_root_of_its_square_however_slow() {
         for bits in 0..63 {
             for square in [1u64 << bits, (1 << bits) | (1 << bits >> 1), (1 << bits) + ((1 << bits) - 1)] {
-                // 32 fractional bits of the square make 16 of the speed, and the speed has 32.
+                // 32 fractional bits of the square give 16 of the speed, and the speed has 32.
                 let exact = (square as f64).sqrt() * 65_536.0;
                 let found = speed_of(SpeedSq(square)) as f64;
                 assert!((found - exact).abs() < 1.0 + 1.5e-9 * exact, "{square}: {found}, not {exact}");
@@ -63,7 +63,7 @@ mod tests {
                 assert!((f64::from(fraction(part, whole)) - exact).abs() <= 2.0, "{part} of {whole}");
             }
         }
-        // Roots may put the slower of two speeds above the other one by their last bit.
+        // Rounded roots may exceed the faster of two speeds by their last bit.
         assert_eq!((fraction(1001, 1000), fraction(0, 0)), (WHOLE, WHOLE));
     }
 
@@ -76,7 +76,7 @@ mod tests {
             assert!((gained.0 as f64 / 4_294_967_296.0 - exact).abs() <= 1e-6 + 1e-9 * exact, "{a} {mm}");
             assert!((ramp_length(gained, a) as f64 / length as f64 - 1.0).abs() < 1e-5, "{a} {mm}");
         }
-        // The last that fits, and the first that does not.
+        // The last value that fits, and the first that does not.
         let (a, length) = (MmPerSec2::from_bits(1 << 16), (1 << 54) - 1);
         assert_eq!(gain_sq(a, length), SpeedSq(length << 9));
         assert_eq!(gain_sq(a, 1 << 54), SpeedSq::MAX);

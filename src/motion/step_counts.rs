@@ -1,16 +1,16 @@
-//! Step counts: how many steps each group of motors has made.
+//! Step counts: the steps that each group of motors has made.
 //!
-//! The step interrupt does not count. The generator tells how many steps it has put into the StepQueue, and those that
-//! still wait stand there.
+//! The step interrupt does not count. The generator publishes the steps that it has put into the StepQueue, and the
+//! queue shows the steps that still wait.
 
 use super::queue::{StepQueue, StepsOut};
 use crate::motors::MOST_GROUPS;
 use crate::status::Status;
 
-/// How often all that is looked at, at most, to see it at one moment.
+/// Maximum number of attempts to read everything at one moment.
 const LOOKS: usize = 4;
 
-/// What the motors have done so far. For the Console's context, which neither the generator nor the Stepper waits for.
+/// Steps of the motors so far. For the Console's context: neither the generator nor the Stepper waits for it.
 #[derive(Clone, Copy)]
 pub struct StepCounts<'m> {
     queue: &'m StepQueue,
@@ -18,7 +18,7 @@ pub struct StepCounts<'m> {
 }
 
 impl<'m> StepsOut<'m> {
-    /// What the motors do with what comes out here.
+    /// The counts of the steps that leave the queue here.
     #[must_use]
     pub const fn counts(&self, status: &'m Status) -> StepCounts<'m> {
         StepCounts { queue: self.queue(), status }
@@ -26,8 +26,8 @@ impl<'m> StepsOut<'m> {
 }
 
 impl StepCounts<'_> {
-    /// Steps played by each group, signed and wrapping; all of one moment, unless the generator comes in between at each of
-    /// four looks.
+    /// Steps played by each group, signed and wrapping, all of one moment unless the generator interrupts each of four
+    /// attempts.
     #[must_use]
     pub fn read(&self) -> [i32; MOST_GROUPS] {
         let mut counts = [0; MOST_GROUPS];
@@ -36,7 +36,7 @@ impl StepCounts<'_> {
             counts = self.status.steps_made();
             let waiting = self.queue.waiting(made);
             counts.iter_mut().zip(waiting).for_each(|(count, waiting)| *count = count.wrapping_sub(waiting));
-            // The generator may write over what has been played meanwhile.
+            // The generator may overwrite played events during the read.
             if made == self.status.events_made() {
                 break;
             }

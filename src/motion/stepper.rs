@@ -1,26 +1,26 @@
 //! The stepper: plays step events on the pins, each at its tick.
 //!
-//! It runs in the step timer's interrupt at the highest priority. Everything it needs stands in the event;
-//! it decides nothing but whether the moment has come. Motion time runs while there are events: at each
-//! start after a rest, real time is taken again, so a pause of the host never shows in the motion.
+//! It runs in the step timer's interrupt at the highest priority. The event contains everything that it needs; it only
+//! decides whether the time has come. Motion time runs while there are events. At each start after a rest it is
+//! synchronised with real time, so a pause of the host never shows in the motion.
 //!
-//! Nearly every event is a plain one, which comes in time and has nothing but steps; [`Stepper::on_alarm`] plays it in
-//! a straight line. Whatever else there may be is [`Stepper::play_closely`]'s.
+//! Nearly every event is a plain one: in time, with steps and nothing else. [`Stepper::on_alarm`] plays it in
+//! straight-line code. [`Stepper::play_closely`] handles all others.
 //!
 //! # States
 //!
-//! | state | what says so | leads to |
+//! | state | condition | leads to |
 //! |---|---|---|
 //! | resting | `next` is RESTING | *waiting*, when an event of the epoch is in the queue (`resume` dates it) |
-//! | waiting | an event in `next`, `due` ahead, alarm set | *due*, when the alarm rings; *resting*, when the epoch is over |
-//! | due | `due` has come, at most MAX_LATE ago | played: *waiting* or *due* with the next event, *starved* without one |
-//! | late | `due` is more than MAX_LATE ago | `lag` grows by so much, and the event is *due*: all that follow move with it |
-//! | starved | `next` is NONE | *due*, if the event has come meanwhile; else *resting* |
+//! | waiting | an event in `next`, `due` ahead, alarm set | *due* at the alarm; *resting* if the epoch is over |
+//! | due | `due` has come, at most MAX_LATE ago | played: next event *waiting* or *due*; without one *starved* |
+//! | late | `due` is more than MAX_LATE ago | `lag` grows by it, and the event is *due*: all later ones move with it |
+//! | starved | `next` is NONE | *due*, if the event has arrived by then; else *resting* |
 //! | ended | an endstop that the event watches is pressed | *resting* until the next epoch: `ended` holds this one |
 //!
-//! An event without steps is passed over where it would be played (`skip_event`); after the last such event the Stepper is
-//! *resting* without being *starved*: the generator marks the end of a motion so, and the time that passes while it does
-//! not know the next step. Whether a rest was one in mid-motion it knows as well, and counts (`StepGenerator::run`).
+//! An event without steps is skipped at its time (`skip_event`). After the last such event the Stepper is *resting*
+//! without being *starved*. The generator uses such events to mark the end of a motion, and the time that passes while
+//! it does not know the next step. The generator also counts rests in mid-motion (`StepGenerator::run`).
 
 use super::queue::{PackedEvent, StepsOut};
 use crate::port::{GroupSet, Pend, StepClock, StepPort};
@@ -33,35 +33,35 @@ const BURST: u32 = 8;
 /// After [`BURST`] events: 5 us for the other interrupts that wait.
 const YIELD: u32 = 50;
 
-/// An event that comes later than this moves all that follow: 10 us. Steps are late then, and none is lost.
+/// An event later than this delays all following events: 10 us. Steps are late then, and none is lost.
 const MAX_LATE: u32 = 100;
 
-/// Between the first event's arrival and its alarm: 20 us, in which the generator goes on making events.
+/// Time between the first event's arrival and its alarm: 20 us, in which the generator goes on making events.
 const START_LEAD: u32 = 200;
 
-/// None of the epochs.
+/// Not a valid epoch.
 const NO_EPOCH: u16 = 1 << 8;
 
 /// Plays step events.
-// In this order: what every event needs is in front, within reach of short instructions.
+// In this order: the fields that every event needs are first, within reach of short instructions.
 #[repr(C)]
 pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
-    /// When the event that comes next is due; at rest anything.
+    /// Due tick of the next event; at rest any value.
     due: Tick,
-    /// By how much motion time lags real time. (Between the other two, which the compiler would else store as a pair; that
-    /// takes longer, and so would next event and status.)
+    /// Lag of motion time behind real time. It is between the two other fields, because the compiler would else store
+    /// these as a pair, which takes longer. `next` and `status` would be such a pair too.
     lag: u32,
-    /// The event that comes next, which is still in the queue.
+    /// The next event, which is still in the queue.
     next: PackedEvent,
     events: StepsOut<'m>,
     status: &'m Status,
     clock: C,
     pend: W,
-    /// Direction lines as they are.
+    /// State of the direction lines.
     forward: GroupSet,
-    /// An epoch whose motion an endstop has ended, or [`NO_EPOCH`].
+    /// An epoch with motion ended by an endstop, or [`NO_EPOCH`].
     ended: u16,
-    /// Motion time up to the last event that was looked at closely.
+    /// Motion time up to the last special event.
     time: u64,
     port: P,
 }
@@ -88,8 +88,8 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         }
     }
 
-    /// Call it when the alarm rings and when it is pended. Bounded: plays one event, and those that are due right after
-    /// it.
+    /// Call it when the alarm rings and when it is pended. Bounded: plays one event, and following ones that are due
+    /// right after it.
     #[inline(always)]
     pub fn on_alarm(&mut self) {
         if !self.is_plain() {
@@ -97,7 +97,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         }
         let (word, due) = (self.next, self.due);
         let tick = self.dated(due);
-        // Nobody looks before the step is made, and then the status need not be remembered any longer.
+        // Updated before the edge: no reader can run until the interrupt returns, and it frees a register.
         self.status.event_played(due.0);
         self.port.rise_quick(word.steps(), tick);
         let is_alarm_set = self.next_event(due);
@@ -113,8 +113,8 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.next.is_plain(self.status.epoch_in_interrupt()) && self.clock.is_due(self.due, MAX_LATE)
     }
 
-    /// Goes on to the next event, from one that was due then and whose step lines are high; false if no alarm is set for the
-    /// next one. The pulse is as long as this takes, and the port sees to it that this is enough.
+    /// Continues with the next event after one that was due at this time and has its step lines high; false if no alarm
+    /// is set for the next one. The pulse lasts as long as this takes. The port ensures that this is enough.
     #[inline(always)]
     fn next_event(&mut self, due: Tick) -> bool {
         let (interval, next) = self.events.advance();
@@ -123,8 +123,8 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.clock.alarm_again(due)
     }
 
-    /// Plays the next event if that is to be played, and those that are due right after it; the next one soon if these
-    /// were many.
+    /// Plays the next event if it is valid, and following ones that are due right after it. After many of them it sets
+    /// an early alarm for the next one.
     #[cold]
     #[inline(never)]
     fn play_closely(&mut self) {
@@ -149,7 +149,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             && self.clock.now().since(self.due) <= MAX_LATE
     }
 
-    /// What is left to do when an event has been played.
+    /// Work after an event has been played.
     fn after_event(&mut self, event: PackedEvent) {
         self.time = self.tick();
         if event.wants_refill() {
@@ -157,7 +157,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         }
     }
 
-    /// Plays the next event, whatever its groups; false if no alarm is set for the one that follows.
+    /// Plays the next event, with any groups; false if no alarm is set for the following one.
     #[inline(always)]
     fn play(&mut self) -> bool {
         let (word, due) = (self.next, self.due);
@@ -169,11 +169,11 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         is_alarm_set
     }
 
-    /// Looks closely at an event that is not plain, or not in time: true if it is to be played. Takes the Stepper through the
+    /// Handles an event that is not plain or not in time: true if it is to be played. Takes the Stepper through the
     /// states of the table above.
     #[inline(never)]
     fn check_event(&mut self) -> bool {
-        // Nobody who could begin another epoch runs until we are done.
+        // No context that could begin another epoch runs until this returns.
         let mut epoch = u16::from(self.status.epoch_in_interrupt());
         if self.ended == epoch {
             epoch = NO_EPOCH;
@@ -181,7 +181,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             self.ended = NO_EPOCH;
         }
         if self.next == PackedEvent::NONE {
-            // It may have been on its way, with its time already there.
+            // It may have been in the middle of being stored, with only its time in place.
             self.next = self.events.peek().1;
             if self.next == PackedEvent::NONE {
                 self.next = PackedEvent::RESTING;
@@ -229,7 +229,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     }
 
     /// Takes up the first event after a rest and dates it; false if there is none of `epoch`. The generator takes back
-    /// those of an epoch that is over, or whose motion an endstop has ended, and all events in the queue are of one epoch.
+    /// the events of an epoch that is over or was ended by an endstop, and all events in the queue are of one epoch.
     fn resume(&mut self, epoch: u16) -> bool {
         let (interval, next) = self.events.peek();
         if !next.is_of(epoch) {
@@ -243,20 +243,20 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         true
     }
 
-    /// Motion time lags real time by so much, and was, or will be, up to date at `due`.
+    /// Sets the lag of motion time, which is exact at `due`.
     fn set_lag(&mut self, ticks: u32, due: Tick) {
         self.lag = ticks;
         self.status.set_lag(ticks, due.0);
     }
 
-    /// Nothing is due, but somebody may want to know of the endstops. False, for there is nothing to play.
+    /// Nothing is due, but another context may need the endstops. Returns false: there is nothing to play.
     fn report_endstops(&mut self) -> bool {
         self.status.set_endstops(self.port.endstops());
         self.status.count_look();
         false
     }
 
-    /// Passes over an event without steps.
+    /// Skips an event without steps.
     fn skip_event(&mut self) {
         self.status.event_played(self.due.0);
         self.after_event(self.next);
@@ -265,18 +265,18 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
         self.due = self.due.after(interval);
     }
 
-    /// Has the port take another coupling, and sets the direction lines anew. At rest.
+    /// Changes the port's coupling and sets the direction lines again. At rest.
     pub fn recouple(&mut self, change: impl FnOnce(&mut P)) {
         change(&mut self.port);
         self.port.dir(self.forward);
     }
 
-    /// What hardware does for it.
+    /// The hardware.
     pub const fn port(&mut self) -> &mut P {
         &mut self.port
     }
 
-    /// Leaves the processor to the others for a while.
+    /// Leaves the processor to other contexts for a while.
     #[inline(never)]
     fn yield_cpu(&mut self) {
         if !self.clock.alarm(self.clock.now().after(YIELD)) {

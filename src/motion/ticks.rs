@@ -1,16 +1,16 @@
-//! Ticks: how 32-bit ticks of motion time are compared, and how near to each other steps may come.
+//! Ticks: comparison of 32-bit ticks of motion time, and the minimum distance of steps.
 //!
 //! Motion time counts ticks of 0.1 us and wraps after 429 s, so ticks are compared by their difference.
 
-/// Between the ticks of two pulses of a motor there are at least so many: 1.7 us. Motion at legal speeds is less dense
-/// (2 us); a motor that reverses within half a step can come near it.
+/// Minimum number of ticks between two pulses of a motor: 1.7 us. Motion at legal speeds is less dense (2 us); a motor
+/// that reverses within half a step can come near it.
 pub const MIN_STEP_INTERVAL: u64 = 17;
 
-/// A group that rests is known to rest for so many ticks from now: 3 s, far longer than the longest span.
+/// A group at rest is known to rest for this many ticks from now: 3 s, far longer than the longest span.
 pub(in crate::motion) const FAR: u32 = 1 << 25;
 
-/// Less than [`FAR`]: until when a group rests is only looked at when the end of that rest is so near. Time passes in events
-/// of so many ticks where motors are under way for longer without a step.
+/// Less than [`FAR`]: the end of a group's rest is checked only when it is this near. Where motors move for longer
+/// without a step, time passes in events of this many ticks.
 pub(in crate::motion) const NEAR: u32 = FAR / 2;
 
 /// Whether a tick comes before another.

@@ -12,13 +12,13 @@ pub enum Work {
     Move(Move),
     /// Time without motion, in ticks times 2^16.
     Dwell(SubTicks),
-    /// At rest: from now on an axis follows these taps. The advance, axis 4, is what its taps differ by.
+    /// At rest: from now on an axis follows these taps. The advance, axis 4, is the difference of its taps.
     Follow(u8, Taps),
-    /// At rest: from now on an axis rings like that.
+    /// At rest: from now on an axis has this stiffening.
     Stiffen(u8, Stiffening),
-    /// At rest: from now on the motors are grouped as for the tool alone, or so that the belt can run round too.
+    /// At rest: from now on the motors are grouped for the tool alone, or so that the belt can circulate too.
     Regroup(Grouping),
-    /// Without motion: here is where the machine stands, in steps of x, y, z and e.
+    /// Without motion: the machine's position, in steps of x, y, z and e.
     Position([Steps; 4]),
 }
 

@@ -6,28 +6,28 @@ use crate::port::{EndstopSet, GroupSet};
 /// A bit for each group.
 const GROUPS: u32 = (1 << MOST_GROUPS) - 1;
 
-/// The first bit of the groups that step, above four endstops, and the first bit of the directions. (A port that has four
-/// words for each set of groups finds them so with one instruction less.)
+/// First bit of the groups that step, above four endstops, and first bit of the directions. A port with four words per
+/// set of groups then needs one instruction less.
 const STEPS_AT: usize = 4;
 const FORWARD_AT: usize = STEPS_AT + MOST_GROUPS;
 const _: () = assert!(FORWARD_AT + MOST_GROUPS <= 16 && EndstopSet::ALL.0 < 1 << STEPS_AT);
 
-/// All of an event but its time: the endstops it watches in bits 0 to 3, then the groups, directions above steps, its
-/// epoch from bit 16 on, and what is special about it.
+/// All of an event except its time: watched endstops in bits 0 to 3, then the groups, directions above steps, epoch
+/// from bit 16 on, and flags.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(in crate::motion) struct PackedEvent(pub u32);
 
 impl PackedEvent {
-    /// No event, which is not a plain one either.
+    /// No event, and not a plain one either.
     pub const NONE: Self = Self(1 << 27);
-    /// What a Stepper without an event holds.
+    /// Held by a Stepper without an event.
     pub const RESTING: Self = Self(1 << 26);
-    /// There is more to it than steps in directions that are set already.
+    /// It has more than steps in directions that are already set.
     pub const SPECIAL: u32 = 1 << 24;
-    /// The generator is to make more.
+    /// The generator must make more events.
     pub const REFILL: u32 = 1 << 25;
 
-    /// What two plain events in a row have in common: directions, epoch, and that they are events.
+    /// Common bits of two consecutive plain events: directions, epoch, and that they are events.
     pub const SETTING: u32 = 0xFFFF_0000 | Self::FORWARD;
 
     pub const STEPS: u32 = GROUPS << STEPS_AT;
@@ -39,13 +39,13 @@ impl PackedEvent {
         Self(watch.0 as u32 & Self::WATCH | (epoch as u32) << 16)
     }
 
-    /// An event without steps and directions, as [`waiting`](Self::waiting) makes it, with these.
+    /// An event made by [`waiting`](Self::waiting), with these steps and directions.
     pub const fn stepping(self, steps: GroupSet, forward: GroupSet) -> Self {
         let (steps, forward) = ((steps.0 as u32) << STEPS_AT, (forward.0 as u32) << FORWARD_AT);
         Self(self.0 | steps & Self::STEPS | forward & Self::FORWARD)
     }
 
-    /// What the step of a group adds to an event without.
+    /// Bits that a step of a group adds to an event.
     #[inline(always)]
     pub const fn steps_of(group: usize) -> u32 {
         1 << (STEPS_AT + group)
@@ -57,7 +57,7 @@ impl PackedEvent {
         self.0 >> 16 == epoch as u32
     }
 
-    /// Whether there are steps, none of them of `slow` groups, and no endstops to be watched.
+    /// Whether there are steps, none of them of `slow` groups, and no watched endstops.
     #[inline(always)]
     pub const fn has_only_steps(self, slow: GroupSet) -> bool {
         self.0 & Self::STEPS != 0 && self.0 & (slow.0 as u32) << STEPS_AT == 0 && !self.has_watch()
@@ -75,7 +75,7 @@ impl PackedEvent {
         (self.0 ^ setting) & !(Self::STEPS | Self::SPECIAL | Self::REFILL) == 0 && self.0 & Self::STEPS != 0
     }
 
-    /// The same, to be looked at closely.
+    /// The same, marked as special.
     pub const fn special(self) -> Self {
         Self(self.0 | Self::SPECIAL)
     }
@@ -89,7 +89,7 @@ impl PackedEvent {
         GroupSet((self.0 >> FORWARD_AT & GROUPS) as u8)
     }
 
-    /// Whether the directions are those of another.
+    /// Whether it has the directions of another event.
     pub const fn goes_as(self, other: Self) -> bool {
         (self.0 ^ other.0) & Self::FORWARD == 0
     }

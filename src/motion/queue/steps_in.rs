@@ -8,48 +8,48 @@ use crate::motion::ticks::{NEAR, is_before};
 use crate::motors::MOST_GROUPS;
 use crate::port::GroupSet;
 
-/// The first event of a run is special if its interval is this long, 0.4 s. All other events of the run are within [`NEAR`] of
-/// the run's begin.
+/// The first event of a run is special if its interval is this long, 0.4 s. All other events of the run are within
+/// [`NEAR`] of its begin.
 const LONG: u32 = 1 << 22;
-/// One of so many events is special, however short its interval is. Thus all plain events between two special ones take less
-/// than the 429 s after which a tick of 32 bits wraps: the Stepper counts all bits of motion time at special events alone.
-/// A run of one plain event takes less than [`LONG`], a longer one less than [`LONG`] and [`NEAR`], so runs of two are the worst.
+/// One in this many events is special, for any interval. So all plain events between two special ones take less than
+/// 429 s, after which a 32-bit tick wraps. The Stepper counts the upper bits of motion time at special events alone. A
+/// run of one plain event takes less than [`LONG`], a longer one less than [`LONG`] and [`NEAR`], so runs of two are
+/// the worst.
 pub(super) const REGULAR: u32 = 256;
 const _: () = assert!((LONG + NEAR) as u64 * (REGULAR as u64 / 2) < 1 << 32);
 
-/// The Stepper gets to see a run that is a quarter as long as what it has left to play, but no shorter than this: it must not
-/// run out of events while the run is filled.
+/// The Stepper sees a run of a quarter of the events that it has left, but at least this many. It must not run out of
+/// events while the run is filled.
 const SHORTEST_RUN: usize = 4;
 
-/// Step times of a group, in order: what a [`Run`] takes its steps from.
+/// Step times of a group, in order, as input of a [`Run`].
 pub(in crate::motion) trait StepTimes {
-    /// When the next step comes.
+    /// Tick of the next step.
     fn tick(&self) -> u32;
-    /// So many steps are put in; there must be so many.
+    /// Consumes this many steps; there must be as many.
     fn advance_by(&mut self, count: usize);
-    /// The ticks that follow the next one's, whatever comes after the last step.
+    /// The ticks after the next one, with any content after the last step.
     fn following(&self) -> &[u32];
 }
 
-/// Events with steps that are put in one after the other. The Stepper sees none of them before all are in: the first one
-/// comes into its slot last.
+/// Consecutive events with steps. The Stepper sees none of them before all are stored: the first one is stored last.
 pub(in crate::motion) struct Run<'q> {
-    /// The tick of the last event.
+    /// Tick of the last event.
     now: u32,
     word: PackedEvent,
-    /// Where the next events go, and where the events after these go.
+    /// Slots of the next events, and slots of the events after these.
     slots: &'q [[AtomicU32; 2]],
     next_slots: &'q [[AtomicU32; 2]],
 }
 
 impl Run<'_> {
-    /// Whether there is no slot left where events are to be put now.
+    /// Whether the present slots are full.
     #[inline(always)]
     pub fn is_full(&self) -> bool {
         self.slots.is_empty()
     }
 
-    /// Puts an event in, if there is a slot; its steps are those of [`PackedEvent::steps_of`].
+    /// Adds an event if there is a slot; its steps are those of [`PackedEvent::steps_of`].
     #[inline(always)]
     pub fn put(&mut self, tick: u32, steps: u32) {
         if let [[interval_slot, word_slot], following @ ..] = self.slots {
@@ -60,8 +60,8 @@ impl Run<'_> {
         }
     }
 
-    /// Puts in the next step of two groups, which is due at one tick, and the steps that follow up to a tick as long as both
-    /// step together and there are slots.
+    /// Adds the next step of two groups at one tick, and the following steps up to a tick while both step together and
+    /// there are slots.
     #[inline(always)]
     pub fn put_pairs(&mut self, [first, second]: [&mut impl StepTimes; 2], until: u32, word: u32) {
         let word = self.word.0 | word;
@@ -83,7 +83,7 @@ impl Run<'_> {
         second.advance_by(count);
     }
 
-    /// Puts in the next step of a group, and the steps that follow up to a tick, as long as there are slots.
+    /// Adds the next step of a group, and the following steps up to a tick while there are slots.
     #[inline(always)]
     pub fn put_steps(&mut self, steps: &mut impl StepTimes, until: u32, word: u32) {
         loop {
@@ -101,11 +101,11 @@ pub struct StepsIn<'m> {
     queue: &'m StepQueue,
     /// Events ever put in, wrapping.
     made: u32,
-    /// The event before; NONE at first, which no event is like.
+    /// The previous event; initially NONE, which no event equals.
     previous: PackedEvent,
-    /// Groups whose steps the Stepper is to look at closely.
+    /// Groups with steps that make an event special.
     slow: GroupSet,
-    /// The event at which the Stepper asks for more.
+    /// The event at which the Stepper calls for more.
     marked: u32,
 }
 
@@ -114,21 +114,21 @@ impl<'m> StepsIn<'m> {
         Self { queue, made, previous: PackedEvent::NONE, slow: GroupSet::NONE, marked: made }
     }
 
-    /// The first two groups, whose steps make up a run; steps of others come in between.
+    /// The first two groups, which make up a run. Steps of others come in between.
     const FIRST_TWO: u8 = 0b11;
 
-    /// What a step of a group in a run adds to its event, beyond the first two groups.
+    /// Bits that a step of a group in a run adds to its event, beyond the first two groups.
     pub(in crate::motion) const fn step_of(&self, group: usize) -> u32 {
         let is_slow = self.slow.0 >> group & 1 != 0;
         PackedEvent::steps_of(group) | if is_slow { PackedEvent::SPECIAL } else { 0 }
     }
 
-    /// Whether an event would set directions that those before it did not.
+    /// Whether an event would set directions that the previous ones did not.
     pub(in crate::motion) const fn turns_with(&self, word: PackedEvent) -> bool {
         !word.goes_as(self.previous)
     }
 
-    /// Has the Stepper look closely at steps of these groups.
+    /// Makes events with steps of these groups special.
     pub fn set_slow_groups(&mut self, groups: GroupSet) {
         self.slow = groups;
     }
@@ -152,9 +152,9 @@ impl<'m> StepsIn<'m> {
         self.publish(interval, word, 1);
     }
 
-    /// Puts in up to `most` events, for which there must be room, as long as `fill` has some for a [`Run`]; it says whether
-    /// there may be more. They are like `setting` but for their steps. `now` is the tick of the event before, and in the
-    /// end of the last one.
+    /// Adds up to `most` events, for which there must be room, while `fill` supplies them for a [`Run`]. `fill` says
+    /// whether there may be more. The events are like `setting` except for their steps. `now` is the tick of the
+    /// previous event, and afterwards of the last one.
     #[inline(always)]
     pub(in crate::motion) fn put_runs(
         &mut self,
@@ -169,7 +169,7 @@ impl<'m> StepsIn<'m> {
         let mut left = most as usize;
         let mut has_more = true;
         while has_more && left > 0 {
-            // The events after the first are plain if they can be. So a run ends in front of one that may not be.
+            // Events after the first are plain if possible, so a run ends before one that may not be.
             let longest = (self.len() / 4).max(SHORTEST_RUN);
             let begin = self.made as usize % SLOTS;
             let slots = self.queue.events.get(begin + 1..begin - begin % REGULAR as usize + REGULAR as usize);
@@ -197,17 +197,17 @@ impl<'m> StepsIn<'m> {
         }
     }
 
-    /// Shows the Stepper `count` events, of which all but the first stand in their slots.
+    /// Shows the Stepper `count` events. All but the first are in their slots already.
     fn publish(&mut self, interval: u32, word: PackedEvent, count: u32) {
-        // A direction that is taken back with an epoch is set again in the next.
+        // A direction taken back with an epoch is set again in the next one.
         let is_plain = word.has_only_steps(self.slow)
             && (word.0 ^ self.previous.0) & PackedEvent::SETTING == 0
             && interval < LONG
             && !self.made.is_multiple_of(REGULAR);
         self.previous = word;
         let word = if is_plain { word } else { word.special() };
-        // All slots from here on are the generator's until the store of the first event. A Stepper that sees this event must
-        // find its interval, the other events, and the end of the queue after them.
+        // All slots from here on belong to the generator until the store of the first event. A Stepper that sees this
+        // event must find its interval, the other events, and the end of the queue after them.
         let end = self.made.wrapping_add(count);
         self.queue.end_at(end);
         let [interval_slot, word_slot] = self.queue.slot(self.made);
@@ -218,13 +218,13 @@ impl<'m> StepsIn<'m> {
         self.made = end;
     }
 
-    /// Takes back all events that the Stepper has not played, and says how many steps of each group they had. It will not
-    /// play the one in its hands either, for its epoch or its motion is over.
+    /// Takes back all events that the Stepper has not played and returns their steps per group. The Stepper will not
+    /// play the held event either, because its epoch or its motion is over.
     pub fn take_back(&mut self) -> [i32; MOST_GROUPS] {
         let steps = self.queue.waiting(self.made);
         self.made = self.done();
         self.marked = self.made;
-        // Its direction may never have reached the pins.
+        // Its direction may not have reached the pins.
         self.previous = PackedEvent::NONE;
         self.queue.end_at(self.made);
         steps
@@ -240,26 +240,26 @@ impl<'m> StepsIn<'m> {
         self.queue.done.load(Relaxed)
     }
 
-    /// Events in the queue, the one in the Stepper's hands among them.
+    /// Events in the queue, including the one that the Stepper holds.
     #[must_use]
     pub fn len(&self) -> usize {
         self.made.wrapping_sub(self.queue.done.load(Relaxed)) as usize
     }
 
-    /// Whether the Stepper has none left.
+    /// Whether no event is left.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Events that there is room for.
+    /// Room for events.
     #[must_use]
     pub fn room(&self) -> usize {
         SLOTS - 1 - self.len()
     }
 
-    /// Has the generator called when no more than `left` events are left; false if that is so already, or if there is
-    /// nothing to call it for, with 0.
+    /// Makes the Stepper call the generator at `left` remaining events. Returns false if there are no more than that
+    /// already, or if `left` is 0.
     pub(in crate::motion) fn mark(&mut self, left: usize) -> bool {
         let is_waiting = |queue: &StepQueue, number: u32| {
             number.wrapping_sub(queue.done.load(Relaxed)).wrapping_sub(1) < SLOTS as u32 - 1
@@ -267,7 +267,7 @@ impl<'m> StepsIn<'m> {
         let number = self.made.wrapping_sub(left as u32);
         if self.marked != number {
             let before = &self.queue.slot(self.marked)[1];
-            // The generator is the owner of a word that waits; the Stepper only reads it.
+            // The generator owns a waiting word; the Stepper only reads it.
             if is_waiting(self.queue, self.marked) {
                 before.store(before.load(Relaxed) & !PackedEvent::REFILL, Relaxed);
             }
@@ -279,7 +279,7 @@ impl<'m> StepsIn<'m> {
         word.store(word.load(Relaxed) | PackedEvent::SPECIAL | PackedEvent::REFILL, Relaxed);
         compiler_fence(AcqRel);
         self.marked = number;
-        // The Stepper has looked at the event it holds before.
+        // The Stepper has already looked at the event that it holds.
         is_waiting(self.queue, number)
     }
 }
@@ -319,7 +319,7 @@ mod tests {
             let mut run = Vec::new();
             events_in.put_runs(setting, most, &mut now, |slots| {
                 while !slots.is_full() {
-                    // The Stepper stops where nothing is, wherever it is until then.
+                    // The Stepper stops at the empty slot, wherever it is.
                     let shown =
                         (0..SLOTS as u32).find(|i| queue.slot(done + i)[1].load(Relaxed) == PackedEvent::NONE.0);
                     let first = done + shown.unwrap_or(u32::MAX);

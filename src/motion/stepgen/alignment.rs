@@ -1,17 +1,17 @@
-//! Alignment: a long move along one axis goes along the line on which its motors stand.
+//! Alignment: a long move along one axis follows the line on which its motors stand.
 //!
 //! Take two belts with the coordinates u = x + y and v = x - y, in steps. In a move along x both belts step in the same
-//! instants if u and v pass the middle between two counts together, and they do if 2 y = u - v is a whole number. Motors at
-//! rest stand on whole counts of u and v, so 2 y is a whole number at the y where they stand. That y is within half a step of the
-//! y that was asked for. So a long move along x is laid at the y where the motors stand, which takes no step to get to, and
-//! ends at the x that was planned. The tool stays at that y, beside the planned path, until another y is asked for. All other
-//! moves end where they were planned to, so nothing adds up.
+//! instants if u and v cross the middle between two counts together, that is if 2 y = u - v is a whole number. Motors
+//! at rest stand on whole counts of u and v, so 2 y is whole there. That y is within half a step of the commanded y. So
+//! a long move along x is laid at the y of the motors, which needs no step to get there, and ends at the planned x. The
+//! tool stays at that y, off the planned path, until a move commands another y. All other moves end at their planned
+//! positions, so errors do not add up.
 //!
-//! (Half a step cannot be made less for every corner: between a move along x and one along y both twice x and twice y
-//! must be whole, and of these positions every other one is between two counts of both motors. The tool would leave it with
-//! a step of one motor alone.)
+//! (Half a step cannot be reduced for every corner. Between a move along x and one along y both 2 x and 2 y must be
+//! whole. Every other such position is between two counts of both motors, and the tool would leave it with a step of
+//! one motor alone.)
 //!
-//! Where four coordinates hold three axes, the counts of the four may contradict each other, and then belong to no position.
+//! Where four coordinates hold three axes, the four counts may contradict each other and then belong to no position.
 //! There long moves end on whole steps of x, y and z instead.
 
 use crate::kinematics::{Groups, count_at};
@@ -20,42 +20,42 @@ use crate::motion::trajectory::Position;
 use crate::motors::MOST_GROUPS;
 use crate::units::Steps;
 
-/// A long move: a millimetre, of which lengths have 30 bits. Being half a step beside bends what comes next by less than
-/// 0.4 degrees if that is as long; shorter ones are the chords of curves, which would ripple.
+/// A long move: a millimetre (lengths have 30 bits). An offset of half a step bends a following move of that length by
+/// less than 0.4 degrees. Shorter moves are chords of curves, where it would cause speed ripple.
 const LONG: u64 = (1 << 32) - 8;
 
-/// The fraction of a position between two counts.
+/// Fraction of a position between two counts.
 const HALF: u32 = 1 << 31;
 
 /// The axes x, y and z.
 type Tool = [Steps; 3];
 
-/// Where the planned moves really go.
+/// Real positions of the planned moves.
 pub(super) struct Alignment {
-    /// With which other axes x, y and z share motors: a bit each.
+    /// The other axes that share motors with x, y and z: a bit each.
     sharing: [u8; 3],
     is_redundant: bool,
-    /// Where the last move was planned to end.
+    /// Planned end of the last move.
     planned: Tool,
 }
 
 impl Alignment {
-    /// On this mechanism.
+    /// For this mechanism.
     pub fn new(groups: &Groups) -> Self {
         let share = |axis: usize, other: usize| axis != other && groups.mechanism().share(axis, other);
-        // Motors of different pulleys do not step in the same instants wherever they stand.
+        // Motors with different pulleys do not step in the same instants at any position.
         let share = |axis, other| !groups.mechanism().has_multiples() && share(axis, other);
         let sharing = |axis: usize| (0..3).map(|other| u8::from(share(axis, other)) << other).sum();
         Self { sharing: core::array::from_fn(sharing), is_redundant: groups.is_redundant(), planned: [Steps::ZERO; 3] }
     }
 
-    /// The machine stands where it was planned to.
+    /// The machine is at its planned position.
     pub const fn stand_at(&mut self, planned: Tool) {
         self.planned = planned;
     }
 
-    /// Between which positions a move is laid, given where the last one ended, and the counts of the motors there if they have
-    /// got to it. (A step that is due within the last tick before it may not be made yet.)
+    /// The positions between which a move is laid, given the end of the last one, and the motors' counts there if they
+    /// have reached it. A step that is due within the last tick may not be made yet.
     pub fn ends(
         &mut self,
         m: &Move,
@@ -72,7 +72,7 @@ impl Alignment {
             if *planned != before {
                 moving |= 1 << axis;
             } else if let (Some(end), Some(position)) = (end.get_mut(axis), position.get(axis)) {
-                // Asked for the same again it stays where it is.
+                // For the same commanded position it stays where it is.
                 *end = *position;
             }
         }
@@ -101,7 +101,7 @@ impl Alignment {
             if is_between_counts(&end, axis, groups)
                 && let (Some(end), Some(begin)) = (end.get_mut(axis), begin.get(axis))
             {
-                // It stays this side of it, where all its motors are at counts that belong to the line.
+                // It stops just short of it, where all its motors are at counts on the line.
                 let back = if *end > *begin { -Steps::DELTA } else { Steps::DELTA };
                 *end = end.wrapping_add(back);
             }
@@ -116,7 +116,7 @@ const fn without_advance(position: &Position) -> [Steps; 4] {
     [x, y, z, e]
 }
 
-/// The counts of the motors when they have got to a position.
+/// Counts of the motors at a position.
 fn counts_at(position: &Position, groups: &Groups) -> [i32; MOST_GROUPS] {
     let mut counts = [0; MOST_GROUPS];
     for (count, group) in counts.iter_mut().zip(groups.iter()) {
@@ -125,7 +125,7 @@ fn counts_at(position: &Position, groups: &Groups) -> [i32; MOST_GROUPS] {
     counts
 }
 
-/// Whether a motor that an axis moves is just between two counts at a position.
+/// Whether a motor of an axis is exactly between two counts at a position.
 fn is_between_counts(position: &Position, axis: usize, groups: &Groups) -> bool {
     let follows = |row: &[i8; 4]| row.get(axis).is_some_and(|times| *times != 0);
     let mut groups = groups.iter().filter(|group| follows(&group.row));

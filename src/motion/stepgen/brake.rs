@@ -1,8 +1,8 @@
-//! Braking where it was not planned: from any point of a move to rest, along the path.
+//! Unplanned braking: from any point of a move to rest, along the path.
 //!
-//! The tool slows down with the acceleration of the move it is in, so it is nowhere faster than planned, and enters
-//! every corner at most as fast as planned. Where a move is too short to stop in it, some of the square of the speed is left
-//! at its end (`left_sq`), and the next move goes on braking from there.
+//! The tool slows down with the acceleration of its move, so it is nowhere faster than planned and enters every corner
+//! at most as fast as planned. If a move is too short to stop in it, a part of the squared speed is left at its end
+//! (`left_sq`), and the next move continues braking from there.
 
 use super::current_move::LastPhase;
 use super::{StepGenerator, Task};
@@ -11,20 +11,20 @@ use crate::motion::ramps::{fraction, gain_sq, ramp_length, speed_of};
 use crate::motion::trajectory::phase::{Curve, Phase};
 use crate::units::{SpeedSq, SubTicks, TICKS_PER_SECOND, mul_div};
 
-/// Whether motion is to come to rest.
+/// State of an unplanned stop.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Braking {
     No,
-    /// It slows down. The next move begins with this speed squared.
+    /// Braking. The next move begins with this speed squared.
     Slowing(SpeedSq),
-    /// It has come to rest, and what is left of the epoch's work is dropped.
+    /// At rest; the rest of the epoch's work is dropped.
     Done,
 }
 
-/// A point of a move, and how fast the tool is there.
+/// A point of a move with the tool's speed there.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct PathPoint {
-    /// The fraction of the move that is covered.
+    /// Covered fraction of the move.
     pub covered: u32,
     /// Speed squared.
     pub speed_sq: SpeedSq,
@@ -36,8 +36,8 @@ const fn time_over(length: u64, mean: u64) -> SubTicks {
 }
 
 impl PathPoint {
-    /// Where a move of a length is, and how fast, when `elapsed` (ticks times 2^16) of a phase has passed that begins with the
-    /// fraction `begin` covered.
+    /// Point and speed in a move of a length, `elapsed` (ticks times 2^16) after the begin of a phase that begins with
+    /// the fraction `begin` covered.
     pub fn within(length: u64, phase: &Phase, begin: u32, elapsed: SubTicks) -> Self {
         let whole = u64::from(WHOLE);
         let (way, pace) = phase.progress(u64::from(fraction(elapsed.min(phase.time).0, phase.time.0)));
@@ -53,7 +53,7 @@ impl PathPoint {
         Self::within(last_phase.length, &last_phase.phase, last_phase.begin, SubTicks::MAX)
     }
 
-    /// Brakes from here on: the phase to play, and the speed squared that is left at its end. If some is left, the phase
+    /// Brakes from here on. Returns the phase to play and the speed squared at its end. If that is not zero, the phase
     /// ends where the move ends.
     pub fn brake(self, m: &Move) -> (Phase, SpeedSq) {
         let left = mul_div(m.length, u64::from(WHOLE - self.covered), u64::from(WHOLE));
@@ -80,14 +80,14 @@ impl StepGenerator<'_> {
     pub(super) fn continue_brake(&mut self, left_sq: SpeedSq) {
         self.braking = if left_sq > SpeedSq::ZERO { Braking::Slowing(left_sq) } else { Braking::Done };
         if left_sq == SpeedSq::ZERO && !matches!(self.task, Task::ComingToRest(_)) {
-            // A move may still be on its way out, though nothing of it is left to be laid.
+            // A move may still be moving axes when all of it is laid.
             self.task = Task::ComingToRest(false);
         }
     }
 
-    /// From now on the motion slows down. What is made already is played at its speed.
+    /// Slows the motion down from now on. Steps that are made already are played at their speed.
     pub(super) fn begin_brake(&mut self) {
-        // A tick after the last event, so that its step is made, and no earlier than what is laid out for a motor.
+        // A tick after the last event, so that its step is made, and not before the begin of any motor's piece.
         let begun = self.group_steppers.iter().map(|stepper| stepper.start).max().unwrap_or_default();
         let now = SubTicks::of_ticks(self.last_tick + 1).max(begun);
         match self.task {
@@ -114,7 +114,7 @@ impl StepGenerator<'_> {
         self.last_phase.map_or(SpeedSq::ZERO, |last_phase| PathPoint::at_end_of(&last_phase).speed_sq)
     }
 
-    /// Goes on with the phase that brakes the current move from `point` on.
+    /// Continues with the phase that brakes the current move from `point` on.
     pub(super) fn brake(&mut self, point: PathPoint) {
         let (phase, left_sq) = point.brake(&self.current_move.m);
         self.current_move.replace_by(phase, point.covered);

@@ -1,15 +1,15 @@
-//! Cubic runs: step times in a row that lie on one cubic, at three sums a step, in fixed point.
+//! Cubic runs: consecutive step times on one cubic, at three sums a step, in fixed point.
 
-/// Bits of a tick's fraction within a run; and how many more there are in what is summed up twice. The change of a
-/// step's time is less than 1,000 ticks where a run is smooth and not too long.
+/// Fraction bits of a tick within a run, and the additional bits of twice-summed values. The change of a step's time is
+/// less than 1,000 ticks in a smooth run that is not too long.
 pub(super) const FINE: u32 = 14;
 pub(super) const FINER: u32 = 6;
 
-/// What makes of a shift by [`FINER`] bits a rounding.
+/// Makes a shift by [`FINER`] bits round.
 pub(super) const HALF: i32 = 1 << (FINER - 1);
 
-/// Step times in a row: ticks from the whole tick `base`, with a fraction of [`FINE`] bits, and their first, second and third
-/// differences, the latter two with [`FINER`] more.
+/// Consecutive step times: ticks from the whole tick `base` with a fraction of [`FINE`] bits, and their first, second
+/// and third differences, the latter two with [`FINER`] more.
 pub(super) struct CubicRun {
     pub base: u32,
     pub at: u32,
@@ -21,7 +21,7 @@ pub(super) struct CubicRun {
 impl CubicRun {
     /// A single step, or several in the same tick.
     pub fn at(base: u32, ticks: f32) -> Self {
-        // Not `max`, which the target has no instruction for.
+        // Not `max`, for which the target has no instruction.
         let ticks = if ticks < 0.0 { 0.0 } else { ticks };
         let whole = ticks as u32;
         let at = fine(ticks - whole as f32).cast_unsigned();
@@ -30,7 +30,7 @@ impl CubicRun {
 
     #[inline(always)]
     pub fn write(mut self, ticks: &mut [u32]) {
-        // Four at a time, which takes 6 instructions for each instead of 10.
+        // Four at a time: 6 instructions each instead of 10.
         let (fours, remainder) = ticks.as_chunks_mut();
         for [first, second, third, fourth] in fours {
             *first = self.next();

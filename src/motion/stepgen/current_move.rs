@@ -1,6 +1,6 @@
-//! The current move: the phases of the move that is being laid as spans, and how far that has got.
+//! The current move: the phases of the move that is being laid as spans, and the progress of laying.
 //!
-//! There is one, which takes up move after move where it stands: copies of it would cost as much as the move.
+//! There is only one, which takes up move after move in place: a copy would cost as much as the move.
 
 use crate::motion::moves::{LONG_TIME, Move};
 use crate::motion::trajectory::phase::{Curve, Phase, phases};
@@ -8,7 +8,7 @@ use crate::motion::trajectory::{AXES, LONGEST, Position, Trajectory};
 use crate::units::{Steps, SubTicks};
 use heapless::Vec;
 
-/// What of a move is laid.
+/// Progress of laying a move.
 pub(in crate::motion) struct CurrentMove {
     pub m: Move,
     pub first: Position,
@@ -17,9 +17,10 @@ pub(in crate::motion) struct CurrentMove {
     index: usize,
     /// Time of the present phase that is laid.
     elapsed: SubTicks,
-    /// The fraction of the move that is covered where the present phase begins.
+    /// Covered fraction of the move at the begin of the present phase.
     begin: u32,
-    /// The phase of the last span, the fraction of the move that is covered where that phase begins, and the span's begin in it.
+    /// Phase of the last span, covered fraction of the move at the begin of that phase, and begin of the span within
+    /// the phase.
     laid: Option<(Phase, u32, SubTicks)>,
 }
 
@@ -27,7 +28,7 @@ pub(in crate::motion) struct CurrentMove {
 #[derive(Clone, Copy)]
 pub(in crate::motion) struct LastPhase {
     pub phase: Phase,
-    /// The fraction of the move that is covered where it begins.
+    /// Covered fraction of the move at its begin.
     pub begin: u32,
     /// Length of the move.
     pub length: u64,
@@ -46,7 +47,7 @@ impl CurrentMove {
         laid: None,
     };
 
-    /// Takes up a move, which is laid between these positions; its first phase is to be laid.
+    /// Takes up a move between these positions; its first phase is laid next.
     pub fn take_up(&mut self, m: &Move, (first, last): &(Position, Position)) {
         self.m = *m;
         (self.first, self.last) = (*first, *last);
@@ -54,19 +55,19 @@ impl CurrentMove {
         (self.index, self.elapsed, self.begin, self.laid) = (0, SubTicks::ZERO, 0, None);
     }
 
-    /// How the move ends.
+    /// End of the move.
     pub fn last_phase(&self) -> Option<LastPhase> {
         let (last, before) = self.phases.split_last()?;
         let begin = before.last().map_or(0, |phase| phase.end);
         Some(LastPhase { phase: *last, begin, length: self.m.length })
     }
 
-    /// Lays the next span, and says how much longer it was made than planned, in ticks times 2^16; `None` if all are
+    /// Lays the next span. Returns by how much it is longer than planned, in ticks times 2^16; `None` if all spans are
     /// laid.
     pub fn lay_next(&mut self, trajectory: &mut Trajectory) -> Option<SubTicks> {
         let phase = self.phases.get(self.index).copied()?;
         let left = phase.time - self.elapsed;
-        // The last two are alike, so that none is too short.
+        // The last two have equal length, so that neither is too short.
         let time = if left <= LONGEST { left } else { LONGEST.min(SubTicks(left.0 / 2)) };
         let from = self.elapsed;
         let span = match phase.curve {
@@ -84,12 +85,12 @@ impl CurrentMove {
         Some(added)
     }
 
-    /// Cuts the last span where the first tap has got to at `time`. What is left of the move is no longer laid out.
-    /// Says the phase and how much of its time has passed there; `None` if nothing of it was laid.
+    /// Cuts the last span at the first tap's position at `time` and drops the rest of the move from the trajectory.
+    /// Returns the phase and its elapsed time there; `None` if no part was laid.
     pub fn cut(&mut self, trajectory: &mut Trajectory, time: SubTicks) -> Option<(Phase, u32, SubTicks)> {
         let (phase, begin, from) = self.laid?;
         let Some(passed) = trajectory.take_back(time) else {
-            // All that is laid has passed.
+            // Everything laid has passed.
             return Some((phase, begin, if self.elapsed > SubTicks::ZERO { self.elapsed } else { phase.time }));
         };
         if passed > SubTicks::ZERO {
@@ -98,7 +99,7 @@ impl CurrentMove {
         Some((phase, begin, from + passed))
     }
 
-    /// Goes on with another phase, from where a fraction `begin` of the move is covered.
+    /// Continues with another phase, from the covered fraction `begin` of the move.
     pub fn replace_by(&mut self, phase: Phase, begin: u32) {
         self.phases = Vec::new();
         let _ = self.phases.push(phase);

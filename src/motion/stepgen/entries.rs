@@ -1,4 +1,4 @@
-//! Entries: takes work out of the MoveQueue, lays it as spans, and knows what the end of motion means.
+//! Entries: takes work out of the MoveQueue, lays it as spans, and handles the end of motion.
 
 use super::alignment::Alignment;
 use super::brake::{Braking, PathPoint};
@@ -15,7 +15,7 @@ pub(super) enum LayResult {
     Laid,
     /// Motion ends here.
     AtRest,
-    /// Motion goes on, but nobody has said how.
+    /// Motion should continue, but no work has arrived.
     Starved,
 }
 
@@ -63,7 +63,7 @@ impl StepGenerator<'_> {
 
     pub(super) fn finish(&mut self) {
         self.task = Task::Nothing;
-        // Who sees the entry done must see its events made.
+        // A context that sees the entry done must see its events made.
         self.publish();
         self.status.entry_done();
     }
@@ -120,7 +120,7 @@ impl StepGenerator<'_> {
                 for ((stepper, published), group) in steppers.zip(self.mechanism.iter()) {
                     let before = stepper.count();
                     stepper.stand_at(group.coordinate([*x, *y, *z, *e]), self.last_tick as u32);
-                    // A new name for a position is no step.
+                    // A new name for a position is not a step.
                     *published = published.wrapping_add(stepper.count().wrapping_sub(before));
                 }
                 true
@@ -141,7 +141,7 @@ impl StepGenerator<'_> {
         self.alignment = Alignment::new(self.mechanism);
     }
 
-    /// All motors stand still. Ends the task that waited for this, or begins the next one; false if there is none.
+    /// All motors are at rest. Ends the task that waited for this, or begins the next one; false if there is none.
     pub(super) fn go_on_from_rest(&mut self) -> bool {
         match self.task {
             Task::Nothing => {
@@ -154,8 +154,8 @@ impl StepGenerator<'_> {
                     self.group_steppers.iter_mut().for_each(|stepper| stepper.break_off(now));
                 }
             }
-            // At a standstill an event without steps marks the end of the motion: time is whole there, and the Stepper knows
-            // that nothing is missing.
+            // At a standstill an event without steps marks the end of the motion: time is whole there, and the Stepper
+            // knows that nothing is missing.
             Task::ComingToRest(ends_entry) => {
                 let before = self.events.made();
                 if self.pass_until(self.trajectory.rest_time()) {
@@ -176,7 +176,7 @@ impl StepGenerator<'_> {
                     self.finish();
                 }
             }
-            // The motors are under way from the moment at which a move begins.
+            // The motors are moving from the begin of a move.
             Task::Move | Task::Brake(_) => {}
         }
         true

@@ -12,39 +12,39 @@ use crate::units::{Steps, SubTicks};
 /// Half a step.
 const HALF: i64 = 1 << 31;
 
-/// A reversal this near to an end of a piece is none, in ticks.
+/// A reversal this close to an end of a piece is ignored, in ticks.
 const LEAST_TIME: f32 = 2.0;
 
 /// One motor group.
 pub(in crate::motion) struct GroupStepper {
     /// Its next steps.
     pub step_times: StepTimeBuffer,
-    /// Steps of the present piece whose times are not found yet. Rounding may leave some for the next piece.
+    /// Steps of the present piece without a solved time. Rounding may leave some for the next piece.
     unsolved: u32,
-    /// Whether all steps that come before the piece ends are found.
+    /// Whether all steps before the end of the piece are solved.
     is_piece_solved: bool,
-    /// The tick at which the piece ends.
+    /// Tick of the piece's end.
     end_tick: u32,
     solver: StepTimeSolver,
     /// Whether the steps lead forward.
     is_forward: bool,
-    /// The group's count when all steps of the piece are made.
+    /// The group's count after all steps of the piece.
     target_count: i32,
-    /// When its present piece began.
+    /// Begin of its present piece.
     pub start: SubTicks,
-    /// Where the piece ends; at rest its time is never.
+    /// End of the piece; at rest its time is never.
     pub end: Endpoint,
-    /// Where the trajectory next changes, if the present piece ends in a reversal before that.
+    /// Next change of the trajectory, if the present piece ends in an earlier reversal.
     after_reversal: Option<Endpoint>,
 }
 
-/// The axes that a group follows, and how many times; with the filament comes the pressure that it needs.
+/// The axes that a group follows, with their factors. The filament includes the pressure axis.
 fn axes(group: &Group) -> impl Iterator<Item = (usize, i8)> {
     let [x, y, z, e] = group.row;
     [x, y, z, e, e].into_iter().enumerate().filter(|(_, times)| *times != 0)
 }
 
-/// The state of a group, as a sum of the axes'.
+/// State of a group, as a sum over its axes.
 fn sum(group: &Group, trajectory: &Trajectory, at: SubTicks) -> AxisState {
     let mut sum = AxisState::at_rest(Steps::ZERO);
     for (axis, times) in axes(group) {
@@ -74,7 +74,7 @@ impl GroupStepper {
         after_reversal: None,
     };
 
-    /// Finds the next steps, if all that were known are made and the piece goes on. A group at rest goes on resting from
+    /// Solves the next steps if all known ones are made and the piece continues. A group at rest stays at rest from
     /// `now`.
     #[inline(always)]
     pub fn refill(&mut self, now: u32) {
@@ -95,17 +95,17 @@ impl GroupStepper {
         }
     }
 
-    /// Whether the present piece ends at a tick, and all its steps are made.
+    /// Whether the present piece ends at a tick with all its steps made.
     pub fn piece_ends_at(&self, tick: u32) -> bool {
         self.is_piece_solved && self.step_times.left() == 0 && self.end_tick == tick && self.end.time != SubTicks::MAX
     }
 
-    /// Whether its coordinate grows with the steps of its present piece, if there are any.
+    /// Direction of the steps of its present piece, if there are any: true if the coordinate grows.
     pub fn direction(&self) -> Option<bool> {
         (self.unsolved > 0 || self.step_times.left() > 0).then_some(self.is_forward)
     }
 
-    /// Rests where it is from a tick on.
+    /// Rests at its position from a tick on.
     pub fn stop(&mut self, now: u32) {
         self.target_count = self.count();
         self.unsolved = 0;
@@ -138,7 +138,7 @@ impl GroupStepper {
         axes(group).fold(true, |known, (axis, _)| trajectory.advance(axis, time) && known)
     }
 
-    /// Goes on from `time`, at which no axis may need a span that is not laid yet.
+    /// Continues from `time`, when no axis may need a span that is not laid yet.
     pub fn begin_next_piece(&mut self, group: &Group, trajectory: &Trajectory, time: SubTicks) {
         let state = sum(group, trajectory, time);
         let from = Endpoint { time, position: state.position, speed: state.speed };
@@ -154,7 +154,7 @@ impl GroupStepper {
         }
     }
 
-    /// Begins the way back after a reversal, if the present piece ends in one.
+    /// Begins the motion after a reversal, if the present piece ends in one.
     pub fn begin_return(&mut self) -> bool {
         let Some(after_reversal) = self.after_reversal.take() else {
             return false;
@@ -163,7 +163,7 @@ impl GroupStepper {
         true
     }
 
-    /// Begins the way to the next change; if it leads there and back, only as far as the reversal.
+    /// Begins the motion to the next change, or only to the reversal if there is one.
     fn begin_way(&mut self, from: Endpoint, to: Endpoint) {
         if from.speed * to.speed < 0.0 {
             let all = ticks(to.time - from.time);
@@ -178,8 +178,8 @@ impl GroupStepper {
         self.begin_piece(from, to, None);
     }
 
-    /// Begins a piece without a reversal. Its steps lead to the count at its end, unless rounding has the group already
-    /// beyond that.
+    /// Begins a piece without a reversal. Its steps lead to the count at its end, unless rounding has already moved the
+    /// group beyond it.
     fn begin_piece(&mut self, from: Endpoint, to: Endpoint, shape: Option<(Curve, f32)>) {
         let count = self.count();
         let target = count_at(to.position);
@@ -196,7 +196,7 @@ impl GroupStepper {
         self.solve();
     }
 
-    /// Its steps lead from one count to another.
+    /// Sets its steps from one count to another.
     fn set_target(&mut self, target: i32, count: i32) {
         let steps = target.wrapping_sub(count);
         (self.target_count, self.unsolved, self.is_forward) = (target, steps.unsigned_abs(), steps > 0);
@@ -216,7 +216,7 @@ impl GroupStepper {
         self.after_reversal = None;
     }
 
-    /// The group rests from `at` on; steps that rounding has left over are made up at once.
+    /// The group rests from `at` on. It makes up steps that rounding has left over at once.
     fn come_to_rest(&mut self, at: Endpoint) {
         self.set_bounds(at.time, Endpoint { time: SubTicks::MAX, ..at });
         self.end_tick = whole(at.time).wrapping_add(FAR);
@@ -225,7 +225,7 @@ impl GroupStepper {
         self.solve();
     }
 
-    /// Finds its next steps.
+    /// Solves its next steps.
     fn solve(&mut self) {
         let (found, is_piece_solved) = self.step_times.fill(&mut self.solver, self.unsolved, self.end_tick);
         self.unsolved -= found;
@@ -233,7 +233,7 @@ impl GroupStepper {
     }
 }
 
-/// The position at which a group steps on from a count.
+/// Position at which a group steps from a count.
 fn step_threshold(count: i32, is_forward: bool) -> Steps {
     Steps::from_bits((i64::from(count) << 32).wrapping_add(if is_forward { HALF } else { -HALF }))
 }

@@ -1,6 +1,7 @@
 //! Merging: the steps of all groups in the order of their ticks, as events.
 //!
-//! An example with three groups that step. All steps are known up to the tick 30 (`until`), and nobody else steps before.
+//! An example with three groups that step. All steps up to the tick 30 (`until`) are known, and no other group steps
+//! earlier.
 //!
 //! ```text
 //! tick        10   12   14   16   18   20   22   24   26   28   30
@@ -10,10 +11,10 @@
 //! event       ab    .    a    b   ac    .    b    a    .   ab   |
 //! ```
 //!
-//! The first two groups, the belts, are merged in rows up to `stop`, the next step of the third group: the tick 18 at first,
-//! then 30. Before 18 that is a pair at 10, `a` at 14 and `b` at 16; a row of one belt's steps ends where the other
-//! belt steps. At 18 the third group's step is put in, together with the step that `a` has there. So it goes on up to
-//! `limit`: the least of `until`, the first step of a fourth group, and the tick after which enough events are made.
+//! The first two groups, the belts, are merged in rows up to `stop`, the next step of the third group: at first the
+//! tick 18, then 30. Before 18 these are a pair at 10, `a` at 14 and `b` at 16. A row of one belt's steps ends where
+//! the other belt steps. At 18 the third group's step is added together with `a`'s step. Merging continues up to
+//! `limit`: the earliest of `until`, the first step of a fourth group, and the tick after which enough events are made.
 
 use super::StepGenerator;
 use super::group_stepper::GroupStepper;
@@ -25,18 +26,19 @@ use crate::motion::ticks::{earlier, is_before};
 const OF_FIRST: u32 = PackedEvent::steps_of(0);
 const OF_SECOND: u32 = PackedEvent::steps_of(1);
 
-/// Directions are set so many ticks ahead of the step that needs them, if that step comes no sooner than twice as many after the one
-/// before: 3 us, more than twice what the Stepper takes to set them.
+/// Directions are set this many ticks ahead of the step that needs them, if at least twice as many separate it from the
+/// previous step. This is 3 us, more than twice the time that the Stepper needs to set them.
 pub(super) const TURN_AHEAD: u32 = 30;
 
-/// Whether the steps of an event leave no motor pulling against another of its group.
+/// Whether the steps of an event leave no motor pulling against another one of its group.
 fn is_unstrained(groups: &Groups, word: PackedEvent) -> bool {
     let coupling = groups.coupling();
     let (motors, forward) = (coupling.motors(word.steps()), coupling.forward_motors(word.forward()));
     groups.mechanism().is_unstrained(motors, forward)
 }
 
-/// Which of these groups steps first before the tick `until`, at which tick, and up to which one no other of them steps.
+/// The first of these groups to step before the tick `until`, its tick, and the tick up to which no other of them
+/// steps.
 #[inline(always)]
 fn first_to_step(groups: &[GroupStepper], until: u32) -> (usize, u32, u32) {
     let (mut number, mut limit, mut tick) = (0, until, until);
@@ -52,10 +54,11 @@ fn first_to_step(groups: &[GroupStepper], until: u32) -> (usize, u32, u32) {
 }
 
 impl StepGenerator<'_> {
-    /// Makes up to `most` events of the steps that come before the tick `until`, at least one, and none after the tick `enough`; false if there are no steps. All groups that step in one tick step in one event.
+    /// Makes up to `most` events of the steps before the tick `until`, at least one, and none after the tick `enough`;
+    /// false if there are no steps. All groups that step in one tick step in one event.
     ///
-    /// Three groups at once: the first two, which are the belts, and whichever of the others steps first. The others rest
-    /// or step seldom, and a step of theirs ends the merging.
+    /// It handles three groups at once: the first two, which are the belts, and the first of the others to step. Those
+    /// rest or step seldom, and a step of a fourth group ends the merging.
     #[inline(never)]
     pub(super) fn merge(&mut self, until: u32, most: u32, enough: u32) -> bool {
         let (setting, mechanism) = (self.waiting(), self.mechanism);
@@ -69,7 +72,7 @@ impl StepGenerator<'_> {
         if !is_before(earliest, until) {
             return false;
         }
-        // An event of its own, so that no step is late because lines must be set before.
+        // An event of its own, so that setting the lines delays no step.
         let interval = earliest.wrapping_sub(begin);
         if interval >= 2 * TURN_AHEAD && self.events.turns_with(setting) {
             self.wait(interval - TURN_AHEAD);
@@ -84,7 +87,7 @@ impl StepGenerator<'_> {
             limit = earlier(limit, enough.wrapping_add(1));
         }
         let of_third = self.events.step_of(number + 2);
-        // The first two groups are merged up to here; then comes a step of the third, or the end.
+        // The first two groups are merged up to here. Then comes a step of the third, or the end.
         let mut stop = earlier(c.tick, limit);
         let mut now = begin;
         let check = |steps| {
@@ -92,7 +95,7 @@ impl StepGenerator<'_> {
         };
         self.events.put_runs(setting, most, &mut now, |run| {
             loop {
-                // What nearly every event is: the step of one of the first two groups, or both.
+                // Nearly every event: a step of one of the first two groups, or of both.
                 while !run.is_full() {
                     let lead = a.tick.wrapping_sub(b.tick).cast_signed();
                     if !is_before(if lead < 0 { a.tick } else { b.tick }, stop) {
@@ -112,7 +115,7 @@ impl StepGenerator<'_> {
                 if run.is_full() {
                     return true;
                 }
-                // The step of the third group, and what the first two have in the same tick.
+                // The step of the third group, with steps of the first two in the same tick.
                 let tick = stop;
                 if tick == limit {
                     return false;
@@ -140,7 +143,7 @@ impl StepGenerator<'_> {
         true
     }
 
-    /// Makes an event of all groups' steps at a tick: two of the groups beyond the first two step there.
+    /// Makes an event of all groups' steps at a tick with steps of two groups beyond the first two.
     #[cold]
     fn step_together(&mut self, tick: u32) {
         let mut word = self.waiting();

@@ -11,23 +11,24 @@
 //!                      merge -> StepQueue                                       events in order of time
 //! ```
 //!
-//! Moves are laid out as a [`Trajectory`], which every motor group follows in pieces in which its position is a
-//! quadratic in time. A group's count is always the position rounded to the nearest step, a step being due where the
-//! position crosses a half. Each group's next steps are found some at a time, as long as its piece lasts; then the steps
-//! of all groups are merged to events, up to where one of the groups must look further.
+//! Moves are laid as a [`Trajectory`]. Every motor group follows it in pieces in which its position is a quadratic in
+//! time. A group's count is always the position rounded to the nearest step, so a step is due where the position
+//! crosses a half. Each group's next steps are solved some at a time within its piece. Then the steps of all groups are
+//! merged to events, up to where a group must solve more.
 //!
 //! Time is counted in ticks times 2^16 from the start of the epoch; only the instant of a step is rounded to a whole
 //! tick.
 //!
 //! # Words
 //!
-//! - **group**: motors that step together. **piece**: the time in which a group's position is one quadratic: up to the next
-//!   change of a tap of one of its axes, or a reversal.
+//! - **group**: motors that step together. **piece**: the time in which a group's position is one quadratic. It ends at
+//!   the next change of a tap of one of its axes, or at a reversal.
 //! - **step time**: the tick of a step. **step threshold**: the position between two counts, where a step is due.
-//! - **slow end**: that end of a piece at which the group is slower; all step times are computed from there.
-//! - **cubic run**: step times in a row that lie on one cubic. **run** (of events): events that the Stepper sees all at once.
-//! - **task**: what the generator is about: a move, a brake, a dwell, or waiting until the motors have come to rest.
-//! - **to publish**: to let the other contexts know how many events and steps are made.
+//! - **slow end**: the end of a piece with the lower speed; all step times are computed from there.
+//! - **cubic run**: consecutive step times that lie on one cubic. **run** (of events): events that the Stepper sees all
+//!   at once.
+//! - **task**: the generator's present job: a move, a brake, a dwell, or waiting until the motors are at rest.
+//! - **to publish**: to show the other contexts how many events and steps are made.
 
 mod alignment;
 mod brake;
@@ -58,42 +59,43 @@ use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
 use merge::TURN_AHEAD;
 
-/// Events made in one call of [`StepGenerator::run`]: some 10,000 instructions, 0.1 ms at 125 million a second, after which
-/// the interrupts of the same priority get their turn.
+/// Events made in one call of [`StepGenerator::run`]: about 10,000 instructions, 0.1 ms at 125 million a second. Then
+/// interrupts of the same priority get their turn.
 const BATCH: u32 = 128;
 
-/// In all motion, events are made this far ahead of time, in ticks, and no farther: 10 ms. What is made cannot be braked any more, so
-/// M410 takes as long before it slows down. A full queue of 511 events lasts for 10 ms at 51,000 events a second; one that is longer
-/// never fills unless this grows too.
+/// In motion, events are made only this far ahead of time, in ticks: 10 ms. Made events can no longer be braked, so
+/// M410 takes this long to begin slowing down. A full queue of 511 events lasts for 10 ms at 51,000 events a second; a
+/// longer one never fills unless this grows too.
 const AHEAD: u32 = 100_000;
 
-/// So many events are made ahead however long they take.
+/// Events made ahead at least, however long they take.
 const LEAST_AHEAD: usize = 4;
 
-/// While the generator does not know the next step, an event without steps says so often that time passes, in ticks: 10 ms. The
-/// Console hands moves on by the Stepper's time, 50 ms ahead, and would otherwise learn of it when the last known step has been made:
-/// below 20 steps a second that is too late. [`LEAST_AHEAD`] such events last for less than the 50 ms.
+/// While the generator does not know the next step, it makes an event without steps at this interval, in ticks: 10 ms.
+/// The Console releases moves by the Stepper's time, 50 ms ahead. Without such events it would learn the time only
+/// after the last known step, which is too late below 20 steps a second. [`LEAST_AHEAD`] such events last for less than
+/// the 50 ms.
 const PASSING: u32 = 100_000;
 
-/// With less room the queue is as good as full: whoever fills up every slot as it gets free never pauses.
+/// With less room the queue counts as full. A generator that fills every slot as it gets free would never pause.
 const LEAST_ROOM: usize = 32;
-// A batch finds room in a queue that is not as good as full.
+// A batch fits into a queue that does not count as full.
 const _: () = assert!(BATCH as usize + LEAST_ROOM < SLOTS);
 
-/// In one of so many calls the taps of an axis are looked at: then that is less than a thousandth of the generator's work, and all
-/// axes are looked at several times a second while motors turn.
+/// One in this many calls checks the taps of an axis. This is less than a thousandth of the generator's work, and all
+/// axes are checked several times a second while motors turn.
 const SCRUB: u8 = 8;
 
-/// What is being done.
+/// The generator's present job.
 enum Task {
     Nothing,
     /// The current move is being laid.
     Move,
-    /// The current move is being braked, and this speed squared is left at its end.
+    /// The current move is being braked, with this speed squared left at its end.
     Brake(SpeedSq),
-    /// Nothing is left to be laid before the motors have come to rest; whether that ends an entry.
+    /// All work is laid, and the motors come to rest; whether that ends an entry.
     ComingToRest(bool),
-    /// Time without motion, up to then.
+    /// Time without motion, until this time.
     Dwell(SubTicks),
 }
 
@@ -111,31 +113,31 @@ pub struct StepGenerator<'m> {
     alignment: Alignment,
     trajectory: Trajectory<'m>,
     group_steppers: [GroupStepper; MOST_GROUPS],
-    /// Their counts when they were last published.
+    /// Their counts at the last publication.
     published: [i32; MOST_GROUPS],
     /// Tick of the last event.
     last_tick: u64,
-    /// The Stepper's tick when the epoch began.
+    /// The Stepper's tick at the begin of the epoch.
     base_tick: u32,
     braking: Braking,
-    /// How the last move ended, if not at rest.
+    /// End of the last move, if not at rest.
     last_phase: Option<LastPhase>,
-    /// Where the last move ended.
+    /// Position at the end of the last move.
     position: Position,
     forward: GroupSet,
     watch: EndstopSet,
     /// Calls so far, wrapping.
     calls: u8,
-    /// Events are made that lead on into motion.
+    /// The events made lead into motion.
     is_under_way: bool,
-    /// If so, the number of the event that came next at the begin of the present call: a Stepper that rests there has starved.
+    /// If so, the number of the next event at the begin of the present call. A Stepper that rests there has starved.
     dry_at: Option<u32>,
 }
 
 impl<'m> StepGenerator<'m> {
-    /// The generator between the two queues, for these groupings of motors, of which the first counts, and which remembers the trajectory in `spans`. The
-    /// Stepper is there already. It learns where the machine stands from the first
-    /// [`Work::Position`](crate::motion::work::Work::Position).
+    /// The generator between the two queues, for these groupings of motors. The first one is in use at start. `spans`
+    /// holds the trajectory. The Stepper exists already. The first
+    /// [`Work::Position`](crate::motion::work::Work::Position) tells it the machine's position.
     pub fn new(
         moves: Consumer<'m, Entry>,
         mut events: StepsIn<'m>,
@@ -171,8 +173,8 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Makes step events until they reach far enough ahead, nothing is left to do, or a bounded amount of work is
-    /// done; in the last case it pends itself. Call it whenever either queue may have moved.
+    /// Makes step events until they reach far enough ahead, no work is left, or a bounded amount of work is done. In
+    /// the last case it pends itself. Call it whenever either queue may have changed.
     pub fn run(&mut self, pend: &impl Pend) {
         self.status.heat().beat_of_generator();
         self.scrub();
@@ -190,7 +192,7 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Looks at the taps of an axis, which nobody else can see, in one of [`SCRUB`] calls: of all axes in turn.
+    /// Checks the taps of an axis, which no other context can see, in one of [`SCRUB`] calls: all axes in turn.
     fn scrub(&mut self) {
         self.calls = self.calls.wrapping_add(1);
         if self.calls.is_multiple_of(SCRUB) && !self.trajectory.is_whole(usize::from(self.calls / SCRUB) % AXES) {
@@ -198,7 +200,7 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Makes as many as one call may; whether there is more to do at once.
+    /// Makes as many events as one call may; whether there is more to do at once.
     fn make_events(&mut self) -> bool {
         if self.status.epoch() != self.epoch || self.has_met_endstop() {
             self.begin_epoch();
@@ -228,17 +230,17 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// The tick up to which events are to be made.
+    /// The tick up to which events are made.
     fn far_enough(&self) -> u32 {
         self.status.tick().wrapping_sub(self.base_tick).wrapping_add(AHEAD)
     }
 
-    /// Whether the events made reach far enough, and are not too few.
+    /// Whether the events made reach far enough and are not too few.
     fn is_ahead(&self, enough: u32) -> bool {
         (self.last_tick as u32).wrapping_sub(enough) as i32 > 0 && self.events.len() >= LEAST_AHEAD
     }
 
-    /// Publishes what is made.
+    /// Publishes the events and steps made.
     fn publish(&mut self) {
         let counts = self.group_steppers.each_ref().map(GroupStepper::count);
         let before = core::mem::replace(&mut self.published, counts);
@@ -246,12 +248,12 @@ impl<'m> StepGenerator<'m> {
         self.status.set_events_made(self.events.made());
     }
 
-    /// Whether an endstop has ended this epoch's motion: the Stepper plays nothing of what is left of it.
+    /// Whether an endstop has ended this epoch's motion: the Stepper plays none of its remaining events.
     fn has_met_endstop(&self) -> bool {
         !self.status.triggered().is_empty()
     }
 
-    /// Drops the task of an epoch that is over, and all its events that are not played.
+    /// Drops the task of a finished epoch and all its events that are not played.
     fn begin_epoch(&mut self) {
         self.epoch = self.status.epoch();
         let unplayed = self.events.take_back();
@@ -272,10 +274,10 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Some steps, a piece or an entry further; false if there is nothing to do.
+    /// Advances by some steps, a piece or an entry; false if there is nothing to do.
     fn advance(&mut self, most: u32, enough: u32) -> bool {
         let now = self.last_tick as u32;
-        // Up to there the steps of all groups are known.
+        // The steps of all groups are known up to here.
         let mut until = now.wrapping_add(NEAR);
         for stepper in &mut self.group_steppers {
             stepper.refill(now);
@@ -299,8 +301,8 @@ impl<'m> StepGenerator<'m> {
         }
     }
 
-    /// Lets a part of the time pass up to a piece that is not known yet; false when that is as good as there. The lines of
-    /// direction can still be set ahead of a step at once behind it.
+    /// Lets a part of the time pass up to a piece that is not known yet; false close before it. Directions can still be
+    /// set ahead of a step at its begin.
     fn bide(&mut self, until: u32) -> bool {
         let left = until.wrapping_sub(self.last_tick as u32).saturating_sub(2 * TURN_AHEAD);
         if left > 0 {
@@ -309,8 +311,8 @@ impl<'m> StepGenerator<'m> {
         left > 0
     }
 
-    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. All of them in one go: when
-    /// one group has followed an axis into its next piece, the others can no longer see the end of the present one.
+    /// Lays out the next pieces of all groups that change at a tick; false if that must wait. All in one go: when one
+    /// group has followed an axis into its next piece, the others can no longer see the end of the present one.
     fn lay_out(&mut self, tick: u32) -> bool {
         for (number, group) in self.mechanism.iter().enumerate() {
             let Some(stepper) = self.group_steppers.get_mut(number) else { continue };
@@ -337,7 +339,7 @@ impl<'m> StepGenerator<'m> {
         true
     }
 
-    /// Sets the direction in which a group's steps lead now.
+    /// Sets the present direction of a group's steps.
     fn turn(&mut self, number: usize) {
         if let Some(is_forward) = self.group_steppers.get(number).and_then(GroupStepper::direction) {
             let group = 1 << number;
@@ -354,7 +356,7 @@ impl<'m> StepGenerator<'m> {
         left <= u64::from(LONGEST_INTERVAL)
     }
 
-    /// Lets so much time pass in an event without steps.
+    /// Lets this much time pass in an event without steps.
     fn wait(&mut self, interval: u32) {
         self.last_tick += u64::from(interval);
         self.events.put(interval, self.waiting());
@@ -458,8 +460,8 @@ mod tests {
         assert_eq!(step, Some((false, TURN_AHEAD)));
     }
 
-    /// Reproducer: at 300,000 events a second the generator filled every slot as the Stepper freed it, one event a call,
-    /// which took four times as long as usual and left the Console nothing.
+    /// Reproducer: at 300,000 events a second the generator filled every slot as the Stepper freed it, one event a
+    /// call. This took four times as long as usual and left the Console no time.
     #[test]
     fn a_queue_that_is_nearly_full_is_left_alone() {
         let mut settings = Settings::prototype();

@@ -1,47 +1,47 @@
-//! Step time buffer: the ticks of a motor group's next steps, as far as they are known.
+//! Step time buffer: the known ticks of a motor group's next steps.
 
 use super::step_time_solver::StepTimeSolver;
 use crate::motion::queue::StepTimes;
 use crate::motion::ticks::{MIN_STEP_INTERVAL, is_before, later};
 
-/// Slots for ticks, a power of two: 0.5 KiB a group. With 32 an event takes 13 instructions more, for merging
-/// stops most often because the known steps of one group end.
+/// Slots for ticks, a power of two: 0.5 KiB a group. With 32 slots an event takes 13 instructions more, because merging
+/// usually stops where the known steps of a group end.
 const SLOTS: usize = 128;
 const _: () = assert!(SLOTS.is_power_of_two());
 
-/// Most steps that are found at once.
+/// Most steps that are solved at once.
 pub(in crate::motion) const MOST: usize = SLOTS - 1;
 
 /// The next steps of a group.
 pub(in crate::motion) struct StepTimeBuffer {
-    /// The first tick at which nothing is known.
+    /// First tick with nothing known.
     known_until: u32,
-    /// The ticks of steps that were made, then of steps to come, and after them `known_until`.
+    /// Ticks of made steps, then of steps to come, and after them `known_until`.
     ticks: [u32; SLOTS],
-    /// The slot of the next step, and the slot after the last one.
+    /// Slot of the next step, and slot after the last one.
     next: usize,
     end: usize,
-    /// When the first step may come at the earliest.
+    /// Earliest tick of the first step.
     earliest: u32,
 }
 
 /// Steps being made, in order.
 pub(in crate::motion) struct StepTimeReader<'a> {
     ticks: &'a [u32; SLOTS],
-    /// The slot of the next one.
+    /// Slot of the next one.
     next: usize,
-    /// When the next one comes; after the last, from when on nothing is known.
+    /// Tick of the next one; after the last, the first tick with nothing known.
     pub tick: u32,
 }
 
 impl StepTimeReader<'_> {
-    /// The next one is made; there must be one.
+    /// Marks the next one as made; there must be one.
     #[inline(always)]
     pub fn advance(&mut self) {
         self.advance_by(1);
     }
 
-    /// Where the next one stands.
+    /// Slot of the next one.
     pub const fn reached(&self) -> usize {
         self.next
     }
@@ -74,17 +74,17 @@ impl StepTimeBuffer {
         Self { known_until: now, earliest: now, ..Self::NONE }
     }
 
-    /// The tick at which the next step comes; if none is left, from which on nothing is known.
+    /// Tick of the next step; if none is left, the first tick with nothing known.
     pub const fn tick(&self) -> u32 {
         self.ticks[self.next % SLOTS]
     }
 
-    /// The tick from which on nothing is known.
+    /// First tick with nothing known.
     pub const fn known_until(&self) -> u32 {
         self.known_until
     }
 
-    /// How many steps are left.
+    /// Number of steps left.
     pub const fn left(&self) -> usize {
         self.end - self.next
     }
@@ -94,7 +94,7 @@ impl StepTimeBuffer {
         StepTimeReader { ticks: &self.ticks, next: self.next, tick: self.tick() }
     }
 
-    /// So many steps were made since it was filled.
+    /// This many steps were made since it was filled.
     pub fn advance_to(&mut self, reached: usize) {
         self.next = reached;
     }
@@ -115,8 +115,8 @@ impl StepTimeBuffer {
         }
     }
 
-    /// Fills it with as many of the next `left` steps as come before a tick, if there are so many slots. How many there
-    /// are, and whether more may come before that tick.
+    /// Fills it with the steps of the next `left` ones that come before a tick, as far as there are slots. Returns
+    /// their number, and whether more may come before that tick.
     pub fn fill(&mut self, solver: &mut StepTimeSolver, left: u32, end_tick: u32) -> (u32, bool) {
         self.clear(end_tick);
         let wanted = (left as usize).min(MOST);
@@ -129,7 +129,7 @@ impl StepTimeBuffer {
                 earliest = after(*tick);
             }
         }
-        // Steps on the boundary between two pieces belong to the later one, where they meet those of other groups.
+        // Steps on the boundary between two pieces belong to the later piece, together with steps of other groups.
         let mut count = wanted;
         let mut last = end_tick;
         while let Some(tick) = count.checked_sub(1).and_then(|last| ticks.get(last)) {
@@ -146,13 +146,13 @@ impl StepTimeBuffer {
         (count as u32, is_over)
     }
 
-    /// When the next step may come at the earliest.
+    /// Earliest tick of the next step.
     fn earliest(&self) -> u32 {
         self.next.checked_sub(1).map_or(self.earliest, |last| after(self.ticks[last % SLOTS]))
     }
 }
 
-/// The first tick at which another pulse may follow one.
+/// First tick at which another pulse may follow one.
 const fn after(tick: u32) -> u32 {
     tick.wrapping_add(MIN_STEP_INTERVAL as u32)
 }
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn steps_that_are_late_come_one_after_the_other() {
-        // Where ticks of 32 bits are about to wrap, too.
+        // Also where 32-bit ticks are about to wrap.
         for begin in [1000, 1u32 << 31, u32::MAX - 1020] {
             let after = |ticks: [u32; 4]| ticks.map(|ticks| begin.wrapping_add(ticks));
             let (mut buffer, end) = (StepTimeBuffer::at(begin), begin.wrapping_add(4000));
@@ -188,7 +188,7 @@ mod tests {
         let mut buffer = StepTimeBuffer::NONE;
         buffer.begin(1000);
         assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1000)), 3, 5000), (3, true));
-        // Two are made, the third is given up: the next pulse keeps its distance from the second one.
+        // Two are made, the third is dropped: the next pulse keeps its distance from the second one.
         buffer.advance_to(2);
         buffer.begin(1012);
         assert_eq!(buffer.fill(&mut StepTimeSolver::at_once(SubTicks::of_ticks(1012)), 1, 5000), (1, true));

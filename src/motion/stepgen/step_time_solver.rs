@@ -1,25 +1,25 @@
-//! Step time solver: when a motor's position crosses from one step to the next.
+//! Step time solver: the times at which a motor's position crosses from one step to the next.
 //!
-//! In one piece of its way a motor's position is a quadratic in time. Seen from the end of the piece where it is slower,
-//! with v the speed there, a distance of d steps is covered after
+//! In one piece a motor's position is a quadratic in time. Seen from the slower end of the piece, with the speed v
+//! there, a distance of d steps is covered after
 //!
 //! ```text
 //! t = 2 d / (v + u),    u = sqrt(v^2 + 4 h d),    h = (D - v T) / T^2
 //! ```
 //!
-//! D being the way of the piece and T its time, u the speed there: nothing cancels, and both ends are exact. Nothing is
-//! summed up from piece to piece, so an error cannot grow.
+//! D is the length of the piece, T its time, and u the speed there. Nothing cancels, and both ends are exact. Nothing
+//! is summed from piece to piece, so errors cannot grow.
 //!
-//! Step times are found in cubic runs of n. The first time of a run is computed like that; the others lie on the cubic that
-//! has the right slope 1/u at both ends of the run: three sums a step. Hermite's remainder, f n^4 / 384 with the
-//! fourth derivative f = 120 h^3 / u^7 of the slow end, says how much that is off. With r = 4 h n / u^2, the fraction by which
-//! u^2 changes over the run, that is
+//! Step times are solved in cubic runs of n. The first time of a run uses this formula. The others lie on the cubic
+//! with the right slope 1/u at both ends of the run, at three sums a step. Hermite's remainder, f n^4 / 384 with the
+//! fourth derivative f = 120 h^3 / u^7 of the slow end, gives the error. With r = 4 h n / u^2, the fraction by which
+//! u^2 changes over the run, it is
 //!
 //! ```text
 //! 15 / 3072 r^3 n / u ticks
 //! ```
 //!
-//! Where that is too much a run is shorter, in the end of a single step.
+//! If that is too much, a run is shorter, down to a single step.
 
 use super::cubic_run::{CubicRun, FINE, HALF, fine, finer};
 use crate::motion::number::{root, ticks, to_f32};
@@ -28,7 +28,7 @@ use crate::motion::trajectory::phase::Curve;
 use crate::settings::ranges::STEP_RATE;
 use crate::units::{Steps, SubTicks, TICKS_PER_SECOND};
 
-/// Where and how fast a piece begins or ends.
+/// Time and speed at the begin or end of a piece.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct Endpoint {
     /// In ticks times 2^16.
@@ -38,27 +38,27 @@ pub(in crate::motion) struct Endpoint {
     pub speed: f32,
 }
 
-/// Lengths of a run in which speed changes. They get no longer at once, for the one that is too long by a little may
-/// well be too long by far.
+/// Lengths of a run with changing speed. They never grow by more than one level at once, because a run that is slightly
+/// too long is easily much too long.
 const LENGTHS: [usize; 6] = [1, 2, 4, 8, 16, 32];
 
-/// Interpolation may be wrong by so many ticks. Fixed point adds less than a 30th: a run of 32 sums up twice what is
-/// rounded to half a bit of [`FINE`], and three times what is cut to a bit of [`FINER`](super::cubic_run::FINER).
+/// Maximum error of interpolation in ticks. Fixed point adds less than a 30th: a run of 32 sums twice a value rounded
+/// to half a bit of [`FINE`], and three times a value cut to a bit of [`FINER`](super::cubic_run::FINER).
 const MOST_ERROR: f32 = 0.125;
 
-/// Of the formula above, squared.
+/// From the formula above, squared.
 const MOST_ROUGHNESS: f32 = (MOST_ERROR * 3072.0 / 15.0) * (MOST_ERROR * 3072.0 / 15.0);
 
-/// A longer run than this, in ticks, would leave less than 32 bits can hold.
+/// A longer run than this, in ticks, would overflow 32 bits.
 const LONGEST_RUN: f32 = (1 << (31 - FINE)) as f32;
 
-/// Where steps come at most this often, in steps a tick, no two pulses can come too close to each other: rounding and
+/// At this step rate or below, in steps a tick, two pulses cannot come too close to each other. Rounding and
 /// interpolation take less than 2 ticks of 19.
 const SPARSE: f32 = 1.0 / (MIN_STEP_INTERVAL + ROUNDING) as f32;
 
-/// Ticks by which rounding and interpolation may bring two steps nearer to each other.
+/// Ticks by which rounding and interpolation may move two steps closer to each other.
 const ROUNDING: u64 = 2;
-// The greatest legal step rate is sparse, so that no step of it is ever late.
+// The highest legal step rate is sparse, so that none of its steps is ever late.
 const _: () = assert!((MIN_STEP_INTERVAL + ROUNDING) * STEP_RATE as u64 <= TICKS_PER_SECOND as u64);
 
 /// A piece is steady if the change of its speed shifts no step by more than a quarter of this, in ticks.
@@ -68,11 +68,11 @@ const LEAST_SHIFT: f32 = 0.2;
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct StepTimeSolver {
     curve: Curve,
-    /// Distance of the next step from the slow end: whole steps, which are counted, and the part of one. A sum would lose the
-    /// digits that matter where few steps are left.
+    /// Distance of the next step from the slow end: whole steps, counted, and a fraction. A sum would lose significant
+    /// digits where few steps are left.
     whole: i32,
     part: f32,
-    /// v, or the time a step takes if it is always the same.
+    /// v, or the time of a step if it is constant.
     slow: f32,
     /// h
     rise: f32,
@@ -81,10 +81,10 @@ pub(in crate::motion) struct StepTimeSolver {
     base: u32,
     /// Speed at the next step.
     fast: f32,
-    /// How long the runs are: an index of [`LENGTHS`].
+    /// Length of the runs: an index into [`LENGTHS`].
     level: u8,
-    /// Whether two pulses may come too close to each other: it is fast, or a step is late that rounding has left over from
-    /// the piece before.
+    /// Whether two pulses may come too close: the piece is fast, or rounding has left a late step from the previous
+    /// piece.
     pub is_dense: bool,
 }
 
@@ -103,16 +103,15 @@ impl StepTimeSolver {
         is_dense: true,
     };
 
-    /// The step times between `from` and `to`, the first of which is at `first`; between them the direction does not
-    /// change.
+    /// Step times between `from` and `to`, with the first step at `first` and no reversal in between.
     pub fn new(from: &Endpoint, to: &Endpoint, first: Steps, is_forward: bool, shape: Option<(Curve, f32)>) -> Self {
         let distance = |from: Steps, to: Steps| {
             if is_forward { to.wrapping_sub(from) } else { from.wrapping_sub(to) }
         };
         let time = ticks(to.time - from.time);
         let way = to_f32(distance(from.position, to.position));
-        // Where the motor's way is that of one span, its curve is the span's; a small difference of two great speeds
-        // would say less well what that is.
+        // If the motor's path is one span, its curve is the span's curve. The difference of two large speeds would be
+        // less accurate.
         let (v0, v1) = (from.speed.abs(), to.speed.abs());
         let even = if v0 <= v1 { Curve::Speeding } else { Curve::Slowing };
         let (curve, covered) = match shape {
@@ -137,7 +136,7 @@ impl StepTimeSolver {
         }
     }
 
-    /// The first step is so far from the slow end.
+    /// Sets the distance of the first step from the slow end.
     fn seen_from_slow_end(self, distance: Steps) -> Self {
         let bits = distance.to_bits();
         let part = ((bits as u32) as f32) * const { 1.0 / 4_294_967_296.0 };
@@ -156,7 +155,7 @@ impl StepTimeSolver {
         Self { base: time.whole_ticks() as u32, ..Self::NONE }
     }
 
-    /// The ticks of the next step times; there may be more of them than the piece has.
+    /// Fills in the ticks of the next steps; there may be more ticks than the piece has steps.
     pub fn fill(&mut self, ticks: &mut [u32]) {
         let mut left = ticks;
         while !left.is_empty() {
@@ -170,7 +169,7 @@ impl StepTimeSolver {
         }
     }
 
-    /// The next run where all steps take the same time, and how long it is.
+    /// The next run at constant speed, and its length.
     fn steady(&mut self, most: usize) -> (CubicRun, usize) {
         let at = self.offset + (self.whole as f32 + self.part) * self.slow;
         let mut count = if at < 0.0 { 1 } else { most };
@@ -182,7 +181,7 @@ impl StepTimeSolver {
         (CubicRun { pace: fine(self.slow), ..CubicRun::at(self.base, at) }, count)
     }
 
-    /// The next run where speed changes, and how long it is.
+    /// The next run with changing speed, and its length.
     fn curved(&mut self, most: usize) -> (CubicRun, usize) {
         let distance = self.whole as f32 + self.part;
         let fast = self.fast;
@@ -198,8 +197,8 @@ impl StepTimeSolver {
         if count == 1 {
             return (single, 1);
         }
-        // The mean pace is known best: speed changes evenly with time. The slopes at the ends are `change * self.fast` more
-        // and `change * fast` less.
+        // The mean pace is the most accurate value, because speed changes evenly with time. The slopes at the ends are
+        // `change * self.fast` more and `change * fast` less.
         let gain = self.fast - fast;
         let mean = 2.0 / (fast + self.fast);
         let change = 0.5 * (gain * mean) / (fast * self.fast);
@@ -211,7 +210,7 @@ impl StepTimeSolver {
         (CubicRun { pace: fine(pace), bend: finer(square + square + jerk) + HALF, jerk: finer(jerk), ..single }, count)
     }
 
-    /// How long the next run can be, which begins at a distance from the slow end.
+    /// Possible length of the next run, which begins at a distance from the slow end.
     fn length(&mut self, distance: f32, most: usize) -> usize {
         let length = |level: u8| LENGTHS.get(usize::from(level)).copied();
         let mut long = length(self.level).unwrap_or(1);
@@ -230,7 +229,7 @@ impl StepTimeSolver {
         most.min(long)
     }
 
-    /// Whether a cubic does for so many solver.
+    /// Whether a cubic is accurate enough for this many steps.
     fn is_smooth(&self, distance: f32, count: usize) -> bool {
         let count = count as f32;
         let slowest = self.square(if self.curve == Curve::Slowing { distance - count } else { distance });
@@ -248,10 +247,10 @@ mod tests {
     use super::*;
     use std::{vec, vec::Vec};
 
-    /// Where it begins: not at a whole tick, and shortly before ticks of 32 bits wrap.
+    /// Begin: not at a whole tick, and shortly before 32-bit ticks wrap.
     const BEGIN: u64 = ((1 << 32) - 1000) << 16 | 0x5555;
 
-    /// All step times of a way from 0 with these speeds, and when they should be.
+    /// All step times of a path from 0 with these speeds, and their exact values.
     fn step_times(v0: f64, v1: f64, time: f64, sign: f64) -> (Vec<u32>, Vec<f64>) {
         let way = (v0 + v1) / 2.0 * time;
         let endpoint = |time: u64, position: f64, speed: f64| Endpoint {
@@ -312,7 +311,7 @@ mod tests {
             assert_eq!((ticks[0], solver.is_dense), (1000, true), "{v0} to {v1}");
             solver.fill(&mut ticks[1..]);
             assert!(ticks.is_sorted() && ticks[1] > 1000 && ticks[3] < 101_000, "{ticks:?}");
-            // Found alone or with the others, it makes none of them late.
+            // Solved alone or with the others, none of them is late.
             let mut all = [0; 4];
             StepTimeSolver::new(&from, &to, Steps::from_num(-0.01), true, None).fill(&mut all);
             assert_eq!(all, ticks, "{v0} to {v1}");

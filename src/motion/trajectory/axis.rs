@@ -1,4 +1,4 @@
-//! An axis of the trajectory: the taps that it follows, and how far each has got.
+//! An axis of the trajectory: the taps that it follows, and the progress of each.
 
 use super::span::{AxisState, Boundary, ONE, Span};
 use super::stiffening::Stiffening;
@@ -10,20 +10,20 @@ use crate::units::{Steps, SubTicks};
 // A delay has 8 bits of a tick and a time 16, so the product of a delay and a scale is shifted by 22 bits.
 const _: () = assert!(ONE == 1 << (22 + 8));
 
-/// How far a tap has got: to the span of this number, and into it, or still before it.
+/// Progress of a tap: inside the span of this number, or still before it.
 #[derive(Clone, Copy, Debug)]
 struct Cursor {
     span: u32,
     is_inside: bool,
 }
 
-/// What the spans look like to an axis.
+/// The spans as an axis sees them.
 pub(super) trait Spans {
-    /// Spans ever laid.
+    /// Number of spans laid so far.
     fn laid(&self) -> u32;
-    /// A span, and where it ends.
+    /// A span and its end.
     fn get(&self, number: u32) -> (&Span, &Boundary);
-    /// Where the last one ends.
+    /// End of the last one.
     fn end(&self) -> &Boundary;
 }
 
@@ -32,23 +32,23 @@ pub(super) struct Axis {
     index: usize,
     taps: Kept<Taps>,
     cursors: [Cursor; TAPS],
-    /// Whether the copies make up a position; otherwise what they have in common does not count.
+    /// Whether the copies add up to a position. Otherwise only their differences count.
     is_position: bool,
     stiffening: Stiffening,
     lateness: Lateness,
 }
 
-/// How late the taps of an axis are.
+/// Delays of an axis's taps.
 #[derive(Clone, Copy)]
 struct Lateness {
-    /// The axis, if its taps do not stand alike everywhere.
+    /// The axis, if its taps do not have equal delays everywhere.
     stiffening: Option<usize>,
-    /// How late they are on the whole, in ticks times 2^8; only what they differ from that by is scaled.
+    /// Mean delay in ticks times 2^8. Only differences from it are scaled.
     mean: i64,
 }
 
 impl Lateness {
-    /// How late a tap is at an end of a span, in ticks times 2^16.
+    /// Delay of a tap at an end of a span, in ticks times 2^16.
     #[inline]
     fn of(self, tap: &Tap, at: &Boundary) -> SubTicks {
         let Some(axis) = self.stiffening else {
@@ -61,7 +61,7 @@ impl Lateness {
 }
 
 impl Axis {
-    /// An axis that follows the spans at once.
+    /// An axis that follows the spans without delay.
     pub fn new(index: usize) -> Self {
         Self {
             index,
@@ -80,24 +80,24 @@ impl Axis {
         self.update_lateness();
     }
 
-    /// Whether its taps are still what they were when they came.
+    /// Whether its taps are unchanged in memory.
     pub fn is_whole(&self) -> bool {
         self.taps.is_whole()
     }
 
-    /// A tap, to be changed by nobody.
+    /// A tap, which must not be changed.
     #[cfg(test)]
     pub fn damage(&mut self) -> Option<&mut Tap> {
         self.taps.damage().first_mut()
     }
 
-    /// Rings like that from now on; the axis is at rest.
+    /// Sets its stiffening from now on; the axis is at rest.
     pub fn stiffen(&mut self, stiffening: Stiffening) {
         self.stiffening = stiffening;
         self.update_lateness();
     }
 
-    /// Finds out how late its taps are.
+    /// Computes the delays of its taps.
     fn update_lateness(&mut self) {
         let first = self.taps.first().map_or(0, |tap| tap.delay);
         let mean_beyond_first: f32 =
@@ -109,8 +109,8 @@ impl Axis {
         };
     }
 
-    /// How close its taps stand at a position; going there from where they stand at `before` within `time`, so that no tap
-    /// runs more than a quarter faster or slower.
+    /// Scale of its taps at a position. From the scale at `before` it changes so slowly within `time` that no tap runs
+    /// more than a quarter faster or slower.
     pub fn scale(&self, at: Steps, before: Option<(u32, SubTicks)>) -> u32 {
         if self.lateness.stiffening.is_none() {
             return ONE;
@@ -123,7 +123,7 @@ impl Axis {
         scale.clamp(before.saturating_sub(most), before.saturating_add(most))
     }
 
-    /// How late its taps are, in ticks times 2^16.
+    /// Delays of its taps, in ticks times 2^16.
     pub fn delays(&self) -> impl Iterator<Item = SubTicks> {
         self.taps.iter().map(Tap::late)
     }
@@ -133,13 +133,13 @@ impl Axis {
         self.cursors = [Cursor { span: laid, is_inside: false }; TAPS];
     }
 
-    /// The number of the oldest span that it still needs, of `laid`.
+    /// Number of the oldest span, of `laid`, that it still needs.
     pub fn oldest(&self, laid: u32) -> u32 {
         let used = |cursor: &Cursor| laid.wrapping_sub(cursor.span);
         laid.wrapping_sub(self.cursors.iter().take(self.taps.len()).map(used).max().unwrap_or_default())
     }
 
-    /// Goes on to `time`; false if a tap needs a span that is not laid yet.
+    /// Advances to `time`; false if a tap needs a span that is not laid yet.
     pub fn advance(&mut self, spans: &impl Spans, time: SubTicks) -> bool {
         let late = self.lateness;
         for (tap, cursor) in self.taps.iter().zip(&mut self.cursors) {
@@ -162,7 +162,7 @@ impl Axis {
         self.cursors.iter().take(self.taps.len()).all(|cursor| cursor.span != spans.laid())
     }
 
-    /// When one of its taps next begins or ends a span; `SubTicks::MAX` if none does.
+    /// Next time at which one of its taps begins or ends a span; `SubTicks::MAX` if there is none.
     pub fn next_change(&self, spans: &impl Spans) -> SubTicks {
         let change = |(tap, cursor): (&Tap, &Cursor)| {
             if cursor.span == spans.laid() {
@@ -175,7 +175,8 @@ impl Axis {
         self.taps.iter().zip(&self.cursors).map(change).min().unwrap_or(SubTicks::MAX)
     }
 
-    /// The span that it follows as it is, and its number, if that begins at `time`: its shape is that of the whole.
+    /// The single span that it follows unchanged, and its number, if that span begins at `time`: the axis has its
+    /// shape.
     pub fn follows<'a>(&self, spans: &'a impl Spans, time: SubTicks) -> Option<(u32, &'a Span)> {
         let ([tap], [cursor, ..], true) = (self.taps.as_slice(), &self.cursors, self.is_position) else {
             return None;
@@ -185,7 +186,7 @@ impl Axis {
         (begins && cursor.span != spans.laid()).then_some((cursor.span, span))
     }
 
-    /// Whether it follows anything.
+    /// Whether it follows no motion.
     pub fn is_still(&self) -> bool {
         self.taps.is_empty()
     }
@@ -215,7 +216,7 @@ impl Axis {
         if self.is_position && self.taps.len() == 1 {
             return first;
         }
-        // What they have in common is left out of the sum, so an axis at rest is exactly where it was sent.
+        // Their common part is left out of the sum, so an axis at rest is exactly at its target.
         let (mut way, mut speed) = (0.0, tap.weight * first.speed);
         for (tap, cursor) in copies {
             let other = copy(tap, cursor);

@@ -1,4 +1,4 @@
-//! The trajectory: where every axis is at every time, given the moves so far. The generator runs it.
+//! The trajectory: the position of every axis at every time, given the moves so far. The generator runs it.
 //!
 //! ```text
 //! spans:  |--speeding--|-----steady-----|--slowing--|            laid one after the other, a ring of them
@@ -7,20 +7,22 @@
 //! axis:   sum of w * copy, a quadratic between any two changes of a copy
 //! ```
 //!
-//! Moves are laid as [`Span`]s, one after the other, and each axis follows them through its [`Tap`]s. Time is that of
-//! the output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d. One of all taps has no delay
-//! ([`taps`] sees to that), so what is laid after a rest begins at once.
+//! Moves are laid as consecutive [`Span`]s, and each axis follows them through its [`Tap`]s. Time is the time of the
+//! output, in ticks times 2^16: at the time t a tap with the delay d is where the spans were at t - d. One of all taps
+//! has no delay ([`taps`] ensures this), so a motion laid after a rest begins at once.
 //!
-//! A new shaper is an arm of `impulses` in `shaper.rs`. It may have up to `MOST_IMPULSES` (there), and an axis up to [`TAPS`]
-//! (`taps.rs`), which every axis pays for in memory and in time; where it takes longer than [`SPANS`] of short moves remember, short moves take longer.
+//! A new shaper is an arm of `impulses` in `shaper.rs`. It may have up to `MOST_IMPULSES` (there), and an axis up to
+//! [`TAPS`] (`taps.rs`), which cost every axis memory and time. Where a shaper is longer than [`SPANS`] of short moves,
+//! short moves take longer.
 //!
 //! # Words
 //!
-//! - **span**: a piece of the trajectory in which the tool goes straight and its speed changes evenly; a phase of a move, or a
-//!   part of a long phase. **boundary**: where and when one span ends and the next begins.
-//! - **tap**: a delayed copy with a weight, as in a filter with a tapped delay line; an input shaper has one for each impulse.
+//! - **span**: a piece of the trajectory in which the tool goes straight and its speed changes evenly; a phase of a
+//!   move, or a part of a long phase. **boundary**: place and time where one span ends and the next begins.
+//! - **tap**: a delayed copy with a weight, as in a filter with a tapped delay line; an input shaper has one for each
+//!   impulse.
 //! - **advance**: the axis of the pressure in the extruder. **stiffening**: see [`stiffening`].
-//! - **position**: where all axes are, in steps.
+//! - **position**: the positions of all axes, in steps.
 
 mod axis;
 pub(in crate::motion) mod phase;
@@ -41,8 +43,8 @@ use axis::{Axis, Spans};
 use phase::{Curve, Phase, point};
 use span::ONE;
 
-/// Spans that are remembered; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
-/// shaper of 60 Hz with two humps takes 25. A longer shaper makes so short moves take longer.
+/// Number of spans in memory; a power of two. At the 0.25 ms of a move of 0.05 mm at 200 mm/s they last for 32 ms: a
+/// shaper of 60 Hz with two humps takes 25. A longer shaper makes such short moves take longer.
 const SPANS: usize = 128;
 const _: () = assert!(SPANS.is_power_of_two());
 
@@ -71,7 +73,7 @@ struct Ring<'m> {
 
 impl Ring<'_> {
     fn span(&self, number: u32) -> &Span {
-        // The mask keeps the index within.
+        // The mask keeps the index in range.
         self.spans.0.get(number as usize % SPANS).unwrap_or(&Span::EMPTY)
     }
 }
@@ -91,23 +93,23 @@ impl Spans for Ring<'_> {
     }
 }
 
-/// The value that goes evenly from `from` to `to` in `whole`, after `part` of it.
+/// Linear interpolation from `from` to `to` over `whole`, after `part` of it.
 fn between(from: u32, to: u32, SubTicks(part): SubTicks, SubTicks(whole): SubTicks) -> u32 {
     let way = i128::from(i64::from(to) - i64::from(from)) * i128::from(part.min(whole)) / i128::from(whole.max(1));
     (i64::from(from) + way as i64) as u32
 }
 
-/// The spans, and how far each axis has got in them.
+/// The spans, and the progress of each axis in them.
 pub(crate) struct Trajectory<'m> {
     ring: Ring<'m>,
     axes: [Axis; AXES],
-    /// The last span was taken back, and is to be laid again as far as it has passed: how close the taps would have stood
-    /// at its end, and how long it would have taken.
+    /// The last span was taken back and is laid again as far as it has passed: the taps' scale at its end, and its
+    /// duration.
     cut: Option<([u32; 2], SubTicks)>,
 }
 
 impl<'m> Trajectory<'m> {
-    /// At rest at time 0; every axis follows at once.
+    /// At rest at time 0; no axis has a delay.
     pub fn new(spans: &'m mut SpanMemory) -> Self {
         let end = Boundary::new(SubTicks::ZERO, [Steps::ZERO; AXES]);
         let ring = Ring { spans, laid: 0, end };
@@ -118,7 +120,7 @@ impl<'m> Trajectory<'m> {
         Self { ring, axes, cut: None }
     }
 
-    /// Has an axis follow other taps; all rest. The advance is only what its taps differ by.
+    /// Makes an axis follow other taps; all axes are at rest. The advance is only the difference of its taps.
     pub fn follow(&mut self, axis: usize, taps: &[Tap]) {
         let is_position = axis != ADVANCE;
         if let Some(axis) = self.axes.get_mut(axis) {
@@ -127,25 +129,25 @@ impl<'m> Trajectory<'m> {
         }
     }
 
-    /// Whether an axis still follows the taps that it was told to.
+    /// Whether the taps of an axis are unchanged in memory.
     pub fn is_whole(&self, axis: usize) -> bool {
         self.axes.get(axis).is_none_or(Axis::is_whole)
     }
 
-    /// A tap of an axis, to be changed by nobody.
+    /// A tap of an axis, which must not be changed.
     #[cfg(test)]
     pub fn damage(&mut self, axis: usize) -> Option<&mut Tap> {
         self.axes.get_mut(axis).and_then(Axis::damage)
     }
 
-    /// Has an axis ring like that; all rest.
+    /// Sets the stiffening of an axis; all axes are at rest.
     pub fn stiffen(&mut self, axis: usize, stiffening: Stiffening) {
         if let Some(axis) = self.axes.get_mut(axis) {
             axis.stiffen(stiffening);
         }
     }
 
-    /// How close the taps of x and y stand at a position, to which a span of so much `time` leads from a boundary.
+    /// Scales of x's and y's taps at a position, reached by a span of this `time` from a boundary.
     fn scales(&self, position: &Position, from: Option<(&Boundary, SubTicks)>) -> [u32; 2] {
         let ([x, y, ..], [at_x, at_y, ..]) = (&self.axes, position);
         let before = |axis: usize| from.map(|(end, time)| (end.scale.get(axis).copied().unwrap_or(ONE), time));
@@ -162,17 +164,17 @@ impl<'m> Trajectory<'m> {
         }
     }
 
-    /// Where the last span ends.
+    /// End of the last span.
     pub const fn end(&self) -> &Boundary {
         &self.ring.end
     }
 
-    /// When all axes have got to where the last span ends.
+    /// Time at which all axes have reached the end of the last span.
     pub fn rest_time(&self) -> SubTicks {
         self.ring.end.time + self.longest_delay()
     }
 
-    /// Whether no axis is late, so that all have got to where the last span ends when it is asked for the next.
+    /// Whether no axis has a delay, so that all have reached the end of the last span when the next is requested.
     pub fn is_prompt(&self) -> bool {
         self.longest_delay() == SubTicks::ZERO
     }
@@ -181,15 +183,15 @@ impl<'m> Trajectory<'m> {
         self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
     }
 
-    /// The least time of a span that is laid now: none, unless so many short spans wait for the slowest tap that another
-    /// could take the slot of a span that is still needed. Then spans take longer, so that it cannot come to that.
+    /// Minimum time of a span laid now. It is zero unless so many short spans wait for the slowest tap that another
+    /// could overwrite a span still in use. Then spans take longer to prevent this.
     pub fn least_time(&self) -> SubTicks {
         let used = |axis: &Axis| self.ring.laid.wrapping_sub(axis.oldest(self.ring.laid)) as usize;
         let free = SPANS - 1 - self.axes.iter().map(used).max().unwrap_or_default().min(SPANS - 2);
         if free >= SPANS / 4 { SubTicks::ZERO } else { SubTicks(self.longest_delay().0 / free as u64) }
     }
 
-    /// Lays a phase of the way from `first` to `last`, or a part of a phase, after the last span.
+    /// Lays a phase of the move from `first` to `last`, or a part of a phase, after the last span.
     pub fn lay(&mut self, first: &Position, last: &Position, phase: &Phase) {
         let begin = self.ring.end;
         let span = Span::new(begin, phase.time, phase.curve, phase.slow_share);
@@ -203,7 +205,7 @@ impl<'m> Trajectory<'m> {
         });
         let scale = match self.cut.take() {
             None => self.scales(&position, Some((&begin, phase.time))),
-            // What has passed of it stays as it was: the taps move evenly within a span.
+            // The part that has passed stays as it was: the taps move evenly within a span.
             Some((scale, time)) => core::array::from_fn(|i| match (begin.scale.get(i), scale.get(i)) {
                 (Some(from), Some(to)) => between(*from, *to, phase.time, time),
                 _ => ONE,
@@ -212,24 +214,24 @@ impl<'m> Trajectory<'m> {
         self.ring.end = Boundary { time: begin.time + phase.time, position, scale };
     }
 
-    /// Goes on from another position, so near that no motor is meant to feel it.
+    /// Continues from another position, so close that no motor feels it.
     pub fn shift(&mut self, position: &Position) {
         let from = self.ring.end.position;
         self.lay(&from, position, &Phase { curve: Curve::Steady, end: WHOLE, slow_share: 0, time: SubTicks::ZERO });
     }
 
-    /// Has an axis go on to `time`; false if it needs a span that is not laid yet.
+    /// Advances an axis to `time`; false if it needs a span that is not laid yet.
     pub fn advance(&mut self, axis: usize, time: SubTicks) -> bool {
         let Self { ring, axes, .. } = self;
         axes.get_mut(axis).is_none_or(|axis| axis.advance(ring, time))
     }
 
-    /// When an axis next begins or ends to move otherwise; `SubTicks::MAX` if that is not known.
+    /// Next change of an axis's motion; `SubTicks::MAX` if that is not known.
     pub fn next_change(&self, axis: usize) -> SubTicks {
         self.axes.get(axis).map_or(SubTicks::MAX, |axis| axis.next_change(&self.ring))
     }
 
-    /// The span that all of some axes follow as it is from `time` on, if there is one.
+    /// The span that all of some axes follow unchanged from `time` on, if there is one.
     pub fn follows(&self, axes: impl Iterator<Item = usize>, time: SubTicks) -> Option<&Span> {
         let mut common = None;
         for axis in axes.filter_map(|axis| self.axes.get(axis)).filter(|axis| !axis.is_still()) {
@@ -247,8 +249,8 @@ impl<'m> Trajectory<'m> {
         self.axes.get(axis).map_or(AxisState::at_rest(Steps::ZERO), |axis| axis.state(&self.ring, time))
     }
 
-    /// Takes back the last span, which is to be laid again as far as the first tap has got in it at `time`. `None` if it
-    /// has ended by then.
+    /// Takes back the last span, which is laid again up to the first tap's position in it at `time`. `None` if it has
+    /// ended by then.
     pub fn take_back(&mut self, time: SubTicks) -> Option<SubTicks> {
         if self.ring.laid == 0 || time >= self.ring.end.time {
             return None;

@@ -5,14 +5,14 @@ use crate::motion::ramps::fraction;
 use crate::units::{Steps, SubTicks, mul_div};
 use heapless::Vec;
 
-/// How speed changes in a phase.
+/// Change of speed in a phase.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Curve {
-    /// It does not.
+    /// Constant.
     Steady,
-    /// It grows.
+    /// Rising.
     Speeding,
-    /// It falls.
+    /// Falling.
     Slowing,
 }
 
@@ -20,9 +20,9 @@ pub enum Curve {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) struct Phase {
     pub curve: Curve,
-    /// Fraction of the move that is covered at its end.
+    /// Covered fraction of the move at its end.
     pub end: u32,
-    /// The part of its way that its lower speed alone would cover in its time.
+    /// Part of its distance that its lower speed alone would cover in its time.
     pub slow_share: u32,
     /// In ticks times 2^16.
     pub time: SubTicks,
@@ -33,8 +33,8 @@ const fn part(a: u64, b: u64) -> u64 {
 }
 
 impl Phase {
-    /// The fraction of its way that is covered after the fraction `x` of its time, and the speed there as a part of the mean
-    /// one, both scaled by [`WHOLE`].
+    /// Covered fraction of its distance after the fraction `x` of its time, and the speed there relative to the mean,
+    /// both scaled by [`WHOLE`].
     pub fn progress(&self, x: u64) -> (u64, u64) {
         let (whole, share) = (u64::from(WHOLE), u64::from(self.slow_share.min(WHOLE)));
         let way = |x: u64| part(share, x) + part(whole - share, part(x, x));
@@ -46,8 +46,8 @@ impl Phase {
         }
     }
 
-    /// A part of a steady phase that begins with the fraction `begin` of the move covered and a time `from`, and takes about
-    /// so long: as long as the fraction that is covered at its end says, which has 31 bits. In a move of minutes the last of these bits
+    /// A part of a steady phase that begins with the fraction `begin` of the move covered and a time `from`. Its
+    /// duration matches the covered fraction at its end, which has 31 bits. In a move of minutes the last of these bits
     /// is ticks.
     pub fn cut_evenly(&self, begin: u32, from: SubTicks, time: SubTicks) -> Self {
         let (whole, part) = (u64::from(self.end.saturating_sub(begin)), self.cut(begin, from, from + time));
@@ -68,11 +68,11 @@ impl Phase {
     }
 }
 
-/// The phases of a move; one without time is left out, and the last one ends where the move does.
+/// The phases of a move. Phases without time are left out, and the last one ends where the move ends.
 pub(crate) fn phases(m: &Move) -> Vec<Phase, 3> {
     let mut phases = Vec::new();
     let end = |fraction: u32, following: SubTicks| if following == SubTicks::ZERO { WHOLE } else { fraction };
-    // Written out: firmware is made for size, which leaves loops and arrays as they are.
+    // Written out, because firmware is compiled for size, which does not unroll loops and arrays.
     if m.accelerate > SubTicks::ZERO {
         let curve = if m.brakes_first { Curve::Slowing } else { Curve::Speeding };
         let end = end(m.accelerated, m.cruise + m.decelerate);
@@ -93,7 +93,7 @@ pub(crate) fn point(first: Steps, last: Steps, fraction: u32) -> Steps {
     if fraction == WHOLE {
         return last;
     }
-    // Rounded towards zero, so that groups that mirror each other still do.
+    // Rounded towards zero, so that mirrored groups stay mirrored.
     let way = i128::from(last.wrapping_sub(first).to_bits()) * i128::from(fraction) / i128::from(WHOLE);
     first.wrapping_add(Steps::from_bits(way as i64))
 }

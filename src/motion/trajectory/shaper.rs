@@ -1,15 +1,15 @@
-//! Shapers: which taps an axis follows, by the settings.
+//! Shapers: the taps of each axis, from the settings.
 //!
-//! An input shaper splits every command into impulses that cancel each other's vibration. Sources: N. Singer, W. Seering,
-//! "Preshaping Command Inputs to Reduce System Vibration" (1990) for ZV and ZVD; W. Singhose et al., "Residual Vibration
-//! Reduction Using Vector Diagrams to Generate Shaped Inputs" (1994) and "Extra-Insensitive Input Shapers for Controlling
-//! Flexible Spacecraft" (1996) for EI and its humps, with the fits of Klipper's documentation over the damping.
+//! An input shaper splits every command into impulses that cancel each other's vibration. Sources: N. Singer, W.
+//! Seering, "Preshaping Command Inputs to Reduce System Vibration" (1990) for ZV and ZVD; W. Singhose et al., "Residual
+//! Vibration Reduction Using Vector Diagrams to Generate Shaped Inputs" (1994) and "Extra-Insensitive Input Shapers for
+//! Controlling Flexible Spacecraft" (1996) for EI and its humps, with the fits of Klipper's documentation over the
+//! damping.
 //!
-//! The two taps of the pressure advance are made in the function [`taps`] below, from `Advance::window`.
+//! The function [`taps`] below also makes the two taps of the pressure advance, from `Advance::window`. If the settings
+//! leave this window open, [`advance_window`] gives its length.
 //!
-//! How long that window is, if the settings leave it open, says [`advance_window`].
-//!
-//! All axes are delayed alike, by as much as the slowest shaper and the advance need, so that they stay together.
+//! All axes have the same total delay, set by the slowest shaper and the advance, so that they stay together.
 
 use super::{AXES, Stiffening, TAPS, Tap, Taps};
 use crate::motion::number::{acceleration, speed};
@@ -17,7 +17,7 @@ use crate::settings::{AxisSettings, Settings, Shaper, ShaperKind, Shapers, range
 use crate::units::{Mm, Seconds, Steps, TICKS_PER_SECOND};
 use heapless::Vec;
 
-/// An impulse: when, in s, and how much.
+/// An impulse: its time in s, and its weight.
 type Impulse = (f32, f32);
 
 /// Most impulses of a shaper: one with two humps has four. Each becomes a tap.
@@ -27,16 +27,16 @@ const _: () = assert!(MOST_IMPULSES <= TAPS);
 /// Impulses of a shaper.
 type Impulses = Vec<Impulse, MOST_IMPULSES>;
 
-/// So many impulses; more than there is room for do not compile.
+/// These impulses; too many do not compile.
 fn all_of<const N: usize>(impulses: [Impulse; N]) -> Impulses {
     const { assert!(N <= MOST_IMPULSES) };
     impulses.into_iter().collect()
 }
 
-/// What vibration EI shapers leave.
+/// Residual vibration of EI shapers.
 const LEFT: f32 = 0.05;
 
-/// e to the power of `-x`, for x from 0 to 4: the series of a sixteenth, four times squared.
+/// e to the power of `-x`, for x from 0 to 4: the series of a sixteenth, squared four times.
 fn decay(x: f32) -> f32 {
     let y = x / 16.0;
     let mut power = 1.0 - y * (1.0 - y / 2.0 * (1.0 - y / 3.0 * (1.0 - y / 4.0 * (1.0 - y / 5.0))));
@@ -50,7 +50,7 @@ fn polynomial<const N: usize>(factors: [f32; N], x: f32) -> f32 {
     factors.into_iter().rev().fold(0.0, |sum, factor| sum * x + factor)
 }
 
-/// The impulses of a shaper; they add up to 1.
+/// The impulses of a shaper; their weights sum to 1.
 fn impulses(shaper: &Shaper) -> Impulses {
     let z: f32 = shaper.damping.to_num();
     let frequency: f32 = shaper.frequency.to_num();
@@ -104,42 +104,43 @@ fn impulses(shaper: &Shaper) -> Impulses {
     all.into_iter().map(|(time, weight)| (time * period, weight / sum)).collect()
 }
 
-/// How late an impulse response is on the whole.
+/// Mean delay of an impulse response.
 fn mean(impulses: &Impulses) -> f32 {
     impulses.iter().map(|(time, weight)| time * weight).sum()
 }
 
-/// How far a shaper spreads out what it is given: the standard deviation of its impulses, in s.
+/// Spread of a shaper: the standard deviation of its impulses, in s.
 fn spread(impulses: &Impulses) -> f32 {
     let mean = mean(impulses);
     let square = impulses.iter().map(|(time, weight)| weight * (time - mean) * (time - mean)).sum();
     crate::motion::number::root(square)
 }
 
-/// An even window of the length h has a standard deviation of h over this, the square root of 12.
+/// A uniform window of length h has a standard deviation of h over this, the square root of 12.
 const EVEN: f32 = 3.464_102;
 
-/// Without a shaper, in s: the extruder's motor is not to be asked for jumps, and the nozzle smooths over some 50 ms itself. Measured:
-/// 12 to 15 ms lose nothing (docs/shaping.md#the-window).
+/// Window without a shaper, in s. The extruder's motor must not be asked for jumps, and the nozzle itself smooths over
+/// about 50 ms. Measured: 12 to 15 ms lose nothing (docs/shaping.md#the-window).
 const LEAST_WINDOW: f32 = 0.012;
 
-/// Filament a length of path that the window must be long enough for: a line of 0.5 by 0.24 mm from filament of 1.75 mm. What needs
-/// more is accelerated more slowly by the planner.
+/// Filament per length of path that the window must support: a line of 0.5 by 0.24 mm from filament of 1.75 mm. The
+/// planner accelerates heavier lines more slowly.
 const HEAVY_LINE: f32 = 0.05;
 
-/// The part of the extruder's speed that ramps get at most, as the planner shares it (`motion::planner::pressure`). With more
-/// acceleration than that allows no window has to do.
+/// Largest part of the extruder's speed for ramps, as the planner shares it (`motion::planner::pressure`). No window
+/// has to support more acceleration than that.
 pub(in crate::motion) const MOST_PUSH: f32 = 0.75;
 
-/// A window is not made longer than this for the extruder's sake, in s: the flow would lose more than acceleration wins. It was the
+/// Longest window for the extruder's sake, in s: beyond, the flow would lose more than acceleration gains. It was the
 /// window of all earlier firmware, as it is Klipper's.
 const LONGEST_FOR_EXTRUDER: f32 = 0.04;
 
-/// The window of the pressure advance by these settings: as they say, or else as long as the slower shaper spreads out the motion of the tool.
+/// The window of the pressure advance: from the settings, or else from the spread of the slower shaper.
 ///
-/// A shaper is late by different times with different weights. An even window that has the same standard deviation follows the shaped
-/// motion best: both are the same up to the second order. It is longer where the extruder could not follow a
-/// heavy line at the greatest acceleration of x or y otherwise: both ends of the window may see K a, which it spreads over its length.
+/// A shaper delays by different times with different weights. A uniform window with the same standard deviation follows
+/// the shaped motion best: both agree up to the second order. It is longer if the extruder could not otherwise follow a
+/// heavy line at the highest acceleration of x or y: both ends of the window may see K a, which it spreads over its
+/// length.
 #[must_use]
 pub fn advance_window(s: &Settings) -> Seconds {
     if let Some(window) = s.advance.window {
@@ -149,13 +150,13 @@ pub fn advance_window(s: &Settings) -> Seconds {
     let k: f32 = s.advance.time.to_num();
     let (v, a) = (speed(s.axes.e.max_speed), acceleration(s.axes.e.max_acceleration));
     let path = acceleration(s.axes.x.max_acceleration.max(s.axes.y.max_acceleration));
-    // Seen as q = K times the filament's acceleration: `(a_e + 2 q / h) <= a`.
+    // With q = K times the filament's acceleration: `(a_e + 2 q / h) <= a`.
     let push = (k * (HEAVY_LINE * path)).min(MOST_PUSH * v);
     let left = a - HEAVY_LINE * path;
     let needed = if left * LONGEST_FOR_EXTRUDER > 2.0 * push { 2.0 * push / left } else { LONGEST_FOR_EXTRUDER };
     let needed = if push > 0.0 { needed } else { 0.0 };
     let seconds = (EVEN * x.max(y)).max(LEAST_WINDOW).max(needed);
-    // In whole tenths of a millisecond, which are read more easily and are far finer than what it is good for.
+    // In whole tenths of a millisecond, which are easier to read and much finer than needed.
     let tenths = u64::from(((seconds * 10_000.0 + 0.5) as u32).min(10_000));
     ranges::ADVANCE_WINDOW.clamp(Seconds::from_bits((((tenths << Seconds::FRAC_NBITS) + 5000) / 10_000) as u32))
 }
@@ -164,7 +165,7 @@ fn tap((time, weight): Impulse) -> Tap {
     Tap { delay: (time.max(0.0) * const { TICKS_PER_SECOND as f32 * 256.0 }) as u32, weight }
 }
 
-/// What each axis follows: x, y, z, e, and the advance, if there is a window over which its speed is averaged.
+/// The taps of each axis: x, y, z, e, and the advance, if it has a window for averaging its speed.
 #[must_use]
 pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
     let (x, y) = (impulses(&shapers.x), impulses(&shapers.y));
@@ -175,8 +176,9 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
         let early = delay - mean(&impulses);
         impulses.into_iter().map(|(time, weight)| tap((early + time, weight))).collect()
     };
-    // No window is no advance; `boards/sim/src/limits.rs` divides by it too. A delay holds 1.67 s; longer than `SPANS` of short moves
-    // remember, short moves take longer (docs/shaping.md has the delays, and the events of `examples/shaping.gcode`).
+    // No window means no advance; `boards/sim/src/limits.rs` divides by it too. A delay holds 1.67 s. If it is longer
+    // than `SPANS` of short moves, short moves take longer (docs/shaping.md has the delays, and the events of
+    // `examples/shaping.gcode`).
     const {
         assert!(
             ranges::ADVANCE_WINDOW.least.to_bits() > 0
@@ -192,9 +194,10 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
     [shaped(x), shaped(y), late.clone(), late, advance]
 }
 
-/// How x and y ring away from their middle: belts of the lengths l1 and l2 on both sides of the tool have the stiffness
-/// `EA (1/l1 + 1/l2)`, which is least in the middle and 1 / (1 - (2 d/L)^2) times as great at the distance d from it, L being
-/// their sum. The motors that drive the belts are as soft everywhere: `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
+/// Frequency of x and y away from the middle. Belts of the lengths l1 and l2 on both sides of the tool have the
+/// stiffness `EA (1/l1 + 1/l2)`. It is lowest in the middle, and 1 / (1 - (2 d/L)^2) times that at the distance d from
+/// it, with their sum L. The motors that drive the belts are equally compliant everywhere:
+/// `1/f^2 = 1/f_belt^2 + 1/f_motor^2`.
 #[must_use]
 pub fn stiffenings(s: &Settings) -> [Stiffening; 2] {
     [stiffening(&s.shapers.x, &s.axes.x), stiffening(&s.shapers.y, &s.axes.y)]

@@ -1,9 +1,8 @@
 //! Spans: pieces of the trajectory in which the tool goes straight and its speed changes evenly.
 //!
-//! All axes share the fraction of the way that is covered. With x, the fraction of the span's time that has passed
-//! since its slow end, it is `g(x) = s x + (1 - s) x^2`, s being what the slow end's speed alone would cover. A span
-//! in which speed falls is the same seen from its end, so a position is exact at both ends and most accurate where
-//! it is slowest.
+//! All axes share the covered fraction of the distance. With x, the fraction of the span's time since its slow end, it
+//! is `g(x) = s x + (1 - s) x^2`. s is the part that the slow end's speed alone would cover. A span with falling speed
+//! is the same seen from its end, so a position is exact at both ends and most accurate where it is slowest.
 
 use super::phase::Curve;
 use crate::motion::moves::WHOLE;
@@ -11,24 +10,24 @@ use crate::motion::number::{from_f32, ticks, to_f32};
 use crate::motion::ticks::FAR;
 use crate::units::{Steps, SubTicks};
 
-/// Axes of the trajectory: x, y, z, e, and the advance, whose speed is the pressure that the extruder builds up.
+/// Axes of the trajectory: x, y, z, e, and the advance, with a speed equal to the pressure that the extruder builds up.
 pub(crate) const AXES: usize = 5;
 
 /// The axis of the advance.
 pub(crate) const ADVANCE: usize = 4;
 
-/// Longest span, in ticks times 2^16: single precision is finer than a 20th of a tick in it.
+/// Longest span, in ticks times 2^16. Single precision is finer than a 20th of a tick in it.
 pub(crate) const LONGEST: SubTicks = SubTicks::of_ticks(1 << 19);
-// What is known to rest must rest for longer, and a time of a span has less than 40 bits.
+// A known rest must be longer, and a time within a span has less than 40 bits.
 const _: () = assert!(LONGEST.0 < (FAR as u64) << 16 && LONGEST.0 < 1 << 40);
 
 /// One in the fixed point of scales.
 pub(crate) const ONE: u32 = 1 << 30;
 
-/// Where all axes are.
+/// Positions of all axes.
 pub(crate) type Position = [Steps; AXES];
 
-/// Where an axis is, and how fast, in steps and steps a tick.
+/// Position and speed of an axis, in steps and steps a tick.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct AxisState {
     pub position: Steps,
@@ -42,23 +41,23 @@ impl AxisState {
     }
 }
 
-/// Where and when a span begins or ends.
+/// Place and time at which a span begins or ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Boundary {
     /// In ticks times 2^16.
     pub time: SubTicks,
     pub position: Position,
-    /// By how much the taps of x and y stand closer here.
+    /// Scale of the taps' delays of x and y here.
     pub scale: [u32; 2],
 }
 
 impl Boundary {
-    /// At a position where taps stand as they were given.
+    /// At a position with unscaled taps.
     pub const fn new(time: SubTicks, position: Position) -> Self {
         Self { time, position, scale: [ONE; 2] }
     }
 
-    /// Where an axis is.
+    /// Position of an axis.
     pub fn at(&self, axis: usize) -> Steps {
         self.position.get(axis).copied().unwrap_or_default()
     }
@@ -76,7 +75,7 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// No span; of zeros, which take no flash where they are static.
+    /// No span. It is all zeros, which take no flash in static memory.
     pub const EMPTY: Self = Self {
         begin: Boundary { time: SubTicks::ZERO, position: [Steps::ZERO; AXES], scale: [0; 2] },
         rate: 0.0,
@@ -84,7 +83,7 @@ impl Span {
         curve: Curve::Steady,
     };
 
-    /// A span that takes `time`; its slow end's speed alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
+    /// A span that takes `time`; the speed of its slow end alone would cover `slow_share` (scaled by [`WHOLE`]) of it.
     pub fn new(begin: Boundary, time: SubTicks, curve: Curve, slow_share: u32) -> Self {
         let slow_share = slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
         Self { begin, rate: 1.0 / ticks(time).max(1.0 / 256.0), slow_share, curve }
@@ -95,7 +94,7 @@ impl Span {
         self.state_between(axis, end, (self.begin.time, end.time, self.rate), time)
     }
 
-    /// The same for a copy that begins and ends at other times.
+    /// The same for a copy with another begin and end.
     pub fn warped(
         &self,
         axis: usize,

@@ -1,32 +1,32 @@
-//! Stiffening: an axis that rings faster away from its middle, so that the taps of its shaper stand closer there.
+//! Stiffening: an axis with a higher frequency away from its middle, where the taps of its shaper are closer together.
 //!
-//! The taps of an axis have delays, and these a mean. Where the axis rings with the period `scale` times that in the middle,
-//! a tap is late by the mean plus `scale` times what its own delay differs from the mean. Both ends of a span have a scale of
-//! their own. Within the span the delay of a tap changes evenly from that at its begin to that at its end, so the copy
-//! of that tap runs through the span a little faster or slower than the other copies do. At a boundary both spans have the same
-//! scale, so there is neither a gap nor a jump.
+//! The taps of an axis have delays with a mean. Where the axis's period is `scale` times its period in the middle, a
+//! tap's delay is the mean plus `scale` times the difference of its own delay from the mean. Each end of a span has its
+//! own scale. Within the span the delay changes evenly between its ends, so the copy of that tap runs a little faster
+//! or slower through the span than the other copies. At a boundary both spans have the same scale, so there is neither
+//! a gap nor a jump.
 
 use super::span::ONE;
 use crate::motion::number::{root, to_f32};
 use crate::units::Steps;
 
-/// Least scale: an axis is 1.25 times as fast as in its middle at most. The belts of the CoreH-bot make 1.14 of it.
+/// Lowest scale: an axis is at most 1.25 times as fast as in its middle. The belts of the CoreH-bot reach 1.14.
 const LEAST: f32 = 0.8;
 
-/// How the period of an axis falls away from its middle: as `sqrt(1 - k d^2)`, d being the distance in steps.
+/// Period of an axis away from its middle: proportional to `sqrt(1 - k d^2)`, d being the distance in steps.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stiffening {
     /// The middle.
     pub centre: Steps,
-    /// k; 0 for an axis that is the same everywhere.
+    /// k; 0 for an axis with equal frequency everywhere.
     pub rate: f32,
 }
 
 impl Stiffening {
-    /// The same everywhere.
+    /// Equal frequency everywhere.
     pub const NONE: Self = Self { centre: Steps::ZERO, rate: 0.0 };
 
-    /// The period there, as a part of that in the middle, in the fixed point of [`ONE`].
+    /// Period there relative to the period in the middle, in the fixed point of [`ONE`].
     pub(super) fn scale(&self, at: Steps) -> u32 {
         if self.rate <= 0.0 {
             return ONE;
