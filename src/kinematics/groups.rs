@@ -23,7 +23,7 @@ pub struct Group {
     pub with: MotorSet,
     /// Motors that turn backward when the coordinate grows.
     pub against: MotorSet,
-    /// The motor whose count is the coordinate.
+    /// The motor with this coordinate as its count.
     pub lead: Motor,
 }
 

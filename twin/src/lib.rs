@@ -1,35 +1,35 @@
-//! The belt's twin: what a belt that stretches, idlers, rotors and guides make of the steps that the firmware commands.
+//! The belt's twin: how elastic belts, idlers, rotors and guides respond to the steps that the firmware commands.
 //!
-//! For a desk, not for a microcontroller: `std`, `f64`, no random numbers but those of a seed, so the same input gives the
-//! same figures. Nothing in the firmware knows of it.
+//! For a host computer, not for a microcontroller: `std`, `f64`, no random numbers except from a seed, so the same
+//! input gives the same figures. The firmware does not depend on it.
 //!
-//! Lengths are in mm, angles in rad, forces in N, masses in kg, times in s, unless a name says otherwise; x, y are those of
-//! the CoreH-bot paper: the tool's place seen from motor 1's axis, x to the right and y away from the front, angles
-//! counter-clockwise seen from above. Pulleys turn by the belt that they move (radius times angle, in mm).
+//! Lengths are in mm, angles in rad, forces in N, masses in kg, times in s, unless a name says otherwise. As in the
+//! CoreH-bot paper, x and y are the tool's place seen from motor 1's axis, x to the right and y away from the front.
+//! Angles are counter-clockwise seen from above. Pulley rotation is given as belt travel (radius times angle, in mm).
 //!
-//! The rooms, each of which uses only those above it:
+//! Each room uses only the rooms above it:
 //!
 //! | room | job |
 //! |---|---|
 //! | [`params`] | the machine's dimensions, masses and stiffnesses, with their sources |
-//! | [`routing`] | where the belt goes, as a table a machine |
+//! | [`routing`] | the run of the belt, as a table per machine |
 //! | [`geometry`] | straight segments, wraps and reach, from the routing and a place of the tool |
-//! | [`model`] | the segment law, and what follows from it: ways, strains, stiffness, mass |
+//! | [`model`] | the segment law and its results: transmission, strains, stiffness, mass |
 //! | [`solve`] | equilibria and modes of a model |
-//! | [`torque`] | what motors have at a speed, and what moves ask of them |
+//! | [`torque`] | available torque at a speed, and the torque that moves need |
 //! | [`shaping`] | input shapers for an axis that rings within a band |
-//! | [`calibration`] | the machine's numbers from what its owner measured |
+//! | [`calibration`] | the machine's parameters from its owner's measurements |
 //! | [`queries`] | answers ready to be printed |
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
-//! | [`steps`] | what the firmware commanded: a trace, and which motor each of its columns turns |
-//! | [`contour`] | the line along which steps send the tool, and how far the tool is from it |
-//! | [`compensation`] | steps, or chords for a planner, sent ahead by what belts and motors give way |
-//! | [`run`] | a trace played, and what there is to say of it |
-//! | [`sampling`] | which points of a space of parameters a study looks at |
-//! | [`live`] | a machine whose steps come as they are made, with power, pushes and skips |
+//! | [`steps`] | the commanded steps: a trace, and the motor of each of its columns |
+//! | [`contour`] | the commanded line of the tool, and its distance from the tool |
+//! | [`compensation`] | steps, or chords for a planner, moved ahead by the tool's lag |
+//! | [`run`] | a played trace and its report |
+//! | [`sampling`] | the points of a parameter space that a study uses |
+//! | [`live`] | a machine that takes steps as they are made, with power, pushes and skips |
 //! | [`yin`] | Yin et al.'s CoreXY on a square, a model of its own |
 //!
-//! What the papers printed, what is right and what was corrected: docs/twin.md.
+//! Misprints of the papers and their corrections: docs/twin.md.
 #![forbid(unsafe_code)]
 
 pub mod calibration;

@@ -1,11 +1,12 @@
 //! The machine in numbers: dimensions, masses and stiffnesses, each with its source.
 //!
-//! \[H\] is the paper that introduced the CoreH-bot (Machines, 2022). What it does not say is marked *assumed*: the
-//! prototype's masses, guides, friction and damping are not published. Frequencies go with the root of stiffness over mass.
+//! \[H\] is the paper that introduced the CoreH-bot (Machines, 2022). Values without it are marked *assumed*: the
+//! prototype's masses, guides, friction and damping are not published. Frequencies are proportional to the root of
+//! stiffness over mass.
 
 use serde::{Deserialize, Serialize};
 
-/// Every number that the twin knows of a machine. The default is the prototype as far as it is known, the rest assumed.
+/// All parameters of a machine. The default is the prototype as far as it is known; the rest is assumed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Params {
@@ -19,37 +20,38 @@ pub struct Params {
     pub bar_pulleys_mm: f64,
     /// Distance e of the head's pulleys, or of the belt's clamps on it. \[H\] table 2: 80.
     pub head_pulleys_mm: f64,
-    /// Tensile stiffness of the belt (modulus times section), N per unit of strain. Assumed: 30,000 for 9 mm of GT2 with
-    /// glass cords; one published pull of 169 N on 500 mm gave 29,100, steel cords 56,000. Credible: 20,000 to 56,000.
+    /// Tensile stiffness of the belt (modulus times section), N per unit of strain. Assumed: 30,000 for 9 mm of GT2
+    /// with glass cords. One published pull of 169 N on 500 mm gave 29,100, and steel cords give 56,000. Credible:
+    /// 20,000 to 56,000.
     #[serde(rename = "belt_EA_N")]
     pub belt_ea_n: f64,
-    /// Tension at rest. Assumed: 40, from Gates' 6 to 8 lbf for 6 mm of GT2, taken to 9 mm.
+    /// Tension at rest. Assumed: 40, from Gates' 6 to 8 lbf for 6 mm of GT2, scaled to 9 mm.
     #[serde(rename = "preload_N")]
     pub preload_n: f64,
-    /// Mass of a metre of belt, which only a plucked part asks for. Assumed: 0.0125 for 9 mm of GT2, from 8.3 g/m for 6 mm
-    /// (a tension table by Benchtop Machine Shop).
+    /// Mass of a metre of belt, used only for plucked parts. Assumed: 0.0125 for 9 mm of GT2, from 8.3 g/m for 6 mm (a
+    /// tension table by Benchtop Machine Shop).
     pub belt_kg_per_m: f64,
     /// Damping of the belt over its stiffness, in s. Assumed: 2e-4, which damps y by 4 % and x by 7 % at the centre.
     pub belt_damping_s: f64,
-    /// What moves in x. Assumed: 0.60.
+    /// Mass that moves in x. Assumed: 0.60.
     pub head_mass_kg: f64,
-    /// What moves in y besides the head: bar, carriages and eight pulleys. Assumed: 1.20.
+    /// Mass that moves in y besides the head: bar, carriages and eight pulleys. Assumed: 1.20.
     pub bar_mass_kg: f64,
     /// Inertia of an idler. Assumed: 2.5e-7.
     pub idler_inertia_kg_m2: f64,
     /// Inertia of a motor's rotor with its pulley. Assumed: 5.4e-6, a NEMA 17 of 40 mm.
     pub rotor_inertia_kg_m2: f64,
-    /// Torque that a motor holds, at the current that it is run with. Assumed: 0.40, a NEMA 17 of 40 mm.
+    /// Holding torque of a motor at its run current. Assumed: 0.40, a NEMA 17 of 40 mm.
     #[serde(rename = "holding_torque_Nm")]
     pub holding_torque_nm: f64,
-    /// Current that a motor is run with, RMS of a phase, at which it holds that torque. Assumed: 1.2, with resistance and
-    /// inductance those of a NEMA 17 of 40 mm with 0.40 N m (KeliMotor BJ42D22-25V04, as listed by TheDevMinerTV/
-    /// stepper-simulator).
+    /// Run current of a motor, RMS of a phase, that gives the holding torque. Assumed: 1.2, with resistance and
+    /// inductance of a NEMA 17 of 40 mm with 0.40 N m (KeliMotor BJ42D22-25V04, as listed by
+    /// TheDevMinerTV/stepper-simulator).
     #[serde(rename = "run_current_A")]
     pub run_current_a: f64,
-    /// Resistance of a phase. Assumed: 2.9, as the current.
+    /// Resistance of a phase. Assumed: 2.9, with the current.
     pub phase_resistance_ohm: f64,
-    /// Inductance of a phase. Assumed: 6.0, as the current.
+    /// Inductance of a phase. Assumed: 6.0, with the current.
     #[serde(rename = "phase_inductance_mH")]
     pub phase_inductance_mh: f64,
     /// Supply of the motor drivers. Assumed: 24. Two motors in series, as \[H\] had them, have half of it each.
@@ -57,7 +59,7 @@ pub struct Params {
     pub supply_v: f64,
     /// Pole pairs of a motor: 50 for steps of 1.8 degrees, \[H\] section 4.
     pub pole_pairs: f64,
-    /// Detent torque of a motor. Assumed: 0, which leaves it out; the data sheet of a small one (42BYG228, by Mosaic
+    /// Detent torque of a motor. Assumed: 0, which leaves it out; the data sheet of a small motor (42BYG228, by Mosaic
     /// Industries) gives up to 0.022.
     #[serde(rename = "detent_torque_Nm")]
     pub detent_torque_nm: f64,
@@ -118,7 +120,7 @@ impl Default for Params {
 const MM_PER_M: f64 = 1000.0;
 
 impl Params {
-    /// The same without anything that takes energy away.
+    /// The same without any loss of energy.
     #[must_use]
     pub fn undamped(self) -> Self {
         Self {
@@ -132,37 +134,37 @@ impl Params {
         }
     }
 
-    /// What an idler weighs at the belt: its inertia over the square of its radius, in kg.
+    /// Equivalent mass of an idler at the belt: its inertia over the square of its radius, in kg.
     #[must_use]
     pub fn idler_mass_kg(&self) -> f64 {
         self.idler_inertia_kg_m2 * (MM_PER_M / self.pulley_radius_mm).powi(2)
     }
 
-    /// What a rotor weighs at the belt, in kg.
+    /// Equivalent mass of a rotor at the belt, in kg.
     #[must_use]
     pub fn rotor_mass_kg(&self) -> f64 {
         self.rotor_inertia_kg_m2 * (MM_PER_M / self.pulley_radius_mm).powi(2)
     }
 
-    /// What a motor's field holds at the belt at most, in N.
+    /// Maximum force of a motor's field at the belt, in N.
     #[must_use]
     pub fn holding_force_n(&self) -> f64 {
         self.holding_torque_nm * MM_PER_M / self.pulley_radius_mm
     }
 
-    /// What the detent holds at the belt at most, in N.
+    /// Maximum force of the detent at the belt, in N.
     #[must_use]
     pub fn detent_force_n(&self) -> f64 {
         self.detent_torque_nm * MM_PER_M / self.pulley_radius_mm
     }
 
-    /// Belt in mm for an electrical radian of a motor.
+    /// Belt in mm per electrical radian of a motor.
     #[must_use]
     pub fn electrical_radian_mm(&self) -> f64 {
         self.pulley_radius_mm / self.pole_pairs
     }
 
-    /// Stiffness of a motor's field at the belt about its rest, in N/mm: the slope of a sine.
+    /// Stiffness of a motor's field at the belt about its rest position, in N/mm: the slope of a sine.
     #[must_use]
     pub fn field_stiffness_n_per_mm(&self) -> f64 {
         self.holding_force_n() / self.electrical_radian_mm()
@@ -174,16 +176,16 @@ impl Params {
         self.rotor_damping_nm_s * MM_PER_M / self.pulley_radius_mm.powi(2)
     }
 
-    /// Belt in mm for a full step of a motor: a quarter of an electrical turn.
+    /// Belt in mm per full step of a motor: a quarter of an electrical turn.
     #[must_use]
     pub fn full_step_mm(&self) -> f64 {
         std::f64::consts::FRAC_PI_2 * self.electrical_radian_mm()
     }
 
-    /// What is not a machine, if anything.
+    /// Whether these parameters are possible.
     ///
     /// # Errors
-    /// The first number that cannot be, by its key.
+    /// The first impossible parameter, by its key.
     pub fn check(&self) -> Result<(), ParamsError> {
         let positive = [
             ("width_mm", self.width_mm),
@@ -214,7 +216,7 @@ impl Params {
             ("dry_friction_y_N", self.dry_friction_y_n),
             ("bar_yaw_stiffness_Nm_per_rad", self.bar_yaw_stiffness_nm_per_rad),
         ];
-        // Written so that what is no number fails too.
+        // Written so that NaN fails too.
         let bad = positive.into_iter().find(|(_, v)| !(v.is_finite() && *v > 0.0));
         if let Some((key, value)) = bad {
             return Err(ParamsError { key, value, wanted: "must be above 0" });
@@ -224,14 +226,14 @@ impl Params {
     }
 }
 
-/// A number that no machine has.
+/// An impossible parameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParamsError {
     /// Its key.
     pub key: &'static str,
-    /// What was given.
+    /// The given value.
     pub value: f64,
-    /// What is legal.
+    /// The legal values.
     pub wanted: &'static str,
 }
 

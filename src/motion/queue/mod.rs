@@ -70,7 +70,7 @@ use steps_in::REGULAR;
 pub(super) use steps_in::StepTimes;
 pub use steps_in::StepsIn;
 
-/// Slots of the ring, one of which stays empty.
+/// Slots of the ring. One of them stays empty.
 pub(in crate::motion) const SLOTS: usize = 512;
 // Event numbers wrap at 2^32 where slots must continue in order. Every `REGULAR`th event is special and must use the
 // same slots in each turn of the ring.

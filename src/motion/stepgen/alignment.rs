@@ -1,7 +1,7 @@
 //! Alignment: a long move along one axis follows the line on which its motors stand.
 //!
 //! Take two belts with the coordinates u = x + y and v = x - y, in steps. In a move along x both belts step in the same
-//! instants if u and v cross the middle between two counts together, that is if 2 y = u - v is a whole number. Motors
+//! instants if u and v cross the middle between two counts together. They do if 2 y = u - v is a whole number. Motors
 //! at rest stand on whole counts of u and v, so 2 y is whole there. That y is within half a step of the commanded y. So
 //! a long move along x is laid at the y of the motors, which needs no step to get there, and ends at the planned x. The
 //! tool stays at that y, off the planned path, until a move commands another y. All other moves end at their planned

@@ -139,7 +139,7 @@ const LONGEST_FOR_EXTRUDER: f32 = 0.04;
 ///
 /// A shaper delays by different times with different weights. A uniform window with the same standard deviation follows
 /// the shaped motion best: both agree up to the second order. It is longer if the extruder could not otherwise follow a
-/// heavy line at the highest acceleration of x or y: both ends of the window may see K a, which it spreads over its
+/// heavy line at the highest acceleration of x or y. Both ends of the window may see K a, which it spreads over its
 /// length.
 #[must_use]
 pub fn advance_window(s: &Settings) -> Seconds {

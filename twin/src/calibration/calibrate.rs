@@ -1,12 +1,17 @@
-//! Calibrate: the numbers with which the model measures as the machine did.
+//! Calibrate: finds the parameters with which the model reproduces the measurements.
 //!
-//! Unknown are the logarithms of parameters, as all are above 0 and their uncertainties are parts of them. Each nominal value
-//! counts as one more measurement, with the uncertainty that is assumed of it: so a parameter that the figures hardly tell
-//! makes the others uncertain by what it does to them, and worse figures never tell more. With r the differences of the
-//! figures' logarithms over their uncertainties, J what each parameter does to them, p the parameters' ways from their nominal
-//! values and W the inverse squares of the assumed uncertainties, a round goes by `-(J^T J + W)^-1 (J^T r + W p)` (Gauss and
-//! Newton). At the end `(J^T J + W)^-1` is the covariance of the logarithms (Tarantola, Inverse Problem Theory, chapter on
-//! least squares).
+//! The unknowns are logarithms of parameters, because all are positive and their uncertainties are relative. Each
+//! nominal value counts as one more measurement, with its assumed uncertainty. So a parameter that the figures hardly
+//! determine makes the others uncertain by its effect on them, and worse figures never determine more. A round of the
+//! Gauss-Newton method changes the logarithms by `-(J^T J + W)^-1 (J^T r + W p)`:
+//!
+//! - r: differences of the figures' logarithms, divided by their uncertainties;
+//! - J: their derivatives by each parameter;
+//! - p: distances of the parameters from their nominal values;
+//! - W: inverse squares of the assumed uncertainties.
+//!
+//! At the end `(J^T J + W)^-1` is the covariance of the logarithms (Tarantola, Inverse Problem Theory, chapter on least
+//! squares).
 
 use super::figure::{Figure, Measurement};
 use super::parameter::Parameter;
@@ -16,36 +21,37 @@ use crate::solve::NotHeld;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 
-/// A machine that measures as it was measured.
+/// A machine that reproduces the measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibrated {
-    /// All its numbers; together they measure as the machine did, also those that were not told.
+    /// All its parameters, including the undetermined ones; together they reproduce the measurements.
     pub params: Params,
-    /// Those that were told.
+    /// The parameters that were determined.
     pub estimates: Vec<Estimate>,
-    /// Those that are hardly better known than before.
+    /// The parameters that are hardly better known than before.
     pub not_told: Vec<Estimate>,
-    /// What is left of each measurement's difference, in their order.
+    /// Remaining difference of each measurement, in their order.
     pub misfits: Vec<Misfit>,
 }
 
-/// A number that was sought.
+/// A fitted parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// Which.
+    /// The parameter.
     pub parameter: Parameter,
-    /// What it is.
+    /// Its value.
     pub value: f64,
-    /// Its standard uncertainty as a part of it, of 1 (of its logarithm), from those of the measurements and nominal values.
+    /// Its relative standard uncertainty, of 1 (of its logarithm), from the uncertainties of measurements and nominal
+    /// values.
     pub uncertainty: f64,
-    /// What was assumed of its nominal value before.
+    /// Assumed uncertainty of its nominal value.
     pub assumed_uncertainty: f64,
 }
 
-/// How far the model is from a measurement.
+/// Difference between the model and a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Misfit {
-    /// By what part the model says more, of 1.
+    /// Relative excess of the model's value, of 1.
     pub part: f64,
     /// The same in uncertainties of the measurement.
     pub uncertainties: f64,
@@ -54,15 +60,15 @@ pub struct Misfit {
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CalibrateError {
-    /// Nothing was measured that depends much on what is sought.
+    /// No measurement depends much on a fitted parameter.
     Nothing,
-    /// The figures depend on these parameters, but tell none.
+    /// The figures depend on these parameters, but determine none.
     Undetermined(Vec<Parameter>),
-    /// No machine within a hundredfold of the one that the search began with measures like this.
+    /// No machine within a factor of a hundred of the start reproduces the measurements.
     NoMachine,
-    /// The nearest machine is this far from each measurement, and too far from one.
+    /// Differences of the nearest machine from each measurement, too large for one.
     Unlike(Vec<Misfit>),
-    /// The machine that measures like this has a number that none has.
+    /// The machine that reproduces the measurements has an impossible parameter.
     NoSuch(Parameter, f64),
     /// Nothing holds the machine.
     NotHeld(NotHeld),
@@ -101,38 +107,39 @@ impl From<NotHeld> for CalibrateError {
     }
 }
 
-/// A parameter is told if no more than this part of the uncertainty that was assumed of it is left (assumed: a third).
+/// A parameter is determined if at most this part of its assumed uncertainty remains (assumed: a third).
 const TOLD: f64 = 1.0 / 3.0;
 
-/// Figures depend on a parameter if they leave less than this part of it (assumed).
+/// Figures depend on a parameter if less than this part of its uncertainty remains (assumed).
 const DEPENDS: f64 = 0.95;
 
-/// A measurement from which the nearest machine is further than this, in its uncertainties, was made of another machine, or not
-/// as it should: one in two million is by chance.
+/// Largest difference of the nearest machine from a measurement, in uncertainties. Beyond, the measurement is of
+/// another machine or wrong: one in two million exceeds it by chance.
 const LIKE: f64 = 5.0;
 
-/// A number that is told is within this factor of the nominal one, as a logarithm: ten, where a factor of two is assumed.
+/// A determined parameter is within this factor of the nominal one, as a logarithm: ten, where a factor of two is
+/// assumed.
 const NO_SUCH: f64 = 2.3;
 
-/// Rounds of the search; it ends in a few.
+/// Maximum number of rounds; a few suffice.
 const ROUNDS: usize = 60;
 
-/// A parameter is changed by this part to see what follows; the error of central differences goes with its square.
+/// Relative change of a parameter for central differences; their error is proportional to its square.
 const PROBE: f64 = 1e-4;
 
-/// A parameter changes by no more than this factor in a round (as a logarithm).
+/// Largest factor of a parameter's change in a round (as a logarithm).
 const LONGEST_STEP: f64 = 0.7;
 
-/// Nor by more than a hundredfold in all (as a logarithm).
+/// Largest factor of its change in all: a hundred (as a logarithm).
 const FURTHEST: f64 = 4.605;
 
-/// The search ends where it changes nothing by this (as a logarithm).
+/// The search ends at changes below this (as a logarithm).
 const CLOSE: f64 = 1e-9;
 
-/// Begins at `params` and seeks all parameters but for the `fixed` ones, which count as exact.
+/// Fits all parameters except the `fixed` ones, which count as exact, beginning at `params`.
 ///
 /// # Errors
-/// The measurements do not determine a parameter, or no machine measures like this.
+/// The measurements do not determine a parameter, or no machine reproduces them.
 pub fn calibrate(
     machine: Machine,
     params: &Params,
@@ -170,7 +177,7 @@ pub fn calibrate(
     Ok(Calibrated { params, estimates, not_told, misfits })
 }
 
-/// What is looked for: a machine of this kind, near the nominal one, that measures like this.
+/// The problem: a machine of this kind, near the nominal one, that reproduces the measurements.
 struct Search<'m> {
     machine: Machine,
     nominal: &'m Params,
@@ -179,7 +186,7 @@ struct Search<'m> {
 }
 
 impl Search<'_> {
-    /// By how many uncertainties the model says more, a row for each measurement.
+    /// Excess of the model in uncertainties, a row for each measurement.
     fn differences(&self, params: &Params) -> Result<DVector<f64>, NotHeld> {
         let one = |m: &Measurement| {
             let says = m.figure.predict(self.machine, params)?;
@@ -189,7 +196,7 @@ impl Search<'_> {
         Ok(DVector::from_vec(all))
     }
 
-    /// What each parameter's logarithm does to them, a column for each.
+    /// Their derivatives by each parameter's logarithm, a column for each.
     fn slopes(&self, params: &Params) -> Result<DMatrix<f64>, NotHeld> {
         let mut slopes = DMatrix::zeros(self.measurements.len(), self.sought.len());
         for (column, parameter) in self.sought.iter().enumerate() {
@@ -199,7 +206,7 @@ impl Search<'_> {
         Ok(slopes)
     }
 
-    /// What is assumed of a nominal value.
+    /// Assumed uncertainty of a nominal value.
     fn assumed_uncertainty(&self, parameter: Parameter) -> f64 {
         let is_belt_weighed = self.measurements.iter().any(|m| matches!(m.figure, Figure::BeltMass));
         parameter.assumed_uncertainty(is_belt_weighed)
@@ -210,13 +217,13 @@ impl Search<'_> {
         DVector::from_iterator(self.sought.len(), self.sought.iter().map(|p| self.assumed_uncertainty(*p).powi(-2)))
     }
 
-    /// The normal equations' matrix, which the weights keep positive definite.
+    /// Matrix of the normal equations. The weights keep it positive definite.
     fn normal(&self, slopes: &DMatrix<f64>) -> Result<Cholesky<f64, Dyn>, CalibrateError> {
         let matrix = slopes.transpose() * slopes + DMatrix::from_diagonal(&self.weights());
         matrix.cholesky().ok_or(CalibrateError::NoMachine)
     }
 
-    /// The machine with the least squares.
+    /// The machine with the least sum of squares.
     fn run(&self) -> Result<Params, CalibrateError> {
         let mut found = self.nominal.clone();
         for _ in 0..ROUNDS {

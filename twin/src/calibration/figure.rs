@@ -1,4 +1,4 @@
-//! Figure: something of a machine that can be measured, and what the model says of it.
+//! Figure: a measurable property of a machine, and the model's value of it.
 
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
@@ -26,32 +26,32 @@ impl From<Direction> for Coordinate {
     }
 }
 
-/// What lay on the scale.
+/// The weighed part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weighed {
-    /// All that moves in x.
+    /// All mass that moves in x.
     Head,
-    /// All that moves in y besides the head.
+    /// All mass that moves in y besides the head.
     Bar,
-    /// All that moves in y.
+    /// All mass that moves in y.
     Both,
 }
 
-/// Something that can be measured. The motors have power and hold.
+/// A measurable property. The motors have power and hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Figure {
-    /// Frequency in Hz of a plucked part of the belt between two pulleys, the machine at rest.
+    /// Frequency in Hz of a plucked part of the belt between two pulleys, with the machine at rest.
     Pluck {
         /// Length of the part.
         length_mm: f64,
     },
     /// Mass of a metre of belt in kg.
     BeltMass,
-    /// How far in mm a force moves the tool along its direction.
+    /// Deflection of the tool in mm along the direction of a force.
     Deflection {
         /// The tool's place.
         at: Place,
-        /// Along which axis the force pulls.
+        /// Axis along which the force pulls.
         along: Direction,
         /// The force.
         force_n: f64,
@@ -65,37 +65,37 @@ pub enum Figure {
     },
     /// Mass in kg.
     Weight(Weighed),
-    /// Force in N at which a motor slips, at the end of a lever on its shaft, the belt off.
+    /// Force in N at which a motor slips, at the end of a lever on its shaft, without belt.
     Slip {
         /// Length of the lever, from the shaft's axis.
         lever_mm: f64,
     },
 }
 
-/// A figure as it was measured.
+/// A measured figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// What was measured.
+    /// The measured property.
     pub figure: Figure,
-    /// What it was, in the figure's unit, above 0.
+    /// Its value in the figure's unit, above 0.
     pub measured: f64,
-    /// Its standard uncertainty as a part of it, of 1, above 0.
+    /// Its relative standard uncertainty, of 1, above 0.
     pub uncertainty: f64,
 }
 
 /// mm in an m, and N mm in an N m.
 const MM_PER_M: f64 = 1000.0;
 
-/// Tension of a string that is plucked: T = 4 m L^2 f^2 (Mersenne), in N.
+/// Tension of a plucked string: T = 4 m L^2 f^2 (Mersenne), in N.
 ///
-/// A belt's resistance to bending makes it a little sharper, the more so the shorter it is.
+/// A belt's bending stiffness raises the pitch a little, more for short parts.
 #[must_use]
 pub fn span_tension_n(length_mm: f64, mass_kg_per_m: f64, frequency_hz: f64) -> f64 {
     4.0 * mass_kg_per_m * (length_mm / MM_PER_M * frequency_hz).powi(2)
 }
 
 impl Figure {
-    /// What it is on this machine, in the figure's unit.
+    /// Its value on this machine, in the figure's unit.
     ///
     /// # Errors
     /// Nothing holds the machine.

@@ -1,6 +1,6 @@
-//! Calibration: the machine's numbers from measurements that its owner can make.
+//! Calibration: the machine's parameters from measurements that its owner can make.
 //!
-//! Each [`Figure`] is something that can be measured with a ruler, a phone and a weight, and that the model foretells:
+//! Each [`Figure`] can be measured with a ruler, a phone and a weight, and the model predicts it:
 //!
 //! | figure | depends on |
 //! |---|---|
@@ -9,11 +9,11 @@
 //! | weight of head or bar | that mass alone |
 //! | force on a lever at which a motor slips | holding torque alone |
 //! | deflection of the tool under a force | belt stiffness, and a little on holding torque |
-//! | frequency at which an axis rings | the same, and the mass that moves |
+//! | frequency at which an axis rings | the same, and the moving mass |
 //!
-//! [`calibrate`] takes all of them at once: weighted least squares of the logarithms, with each nominal value as one more
-//! measurement that is good to what is assumed of it. What the figures do not tell is named and makes the rest as uncertain as
-//! it must; if they tell nothing, that is an error.
+//! [`calibrate`] uses all of them at once: weighted least squares of the logarithms, with each nominal value as one
+//! more measurement of its assumed uncertainty. Undetermined parameters are named and make the rest as uncertain as
+//! they must. If nothing is determined, that is an error.
 
 mod calibrate;
 mod figure;

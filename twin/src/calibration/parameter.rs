@@ -1,9 +1,9 @@
-//! Parameter: a number of the machine that measurements may tell.
+//! Parameter: a number of the machine that measurements may determine.
 
 use crate::params::Params;
 use serde::{Deserialize, Serialize};
 
-/// A number that is sought, by its key in files of parameters.
+/// A fitted parameter, by its key in parameter files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Parameter {
     /// Tensile stiffness of the belt.
@@ -15,23 +15,24 @@ pub enum Parameter {
     /// Mass of a metre of belt.
     #[serde(rename = "belt_kg_per_m")]
     BeltMass,
-    /// What moves in x.
+    /// Mass that moves in x.
     #[serde(rename = "head_mass_kg")]
     HeadMass,
-    /// What moves in y besides the head.
+    /// Mass that moves in y besides the head.
     #[serde(rename = "bar_mass_kg")]
     BarMass,
-    /// Torque that a motor holds.
+    /// Holding torque of a motor.
     #[serde(rename = "holding_torque_Nm")]
     HoldingTorque,
 }
 
-/// A nominal value is right but for a factor of two, in one standard uncertainty. Assumed: belts of 20 to 56 kN are sold, a
-/// NEMA 17 holds 0.2 to 0.6 N m by its length and current, a belt is tightened by feel, and heads weigh 0.3 to 1.2 kg.
+/// A nominal value is right within a factor of two, in one standard uncertainty. Assumed: belts of 20 to 56 kN are
+/// sold; a NEMA 17 holds 0.2 to 0.6 N m by its length and current; a belt is tightened by feel; heads weigh 0.3 to 1.2
+/// kg.
 const GUESSED: f64 = std::f64::consts::LN_2;
 
-/// A belt's mass that nobody weighed. Assumed: 10 %; FarmBot's bill of materials lets GT2 of 5.8 mm differ by 0.1 of 1.25 mm in
-/// thickness and by 0.2 mm in width, 9 % together.
+/// Uncertainty of a belt's mass that was not weighed. Assumed: 10 %. FarmBot's bill of materials lets GT2 of 5.8 mm
+/// differ by 0.1 of 1.25 mm in thickness and by 0.2 mm in width, 9 % together.
 const BELT_MASS: f64 = 0.1;
 
 impl Parameter {
@@ -52,8 +53,8 @@ impl Parameter {
         }
     }
 
-    /// Standard uncertainty of its nominal value, of the logarithm. The nominal belt is the usual one; once a belt was weighed, its
-    /// mass is the scale's to tell.
+    /// Standard uncertainty of its nominal value, of the logarithm. The nominal belt is the usual one. For a weighed
+    /// belt the scale determines the mass.
     #[must_use]
     pub const fn assumed_uncertainty(self, is_belt_weighed: bool) -> f64 {
         match self {
@@ -63,7 +64,7 @@ impl Parameter {
         }
     }
 
-    /// What it is on a machine.
+    /// Its value on a machine.
     #[must_use]
     pub const fn of(self, params: &Params) -> f64 {
         match self {

@@ -1,26 +1,26 @@
 //! Chords: a path in time as few straight moves at constant speed, for a planner that takes moves and not times.
 //!
-//! A stretch is cut where it is furthest from its chord until nothing is further than the tolerance. Along the path a chord may
-//! be early or late by more than it may lie beside it: the first is not seen on the plate.
+//! A stretch is cut where it is furthest from its chord until it is within the tolerance everywhere. The tolerance
+//! along the path is larger than across it, because the plate shows only the error across.
 
 use crate::contour::cut::ends;
 
-/// How far the tool may be beside its chord, in mm: a twelfth of a step.
+/// Tolerance across the chord, in mm: a twelfth of a step.
 const BESIDE_MM: f64 = 0.001;
 
-/// How far it may be ahead on it, in mm: 3 m/s2 make a chord of 3.3 ms of that.
+/// Tolerance along the chord, in mm: at 3 m/s2 it allows a chord of 3.3 ms.
 const ALONG_MM: f64 = 0.004;
 
-/// How far Z may be off, in mm: at 0.2 m/s2 its speed changes by 0.8 mm/s from chord to chord.
+/// Tolerance of Z, in mm: at 0.2 m/s2 its speed changes by 0.8 mm/s from chord to chord.
 const Z_MM: f64 = 0.0004;
 
-/// How far the filament may be off, in mm: at 3 m/s2 its speed changes by 5 mm/s.
+/// Tolerance of the filament, in mm: at 3 m/s2 its speed changes by 5 mm/s.
 const E_MM: f64 = 0.001;
 
 /// A chord shorter than this has no direction, in mm.
 const LEAST_MM: f64 = 1e-6;
 
-/// The samples that chords begin and end at, of x, y, z and e in mm at equal distances in time.
+/// The samples at which chords begin and end, of x, y, z and e in mm at equal distances in time.
 #[must_use]
 pub fn vertices(samples: &[[f64; 4]]) -> Vec<usize> {
     let Some(last) = samples.len().checked_sub(1) else { return Vec::new() };
@@ -28,7 +28,7 @@ pub fn vertices(samples: &[[f64; 4]]) -> Vec<usize> {
     std::iter::once(0).chain(ends).collect()
 }
 
-/// The sample between two others that is furthest from where the chord has it at that time, if it is too far.
+/// The sample between two others that is furthest from its chord at that time, if it is too far.
 fn furthest(samples: &[[f64; 4]], begin: usize, end: usize) -> Option<usize> {
     let (a, b) = (samples.get(begin)?, samples.get(end)?);
     let way: [f64; 4] = std::array::from_fn(|i| b[i] - a[i]);
@@ -55,7 +55,8 @@ fn furthest(samples: &[[f64; 4]], begin: usize, end: usize) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// At 3 m/s2 a chord that is 4 um late in its middle lasts sqrt(8 d / a) = 3.3 ms: 100 ms take some 31, at most twice as many.
+    /// At 3 m/s2 a chord that is 4 um late in its middle lasts sqrt(8 d / a) = 3.3 ms. So 100 ms take about 31, at most
+    /// twice as many.
     #[test]
     fn a_ramp_is_cut_by_its_lateness_and_rest_is_one_chord() {
         let at = |sample: usize| {

@@ -9,16 +9,16 @@ use crate::steps::drive::NoColumn;
 pub enum CompensationError {
     /// It has no column for a motor.
     NoColumn(NoColumn),
-    /// It lasts for so many s.
+    /// It lasts this many s.
     TooLong(f64),
     /// The path leaves the reach of the machine.
     OutOfReach {
-        /// What the path takes.
+        /// Extent of the path.
         path: Workspace,
-        /// What there is.
+        /// The reach.
         reach: Workspace,
     },
-    /// After so many s a motor would step faster than once in 10 us.
+    /// After this many s a motor would step faster than once in 10 us.
     TooFast(f64),
 }
 

@@ -1,8 +1,9 @@
-//! Lag: by how much motors must be ahead so that the tool is where it is meant to be.
+//! Lag: how far motors must be ahead to put the tool at its intended place.
 //!
-//! The tool lags by `K^-1 (M a + c v + f sign v)`, with K its stiffness at the place, fields giving way, and a rotor by its
-//! own inertia and friction over its field. For a mass on a spring this is the inverse of its motion, not only of its rest:
-//! it takes away ringing as well, as far as the acceleration is known. The bar's yaw is not in it (docs/twin.md says why).
+//! The tool lags by `K^-1 (M a + c v + f sign v)`. K is its stiffness at the place with compliant fields. A rotor also
+//! lags by its own inertia and friction over its field. For a mass on a spring this is the exact inverse of its motion,
+//! so it also removes ringing, as far as the acceleration is known. The bar's yaw is not included (docs/twin.md has the
+//! reason).
 
 use super::path::RATE;
 use crate::dynamics::plant::CREEP;
@@ -13,16 +14,16 @@ use crate::routing::{Machine, Place};
 use crate::solve::balance::condensed;
 use std::collections::BTreeMap;
 
-/// Places nearer than this in mm have one stiffness: it changes by 0.3 % over so much.
+/// Places nearer than this in mm share one stiffness: it changes by 0.3 % over this distance.
 const CELL_MM: f64 = 5.0;
 
-/// Half of the Gaussian's length in widths.
+/// Half the length of the Gaussian, in widths.
 const WIDTHS: f64 = 4.0;
 
 /// mm in an m.
 const MM_PER_M: f64 = 1000.0;
 
-/// The machine as it is believed to be.
+/// The assumed machine.
 #[derive(Clone, Copy, Debug)]
 pub struct Lag<'p> {
     machine: Machine,
@@ -30,24 +31,24 @@ pub struct Lag<'p> {
     start: Place,
 }
 
-/// By how much the tool is sent ahead.
+/// The lead of the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ahead {
-    /// Along x and y in mm, over time; what the rotors' own inertia takes is in it.
+    /// Along x and y in mm, over time, including the rotors' own inertia.
     pub tool: Vec<[f64; 2]>,
-    /// The most, without the rotors' part.
+    /// Its maximum, without the rotors' part.
     pub greatest_mm: [f64; 2],
 }
 
 impl<'p> Lag<'p> {
-    /// Of a machine whose tool is at `start` at first.
+    /// Of a machine with its tool at `start` at first.
     #[must_use]
     pub const fn new(machine: Machine, params: &'p Params, start: Place) -> Self {
         Self { machine, params, start }
     }
 
-    /// What is added where the tool goes so ([`Path::tool`](super::path::Path::tool)), smoothed by a Gaussian of this width before
-    /// its acceleration is taken.
+    /// The lead for this motion of the tool ([`Path::tool`](super::path::Path::tool)). A Gaussian of this width smooths
+    /// the path before its acceleration is taken.
     #[must_use]
     pub fn of(&self, tool: &[[f64; 2]], width_s: f64) -> Ahead {
         let p = self.params;
@@ -74,7 +75,7 @@ impl<'p> Lag<'p> {
     }
 }
 
-/// mm of the tool for a newton, about the middle of a cell.
+/// Compliance of the tool in mm per newton, about the middle of a cell.
 fn compliance(machine: Machine, params: &Params, cell: [i64; 2]) -> [[f64; 2]; 2] {
     let reach = workspace(machine, params);
     let [x, y] = cell.map(|v| v as f64 * CELL_MM);
@@ -98,7 +99,8 @@ fn kernels(width_s: f64) -> [Vec<f64>; 3] {
     };
     let slope = with(&|u| u / width_s);
     let curvature = with(&|u| (u * u - 1.0) / (width_s * width_s));
-    // Cut off and sampled, it is set right so that a place far off adds nothing and a parabola has its own acceleration.
+    // After cutting and sampling it is corrected, so that a constant adds nothing and a parabola has its own
+    // acceleration.
     let mean = curvature.iter().sum::<f64>();
     let curvature: Vec<f64> = curvature.iter().zip(&plain).map(|(at, weight)| at - mean * weight / sum).collect();
     let times = (-half..=half).map(|i| i as f64 / RATE);
@@ -107,7 +109,7 @@ fn kernels(width_s: f64) -> [Vec<f64>; 3] {
     [plain.iter().map(|at| at / sum).collect(), slope, curvature]
 }
 
-/// A kernel over the samples about one; the ends go on for ever.
+/// A kernel over the samples about one; the ends continue as constants.
 fn convolved(tool: &[[f64; 2]], sample: usize, kernel: &[f64]) -> [f64; 2] {
     let half = kernel.len() / 2;
     let mut sum = [0.0; 2];
@@ -125,7 +127,7 @@ fn convolved(tool: &[[f64; 2]], sample: usize, kernel: &[f64]) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    /// Of 3 + 2 t + t^2 / 2 about t = 0.02 the place is 3.0402, the speed 2.02, the acceleration 1.
+    /// Of 3 + 2 t + t^2 / 2 at t = 0.02 the place is 3.0402, the speed 2.02, the acceleration 1.
     #[test]
     fn kernels_tell_place_speed_and_acceleration_of_a_parabola() {
         let place = |sample: usize| {
@@ -135,7 +137,7 @@ mod tests {
         let tool: Vec<[f64; 2]> = (0..200).map(place).collect();
         for width_s in [0.0003, 0.001, 0.004] {
             let found = kernels(width_s).map(|kernel| convolved(&tool, 100, &kernel)[0]);
-            // The Gaussian rounds the place by half its width's square.
+            // The Gaussian rounds the place by half the square of its width.
             let expected = [3.0402 + width_s * width_s / 2.0, 2.02, 1.0];
             for (found, (expected, part)) in found.into_iter().zip(expected.into_iter().zip([1e-6, 2e-3, 1e-6])) {
                 assert!((found / expected - 1.0).abs() < part, "{width_s}: {found} {expected}");

@@ -1,8 +1,8 @@
-//! Compensation: steps that send the motors ahead by what the tool will lag behind.
+//! Compensation: steps that move the motors ahead by the tool's lag.
 //!
-//! What lags is known: belts and fields give way under inertia and friction ([`lag`]). The acceleration that this takes is
-//! that of the path that was meant, which the times of the steps tell far more finely than the steps themselves ([`path`]).
-//! The sum is cut into steps anew (`stepping`), or into the chords that a planner is given ([`chords`]).
+//! The lag is known: belts and fields deflect under inertia and friction ([`lag`]). It needs the acceleration of the
+//! intended path. The times of the steps give this far more accurately than the steps themselves ([`path`]). The sum is
+//! cut into new steps (`stepping`), or into chords for a planner ([`chords`]).
 
 pub mod chords;
 mod error;
@@ -21,18 +21,18 @@ use path::Path;
 /// The longest trace in s: samples of its path take 0.9 GB of memory for an hour.
 const LONGEST_S: f64 = 3600.0;
 
-/// Steps with what was done to them.
+/// Compensated steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compensated {
     /// The steps.
     pub steps: StepTrace,
-    /// By how much the tool was sent ahead at most, along x and y.
+    /// Maximum lead of the tool, along x and y.
     pub ahead_mm: [f64; 2],
 }
 
-/// Compensates steps of a machine that begins with its tool at `start`, as stiff and heavy as `believed`. The path is
-/// smoothed by a Gaussian of this width (standard deviation) before its acceleration is taken: longer, and ringing is not met;
-/// shorter, and steps shine through. A millisecond is best for modes of 50 to 110 Hz (docs/twin.md).
+/// Compensates steps of a machine with its tool at `start` at first, and with the stiffness and masses of `believed`. A
+/// Gaussian of this width (standard deviation) smooths the path before its acceleration is taken. A longer one misses
+/// ringing, a shorter one lets steps through. A millisecond is best for modes of 50 to 110 Hz (docs/twin.md).
 ///
 /// # Errors
 /// The trace is of another kind of machine, lasts too long, leaves the reach, or has motors that step too fast.
@@ -50,21 +50,21 @@ pub fn compensate(
     Ok(Compensated { steps: path.steps(trace, &motors)?, ahead_mm: lead.ahead_mm })
 }
 
-/// Where the tool was meant to be, and by how much it is sent ahead, [`RATE`](path::RATE) times a second.
+/// Intended places of the tool and its lead, [`RATE`](path::RATE) times a second.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lead {
     /// In mm from the start.
     pub meant: Vec<[f64; 2]>,
     /// In mm.
     pub added: Vec<[f64; 2]>,
-    /// By how much at most, along x and y.
+    /// Its maximum, along x and y.
     pub ahead_mm: [f64; 2],
 }
 
-/// The tool's path of [`compensate`], for whoever plans it anew.
+/// The tool's path of [`compensate`], for a planner.
 ///
 /// # Errors
-/// As there.
+/// As [`compensate`].
 pub fn lead_of(
     machine: Machine,
     believed: &Params,

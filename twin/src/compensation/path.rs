@@ -1,7 +1,7 @@
-//! Path: where each motor was meant to be, from the times of its steps.
+//! Path: the intended position of each motor, from the times of its steps.
 //!
-//! A step says where the motor is meant to be at that very time: half way between the two places. Between these times the
-//! path is taken as straight. Where a motor rests it is at its step. Motors that share a column of the trace count once.
+//! At the time of a step the intended position is half way between the two places. Between these times the path is
+//! taken as straight. A resting motor is at its step. Motors that share a column of the trace count once.
 
 use crate::geometry::Workspace;
 use crate::model::ways::Ways;
@@ -10,16 +10,16 @@ use crate::routing::{Machine, Place};
 use crate::steps::drive::{NoColumn, drives};
 use crate::steps::{StepTrace, TICKS_PER_SECOND};
 
-/// Samples of the path in a second: 45 a period of the faster axis, 17 of the slowest mode of the rotors.
+/// Samples of the path per second: 45 a period of the faster axis, 17 of the slowest mode of the rotors.
 pub const RATE: f64 = 5000.0;
 
-/// A motor without a step for so long in s rests, and comes to rest or sets off within a part of it.
+/// A motor without a step for this time in s rests, and comes to rest or sets off within a part of it.
 const REST_S: f64 = 0.02;
 
-/// That part.
+/// This part.
 const SET_OFF: f64 = 0.25;
 
-/// Where a motor is meant to be, in steps.
+/// Intended position of a motor: time and steps.
 pub(super) type Knot = (f64, f64);
 
 /// The motors' paths.
@@ -29,9 +29,9 @@ pub struct Path {
     pub(super) motors: Vec<Vec<Knot>>,
     /// The column of each motor and its sense.
     pub(super) columns: Vec<(usize, i8)>,
-    /// Steps of the motors for a millimetre of the tool.
+    /// Steps of the motors per millimetre of the tool.
     pub(super) rows: Vec<[f64; 2]>,
-    /// Length of it in s.
+    /// Its length in s.
     pub(super) duration_s: f64,
 }
 
@@ -74,7 +74,8 @@ impl Path {
     pub fn tool(&self) -> Vec<[f64; 2]> {
         let count = (self.duration_s * RATE) as usize;
         let mut tool = vec![[0.0; 2]; count];
-        // Columns of the rows are orthogonal: each coordinate is the sum of the motors' over the square of its column.
+        // The columns of the rows are orthogonal: each coordinate is the sum over the motors divided by the square of
+        // its column.
         let squares = [0, 1].map(|axis| self.rows.iter().map(|row| row[axis] * row[axis]).sum::<f64>());
         for (knots, row) in self.motors.iter().zip(&self.rows) {
             let mut at = Walk::new(knots);
@@ -89,7 +90,7 @@ impl Path {
     }
 }
 
-/// What the tool takes of the reach if it begins at `start`.
+/// The part of the reach that the tool uses if it begins at `start`.
 pub(super) fn taken(tool: &[[f64; 2]], start: Place) -> Workspace {
     let mut taken = Workspace { x: [start.x; 2], y: [start.y; 2] };
     for [x, y] in tool {
@@ -109,7 +110,7 @@ fn step(knots: &mut Vec<Knot>, time: f64, before: f64, now: f64) {
     knots.push((time, f64::midpoint(before, now)));
 }
 
-/// What steps from 0 on is meant to be at each of so many samples, from the times in s at which it became something else.
+/// Samples of a step function that is 0 at first, from the times in s of its new values.
 pub fn sampled(steps: impl IntoIterator<Item = (f64, f64)>, count: usize) -> Vec<f64> {
     let mut knots = vec![(0.0, 0.0)];
     let mut before = 0.0;
@@ -126,7 +127,7 @@ pub fn sampled(steps: impl IntoIterator<Item = (f64, f64)>, count: usize) -> Vec
     (0..count).map(|sample| at.at(sample as f64 / RATE)).collect()
 }
 
-/// Goes along a motor's knots.
+/// A walk along a motor's knots.
 pub(super) struct Walk<'k> {
     knots: &'k [Knot],
     index: usize,
@@ -137,7 +138,7 @@ impl<'k> Walk<'k> {
         Self { knots, index: 0 }
     }
 
-    /// Where it is at a time that is not before the last one asked for.
+    /// Its position at a time. Times must not decrease from call to call.
     pub(super) fn at(&mut self, time: f64) -> f64 {
         while self.knots.get(self.index + 1).is_some_and(|(end, _)| *end <= time) {
             self.index += 1;

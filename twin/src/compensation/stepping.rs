@@ -1,23 +1,23 @@
-//! Stepping: steps of paths with something added to each, among the steps of all other motors.
+//! Stepping: steps of paths with an added lead, among the steps of all other motors.
 
 use super::CompensationError;
 use super::path::{Path, RATE, Walk};
 use crate::steps::{Event, StepTrace, TICKS_PER_SECOND};
 
-/// Ticks between two looks: 10 us. A motor steps once at a look.
+/// Ticks between two samples: 10 us. A motor steps at most once per sample.
 const LOOK: u64 = 100;
 
-/// A motor that is so many steps away from where it is meant to be does not keep up.
+/// A motor this many steps away from its intended place does not keep up.
 const LEFT_BEHIND: f64 = 3.0;
 
-/// A motor steps where it is this much of a step away, so that it does not tremble.
+/// A motor steps when it is this much of a step away, so that it does not oscillate.
 const STEP_AT: f64 = 0.55;
 
 impl Path {
-    /// The steps of it, in the columns of the trace that it was made of; what has no part in the path steps as before.
+    /// The steps of the path, in the columns of its trace. Columns without a part in the path step as before.
     ///
     /// # Errors
-    /// A motor would have to step faster than once a look.
+    /// A motor would have to step faster than once per sample.
     pub(super) fn steps(&self, trace: &StepTrace, added: &[Vec<f64>]) -> Result<StepTrace, CompensationError> {
         let mut steps = StepTrace::new(trace.columns.clone(), trace.step_mm);
         let mut walks: Vec<Walk> = self.motors.iter().map(|knots| Walk::new(knots)).collect();

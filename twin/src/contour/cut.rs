@@ -1,9 +1,10 @@
-//! Cut: a row of places as few lines, cut where it is furthest from its line until nothing is too far (Douglas and Peucker, 1973).
+//! Cut: a row of places as few lines, cut where it is furthest from its line until it is within the tolerance (Douglas
+//! and Peucker, 1973).
 //!
-//! What is far is the caller's to say: a step beside the line, a moment before or after it.
+//! The caller defines the distance: a step off the line, or a time before or after it.
 
-/// The places that end lines, in order, of a row that ends with place `last`. `furthest` is the place between two others that is
-/// furthest from the line between them, if it is too far.
+/// The places that end lines, in order, of a row that ends with place `last`. `furthest` returns the place between two
+/// others that is furthest from the line between them, if it is too far.
 pub fn ends(last: usize, furthest: impl Fn(usize, usize) -> Option<usize>) -> Vec<usize> {
     let mut ends = Vec::new();
     let mut pending = vec![(0, last)];

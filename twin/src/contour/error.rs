@@ -1,8 +1,8 @@
 //! Error: distances of the tool from its line.
 //!
-//! Only the part of the line is looked at where the tool may be, so that a line next to it is not taken for its own: where it was
-//! sent a period ago up to where it will be sent shortly. A tool that goes along another file's line has a [`Pace`], which says
-//! when it was meant to be where it is sent. Near a corner an error towards the inside is rounding, one towards the outside
+//! Only the part of the line near the commanded place counts, from a period ago to shortly ahead. So a neighbouring
+//! line is not mistaken for the tool's own. A tool that follows another file's line has a [`Pace`], which gives the
+//! intended time of each place. Near a corner an error towards the inside is rounding, one towards the outside
 //! overshoot.
 
 use super::pace::Pace;
@@ -11,18 +11,18 @@ use super::trail::Trail;
 use crate::steps::TICKS_PER_SECOND;
 use std::ops::Range;
 
-/// Where the tool may be, by the times at which it is sent there.
+/// Time window of the tool's possible places on the line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
-    /// It is nowhere where it was sent longer ago than this, in ticks.
+    /// The tool is nowhere that it was sent longer ago than this, in ticks.
     pub late: u64,
     /// Nor where it will be sent later than this.
     pub early: u64,
 }
 
 impl Window {
-    /// Of a machine with this slowest frequency, w in rad/s: a tool that sets off with `a` is `2 a / w^2` behind at most, where it
-    /// was sent `2 / w` ago, a third of a period. What rings is ahead by `1 / w` at most.
+    /// For a machine with this lowest frequency, w in rad/s. A tool that sets off with `a` is at most `2 a / w^2`
+    /// behind, where it was sent `2 / w` ago, a third of a period. A ringing tool is ahead by `1 / w` at most.
     #[must_use]
     pub fn of_hz(slowest: f64) -> Self {
         let period = (TICKS_PER_SECOND / slowest.max(LEAST_HZ)) as u64;
@@ -30,63 +30,63 @@ impl Window {
     }
 }
 
-/// A machine that rings slower than this hardly holds its tool, in Hz.
+/// Lowest frequency of a machine that still holds its tool, in Hz.
 const LEAST_HZ: f64 = 5.0;
 
-/// A bend of less is none, in rad: chords of curves turn by less.
+/// Smallest bend that counts as a corner, in rad: chords of curves turn by less.
 const LEAST_TURN: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
-/// A line that turns by more goes back on itself, along its bisector rather than across it, in rad.
+/// A line that turns by more goes back along its bisector rather than across it, in rad.
 const MOST_TURN: f64 = 136.0 * std::f64::consts::PI / 180.0;
 
-/// Lines shorter than this have the direction of their steps, not their own, in mm.
+/// Shorter lines have only the direction of their steps, in mm.
 pub const LEAST_LINE_MM: f64 = 0.1;
 
-/// A bend of short lines is no longer than this, in mm: a longer one is a curve.
+/// Longest bend of short lines, in mm: a longer one is a curve.
 const LONGEST_BEND_MM: f64 = 2.0 * LEAST_LINE_MM;
 
-/// An error this far along the line is not the corner's any more, in mm.
+/// Errors further than this along the line do not belong to the corner, in mm.
 const REACH_MM: f64 = 5.0;
 
-/// A corner of the line and the greatest errors about it.
+/// A corner of the line and the largest errors about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corner {
-    /// Where it is, in mm.
+    /// Its place, in mm.
     pub at: [f64; 2],
     /// When the tool was sent there, in ticks.
     pub tick: u64,
-    /// By how much the line turns, in rad, to the left positive.
+    /// Turn of the line, in rad, positive to the left.
     pub turn_rad: f64,
-    /// Greatest error towards the inside.
+    /// Largest error towards the inside.
     pub rounding_mm: f64,
-    /// Greatest error towards the outside.
+    /// Largest error towards the outside.
     pub overshoot_mm: f64,
-    /// How far from the corner the tool first crossed its bisector (equation 17 of Yin et al.), inside positive; none if it
-    /// never did, or the line turns right back.
+    /// Distance from the corner to the tool's first crossing of its bisector (equation 17 of Yin et al.), inside
+    /// positive. None without a crossing, or if the line turns right back.
     pub bisector_mm: Option<f64>,
-    /// Where it is along the line.
+    /// Its distance along the line.
     along_mm: f64,
     /// Directions into it and out of it.
     into: [f64; 2],
     out: [f64; 2],
-    /// How far the tool was beyond the bisector, and along it towards the inside.
+    /// The tool's distance beyond the bisector, and along it towards the inside.
     last: Option<[f64; 2]>,
 }
 
 impl Corner {
-    /// Whether the tool was ever seen about it: its errors say nothing otherwise.
+    /// Whether the tool was ever near it. Otherwise its errors mean nothing.
     #[must_use]
     pub const fn is_seen(&self) -> bool {
         self.last.is_some()
     }
 
-    /// The greater of its errors.
+    /// The larger of its errors.
     #[must_use]
     pub fn worst_mm(&self) -> f64 {
         self.rounding_mm.max(self.overshoot_mm)
     }
 
-    /// The tool is about it. The first crossing of the bisector counts; between two looks its path is a chord.
+    /// The tool is near it. The first crossing of the bisector counts; between two samples its path is a chord.
     fn cross(&mut self, tool: [f64; 2]) {
         let to = [tool[0] - self.at[0], tool[1] - self.at[1]];
         let inside = [self.out[0] - self.into[0], self.out[1] - self.into[1]];
@@ -115,33 +115,34 @@ impl Corner {
 pub struct ContourError {
     /// The line.
     pub vertices: Vec<Vertex>,
-    /// Greatest distance while each vertex was the end of the nearest part of the line, in mm.
+    /// Largest distance while each vertex ended the nearest part of the line, in mm.
     pub errors_mm: Vec<f32>,
     /// Length of the line before each vertex.
     along_mm: Vec<f64>,
     /// Corners in the order of the line.
     pub corners: Vec<Corner>,
-    /// Turns that have no line on both sides by which they could be told.
+    /// Turns without a line on both sides to measure them by.
     pub without_lines: usize,
     window: Window,
-    /// When the tool is sent how far along the line, in order.
+    /// Times of the distances along the line, in order.
     times: Vec<(u64, f64)>,
-    /// The last before the window, and the first after it.
+    /// The last place before the window, and the first after it.
     window_at: [usize; 2],
-    /// When the tool was meant to be where it is sent, if the line is that of another file.
+    /// Intended times of the tool's places, if the line is from another file.
     pace: Option<Pace>,
-    /// First line that is looked at.
+    /// First line to search.
     first: usize,
-    /// Where the tool was beside the line, for pictures.
+    /// Displacements of the tool from the line, for pictures.
     pub trail: Trail,
-    /// Greatest distance.
+    /// Largest distance.
     pub greatest_mm: f64,
     squares: f64,
     samples: u64,
 }
 
 impl ContourError {
-    /// A tool that is to follow a line, and places of it with their times: the more, the better it is known where the tool may be.
+    /// A tool that should follow a line, and places of it with their times. More places give the tool's window more
+    /// exactly.
     #[must_use]
     pub fn new(vertices: Vec<Vertex>, places: &[Vertex], window: Window) -> Self {
         let length = |pair: &[Vertex]| match pair {
@@ -174,7 +175,7 @@ impl ContourError {
         }
     }
 
-    /// The same for a tool that goes along the line in a time of its own.
+    /// The same for a tool with its own timing along the line.
     #[must_use]
     pub fn at_pace(self, pace: Pace) -> Self {
         Self { pace: Some(pace), ..self }
@@ -186,7 +187,7 @@ impl ContourError {
         if self.samples == 0 { 0.0 } else { (self.squares / self.samples as f64).sqrt() }
     }
 
-    /// The tool is here at a time; says how far from the line, in mm.
+    /// Takes the tool's place at a time and returns its distance from the line, in mm.
     pub fn sample(&mut self, tick: u64, tool: [f64; 2]) -> f64 {
         let tick = self.pace.as_mut().map_or(tick, |pace| pace.meant(tick));
         let part = self.part(tick);
@@ -209,18 +210,18 @@ impl ContourError {
         distance
     }
 
-    /// Puts an error at a part of the line (0 at its begin, 1 at its end) down to a corner, if one is near.
+    /// Assigns an error at a part of the line (0 at its begin, 1 at its end) to a corner, if one is near.
     fn put_down(&mut self, line: usize, way: f64, distance: f64, tool: [f64; 2]) {
         let (Some(a), Some(b)) = (self.vertices.get(line), self.vertices.get(line + 1)) else { return };
         let (Some(begin), Some(end)) = (self.along_mm.get(line), self.along_mm.get(line + 1)) else { return };
         let along = begin + way * (end - begin);
-        // At a vertex nothing inside of the bend is nearest.
+        // At a vertex no place inside of the bend is nearest.
         let is_at_end = way <= 0.0 || way >= 1.0;
         let left = cross([b.at[0] - a.at[0], b.at[1] - a.at[1]], [tool[0] - a.at[0], tool[1] - a.at[1]]);
         self.note(along, distance, if is_at_end { None } else { Some(left) }, tool);
     }
 
-    /// Between which places so far along the line the tool is sent within the window about a time, times going up.
+    /// Range of distances along the line within the window about a time. Times must not decrease.
     fn part(&mut self, tick: u64) -> Range<f64> {
         let [from, to] = &mut self.window_at;
         let is_over = |next: usize, tick: u64| self.times.get(next).is_some_and(|(next, _)| *next <= tick);
@@ -234,7 +235,7 @@ impl ContourError {
         along(*from)..along(*to)
     }
 
-    /// The line that is nearest to the tool, where on it, and how far, of this part of all lines.
+    /// The line nearest to the tool, the place on it, and the distance, of this part of all lines.
     fn nearest_line(&self, part: Range<f64>, tool: [f64; 2]) -> Option<(usize, f64, f64)> {
         let lines = self.vertices.windows(2).zip(self.along_mm.windows(2)).enumerate().skip(self.first);
         let mut best: Option<(usize, f64, f64)> = None;
@@ -256,7 +257,7 @@ impl ContourError {
         best
     }
 
-    /// Puts an error so far along the line down to the nearest corner, if one is near.
+    /// Assigns an error at a distance along the line to the nearest corner, if one is near.
     fn note(&mut self, along: f64, distance: f64, left: Option<f64>, tool: [f64; 2]) {
         let next = self.corners.partition_point(|corner| corner.along_mm < along);
         let near = [next.checked_sub(1), Some(next)].into_iter().flatten();
@@ -273,7 +274,7 @@ impl ContourError {
     }
 }
 
-/// When the tool is sent how far along a line, by places of it in order.
+/// Times of the distances along a line, from places of it in order.
 fn times(vertices: &[Vertex], along_mm: &[f64], places: &[Vertex]) -> Vec<(u64, f64)> {
     let mut line = 0;
     let mut before = 0.0_f64;
@@ -291,10 +292,10 @@ fn times(vertices: &[Vertex], along_mm: &[f64], places: &[Vertex]) -> Vec<(u64, 
     std::iter::once((0, 0.0)).chain(places.iter().map(time)).collect()
 }
 
-/// The places at which the line turns, and how many turns have no line on both sides by which they could be told.
+/// The places at which the line turns, and the number of turns without a line on both sides.
 ///
-/// Steps may leave a vertex or two more where two lines meet. Vertices that only lines as short as steps join are one bend: how
-/// much it turns is how much the lines before and after it do.
+/// Steps may leave an extra vertex or two where two lines meet. Vertices joined only by lines as short as steps are one
+/// bend. Its turn is the angle between the lines before and after it.
 fn corners(vertices: &[Vertex], along_mm: &[f64]) -> (Vec<Corner>, usize) {
     let mut corners = Vec::new();
     let mut without_lines = 0;
@@ -315,14 +316,14 @@ fn corners(vertices: &[Vertex], along_mm: &[f64]) -> (Vec<Corner>, usize) {
     (corners, without_lines)
 }
 
-/// The corner of a bend between two lines, if it is one. Its place is the vertex that is furthest from the way across.
+/// The corner of a bend between two lines, if it is one. Its place is the vertex furthest from the direct line across.
 fn corner(vertices: &[Vertex], along_mm: &[f64], bend: Range<usize>, turns_rad: f64) -> Option<Corner> {
     let direction = |a: &Vertex, b: &Vertex| unit([b.at[0] - a.at[0], b.at[1] - a.at[1]]);
     let (begin, end) = (vertices.get(bend.start)?, vertices.get(bend.end - 1)?);
     let into = direction(vertices.get(bend.start - 1)?, begin);
     let out = direction(end, vertices.get(bend.end)?);
     let turn_rad = cross(into, out).atan2(dot(into, out));
-    // To which side a line turns right back is what the bend says.
+    // The bend tells to which side a line turns right back.
     let turn_rad = if turn_rad.abs() > MOST_TURN { turn_rad.abs().copysign(turns_rad) } else { turn_rad };
     if turn_rad.abs() < LEAST_TURN {
         return None;
@@ -347,7 +348,7 @@ fn corner(vertices: &[Vertex], along_mm: &[f64], bend: Range<usize>, turns_rad: 
     })
 }
 
-/// By how much three vertices turn, in rad, to the left positive.
+/// Turn of three vertices, in rad, positive to the left.
 fn turn(three: &[Vertex]) -> f64 {
     let [a, b, c] = three else { return 0.0 };
     let (into, out) = ([b.at[0] - a.at[0], b.at[1] - a.at[1]], [c.at[0] - b.at[0], c.at[1] - b.at[1]]);
@@ -394,7 +395,8 @@ mod tests {
         assert!((error.corners[0].overshoot_mm - 0.5).abs() < 1e-12);
     }
 
-    /// From (9.6, 0) to (10, 0.4) the path is on the line x - y = 9.6, which meets the bisector x + y = 10 at (9.8, 0.2).
+    /// From (9.6, 0) to (10, 0.4) the path is on the line x - y = 9.6, which meets the bisector x + y = 10 at (9.8,
+    /// 0.2).
     #[test]
     fn a_cut_corner_is_measured_along_its_bisector() {
         let mut error = corner();

@@ -1,11 +1,11 @@
-//! Contour: how far the tool is from the line that it was sent along.
+//! Contour: the tool's distance from its commanded line.
 //!
-//! [`path`] makes the line of the steps: through places at which the tool was commanded to be, and none further from it than
-//! a step. [`error`] holds the tool to it, sample by sample, and keeps what happens at each corner apart; [`pace`] says when the
-//! tool was meant to be where it is, if the line is that of another file.
+//! [`path`] makes the line from the steps, through commanded places and within a step of all of them. [`error`]
+//! compares the tool with it sample by sample, and treats each corner separately. [`pace`] gives the intended times if
+//! the line is from another file.
 //!
-//! The line is as good as steps are: on slanted moves the places are whole steps beside the line that was meant, so up to
-//! half a step (6 um) of error there is the line's own.
+//! Steps limit the accuracy of the line: on slanted moves its places are whole steps, so up to half a step (6 um) of
+//! error is the line's own.
 
 pub mod cut;
 pub mod error;

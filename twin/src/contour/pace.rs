@@ -1,26 +1,26 @@
-//! Pace: when one tool was where another was, although they took their time differently.
+//! Pace: matches two paths along the same line with different timing.
 //!
-//! A file that was compensated, or played with other accelerations, goes along the same line in a time of its own, and lines lie
-//! next to each other: a place alone does not say when it was meant. So the two rows of places are matched as wholes, in their
-//! order, such that the sum of the squared distances is least (dynamic time warping; Sakoe and Chiba, 1978). Of the second row
-//! only the `REACH` places about the last match are looked at, which follows any difference that grows slower than the tool
-//! moves. Rests have no places, so they may be of any length.
+//! A compensated file, or one with other accelerations, follows the same line with its own timing. Lines also lie next
+//! to each other, so a place alone does not determine its intended time. So the two rows of places are matched as
+//! wholes and in order, with the least sum of squared distances (dynamic time warping; Sakoe and Chiba, 1978). Only the
+//! `REACH` places of the second row about the last match are searched. This follows any difference that grows more
+//! slowly than the tool moves. Rests have no places, so they may be of any length.
 
 use super::path::Vertex;
 
 /// Ticks between two places of a row: 1 ms.
 pub const EVERY: u64 = 10_000;
 
-/// Places before and after the last match that are looked at: a quarter of a second of motion.
+/// Places searched before and after the last match: a quarter of a second of motion.
 const REACH: usize = 256;
 
-/// Rows that are matched at once; of all but the last ones the match is final.
+/// Rows matched at once. The match is final for all but the last ones.
 const ROWS: usize = 8192;
 
-/// The last rows of a block, which what follows may still change.
+/// The last rows of a block, which later places may still change.
 const OPEN: usize = 1024;
 
-/// By what the best way grew: both rows went on, or one of them.
+/// The last step of the best path: in both rows, or in one of them.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Way {
     Both,
@@ -28,7 +28,7 @@ enum Way {
     Column,
 }
 
-/// Places of a row in the making, no nearer to each other than [`EVERY`].
+/// A row of places under construction, with at least [`EVERY`] between them.
 #[derive(Clone, Debug, Default)]
 pub struct Places {
     places: Vec<Vertex>,
@@ -39,7 +39,7 @@ impl Places {
     /// The tool is sent to a place.
     pub fn add(&mut self, at: [f64; 2], tick: u64) {
         let is_due = |before: &Vertex| before.tick + EVERY <= tick;
-        // Where it rests, and where it goes on.
+        // The place of a rest, and the begin of the next motion.
         if self.latest.is_some_and(|latest| is_due(&latest)) {
             let rest = self.latest.take_if(|latest| self.places.last().is_none_or(|last| last.tick < latest.tick));
             self.places.extend(rest);
@@ -60,16 +60,16 @@ impl Places {
     }
 }
 
-/// Ticks of one row and those of the other, in order.
+/// Matching ticks of both rows, in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pace {
     pairs: Vec<(u64, u64)>,
-    /// The pair that was looked up last.
+    /// The pair of the last lookup.
     at: usize,
 }
 
 impl Pace {
-    /// When the places of a row were meant, by another row.
+    /// Intended times of a row's places, from another row.
     #[must_use]
     pub fn new(played: &[Vertex], meant: &[Vertex]) -> Self {
         let mut pairs = Vec::new();
@@ -91,7 +91,7 @@ impl Pace {
         Self { pairs, at: 0 }
     }
 
-    /// When it was meant that the tool is where it is sent now; times go up.
+    /// Intended time of the tool's commanded place; times must not decrease.
     pub fn meant(&mut self, tick: u64) -> u64 {
         while self.pairs.get(self.at + 1).is_some_and(|(played, _)| *played <= tick) {
             self.at += 1;
@@ -108,12 +108,12 @@ impl Pace {
     }
 }
 
-/// Rows that are matched at once, and the ways to their best matches.
+/// Rows matched at once, and the paths to their best matches.
 struct Block<'a> {
     meant: &'a [Vertex],
-    /// The first column of each row that was looked at, and from where the best way to each came.
+    /// First searched column of each row, and the predecessor on the best path to each.
     rows: Vec<(usize, Vec<Way>)>,
-    /// The column of the last row at which the least sum ends.
+    /// Column of the last row with the least sum.
     best: usize,
 }
 
@@ -151,7 +151,7 @@ impl<'a> Block<'a> {
         Self { meant, rows, best }
     }
 
-    /// The first and the last column that each row matches; the last row matches the last column if it is the end.
+    /// First and last column that each row matches. The last row matches the last column if it is the end.
     fn matched(&self, is_end: bool) -> Vec<(usize, usize)> {
         let has = |column: usize| self.rows.last().is_some_and(|(first, ways)| column - first < ways.len());
         let end = self.meant.len().saturating_sub(1);
@@ -176,7 +176,7 @@ impl<'a> Block<'a> {
 mod tests {
     use super::*;
 
-    /// A zigzag whose lines of 2 mm lie 0.05 mm apart, at a speed that changes along it, with a rest at each tenth line.
+    /// A zigzag with lines of 2 mm, 0.05 mm apart, at a changing speed, with a rest at each tenth line.
     fn zigzag(lines: usize, speed: impl Fn(f64) -> f64, rest: u64) -> Vec<Vertex> {
         let mut places = Places::default();
         let (mut tick, mut way) = (0.0_f64, 0.0_f64);
@@ -194,7 +194,7 @@ mod tests {
         places.finish()
     }
 
-    /// How far along the zigzag the place of a tick is.
+    /// Distance along the zigzag of the place at a tick.
     fn along(places: &[Vertex], tick: u64) -> f64 {
         let next = places.partition_point(|place| place.tick <= tick).clamp(1, places.len() - 1);
         let way = |place: &Vertex| {
@@ -216,8 +216,8 @@ mod tests {
         }
     }
 
-    /// Half as fast, twice as fast, faster here and slower there, with other rests, for longer than a block: each place is found
-    /// within the millimetre that the lines beside it do not have.
+    /// Half as fast, twice as fast, faster here and slower there, with other rests, for longer than a block. Each place
+    /// is found within a millimetre, which excludes the neighbouring lines.
     #[test]
     fn a_row_in_another_time_is_matched_although_lines_lie_close() {
         let meant = zigzag(900, |_| 100.0, 3_000_000);

@@ -1,4 +1,4 @@
-//! Path: the line along which steps send the tool, cut where it is furthest from its chord until nothing is further than the
+//! Path: the commanded line of the tool from its steps, cut where it is furthest from its chord until it is within the
 //! tolerance (Douglas and Peucker, 1973).
 
 use super::cut::ends;
@@ -12,10 +12,10 @@ pub struct Vertex {
     pub tick: u64,
 }
 
-/// Places that are looked at together; of a line that is longer half of them are kept.
+/// Places handled together. Of a longer line half of the places are kept.
 const BLOCK: usize = 1024;
 
-/// A line in the making.
+/// A line under construction.
 #[derive(Clone, Debug)]
 pub struct PathBuilder {
     tolerance_mm: f64,
@@ -25,7 +25,7 @@ pub struct PathBuilder {
 }
 
 impl PathBuilder {
-    /// A line from a place on, which passes every place at this distance or nearer (every one that is kept, of long lines).
+    /// A line from a place on, within this distance of every place (of every kept place, for long lines).
     #[must_use]
     pub fn new(at: [f64; 2], tolerance_mm: f64) -> Self {
         let begin = Vertex { at, tick: 0 };
@@ -47,8 +47,8 @@ impl PathBuilder {
         self.vertices
     }
 
-    /// Makes vertices where the line bends. The last line may still grow, so it ends nowhere before the whole line does: an end
-    /// in its middle would be no bend, and next to a corner it would hide that.
+    /// Makes vertices where the line bends. The last line may still grow, so only the end of the whole line ends it. An
+    /// end in its middle would be no bend, and next to a corner it would hide the corner.
     fn cut(&mut self, is_end: bool) {
         let last = self.places.len() - 1;
         let mut begin = 0;
@@ -65,8 +65,8 @@ impl PathBuilder {
         }
     }
 
-    /// Keeps half of the places between the ends of a line: of each two neighbours the one that is further from it, as this one
-    /// decides where it is cut.
+    /// Keeps half of the places between the ends of a line: of two neighbours the one further from it, because this one
+    /// decides where the line is cut.
     fn thin(&mut self) {
         let [begin, between @ .., end] = self.places.as_slice() else { return };
         let off = |place: &Vertex| nearest(begin.at, end.at, place.at).1;
@@ -89,7 +89,7 @@ impl PathBuilder {
     }
 }
 
-/// Where on a line (0 at its begin, 1 at its end) the nearest point is, and how far.
+/// Nearest point on a line (0 at its begin, 1 at its end), and its distance.
 pub(super) fn nearest(a: [f64; 2], b: [f64; 2], point: [f64; 2]) -> (f64, f64) {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let square = along[0] * along[0] + along[1] * along[1];

@@ -1,9 +1,9 @@
-//! Trail: where the tool was beside its line, in as many places as a picture needs.
+//! Trail: displacements of the tool from its line, with enough places for a picture.
 
-/// Places at most; when there would be more, every second one goes.
+/// Maximum number of places; beyond it every second one is dropped.
 const MOST: usize = 60_000;
 
-/// A place on the line and the tool's way from there, in mm.
+/// A place on the line and the tool's displacement, in mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beside {
     /// The nearest place of the line.
@@ -12,7 +12,7 @@ pub struct Beside {
     pub off: [f64; 2],
 }
 
-/// Places in order, evenly of those that there were.
+/// Places in order, evenly selected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
     /// The places.

@@ -1,7 +1,7 @@
-//! Bears: what belts, motors and guides take, read off a plant in motion.
+//! Bears: loads of belts, motors and guides on a plant in motion.
 //!
-//! Tensions are elastic ones, without damping: between two steps a held motor stands, so the damping of the belt's whole
-//! speed would show, while what the steps pass on is in their blows.
+//! Tensions are elastic, without damping. Between two steps a held motor is at rest, so damping would show the belt's
+//! whole speed. The motion of the steps themselves is in their impulses.
 
 use super::plant::{Plant, Spring, sum};
 use std::f64::consts::TAU;
@@ -13,13 +13,13 @@ impl Plant {
         springs.map(|spring| self.tension(spring, at))
     }
 
-    /// How many electrical turns a rotor is from where it was sent: how often it has slipped.
+    /// Electrical turns between a rotor and its commanded place: how often it has slipped.
     #[must_use]
     pub fn slips(&self, at_mm: f64, sent_mm: f64) -> f64 {
         ((at_mm - sent_mm) / (TAU * self.params.electrical_radian_mm())).round()
     }
 
-    /// Force at the belt that each motor takes, in N.
+    /// Force of each motor at the belt, in N.
     pub fn motor_forces<'a>(&'a self, at: &'a [f64], sent_mm: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
         let first = self.first_motor();
         sent_mm.iter().enumerate().map(move |(motor, sent)| {
@@ -34,7 +34,7 @@ impl Plant {
         })
     }
 
-    /// Torque in N mm that the guides must take to keep the bar square: of the belts, and of the head's inertia beside the
+    /// Torque in N mm with which the guides keep the bar square, against the belts and the head's inertia off the
     /// middle.
     #[must_use]
     pub fn yaw_torque_n_mm(&self, at: &[f64], speeds: &[f64]) -> f64 {
@@ -42,7 +42,7 @@ impl Plant {
         for spring in &self.springs {
             let tension = self.tension(spring, at);
             belts += spring.yaw_mm * tension;
-            // Free lengths grow with the tool as the belt does with it.
+            // A free length grows with the tool as its belt does.
             force_y -= spring.grows[1] * tension;
         }
         let mut forces = [0.0, force_y];
@@ -52,7 +52,7 @@ impl Plant {
         belts + self.params.head_mass_kg / mass * forces[1] * arm
     }
 
-    /// Energy in N mm that is not heat, beyond that of the preload at rest: motion, belts, fields.
+    /// Mechanical energy in N mm beyond the preload at rest: motion, belts, fields.
     #[must_use]
     pub fn energy_n_mm(&self, at: &[f64], speeds: &[f64], sent_mm: &[f64]) -> f64 {
         let motion: f64 = speeds.iter().zip(&self.mobility).map(|(v, mobility)| v * v / mobility / 2.0).sum();

@@ -1,18 +1,18 @@
-//! Dynamics: how everything moves between two steps of the motors.
+//! Dynamics: motion between two steps of the motors.
 //!
-//! A motor's step is an instant: it changes where the motor stands (or, with rotors, where its field pulls to), and the free
-//! length of the segments. Between steps all of that is constant, and
+//! A motor's step is an instant. It changes the motor's position (or, with rotors, the rest position of its field) and
+//! the free lengths of the segments. Between steps these are constant, and
 //!
 //! ```text
 //! m q'' = - sum of row T - friction - field,     T = T0 + k (e + beta e'), never below 0
 //! ```
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
 //! | [`plant`] | forces and masses |
-//! | `bears` | what belts, motors and guides take |
-//! | [`outside`] | power, phases, and what pushes or rubs |
-//! | [`state`] | where everything is, and the classical Runge-Kutta step that moves it |
+//! | `bears` | loads of belts, motors and guides |
+//! | [`outside`] | power, phases, pushes and friction |
+//! | [`state`] | positions and speeds, and the classical Runge-Kutta step |
 
 mod bears;
 pub mod outside;

@@ -1,9 +1,9 @@
-//! Plant: the forces on all that moves, for a place that the motors were sent to.
+//! Plant: the forces on all moving parts, for given commanded motor positions.
 //!
-//! Coordinates are changes from the start: x, y, idlers, then motors. Motors either stand where they were sent (they are
-//! *held*), or are rotors that their fields pull there. A segment's stiffness is that of its free length where the motors
-//! were sent: what a segment has of belt changes by motors that turn, not by the belt that stretches. So between two steps
-//! it is constant, and energy is kept.
+//! Coordinates are changes from the start: x, y, idlers, then motors. Motors are either at their commanded positions
+//! (*held*), or rotors that their fields pull there. A segment's stiffness follows from its free length at the
+//! commanded positions: motors change the amount of belt in a segment, stretch does not. So stiffness is constant
+//! between two steps, and energy is conserved.
 
 use super::outside::Outside;
 use crate::model::SHORTEST_FREE_MM;
@@ -20,11 +20,11 @@ const MM_PER_M: f64 = 1000.0;
 /// Dry friction changes its sign over this speed, in mm/s.
 pub(crate) const CREEP: f64 = 1.0;
 
-/// The time in which a brake or an obstacle that holds stops what moves, in s: three of the longest steps, and no less than the longest
-/// of a [live](crate::live) machine, so that the integration bears it.
+/// Time in which a holding brake or obstacle stops a moving part, in s: three of the longest steps. It is not shorter
+/// than the longest step of a [live](crate::live) machine, so that the integration stays stable.
 pub(crate) const BRAKED_IN_S: f64 = 3.0 * LONGEST_STEP_S;
 
-/// What moves besides the tool.
+/// Moving parts besides the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Detail {
     /// Idlers, each with its inertia.
@@ -33,18 +33,18 @@ pub struct Detail {
     pub rotors: bool,
 }
 
-/// A link with what changes at steps.
+/// A link with the values that change at steps.
 #[derive(Clone, Debug)]
 pub(super) struct Spring {
     /// Free length at the start, in mm.
     length_mm: f64,
-    /// What it grows by for a millimetre of the tool in x and y.
+    /// Its growth per millimetre of the tool in x and y.
     pub(super) grows: [f64; 2],
-    /// Coordinates that stretch it, and by how much.
+    /// Coordinates that stretch it, with their factors.
     pub(super) row: Vec<(usize, f64)>,
     /// The same for a radian of the bar's yaw.
     pub(super) yaw_mm: f64,
-    /// Now, in N/mm.
+    /// Present value, in N/mm.
     pub(super) stiffness: f64,
 }
 
@@ -53,10 +53,10 @@ pub(super) struct Spring {
 pub struct Plant {
     /// The machine's numbers.
     pub params: Params,
-    /// The motors and their ways.
+    /// Transmission from the tool to the motors.
     pub ways: Ways,
     start: Place,
-    /// mm/s^2 for a newton, of each coordinate that moves.
+    /// mm/s^2 per newton, of each moving coordinate.
     pub(super) mobility: Vec<f64>,
     /// Coordinates: x, y, idlers, motors.
     count: usize,
@@ -64,22 +64,23 @@ pub struct Plant {
     pub(super) springs: Vec<Spring>,
     /// Names of the spans, and the first spring of each.
     pub(super) spans: Vec<(&'static str, usize)>,
-    /// Longest step of an integration in any case, in s.
+    /// Longest integration step under any condition, in s.
     most_step_s: f64,
-    /// The same where the motors were sent, which all vibrations bear.
+    /// Longest step at the commanded positions, stable for all vibrations.
     longest_step_s: f64,
 }
 
-/// Longest step of an integration unless the caller asks for [another](Plant::in_steps_of), in s: an 80th of a period of the fastest rotor mode. Undamped energy falls by 7e-7 in a second.
+/// Longest integration step unless the caller asks for [another](Plant::in_steps_of), in s: an 80th of a period of the
+/// fastest rotor mode. Undamped energy falls by 7e-7 in a second.
 const LONGEST_STEP_S: f64 = 36e-6;
 
 /// The same with idlers, which ring at 1.5 kHz in the middle of the machine.
 const LONGEST_STEP_OF_IDLERS_S: f64 = 8e-6;
 
-/// A step is no longer than so many radians of the fastest vibration; Runge and Kutta's method bears 2.8.
+/// Maximum step in radians of the fastest vibration; the Runge-Kutta method is stable to 2.8.
 const MOST_RADIANS: f64 = 0.5;
 
-/// Nor than so many times the time in which the belt's damping settles, or dry friction; the method bears 2.7.
+/// Maximum step in time constants of the belt's damping or of dry friction; the method is stable to 2.7.
 const MOST_SETTLING: f64 = 1.5;
 
 impl Plant {
@@ -126,7 +127,7 @@ impl Plant {
         plant
     }
 
-    /// The same, integrated in steps of so many s at most; vibrations may ask for shorter ones.
+    /// The same, integrated in steps of at most this many s; vibrations may require shorter ones.
     #[must_use]
     pub fn in_steps_of(mut self, seconds: f64) -> Self {
         self.most_step_s = seconds;
@@ -140,13 +141,13 @@ impl Plant {
         self.count
     }
 
-    /// Those that move.
+    /// Number of moving coordinates.
     #[must_use]
     pub const fn moving(&self) -> usize {
         self.mobility.len()
     }
 
-    /// Where the motors' coordinates begin.
+    /// Index of the first motor coordinate.
     #[must_use]
     pub const fn first_motor(&self) -> usize {
         self.count - self.ways.motors.len()
@@ -163,13 +164,13 @@ impl Plant {
         self.spans.iter().map(|(name, _)| *name)
     }
 
-    /// Where the tool was at the start.
+    /// The tool's start.
     #[must_use]
     pub const fn start(&self) -> Place {
         self.start
     }
 
-    /// Takes the free lengths of the place that the motors were sent to.
+    /// Sets the free lengths for commanded motor positions.
     pub fn send(&mut self, sent_mm: &[f64]) {
         let [x, y] = self.ways.tool(sent_mm);
         for spring in &mut self.springs {
@@ -185,8 +186,8 @@ impl Plant {
         self.longest_step_s
     }
 
-    /// A step that any vibration here bears. The square of the fastest one's angular frequency is at most the greatest sum
-    /// of a row of stiffness over mass (Gershgorin).
+    /// A stable step for all vibrations. The square of the highest angular frequency is at most the largest row sum of
+    /// stiffness over mass (Gershgorin).
     fn stable_step_s(&self) -> f64 {
         let field = if self.are_rotors { self.params.field_stiffness_n_per_mm() } else { 0.0 };
         let mut fastest = 0.0_f64;
@@ -204,14 +205,13 @@ impl Plant {
         self.most_step_s.min(MOST_RADIANS / fastest.sqrt().max(f64::MIN_POSITIVE)).min(settling)
     }
 
-    /// How fast dry friction of the guides slows down what creeps, in 1/s.
+    /// Deceleration rate of creeping parts by dry friction of the guides, in 1/s.
     fn rubs(&self) -> f64 {
         let dry = [self.params.dry_friction_x_n, self.params.dry_friction_y_n];
         dry.iter().zip(&self.mobility).map(|(dry, mobility)| dry * mobility / CREEP).fold(0.0, f64::max)
     }
 
-    /// What a held motor's step does to the speeds of all that moves: the belt's damping passes an instant's turn on as a
-    /// blow.
+    /// Effect of a held motor's step on all speeds: the belt's damping passes the sudden turn on as an impulse.
     pub fn strike(&self, coordinate: usize, step_mm: f64, at: &[f64], speeds: &mut [f64]) {
         for spring in &self.springs {
             if self.tension(spring, at) <= 0.0 {
@@ -232,7 +232,7 @@ impl Plant {
         (self.params.preload_n + spring.stiffness * sum(&spring.row, at)).max(0.0)
     }
 
-    /// What a spring pulls with: its tension, and its damping unless it is slack.
+    /// Pull of a spring: its tension, and its damping unless it is slack.
     fn pull_of(&self, spring: &Spring, at: &[f64], speeds: &[f64]) -> f64 {
         let tension = self.tension(spring, at);
         if tension <= 0.0 {
@@ -241,7 +241,7 @@ impl Plant {
         tension + self.params.belt_damping_s * spring.stiffness * sum(&spring.row, speeds)
     }
 
-    /// Accelerations of all that moves, with motors sent so far and what acts from outside.
+    /// Accelerations of all moving parts, for commanded motor positions and outside actions.
     pub fn accelerate(
         &self,
         at: &[f64],
@@ -299,7 +299,7 @@ impl Plant {
         }
     }
 
-    /// Dry friction that sticks: what stops the rotor at once, as far as the brake can.
+    /// Dry friction that sticks: the force that stops the rotor at once, as far as the brake can.
     fn brake(&self, speeds: &[f64], brakes_n: &[f64], forces: &mut [f64]) {
         let first = self.first_motor();
         let rotors = speeds.iter().zip(&self.mobility).skip(first).zip(forces.iter_mut().skip(first));
@@ -309,7 +309,7 @@ impl Plant {
         }
     }
 
-    /// The same on the tool, whichever way it moves.
+    /// The same on the tool, in any direction of motion.
     fn obstruct(&self, speeds: &[f64], most_n: f64, forces: &mut [f64]) {
         let ([vx, vy, ..], [mx, my, ..], [fx, fy, ..]) = (speeds, &self.mobility[..], forces) else { return };
         let stops = [*fx + vx / (mx * BRAKED_IN_S), *fy + vy / (my * BRAKED_IN_S)];
@@ -318,18 +318,18 @@ impl Plant {
         *fy -= part * stops[1];
     }
 
-    /// What field and detent pull a rotor with, in N at the belt.
+    /// Force of field and detent on a rotor, in N at the belt.
     #[must_use]
     pub fn field_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
         self.holding_n(at_mm, sent_mm) + self.detent_n(at_mm)
     }
 
-    /// What a field of full strength pulls a rotor with, in N at the belt.
+    /// Force of a full-strength field on a rotor, in N at the belt.
     fn holding_n(&self, at_mm: f64, sent_mm: f64) -> f64 {
         self.params.holding_force_n() * ((sent_mm - at_mm) / self.params.electrical_radian_mm()).sin()
     }
 
-    /// What the detent pulls a rotor with that is so far from one of its places, in N at the belt.
+    /// Detent force on a rotor at this distance from a detent position, in N at the belt.
     fn detent_n(&self, off_mm: f64) -> f64 {
         if self.params.detent_torque_nm == 0.0 {
             return 0.0;
@@ -339,7 +339,7 @@ impl Plant {
     }
 }
 
-/// Sum of a row's coordinates; those that are not there (speeds of what is held) are 0.
+/// Sum of a row's coordinates; missing ones (speeds of held parts) are 0.
 pub(super) fn sum(row: &[(usize, f64)], of: &[f64]) -> f64 {
     row.iter().map(|(i, c)| c * of.get(*i).copied().unwrap_or(0.0)).sum()
 }

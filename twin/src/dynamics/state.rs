@@ -1,7 +1,8 @@
-//! State: where everything is, how fast, and where the motors were sent.
+//! State: positions, speeds and commanded motor positions.
 //!
-//! Steps of the motors are exact: time is cut at each. In between, the classical Runge-Kutta method of fourth order goes in
-//! steps of 36 us at most, 8 us with idlers, 100 us in a [live](crate::live) machine, and shorter where a segment comes to its end and is stiff.
+//! Motor steps are exact: time is cut at each. In between, the classical fourth-order Runge-Kutta method uses steps of
+//! at most 36 us, 8 us with idlers, and 100 us in a [live](crate::live) machine. Steps are shorter where a short
+//! segment is stiff.
 
 use super::outside::Outside;
 use super::plant::Plant;
@@ -11,18 +12,18 @@ use super::plant::Plant;
 pub struct State {
     /// Changes of all coordinates since the start, in mm.
     pub at: Vec<f64>,
-    /// Speeds of those that move, in mm/s.
+    /// Speeds of the moving ones, in mm/s.
     pub speeds: Vec<f64>,
-    /// Where each motor was sent, in mm of belt since the start.
+    /// Commanded position of each motor, in mm of belt since the start.
     pub sent_mm: Vec<f64>,
-    /// What acts from outside.
+    /// Outside actions.
     pub outside: Outside,
-    /// How many times shorter the steps of the integration are than the plant asks for.
+    /// Factor by which integration steps are shorter than the plant's.
     pub refinement: f64,
     scratch: Scratch,
 }
 
-/// Places, speeds and accelerations of the four stages, kept so that nothing is allocated on the way.
+/// Positions, speeds and accelerations of the four stages, kept to avoid allocation.
 #[derive(Clone, Debug, Default)]
 struct Scratch {
     at: Vec<f64>,
@@ -45,7 +46,7 @@ impl State {
         Self { at: vec![0.0; count], speeds: zeros(), sent_mm, outside, refinement: 1.0, scratch }
     }
 
-    /// Sends a motor (by its place among the motors) to so much belt from the start, at once. Says whether it was elsewhere.
+    /// Moves a motor (by its index) at once to this much belt from the start. Returns whether it was elsewhere.
     pub fn step(&mut self, plant: &Plant, motor: usize, to_mm: f64) -> bool {
         let Some(sent) = self.sent_mm.get_mut(motor).filter(|sent| **sent != to_mm) else { return false };
         let way = to_mm - *sent;
@@ -60,7 +61,7 @@ impl State {
         true
     }
 
-    /// Moves on by a time without steps.
+    /// Advances by a time without steps.
     pub fn advance(&mut self, plant: &Plant, seconds: f64) {
         if seconds <= 0.0 {
             return;
@@ -72,7 +73,7 @@ impl State {
         }
     }
 
-    /// Whether all places are numbers.
+    /// Whether all positions are finite numbers.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.at.iter().all(|at| at.is_finite())

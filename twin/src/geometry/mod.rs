@@ -1,8 +1,8 @@
-//! Geometry: where the belt runs for a place of the tool, exactly, from the routing alone.
+//! Geometry: the exact run of the belt for a place of the tool, from the routing alone.
 //!
-//! Between two stops the belt is the straight line that touches both circles on the sides where it passes; on a pulley it
-//! wraps from one such line to the next. Nothing here assumes lines along x or y; that machines have these is what tests
-//! find. [`workspace()`] is the reach that follows.
+//! Between two stops the belt is the straight line tangent to both circles on the sides where it passes. On a pulley it
+//! wraps from one such line to the next. Nothing here assumes lines along x or y; tests find that these machines have
+//! them. [`workspace()`] is the resulting reach.
 
 mod segment;
 mod workspace;
@@ -44,7 +44,7 @@ pub fn layout(machine: Machine, params: &Params, tool: Place) -> Layout {
     layout
 }
 
-/// The segments of one belt, whose first stop has the index `first` in the machine.
+/// The segments of one belt. Its first stop has the index `first` in the machine.
 fn lay(belt: &Belt, first: usize, params: &Params, tool: Place) -> Vec<Segment> {
     let pairs = belt.stops.iter().zip(belt.stops.iter().skip(1)).enumerate();
     let mut segments: Vec<Segment> =

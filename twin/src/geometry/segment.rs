@@ -1,4 +1,4 @@
-//! Segment: the line that touches two circles, each on the side where the belt passes, and the arc between two of them.
+//! Segment: the common tangent of two circles, each on the side where the belt passes, and the arc between two of them.
 
 use crate::params::Params;
 use crate::routing::{Place, Stop};
@@ -11,11 +11,11 @@ pub struct Segment {
     pub from: usize,
     /// Index of the stop that it reaches.
     pub to: usize,
-    /// Where it leaves the first stop, in mm.
+    /// Place where it leaves the first stop, in mm.
     pub begin: [f64; 2],
     /// The direction of travel, of length 1.
     pub heading: [f64; 2],
-    /// Free length in mm; not a number where the stops overlap so far that there is no such line.
+    /// Free length in mm; NaN where the stops overlap so far that there is no such line.
     pub length_mm: f64,
 }
 
@@ -24,23 +24,23 @@ pub struct Segment {
 pub struct Wrap {
     /// Index of the pulley among all stops of the machine.
     pub stop: usize,
-    /// How far the belt turns on it, in rad.
+    /// Angle by which the belt turns on it, in rad.
     pub angle_rad: f64,
 }
 
-/// An arc below this is none: what rounding makes of two lines in one direction.
+/// A smaller arc is only rounding between two lines in one direction.
 const NO_ARC: f64 = 1e-9;
 
-/// Stops that are nearer to each other than this are at one place.
+/// Stops nearer to each other than this are at one place.
 const SAME_PLACE_MM: f64 = 1e-6;
 
-/// Parts of a square that rounding may be off by.
+/// Rounding error of a square, relative.
 const ROUNDING: f64 = 1e-12;
 
 /// The line from one stop to the next.
 ///
-/// On a stop with sign s the belt touches at s r n, where n is the heading turned right. With d from centre to centre, as a
-/// complex number, d = (L + i (s2 - s1) r) heading, since n = -i heading.
+/// On a stop with sign s the belt touches at s r n, where n is the heading turned right. With d from centre to centre
+/// as a complex number, d = (L + i (s2 - s1) r) heading, since n = -i heading.
 pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params, tool: Place) -> Segment {
     let radius = params.pulley_radius_mm;
     let across = (to.1.sign() - from.1.sign()) * radius;
@@ -50,7 +50,7 @@ pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params,
     };
     let (a, [dx, dy]) = (from.1.centre(params, tool), apart(tool));
     if dx.hypot(dy) < SAME_PLACE_MM && across == 0.0 {
-        // At the end of the reach one pulley lies above the other; the belt still goes as it does elsewhere.
+        // At the end of the reach one pulley lies above the other; the belt keeps its direction.
         let [dx, dy] = apart(Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 });
         let heading = [dx / dx.hypot(dy), dy / dx.hypot(dy)];
         let offset = from.1.sign() * radius;
@@ -58,7 +58,7 @@ pub(super) fn between(from: (usize, &Stop), to: (usize, &Stop), params: &Params,
         return Segment { from: from.0, to: to.0, begin, heading, length_mm: 0.0 };
     }
     let square = dx * dx + dy * dy;
-    // Rounding must not take the square of a segment at its very end below 0.
+    // Rounding must not make the square of a segment at its very end negative.
     let left = square - across * across;
     let length_mm = if left.abs() < ROUNDING * square { 0.0 } else { left.sqrt() };
     let heading = [(dx * length_mm + dy * across) / square, (dy * length_mm - dx * across) / square];

@@ -1,7 +1,8 @@
-//! Workspace: where the tool can be so that no segment is shorter than nothing (the condition of the paper's equation 20).
+//! Workspace: the places of the tool where every segment has a positive length (the condition of the paper's equation
+//! 20).
 //!
-//! On these machines every segment is along x or y and grows or shrinks with the tool's x or y by so much a millimetre, so
-//! the reach along each axis is where the first segment comes to its end.
+//! On these machines every segment is along x or y and its length is linear in the tool's x or y. So the reach along
+//! each axis ends where the first segment has no length left.
 
 use super::layout;
 use crate::params::Params;
@@ -32,10 +33,11 @@ impl Workspace {
         within(tool.x, self.x) && within(tool.y, self.y)
     }
 
-    /// Whether a path that takes so much stays within it, but for what a switch is pressed beyond it.
+    /// Whether a path of this extent stays within it, except for the small distance beyond it at which a switch is
+    /// pressed.
     #[must_use]
     pub fn bears(&self, path: &Self) -> bool {
-        /// So far beyond the reach, in mm, a switch is met at the most.
+        /// Largest distance beyond the reach, in mm, at which a switch is met.
         const BEYOND_MM: f64 = 2.0;
         let within =
             |[low, high]: [f64; 2], [least, most]: [f64; 2]| low >= least - BEYOND_MM && high <= most + BEYOND_MM;
@@ -67,7 +69,7 @@ pub fn workspace(machine: Machine, params: &Params) -> Workspace {
             return Workspace { x: [middle.x, 0.0], y: [middle.y, 0.0] };
         }
         let [along_x, along_y] = segment.heading;
-        // What the segment grows by for a millimetre of the tool.
+        // Growth of the segment per millimetre of the tool.
         let grows_x = along_x * (follows_x(to) - follows_x(from));
         let grows_y = along_y * (follows_y(to) - follows_y(from));
         narrow(&mut reach.x, middle.x, grows_x, segment.length_mm);
@@ -76,17 +78,17 @@ pub fn workspace(machine: Machine, params: &Params) -> Workspace {
     reach
 }
 
-/// How far a stop goes in x for a millimetre of the tool.
+/// Motion of a stop in x per millimetre of the tool.
 pub(crate) fn follows_x(stop: &Stop) -> f64 {
     f64::from(u8::from(stop.block() == Block::Head))
 }
 
-/// How far a stop goes in y for a millimetre of the tool.
+/// Motion of a stop in y per millimetre of the tool.
 pub(crate) fn follows_y(stop: &Stop) -> f64 {
     f64::from(u8::from(stop.block() != Block::Frame))
 }
 
-/// Ends a range where a segment that grows so much a millimetre would have nothing left.
+/// Ends a range where a segment with this growth per millimetre has no length left.
 fn narrow(range: &mut [f64; 2], at: f64, grows: f64, length: f64) {
     if grows.abs() < 0.5 {
         return;

@@ -1,10 +1,10 @@
-//! Live: a machine whose steps come as they are made, and which is looked at in between.
+//! Live: a machine that takes steps as they are made, and can be observed in between.
 //!
-//! The plant is the one with rotors; what is new is that time is real and has no end. Motors get power and lose it, each at
-//! a phase of its own; the tool is pushed and rotors are braked ([`Outside`](crate::dynamics::outside::Outside)). Ten
-//! thousand times a second [`rotor`] looks at each motor, and tells where one skipped. At rest time passes for nothing.
+//! It is the plant with rotors, in open-ended real time. Motors get and lose power, each at its own phase. The tool is
+//! pushed and rotors are braked ([`Outside`](crate::dynamics::outside::Outside)). Ten thousand times a second [`rotor`]
+//! looks at each motor and reports skips. Time at rest costs nothing.
 //!
-//! A motor at speed has less than its holding torque: the law is that of [`pull_out`](crate::torque::pull_out), by the speed
+//! A motor at speed has less than its holding torque: the law is [`pull_out`](crate::torque::pull_out), with the speed
 //! of its rotor at the last look.
 
 mod phase;
@@ -24,29 +24,30 @@ use rotor::{Glance, Rotor};
 /// Ticks between two looks: 90 looks a period of the faster axis, 29 of the fastest rotor mode.
 const LOOK: u64 = 1000;
 
-/// Longest step of the integration, in s: from one look to the next, a 29th of a period of the fastest rotor mode. It is longer than that
-/// of a trace that is played, for a machine runs along with its firmware for minutes; what that changes is in the test below.
+/// Longest integration step, in s: from one look to the next, a 29th of a period of the fastest rotor mode. It is
+/// longer than for a played trace, because a machine runs along with its firmware for minutes; the test below shows the
+/// effect.
 const LONGEST_STEP_S: f64 = LOOK as f64 / TICKS_PER_SECOND;
 
-// A brake that holds stops a rotor in several stages of a step.
+// A holding brake stops a rotor in several stages of a step.
 const _: () = assert!(LONGEST_STEP_S <= BRAKED_IN_S);
 
-/// Slower than this in mm/s, with no more than [`STILL_MM_S2`], is at rest.
+/// At rest is slower than this in mm/s, with at most [`STILL_MM_S2`].
 const STILL_MM_S: f64 = 1e-4;
 
-/// The slowest mode swings at 57 Hz, so it is within this over (2 pi 57 Hz)^2 of its rest: 1 nm.
+/// The slowest mode has 57 Hz, so the tool is within this over (2 pi 57 Hz)^2 of its rest position: 1 nm.
 const STILL_MM_S2: f64 = 0.1;
 
-/// A motor that skipped.
+/// A skip of a motor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Skip {
-    /// When it left its place, in ticks.
+    /// Time when it left its place, in ticks.
     pub tick: u64,
-    /// The motor, by its place among the motors.
+    /// The motor's index.
     pub motor: usize,
-    /// By how many electrical turns of four full steps, counter-clockwise.
+    /// Electrical turns of four full steps, positive counter-clockwise.
     pub turns: i32,
-    /// Where the tool was then.
+    /// The tool's place then.
     pub tool: Place,
 }
 
@@ -61,7 +62,7 @@ pub struct Live {
     counts: Vec<i64>,
     /// The same in mm of belt.
     stepped_mm: Vec<f64>,
-    /// What each motor is given, of the current that it is run with.
+    /// Field strength of each motor, relative to its run current.
     given: Vec<f64>,
     rotors: Vec<Rotor>,
     skips: Vec<Skip>,
@@ -71,8 +72,8 @@ pub struct Live {
 }
 
 impl Live {
-    /// A machine at rest whose tool is at `start`, at a time in ticks of 0.1 us. No motor has power. A step takes so much
-    /// belt in mm; the magnetic zero of each motor lies where `phases_mm` says against the belt without strain.
+    /// A machine at rest with its tool at `start`, at a time in ticks of 0.1 us. No motor has power. A step is
+    /// `step_mm` of belt. `phases_mm` has the magnetic zero of each motor relative to the belt without strain.
     #[must_use]
     pub fn new(machine: Machine, params: &Params, start: Place, step_mm: f64, phases_mm: &[f64], now: u64) -> Self {
         let detail = Detail { idlers: false, rotors: true };
@@ -107,13 +108,13 @@ impl Live {
         self.now
     }
 
-    /// Whether nothing moves.
+    /// Whether everything is at rest.
     #[must_use]
     pub const fn is_at_rest(&self) -> bool {
         self.is_at_rest
     }
 
-    /// Moves on to a time in ticks; one that has passed changes nothing.
+    /// Advances to a time in ticks; a past time changes nothing.
     pub fn advance(&mut self, tick: u64) {
         while self.now < tick {
             if self.is_at_rest {
@@ -131,7 +132,7 @@ impl Live {
         }
     }
 
-    /// Steps motors now: so many steps each, counter-clockwise.
+    /// Steps motors now: this many steps each, counter-clockwise.
     pub fn step(&mut self, steps: &[i64]) {
         let motors = self.counts.iter_mut().zip(steps).zip(&mut self.stepped_mm);
         for ((count, steps), stepped) in motors {
@@ -146,7 +147,7 @@ impl Live {
         self.is_at_rest = false;
     }
 
-    /// Gives a motor a field of so much of its full strength; 0 is no power.
+    /// Sets a motor's field to this part of its full strength; 0 is no power.
     pub fn give(&mut self, motor: usize, strength: f64) {
         let all = self.given.get_mut(motor).zip(self.state.outside.strengths.get_mut(motor));
         let Some(((given, now), rotor)) = all.zip(self.rotors.get_mut(motor)) else { return };
@@ -160,7 +161,7 @@ impl Live {
         self.is_at_rest = false;
     }
 
-    /// Pushes the tool with so many N in x and y, until it is pushed otherwise.
+    /// Pushes the tool with this many N in x and y, until the next call.
     pub fn push(&mut self, force_n: [f64; 2]) {
         if self.state.outside.push_n != force_n {
             self.state.outside.push_n = force_n;
@@ -168,7 +169,7 @@ impl Live {
         }
     }
 
-    /// Puts something in the tool's way that takes so many N to move through, in any direction; 0 takes it away.
+    /// Puts an obstacle in the tool's way that resists with this many N in any direction; 0 removes it.
     pub fn obstruct(&mut self, force_n: f64) {
         if self.state.outside.obstacle_n != force_n {
             self.state.outside.obstacle_n = force_n;
@@ -176,7 +177,7 @@ impl Live {
         }
     }
 
-    /// Rubs on a rotor with so many N at the belt, until told otherwise.
+    /// Brakes a rotor with this many N at the belt, until the next call.
     pub fn brake(&mut self, motor: usize, force_n: f64) {
         if let Some(brake) = self.state.outside.brakes_n.get_mut(motor).filter(|brake| **brake != force_n) {
             *brake = force_n;
@@ -184,27 +185,27 @@ impl Live {
         }
     }
 
-    /// Where the tool is, from motor 1's axis.
+    /// The tool's place, from motor 1's axis.
     #[must_use]
     pub fn tool(&self) -> Place {
         let [x, y] = self.xy(&self.state.at);
         Place { x: self.plant.start().x + x, y: self.plant.start().y + y }
     }
 
-    /// How fast it is, in mm/s.
+    /// Its speed, in mm/s.
     #[must_use]
     pub fn velocity_mm_s(&self) -> [f64; 2] {
         self.xy(&self.state.speeds)
     }
 
-    /// Where the tool would be if it had gone from its start as the steps say.
+    /// The tool's commanded place, from its start and the steps.
     #[must_use]
     pub fn stepped_to(&self) -> Place {
         let [x, y] = self.plant.ways.tool(&self.stepped_mm);
         Place { x: self.plant.start().x + x, y: self.plant.start().y + y }
     }
 
-    /// The residual of the rotors as they stand, in mm: belt that is strained. `None` on a machine that has none.
+    /// Residual of the rotors in mm: the strain of the belt. `None` on a machine that has none.
     #[must_use]
     pub fn residual_mm(&self) -> Option<f64> {
         residual_mm(self.machine, self.state.at.get(self.plant.first_motor()..).unwrap_or_default())
@@ -222,23 +223,23 @@ impl Live {
         &self.counts
     }
 
-    /// The rotors, as they were looked at.
+    /// The rotors, as of the last look.
     #[must_use]
     pub fn rotors(&self) -> &[Rotor] {
         &self.rotors
     }
 
-    /// The mean part of its torque that a motor bore since the last time that this was asked, of 1.
+    /// Mean torque share of a motor since the last call, of 1.
     pub fn take_share(&mut self, motor: usize) -> f64 {
         self.rotors.get_mut(motor).map_or(0.0, Rotor::take_share)
     }
 
-    /// Motors that have skipped, each told once.
+    /// Motors that have skipped, each reported once.
     pub fn take_skips(&mut self) -> Vec<Skip> {
         std::mem::take(&mut self.skips)
     }
 
-    /// What is to be called x and y of places or speeds.
+    /// x and y from positions or speeds.
     fn xy(&self, of: &[f64]) -> [f64; 2] {
         [0, 1].map(|axis| of.get(axis).copied().unwrap_or(0.0))
     }
@@ -276,7 +277,8 @@ impl Live {
 mod tests {
     use super::*;
 
-    /// Where the tool swings, in mm, each 0.1 ms for 0.1 s after a motor has made so many steps at once, 16 a full step, and another is braked.
+    /// The tool's oscillation in mm, each 0.1 ms for 0.1 s, after a motor has made this many steps at once, 16 a full
+    /// step, with another motor braked.
     fn swing(params: &Params, steps: i64, refinement: f64) -> Vec<[f64; 2]> {
         let start = Place { x: 150.0, y: 300.0 };
         let mut live = Live::new(Machine::CoreHBot, params, start, params.full_step_mm() / 16.0, &[], 0);
@@ -292,7 +294,7 @@ mod tests {
         (1..=1000).map(look).collect()
     }
 
-    /// Without damping, what is off grows with time, and sooner where the field hardly holds (at two full steps).
+    /// Without damping errors grow with time, and faster where the field hardly holds (at two full steps).
     #[test]
     fn shorter_steps_of_the_integration_change_little_in_a_tenth_of_a_second() {
         let undamped = Params { belt_damping_s: 0.0, rotor_damping_nm_s: 0.0, ..Params::default() };

@@ -1,7 +1,7 @@
-//! Phase: where the magnetic zero of a motor lies when it gets power.
+//! Phase: position of a motor's magnetic zero when it gets power.
 //!
-//! A rotor stands anywhere against its field at power-up, so the nearest place that the field has for it is up to two full
-//! steps away, to either side. Any of them is as likely: nobody has turned the rotor with the field in mind.
+//! At power-up a rotor is at any position relative to its field, so its nearest rest position is up to two full steps
+//! away in either direction. All are equally likely, because nothing has aligned the rotor with its field.
 
 use crate::params::Params;
 use crate::sampling::random::Random;
@@ -9,10 +9,10 @@ use crate::sampling::random::Random;
 /// Full steps to each side.
 const MOST_FULL_STEPS: f64 = 2.0;
 
-/// The stream of a seed from which phases are drawn.
+/// The stream of a seed for phases.
 const STREAM: u64 = 0x7068_6173; // "phas"
 
-/// A phase in mm of belt for each of so many motors, within two full steps of 0; of one seed always the same.
+/// A phase in mm of belt for each of this many motors, within two full steps of 0; always the same for one seed.
 #[must_use]
 pub fn phases_mm(seed: u64, motors: usize, params: &Params) -> Vec<f64> {
     let mut random = Random::new(seed, STREAM);
@@ -31,7 +31,8 @@ mod tests {
         let most = 2.0 * params.full_step_mm();
         assert!(phases.iter().all(|phase| phase.abs() <= most));
         let rms = (phases.iter().map(|phase| phase * phase).sum::<f64>() / phases.len() as f64).sqrt();
-        // A rectangle's is its half width over the root of three: 0.2303 mm. 4,000 of them tell it to 1.5 % or so.
+        // The RMS of a uniform distribution is its half width over the root of three: 0.2303 mm. 4,000 samples
+        // determine it to about 1.5 %.
         assert!((rms / (most / 3.0_f64.sqrt()) - 1.0).abs() < 0.04, "{rms}");
         assert_eq!(phases_mm(7, 4, &params), phases_mm(7, 4, &params));
     }

@@ -1,23 +1,23 @@
-//! Rotor: which of its places a rotor holds, and how hard that is.
+//! Rotor: which of its rest positions a rotor holds, and its load.
 //!
-//! A field has a place for its rotor every electrical turn. The nearest one counts once the rotor has stayed there; then
-//! another place is a skip. What the rotor bears counts from then on, too: as it gets power it may fall through all of its
-//! field.
+//! A field has a rest position for its rotor in every electrical turn. The nearest one counts once the rotor has stayed
+//! there; then another one is a skip. The load counts from then on too: at power-up the rotor may swing through its
+//! whole field.
 
 use crate::routing::Place;
 
-/// A rotor stays where it is for so long, in ticks: 20 ms, longer than a period of the slowest mode (57 Hz).
+/// A rotor has stayed after this many ticks: 20 ms, longer than a period of the slowest mode (57 Hz).
 const STAYS: u64 = 200_000;
 
-/// What is seen of a rotor in an instant.
+/// A rotor at an instant.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Glance {
     pub tick: u64,
-    /// How many electrical turns its nearest place is from where it was sent.
+    /// Electrical turns between its nearest rest position and its commanded one.
     pub turns: f64,
-    /// What part of its torque it bears.
+    /// Its torque share.
     pub share: f64,
-    /// Whether nothing moves on the machine.
+    /// Whether the whole machine is at rest.
     pub is_at_rest: bool,
     pub tool: Place,
 }
@@ -25,44 +25,45 @@ pub(super) struct Glance {
 /// A motor's rotor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rotor {
-    /// The place that it holds, in electrical turns from where it was sent; none before it has one.
+    /// Its rest position, in electrical turns from the commanded one; none before it has one.
     turns: Option<f64>,
-    /// The place where it was at the last look, and since when.
+    /// Its rest position at the last look, and since when.
     seen: Option<(f64, u64)>,
-    /// Since when it is away from the place that it holds, and where the tool was then.
+    /// Time since when it is away from its rest position, and the tool's place then.
     left: Option<(u64, Place)>,
     greatest_share: f64,
     share: f64,
-    /// Sum of the shares, and number of looks.
+    /// Sum of the torque shares, and number of looks.
     shares: (f64, u32),
 }
 
 impl Rotor {
-    /// The greatest part of its torque that it bore, of 1, since it held its place.
+    /// Largest torque share since it held its rest position, of 1.
     #[must_use]
     pub const fn greatest_share(&self) -> f64 {
         self.greatest_share
     }
 
-    /// The part of its torque that it bore at the last look, of 1.
+    /// Torque share at the last look, of 1.
     #[must_use]
     pub const fn share(&self) -> f64 {
         self.share
     }
 
-    /// The mean part since it was last asked for.
+    /// Mean torque share since the last call.
     pub(super) fn take_share(&mut self) -> f64 {
         let (sum, looks) = std::mem::take(&mut self.shares);
         if looks == 0 { self.share } else { sum / f64::from(looks) }
     }
 
-    /// It got power, or lost it: it has no place any more.
+    /// It got or lost power, so it has no rest position any more.
     pub(super) const fn forget(&mut self) {
         (self.turns, self.seen, self.left) = (None, None, None);
         (self.share, self.shares) = (0.0, (0.0, 0));
     }
 
-    /// Looks at it, and says when it left its place, by how many turns, and where the tool was, once it has another one.
+    /// Looks at it. Once it has a new rest position, returns the time when it left the old one, the turns, and the
+    /// tool's place.
     pub(super) fn look(&mut self, glance: &Glance) -> Option<(u64, i32, Place)> {
         let Glance { tick, turns, share, is_at_rest, tool } = *glance;
         self.share = share;
@@ -99,9 +100,9 @@ mod tests {
     #[test]
     fn a_skip_is_told_when_the_rotor_stays_and_dated_when_it_left() {
         let mut rotor = Rotor::default();
-        // Where it falls to as it gets power is no skip.
+        // A fall into place at power-up is not a skip.
         assert!((0..40).all(|ms| look(&mut rotor, ms, 3.0).is_none()));
-        // A swing out and back neither.
+        // Neither is a swing out and back.
         assert!((40..50).all(|ms| look(&mut rotor, ms, 4.0).is_none()));
         assert!((50..80).all(|ms| look(&mut rotor, ms, 3.0).is_none()));
         // It runs away for 5 ms and then stays two turns back.
@@ -118,7 +119,7 @@ mod tests {
             rotor.look(&Glance { tick: 0, turns: 0.0, share, is_at_rest: true, tool: HERE });
         }
         assert!((rotor.take_share() - 0.2).abs() < 1e-12 && (rotor.take_share() - 0.3).abs() < 1e-12);
-        // The first look gave it its place.
+        // The first look gave it its rest position.
         assert!((rotor.greatest_share() - 0.3).abs() < 1e-12);
     }
 }

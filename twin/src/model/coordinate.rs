@@ -1,6 +1,6 @@
-//! Coordinate: one thing that may move.
+//! Coordinate: one movable quantity.
 
-/// One thing that may move.
+/// One movable quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinate {
     /// The head along the bar, in mm.

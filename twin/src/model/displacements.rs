@@ -1,12 +1,12 @@
 //! Displacements: the system by which the CoreH-bot paper counts degrees of freedom (equations 4 to 7).
 //!
-//! Every block, pulley and piece of belt has displacements of its own, and each constraint is an equation: 60 in 62 unknowns
-//! for the CoreH-bot. One of them follows from the others, so it has three degrees of freedom, not two: x, y, and the belt
-//! running round.
+//! Every block, pulley and piece of belt has its own displacements, and each constraint is an equation: 60 in 62
+//! unknowns for the CoreH-bot. One equation follows from the others, so there are three degrees of freedom, not two: x,
+//! y, and the belt's circulation.
 //!
-//! The belt's piece between two pulleys moves along its axis by dl = dP + s r dtheta where it travels with the axis, and
-//! dl = dP - s r dtheta where it travels against it. The paper's second example of equation 6 has the wrong sign for an
-//! angle that is positive counter-clockwise: pulley 2 lies on the outside, and dl1 = dy2 - r2 dtheta2.
+//! The piece of belt between two pulleys moves along its axis. If it travels with the axis, dl = dP + s r dtheta; if
+//! against it, dl = dP - s r dtheta. The paper's second example of equation 6 has the wrong sign for an angle that is
+//! positive counter-clockwise: pulley 2 lies on the outside, and dl1 = dy2 - r2 dtheta2.
 
 use crate::geometry::layout;
 use crate::params::Params;
@@ -19,8 +19,8 @@ const BLOCKS: usize = 6;
 /// Displacements and angle of a pulley.
 const A_PULLEY: usize = 3;
 
-/// The coefficients of a machine with closed belts only: one row an equation, columns for dx and dy of frame, bar and head,
-/// dx, dy and r dtheta of each pulley, and the displacement of each piece of belt.
+/// The coefficients of a machine with closed belts only, one row per equation. Columns are dx and dy of frame, bar and
+/// head, dx, dy and r dtheta of each pulley, and the displacement of each piece of belt.
 #[must_use]
 pub fn displacements(machine: Machine, params: &Params) -> DMatrix<f64> {
     let middle = Place { x: params.width_mm / 2.0, y: params.depth_mm / 2.0 };
@@ -52,7 +52,7 @@ pub fn displacements(machine: Machine, params: &Params) -> DMatrix<f64> {
     matrix
 }
 
-/// Equation 4: the frame stands, the bar goes along y, the head along the bar.
+/// Equation 4: the frame is fixed, the bar moves along y, the head along the bar.
 fn blocks() -> Vec<Vec<(usize, f64)>> {
     vec![vec![(0, 1.0)], vec![(1, 1.0)], vec![(0, 1.0), (2, -1.0)], vec![(3, 1.0), (5, -1.0)]]
 }

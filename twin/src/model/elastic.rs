@@ -1,8 +1,8 @@
 //! Elastic: stiffness and mass of the machine about a place of the tool.
 //!
-//! What is asked for decides what may move. *Reduced*: the tool alone; idlers follow without mass. *Full*: idlers too, each
-//! with its inertia. *Rotors*: motors too, each held by its field as by a spring. The bar may yaw on its guides as well.
-//! A motor without power is held by nothing.
+//! The query decides which parts may move. *Reduced*: the tool alone; idlers follow without mass. *Full*: idlers too,
+//! each with its inertia. *Rotors*: motors too, each held by its field as by a spring. The bar may also yaw on its
+//! guides. A motor without power is free.
 
 use super::coordinate::Coordinate;
 use super::links::Links;
@@ -10,7 +10,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use nalgebra::DMatrix;
 
-/// What may move besides the tool.
+/// Parts that may move besides the tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Freedom {
     /// Idlers, each with its inertia.
@@ -23,14 +23,14 @@ pub struct Freedom {
     pub free_motor: Option<u8>,
 }
 
-/// How a coordinate takes part.
+/// Role of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// It moves and has mass.
     Moves,
-    /// It gives way, and has no mass that counts.
+    /// It is compliant, with negligible mass.
     GivesWay,
-    /// It is where it was put.
+    /// It is fixed.
     Held,
 }
 
@@ -39,17 +39,18 @@ pub enum Part {
 pub struct Elastic {
     /// The machine.
     pub machine: Machine,
-    /// What stretches.
+    /// The elastic parts of the belt.
     pub links: Links,
-    /// How each coordinate takes part.
+    /// Role of each coordinate.
     pub parts: Vec<Part>,
-    /// Stiffness of each coordinate by itself, without the belt, in N/mm: a field, or the guides.
+    /// Stiffness of each coordinate without the belt, in N/mm: a field, or the guides.
     pub held_by: Vec<f64>,
-    /// N/mm; N for what is between x or y and the yaw, N mm/rad for the yaw.
+    /// N/mm; N between x or y and the yaw, N mm/rad for the yaw.
     pub stiffness: DMatrix<f64>,
-    /// kg; kg mm for what is between y and the yaw, kg mm^2 for the yaw.
+    /// kg; kg mm between y and the yaw, kg mm^2 for the yaw.
     pub mass: DMatrix<f64>,
-    /// Viscous friction of belts, guides and rotors in N s/mm, by coordinates as the others. Dry friction is not in it.
+    /// Viscous friction of belts, guides and rotors in N s/mm, over the same coordinates. It does not include dry
+    /// friction.
     pub damping: DMatrix<f64>,
 }
 
@@ -70,7 +71,7 @@ impl Elastic {
         Self { machine, links, parts, held_by, stiffness, mass, damping }
     }
 
-    /// The coordinates that take part in this way.
+    /// The coordinates with this role.
     #[must_use]
     pub fn with_part(&self, part: Part) -> Vec<usize> {
         (0..self.parts.len()).filter(|i| self.parts.get(*i) == Some(&part)).collect()
@@ -109,7 +110,7 @@ fn stiffness(links: &Links, held_by: &[f64], params: &Params) -> DMatrix<f64> {
     sum
 }
 
-/// Belts damp in proportion to their stiffness, fields do not.
+/// Belt damping is proportional to belt stiffness; fields have none.
 fn damping(links: &Links, held_by: &[f64], stiffness: &DMatrix<f64>, params: &Params) -> DMatrix<f64> {
     let mut sum = stiffness * params.belt_damping_s;
     for (i, (coordinate, held)) in links.coordinates.iter().zip(held_by).enumerate() {
@@ -124,7 +125,7 @@ fn damping(links: &Links, held_by: &[f64], stiffness: &DMatrix<f64>, params: &Pa
     sum
 }
 
-/// The head rides on the bar: where the bar yaws about its middle, the head goes along by its distance from there.
+/// The head rides on the bar: when the bar yaws about its middle, the head moves by its distance from there.
 fn mass(coordinates: &[Coordinate], params: &Params, tool: Place) -> DMatrix<f64> {
     let arm = tool.x - params.width_mm / 2.0;
     let (head, bar) = (params.head_mass_kg, params.bar_mass_kg);

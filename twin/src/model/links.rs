@@ -1,8 +1,8 @@
-//! Links: the parts of the belt that stretch, as rows over the coordinates.
+//! Links: the elastic parts of the belt, as rows over the coordinates.
 //!
-//! A link is a segment between two stops, or a span from one motor or clamp to the next. In a span the idlers between are at
-//! rest in the middle of their pull, so all of its segments have one tension: stretches and compliances add up, and the
-//! idlers fall out of the sum. That is the exact static condensation of the idlers.
+//! A link is a segment between two stops, or a span from one motor or clamp to the next. In a span the idlers are in
+//! equilibrium, so all of its segments have one tension: stretches and compliances add up, and the idlers drop out of
+//! the sum. This is the exact static condensation of the idlers.
 
 use super::SHORTEST_FREE_MM;
 use super::coordinate::Coordinate;
@@ -13,11 +13,11 @@ use crate::routing::{Block, Machine, Place, Role, Stop};
 /// A part of the belt that stretches as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// The span that it is, or is a part of.
+    /// The span that it is or belongs to.
     pub span: &'static str,
     /// Free length in mm.
     pub length_mm: f64,
-    /// Its stretch in mm for one of each coordinate.
+    /// Its stretch in mm for a unit of each coordinate.
     pub row: Vec<f64>,
 }
 
@@ -28,7 +28,7 @@ impl Link {
         params.belt_ea_n / self.length_mm.max(SHORTEST_FREE_MM)
     }
 
-    /// Takes in a link that has the same tension.
+    /// Adds a link with the same tension.
     fn join(&mut self, other: &Self) {
         self.length_mm += other.length_mm;
         for (entry, more) in self.row.iter_mut().zip(&other.row) {
@@ -36,7 +36,7 @@ impl Link {
         }
     }
 
-    /// Its stretch in mm where the coordinates have moved so far.
+    /// Its stretch in mm for these displacements.
     #[must_use]
     pub fn stretch(&self, moved: &[f64]) -> f64 {
         self.row.iter().zip(moved).map(|(row, moved)| row * moved).sum()
@@ -46,7 +46,7 @@ impl Link {
 /// All links of a machine for a place of the tool.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Links {
-    /// What the rows are over: x, y, yaw, then the pulleys in the order of the stops.
+    /// Coordinates of the rows: x, y, yaw, then the pulleys in the order of the stops.
     pub coordinates: Vec<Coordinate>,
     /// The links, belt after belt in the direction of travel.
     pub links: Vec<Link>,
@@ -80,13 +80,13 @@ impl Links {
         spans
     }
 
-    /// The place of a coordinate among all.
+    /// Index of a coordinate.
     #[must_use]
     pub fn index(&self, coordinate: Coordinate) -> Option<usize> {
         self.coordinates.iter().position(|c| *c == coordinate)
     }
 
-    /// Leaves coordinates out of the rows.
+    /// Removes coordinates from the rows.
     fn keep(&mut self, is_kept: impl Fn(Coordinate) -> bool) {
         let kept: Vec<bool> = self.coordinates.iter().map(|c| is_kept(*c)).collect();
         let mut at = kept.iter();
@@ -98,7 +98,7 @@ impl Links {
     }
 }
 
-/// The span of each segment, belt after belt: one ends at a motor or a clamp.
+/// Span of each segment, belt after belt. Motors and clamps end spans.
 fn span_names(machine: Machine) -> Vec<&'static str> {
     let mut names = Vec::new();
     for belt in machine.belts() {
@@ -154,7 +154,7 @@ fn link(
     Some(Link { span, length_mm: segment.length_mm, row })
 }
 
-/// How a stop's centre moves for a radian of the bar about its middle.
+/// Motion of a stop's centre per radian of the bar about its middle.
 fn yaw_of(stop: &Stop, params: &Params, tool: Place) -> [f64; 2] {
     if stop.block() == Block::Frame {
         return [0.0, 0.0];

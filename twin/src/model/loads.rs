@@ -1,7 +1,7 @@
-//! Loads: what tensions do to frame, bar and head (the paper's equations 26, 27 and 33 to 38).
+//! Loads: the effect of tensions on frame, bar and head (the paper's equations 26, 27 and 33 to 38).
 //!
-//! A segment pulls the stop that it leaves forward and the one that it reaches back, both along itself. A pulley passes that
-//! on to its block, for on idlers the two pulls have no moment about the axis.
+//! A segment pulls the stop that it leaves forward and the one that it reaches back, both along itself. A pulley passes
+//! this on to its block. On an idler the two pulls have no moment about the axis.
 
 use crate::geometry::Layout;
 use crate::routing::{Block, Machine, Place, Stop};
@@ -13,11 +13,11 @@ pub struct Load {
     pub x_n: f64,
     /// Away from the front.
     pub y_n: f64,
-    /// About the place that was asked for.
+    /// About the given place.
     pub couple_n_mm: f64,
 }
 
-/// The load of the belt on a block, about a place, for a tension of every segment.
+/// Load of the belt on a block, about a place, for a tension of every segment.
 #[must_use]
 pub fn load(machine: Machine, layout: &Layout, tensions_n: &[f64], block: Block, about: Place) -> Load {
     let stops: Vec<&Stop> = machine.stops().collect();

@@ -1,23 +1,23 @@
-//! Model: the segment law, and what follows from it for a place of the tool.
+//! Model: the segment law, and its results for a place of the tool.
 //!
-//! One law makes every matrix here. A straight segment that goes in direction t from one stop to the next is stretched by
+//! One law gives every matrix here. A straight segment in direction t from one stop to the next is stretched by
 //!
 //! ```text
 //! e = t . (dP_next - dP_prev) + s_next u_next - s_prev u_prev
 //! ```
 //!
-//! where dP is how far a stop's centre has moved, u = r theta how far its pulley has turned, and s = +1 where the belt passes
-//! counter-clockwise, -1 clockwise, 0 on a clamp. It is exact as long as nothing turns but pulleys, and to first order where
+//! dP is the displacement of a stop's centre and u = r theta the rotation of its pulley. s = +1 where the belt passes
+//! counter-clockwise, -1 clockwise, 0 on a clamp. The law is exact while only pulleys turn, and of first order where
 //! the bar yaws. A segment pulls with T = T0 + EA e / L.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | [`coordinate`] | what may move |
+//! | [`coordinate`] | movable quantities |
 //! | [`links`] | the law: segments, and spans between motors, as rows over the coordinates |
-//! | [`ways`] | which way motors turn for the tool: rows without any stretch |
-//! | [`displacements`] | the same with every displacement of its own, as the paper counts degrees of freedom |
+//! | [`ways`] | motor travel for the tool: rows without any stretch |
+//! | [`displacements`] | the same with all displacements, as the paper counts degrees of freedom |
 //! | [`loads`] | forces on frame, bar and head from tensions |
-//! | [`elastic`] | stiffness and mass of what may move |
+//! | [`elastic`] | stiffness and mass of the movable parts |
 
 pub mod coordinate;
 pub mod displacements;
@@ -26,5 +26,5 @@ pub mod links;
 pub mod loads;
 pub mod ways;
 
-/// Shortest free length in mm that a stiffness is computed with: a pulley that nearly touches the next is no rigid bond.
+/// Shortest free length in mm for a stiffness: a pulley that nearly touches the next is no rigid connection.
 pub const SHORTEST_FREE_MM: f64 = 5.0;

@@ -1,7 +1,7 @@
-//! Ways: how far each motor turns for a millimetre of the tool, with a belt that does not stretch.
+//! Ways: travel of each motor per millimetre of the tool, with a rigid belt.
 //!
-//! Spans keep their lengths if A p + B u = 0, with p the tool's way and u the motors'. Of all u that do, the smallest is
-//! taken: a closed belt that runs round through its motors moves nothing else.
+//! Spans keep their lengths if A p + B u = 0, with tool travel p and motor travel u. The smallest solution u is taken:
+//! the circulation of a closed belt moves nothing else.
 
 use super::coordinate::Coordinate;
 use super::links::Links;
@@ -9,15 +9,15 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use nalgebra::{DMatrix, DVector};
 
-/// Singular values below this are none: entries are -2 to 2, and the others of these machines above 1.
+/// Smaller singular values count as zero: entries are -2 to 2, and the others of these machines are above 1.
 const NO_WAY: f64 = 1e-6;
 
-/// The motors' ways of a machine.
+/// Motor travel of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ways {
     /// Numbers of the motors, ascending.
     pub motors: Vec<u8>,
-    /// Belt in mm for a millimetre of x and of y, motor by motor.
+    /// Belt in mm per millimetre of x and of y, motor by motor.
     pub rows: Vec<[f64; 2]>,
 }
 
@@ -40,18 +40,18 @@ impl Ways {
         Self { motors, rows }
     }
 
-    /// Where motors that have turned so far have taken the tool: the nearest place to all of them.
+    /// The tool's displacement for this motor travel, nearest to all motors.
     #[must_use]
     pub fn tool(&self, turned_mm: &[f64]) -> [f64; 2] {
-        // The two columns are orthogonal on these machines, so each is projected by itself.
+        // The two columns are orthogonal on these machines, so each is projected separately.
         [0, 1].map(|axis| {
             let square: f64 = self.rows.iter().map(|row| row[axis] * row[axis]).sum();
             self.rows.iter().zip(turned_mm).map(|(row, turned)| row[axis] * turned).sum::<f64>() / square
         })
     }
 
-    /// The paper's bound of the tool's error for an angular error of every motor (equations 22 to 25), in mm: the greatest
-    /// over all signs of it that a rigid belt allows.
+    /// The paper's bound of the tool's error for an angular error of every motor (equations 22 to 25), in mm: the
+    /// largest over all signs that a rigid belt allows.
     #[must_use]
     pub fn greatest_error_mm(&self, machine: Machine, params: &Params, error_rad: f64) -> f64 {
         let belt = params.pulley_radius_mm * error_rad;
@@ -71,8 +71,8 @@ impl Ways {
     }
 }
 
-/// The residual of motors that have turned so far: how much of it a rigid belt cannot follow, in mm. `None` where there is
-/// no such way; the greater one where there are two.
+/// Residual of this motor travel in mm: the part that a rigid belt cannot follow. `None` on a machine without one; the
+/// larger one where there are two.
 #[must_use]
 pub fn residual_mm(machine: Machine, turned_mm: &[f64]) -> Option<f64> {
     let residual = |pattern: &&[f64]| pattern.iter().zip(turned_mm).map(|(p, t)| p * t).sum::<f64>();

@@ -36,7 +36,7 @@ pub struct Compare {
 pub struct Compared {
     /// Its name.
     pub machine: &'static str,
-    /// All of its belts.
+    /// Length of all its belts.
     pub belt_mm: f64,
     /// Area that the tool reaches.
     pub reach_mm2: f64,
@@ -46,25 +46,25 @@ pub struct Compared {
     /// Stiffness of the softest direction: at the softest place and at the stiffest.
     #[serde(rename = "softest_N_per_mm")]
     pub softest_n_per_mm: [f64; 2],
-    /// How far the force moves the tool at most.
+    /// Largest deflection of the tool by the force.
     pub deflection_um: f64,
-    /// Slowest and fastest first mode.
+    /// Lowest and highest first mode.
     #[serde(rename = "first_mode_Hz")]
     pub first_mode_hz: [f64; 2],
-    /// Greatest stiffness between x and y.
+    /// Largest stiffness between x and y.
     #[serde(rename = "coupling_N_per_mm")]
     pub coupling_n_per_mm: f64,
-    /// What the belts alone resist the bar's yaw with, in the middle of the area.
+    /// Resistance of the belts alone to the bar's yaw, in the middle of the area.
     #[serde(rename = "belt_yaw_stiffness_Nm_per_rad")]
     pub belt_yaw_stiffness_nm_per_rad: f64,
-    /// How far yaw of the bar on its guides takes the tool aside for 1 m/s2 along x, at the worst place, at rest.
+    /// Tool error by yaw of the bar on its guides for 1 m/s2 along x, at the worst place, at rest.
     pub racking_x_um_per_m_s2: f64,
     /// The same along y.
     pub racking_y_um_per_m_s2: f64,
 }
 
 impl Compare {
-    /// Over the area that all of them reach, or another one, at so many columns and rows of it.
+    /// Compares them over the area that all of them reach, or another one, at this many columns and rows of it.
     ///
     /// # Errors
     /// Nothing holds a machine.
@@ -84,7 +84,7 @@ impl Compare {
     }
 }
 
-/// What every machine reaches.
+/// The area that every machine reaches.
 #[must_use]
 pub fn common(params: &Params) -> Workspace {
     let all = COMPARED.map(|machine| workspace(machine, params));
@@ -136,8 +136,8 @@ fn compared(
     })
 }
 
-/// How far the tool is from where it would be with a bar that cannot yaw, for 1 m/s2 along x and along y that lasts: all that
-/// moves is pulled back by its mass.
+/// Displacement of the tool, relative to a bar that cannot yaw, for a lasting 1 m/s2 along x and along y. Every moving
+/// part is pulled back by its mass.
 fn racking_um(machine: Machine, params: &Params, tool: Place) -> Result<[f64; 2], NotHeld> {
     let elastic = Elastic::new(machine, params, tool, Freedom { yaw: true, ..Freedom::default() });
     let index = |coordinate| elastic.links.index(coordinate).ok_or(NotHeld);
@@ -146,7 +146,7 @@ fn racking_um(machine: Machine, params: &Params, tool: Place) -> Result<[f64; 2]
     let translation = stiffness.view((0, 0), (2, 2)).into_owned().cholesky().ok_or(NotHeld)?;
     let all = stiffness.cholesky().ok_or(NotHeld)?;
     let aside = |axis: usize| {
-        // 1 kg by 1 m/s2 is 1 N, 1 kg mm by as much 1 N mm.
+        // 1 kg times 1 m/s2 is 1 N; 1 kg mm gives 1 N mm.
         let force = DVector::from_iterator(3, kept.iter().map(|i| -elastic.mass[(*i, kept[axis])]));
         let (moved, square) = (all.solve(&force), translation.solve(&force.rows(0, 2).into_owned()));
         1000.0 * (moved[0] - square[0]).hypot(moved[1] - square[1] + moved[2] * (tool.x - params.width_mm / 2.0))
@@ -154,7 +154,7 @@ fn racking_um(machine: Machine, params: &Params, tool: Place) -> Result<[f64; 2]
     Ok([aside(0), aside(1)])
 }
 
-/// With guides that resist nothing, motors that hold, and the tool free to give way.
+/// With guides that do not resist, holding motors and a free tool.
 fn belt_yaw(machine: Machine, params: &Params, tool: Place) -> Result<f64, NotHeld> {
     let loose = Params { bar_yaw_stiffness_nm_per_rad: 0.0, ..params.clone() };
     let elastic = Elastic::new(machine, &loose, tool, Freedom { yaw: true, ..Freedom::default() });

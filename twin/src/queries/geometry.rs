@@ -1,4 +1,4 @@
-//! Where the belt runs: segments, wraps, lengths, reach.
+//! The run of the belt: segments, wraps, lengths, reach.
 
 use super::{At, Setup, shown};
 use crate::geometry::{Layout, layout, workspace};
@@ -7,18 +7,18 @@ use crate::params::Params;
 use crate::routing::{Machine, Role, Side, Stop};
 use serde::Serialize;
 
-/// The error of an angle that the paper takes for every motor: half a full step of 1.8 degrees (equation 25).
+/// Angular error of every motor in the paper: half a full step of 1.8 degrees (equation 25).
 const ANGLE_DEG: f64 = 0.9;
 
 /// The belts for one place of the tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Geometry {
-    /// What it is about.
+    /// Machine and place.
     #[serde(flatten)]
     pub at: At,
     /// Length of each belt.
     pub belt_lengths_mm: Vec<f64>,
-    /// Where the tool can be, left and right.
+    /// Reach of the tool, left and right.
     pub reach_x_mm: [f64; 2],
     /// The same, front and back.
     pub reach_y_mm: [f64; 2],
@@ -26,13 +26,13 @@ pub struct Geometry {
     pub segments: Vec<SegmentAnswer>,
     /// Arcs on pulleys.
     pub wraps: Vec<WrapAnswer>,
-    /// Motors, and how far each turns for the tool.
+    /// Motors, with their travel for the tool.
     pub motors: Vec<MotorAnswer>,
-    /// How far the tool is off at most if each motor is by half a full step, as far as rigid belts allow.
+    /// Largest error of the tool if each motor is off by half a full step, as far as rigid belts allow.
     pub transmission_error_mm: f64,
-    /// Pulleys that the teeth of a belt lie on; on another belt's back they may be smooth.
+    /// Pulleys on the toothed side of a belt; pulleys on its back may be smooth.
     pub toothed_pulleys: Vec<u8>,
-    /// The same in short of every machine of these numbers.
+    /// The same in short for every machine with these parameters.
     pub machines: Vec<InShort>,
 }
 
@@ -43,13 +43,13 @@ pub struct InShort {
     pub machine: &'static str,
     /// Length of all its belts.
     pub belt_mm: f64,
-    /// Where its tool can be, left and right.
+    /// Reach of its tool, left and right.
     pub reach_x_mm: [f64; 2],
     /// The same, front and back.
     pub reach_y_mm: [f64; 2],
-    /// How far its tool is off at most if each motor is by half a full step.
+    /// Largest error of its tool if each motor is off by half a full step.
     pub transmission_error_mm: f64,
-    /// How many pulleys the teeth lie on, motors' among them, of how many.
+    /// Number of pulleys on the toothed side, motors included, and number of all pulleys.
     pub toothed_of: [usize; 2],
 }
 
@@ -69,7 +69,7 @@ pub struct SegmentAnswer {
 pub struct WrapAnswer {
     /// The pulley's number.
     pub pulley: u8,
-    /// How far the belt turns.
+    /// Turn of the belt.
     pub angle_deg: f64,
     /// Length of the arc.
     pub length_mm: f64,
@@ -80,12 +80,12 @@ pub struct WrapAnswer {
 pub struct MotorAnswer {
     /// Its number.
     pub motor: u8,
-    /// Belt for a millimetre of x and of y, counter-clockwise.
+    /// Belt per millimetre of x and of y, counter-clockwise.
     pub belt_per_mm: [f64; 2],
 }
 
 impl Geometry {
-    /// What it is.
+    /// The answer.
     #[must_use]
     pub fn new(setup: &Setup) -> Self {
         let (machine, params) = (setup.machine, &setup.params);
@@ -124,7 +124,7 @@ fn transmission_error_mm(machine: Machine, params: &Params) -> f64 {
     Ways::new(machine, params).greatest_error_mm(machine, params, ANGLE_DEG.to_radians())
 }
 
-/// The numbers of pulleys on the toothed side of the belt, ascending.
+/// Numbers of the pulleys on the toothed side of the belt, ascending.
 fn toothed(machine: Machine) -> Vec<u8> {
     let is_toothed = |stop: &&Stop| matches!(stop.role, Role::Motor | Role::Idler(Side::Inside));
     let mut numbers: Vec<u8> = machine.stops().filter(is_toothed).map(|stop| stop.number).collect();

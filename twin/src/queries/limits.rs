@@ -1,6 +1,6 @@
 //! Limits: how hard the machine can be driven before a motor slips, a span goes slack, or the tool rings too much.
 //!
-//! Over the whole reach, the worst place counts. Torque is that at standstill; [`super::torque`] has it at speed.
+//! The worst place of the reach counts. Torque is at standstill; [`super::torque`] has it at speed.
 
 use super::resonance::points;
 use super::{Setup, shown};
@@ -15,7 +15,7 @@ use crate::solve::modes::{mode_of, modes};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-/// Columns and rows of places that are looked at.
+/// Columns and rows of the grid of places.
 const GRID: usize = 7;
 
 /// Limits of both axes.
@@ -23,30 +23,30 @@ const GRID: usize = 7;
 pub struct Limits {
     /// The machine.
     pub machine: &'static str,
-    /// The error that ringing may make.
+    /// Allowed error by ringing.
     pub error_mm: f64,
-    /// The part of the holding torque that may be used, of 1.
+    /// Usable part of the holding torque, of 1.
     pub torque_part: f64,
     /// Along x.
     pub x: AxisLimits,
     /// Along y.
     pub y: AxisLimits,
-    /// By how much the tool is off in y at the side of the reach, for 1 m/s^2 along y: the head's inertia yaws the bar.
+    /// Error of the tool in y at the side of the reach, for 1 m/s^2 along y: the head's inertia yaws the bar.
     pub yaw_error_um_per_m_s2: f64,
 }
 
 /// Limits of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AxisLimits {
-    /// What the motors accelerate with that part of their torque, rotors and all.
+    /// Acceleration that takes this part of the motors' torque, rotors included.
     pub torque_acceleration_mm_s2: f64,
-    /// What takes a span's whole preload.
+    /// Acceleration that takes a span's whole preload.
     pub slack_acceleration_mm_s2: f64,
-    /// A ramp of this acceleration rings by no more than the error, however long it is.
+    /// A ramp of this acceleration and any length rings by no more than the error.
     pub ringing_acceleration_mm_s2: f64,
-    /// A jump of speed by this, as at a corner, makes the error.
+    /// A speed jump of this size, as at a corner, makes the error.
     pub speed_jump_mm_s: f64,
-    /// A jump of speed by this has more energy than all fields hold: the motors slip.
+    /// A speed jump of this size has more energy than all fields hold: the motors slip.
     pub slip_jump_mm_s: f64,
 }
 
@@ -54,7 +54,7 @@ pub struct AxisLimits {
 const MM_PER_M: f64 = 1000.0;
 
 impl Limits {
-    /// For an error that ringing may make, and the part of the holding torque that may be used.
+    /// For an allowed error by ringing and a usable part of the holding torque.
     ///
     /// # Errors
     /// Nothing holds the machine.
@@ -92,7 +92,7 @@ impl Limits {
     }
 }
 
-/// From the motors' ways, the mass that moves, the slowest frequency, and the tension that 1 N makes.
+/// From the motor travel, the moving mass, the lowest frequency, and the tension per N.
 fn axis(
     row: &[f64],
     mass_kg: f64,
@@ -105,7 +105,7 @@ fn axis(
     let omega = TAU * slowest_hz;
     let pull: f64 = row.iter().map(|way| way.abs() * params.holding_force_n()).sum();
     let rotors: f64 = row.iter().map(|way| way * way * params.rotor_mass_kg()).sum();
-    // From rest to where a field lets go: twice its force times its electrical radian.
+    // From rest to the angle where a field lets go: twice its force times its electrical radian.
     let energy_n_mm = 2.0 * params.holding_force_n() * params.electrical_radian_mm() * row.len() as f64;
     let moving = mass_kg + rotors;
     AxisLimits {

@@ -1,7 +1,7 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
-//! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`]. About
-//! the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`].
+//! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`].
+//! About the whole reach: [`resonance`], [`compare`], [`limits`], [`torque`].
 
 pub mod compare;
 pub mod geometry;
@@ -19,16 +19,16 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use serde::Serialize;
 
-/// Which machine is asked about, where its tool is, and what of it may move.
+/// The subject of a query: machine, place of its tool, and movable parts.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The machine.
     pub machine: Machine,
-    /// Its numbers.
+    /// Its parameters.
     pub params: Params,
-    /// Where the tool is.
+    /// The tool's place.
     pub tool: Place,
-    /// What may move besides the tool.
+    /// Parts that may move besides the tool.
     pub freedom: Freedom,
 }
 
@@ -48,12 +48,12 @@ impl Setup {
     }
 }
 
-/// What an answer is about.
+/// The subject of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct At {
     /// The machine.
     pub machine: &'static str,
-    /// Where the tool is, from motor 1's axis.
+    /// The tool's place, from motor 1's axis.
     pub x_mm: f64,
     /// The same away from the front.
     pub y_mm: f64,
@@ -66,7 +66,7 @@ impl std::fmt::Display for At {
     }
 }
 
-/// A number as people read it: no -0.
+/// A number for people: no -0.
 pub(crate) fn shown(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     match text.strip_prefix('-') {

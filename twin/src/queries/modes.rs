@@ -1,4 +1,4 @@
-//! At which frequencies the machine vibrates.
+//! Natural frequencies of the machine.
 
 use super::{At, Setup};
 use crate::solve::NotHeld;
@@ -8,18 +8,18 @@ use serde::Serialize;
 /// Natural frequencies at the tool's place.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Modes {
-    /// What they are about.
+    /// Machine and place.
     #[serde(flatten)]
     pub at: At,
     /// All of them, ascending.
     #[serde(rename = "frequencies_Hz")]
     pub frequencies_hz: Vec<f64>,
-    /// What has most of the energy in each.
+    /// The part with most of the energy in each.
     pub of: Vec<String>,
 }
 
 impl Modes {
-    /// What they are.
+    /// The answer.
     ///
     /// # Errors
     /// Nothing holds the machine.

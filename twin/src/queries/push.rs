@@ -1,4 +1,4 @@
-//! What a force on the tool does.
+//! The effect of a force on the tool.
 
 use super::strain::Strain;
 use super::{At, Setup};
@@ -6,22 +6,22 @@ use crate::solve::NotHeld;
 use crate::solve::balance::balance;
 use serde::Serialize;
 
-/// What a force on the tool does.
+/// The effect of a force on the tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Push {
-    /// What it is about.
+    /// Machine and place.
     #[serde(flatten)]
     pub at: At,
     /// The force to the right and away from the front.
     #[serde(rename = "force_N")]
     pub force_n: [f64; 2],
-    /// What it does.
+    /// The effect.
     #[serde(flatten)]
     pub strain: Strain,
 }
 
 impl Push {
-    /// What it does.
+    /// The answer.
     ///
     /// # Errors
     /// Nothing holds the machine.

@@ -1,11 +1,12 @@
-//! Resonance: at which frequencies each axis rings all over the reach, and what to do about it.
+//! Resonance: the frequency of each axis over the reach, and remedies.
 //!
-//! The mode of an axis is the one in which the tool has most of its energy along it. With the reach's band of frequencies go
-//! a shaper for each axis ([`crate::shaping`]), and the speeds at which what repeats along the belt repeats as fast as that:
-//! full steps, electrical turns, teeth.
+//! The mode of an axis is the one in which the tool has most of its energy along it. The answer includes a shaper for
+//! each axis and its band of frequencies ([`crate::shaping`]). It also has the speeds at which full steps, electrical
+//! turns and teeth repeat at these frequencies.
 //!
-//! The bar also yaws on its guides, on a CoreH-bot slower than both axes ring. No shaper here is made for it: moves along y alone
-//! excite it, the more so the further the head is from the middle. How fast it yaws, and what the shaper of y leaves, is told.
+//! The bar also yaws on its guides, on a CoreH-bot at a lower frequency than both axes. No shaper is made for it. Only
+//! moves along y excite it, the more the further the head is from the middle. The answer has its frequency, and the
+//! part that the shaper of y leaves.
 
 use super::{Setup, shown};
 use crate::geometry::workspace;
@@ -31,43 +32,43 @@ pub struct Resonance {
     pub x_mm: Vec<f64>,
     /// Rows of the grid.
     pub y_mm: Vec<f64>,
-    /// What there is to say of x.
+    /// Results for x.
     pub x: AxisResonance,
-    /// What there is to say of y.
+    /// Results for y.
     pub y: AxisResonance,
     /// The bar's yaw on its guides, for which no shaper is made.
     pub yaw: YawResonance,
 }
 
-/// Frequencies at which the bar yaws.
+/// Yaw frequencies of the bar.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct YawResonance {
     /// Row after row of the grid.
     #[serde(rename = "frequencies_Hz")]
     pub frequencies_hz: Vec<Vec<f64>>,
-    /// Least and greatest of them.
+    /// Lowest and highest of them.
     #[serde(rename = "band_Hz")]
     pub band_hz: [f64; 2],
-    /// Viscous damping in the middle of the reach, as a part of the critical one.
+    /// Viscous damping ratio in the middle of the reach.
     pub damping_ratio: f64,
-    /// What the shaper for y leaves of it at the worst place, of 1.
+    /// The part of it that the shaper for y leaves at the worst place, of 1.
     pub left_by_y: Option<f64>,
 }
 
-/// Frequencies of an axis, and what follows.
+/// Frequencies of an axis, and results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisResonance {
     /// Row after row of the grid.
     #[serde(rename = "frequencies_Hz")]
     pub frequencies_hz: Vec<Vec<f64>>,
-    /// Least and greatest of them.
+    /// Lowest and highest of them.
     #[serde(rename = "band_Hz")]
     pub band_hz: [f64; 2],
-    /// The other axis' part in the vibration at the worst place, of 1.
+    /// Part of the other axis in the vibration at the worst place, of 1.
     pub coupling: f64,
-    /// Viscous damping in the middle of the reach, as a part of the critical one.
+    /// Viscous damping ratio in the middle of the reach.
     pub damping_ratio: f64,
-    /// The shaper to take.
+    /// The suggested shaper.
     pub suggestion: Option<Design>,
     /// The best of each kind.
     pub shapers: Vec<Design>,
@@ -80,16 +81,16 @@ pub struct AxisResonance {
 /// Speeds along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ResonantSpeeds {
-    /// A full step a period.
+    /// One full step per period.
     pub full_step_mm_s: f64,
-    /// An electrical turn a period.
+    /// One electrical turn per period.
     pub electrical_turn_mm_s: f64,
-    /// A tooth a period.
+    /// One tooth per period.
     pub tooth_mm_s: f64,
 }
 
 impl Resonance {
-    /// On a grid of so many columns and rows.
+    /// On a grid of this many columns and rows.
     ///
     /// # Errors
     /// Nothing holds the machine.
@@ -107,7 +108,7 @@ impl Resonance {
     }
 }
 
-/// The bar's yaw on a grid, and what the shaper for y leaves of it.
+/// The bar's yaw on a grid, and the part that the shaper for y leaves.
 fn yaw(setup: &Setup, x_mm: &[f64], y_mm: &[f64], y: &AxisResonance) -> Result<YawResonance, NotHeld> {
     let freedom = Freedom { yaw: true, ..setup.freedom };
     let mode = |tool: Place| {
@@ -198,7 +199,7 @@ impl std::fmt::Display for Resonance {
     }
 }
 
-/// Columns of a grid that people are shown.
+/// Largest number of grid columns shown to people.
 const SHOWN: usize = 12;
 
 impl Resonance {

@@ -1,4 +1,4 @@
-//! What a motor that slipped does: it stands so many full steps from where it was sent, and the belt is strained.
+//! The effect of a slipped motor: it stands this many full steps from its commanded place, and the belt is strained.
 
 use super::strain::Strain;
 use super::{At, Setup};
@@ -6,13 +6,13 @@ use crate::solve::NotHeld;
 use crate::solve::balance::balance;
 use serde::Serialize;
 
-/// Full steps of a slip: a rotor that loses its field finds it again an electrical turn on.
+/// Full steps of a slip: a rotor that loses its field regains it an electrical turn away.
 pub const A_SLIP: f64 = 4.0;
 
-/// What a slipped motor does.
+/// The effect of a slipped motor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Slip {
-    /// What it is about.
+    /// Machine and place.
     #[serde(flatten)]
     pub at: At,
     /// The motor that slipped.
@@ -21,7 +21,7 @@ pub struct Slip {
     pub full_steps: f64,
     /// The same in mm of belt.
     pub belt_mm: f64,
-    /// What it does.
+    /// The effect.
     #[serde(flatten)]
     pub strain: Strain,
 }
@@ -50,7 +50,7 @@ impl std::fmt::Display for SlipError {
 impl std::error::Error for SlipError {}
 
 impl Slip {
-    /// What it does.
+    /// The answer.
     ///
     /// # Errors
     /// There is no such motor, or nothing holds the machine.

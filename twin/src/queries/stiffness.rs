@@ -1,4 +1,4 @@
-//! How stiffly the tool is held: the 2x2 matrix of N a millimetre, and its softest direction.
+//! Stiffness of the tool: the 2x2 matrix in N per millimetre, and its softest direction.
 
 use super::{At, Setup, shown};
 use crate::solve::NotHeld;
@@ -8,19 +8,19 @@ use serde::Serialize;
 /// Stiffness at the tool.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stiffness {
-    /// What it is about.
+    /// Machine and place.
     #[serde(flatten)]
     pub at: At,
-    /// Force in x for a millimetre of x.
+    /// Force in x per millimetre of x.
     #[serde(rename = "Kxx_N_per_mm")]
     pub kxx: f64,
-    /// Force in y for a millimetre of y.
+    /// Force in y per millimetre of y.
     #[serde(rename = "Kyy_N_per_mm")]
     pub kyy: f64,
-    /// Force in y for a millimetre of x.
+    /// Force in y per millimetre of x.
     #[serde(rename = "Kxy_N_per_mm")]
     pub kxy: f64,
-    /// Along the direction that gives way most.
+    /// Stiffness of the softest direction.
     #[serde(rename = "softest_N_per_mm")]
     pub softest: f64,
     /// That direction, from x towards y, -90 to 90.
@@ -28,7 +28,7 @@ pub struct Stiffness {
 }
 
 impl Stiffness {
-    /// What it is.
+    /// The answer.
     ///
     /// # Errors
     /// Nothing holds the machine.
@@ -38,7 +38,7 @@ impl Stiffness {
         let (kxx, kyy, kxy) = (k[(0, 0)], k[(1, 1)], k[(0, 1)]);
         let (mean, half) = ((kxx + kyy) / 2.0, (kxx - kyy) / 2.0);
         let turned = half.hypot(kxy);
-        // The stiffest direction is at half the angle of (half, kxy), the softest across it.
+        // The stiffest direction is at half the angle of (half, kxy), the softest at a right angle to it.
         let stiffest = kxy.atan2(half).to_degrees() / 2.0;
         let softest_direction_deg = if stiffest > 0.0 { stiffest - 90.0 } else { stiffest + 90.0 };
         Ok(Self { at: setup.at(), kxx, kyy, kxy, softest: mean - turned, softest_direction_deg })

@@ -1,4 +1,4 @@
-//! Strain: how an answer about belts and motors under load is told; pushes and slips have it in common.
+//! Strain: the common part of answers about belts and motors under load, for pushes and slips.
 
 use super::{Setup, shown};
 use crate::model::coordinate::Coordinate;
@@ -8,21 +8,21 @@ use crate::solve::balance::Balance;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// What a load does to tool, belts and motors.
+/// Effect of a load on tool, belts and motors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Strain {
-    /// How far the tool goes to the right.
+    /// Displacement of the tool to the right.
     pub dx_mm: f64,
-    /// How far it goes away from the front.
+    /// Displacement away from the front.
     pub dy_mm: f64,
-    /// By how much the motors' ways are none that a rigid belt can follow; none on machines whose belts follow any.
+    /// Part of the motor travel that a rigid belt cannot follow; none on machines without a residual.
     pub residual_mm: Option<f64>,
-    /// By how much each span's tension changes.
+    /// Change of each span's tension.
     #[serde(rename = "tension_change_N")]
     pub tension_change_n: BTreeMap<&'static str, f64>,
-    /// The motors that the torques are of.
+    /// The motors of the torques.
     pub motors: Vec<u8>,
-    /// What each motor holds against it, counter-clockwise.
+    /// Holding torque of each motor against the load, counter-clockwise.
     #[serde(rename = "motor_torque_mNm")]
     pub motor_torque_mnm: Vec<f64>,
 }
@@ -36,7 +36,7 @@ impl Strain {
             dx_mm: balance.of(elastic, Coordinate::X),
             dy_mm: balance.of(elastic, Coordinate::Y),
             residual_mm: residual_mm(setup.machine, &turned),
-            // Where links are segments, those of a span have one tension, as nothing but the belt turns an idler.
+            // Where links are segments, all segments of a span have one tension, because only the belt turns an idler.
             tension_change_n: spans.zip(balance.tensions_n.iter().copied()).collect(),
             motors,
             motor_torque_mnm: balance.torques_mnm.clone(),

@@ -1,8 +1,8 @@
 //! Torque limits: acceleration and speed in each direction that leave the motors a part of their torque.
 //!
-//! On machines of the CoreXY kind one pair of motors alone moves the tool along a diagonal, its belt running 1.41 times as
-//! fast as the tool. What is left therefore hangs on the direction. The firmware's limits know belt speeds
-//! (`motor_max_speed`), but not that y weighs more than x, so its acceleration is that of the worst direction.
+//! On machines of the CoreXY kind, one pair of motors alone moves the tool along a diagonal, and its belt runs 1.41
+//! times as fast as the tool. So the remaining torque depends on the direction. The firmware's limits know belt speeds
+//! (`motor_max_speed`), but not that y weighs more than x, so its acceleration is the one of the worst direction.
 
 use super::shown;
 use crate::params::Params;
@@ -13,7 +13,7 @@ use crate::torque::pull_out::pull_out_torque_at_belt_nm;
 use serde::Serialize;
 use std::f64::consts::FRAC_1_SQRT_2;
 
-/// Directions that are told, and their names.
+/// Directions and their names.
 const DIRECTIONS: [(&str, [f64; 2]); 4] = [
     ("x", [1.0, 0.0]),
     ("y", [0.0, 1.0]),
@@ -21,30 +21,30 @@ const DIRECTIONS: [(&str, [f64; 2]); 4] = [
     ("x-y", [FRAC_1_SQRT_2, -FRAC_1_SQRT_2]),
 ];
 
-/// Speeds of the tool that accelerations are told for, in mm/s.
+/// Speeds of the tool for which accelerations are given, in mm/s.
 const SPEEDS: [f64; 6] = [0.0, 100.0, 200.0, 300.0, 400.0, 500.0];
 
-/// Accelerations of the tool that speeds are told for, in mm/s^2.
+/// Accelerations of the tool for which speeds are given, in mm/s^2.
 const ACCELERATIONS: [f64; 6] = [1000.0, 3000.0, 5000.0, 10_000.0, 20_000.0, 40_000.0];
 
 /// Settings are whole multiples of this acceleration in mm/s^2.
 const WHOLE: f64 = 10.0;
 
-/// What a part of the torque is left at.
+/// Limits that leave a part of the torque.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TorqueLimits {
-    /// The part of the torque at each speed that is left, of 1.
+    /// Remaining part of the torque at each speed, of 1.
     pub margin: f64,
     /// Speeds of belt or tool.
     pub speeds_mm_s: Vec<f64>,
-    /// The greatest torque of a motor at these speeds of its belt.
+    /// Pull-out torque of a motor at these speeds of its belt.
     #[serde(rename = "pull_out_torque_mNm")]
     pub pull_out_torque_mnm: Vec<f64>,
     /// Accelerations of the tool.
     pub accelerations_mm_s2: Vec<f64>,
-    /// What each direction allows.
+    /// Limits of each direction.
     pub directions: Vec<DirectionLimits>,
-    /// What to set; none if no acceleration keeps the margin at the belt speed.
+    /// Recommended settings; none if no acceleration keeps the margin at the belt speed.
     pub settings: Option<TorqueSettings>,
 }
 
@@ -53,27 +53,27 @@ pub struct TorqueLimits {
 pub struct DirectionLimits {
     /// Its name.
     pub direction: &'static str,
-    /// The greatest acceleration at each of the speeds; none where friction alone takes more.
+    /// Maximum acceleration at each of the speeds; none where friction alone takes more.
     pub acceleration_mm_s2: Vec<Option<f64>>,
-    /// The greatest speed at each of the accelerations; none where it takes too much at rest already.
+    /// Maximum speed at each of the accelerations; none where it takes too much at rest already.
     pub speed_mm_s: Vec<Option<f64>>,
 }
 
 /// Limits of the firmware that keep the margin in every direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TorqueSettings {
-    /// The fastest that a belt runs, and the tool along an axis.
+    /// Maximum speed of a belt, and of the tool along an axis.
     pub belt_speed_mm_s: f64,
-    /// The greatest acceleration of the tool in any direction.
+    /// Maximum acceleration of the tool in any direction.
     pub acceleration_mm_s2: f64,
-    /// The direction in which that is all there is, from x towards y.
+    /// The direction that limits it, from x towards y.
     pub worst_direction_deg: f64,
-    /// The acceleration of a belt that goes with it.
+    /// The corresponding acceleration of a belt.
     pub belt_acceleration_mm_s2: f64,
 }
 
 impl TorqueLimits {
-    /// For the part of its torque that every motor keeps anywhere in the reach, and the belt speed to set limits for.
+    /// For the part of its torque that every motor keeps anywhere in the reach, and the belt speed of the settings.
     ///
     /// # Errors
     /// Nothing holds the machine.

@@ -1,7 +1,7 @@
 //! CoreH-bot: one closed belt through four motors, eight pulleys on the bar and two on the head.
 //!
-//! The numbers are those of the paper's figures 5 and 6c. Which side of the belt each pulley lies on, and the order in which
-//! the belt comes by, reproduce every length of its table 1 and its equations 8, 16, 26 and 33 to 36.
+//! The numbers are from the paper's figures 5 and 6c. The side of each pulley and the order of travel reproduce every
+//! length of its table 1 and its equations 8, 16, 26 and 33 to 36.
 
 use super::Belt;
 use super::stop::Mark::{High, Low, Tool};

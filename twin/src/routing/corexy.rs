@@ -1,6 +1,6 @@
-//! CoreXY: two belts in two planes that are each other's mirror image, a motor on each at the front.
+//! CoreXY: two belts in two planes that mirror each other, with a motor on each at the front.
 //!
-//! The layout of the paper's figure 6b, where all segments are along x or y. Belt A has motor 1, belt B motor 4. With four
+//! The layout of the paper's figure 6b, with all segments along x or y. Belt A has motor 1, belt B motor 4. With four
 //! motors ("all-wheel drive") each belt has a second one where it leaves the back corner opposite of its first.
 
 use super::Belt;

@@ -1,7 +1,7 @@
-//! H-bot: one belt from the head around the whole frame and back to it, two motors at the front.
+//! H-bot: one belt from the head around the whole frame and back to it, with two motors at the front.
 //!
-//! The paper's figure 6a has the head as a point; here the belt's clamps are the head's pulley distance apart. Motors carry
-//! the numbers of the corners that they have on a CoreH-bot; the other pulleys are numbered as the belt comes by.
+//! The paper's figure 6a has the head as a point. Here the belt's clamps are the head's pulley distance apart. Motors
+//! have the numbers of their corners on a CoreH-bot; the other pulleys are numbered in the belt's order.
 
 use super::Belt;
 use super::stop::Mark::{High, Low, Tool};

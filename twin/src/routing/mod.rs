@@ -1,9 +1,9 @@
-//! Routing: where the belt of a machine goes, as a table.
+//! Routing: the run of a machine's belt, as a table.
 //!
-//! A belt is the row of its stops in the direction in which it turns motors counter-clockwise. A stop is a pulley, or the
-//! clamp by which the belt is held on the head. Places are sums of the machine's dimensions, so a table holds for any size,
-//! and what a stop moves with follows from its place: with the head if its x follows the tool, with the bar if only its y
-//! does, with nothing otherwise.
+//! A belt is the row of its stops in the direction that turns motors counter-clockwise. A stop is a pulley, or the
+//! clamp that holds the belt on the head. Places are sums of the machine's dimensions, so a table holds for any size.
+//! The place determines what a stop moves with: the head if its x follows the tool, the bar if only its y does, and the
+//! frame otherwise.
 //!
 //! Tables: `corehbot` (figures 5 and 6c of the CoreH-bot paper), `hbot` (figure 6a), `corexy` (figure 6b, and the same
 //! with a motor at each end of its belts).
@@ -18,21 +18,22 @@ pub use stop::{Along, Block, Mark, Place, Role, Side, Stop};
 /// A belt: its stops in the direction of travel.
 #[derive(Clone, Copy, Debug)]
 pub struct Belt {
-    /// The stops. A belt without clamps is closed: behind the last comes the first. Otherwise the first and last are clamps.
+    /// The stops. A belt without clamps is closed: the first stop follows the last. Otherwise the first and last are
+    /// clamps.
     pub stops: &'static [Stop],
-    /// What the spans between motors and clamps are called, from the first of them on.
+    /// Names of the spans between motors and clamps, from the first of them on.
     pub spans: &'static [&'static str],
 }
 
 impl Belt {
-    /// Whether behind its last stop comes its first.
+    /// Whether the first stop follows the last.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.stops.first().is_some_and(|stop| stop.role != Role::Clamp)
     }
 }
 
-/// A machine whose belts the twin knows.
+/// A machine with belts known to the twin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine {
     /// One closed belt, four motors, fourteen pulleys.
@@ -60,7 +61,7 @@ impl Machine {
         }
     }
 
-    /// Its name as a word of a command line.
+    /// Its name on a command line.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -82,7 +83,7 @@ impl Machine {
         }
     }
 
-    /// Ways of its motors (in [`motors`](Self::motors)' order) that no rigid belt follows: what remains of them is strain.
+    /// Motor travel (in [`motors`](Self::motors)' order) that no rigid belt follows: it strains the belt.
     #[must_use]
     pub const fn residuals(self) -> &'static [&'static [f64]] {
         match self {

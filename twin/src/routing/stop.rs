@@ -1,8 +1,8 @@
-//! Stop: a pulley or a clamp, and the place where it is.
+//! Stop: a pulley or a clamp, and its place.
 
 use crate::params::Params;
 
-/// What a coordinate of a place is counted from.
+/// Origin of a coordinate of a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
     /// The left or front side: motor 1's axis.
@@ -13,14 +13,14 @@ pub enum Mark {
     Tool,
 }
 
-/// One coordinate of a place: a mark, and so many radii and half distances (e for x, d for y) beyond it.
+/// One coordinate of a place: an origin, and radii and half distances (e for x, d for y) beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Along {
-    /// What it is counted from.
+    /// Its origin.
     pub from: Mark,
-    /// How many pulley radii beyond.
+    /// Pulley radii beyond it.
     pub radii: f64,
-    /// How many halves of the pulleys' distance beyond: that of the head's for x, of the bar's for y.
+    /// Halves of the pulleys' distance beyond it: the head's for x, the bar's for y.
     pub halves: f64,
 }
 
@@ -49,18 +49,18 @@ pub struct Place {
     pub y: f64,
 }
 
-/// What a stop moves with.
+/// The part that a stop moves with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Block {
-    /// It stands.
+    /// The frame: it does not move.
     Frame,
-    /// With the bar, in y.
+    /// The bar, in y.
     Bar,
-    /// With the head, in x and y.
+    /// The head, in x and y.
     Head,
 }
 
-/// On which side of the belt a pulley lies.
+/// The side of the belt on which a pulley lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// The toothed one: the belt passes it counter-clockwise.
@@ -80,14 +80,14 @@ impl Side {
     }
 }
 
-/// What a stop does to the belt.
+/// Role of a stop for the belt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Drives it.
+    /// It drives the belt.
     Motor,
-    /// Turns with it.
+    /// It turns with the belt.
     Idler(Side),
-    /// Holds it.
+    /// It holds the belt.
     Clamp,
 }
 
@@ -96,11 +96,11 @@ pub enum Role {
 pub struct Stop {
     /// The pulley's number in the paper's figure, where it has one; clamps have 0.
     pub number: u8,
-    /// Where its centre is, to the right.
+    /// Place of its centre, to the right.
     pub x: Along,
-    /// Where its centre is, away from the front.
+    /// Place of its centre, away from the front.
     pub y: Along,
-    /// What it does.
+    /// Its role.
     pub role: Role,
 }
 
@@ -110,7 +110,7 @@ impl Stop {
         Self { number, x: Along::new(x, 0.0, 0.0), y: Along::new(y, 0.0, 0.0), role: Role::Motor }
     }
 
-    /// A pulley with the belt's teeth on it.
+    /// A pulley on the belt's toothed side.
     pub(super) const fn inside(number: u8, x: (Mark, f64, f64), y: (Mark, f64, f64)) -> Self {
         Self::new(number, x, y, Role::Idler(Side::Inside))
     }
@@ -135,7 +135,7 @@ impl Stop {
         (self.role == Role::Motor).then_some(self.number)
     }
 
-    /// What it moves with.
+    /// The part that it moves with.
     #[must_use]
     pub const fn block(&self) -> Block {
         match (self.x.from, self.y.from) {
@@ -145,7 +145,7 @@ impl Stop {
         }
     }
 
-    /// How the belt passes it: +1 counter-clockwise, -1 clockwise, 0 not at all.
+    /// Direction in which the belt passes it: +1 counter-clockwise, -1 clockwise, 0 for a clamp.
     #[must_use]
     pub const fn sign(&self) -> f64 {
         match self.role {

@@ -1,8 +1,8 @@
-//! Run: a trace played on the plant, and what there is to say of it.
+//! Run: plays a trace on the plant and reports on it.
 //!
-//! [`Run`] sends the motors as the trace says and moves everything in between. Ten thousand times a second, which is 90 times
-//! a period of the faster axis, it looks where the tool is and what belts and motors bear ([`watch`]); [`series`] has that
-//! over time, [`report`] is what people and programs get of it.
+//! [`Run`] moves the motors as the trace says and integrates the motion in between. Ten thousand times a second, which
+//! is 90 times a period of the faster axis, it looks at the tool's place and the loads of belts and motors ([`watch`]).
+//! [`series`] has these over time, and [`report`] is the output for people and programs.
 
 pub mod report;
 pub mod series;
@@ -26,10 +26,10 @@ use watch::Watch;
 /// Ticks between two looks.
 const LOOK: u64 = 1000;
 
-/// How long everything is let ring after the last step, in ticks.
+/// Time to ring out after the last step, in ticks.
 const RING_OUT: u64 = 2_000_000;
 
-/// Events between two calls of who is told of the progress.
+/// Events between two progress calls.
 const TOLD: usize = 4096;
 
 /// Why a trace cannot be played.
@@ -39,12 +39,12 @@ pub enum RunError {
     NoColumn(NoColumn),
     /// The path leaves the reach of the machine.
     OutOfReach {
-        /// What the path takes.
+        /// Extent of the path.
         path: Workspace,
-        /// What there is.
+        /// The reach.
         reach: Workspace,
     },
-    /// Numbers grew beyond bounds, after so many s: no machine has these.
+    /// Numbers diverged after this many s: no machine has these parameters.
     Diverged(f64),
     /// It was interrupted.
     Interrupted,
@@ -103,8 +103,8 @@ impl<'t> Run<'t> {
         Ok(Self { trace, drives, plant, state, watch, window, tick: 0, next_look: 0 })
     }
 
-    /// Measures the tool's errors from the line of another trace: that which was meant, where this one was made of it, or plays
-    /// the same line. The two need not keep the same time: [`Pace`] says when each place was meant.
+    /// Measures the tool's errors from the line of another trace: the original of this one, or one along the same line.
+    /// The timing may differ: [`Pace`] gives the intended time of each place.
     ///
     /// # Errors
     /// The other trace is of another kind of machine.
@@ -118,18 +118,18 @@ impl<'t> Run<'t> {
         Ok(self)
     }
 
-    /// Integrates in steps so many times shorter.
+    /// Integrates in steps shorter by this factor.
     #[must_use]
     pub fn refined(mut self, times: f64) -> Self {
         self.state.refinement = times;
         self
     }
 
-    /// Plays the whole trace and lets the machine ring out. `go_on` is told how much was played, of 1, and says whether to
-    /// go on.
+    /// Plays the whole trace and lets the machine ring out. `go_on` gets the played part, of 1, and returns whether to
+    /// continue.
     ///
     /// # Errors
-    /// It was not to go on.
+    /// `go_on` ended it.
     pub fn play(mut self, mut go_on: impl FnMut(f64) -> bool) -> Result<Watch, RunError> {
         let events = self.trace.events.len().max(1) as f64;
         for (index, (tick, counts)) in self.trace.counted().enumerate() {
@@ -153,7 +153,7 @@ impl<'t> Run<'t> {
         if self.state.is_finite() { Ok(self.watch) } else { Err(RunError::Diverged(self.trace.duration_s())) }
     }
 
-    /// Moves on to a time, with a look at every so many ticks.
+    /// Advances to a time, with a look at regular ticks.
     fn advance(&mut self, tick: u64) {
         while self.tick < tick {
             let until = tick.min(self.next_look);
@@ -172,7 +172,7 @@ impl<'t> Run<'t> {
     }
 }
 
-/// Where on its line the tool may be: what gives way lags and rings as the slowest axis does there.
+/// Time window of the tool on its line: a compliant machine lags and rings like its slowest axis there.
 fn window(machine: Machine, params: &Params, start: Place, detail: Detail) -> Window {
     let freedom = Freedom { rotors: detail.rotors, ..Freedom::default() };
     let modes = modes(&Elastic::new(machine, params, start, freedom)).unwrap_or_default();
@@ -180,14 +180,14 @@ fn window(machine: Machine, params: &Params, start: Place, detail: Detail) -> Wi
     Window::of_hz(if slowest.is_finite() { slowest } else { 0.0 })
 }
 
-/// The line along which a trace sends the tool.
+/// The commanded line of a trace.
 struct Line {
     path: Vec<Vertex>,
-    /// Where it is sent from time to time.
+    /// Commanded places over time.
     places: Vec<Vertex>,
-    /// What of the reach it takes.
+    /// The part of the reach that it uses.
     taken: Workspace,
-    /// The greatest residual of the trace's steps.
+    /// Largest residual of the trace's steps.
     residual_mm: f64,
 }
 
@@ -210,7 +210,7 @@ impl Line {
             taken.y = [taken.y[0].min(at[1]), taken.y[1].max(at[1])];
             path.add(at, tick);
             places.add(at, tick);
-            // Of whole steps, so that a residual of none is 0 to the last bit.
+            // In whole steps, so that a residual of zero is exactly 0.
             let steps = sent_mm(drives, &counts, 1.0);
             let strain = residual_steps(machine, &steps).unwrap_or(0.0).abs() * trace.step_mm;
             residual_mm = residual_mm.max(strain);
@@ -220,13 +220,13 @@ impl Line {
     }
 }
 
-/// Where a motor is sent for these counts, in mm of belt.
+/// Commanded position of a motor for these counts, in mm of belt.
 fn sent(drive: &Drive, counts: &[i64; 8], step_mm: f64) -> f64 {
     let count = counts.get(drive.column).copied().unwrap_or(0);
     (count * i64::from(drive.sense)) as f64 * step_mm
 }
 
-/// Where all of them are.
+/// Commanded positions of all motors.
 fn sent_mm(drives: &[Drive], counts: &[i64; 8], step_mm: f64) -> Vec<f64> {
     drives.iter().map(|drive| sent(drive, counts, step_mm)).collect()
 }

@@ -1,4 +1,4 @@
-//! Report: what there is to say of a trace that was played.
+//! Report: the results of a played trace.
 
 use super::watch::Watch;
 use crate::contour::error::{Corner, LEAST_LINE_MM};
@@ -7,79 +7,81 @@ use crate::routing::Machine;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Corners that are listed.
+/// Number of listed corners.
 const LISTED: usize = 20;
 
-/// What there is to say.
+/// The results.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
     /// The machine.
     pub machine: &'static str,
-    /// What moved besides the tool.
+    /// Moving parts besides the tool.
     pub model: &'static str,
-    /// How long the trace is.
+    /// Length of the trace.
     pub duration_s: f64,
-    /// Its instants.
+    /// Number of its instants.
     pub events: usize,
     /// Errors of the tool.
     pub contour: ContourFigures,
-    /// Corners of the line at which the tool was seen, all of them.
+    /// Number of all corners of the line at which the tool was seen.
     pub corners_total: usize,
-    /// Corners of which nothing can be told: between lines shorter than [`LEAST_LINE_MM`], or the tool was nowhere near.
+    /// Number of corners without results: between lines shorter than [`LEAST_LINE_MM`], or with the tool nowhere near.
     pub corners_unmatched: usize,
-    /// The worst of them first.
+    /// The corners, worst first.
     pub corners: Vec<CornerFigures>,
-    /// Least and greatest tension of each span.
+    /// Lowest and highest tension of each span.
     #[serde(rename = "tension_N")]
     pub tension_n: BTreeMap<&'static str, [f64; 2]>,
-    /// How often a span became slack.
+    /// Number of times that a span became slack.
     pub slack_events: u32,
     /// The motors.
     pub motors: Vec<MotorFigures>,
-    /// Greatest residual of the steps as they were commanded; 0 where belts follow any.
+    /// Largest residual of the commanded steps; 0 on machines without one.
     pub commanded_residual_mm: f64,
-    /// The same of the motors as they stood.
+    /// Largest residual of the motors' real positions.
     pub residual_mm: f64,
-    /// Greatest torque that the guides took to keep the bar square.
+    /// Largest torque with which the guides kept the bar square.
     #[serde(rename = "yaw_torque_Nm")]
     pub yaw_torque_nm: f64,
-    /// How long it took to compute.
+    /// Computing time.
     pub wall_time_s: f64,
-    /// How many times faster than the machine would be.
+    /// Speed relative to the real machine.
     pub times_real_time: f64,
 }
 
 /// Distances of the tool from its line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ContourFigures {
-    /// Greatest.
+    /// Largest.
     pub max_mm: f64,
     /// Root of the mean square over time.
     pub rms_mm: f64,
-    /// Greatest on the inside of corners.
+    /// Largest on the inside of corners.
     pub rounding_max_mm: f64,
-    /// Greatest on the outside of corners.
+    /// Largest on the outside of corners.
     pub overshoot_max_mm: f64,
-    /// Farthest from a corner at which the tool crossed its bisector, by equation 17 of Yin et al.; inside positive.
+    /// Largest distance from a corner at which the tool crossed its bisector, by equation 17 of Yin et al.; inside
+    /// positive.
     pub bisector_max_mm: f64,
 }
 
 /// A corner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CornerFigures {
-    /// Where it is, from motor 1's axis.
+    /// Its place, from motor 1's axis.
     pub x_mm: f64,
     /// The same away from the front.
     pub y_mm: f64,
-    /// When the tool was sent there.
+    /// Time at which the tool was sent there.
     pub time_s: f64,
-    /// By how much the line turns, to the left positive.
+    /// Turn of the line, positive to the left.
     pub turn_deg: f64,
-    /// Greatest error on its inside.
+    /// Largest error on its inside.
     pub rounding_mm: f64,
-    /// Greatest error on its outside.
+    /// Largest error on its outside.
     pub overshoot_mm: f64,
-    /// How far from it the tool crossed its bisector (equation 17 of Yin et al.), inside positive; none where it did not.
+    /// Distance from it at which the tool crossed its bisector (equation 17 of Yin et al.), inside positive; none
+    /// without a crossing.
     pub bisector_mm: Option<f64>,
 }
 
@@ -88,21 +90,21 @@ pub struct CornerFigures {
 pub struct MotorFigures {
     /// Its number.
     pub motor: u8,
-    /// Greatest torque.
+    /// Largest torque.
     #[serde(rename = "torque_max_mNm")]
     pub torque_max_mnm: f64,
-    /// What is left of the holding torque, of 1.
+    /// Remaining part of the holding torque, of 1.
     pub margin: f64,
-    /// What is left of the torque that it has at the speed of its rotor, of 1; none if motors are no rotors.
+    /// Remaining part of the torque at its rotor's speed, of 1; none if motors are not rotors.
     pub margin_at_speed: Option<f64>,
-    /// How often it slipped by an electrical turn.
+    /// Number of slips by an electrical turn.
     pub slips: u32,
-    /// By how many full steps it is off at the end.
+    /// Full steps by which it is off at the end.
     pub full_steps_off: f64,
 }
 
 impl Report {
-    /// What there is to say of a trace of this length, computed in this time.
+    /// Results of a trace of this length, computed in this time.
     #[must_use]
     pub fn new(
         machine: Machine,
@@ -168,7 +170,7 @@ fn figures(corner: &Corner) -> CornerFigures {
     }
 }
 
-/// Corners that people are shown.
+/// Number of corners shown to people.
 const SHOWN: usize = 8;
 
 impl std::fmt::Display for Report {

@@ -1,24 +1,24 @@
-//! Series: what happened over time, in bins that grow with the trace, so its size has a bound.
+//! Series: results over time, in bins that grow with the trace, so that its size is bounded.
 
-/// Bins at most; when there would be more, two become one.
+/// Maximum number of bins; beyond it two become one.
 const MOST: usize = 2048;
 
 /// Ticks of a bin at first: 5 ms.
 const FIRST_TICKS: u64 = 50_000;
 
-/// The greatest of a stretch of time.
+/// Extremes over a stretch of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bin {
     /// Error of the tool.
     pub error_mm: f64,
-    /// Least and greatest tension of each span; empty if nothing was looked at.
+    /// Lowest and highest tension of each span; empty without a look.
     pub tensions_n: Vec<[f64; 2]>,
     /// Force at the belt of each motor.
     pub forces_n: Vec<f64>,
 }
 
 impl Bin {
-    /// Takes in what happened at the same time.
+    /// Merges results of the same time.
     fn join(&mut self, other: &Self) {
         self.error_mm = self.error_mm.max(other.error_mm);
         if self.tensions_n.is_empty() {
@@ -51,7 +51,7 @@ impl Default for Series {
 }
 
 impl Series {
-    /// Something happened at a time.
+    /// Adds results at a time.
     pub fn add(&mut self, tick: u64, what: &Bin) {
         while tick / self.bin_ticks >= MOST as u64 {
             self.halve();

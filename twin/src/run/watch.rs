@@ -1,4 +1,4 @@
-//! Watch: what a machine bears while a trace is played.
+//! Watch: the loads of a machine while a trace is played.
 
 use super::series::{Bin, Series};
 use crate::contour::error::ContourError;
@@ -8,18 +8,18 @@ use crate::model::ways::residual_mm;
 use crate::routing::Machine;
 use crate::torque::pull_out::pull_out_torque_at_belt_nm;
 
-/// Slower than this in mm/s, and no more than [`STILL_MM_S2`] of acceleration, is at rest.
+/// At rest is slower than this in mm/s, with at most [`STILL_MM_S2`] of acceleration.
 const STILL_MM_S: f64 = 1e-4;
 
 /// See [`STILL_MM_S`].
 const STILL_MM_S2: f64 = 0.1;
 
-/// The least and the greatest of something.
+/// Lowest and highest value of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// Least.
+    /// Lowest.
     pub least: f64,
-    /// Greatest.
+    /// Highest.
     pub greatest: f64,
 }
 
@@ -34,20 +34,20 @@ impl Range {
     }
 }
 
-/// What a motor bore.
+/// Loads of a motor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotorWatch {
-    /// Greatest force at the belt, in N.
+    /// Largest force at the belt, in N.
     pub greatest_force_n: f64,
-    /// The greatest part that this was of what the motor has at the speed of its rotor, of 1; 0 if motors are no rotors.
+    /// Largest part of the motor's torque at its rotor's speed, of 1; 0 if motors are not rotors.
     pub greatest_part_at_speed: f64,
-    /// How often it lost or won an electrical turn.
+    /// Number of electrical turns lost or gained.
     pub slips: u32,
     /// Electrical turns by which it is off.
     pub turns_off: f64,
 }
 
-/// What a machine bore so far.
+/// Loads of a machine so far.
 #[derive(Clone, Debug)]
 pub struct Watch {
     machine: Machine,
@@ -55,20 +55,20 @@ pub struct Watch {
     pub contour: ContourError,
     /// Tension of each span in N.
     pub tensions_n: Vec<Range>,
-    /// How often a span became slack.
+    /// Number of times that a span became slack.
     pub slack: u32,
     is_slack: Vec<bool>,
     /// The motors, ascending.
     pub motors: Vec<MotorWatch>,
-    /// Greatest residual of the ways that were commanded.
+    /// Largest residual of the commanded steps.
     pub commanded_residual_mm: f64,
-    /// Greatest residual of the motors as they stood.
+    /// Largest residual of the motors' real positions.
     pub residual_mm: f64,
-    /// Greatest torque that the guides took to keep the bar square.
+    /// Largest torque with which the guides kept the bar square.
     pub yaw_torque_n_mm: f64,
-    /// What happened when.
+    /// Results over time.
     pub series: Series,
-    /// What is seen now, kept so that nothing is allocated at each look.
+    /// Present values, kept to avoid allocation at each look.
     now: Bin,
 }
 
@@ -95,7 +95,7 @@ impl Watch {
         self.machine
     }
 
-    /// Looks at the machine, and says whether it is at rest.
+    /// Looks at the machine and returns whether it is at rest.
     pub(super) fn look(&mut self, tick: u64, plant: &Plant, state: &mut State) -> bool {
         let is_slow = state.speeds.iter().all(|v| v.abs() < STILL_MM_S);
         let is_at_rest = is_slow && state.accelerations(plant).iter().all(|a| a.abs() < STILL_MM_S2);

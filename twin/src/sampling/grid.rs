@@ -1,12 +1,12 @@
 //! Grid: every combination of the levels of each parameter.
 
-/// How many combinations there are, unless they are too many to be counted.
+/// Number of combinations, unless it overflows.
 #[must_use]
 pub fn len(axes: &[Vec<f64>]) -> Option<usize> {
     axes.iter().try_fold(1_usize, |product, levels| product.checked_mul(levels.len()))
 }
 
-/// The combination of this number, counted from 0: as with the digits of a number, the last parameter changes fastest.
+/// The combination of this number, counted from 0. As with the digits of a number, the last parameter changes fastest.
 #[must_use]
 pub fn point(axes: &[Vec<f64>], number: usize) -> Option<Vec<f64>> {
     let mut rest = number;

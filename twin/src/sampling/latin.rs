@@ -1,4 +1,4 @@
-//! Latin hypercube: n points, of which each parameter has exactly one in every nth part of its axis.
+//! Latin hypercube: n points with exactly one in every nth part of each parameter's axis.
 
 use super::Axis;
 use super::random::Random;
@@ -12,7 +12,7 @@ pub struct LatinHypercube {
 }
 
 impl LatinHypercube {
-    /// So many points over these axes. Each axis draws from a stream of its own, so one more does not move the others.
+    /// This many points over these axes. Each axis draws from its own stream, so another axis does not change them.
     #[must_use]
     pub fn new(axes: &[Axis], points: usize, seed: u64) -> Self {
         let column = |(stream, axis): (u64, &Axis)| {
@@ -24,7 +24,7 @@ impl LatinHypercube {
         Self { points, columns: (0..).zip(axes).map(column).collect() }
     }
 
-    /// How many there are.
+    /// Number of points.
     #[must_use]
     pub const fn points(&self) -> usize {
         self.points
@@ -37,7 +37,7 @@ impl LatinHypercube {
     }
 }
 
-/// The greatest number below 1: the last stratum ends before it, whatever rounding says.
+/// Largest number below 1: the last stratum ends before it, despite rounding.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 #[cfg(test)]
@@ -79,8 +79,8 @@ mod tests {
         assert!((0..50).all(|i| alone.point(i).unwrap()[0] == hypercube(50, 9).point(i).unwrap()[0]));
     }
 
-    /// Two parameters of one design have nothing to do with each other: of 1,009 points their correlation has a standard
-    /// deviation of 1 / sqrt(1008) = 0.031.
+    /// Two parameters of one design are independent: for 1,009 points their correlation has a standard deviation of 1 /
+    /// sqrt(1008) = 0.031.
     #[test]
     fn parameters_are_not_correlated() {
         let design = hypercube(1009, 4);

@@ -1,9 +1,9 @@
-//! Sampling: which points of a space of parameters a study looks at.
+//! Sampling: the points of a parameter space that a study uses.
 //!
 //! A point is a pure function of the design and its number, so points can be computed in any order and on any machine.
-//! [`grid`] has every combination of levels; [`latin`] spreads a chosen number of points so that each parameter alone is
-//! covered evenly (McKay, Beckman and Conover, Technometrics 21, 1979); [`random`] has the generator, whose numbers are the
-//! same on every platform.
+//! [`grid`] has every combination of levels. [`latin`] spreads a chosen number of points so that each parameter alone
+//! is covered evenly (McKay, Beckman and Conover, Technometrics 21, 1979). [`random`] has the generator, which gives
+//! the same numbers on every platform.
 
 pub mod grid;
 pub mod latin;
@@ -11,7 +11,7 @@ pub mod random;
 
 use latin::LatinHypercube;
 
-/// Where a parameter may be.
+/// Possible values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Axis {
     /// At one of these values.
@@ -21,7 +21,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// The value at a part of the axis, from 0 up to but without 1; each level takes an equal part.
+    /// The value at a part of the axis, from 0 to below 1; each level takes an equal part.
     #[must_use]
     fn at(&self, part: f64) -> f64 {
         match self {
@@ -44,7 +44,7 @@ pub enum Design {
 }
 
 impl Design {
-    /// How many points it has, unless they are too many to be counted.
+    /// Number of its points, unless it overflows.
     #[must_use]
     pub fn points(&self) -> Option<usize> {
         match self {
@@ -63,7 +63,7 @@ impl Design {
     }
 }
 
-/// Evenly from one end to the other, both included; the ends are exact.
+/// Evenly spaced values from one end to the other, both included; the ends are exact.
 #[must_use]
 pub fn levels([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     let last = count.saturating_sub(1);

@@ -1,6 +1,6 @@
-//! Random numbers that are the same on every platform and for ever: the key stream of ChaCha20.
+//! Random numbers that are the same on every platform and in every version: the key stream of ChaCha20.
 //!
-//! What is drawn from them is written out here, for a library may change how it shuffles from version to version.
+//! The drawing algorithms are written out here, because a library may change its shuffle from version to version.
 
 use chacha20::ChaCha20Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
@@ -22,13 +22,12 @@ impl Random {
         Self(generator)
     }
 
-    /// From 0 up to but without 1, in steps of 2^-53.
+    /// From 0 to below 1, in steps of 2^-53.
     pub fn unit(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// From 0 up to but without `end`, each number as likely as the others: what is beyond the last whole multiple of `end`
-    /// is drawn again.
+    /// From 0 to below `end`, all equally likely: numbers beyond the last whole multiple of `end` are drawn again.
     fn below(&mut self, end: u64) -> u64 {
         let beyond = u64::MAX - u64::MAX % end.max(1);
         loop {
@@ -39,7 +38,7 @@ impl Random {
         }
     }
 
-    /// The numbers from 0 up to but without `count`, in any order (Fisher and Yates).
+    /// The numbers from 0 to below `count`, in random order (Fisher and Yates).
     pub(super) fn permutation(&mut self, count: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..count).collect();
         for last in (1..count).rev() {
@@ -54,8 +53,8 @@ impl Random {
 mod tests {
     use super::*;
 
-    /// Bernstein's ChaCha20 with a key and a nonce of zeros begins with 76 b8 e0 ad a0 f1 3d 90 (RFC 8439, appendix A.1,
-    /// test vector 1).
+    /// Bernstein's ChaCha20 with a key and a nonce of zeros begins with 76 b8 e0 ad a0 f1 3d 90 (RFC 8439, appendix
+    /// A.1, test vector 1).
     #[test]
     fn the_stream_is_chacha20() {
         assert_eq!(Random::new(0, 0).0.next_u64().to_le_bytes(), [0x76, 0xb8, 0xe0, 0xad, 0xa0, 0xf1, 0x3d, 0x90]);

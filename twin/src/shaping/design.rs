@@ -1,32 +1,32 @@
-//! Design: the shaper for an axis that rings at different frequencies in different places.
+//! Design: the shaper for an axis with different frequencies in different places.
 //!
-//! One shaper is given for all places. It is made for the frequency at which the worst place of the band is best, and of the
-//! kinds the one is suggested that rounds least while it leaves no more than 5 %.
+//! One shaper serves all places. Its frequency minimises the vibration at the worst place of the band. The suggested
+//! kind rounds least among those that leave no more than 5 %.
 
 use super::shaper::{Kind, impulses, residual, smoothing_mm};
 use serde::Serialize;
 
-/// What a suggested shaper may leave, of 1.
+/// Residual vibration allowed for a suggested shaper, of 1.
 pub const TOLERABLE: f64 = 0.05;
 
-/// Places of a band at which a shaper is looked at.
+/// Places of a band at which a shaper is evaluated.
 const LOOKS: usize = 41;
 
-/// A frequency is sought in this many steps, then once more around the best.
+/// The frequency search has this many steps, then once more around the best.
 const STEPS: usize = 200;
 
 /// A shaper for a band.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Design {
-    /// Which.
+    /// Its kind.
     #[serde(rename = "type")]
     pub kind: Kind,
-    /// What it is made for.
+    /// Its frequency.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: f64,
-    /// What it leaves of a vibration at the worst place of the band, of 1.
+    /// Residual vibration at the worst place of the band, of 1.
     pub worst_residual: f64,
-    /// By how much it rounds corners at 5 m/s^2.
+    /// Corner rounding at 5 m/s^2.
     pub smoothing_mm: f64,
 }
 
@@ -52,7 +52,7 @@ pub fn design(kind: Kind, band_hz: [f64; 2], damping: f64) -> Design {
     Design { kind, frequency_hz, worst_residual, smoothing_mm }
 }
 
-/// The best of every kind, and which of them is suggested.
+/// The best of every kind, and the suggested one.
 #[must_use]
 pub fn designs(band_hz: [f64; 2], damping: f64) -> (Vec<Design>, Option<Design>) {
     let all: Vec<Design> = Kind::ALL.into_iter().map(|kind| design(kind, band_hz, damping)).collect();

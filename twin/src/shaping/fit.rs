@@ -1,26 +1,26 @@
-//! Fit: how the frequency of a CoreH-bot's axis depends on the place, from frequencies that were measured.
+//! Fit: frequency of a CoreH-bot's axis over its place, from measured frequencies.
 //!
-//! Away from the middle an axis rings faster, for belts get stiffer, but motors do not. The firmware knows that by this law
-//! (docs/shaping.md), whose numbers this finds:
+//! Away from the middle an axis rings faster, because belts get stiffer, but motors do not. The firmware uses this law
+//! (docs/shaping.md), and the fit finds its numbers:
 //!
 //! ```text
 //! 1/f^2 = a (1 - (2 d / L)^2) + b,    a = 1/f_belt^2,  b = 1/f_motor^2
 //! ```
 //!
-//! with d the distance from the middle of the axis and L the free length of its belts, both sides together. That is linear in
-//! a and b: least squares over all places. The law is that of springs in a row, which belts and motors are in the middle
-//! alone; beside it motors give way more. So f_motor is what fits, and below that of the motors by themselves:
+//! d is the distance from the middle of the axis and L the free length of its belts, both sides together. The law is
+//! linear in a and b: least squares over all places. It describes springs in series, which belts and motors are only in
+//! the middle. Elsewhere motor fields deflect more. So the fitted f_motor is below the frequency of the motors alone;
 //! [`crate::solve::identify`] finds belts and motors.
 
 use crate::params::Params;
 use serde::Serialize;
 
-/// A frequency that was measured.
+/// A measured frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// The tool's place along the axis, from motor 1's axis.
     pub place_mm: f64,
-    /// What the axis rang at.
+    /// The measured frequency of the axis.
     pub frequency_hz: f64,
 }
 
@@ -33,38 +33,38 @@ pub enum Axis {
     Y,
 }
 
-/// What a fit finds.
+/// Result of a fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Fit {
     /// Frequency in the middle of the axis.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: f64,
-    /// The same with motors that do not give way.
+    /// The same with rigid motors.
     #[serde(rename = "belt_frequency_Hz")]
     pub belt_frequency_hz: f64,
-    /// With belts that do not give way; none if motors do not.
+    /// With rigid belts; none for rigid motors.
     #[serde(rename = "motor_frequency_Hz")]
     pub motor_frequency_hz: Option<f64>,
     /// Free length of the belts, both sides together.
     pub span_mm: f64,
-    /// Greatest difference between what was measured and what the fit says, of 1.
+    /// Largest relative difference between measurement and fit, of 1.
     pub worst_difference: f64,
 }
 
-/// Places with less of a difference in `(2 d / L)^2` than this tell nothing of belts and motors apart.
+/// Places with less difference in `(2 d / L)^2` than this do not separate belts from motors.
 const LEAST_SPREAD: f64 = 0.05;
 
-/// A law that is further from a frequency than this is none: three times what a frequency is measured to (docs/twin.md).
+/// Largest accepted difference of the law from a frequency: three times the uncertainty of a frequency (docs/twin.md).
 const LIKE: f64 = 0.045;
 
 /// Why there is no fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FitError {
-    /// Fewer than two places, or too near to each other.
+    /// Fewer than two places, or too close to each other.
     TooAlike,
     /// It rings no faster away from the middle.
     NotStiffer,
-    /// The frequency at this place is this part, of 1, from what any law says.
+    /// The frequency at this place differs by this part, of 1, from every law.
     Unlike(f64, f64),
 }
 
@@ -105,7 +105,7 @@ pub fn fit(axis: Axis, measured: &[Measured], params: &Params) -> Result<Fit, Fi
         return Err(FitError::NotStiffer);
     }
     if b < 0.0 {
-        // Motors do not give way less than not at all: the line goes through 0.
+        // Motor compliance cannot be negative: the line goes through 0.
         let (over, under) = points.iter().fold((0.0, 0.0), |(o, u), (x, y)| (o + x * y, u + x * x));
         (a, b) = (over / under, 0.0);
     }
@@ -125,7 +125,7 @@ pub fn fit(axis: Axis, measured: &[Measured], params: &Params) -> Result<Fit, Fi
     })
 }
 
-/// Slope and intercept of the line with the least squares.
+/// Slope and intercept of the least-squares line.
 fn line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let count = points.len() as f64;
     let least = points.iter().map(|(x, _)| *x).fold(f64::INFINITY, f64::min);
@@ -148,7 +148,7 @@ mod tests {
     use crate::queries::modes::Modes;
     use crate::routing::Machine;
 
-    /// Frequencies of the model, by its own numbers, as if they were measured.
+    /// Frequencies of the model with its own parameters, as if they were measured.
     fn measure(freedom: Freedom, params: &Params, places: &[[f64; 2]]) -> [Vec<Measured>; 2] {
         let modes = places.iter().map(|[x, y]| {
             let setup = Setup { params: params.clone(), freedom, ..Setup::nominal(Machine::CoreHBot, *x, *y) };
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(fit(Axis::X, &[at(235.0, 100.0)], &params), Err(FitError::TooAlike));
         assert_eq!(fit(Axis::X, &[at(235.0, 100.0), at(240.0, 101.0)], &params), Err(FitError::TooAlike));
         assert_eq!(fit(Axis::X, &[at(235.0, 100.0), at(60.0, 99.0)], &params), Err(FitError::NotStiffer));
-        // Stiffer, but by more than belts without any give in the motors are.
+        // Stiffer, but by more than belts with rigid motors.
         assert!(matches!(fit(Axis::X, &[at(235.0, 100.0), at(60.0, 150.0)], &params), Err(FitError::Unlike(..))));
     }
 }

@@ -1,8 +1,8 @@
-//! Shaping: input shapers for an axis whose frequency is known within a band.
+//! Shaping: input shapers for an axis with a known band of frequencies.
 //!
-//! [`shaper`] has the shapers of the firmware (docs/shaping.md), written anew from the literature: what they leave of a
-//! vibration, and by how much they round corners. [`design`] finds the one that leaves least over a band. [`fit`] tells
-//! belts from motors by frequencies that were measured.
+//! [`shaper`] has the firmware's shapers (docs/shaping.md), implemented separately from the literature: residual
+//! vibration and corner rounding. [`design`] finds the one with the least vibration over a band. [`fit`] separates
+//! belts from motors by measured frequencies.
 
 pub mod design;
 pub mod fit;

@@ -1,8 +1,8 @@
-//! Shaper: a command given in parts, so that the vibrations of the parts cancel.
+//! Shaper: a command in parts with vibrations that cancel.
 //!
-//! ZV, ZVD: Singer and Seering, Journal of Dynamic Systems, Measurement, and Control 112, 1990. EI and 2HUMP_EI for 5 % of
-//! vibration: Singhose, Seering and Singer, "Input shaping for vibration reduction with specified insensitivity to modeling
-//! errors", 1996. MZV, and all of them as a printer's firmware has them: Klipper, `shaper_defs.py`.
+//! ZV, ZVD: Singer and Seering, Journal of Dynamic Systems, Measurement, and Control 112, 1990. EI and 2HUMP_EI for 5 %
+//! of vibration: Singhose, Seering and Singer, "Input shaping for vibration reduction with specified insensitivity to
+//! modeling errors", 1996. MZV, and all of them as in printer firmware: Klipper, `shaper_defs.py`.
 
 use serde::Serialize;
 use std::f64::consts::{SQRT_2, TAU};
@@ -24,7 +24,7 @@ pub enum Kind {
     TwoHumpEi,
 }
 
-/// The vibration that EI and 2HUMP_EI allow at the frequency that they are made for.
+/// Residual vibration of EI and 2HUMP_EI at their own frequency.
 const TOLERATED: f64 = 0.05;
 
 impl Kind {
@@ -59,13 +59,13 @@ impl Kind {
 /// A part of a command.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impulse {
-    /// How much of it, of 1.
+    /// Its part of the command, of 1.
     pub amount: f64,
-    /// How late, in s.
+    /// Its delay, in s.
     pub time_s: f64,
 }
 
-/// The parts into which a shaper for this frequency and damping cuts a command.
+/// The parts of a shaper for this frequency and damping.
 #[must_use]
 pub fn impulses(kind: Kind, frequency_hz: f64, damping: f64) -> Vec<Impulse> {
     let root = (1.0 - damping * damping).sqrt();
@@ -79,7 +79,7 @@ pub fn impulses(kind: Kind, frequency_hz: f64, damping: f64) -> Vec<Impulse> {
             vec![(ends, 0.0), ((SQRT_2 - 1.0) * decay(0.375), 0.375), (ends * decay(0.75), 0.75)]
         }
         Kind::Ei => ei(damping),
-        // Its times are of the undamped period.
+        // Its times are in undamped periods.
         Kind::TwoHumpEi => two_hump(damping).into_iter().map(|(a, t)| (a, t * root)).collect(),
     };
     let sum: f64 = parts.iter().map(|(amount, _)| amount).sum();
@@ -108,7 +108,7 @@ fn two_hump(z: f64) -> Vec<(f64, f64)> {
     ]
 }
 
-/// The vibration that is left when the last part was given, of what the whole command at once would have begun.
+/// Residual vibration after the last part, relative to the vibration of the whole command at once.
 #[must_use]
 pub fn residual(impulses: &[Impulse], frequency_hz: f64, damping: f64) -> f64 {
     let decay = TAU * frequency_hz * damping;
@@ -120,13 +120,14 @@ pub fn residual(impulses: &[Impulse], frequency_hz: f64, damping: f64) -> f64 {
     sum(f64::cos).hypot(sum(f64::sin))
 }
 
-/// Acceleration at which smoothing is told, in mm/s^2; as Klipper does.
+/// Acceleration for smoothing figures, in mm/s^2; as in Klipper.
 const SMOOTHED_ACCELERATION: f64 = 5000.0;
 
-/// Speed in a corner at which smoothing is told, in mm/s; as Klipper does.
+/// Corner speed for smoothing figures, in mm/s; as in Klipper.
 const CORNER_SPEED: f64 = 5.0;
 
-/// By how much a shaper rounds a corner of 90 degrees, or shortens a turn by 180, in mm: the greater (Klipper's measure).
+/// Corner rounding of a shaper in mm: at a corner of 90 degrees, or the shortening of a turn by 180, the larger one
+/// (Klipper's measure).
 #[must_use]
 pub fn smoothing_mm(impulses: &[Impulse]) -> f64 {
     let middle: f64 = impulses.iter().map(|i| i.amount * i.time_s).sum();

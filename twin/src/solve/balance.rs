@@ -1,8 +1,8 @@
-//! Balance: where everything comes to rest under a force on the tool, or with motors that have turned.
+//! Balance: the equilibrium under a force on the tool, or after motors have turned.
 //!
-//! The stiffness falls apart into what is free and what is held: `K_ff q_f = F - K_fh q_h`. A motor that its field holds is
-//! free, and pulled towards where it was sent. [`condensed`] is the same for a force on few coordinates: what of the
-//! stiffness remains when all others have given way (Schur's complement; Guyan, AIAA Journal 3, 1965).
+//! The stiffness is divided into free and held coordinates: `K_ff q_f = F - K_fh q_h`. A motor held by its field is
+//! free and pulled towards its commanded position. [`condensed`] is the same for a force on few coordinates: the
+//! remaining stiffness when all others have deflected (Schur's complement; Guyan, AIAA Journal 3, 1965).
 
 use super::NotHeld;
 use crate::model::coordinate::Coordinate;
@@ -13,23 +13,23 @@ use nalgebra::{DMatrix, DVector};
 /// A machine at rest under load, in changes from the machine at rest without.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Balance {
-    /// How far each coordinate of the links has moved.
+    /// Displacement of each coordinate of the links.
     pub moved: Vec<f64>,
-    /// By how much the tension of each link has changed, in N.
+    /// Change of each link's tension, in N.
     pub tensions_n: Vec<f64>,
     /// Torque that each motor (ascending numbers) adds, counter-clockwise, in mN m.
     pub torques_mnm: Vec<f64>,
 }
 
 impl Balance {
-    /// How far a coordinate has moved.
+    /// Displacement of a coordinate.
     #[must_use]
     pub fn of(&self, elastic: &Elastic, coordinate: Coordinate) -> f64 {
         elastic.links.index(coordinate).and_then(|i| self.moved.get(i)).copied().unwrap_or(0.0)
     }
 }
 
-/// Where everything comes to rest with this force on the tool in N, and motors sent so far in mm of belt.
+/// Equilibrium with this force on the tool in N, and these motor movements in mm of belt.
 ///
 /// # Errors
 /// Nothing holds the machine.
@@ -68,7 +68,7 @@ pub fn balance(
     Ok(Balance { moved, tensions_n, torques_mnm })
 }
 
-/// What motors must add against the belt, in mN m.
+/// Torque that motors must add against the belt, in mN m.
 fn torques(elastic: &Elastic, params: &Params, tensions_n: &[f64]) -> Vec<f64> {
     let torque = |number: u8| {
         let at = elastic.links.index(Coordinate::Motor(number))?;
@@ -79,7 +79,7 @@ fn torques(elastic: &Elastic, params: &Params, tensions_n: &[f64]) -> Vec<f64> {
     elastic.machine.motors().into_iter().map(|number| torque(number).unwrap_or(0.0)).collect()
 }
 
-/// The stiffness that the `kept` coordinates see when all others that are not held give way.
+/// Stiffness at the `kept` coordinates when all others that are not held deflect.
 ///
 /// # Errors
 /// Nothing holds the others.

@@ -1,9 +1,9 @@
-//! Identify: how stiff belts and motors are, from frequencies that were measured.
+//! Identify: stiffness of belts and motors from measured frequencies.
 //!
-//! Two numbers are sought, the belt's tensile stiffness and the motors' holding torque (which is the stiffness of their
-//! fields), such that the model rings as was measured: least squares of the logarithms of frequencies, by Gauss and Newton.
-//! Masses are taken as given. A number that the frequencies do not tell, as the torque of motors that do not give way, stays
-//! within a hundredfold. If the machine that is found does not ring as was measured, it is none, and that is an error.
+//! The fit finds the belt's tensile stiffness and the motors' holding torque (the stiffness of their fields) with which
+//! the model has the measured frequencies: least squares of the logarithms by the Gauss-Newton method. Masses are
+//! given. A number that the frequencies do not determine, such as the torque of rigid motors, stays within a factor of
+//! a hundred. If the fitted machine does not have the measured frequencies, that is an error.
 
 use super::NotHeld;
 use super::modes::{mode_of, modes};
@@ -13,16 +13,16 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 use serde::Serialize;
 
-/// Frequencies that were measured at one place.
+/// Frequencies measured at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rung {
     /// The tool's place.
     pub at: Place,
-    /// What x rang at, if it was measured, and y, in Hz.
+    /// Measured frequencies of x and y in Hz, where there are any.
     pub frequencies_hz: [Option<f64>; 2],
 }
 
-/// What was found.
+/// Result of the fit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Identified {
     /// Tensile stiffness of the belt.
@@ -31,31 +31,31 @@ pub struct Identified {
     /// Holding torque of the motors.
     #[serde(rename = "holding_torque_Nm")]
     pub holding_torque_nm: f64,
-    /// Greatest difference between what was measured and what the model says, of 1.
+    /// Largest relative difference between measurement and model, of 1.
     pub worst_difference: f64,
 }
 
-/// Why nothing was found.
+/// Why there is no result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IdentifyError {
     /// Nothing holds the machine.
     NotHeld(NotHeld),
-    /// The nearest machine does not ring like this.
+    /// The nearest machine does not have these frequencies.
     Unlike(Unlike),
-    /// Only a belt of this stiffness would, in N, and there is none like it.
+    /// Only a belt of this stiffness, in N, would fit, and no belt has it.
     NoBelt(f64),
 }
 
-/// The frequency from which the nearest machine is furthest.
+/// The frequency with the largest difference from the nearest machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unlike {
     /// The tool's place.
     pub at: Place,
     /// The axis.
     pub axis: Coordinate,
-    /// What was measured.
+    /// The measured frequency.
     pub measured_hz: f64,
-    /// What the nearest machine rings at.
+    /// The frequency of the nearest machine.
     pub says_hz: f64,
 }
 
@@ -93,32 +93,32 @@ impl From<NotHeld> for IdentifyError {
     }
 }
 
-/// Frequencies are measured to 1.5 % (a phone's accelerometer, docs/twin.md), so a machine that is further from one than three
-/// times that is another.
+/// Frequencies are measured to 1.5 % (a phone's accelerometer, docs/twin.md). A machine further than three times that
+/// from one is another machine.
 pub const LIKE: f64 = 0.045;
 
 /// Belts differ from the nominal one by less than this factor, as a logarithm: ten, where those sold have 20 to 56 kN.
 const NO_BELT: f64 = 2.3;
 
-/// Rounds of the search; it ends in a few.
+/// Maximum number of rounds; a few suffice.
 const ROUNDS: usize = 40;
 
-/// A number is changed by this part to see what follows.
+/// Relative change of a number for differences.
 const PROBE: f64 = 1e-5;
 
-/// Neither number changes by more than this factor in a round (as a logarithm).
+/// Largest factor of a number's change in a round (as a logarithm).
 const LONGEST_STEP: f64 = 0.7;
 
-/// Nor by more than a hundredfold in all (as a logarithm).
+/// Largest factor of its change in all: a hundred (as a logarithm).
 const FURTHEST: f64 = 4.605;
 
-/// Keeps a number that the frequencies do not tell where it is.
+/// Keeps an undetermined number in place.
 const RIDGE: f64 = 1e-9;
 
-/// Belts and motors of a machine that rang like this.
+/// Belts and motors of a machine with these frequencies.
 ///
 /// # Errors
-/// Nothing holds the machine, or none rings like this.
+/// Nothing holds the machine, or none has these frequencies.
 pub fn identify(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Identified, IdentifyError> {
     let mut logs = [0.0_f64; 2];
     for _ in 0..ROUNDS {
@@ -162,7 +162,7 @@ fn with(params: &Params, [belt, torque]: [f64; 2]) -> Params {
 }
 
 impl Unlike {
-    /// By how much the model rings faster, as a logarithm.
+    /// Relative excess of the model's frequency, as a logarithm.
     fn log(&self) -> f64 {
         (self.says_hz / self.measured_hz).ln()
     }
@@ -172,7 +172,7 @@ fn logs_of(compared: &[Unlike]) -> Vec<f64> {
     compared.iter().map(Unlike::log).collect()
 }
 
-/// Each frequency beside the model's.
+/// Each measured frequency with the model's.
 fn compared(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Vec<Unlike>, NotHeld> {
     let freedom = Freedom { idlers: true, rotors: true, ..Freedom::default() };
     let mut all = Vec::new();
@@ -187,7 +187,7 @@ fn compared(machine: Machine, params: &Params, rung: &[Rung]) -> Result<Vec<Unli
     Ok(all)
 }
 
-/// The step that would make the differences least if they went on as they go.
+/// The step that minimises the linearised differences.
 fn newton([first, second]: &[Vec<f64>; 2], differences: &[f64]) -> [f64; 2] {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (aa, bb, ab) = (dot(first, first) + RIDGE, dot(second, second) + RIDGE, dot(first, second));
@@ -220,7 +220,7 @@ mod tests {
         assert!(found.worst_difference < 1e-7, "{found:?}");
     }
 
-    /// Half a percent of error in every frequency, one way here and the other way there.
+    /// Half a percent of error in every frequency, with opposite signs.
     #[test]
     fn errors_of_measurement_are_told_and_do_little() {
         let mut rung = measure(&Params::default());
@@ -233,7 +233,7 @@ mod tests {
         assert!(found.worst_difference < 0.006, "{found:?}");
     }
 
-    /// Harmonics, swapped axes, another machine: what is found would ring within 217 %, 56 % and so on.
+    /// Harmonics, swapped axes, another machine: the result would be off by 217 %, 56 % and so on.
     #[test]
     fn frequencies_of_no_machine_are_refused() {
         let found = |rung: &[[f64; 4]]| {

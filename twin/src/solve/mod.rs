@@ -4,7 +4,7 @@ pub mod balance;
 pub mod identify;
 pub mod modes;
 
-/// The machine is not held: something can move without any force, so there is no answer.
+/// The machine is not held: it can move without any force, so there is no answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotHeld;
 

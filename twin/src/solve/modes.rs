@@ -1,7 +1,7 @@
 //! Modes: natural frequencies and shapes.
 //!
-//! `(K - w^2 M) q = 0` for what moves; what only gives way is condensed first. With M = C C^T this is a symmetric problem,
-//! `C^-1 K C^-T v = w^2 v`.
+//! `(K - w^2 M) q = 0` for the moving coordinates; compliant ones without mass are condensed first. With M = C C^T this
+//! is a symmetric problem, `C^-1 K C^-T v = w^2 v`.
 
 use super::NotHeld;
 use super::balance::{condensed, submatrix};
@@ -14,20 +14,20 @@ use std::f64::consts::TAU;
 pub struct Mode {
     /// In Hz.
     pub frequency_hz: f64,
-    /// What moves, and what part of the kinetic energy it has, of 1; where masses couple, shares may be below 0.
+    /// Moving coordinates with their parts of the kinetic energy, of 1; where masses couple, parts may be negative.
     pub shares: Vec<(Coordinate, f64)>,
-    /// Viscous damping as a part of the critical one, from the shape without damping.
+    /// Viscous damping ratio, from the undamped shape.
     pub damping_ratio: f64,
 }
 
 impl Mode {
-    /// The part of the energy that a coordinate has.
+    /// A coordinate's part of the energy.
     #[must_use]
     pub fn share(&self, coordinate: Coordinate) -> f64 {
         self.shares.iter().filter(|(c, _)| *c == coordinate).map(|(_, share)| share).sum()
     }
 
-    /// What has most of the energy. Idlers count together.
+    /// The part of the machine with most of the energy. Idlers count together.
     #[must_use]
     pub fn of(&self) -> String {
         let mut sums: Vec<(String, f64)> = Vec::new();
@@ -42,7 +42,7 @@ impl Mode {
     }
 }
 
-/// The mode of an axis: that in which a coordinate has most.
+/// The mode of an axis: the one in which its coordinate has the largest part.
 #[must_use]
 pub fn mode_of(modes: &[Mode], coordinate: Coordinate) -> Option<&Mode> {
     modes.iter().max_by(|a, b| a.share(coordinate).total_cmp(&b.share(coordinate)))

@@ -1,32 +1,32 @@
-//! CSV: a trace as `corehbot run --trace` writes it (docs/trace.md), read, and its rows written.
+//! CSV: reads a trace of `corehbot run --trace` (docs/trace.md), and writes its rows.
 
 use super::{Column, StepTrace};
 use std::io::{BufRead, Write};
 
-/// What a trace begins with.
+/// First line of a trace.
 const MAGIC: &str = "# corehbot-trace v1 ";
 
 /// Columns that a trace may have: a bit each.
 const MOST_COLUMNS: usize = 8;
 
-/// Ticks that no trace has: 115 days.
+/// More ticks than any trace has: 115 days.
 const TOO_LATE: u64 = 100_000_000_000_000;
 
-/// Rows of the CoreH-bot's motors over x and y, which a trace calls by one word.
+/// Rows of the CoreH-bot's motors over x and y, which a trace names by one word.
 const COREHBOT: [(&str, [i8; 2]); 4] = [("m1", [-1, 1]), ("m4", [-1, -1]), ("m8", [1, -1]), ("m11", [1, 1])];
 
-/// Why a file is no trace.
+/// Why a file is not a trace.
 #[derive(Debug)]
 pub enum TraceError {
     /// It cannot be read.
     Io(std::io::Error),
     /// It is not a trace of version 1.
     NotATrace,
-    /// Its head does not say what a step is, or of which motor.
+    /// Its header does not define a step, or a motor.
     Head(&'static str),
-    /// A line that is no instant, counted from 1.
+    /// A line that is not an instant, counted from 1.
     Row(u64),
-    /// A line whose tick is before that of the line before.
+    /// A line with a tick before the previous line.
     Backward(u64),
 }
 
@@ -47,7 +47,7 @@ impl std::error::Error for TraceError {}
 /// Reads a trace.
 ///
 /// # Errors
-/// What is wrong with it, by its line.
+/// The first problem, by its line.
 pub fn read(mut from: impl BufRead) -> Result<StepTrace, TraceError> {
     let mut line = String::new();
     let mut comment = String::new();
@@ -85,7 +85,7 @@ pub fn read(mut from: impl BufRead) -> Result<StepTrace, TraceError> {
     }
 }
 
-/// Writes the rows of a trace, one for each tick at which something steps; the head is the caller's.
+/// Writes the rows of a trace, one for each tick with steps; the caller writes the header.
 ///
 /// # Errors
 /// It cannot be written.
@@ -204,7 +204,8 @@ mod tests {
         assert!(wrong(&HEAD.replace("10000000", "1000")).contains("10 MHz"));
     }
 
-    /// Bytes of a trace replaced, left out and doubled in every place: it is read or refused, and what is read has an end.
+    /// Bytes of a trace are replaced, dropped and doubled in every place. It is read or refused, and a read trace has
+    /// an end.
     #[test]
     fn no_bytes_do_harm() {
         let text = format!("{HEAD}5,-1,-1,1,1,0,0,0\n99999999999999,0,0,0,0,0,0,1\n").into_bytes();

@@ -1,8 +1,8 @@
 //! Drive: which column of a trace turns which motor of the twin.
 //!
-//! A motor takes the steps of a column that turns for x and y as it does, or the other way round (a pair in series, or a
-//! motor that is mounted the other way up). Each column is taken once before any is taken twice, so a trace of four drivers
-//! turns four motors, and one of two drivers, or of another machine with the same pairs, does too.
+//! A motor takes the steps of a column with its own row over x and y, or with the opposite row (a pair in series, or a
+//! motor mounted the other way up). Each column is taken once before any is taken twice. So a trace of four drivers
+//! turns four motors, and so does one of two drivers, or of another machine with the same pairs.
 
 use super::StepTrace;
 use crate::model::ways::Ways;
@@ -16,7 +16,7 @@ pub struct Drive {
     pub sense: i8,
 }
 
-/// No column of the trace turns as this motor would have to.
+/// No column of the trace has this motor's row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoColumn {
     /// The motor.
@@ -37,7 +37,7 @@ impl std::error::Error for NoColumn {}
 /// The drives of all motors.
 ///
 /// # Errors
-/// A motor for which the trace has no column.
+/// A motor without a column in the trace.
 pub fn drives(trace: &StepTrace, ways: &Ways) -> Result<Vec<Drive>, NoColumn> {
     let mut taken = vec![0_u32; trace.columns.len()];
     let mut drives = Vec::new();

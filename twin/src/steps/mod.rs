@@ -1,7 +1,7 @@
-//! Steps: what the firmware commanded, as a row of instants in which motors step.
+//! Steps: the commanded steps, as a row of instants in which motors step.
 //!
-//! [`csv`] reads the trace that `corehbot run --trace` writes (docs/trace.md); a simulator may also hand its steps over as
-//! they come. [`drive`] says which column of a trace turns which motor of the twin.
+//! [`csv`] reads a trace of `corehbot run --trace` (docs/trace.md). A simulator may also pass its steps on as they
+//! come. [`drive`] assigns the columns of a trace to the motors of the twin.
 
 pub mod csv;
 pub mod drive;
@@ -9,19 +9,19 @@ pub mod drive;
 /// Ticks of a trace in a second.
 pub const TICKS_PER_SECOND: f64 = 1e7;
 
-/// A column of a trace: a motor of the machine that was traced.
+/// A column of a trace: a motor of the traced machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// Steps for a step of x and of y.
+    /// Steps per step of x and of y.
     pub row: [i8; 2],
 }
 
 /// An instant in which motors step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
-    /// Ticks since the event before. A longer time is split by events without steps.
+    /// Ticks since the previous event. Events without steps divide longer times.
     pub gap: u32,
     /// The columns that step, a bit each.
     pub steps: u8,
@@ -34,7 +34,7 @@ pub struct Event {
 pub struct StepTrace {
     /// Its columns, at most eight.
     pub columns: Vec<Column>,
-    /// Belt for a step, in mm.
+    /// Belt per step, in mm.
     pub step_mm: f64,
     /// The instants, in order.
     pub events: Vec<Event>,
@@ -65,7 +65,7 @@ impl StepTrace {
         self.last as f64 / TICKS_PER_SECOND
     }
 
-    /// Its events with the columns' counts after each, and when.
+    /// Its events with their times and the columns' counts after each.
     pub fn counted(&self) -> impl Iterator<Item = (u64, [i64; 8])> + '_ {
         let start = (0_u64, [0_i64; 8]);
         self.events.iter().scan(start, |(tick, counts), event| {

@@ -1,8 +1,9 @@
-//! Demand: what moves ask of the motors, and how fast they may therefore be.
+//! Demand: motor torque needed by moves, and the resulting limits of speed and acceleration.
 //!
-//! Slowly enough that nothing rings, the motors bear the inertia and friction of head and bar through the belt, as it shares
-//! them among the motors at that place with their fields giving way, and the inertia and friction of their own rotors. A
-//! motor turns with the belt speed of its row; what it has at that speed says [`pull_out`](super::pull_out).
+//! In slow motion without ringing, the motors bear the inertia and friction of head and bar through the belt. The belt
+//! shares them among the motors at that place, with compliant fields. Each motor also bears the inertia and friction of
+//! its own rotor. A motor turns with the belt speed of its row; [`pull_out`](super::pull_out) gives its torque at that
+//! speed.
 
 use super::pull_out::pull_out_torque_at_belt_nm;
 use crate::geometry::workspace;
@@ -16,25 +17,25 @@ use crate::solve::balance::balance;
 /// mm in an m, mN m in an N m.
 const MM_PER_M: f64 = 1000.0;
 
-/// Columns and rows of places that are looked at.
+/// Columns and rows of the grid of places.
 const GRID: usize = 5;
 
-/// No belt runs faster in mm/s; GT2 on 20 teeth would turn at 7,500 rpm.
+/// Highest belt speed in mm/s; GT2 on 20 teeth would turn at 7,500 rpm.
 const FASTEST_MM_S: f64 = 5000.0;
 
-/// Halvings of a search.
+/// Halvings of a bisection.
 const HALVINGS: usize = 60;
 
-/// What moves ask of the motors of a machine, all over its reach.
+/// Torque demand of moves on the motors of a machine, over its whole reach.
 #[derive(Clone, Debug)]
 pub struct Demand {
     params: Params,
     ways: Ways,
-    /// For each place and motor: its torque in N m for a newton that the tool needs along x and along y.
+    /// For each place and motor: its torque in N m per newton that the tool needs along x and along y.
     shares: Vec<Vec<[f64; 2]>>,
 }
 
-/// A motor's torque in N m as the tool's acceleration times a slope, and a part of its own.
+/// A motor's torque in N m as the tool's acceleration times a slope, plus a constant.
 struct Line {
     slope: f64,
     own: f64,
@@ -42,7 +43,7 @@ struct Line {
 }
 
 impl Demand {
-    /// Looks at a grid of places over the reach, its sides among them.
+    /// Evaluates a grid of places over the reach, including its sides.
     ///
     /// # Errors
     /// Nothing holds the machine.
@@ -53,7 +54,7 @@ impl Demand {
         let freedom = Freedom { rotors: true, ..Freedom::default() };
         let share = |tool: Place| {
             let elastic = Elastic::new(machine, params, tool, freedom);
-            // What accelerates the tool by a force is what holds it against one the other way.
+            // The force that accelerates the tool equals the force that holds it against the opposite one.
             let [x, y] = [[-1.0, 0.0], [0.0, -1.0]].map(|force| balance(&elastic, params, force, &[]));
             let both = x?.torques_mnm.into_iter().zip(y?.torques_mnm);
             Ok(both.map(|(x, y)| [x / MM_PER_M, y / MM_PER_M]).collect())
@@ -67,7 +68,7 @@ impl Demand {
         let p = &self.params;
         let force = |mass: f64| mass / MM_PER_M;
         let inertia = [force(p.head_mass_kg) * dx, force(p.head_mass_kg + p.bar_mass_kg) * dy];
-        // Friction slows as acceleration does; at rest it stands against the move too.
+        // Friction acts like acceleration; at rest it also opposes the move.
         let sign = |d: f64| if d.abs() < 1e-9 { 0.0 } else { d.signum() };
         let rub = |viscous: f64, dry: f64, d: f64| viscous * d * speed_mm_s / MM_PER_M + dry * sign(d);
         let friction =
@@ -88,14 +89,14 @@ impl Demand {
         })
     }
 
-    /// The least part of its torque that a motor keeps anywhere, of 1; below 0 it slips.
+    /// Smallest remaining part of its torque that a motor keeps anywhere, of 1; below 0 it slips.
     #[must_use]
     pub fn margin(&self, direction: [f64; 2], speed_mm_s: f64, acceleration_mm_s2: f64) -> f64 {
         let kept = |line: Line| 1.0 - (line.slope * acceleration_mm_s2 + line.own).abs() / line.available;
         self.lines(direction, speed_mm_s).map(kept).fold(1.0, f64::min)
     }
 
-    /// The greatest acceleration in mm/s^2 at a speed with which every motor keeps this part of its torque, if any does.
+    /// Maximum acceleration in mm/s^2 at a speed with which every motor keeps this part of its torque, if there is one.
     #[must_use]
     pub fn acceleration_mm_s2(&self, direction: [f64; 2], speed_mm_s: f64, margin: f64) -> Option<f64> {
         let most = |line: Line| {
@@ -106,7 +107,8 @@ impl Demand {
         (least > 0.0).then_some(least)
     }
 
-    /// The greatest speed in mm/s at which the tool accelerates so and every motor keeps this part of its torque, if there is one.
+    /// Maximum speed in mm/s at which every motor keeps this part of its torque with this acceleration, if there is
+    /// one.
     #[must_use]
     pub fn speed_mm_s(&self, direction: [f64; 2], acceleration_mm_s2: f64, margin: f64) -> Option<f64> {
         if self.margin(direction, 0.0, acceleration_mm_s2) < margin {
@@ -124,11 +126,11 @@ impl Demand {
         Some(low)
     }
 
-    /// The direction (of length 1) in which the acceleration that is left at this belt speed is least, and that acceleration; none if
-    /// none is left in one.
+    /// The direction (of length 1) with the smallest remaining acceleration at this belt speed, and that acceleration;
+    /// none if a direction has none left.
     #[must_use]
     pub fn worst(&self, belt_mm_s: f64, margin: f64) -> Option<([f64; 2], f64)> {
-        /// Directions looked at over half a turn.
+        /// Directions over half a turn.
         const DIRECTIONS: usize = 180;
         let all = (0..DIRECTIONS).map(|i| std::f64::consts::PI * i as f64 / DIRECTIONS as f64).map(|angle| {
             let direction = [angle.cos(), angle.sin()];
@@ -138,7 +140,7 @@ impl Demand {
         all.collect::<Option<Vec<_>>>()?.into_iter().reduce(least)
     }
 
-    /// How far the fastest belt runs for a millimetre of the tool.
+    /// Travel of the fastest belt per millimetre of the tool.
     #[must_use]
     pub fn belt_per_mm(&self, [dx, dy]: [f64; 2]) -> f64 {
         self.ways.rows.iter().map(|[x, y]| (x * dx + y * dy).abs()).fold(0.0, f64::max)
@@ -172,7 +174,7 @@ mod tests {
         }
     }
 
-    /// On a diagonal one pair turns, and bears both axes; what the other bears by standing is their difference.
+    /// On a diagonal one pair turns and bears both axes; the resting pair bears their difference.
     #[test]
     fn one_pair_alone_drives_a_diagonal() {
         let found = in_the_middle([FRAC_1_SQRT_2, FRAC_1_SQRT_2]);

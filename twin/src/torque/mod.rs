@@ -1,9 +1,9 @@
-//! Torque: what a motor has at a speed, and what a move asks of it.
+//! Torque: a motor's torque at a speed, and the torque that a move needs.
 //!
-//! | file | what |
+//! | file | content |
 //! |---|---|
-//! | [`pull_out`] | the greatest torque of a motor at a speed, as current and supply allow |
-//! | [`demand`] | the torque of each motor for a speed and an acceleration of the tool, anywhere in the reach |
+//! | [`pull_out`] | pull-out torque of a motor, limited by current and supply |
+//! | [`demand`] | torque of each motor for a speed and an acceleration of the tool, anywhere in the reach |
 
 pub mod demand;
 pub mod pull_out;

@@ -1,28 +1,28 @@
-//! Pull-out: the greatest torque that a hybrid stepper motor has at a speed.
+//! Pull-out: the largest torque of a hybrid stepper motor at a speed.
 //!
-//! A phase is a voltage of its own behind resistance and inductance. With amplitudes as phasors, the real axis along the back
-//! EMF E = k w, and p pole pairs,
+//! A phase is a voltage source behind resistance and inductance. With amplitudes as phasors, the real axis along the
+//! back EMF E = k w, and p pole pairs,
 //!
 //! ```text
 //! V = E + (R + j p w L) I,    torque = k Re I
 //! ```
 //!
-//! The driver gives |I| no more than the current it is set to, and |V| no more than the supply. Both are discs in the plane
-//! of I, the second about -E / (R + j p w L); the greatest Re I in both is the torque sought. Where the voltage alone counts
-//! this is the pull-out torque of a hybrid motor as Acarnley has it (Stepping Motors, chapter on high-speed operation):
+//! The driver limits |I| to its set current and |V| to the supply. Both limits are discs in the plane of I, the second
+//! about -E / (R + j p w L). The torque follows from the largest Re I in both. Where only the voltage limits it, this
+//! is the pull-out torque of a hybrid motor by Acarnley (Stepping Motors, chapter on high-speed operation):
 //!
 //! ```text
 //! k V / |Z| - k^2 w R / |Z|^2,    |Z|^2 = R^2 + (p w L)^2
 //! ```
 //!
-//! The constant k follows from the holding torque: both phases' sines add up to one amplitude, so T = k sqrt(2) I(rms), and
-//! energy asks for the same k in E. A chopper that is driven to its end gives more than V (a square wave has 4/pi of it);
-//! what switches and iron lose is left out. So this is a curve of the right shape, to 20 % or so.
+//! The constant k follows from the holding torque: the sines of both phases add up to one amplitude, so T = k sqrt(2)
+//! I(rms), and conservation of energy gives the same k in E. A saturated chopper gives more than V (a square wave has
+//! 4/pi of it). Losses in switches and iron are neglected. So the curve has the right shape, accurate to about 20 %.
 
 use crate::params::Params;
 use std::f64::consts::SQRT_2;
 
-/// The greatest torque of a motor in N m at a speed of its shaft in rad/s.
+/// Pull-out torque of a motor in N m at a speed of its shaft in rad/s.
 #[must_use]
 pub fn pull_out_torque_nm(params: &Params, speed_rad_s: f64) -> f64 {
     let current = SQRT_2 * params.run_current_a;
@@ -55,13 +55,13 @@ impl Disc {
         (x - self.centre[0]).hypot(y - self.centre[1]) <= self.radius
     }
 
-    /// Where the real part is greatest.
+    /// The point with the largest real part.
     fn rightmost(&self) -> [f64; 2] {
         [self.centre[0] + self.radius, self.centre[1]]
     }
 }
 
-/// The greatest real part in a disc about 0 and another one; 0 where they do not meet.
+/// Largest real part in a disc about 0 and another one; 0 where they do not meet.
 fn greatest_real(radius: f64, other: &Disc) -> f64 {
     let own = Disc { centre: [0.0, 0.0], radius };
     if other.has(own.rightmost()) {
@@ -70,7 +70,7 @@ fn greatest_real(radius: f64, other: &Disc) -> f64 {
     if own.has(other.rightmost()) {
         return other.rightmost()[0];
     }
-    // Where the two circles cross: at `along` from 0 towards the other's centre, and `across` beside that.
+    // Intersections of the two circles: at `along` from 0 towards the other's centre, and `across` at a right angle.
     let [x, y] = other.centre;
     let distance = x.hypot(y);
     let along = (distance * distance + radius * radius - other.radius * other.radius) / (2.0 * distance);
@@ -85,7 +85,7 @@ fn greatest_real(radius: f64, other: &Disc) -> f64 {
 mod tests {
     use super::*;
 
-    /// At rest and slowly the motor has what it holds; at speed, what the voltage allows by Acarnley's formula.
+    /// At rest and slowly the motor has its holding torque; at speed, the torque of Acarnley's formula.
     #[test]
     fn torque_is_that_of_the_current_at_first_and_of_the_voltage_at_last() {
         let p = Params::default();
@@ -100,7 +100,7 @@ mod tests {
         }
     }
 
-    /// The definition, tried: no current that the driver may give has more torque, and one has as much.
+    /// Tries the definition: no current within the driver's limits gives more torque, and one gives as much.
     #[test]
     fn no_current_within_both_limits_has_more() {
         let p = Params::default();

@@ -1,8 +1,8 @@
-//! The belt's potential energy, equation 6 of the paper: the only place where its springs are written down.
+//! The belt's potential energy, equation 6 of the paper: the only place with its springs.
 //!
-//! A coordinate is a length: x and y of the end-effector, and the belt travel r phi of each pulley. So a section stretches
-//! by a sum of coordinates with signs, and the energy is V = sum of k/2 (stretch)^2. Everything else that the paper prints
-//! of the springs (equations 8, 10, 13, 15, 16) follows from this table.
+//! A coordinate is a length: x and y of the end-effector, and the belt travel r phi of each pulley. So a section
+//! stretches by a signed sum of coordinates, and the energy is V = sum of k/2 (stretch)^2. All other spring equations
+//! of the paper (8, 10, 13, 15, 16) follow from this table.
 
 /// The end-effector along x.
 pub(super) const X: usize = 0;
@@ -11,7 +11,7 @@ pub(super) const Y: usize = 1;
 /// x, y and ten pulleys.
 pub(super) const COORDINATES: usize = 12;
 
-/// The coordinate of a pulley by its number in figure 1; 1 and 2 are the motors'.
+/// The coordinate of a pulley by its number in figure 1; 1 and 2 belong to the motors.
 pub(super) const fn pulley(number: usize) -> usize {
     number + 1
 }
@@ -19,7 +19,7 @@ pub(super) const fn pulley(number: usize) -> usize {
 /// A matrix over all coordinates.
 pub(super) type Matrix = [[f64; COORDINATES]; COORDINATES];
 
-/// A belt section: which of k1 to k5 it is (from 0), and the coordinates that stretch it with their signs.
+/// A belt section: its index among k1 to k5 (from 0), and the signed coordinates that stretch it.
 type Section = (usize, &'static [(usize, f64)]);
 
 /// Equation 6, which is right as printed.
@@ -52,10 +52,11 @@ pub(super) fn stiffness(sections: &[f64; 5]) -> Matrix {
     matrix
 }
 
-/// Static condensation: pulleys 3 to 10 go to where no force is left on them, which takes their rows out of the matrix.
+/// Static condensation: pulleys 3 to 10 move to where no force is left on them, which removes their rows from the
+/// matrix.
 ///
-/// One at a time, by Gaussian elimination. What is left couples x, y and the motors' pulleys with k_e of equation 13. A
-/// force on a pulley is handed on to those that hold it, by the same shares.
+/// One at a time, by Gaussian elimination. The rest couples x, y and the motors' pulleys with k_e of equation 13. A
+/// force on a pulley is passed on to its neighbours in the same proportions.
 pub(super) fn condense(matrix: &mut Matrix, force: &mut [f64; COORDINATES]) {
     for gone in pulley(3)..=pulley(10) {
         let (springs, load) = (matrix[gone], force[gone]);

@@ -1,16 +1,17 @@
-//! The contour error at a corner, equation 17 of the paper: how far from the corner the tool crosses its bisector.
+//! The contour error at a corner, equation 17 of the paper: distance from the corner to where the tool crosses its
+//! bisector.
 
 use super::path::Corner;
 
-/// Watches the tool go round a corner.
+/// Watches the tool at a corner.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Watch {
     corner: Corner,
-    /// How far the tool is beyond the bisector, and along the side out of the corner, m.
+    /// The tool's distance beyond the bisector, and along the side out of the corner, m.
     last: Option<(f64, f64)>,
-    /// m; positive inside the corner (cut short), negative outside (overshot).
+    /// m; positive inside the corner (cut short), negative outside (overshoot).
     pub error: Option<f64>,
-    /// How far the tool went on along the side into the corner, m; 0 if it never came to the corner's end of it.
+    /// How far the tool went on along the side into the corner, m; 0 if it never reached its end.
     pub beyond: f64,
 }
 

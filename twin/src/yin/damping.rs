@@ -1,8 +1,8 @@
-//! What an axis of the tool is as a whole: one mass on one spring with one friction.
+//! An axis of the tool as one mass on one spring with one friction.
 //!
-//! While the machine runs evenly along x or y, every idler brakes its belt, and the belt hands a share of that on to the
-//! tool; the rest goes to the motors. This is where a tool lags to, and its damping ratio tells whether it creeps round a
-//! corner (above 1) or swings beyond it (far below).
+//! While the machine runs evenly along x or y, every idler brakes its belt. The belt passes a share of this on to the
+//! tool; the rest goes to the motors. This gives the tool's lag. The damping ratio tells whether the tool creeps round
+//! a corner (above 1) or overshoots it (far below).
 
 use super::belt::{self, COORDINATES, X, Y, pulley};
 use super::model::{Mechanics, Model};
@@ -11,9 +11,9 @@ use super::parameters::Parameters;
 /// One axis with the motors held.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axis {
-    /// Of the belts to the tool, N/m.
+    /// Stiffness of the belts at the tool, N/m.
     pub stiffness: f64,
-    /// Of what moves with the tool, idlers included, motors' pulleys not, kg.
+    /// Mass that moves with the tool, including idlers but not the motors' pulleys, kg.
     pub mass: f64,
     /// Viscous friction with the idlers' share, N s/m.
     pub viscous: f64,
@@ -28,7 +28,7 @@ impl Axis {
         (self.stiffness / self.mass).sqrt()
     }
 
-    /// Of viscous friction alone: 1 is critical.
+    /// Damping ratio of viscous friction alone: 1 is critical.
     #[must_use]
     pub fn damping_ratio(&self) -> f64 {
         self.viscous / (2.0 * (self.stiffness * self.mass).sqrt())
@@ -51,7 +51,7 @@ fn axis(mechanics: &Mechanics, tool: usize, direction: [f64; 2]) -> Axis {
     Axis { stiffness, mass, viscous, coulomb }
 }
 
-/// The part of forces on all coordinates of a model that reaches the tool, and the stiffness there.
+/// Part of forces on all coordinates of a model that reaches the tool, and the stiffness there.
 fn at_tool(mechanics: &Mechanics, tool: usize, of: impl Fn(usize) -> f64) -> (f64, f64) {
     let mut force = [0.0; COORDINATES];
     mechanics.coordinates.iter().for_each(|&i| force[i] = of(i));

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// What the caller can change so that the next case runs.
+/// A problem that the caller can fix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Error {
     /// The speed is outside [`SPEEDS`](super::SPEEDS), m/s.
@@ -11,9 +11,10 @@ pub enum Error {
     Factor(&'static str, f64),
     /// The rig has an illegal value of this name.
     Parameter(&'static str),
-    /// The stiff springs or the friction ask for more than this many time steps: less of them, or more speed.
+    /// Stiff springs or friction need more than this many time steps: reduce them, or raise the speed.
     TooManySteps(usize),
-    /// The tool did not come round this corner (1 is the first) before the next one was half way: less speed or friction.
+    /// The tool did not come round this corner (1 is the first) before the middle of the next side: reduce speed or
+    /// friction.
     NotTurned(usize),
 }
 

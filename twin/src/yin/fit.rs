@@ -1,4 +1,4 @@
-//! Straight lines through points, and powers.
+//! Straight lines through points, and power laws.
 
 /// y = slope x + intercept by least squares.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -7,11 +7,11 @@ pub struct Line {
     pub slope: f64,
     /// y at x = 0.
     pub intercept: f64,
-    /// How much of the variance of y the line explains, 0 to 1.
+    /// Part of the variance of y that the line explains, 0 to 1.
     pub r_squared: f64,
 }
 
-/// The line with the least squares of error in y.
+/// The least-squares line in y.
 #[must_use]
 pub fn line(points: &[(f64, f64)]) -> Line {
     let n = points.len() as f64;
@@ -24,7 +24,7 @@ pub fn line(points: &[(f64, f64)]) -> Line {
     Line { slope, intercept: y - slope * x, r_squared: xy * xy / (xx * yy) }
 }
 
-/// The n of y = a x^n that fits best, by a line through the logarithms; all values must be positive.
+/// Exponent n of the best y = a x^n, by a line through the logarithms; all values must be positive.
 #[must_use]
 pub fn exponent(points: &[(f64, f64)]) -> f64 {
     let logarithms: Vec<_> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();

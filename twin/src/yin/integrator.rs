@@ -1,29 +1,28 @@
-//! Runge and Kutta's method of fourth order with fixed steps: no tolerance, no random number, the same figures every time.
+//! The fourth-order Runge-Kutta method with fixed steps: no tolerance, no random number, the same figures every time.
 
 use super::belt::COORDINATES;
 use super::path::Piece;
 use super::system::{State, System};
 
-/// Steps of the fastest decay, in its time constants. The method is stable to 2.78 and follows a decay of 0.9 to 0.5 %; the
-/// decay is that of a pulley which just changes its direction, and what is left of its error is gone a few steps later.
+/// Step in time constants of the fastest decay. The method is stable to 2.78 and follows a decay of 0.9 to 0.5 %. The
+/// fastest decay is a pulley that just reverses, and the rest of its error is gone a few steps later.
 const STEP_DECAY: f64 = 0.9;
 
-/// Steps of the fastest oscillation, in radians: the amplitude then errs by 0.2^6 / 144 a step, less than a millionth.
+/// Step in radians of the fastest oscillation: its amplitude then errs by 0.2^6 / 144 a step, less than a millionth.
 const STEP_ANGLE: f64 = 0.2;
 
-/// A time step that is short enough for this system, s: 38 us for the assumed rig. A test halves it.
+/// A short enough time step for this system, s: 38 us for the assumed rig. A test halves it.
 pub(super) fn step_for(system: &System) -> f64 {
     let (decay, oscillation) = system.rates();
     (STEP_DECAY / decay).min(STEP_ANGLE / oscillation)
 }
 
-/// How many steps of at most `longest` s a piece takes. The command has its edges where pieces end, so that no step goes
-/// across one.
+/// Number of steps of at most `longest` s in a piece. Pieces end at the edges of the command, so no step crosses one.
 pub(super) fn steps(piece: &Piece, longest: f64) -> usize {
     (piece.duration / longest).ceil().max(1.0) as usize
 }
 
-/// Goes through a piece and shows every state.
+/// Integrates a piece and shows every state.
 pub(super) fn advance(system: &System, state: &mut State, piece: &Piece, longest: f64, mut show: impl FnMut(&State)) {
     let count = steps(piece, longest);
     let step = piece.duration / count as f64;
@@ -34,7 +33,7 @@ pub(super) fn advance(system: &System, state: &mut State, piece: &Piece, longest
     }
 }
 
-/// Where a state comes to within a time in s while the inputs stand still.
+/// The state after a time in s with constant inputs.
 #[must_use]
 pub fn hold(system: &System, state: &State, input: [f64; 2], duration: f64) -> State {
     let mut after = *state;

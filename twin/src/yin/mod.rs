@@ -1,19 +1,20 @@
-//! A belt-driven CoreXY as Yin et al. model it: how far it rounds the corners of a square, and what that depends on.
+//! A belt-driven CoreXY as Yin et al. model it: how far it rounds the corners of a square, and which parameters matter.
 //!
-//! M. Yin, Y. Chen, K.-H. Lee, D. K. C. Fu, Z. T. H. Tse, K.-W. Kwok, "Dynamic Modeling and Characterization of the Core-XY
-//! Cartesian Motion System". Equation numbers here are those of that paper; some equations are misprinted there, and
-//! `docs/twin-yin.md` has them as they must be. This room derives all of them from the potential energy, equation 6.
+//! M. Yin, Y. Chen, K.-H. Lee, D. K. C. Fu, Z. T. H. Tse, K.-W. Kwok, "Dynamic Modeling and Characterization of the
+//! Core-XY Cartesian Motion System". Equation numbers here are from that paper. Some equations are misprinted there;
+//! `docs/twin-yin.md` has the corrections. This room derives all of them from the potential energy, equation 6.
 //!
-//! Units in this room are SI (m, kg, s, N), as in the paper; what is in mm says so in its name.
+//! Units in this room are SI (m, kg, s, N), as in the paper; names of values in mm say so.
 //!
 //! ```text
 //! parameters ─▶ belt (springs) ─▶ model (full or 4 DoF) ─▶ system (steppers or DC motors) ─▶ integrator ─▶ corner
 //!                                                                    path (the square) ──────────┘
 //! ```
 //!
-//! `damping` says beforehand how an axis behaves as a whole, `fit` finds the trends in results.
+//! `damping` predicts how an axis behaves as a whole, `fit` finds the trends in results.
 //!
-//! Nothing moves a figure but the input: time steps are fixed ones, chosen from the parameters, and no random number is used.
+//! Figures depend on the input alone: time steps are fixed, chosen from the parameters, and there are no random
+//! numbers.
 mod belt;
 mod corner;
 mod damping;

@@ -1,24 +1,24 @@
-//! The two models of the paper: which coordinates move, what mass and friction each of them has, and what couples them.
+//! The two models of the paper: their coordinates, masses, friction and couplings.
 //!
 //! The full model (equations 3 to 7) has x, y and ten pulleys. The 4-DoF model (11 to 14) keeps x, y and the motors'
-//! pulleys: the springs are condensed, and what an idler has of inertia and friction is given to the coordinate that it
-//! would follow without stretch. That gives y nothing, so this model loses what the idlers brake along y.
+//! pulleys. Its springs are condensed, and an idler's inertia and friction go to the coordinate that it would follow
+//! without stretch. No idler follows y, so this model loses the idlers' friction along y.
 
 use super::belt::{self, COORDINATES, Matrix, X, Y, pulley};
 use super::parameters::Parameters;
 
-/// How much of the machine is modelled.
+/// Detail of the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
-    /// All pulleys turn by themselves: 12 degrees of freedom.
+    /// All pulleys turn separately: 12 degrees of freedom.
     Full,
-    /// Idlers are carried by the coordinates that they follow: 4 degrees of freedom.
+    /// Idlers move with the coordinates that they follow: 4 degrees of freedom.
     FourDof,
 }
 
-/// The masses, friction and springs of a model, over the coordinates of `belt`; rows that a model has not are unused.
+/// Masses, friction and springs of a model, over the coordinates of `belt`; rows outside the model are unused.
 pub(super) struct Mechanics {
-    /// The coordinates that the model has; x and y are the first two, the motors' pulleys the next two.
+    /// The model's coordinates; x and y are the first two, the motors' pulleys the next two.
     pub coordinates: Vec<usize>,
     /// kg.
     pub mass: [f64; COORDINATES],
@@ -54,10 +54,10 @@ fn full(parameters: &Parameters) -> Mechanics {
     Mechanics { coordinates: (0..COORDINATES).collect(), mass, viscous, coulomb, stiffness }
 }
 
-/// Whom each idler follows in the 4-DoF model.
+/// The coordinate that each idler follows in the 4-DoF model.
 ///
-/// Equation 12 as printed has pulleys 7 and 10 with motor 1, and 8 and 9 with motor 2. By equation 6 it is the other way
-/// round: pulley 9 is on the belt of motor 1. With equal pulleys the figures are the same.
+/// Equation 12 as printed has pulleys 7 and 10 with motor 1, and 8 and 9 with motor 2. By equation 6 it is the other
+/// way round: pulley 9 is on the belt of motor 1. With equal pulleys the figures are the same.
 const FOLLOWS: [(usize, usize); 8] = [
     (pulley(3), X),
     (pulley(4), X),

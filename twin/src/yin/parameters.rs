@@ -1,8 +1,8 @@
 //! The rig's numbers: belt, masses and friction, in SI units.
 //!
-//! Table I of the paper has them, but its values are not to be had. Those of `NOMINAL` are assumed: what the text says
-//! (MXL pulleys and belt, E = 160 MPa, steppers of 1.8 degrees), sizes of such a rig, and friction by which the corner
-//! errors come out in the range and with the trends that the paper reports.
+//! The values of the paper's Table I are not available. `NOMINAL` is assumed. It has the values in the text (MXL
+//! pulleys and belt, E = 160 MPa, steppers of 1.8 degrees) and sizes of such a rig. Its friction gives corner errors in
+//! the reported range and with the reported trends.
 
 use super::error::Error;
 
@@ -31,18 +31,18 @@ pub struct Parameters {
     pub pulley_coulomb: f64,
 }
 
-/// Young's modulus of the belt by the paper, 160 MPa (section III), times an assumed section of 5 mm2: N.
+/// Young's modulus of the belt from the paper, 160 MPa (section III), times an assumed section of 5 mm2: N.
 const BELT_EA: f64 = 160e6 * 5e-6;
 
 /// Belt travel of a motor per pulse, m: 16 teeth of 2.032 mm (MXL) and 400 half steps a revolution are 0.0813 mm. The
-/// figures that the tests hold were made with 0.0812.
+/// figures in the tests were computed with 0.0812.
 pub(super) const PULSE: f64 = 0.0812e-3;
 
 /// The assumed rig (see the head of this file).
 pub const NOMINAL: Parameters = Parameters {
     // EA / l with sections of 0.10, 0.12, 0.26, 0.24 and 0.12 m, assumed.
     stiffness: [BELT_EA / 0.10, BELT_EA / 0.12, BELT_EA / 0.26, BELT_EA / 0.24, BELT_EA / 0.12],
-    // 16 teeth of 2.032 mm are a circumference of 32.5 mm.
+    // 16 teeth of 2.032 mm have a circumference of 32.5 mm.
     pulley_radius: 5.174e-3,
     effector_mass: 0.08,
     frame_mass: 0.10,
@@ -72,16 +72,16 @@ impl Parameters {
         }
     }
 
-    /// What moves along y, kg: M of equation 4 (whose m_1 must be m_x).
+    /// Mass that moves along y, kg: M of equation 4 (with m_x for its m_1).
     #[must_use]
     pub fn moving_mass_y(&self) -> f64 {
         self.frame_mass + self.effector_mass + 4.0 * self.pulley_mass
     }
 
-    /// Refuses what is no machine: springs and masses must be positive, friction must not be negative.
+    /// Refuses an impossible rig: springs and masses must be positive, friction must not be negative.
     ///
     /// # Errors
-    /// [`Error::Parameter`] names what is wrong.
+    /// [`Error::Parameter`] names the wrong value.
     pub fn check(&self) -> Result<(), Error> {
         let masses = [self.effector_mass, self.frame_mass, self.pulley_mass, self.pulley_inertia];
         let pulleys = [self.pulley_viscous, self.pulley_coulomb];

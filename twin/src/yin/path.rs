@@ -1,28 +1,28 @@
 //! The commanded rectangle, as belt travel of the two motors over time.
 //!
-//! The tool is sent round a square at constant speed, with no ramps, clockwise from the lower left corner, which is the
-//! origin (section III A of the paper; it does not say which way round). Equation 1 turns places into belt travel:
-//! r phi1 = x + y, r phi2 = x - y.
+//! The tool follows a square at constant speed, without ramps, clockwise from the lower left corner, which is the
+//! origin (section III A of the paper, which does not give the direction). Equation 1 turns places into belt travel: r
+//! phi1 = x + y, r phi2 = x - y.
 
 use super::parameters::PULSE;
 
-/// Side of the square, m; assumed, for the paper does not say it.
+/// Side of the square, m; assumed, because the paper does not give it.
 pub(super) const SIDE: f64 = 0.020;
 
-/// How the motors are told where to be.
+/// How positions are commanded to the motors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
-    /// At every instant where the path is.
+    /// Continuously along the path.
     Continuous,
-    /// In pulses of 0.0812 mm: x and y each are at the multiple that is nearest to the path, as in a controller that turns
-    /// whole steps of x and y into those of the motors, whose sums and differences they are.
+    /// In pulses of 0.0812 mm: x and y are each at the multiple nearest to the path. A controller that works in whole
+    /// steps of x and y does the same, and its motors get their sums and differences.
     Pulses,
 }
 
 /// A corner where the path turns.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Corner {
-    /// Where, m.
+    /// Its place, m.
     pub place: [f64; 2],
     /// Unit vector of the side that ends here.
     pub into: [f64; 2],
@@ -37,7 +37,7 @@ pub(super) const CORNERS: [Corner; 3] = [
     Corner { place: [SIDE, 0.0], into: [0.0, -1.0], out_of: [-1.0, 0.0] },
 ];
 
-/// A time in which the inputs of the motors go evenly from one value to another.
+/// A time in which the motor inputs change linearly from one value to another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
     /// s.
@@ -73,7 +73,7 @@ fn belt([x, y]: [f64; 2]) -> [f64; 2] {
     [x + y, x - y]
 }
 
-/// A side along x or y on which the motors stand still between pulses.
+/// A side along x or y; the motors are at rest between pulses.
 fn pulses(from: [f64; 2], to: [f64; 2], duration: f64) -> Vec<Piece> {
     let place = |part: f64| [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
     let held = |part: f64| belt(place(part).map(|travel| (travel / PULSE).round() * PULSE));
@@ -87,7 +87,7 @@ fn pulses(from: [f64; 2], to: [f64; 2], duration: f64) -> Vec<Piece> {
     cuts.windows(2).map(between).collect()
 }
 
-/// When a coordinate makes its pulses, as parts of the side: where it is half a pulse from both places.
+/// Pulse times of a coordinate, as parts of the side: half a pulse from both places.
 fn pulse_times(from: f64, to: f64) -> Vec<f64> {
     let number = |travel: f64| travel / PULSE - 0.5;
     let first = number(from.min(to)).ceil() as i64;

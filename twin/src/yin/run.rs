@@ -10,21 +10,21 @@ use super::parameters::{NOMINAL, Parameters};
 use super::path::{CORNERS, Command, Corner, Piece, sides};
 use super::system::{State, System};
 
-/// Speeds that a case may have, m/s; the paper ran 0.020 to 0.079.
+/// Legal speeds of a case, m/s; the paper ran 0.020 to 0.079.
 pub const SPEEDS: RangeInclusive<f64> = 0.001..=1.0;
 
-/// Factors that a case may have; the paper varied from 0.5 to 2. That of friction may also be 0.
+/// Legal factors of a case; the paper varied from 0.5 to 2. The factor of friction may also be 0.
 pub const FACTORS: RangeInclusive<f64> = 0.05..=20.0;
 
 /// A few seconds of computing; the slowest speed on the assumed rig takes 2.1 million.
 const MOST_STEPS: usize = 5_000_000;
 
-/// What to simulate on the assumed rig.
+/// A simulation on the assumed rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
     /// Speed along the square, m/s, within [`SPEEDS`].
     pub speed: f64,
-    /// How much of the machine is modelled.
+    /// Detail of the model.
     pub model: Model,
     /// How the motors are commanded.
     pub command: Command,
@@ -37,7 +37,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// The full model of the rig as it is, commanded continuously, at a speed in m/s.
+    /// The full model of the unchanged rig, commanded continuously, at a speed in m/s.
     #[must_use]
     pub fn at(speed: f64) -> Case {
         Case { speed, model: Model::Full, command: Command::Continuous, friction: 1.0, stiffness: 1.0, mass: 1.0 }
@@ -49,17 +49,18 @@ impl Case {
 pub struct Corners {
     /// Turning from x to y, the second corner, mm.
     pub x_to_y_mm: f64,
-    /// Turning from y to x, the third corner, mm. The first, which turns so too, counts not: the tool came to it from rest.
+    /// Turning from y to x, the third corner, mm. The first corner turns so too but does not count, because the tool
+    /// comes to it from rest.
     pub y_to_x_mm: f64,
-    /// How far the tool goes beyond a corner in the direction in which it came, at the worst of the three, mm. Equation 17
-    /// does not see this: a lightly damped tool overshoots without cutting the corner.
+    /// Largest overshoot at the three corners in the tool's old direction, mm. Equation 17 does not show it: a lightly
+    /// damped tool overshoots without cutting the corner.
     pub overshoot_mm: f64,
 }
 
 /// Simulates a case on the assumed rig ([`NOMINAL`]).
 ///
 /// # Errors
-/// What is out of range, or that the tool lags too much to turn.
+/// A value out of range, or a tool that lags too much to turn.
 pub fn run(case: &Case) -> Result<Corners, Error> {
     run_on(&NOMINAL, case)
 }
@@ -67,13 +68,13 @@ pub fn run(case: &Case) -> Result<Corners, Error> {
 /// Simulates a case on another rig.
 ///
 /// # Errors
-/// As [`run`], and what is illegal in the rig.
+/// As [`run`], and illegal values of the rig.
 pub fn run_on(rig: &Parameters, case: &Case) -> Result<Corners, Error> {
     let system = System::stepper(case.model, &checked(rig, case)?);
     round_the_square(&system, &sides(case.speed, case.command), step_for(&system))
 }
 
-/// The rig with the factors of the case, if all of it is legal.
+/// The rig with the factors of the case, if all of them are legal.
 fn checked(rig: &Parameters, case: &Case) -> Result<Parameters, Error> {
     if !SPEEDS.contains(&case.speed) {
         return Err(Error::Speed(case.speed));
@@ -99,7 +100,7 @@ pub(super) fn round_the_square(system: &System, sides: &[Vec<Piece>], longest: f
     Ok(Corners { x_to_y_mm, y_to_x_mm, overshoot_mm: beyond * 1e3 })
 }
 
-/// What was seen at each corner, which is watched on the side before and the side after it.
+/// Results at each corner, which is watched on the side before and the side after it.
 pub(super) fn corners(
     system: &System,
     corners: [Corner; 3],

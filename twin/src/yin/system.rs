@@ -1,14 +1,15 @@
 //! The equations of motion of a driven model: forces of springs, friction and drive, divided by masses.
 //!
-//! Equation 2 for every free coordinate q: m q'' = -K q - c q' - f sgn(q') + B u. A stepper holds its pulley where the
-//! pulses say, so u is the belt travel of pulleys 1 and 2, and B their springs (equations 8 and 15). A DC motor turns with
+//! Equation 2 for every free coordinate q: m q'' = -K q - c q' - f sgn(q') + B u. Pulses prescribe the pulley of a
+//! stepper, so u is the belt travel of pulleys 1 and 2, and B their springs (equations 8 and 15). A DC motor turns with
 //! the torque K1 V - K2 phi' (equation 7), so u is the voltage, and the pulleys are free (equations 10 and 16).
 
 use super::belt::{COORDINATES, X, Y, pulley};
 use super::model::{Mechanics, Model};
 use super::parameters::Parameters;
 
-/// Where sgn(v) is smoothed to tanh(v / `SMOOTH_SPEED`), m/s: far below the running speeds, so that only rest is blurred.
+/// Speed scale of the smoothing of sgn(v) to tanh(v / `SMOOTH_SPEED`), m/s: far below the running speeds, so that it
+/// blurs only rest.
 const SMOOTH_SPEED: f64 = 1e-3;
 
 /// A DC motor on each driving pulley: tau = K1 V - K2 phi' (equation 7).
@@ -84,7 +85,7 @@ impl System {
         System { rows }
     }
 
-    /// Speeds and accelerations at a state: what an integrator asks for.
+    /// Speeds and accelerations at a state, for an integrator.
     #[must_use]
     pub fn derivative(&self, state: &State, input: [f64; 2]) -> State {
         let mut change = State::REST;
@@ -99,7 +100,7 @@ impl System {
         change
     }
 
-    /// Kinetic energy, and that of the belts while the inputs are 0, J.
+    /// Kinetic energy, and energy of the belts with inputs of 0, J.
     #[must_use]
     pub fn energy(&self, state: &State) -> f64 {
         let of = |row: &Row| {
@@ -109,7 +110,7 @@ impl System {
         self.rows.iter().map(of).sum()
     }
 
-    /// Upper bounds of the fastest decay and of the fastest oscillation without it, 1/s (Gershgorin's circles).
+    /// Upper bounds of the fastest decay and of the fastest undamped oscillation, 1/s (Gershgorin's circles).
     #[must_use]
     pub fn rates(&self) -> (f64, f64) {
         let decay = |row: &Row| (row.viscous + row.coulomb / SMOOTH_SPEED) / row.mass;

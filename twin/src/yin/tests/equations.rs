@@ -1,4 +1,5 @@
-//! The equations of motion of the paper, put right and written out, against those that the room derives from equation 6.
+//! The paper's equations of motion, corrected and written out, against the equations that the room derives from
+//! equation 6.
 
 use super::super::belt::{X, Y, pulley};
 use super::super::damping::following;
@@ -21,7 +22,7 @@ fn sgn(speed: f64) -> f64 {
     (speed / 1e-3).tanh()
 }
 
-/// Places with the names of the paper: angles in rad.
+/// Positions under the paper's names: angles in rad.
 struct Named {
     x: f64,
     y: f64,
@@ -39,7 +40,7 @@ impl Named {
     }
 }
 
-/// Equations 8 and 10, put right: second derivatives of x, y and the ten angles.
+/// Equations 8 and 10, corrected: second derivatives of x, y and the ten angles.
 fn full(state: &State) -> [f64; 12] {
     let Parameters { stiffness: [k1, k2, k3, k4, k5], pulley_radius: r, pulley_inertia, .. } = NOMINAL;
     let (q, v) = (Named::new(&state.place), Named::new(&state.speed));
@@ -74,12 +75,12 @@ fn full(state: &State) -> [f64; 12] {
     change
 }
 
-/// Of the motors on pulleys 1 and 2, equation 7.
+/// Torque of the motors on pulleys 1 and 2, equation 7.
 fn torque(number: usize, speed: f64) -> f64 {
     VOLTS.get(number - 1).map_or(0.0, |volts| MOTOR.torque_per_volt * volts - MOTOR.back_torque * speed)
 }
 
-/// Equations 15 and 16 with 12 to 14 put right: second derivatives of x, y, phi1, phi2.
+/// Equations 15 and 16 with corrected 12 to 14: second derivatives of x, y, phi1, phi2.
 fn four(state: &State) -> [f64; 4] {
     let Parameters { stiffness: [k1, k2, k3, k4, k5], pulley_radius: r, .. } = NOMINAL;
     let ke = k1 * k2 / (k1 + k2) + k1 * k3 * k4 * k5 / (k1 * k3 * k4 + k1 * k3 * k5 + k1 * k4 * k5 + k3 * k4 * k5);
@@ -104,7 +105,7 @@ fn four(state: &State) -> [f64; 4] {
     ]
 }
 
-/// Holds accelerations (angles in rad/s2) to those of a system (belt travel in m/s2), in the order of the coordinates.
+/// Compares accelerations (angles in rad/s2) with a system's (belt travel in m/s2), in the order of the coordinates.
 fn assert_same(system: &System, input: [f64; 2], expected: &[(usize, f64)]) {
     let found = system.derivative(&some_state(), input);
     for &(coordinate, acceleration) in expected {
@@ -131,7 +132,7 @@ fn the_condensed_model_has_equations_15_and_16_with_either_drive() {
     assert_same(&System::stepper(Model::FourDof, &NOMINAL), driven, &all[..2]);
 }
 
-/// The springs' torque on pulleys 3 to 10 by equation 8 as it is printed, N m.
+/// The springs' torque on pulleys 3 to 10 by equation 8 as printed, N m.
 fn printed(number: usize, state: &State) -> f64 {
     let k = |i: usize| NOMINAL.stiffness[i - 1];
     let r = NOMINAL.pulley_radius;

@@ -1,5 +1,5 @@
-//! The room against figures that were computed independently of it (symbolic derivation, another solver), against the
-//! equations of the paper, and against what physics asks of any model.
+//! The room against independently computed figures (symbolic derivation, another solver), against the equations of the
+//! paper, and against physics that any model must obey.
 mod equations;
 mod numerics;
 mod refusals;
@@ -14,7 +14,7 @@ fn errors(case: Case) -> [f64; 2] {
     [corners.x_to_y_mm, corners.y_to_x_mm]
 }
 
-/// Fails unless `value` is within a part of what is expected.
+/// Fails unless `value` is within a relative tolerance of `expected`.
 fn assert_close(value: f64, expected: f64, part: f64, what: &str) {
     assert!((value / expected - 1.0).abs() <= part, "{what}: {value}, expected {expected} within {part}");
 }

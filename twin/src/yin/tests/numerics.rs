@@ -1,4 +1,4 @@
-//! What must hold whatever the figures are: energy, time steps, steady states.
+//! Properties that hold for any figures: energy, time steps, steady states.
 
 use super::super::integrator::{advance, step_for};
 use super::super::path::{Piece, sides};
@@ -44,7 +44,7 @@ fn energy_is_kept_without_damping_and_friction() {
     }
 }
 
-/// How far the tool lags behind a motion along x or y, m.
+/// Lag of the tool in a motion along x or y, m.
 fn lag(model: Model, rig: &Parameters, [x, y]: [f64; 2], speed: f64) -> f64 {
     let system = System::stepper(model, rig);
     let length = 0.5 * speed;
@@ -85,7 +85,7 @@ fn two_dc_motors_bring_the_tool_to_the_speed_at_which_friction_takes_their_torqu
     let motor = DcMotor { torque_per_volt: 0.02, back_torque: 1e-3 };
     let volts = 6.0;
     let r = NOMINAL.pulley_radius;
-    // Along x all ten pulleys turn as fast as the tool runs.
+    // Along x all ten pulleys turn as fast as the tool moves.
     let drive = 2.0 * motor.torque_per_volt * volts / r - NOMINAL.guide_coulomb[0] - 10.0 * NOMINAL.pulley_coulomb / r;
     let damping = NOMINAL.guide_viscous[0] + (10.0 * NOMINAL.pulley_viscous + 2.0 * motor.back_torque) / (r * r);
     for model in [Model::Full, Model::FourDof] {
@@ -95,7 +95,7 @@ fn two_dc_motors_bring_the_tool_to_the_speed_at_which_friction_takes_their_torqu
     }
 }
 
-/// How far a mass on a spring swings beyond the place where its lagging support stops, m.
+/// Overshoot of a mass on a spring beyond the place where its lagging support stops, m.
 fn swing(axis: &Axis, speed: f64) -> f64 {
     let (omega, zeta) = (axis.frequency(), axis.damping_ratio());
     let decay = zeta * omega;

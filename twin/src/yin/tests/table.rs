@@ -11,7 +11,7 @@ use super::{assert_close, errors};
 /// The speeds of figure 3 of the paper, m/s.
 const SPEEDS: [f64; 3] = [0.020, 0.039, 0.079];
 
-/// Holds both errors at each speed to a table, within a part.
+/// Compares both errors at each speed with a table, within a relative tolerance.
 fn hold_to(table: [[f64; 2]; 3], part: f64, case: impl Fn(f64) -> Case) {
     for (speed, expected) in SPEEDS.into_iter().zip(table) {
         let case = case(speed);
@@ -41,17 +41,17 @@ fn pulses_give_the_independent_errors() {
     hold_to(PULSED_FOUR, 0.02, pulses(Model::FourDof));
 }
 
-/// The corners the other way round: x to y, y to x, x to y.
+/// The corners in the opposite direction: x to y, y to x, x to y.
 const COUNTER_CLOCKWISE: [Corner; 3] = [
     Corner { place: [SIDE, 0.0], into: [1.0, 0.0], out_of: [0.0, 1.0] },
     Corner { place: [SIDE, SIDE], into: [0.0, 1.0], out_of: [-1.0, 0.0] },
     Corner { place: [0.0, SIDE], into: [-1.0, 0.0], out_of: [0.0, -1.0] },
 ];
 
-/// Parts of a side at which it is seen what a controller makes of it: 0.5 um each.
+/// Samples of a side for a controller's rounding: 0.5 um each.
 const LOOKS: usize = 40_000;
 
-/// The square as a controller has it that makes belt travel of motors 1 and 2 of a place.
+/// The square of a controller that turns places into belt travel of motors 1 and 2.
 fn square(corners: &[Corner; 3], speed: f64, mut made: impl FnMut([f64; 2]) -> [f64; 2]) -> Vec<Vec<Piece>> {
     let [first, second, third] = corners.map(|corner| corner.place);
     let places = [[0.0, 0.0], first, second, third, [0.0, 0.0]];
@@ -90,7 +90,7 @@ fn seen(model: Model, way: [Corner; 3], speed: f64, made: impl FnMut([f64; 2]) -
     corners(&system, way, &sides, step_for(&system)).unwrap().map(|corner| 1e3 * corner.error.unwrap())
 }
 
-/// x stands 0.0248 mm short of 20 mm there, a part of a pulse.
+/// x ends 0.0248 mm short of 20 mm there, a fraction of a pulse.
 #[test]
 fn the_first_corner_the_other_way_round_has_the_independent_errors_from_x_to_y_to_all_digits() {
     for (model, table) in [(Model::Full, PULSED_FULL), (Model::FourDof, PULSED_FOUR)] {
@@ -127,7 +127,7 @@ fn what_is_done_with_a_part_of_a_pulse_decides_the_errors() {
     }
 }
 
-/// A motor that stands at the nearest pulse is ahead as often as it is behind.
+/// A motor at its nearest pulse is ahead as often as behind.
 #[test]
 fn motors_at_their_nearest_pulses_leave_the_errors_where_they_are() {
     for model in [Model::Full, Model::FourDof] {

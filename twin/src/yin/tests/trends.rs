@@ -1,4 +1,4 @@
-//! How the errors go with speed, friction, stiffness and mass, and what the 4-DoF model loses.
+//! How speed, friction, stiffness and mass change the errors, and what the 4-DoF model loses.
 
 use super::super::fit::{exponent, line};
 use super::super::*;
@@ -7,7 +7,7 @@ use super::errors;
 /// Factors as in figure 5 of the paper: a half to two.
 const FACTORS: [f64; 5] = [0.5, std::f64::consts::FRAC_1_SQRT_2, 1.0, std::f64::consts::SQRT_2, 2.0];
 
-/// The exponents of both errors over a factor, at the speed of figure 5.
+/// Exponents of both errors over a factor, at the speed of figure 5.
 fn exponents(case: impl Fn(f64) -> Case) -> [f64; 2] {
     let found = FACTORS.map(|factor| (factor, errors(case(factor))));
     [0, 1].map(|turn| exponent(&found.map(|(factor, errors)| (factor, errors[turn]))))
