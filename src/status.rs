@@ -4,8 +4,8 @@
 //! has two writers: the Stepper sets it, and the Console clears it after it has begun another epoch and when Stepper
 //! and generator are idle.
 //!
-//! Two counts that only grow show whether there is motion. One context counts the work that it began, the other the work
-//! that it finished, and without motion the two are equal. This holds for any order of events.
+//! Two counts that only grow show whether there is motion. One context counts the work that it began, the other the
+//! work that it finished, and without motion the two are equal. This holds for any order of events.
 //!
 //! A reader gets copies of single fields. Two fields may come from different times; where that matters, the method
 //! documents the order of its reads.
