@@ -5,7 +5,7 @@ use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::{End, Injection};
 use corehbot_emulator::wiring::Pin;
-use corehbot_sim::machine_file;
+use corehbot_machine_file as machine_file;
 
 /// The reference in mV.
 const REFERENCE: u32 = 3300;

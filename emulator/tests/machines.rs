@@ -12,7 +12,7 @@ use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::{OCTOPUS, Pin, SPIDER, Wiring};
-use corehbot_sim::machine_file;
+use corehbot_machine_file as machine_file;
 
 /// Both belts and the screw, and an arc.
 const GCODE: &str = "G28\nG1 X40 Y20 F12000\nG1 Z2\nG2 X60 Y40 I20 J0\nG1 X45 F9000\nM114\n";

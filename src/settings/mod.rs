@@ -8,7 +8,7 @@
 //! | field and default | here, or `axis`, `bed`, `belt`, `endstops`, `shaping`, `drivers`, `thermal`, `wiring` | compiler (`prototype`) |
 //! | range, check | `ranges`, `check`; what a board must have for it, `plugged` | `tests/setting_ranges.rs` |
 //! | record | `storage::record`, by serde: a changed shape makes another `FORMAT` | `src/storage/record/tests.rs` |
-//! | machine file | keys with what they mean in `boards/sim/src/machine_file/form.rs` and its folder, read in `machine_file.rs`, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-sim --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
+//! | machine file | keys with what they mean in `machine-file/src/form.rs` and its folder, read in `lib.rs` there, written in `written.rs`, shown in `examples/machines/prototype.toml`; `BLESS=1 cargo test -p corehbot-cli --test config` writes the schema | `boards/sim/tests/every_setting.rs` |
 //! | command | letters in `gcode`, what they do in `machine/commands/settings/set.rs` (or `shaping`, `drivers`) | the same test; `boards/sim/tests/console/legal_settings.rs` |
 //! | M503 | the words in `machine/reports/settings_report.rs` (`report_setting`, `report_settings`, `report_driver_settings`); a line of its own also in `machine/answers/setting.rs` | the same test |
 //! | who reads it | `motion` (limits of a move by what it is for: `purpose` and `Limits` in `motion::planner`), `driver` or `machine` | its own tests; a limit of motion also in `tests/motion/model.rs` and, if a line may loosen it, `boards/sim/src/limits.rs` |
@@ -17,7 +17,7 @@
 //! | documents | README.md (commands), docs/host-protocol.md, docs/machines.md (what is plugged in where), CHANGELOG.md | review |
 //!
 //! A new [`ShaperKind`] comes last (records hold its number, so `FORMAT` stays), and its T is the next one: `tail` in
-//! `boards/sim/src/twin/compensate/gcode.rs` counts them. It is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
+//! `cli/src/twin/compensate/gcode.rs` counts them. It is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
 //! (`gcode::shaping`), `kind_of` with M593's text (`machine/commands/shaping.rs`) and `name_of` (`machine/reports/settings_report.rs`),
 //! which translate between kind and number, `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses, `name_of` and `written.rs`, `boards/sim/tests/every_setting.rs` and `twin.rs` for the rest, and
 //! `tests/motion/shapers.rs` for figures from the literature. By hand: `boards/sim/tests/shaping.rs`, which prints with each T,
@@ -65,7 +65,7 @@ use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
 /// What limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A machine file chooses a rule by its key
-/// (`corner` in `boards/sim/src/machine_file.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`). A new one comes last,
+/// (`corner` in `machine-file/src/lib.rs`), a line by its letter in M205 (`machine/commands/settings/set.rs`). A new one comes last,
 /// as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {

@@ -23,7 +23,7 @@ pub fn target_dir() -> Result<PathBuf> {
 /// Builds `corehbot` for this computer and says where it is. Together with xtask it is built with the dependencies that are
 /// there already.
 pub fn build_command() -> Result<PathBuf> {
-    run(cargo(["build", "--package", "corehbot-sim", "--package", "xtask"]))?;
+    run(cargo(["build", "--package", "corehbot-cli", "--package", "xtask"]))?;
     Ok(target_dir()?.join("debug").join("corehbot").with_extension(std::env::consts::EXE_EXTENSION))
 }
 

@@ -8,15 +8,12 @@
 //! Where the printer waits for a user (M0, M1, M600, M601), it goes on after [`USER_SECONDS`], as a user would have it do.
 //! The file is read as it is sent; only the last commands are kept, in case they are asked for again.
 
-mod file_line;
-
-pub use file_line::{command_of, strip_comment, words};
-
-use crate::input::{Lines, Survey, lines_of, survey};
-use crate::short::short;
+use crate::file_line::{command_of, words};
+use crate::lines::{Lines, Survey, lines_of, survey};
 use crate::world::Host;
 use corehbot::protocol::ACTION;
 use corehbot::units::TICKS_PER_SECOND;
+use corehbot_machine_file::short::short;
 use std::collections::VecDeque;
 use std::fmt;
 use std::io::BufRead;

@@ -2,41 +2,27 @@
 //!
 //! [`world`] plays firmware and mechanism against each other in simulated time; a [`world::Host`] feeds it
 //! and every step event goes to a [`world::Sink`]. The sinks here write traces, add up figures and hold the
-//! steps to physics; the other files turn that into what a person or a program wants to read.
+//! steps to physics. It needs no threads, clock or temporary files, so it runs in a browser too; what turns its figures
+//! into pages is `corehbot-report`, and the command is `corehbot-cli`.
 #![forbid(unsafe_code)]
 
 pub mod belt;
 pub mod check;
-pub mod cli;
-mod config;
 pub mod drivers;
 pub mod eeprom;
-pub mod heat_log;
+mod ends;
+pub mod file_line;
 pub mod heat_plant;
 pub mod host;
-pub mod image;
-pub mod input;
 pub mod limits;
-pub mod machine_file;
+pub mod lines;
 mod odometer;
-pub mod output;
-pub mod path;
 mod ports;
-pub mod printable;
-pub mod report;
-mod run;
 pub mod sampler;
 pub mod script;
 pub mod series;
-#[cfg(unix)]
-pub mod serve;
-mod short;
-pub mod stop;
-pub mod summary;
 pub mod tally;
 pub mod tmc2209;
 pub mod trace;
-mod twin;
 pub mod vcd;
-mod watched;
 pub mod world;

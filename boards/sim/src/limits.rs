@@ -19,7 +19,7 @@
 //! and leaves it again, each time as a jump of its own that is no more than the extruder's jerk. Both, and a corner's own jump, may fall into
 //! one measurement.
 
-use crate::host::{command_of, words};
+use crate::file_line::{command_of, words};
 use corehbot::gcode::{Command, Number, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::motors::Motor;

@@ -4,7 +4,7 @@
 
 use crate::belt::{BeltPlant, Chips};
 use crate::drivers::Drivers;
-use crate::world::{Host, Sink};
+use crate::ends::{Host, Sink};
 use corehbot::kinematics::MotorTable;
 use corehbot::motors::{EndstopSet, GroupSet, MotorSet};
 use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};

@@ -6,12 +6,13 @@
 
 use crate::belt::BeltPlant;
 use crate::drivers::Drivers;
+pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
 use crate::heat_plant::{Accident, HeatSetup};
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
-use corehbot::connectors::{FANS, HEATERS, Heater};
+use corehbot::connectors::Heater;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
@@ -20,63 +21,13 @@ use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::thermal::{PERIOD_MS, ThermalControl};
-use corehbot::units::{Celsius, Mm, TICKS_PER_MS, TICKS_PER_SECOND};
+use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::Rig;
 use corehbot_rig::heat::Heat;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Wake, Waker};
-
-/// Who hears every step event, in order. `tick` is motion time (10 MHz) and never falls.
-pub trait Sink {
-    /// The motors of `steps` step at `tick`, each forward if it is in `forward`.
-    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet);
-    /// A control period has passed on a machine with heaters.
-    fn heat(&mut self, _period: &HeatPeriod) {}
-}
-
-/// Heat at the end of a control period.
-#[derive(Clone, Copy, Debug)]
-pub struct HeatPeriod {
-    /// Time since the printer was switched on, in ticks.
-    pub now: u64,
-    /// Motion time, in ticks.
-    pub tick: u64,
-    /// Those that are fitted.
-    pub heaters: [Option<HeaterPeriod>; HEATERS],
-    /// Duty of each fan, of 65,535, as the plant got it.
-    pub fans: [u16; FANS],
-}
-
-/// A heater at the end of a control period.
-#[derive(Clone, Copy, Debug)]
-pub struct HeaterPeriod {
-    /// What the firmware measured; none before the first time.
-    pub measured: Option<Celsius>,
-    /// What it is to be; 0 is off.
-    pub target: Celsius,
-    /// Of 65,535, as the plant got it.
-    pub duty: u16,
-}
-
-/// The other end of the serial line.
-pub trait Host {
-    /// The next bytes to put on the wire, appended to `out`; called whenever the printer waits for input.
-    fn send(&mut self, out: &mut Vec<u8>);
-    /// Bytes to put on the wire although the printer is busy, appended to `out`; called all the time.
-    fn interject(&mut self, _out: &mut Vec<u8>) {}
-    /// How much time has passed since the printer was switched on, in ticks; shared all the time.
-    fn clock(&mut self, _tick: u64) {}
-    /// Whether it opens its line now, so that what came before was somebody else's; called all the time.
-    fn opens(&mut self) -> bool {
-        false
-    }
-    /// A whole line from the printer, without its line end.
-    fn hear(&mut self, line: &str);
-    /// Whether everything was sent and answered.
-    fn is_done(&self) -> bool;
-}
 
 /// How a print ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

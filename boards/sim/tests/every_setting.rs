@@ -16,8 +16,8 @@ use corehbot::motors::Motor;
 use corehbot::port::NoStorage;
 use corehbot::settings::{CornerRule, Settings, ShaperKind};
 use corehbot::units::Mm;
+use corehbot_machine_file as machine_file;
 use corehbot_sim::drivers::Drivers;
-use corehbot_sim::machine_file;
 use corehbot_sim::world::run_on;
 use deaf::Deaf;
 use lines::Lines;
@@ -237,9 +237,9 @@ fn every_setting_has_a_key_in_the_machine_file_that_sets_it_alone() {
     for (path, mut file) in settings_and_files().into_iter().filter(|(path, _)| path != "mechanism") {
         let before = by_path(&load(&file).unwrap());
         let after = changed(&path, &file);
-        let after = after.unwrap_or_else(|| panic!("no value changes {path}: boards/sim/src/machine_file.rs"));
+        let after = after.unwrap_or_else(|| panic!("no value changes {path}: machine-file/src/lib.rs"));
         let written = machine_file::written(&after).unwrap();
-        assert!(machine_file::load(&written).unwrap() == after, "{path}: boards/sim/src/machine_file/written.rs");
+        assert!(machine_file::load(&written).unwrap() == after, "{path}: machine-file/src/written.rs");
         let after = by_path(&after);
         assert!(key(&mut file, &path).is_some(), "{path} has no key in examples/machines/prototype.toml");
         let other: Vec<_> = before.keys().filter(|name| before[*name] != after[*name]).collect();
@@ -293,7 +293,7 @@ fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
     for kind in ShaperKind::all() {
         let name = name(kind);
         let settings = machine_file::load(&format!("[shaper.x]\nkind = \"{name}\"")).unwrap();
-        assert_eq!(settings.shapers.x.kind, kind, "KindToml in boards/sim/src/machine_file/form/motion.rs");
+        assert_eq!(settings.shapers.x.kind, kind, "KindToml in machine-file/src/form/motion.rs");
         let Command::Shaper { kind: number, .. } = parse(format!("M593 X P\"{name}\" F50").as_bytes()) else {
             panic!()
         };
@@ -318,6 +318,6 @@ fn the_error_of_two_rules_for_corners_has_the_keys_of_all() {
     let lines: String = keys.iter().map(|key| format!("{key} = 0.1\n")).collect();
     let error = machine_file::load(&format!("[corner]\n{lines}")).unwrap_err().to_string();
     for key in keys {
-        assert!(error.contains(key), "{key} is missing in boards/sim/src/machine_file/error.rs");
+        assert!(error.contains(key), "{key} is missing in machine-file/src/error.rs");
     }
 }

@@ -13,8 +13,8 @@ use btt_tft::BttTft;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_machine_file::load;
 use corehbot_sim::drivers::Drivers;
-use corehbot_sim::machine_file::load;
 use corehbot_sim::world::{Host, run_on};
 use deaf::Deaf;
 

@@ -5,8 +5,8 @@
 use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;
+use corehbot_machine_file as machine_file;
 use corehbot_sim::host::FileHost;
-use corehbot_sim::machine_file;
 use corehbot_sim::world::{Host, Sink, run};
 use std::path::{Path, PathBuf};
 

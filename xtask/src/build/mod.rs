@@ -8,7 +8,7 @@ mod step_path;
 
 use crate::checkout;
 use anyhow::{Context as _, Result, bail, ensure};
-use corehbot_sim::image::set_board;
+use corehbot_cli::image::set_board;
 use object::Endianness;
 use object::elf::FileHeader32;
 use object::read::elf::ElfFile;

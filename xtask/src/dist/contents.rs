@@ -45,7 +45,7 @@ fn plain() -> Result<Vec<File>> {
 
 /// Builds the command.
 fn command() -> Result<std::path::PathBuf> {
-    let mut build = cargo(["build", "--package", "corehbot-sim", "--bin", "corehbot", "--profile", PROFILE]);
+    let mut build = cargo(["build", "--package", "corehbot-cli", "--bin", "corehbot", "--profile", PROFILE]);
     // The target is named so that build scripts do not get the flags.
     let host = checkout::host()?;
     build.args(["--target", &host]).env(checkout::FLAGS, checkout::path_flags()?);

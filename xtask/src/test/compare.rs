@@ -5,7 +5,7 @@ use crate::checkout::{self, root, run};
 use crate::qemu::{self, BOARD, Job};
 use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
-use corehbot_sim::machine_file;
+use corehbot_machine_file as machine_file;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 

@@ -126,7 +126,7 @@ fn machine(mut rows: Vec<[i8; 2]>) -> Option<Machine> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine_file;
+    use corehbot_machine_file as machine_file;
     use std::path::Path;
 
     fn layout(file: &str) -> Result<Layout, LayoutError> {

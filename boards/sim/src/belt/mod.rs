@@ -23,7 +23,6 @@
 //! | [`figures`] | what is said of it at the end |
 
 pub mod accident;
-pub mod args;
 pub mod course;
 mod field;
 pub mod figures;

@@ -1,4 +1,4 @@
-//! The heat of the simulated machine as the command line has it: the truth of its heaters (`truth`), and what breaks and when
+//! The heat of the simulated machine as commands and files have it: the truth of its heaters (`truth`), and what breaks and when
 //! (`accident`).
 //!
 //! Without a word of it, the plant of heat is what the machine's settings say. A firmware with the wrong idea of its heaters is
@@ -9,12 +9,7 @@ pub mod truth;
 
 pub use accident::{Accident, AccidentError};
 
-use anyhow::{Context as _, Result, bail};
-use clap::Args;
-use corehbot::settings::Settings;
-use corehbot_rig::heat::constants;
 use corehbot_rig::plant::PlantConstants;
-use std::path::{Path, PathBuf};
 
 /// What the heaters are, and what befalls them.
 #[derive(Clone, Debug, Default)]
@@ -23,46 +18,4 @@ pub struct HeatSetup {
     pub truth: Option<PlantConstants>,
     /// What breaks, by time.
     pub accidents: Vec<Accident>,
-}
-
-/// The plant of heat as commands ask for it.
-#[derive(Args)]
-pub struct HeatArgs {
-    /// What the heaters are in truth, whatever the machine's settings say (docs/heat.md).
-    #[arg(long, value_name = "H.toml")]
-    plant_heat: Option<PathBuf>,
-    /// Something breaks: what, where and when after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or `fan-dead:part@2m`. May
-    /// be repeated. A wrong word is answered with those that are known.
-    #[arg(long = "break", value_name = "WHAT[:WHERE]@TIME")]
-    breaks: Vec<String>,
-}
-
-impl HeatArgs {
-    /// The file that it reads.
-    pub(crate) fn file(&self) -> Option<&Path> {
-        self.plant_heat.as_deref()
-    }
-
-    /// What they ask for, of a machine with these settings.
-    ///
-    /// # Errors
-    /// No such accident, a plant that cannot be, or no heater that could break.
-    pub fn setup(&self, settings: &Settings) -> Result<HeatSetup> {
-        let mut accidents = Vec::new();
-        for text in &self.breaks {
-            let accident: Accident = text.parse().with_context(|| format!("--break {text}"))?;
-            if let Some(missing) = accident.missing(&settings.thermal) {
-                bail!("--break {text}: {missing}");
-            }
-            accidents.push(accident);
-        }
-        accidents.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-        let Some(path) = &self.plant_heat else { return Ok(HeatSetup { truth: None, accidents }) };
-        if !settings.thermal.has_heater() {
-            bail!("--plant-heat: the machine has no heater; fit one in its file (heaters.hotend.is_fitted = true)");
-        }
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
-        let truth = truth::read(&text, constants(&settings.thermal)).with_context(|| path.display().to_string())?;
-        Ok(HeatSetup { truth: Some(truth), accidents })
-    }
 }

@@ -1,8 +1,8 @@
 //! Truth: a TOML file that says what the heaters of the simulated machine are. Every key is optional; what is left out is as the
 //! machine's settings have it.
 
-use crate::machine_file::{Place, words};
 use anyhow::{Result, anyhow};
+use corehbot_machine_file::{Place, words};
 use corehbot_rig::plant::{ChamberConstants, PlantConstants};
 use serde::Deserialize;
 

@@ -29,20 +29,6 @@ fn lines_are_numbered_checked_and_sent_one_by_one() {
 }
 
 #[test]
-fn comments_are_those_of_printcore() {
-    for (line, text) in [
-        ("G1 X5 (a;b) Y6 ; c", "G1 X5  Y6"),
-        ("(a)G1 X5(b)", "G1 X5"),
-        ("G1 X5 (a ; b", "G1 X5 (a"),
-        ("G1 X5 (a(b) Y6", "G1 X5 (a Y6"),
-        ("\u{feff}G1\u{a0}X5\u{a0}", "G1 X5"),
-        ("M117 50 \u{b0}C", "M117 50 ?C"),
-    ] {
-        assert_eq!(strip_comment(line), text, "{line}");
-    }
-}
-
-#[test]
 fn numbers_and_checksums_of_a_file_are_verified_and_stay_at_home() {
     let mut host = FileHost::new("N0 M110 N0*125\nN1 G28*18\nN2 G1 X5*103 ; right\nN3 G1 Y5\nN4 G1 X6*1\nG1 X7\n");
     assert_eq!(host.commands(), 5);

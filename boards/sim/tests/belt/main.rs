@@ -3,7 +3,6 @@
 
 mod accidents;
 mod alignment;
-mod command;
 mod ended;
 mod limp;
 mod loads;

@@ -6,8 +6,8 @@ mod setting_lines;
 
 use super::talk::keep;
 use corehbot::settings::Settings;
+use corehbot_machine_file as machine_file;
 use corehbot_sim::eeprom::Eeprom;
-use corehbot_sim::machine_file;
 use proptest::prelude::*;
 use setting_lines::LINES;
 

@@ -3,10 +3,10 @@
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_machine_file as machine_file;
 use corehbot_sim::check::{Checker, Findings};
 use corehbot_sim::host::FileHost;
 use corehbot_sim::limits::Limits;
-use corehbot_sim::machine_file;
 use corehbot_sim::world::{Host as _, Outcome, Sink, run};
 use std::path::Path;
 

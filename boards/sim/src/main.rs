@@ -1,5 +1,0 @@
-//! The `corehbot` command.
-
-fn main() -> std::process::ExitCode {
-    corehbot_sim::cli::main()
-}

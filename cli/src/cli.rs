@@ -1,0 +1,68 @@
+//! Command line: what `corehbot` understands, and with which status it ends.
+//!
+//! 0: the print was done and its steps are sound. 1: it was not, or nothing was printed. 2: nothing was begun, because
+//! the command line, a file or the settings are wrong. 130: Ctrl-C (128 and the number of the signal).
+
+use crate::config::{self, Config};
+use crate::image::{self, Image};
+use crate::run::{self, Run};
+#[cfg(unix)]
+use crate::serve::{self, Serve};
+use crate::status::{FAILED, UNUSABLE};
+use crate::twin::{self, Twin};
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use corehbot_report::printable;
+use std::process::ExitCode;
+
+/// The CoreH-bot firmware on this computer: prints G-code on a simulated machine.
+#[derive(Parser)]
+#[command(name = "corehbot", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Prints a G-code file and checks every step.
+    Run(Run),
+    /// Is a printer at the end of a serial line (a pty), for hosts and terminal programs.
+    #[cfg(unix)]
+    Serve(Serve),
+    /// Makes an image for a board, with the machine of a file in it. Takes no compiler.
+    Image(Image),
+    /// Begins, checks and describes machine files, sends them to boards and gets them back.
+    #[command(subcommand)]
+    Config(Config),
+    /// What the belt makes of commanded steps: stiffness, modes, slips.
+    #[command(subcommand)]
+    Twin(Twin),
+}
+
+/// Runs the command that the process was called with.
+#[must_use]
+pub fn main() -> ExitCode {
+    match Cli::parse().command {
+        Command::Run(args) => end(run::Prepared::new(&args), |prepared| prepared.run(&args)),
+        #[cfg(unix)]
+        Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
+        Command::Image(args) => end(image::Prepared::new(&args), |prepared| prepared.write(&args)),
+        Command::Config(config) => end(config::run(&config), Ok),
+        Command::Twin(question) => end(Ok(question), |question| twin::run(&question)),
+    }
+}
+
+/// Does what was prepared, and says how it ended.
+fn end<T>(prepared: Result<T>, run: impl FnOnce(T) -> Result<u8>) -> ExitCode {
+    match prepared.map(run) {
+        Ok(Ok(status)) => ExitCode::from(status),
+        Ok(Err(error)) => complain(&error, FAILED),
+        Err(error) => complain(&error, UNUSABLE),
+    }
+}
+
+fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
+    eprintln!("corehbot: {}", printable::lines(&format!("{error:#}")));
+    ExitCode::from(status)
+}

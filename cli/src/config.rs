@@ -1,0 +1,128 @@
+//! `corehbot config`: machine files are begun, checked, described, and sent to boards.
+
+#[cfg(unix)]
+mod exchange;
+#[cfg(unix)]
+mod line;
+
+use crate::status::{DONE, FAILED};
+use anyhow::{Context as _, Result};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Subcommand};
+use corehbot::connectors::BoardConnectors;
+use corehbot_machine_file::template::{self, Kind};
+use corehbot_machine_file::{problems, schema};
+use corehbot_report::printable;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Begins, checks and describes machine files.
+#[derive(Subcommand)]
+pub(crate) enum Config {
+    /// Writes the JSON Schema of machine files, for editors.
+    Schema,
+    /// Writes a machine file with every key and what it means.
+    New(New),
+    /// Says what is wrong or unwise in a machine file; the exit status is 1 if it is no machine.
+    Check(Check),
+    /// Sends a machine to a board, which checks it and stores it.
+    #[cfg(unix)]
+    Send(exchange::Send),
+    /// Writes the machine that a board is, with what commands have changed, as a machine file.
+    #[cfg(unix)]
+    Get(exchange::Get),
+}
+
+#[derive(Args)]
+pub(crate) struct New {
+    /// The board that the machine is plugged into.
+    #[arg(long, value_parser = boards())]
+    board: &'static BoardConnectors,
+    /// The kind of machine.
+    #[arg(long, value_parser = kinds())]
+    machine: Kind,
+    /// A hotend and a bed are fitted, on the board's usual outputs and sensors.
+    #[arg(long)]
+    heaters: bool,
+    /// The file to write, which must not exist; standard output without it.
+    #[arg(short, long, value_name = "M.toml")]
+    output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub(crate) struct Check {
+    /// The machine file.
+    #[arg(value_name = "M.toml")]
+    file: PathBuf,
+}
+
+/// Boards by their keys.
+fn boards() -> impl TypedValueParser<Value = &'static BoardConnectors> {
+    let keys = PossibleValuesParser::new(BoardConnectors::ALL.map(|board| board.key));
+    keys.try_map(|key| BoardConnectors::ALL.into_iter().find(|board| board.key == key).ok_or("there is no such board"))
+}
+
+/// Kinds of machines by their names.
+fn kinds() -> impl TypedValueParser<Value = Kind> {
+    let names = PossibleValuesParser::new(Kind::ALL.map(Kind::name));
+    names.try_map(|name| Kind::ALL.into_iter().find(|kind| kind.name() == name).ok_or("there is no such kind"))
+}
+
+/// Does it, and says the exit status.
+///
+/// # Errors
+/// A file that cannot be read or written.
+pub(crate) fn run(config: &Config) -> Result<u8> {
+    match config {
+        Config::Schema => say(&format!("{}\n", serde_json::to_string_pretty(&schema())?)),
+        Config::New(new) => write_new(new),
+        Config::Check(check) => report(&check.file),
+        #[cfg(unix)]
+        Config::Send(args) => exchange::send(args),
+        #[cfg(unix)]
+        Config::Get(args) => exchange::get(args),
+    }
+}
+
+fn say(text: &str) -> Result<u8> {
+    std::io::stdout().lock().write_all(text.as_bytes()).context("cannot write to standard output")?;
+    Ok(DONE)
+}
+
+fn write_new(new: &New) -> Result<u8> {
+    let text = template::file(new.machine, new.board, new.heaters)?;
+    let Some(path) = &new.output else { return say(&text) };
+    let cannot = || format!("cannot create {}", path.display());
+    let mut file = OpenOptions::new().write(true).create_new(true).open(path).with_context(cannot)?;
+    file.write_all(text.as_bytes()).with_context(cannot)?;
+    Ok(DONE)
+}
+
+fn report(path: &Path) -> Result<u8> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+    let (machine, found) = problems(&text);
+    let file = path.display();
+    let mut lines: String = found.iter().map(|problem| format!("{file}:{problem}\n")).collect();
+    let errors = found.iter().filter(|problem| problem.is_error).count();
+    let counts = format!("{}, {}", count(errors, "error"), count(found.len() - errors, "warning"));
+    lines += &match &machine {
+        Some(machine) => {
+            let motors = count(machine.settings.mechanism.fitted().0.count_ones() as usize, "motor");
+            let board = machine.board.map_or("any board", |board| board.name);
+            format!("{file}: a machine of {motors} for {board}; {counts}\n")
+        }
+        None => format!("{file}: no machine; {counts}\n"),
+    };
+    say(&printable::lines(&lines))?;
+    Ok(if machine.is_some() { DONE } else { FAILED })
+}
+
+/// A number of things.
+fn count(number: usize, thing: &str) -> String {
+    match number {
+        0 => format!("no {thing}s"),
+        1 => format!("1 {thing}"),
+        _ => format!("{number} {thing}s"),
+    }
+}

@@ -1,0 +1,58 @@
+//! The belt plant as commands ask for it.
+
+use anyhow::{Context as _, Result};
+use clap::{Args, ValueEnum};
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use corehbot_sim::belt::accident::Accidents;
+use corehbot_sim::belt::{BeltPlant, BeltSetup};
+use corehbot_twin::params::Params;
+
+/// What stands in the place of the machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Plant {
+    /// Belts that stretch, rotors that skip.
+    Belt,
+}
+
+/// Which plant, and what befalls it.
+#[derive(Args)]
+pub struct PlantArgs {
+    /// What the motors turn; without it, a rigid machine.
+    #[arg(long, value_enum)]
+    plant: Option<Plant>,
+    /// Draws the phase of each motor at power-up, and the noise of its driver; without it, phases are 0.
+    #[arg(long, value_name = "N", requires = "plant")]
+    seed: Option<u64>,
+    /// The tool runs into something within 1 mm of X,Y: N newtons act against its motion for MS milliseconds. May be repeated.
+    #[arg(long, value_name = "X,Y,N,MS", requires = "plant", allow_hyphen_values = true)]
+    hit: Vec<String>,
+    /// A motor (m1, m4, m8, m11) rubs with N newtons at the belt, from second S of motion time on, for good or for MS milliseconds. May
+    /// be repeated.
+    #[arg(long, value_name = "MOTOR,N[,S[,MS]]", requires = "plant", allow_hyphen_values = true)]
+    brake: Vec<String>,
+}
+
+impl PlantArgs {
+    /// What the plant is, if one is asked for.
+    ///
+    /// # Errors
+    /// No such accident.
+    pub fn setup(&self) -> Result<Option<BeltSetup>> {
+        let Some(Plant::Belt) = self.plant else { return Ok(None) };
+        let hits = self.hit.iter().map(|text| text.parse().with_context(|| format!("--hit {text}")));
+        let brakes = self.brake.iter().map(|text| text.parse().with_context(|| format!("--brake {text}")));
+        let accidents = Accidents { hits: hits.collect::<Result<_>>()?, brakes: brakes.collect::<Result<_>>()? };
+        Ok(Some(BeltSetup { params: Params::default(), seed: self.seed, accidents }))
+    }
+
+    /// The plant of these settings, if one is asked for.
+    ///
+    /// # Errors
+    /// No such accident, or the twin has no such machine.
+    pub(crate) fn belt(&self, settings: &Settings, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
+        let Some(setup) = self.setup()? else { return Ok(None) };
+        let plant = BeltPlant::new(settings, homed, homed.is_some(), setup, 0);
+        Ok(Some(Box::new(plant.context("--plant belt")?)))
+    }
+}

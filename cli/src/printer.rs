@@ -1,0 +1,80 @@
+//! Printer: the simulated printer that commands have in common, as the command line names it.
+
+use anyhow::Result;
+use clap::Args;
+use corehbot::settings::Settings;
+use corehbot::units::Mm;
+use corehbot_machine_file::{self as machine_file, Machine};
+use corehbot_sim::eeprom::Eeprom;
+use std::path::{Path, PathBuf};
+
+/// The printer that commands have in common.
+#[derive(Clone, Args)]
+pub(crate) struct Printer {
+    /// The machine; without it, the CoreH-bot prototype.
+    #[arg(long, value_name = "M.toml")]
+    settings: Option<PathBuf>,
+    /// Keeps settings (M500) in this 4 KiB image of an EEPROM, which is created if it does not exist.
+    #[arg(long, value_name = "E.bin")]
+    storage: Option<PathBuf>,
+    /// Starts as if homed, with the tool at this place in mm.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_place, allow_hyphen_values = true)]
+    pub assume_homed: Option<[Mm; 3]>,
+}
+
+impl Printer {
+    /// One that keeps nothing.
+    pub(crate) const fn new(settings: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
+        Self { settings, storage: None, assume_homed }
+    }
+
+    /// The machine.
+    pub(crate) fn machine(&self) -> Result<Machine> {
+        read_machine(self.settings.as_deref())
+    }
+
+    /// The files that it is made of.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        [&self.settings, &self.storage].into_iter().flatten().map(PathBuf::as_path)
+    }
+
+    /// What keeps its settings.
+    pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
+        self.storage.as_deref().map(Eeprom::open).transpose()
+    }
+}
+
+/// Three numbers that a machine of any size might hold; whether this one does is the firmware's to say.
+pub(crate) fn parse_place(text: &str) -> Result<[Mm; 3], String> {
+    let mut numbers = text.split(',').map(|part| match part.trim().parse::<f64>() {
+        Ok(v) if v.abs() <= 5000.0 => Ok(Mm::from_num(v)),
+        _ => Err(format!("`{part}` is no position in mm")),
+    });
+    let mut next = || numbers.next().unwrap_or_else(|| Err("three numbers are wanted: X,Y,Z".to_owned()));
+    let place = [next()?, next()?, next()?];
+    if numbers.next().is_some() { Err("three numbers are wanted: X,Y,Z".to_owned()) } else { Ok(place) }
+}
+
+fn read_machine(path: Option<&Path>) -> Result<Machine> {
+    let Some(path) = path else {
+        return Ok(Machine {
+            name: Some("CoreH-bot prototype".to_owned()),
+            board: None,
+            settings: Settings::prototype(),
+        });
+    };
+    machine_file::read(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_place_is_three_numbers() {
+        assert_eq!(parse_place("1,-2.5, 0").unwrap(), [1.0, -2.5, 0.0].map(Mm::from_num));
+        for bad in ["", "1,2", "1,2,3,4", "1,2,z", "1,2,nan", "1,2,1e9"] {
+            assert!(parse_place(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
+
+use crate::heat_args::HeatArgs;
+use crate::input::GcodeFile;
+use crate::output::{Outputs, Stream};
+use crate::plant_args::PlantArgs;
+use crate::printer::Printer;
+use crate::status::{DONE, FAILED};
+use crate::stop::Stop;
+use crate::watched::Watched;
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use corehbot::motors::MotorSet;
+use corehbot::port::NoStorage;
+use corehbot::units::Mm;
+use corehbot_machine_file::Machine;
+use corehbot_report::heat_log::HeatLog;
+use corehbot_report::path::{Stored, ToolPath};
+use corehbot_report::print;
+use corehbot_report::printable;
+use corehbot_report::summary::{Names, Summary};
+use corehbot_sim::belt::BeltPlant;
+use corehbot_sim::check::Checker;
+use corehbot_sim::drivers::Drivers;
+use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::host::FileHost;
+use corehbot_sim::limits::{Limits, Widening};
+use corehbot_sim::tally::{Figures, Tally};
+use corehbot_sim::trace::TraceWriter;
+use corehbot_sim::vcd::VcdWriter;
+use corehbot_sim::world::{self, Desk, HeatPeriod, Outcome, Sink};
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Said of a file with M92, whose steps have two sizes.
+const UNITS_CHANGED: &str = "M92 changes the steps: speeds and paths are shown in the old unit and not judged";
+
+/// What to print, and what to write of it.
+#[derive(Args)]
+pub(crate) struct Run {
+    /// G-code file, `-` for standard input.
+    file: PathBuf,
+    /// Writes every step event as CSV; `-` is standard output, for any one of these.
+    #[arg(long, value_name = "T.csv")]
+    trace: Option<PathBuf>,
+    /// Writes every step event as VCD, for GTKWave and PulseView.
+    #[arg(long, value_name = "T.vcd")]
+    vcd: Option<PathBuf>,
+    /// Writes the summary as JSON.
+    #[arg(long, value_name = "S.json")]
+    json: Option<PathBuf>,
+    /// Writes a page with the tool path and curves of speed, load and heat.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    plant: PlantArgs,
+    #[command(flatten)]
+    heat: HeatArgs,
+    #[command(flatten)]
+    printer: Printer,
+}
+
+/// A file that is being written.
+type Out = BufWriter<Stream>;
+
+/// Everything that can be wrong before the print begins.
+pub(crate) struct Prepared {
+    name: String,
+    host: FileHost,
+    limits: Limits,
+    machine: Machine,
+    belt: Option<Box<BeltPlant>>,
+    heat: HeatSetup,
+    eeprom: Option<Eeprom>,
+    stop: Stop,
+    outputs: Outputs,
+    trace: Option<Out>,
+    vcd: Option<VcdWriter<Out>>,
+    json: Option<Out>,
+    report: Option<Out>,
+}
+
+impl Prepared {
+    pub fn new(args: &Run) -> Result<Self> {
+        let machine = args.printer.machine()?;
+        let belt = args.plant.belt(&machine.settings, args.printer.assume_homed)?;
+        let heat = args.heat.setup(&machine.settings)?;
+        // Until standard input has been read, Ctrl-C ends the process: there is nothing yet to be left in order.
+        let mut file = GcodeFile::open(&args.file)?;
+        let stop = Stop::at_signals()?;
+        let mut eeprom = args.printer.eeprom()?;
+        let mut outputs =
+            Outputs::new(args.printer.files().chain([args.file.as_path()]).chain(args.heat.file()), stop.clone());
+        let mut open = |path: &Option<PathBuf>| path.as_deref().map(|path| outputs.open(path)).transpose();
+        let (trace, vcd, json, report) = (open(&args.trace)?, open(&args.vcd)?, open(&args.json)?, open(&args.report)?);
+        let vcd = vcd.map(VcdWriter::new).transpose().context("cannot write the VCD file")?;
+        let settings = &machine.settings;
+        let stored = eeprom.as_mut().and_then(Eeprom::settings);
+        let stored = stored.filter(|stored| stored.mechanism == settings.mechanism);
+        let mut limits = Widening::new(settings, stored.as_ref());
+        let survey = file.survey(|command| {
+            if stop.is_set() {
+                bail!("interrupted before the print began");
+            }
+            limits.command(command);
+            Ok(())
+        })?;
+        let name = file.name.clone();
+        let host = FileHost::reading(file.into_lines()?, survey);
+        let limits = limits.finish();
+        Ok(Self { name, host, limits, machine, belt, heat, eeprom, stop, outputs, trace, vcd, json, report })
+    }
+
+    /// Prints, and says with which status it ended.
+    pub fn run(self, args: &Run) -> Result<u8> {
+        let Self { name, host, limits, machine, belt, heat, mut eeprom, stop, outputs, trace, vcd, json, report } =
+            self;
+        let settings = &machine.settings;
+        let mut host = Watched::new(host, &stop);
+        let begin = args.printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP).map(Mm::to_num);
+        let path = report.is_some().then(tempfile::tempfile).transpose();
+        let path = path.context("cannot keep the tool path in a temporary file")?;
+        let mut sinks = Sinks {
+            trace: TraceWriter::new(trace, settings.into()),
+            vcd,
+            tally: Tally::new(settings, begin),
+            checker: Checker::new(settings, &limits),
+            path: path.map(|file| ToolPath::new(settings, begin, file)),
+            heat: HeatLog::default(),
+        };
+        let start = Instant::now();
+        let (homed, drivers) = (args.printer.assume_homed, Drivers::new());
+        let mut desk = Desk::new(1);
+        (desk.belt, desk.heat) = (belt, heat);
+        let outcome = match &mut eeprom {
+            Some(eeprom) => world::run_at(&mut desk, settings, homed, eeprom, &drivers, &mut [&mut host], &mut sinks),
+            None => world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks),
+        };
+        let host = host.finish();
+        let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
+        let names = Names { file: &name, machine: machine.name.as_deref().unwrap_or("CoreH-bot") };
+        let heat = std::mem::take(&mut sinks.heat);
+        let (mut summary, figures, path) = sinks.finish(names, &host, &outcome)?;
+        let mut belt = desk.belt;
+        summary.belt = belt.as_mut().map(|plant| {
+            plant.ring_out();
+            plant.figures()
+        });
+        summary.note_asked(host.asked(), settings);
+        if !limits.is_judged {
+            summary.warnings.push(format!("{name}: {UNITS_CHANGED}"));
+            summary.warnings_total += 1;
+        }
+        let interrupted = stop.status();
+        if interrupted.is_some() {
+            let (answered, commands) = (host.answered(), host.commands());
+            summary.ok = false;
+            summary.failure = Some(format!("{name}: interrupted after {answered} of {commands} commands"));
+        }
+        summary.wall_time_s = start.elapsed().as_secs_f64();
+        if let Some(json) = json {
+            write_all(json, &summary.to_json()?).context("cannot write the JSON")?;
+        }
+        if let (Some(mut report), Some(path)) = (report, path) {
+            let heat_waits = host.heat_waits();
+            let belt = belt.as_deref().map(BeltPlant::course);
+            let page = print::Page { summary: &summary, figures: &figures, heat: &heat, heat_waits, belt, settings };
+            page.write(path, &mut report).context("cannot write the report")?;
+        }
+        say(&summary, outputs.is_standard_taken())?;
+        if let Some(status) = interrupted {
+            for partial in outputs.leave() {
+                eprintln!("corehbot: what there is of it is in {}", printable::line(&partial.to_string_lossy()));
+            }
+            return Ok(status);
+        }
+        outputs.keep()?;
+        Ok(if summary.ok { DONE } else { FAILED })
+    }
+}
+
+fn write_all(mut out: Out, text: &str) -> Result<()> {
+    out.write_all(text.as_bytes())?;
+    Ok(out.flush()?)
+}
+
+/// Says the summary, where there is no output of another kind.
+fn say(summary: &Summary, is_standard_taken: bool) -> Result<()> {
+    let written =
+        if is_standard_taken { write!(std::io::stderr(), "{summary}") } else { write!(std::io::stdout(), "{summary}") };
+    match written {
+        // Whoever read it has read enough.
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.context("cannot write the summary"),
+    }
+}
+
+/// All that listen to the steps.
+struct Sinks {
+    trace: TraceWriter<Out>,
+    vcd: Option<VcdWriter<Out>>,
+    tally: Tally,
+    checker: Checker,
+    path: Option<ToolPath<File>>,
+    heat: HeatLog,
+}
+
+impl Sink for Sinks {
+    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.trace.event(tick, steps, forward);
+        self.tally.event(tick, steps, forward);
+        self.checker.event(tick, steps, forward);
+        if let Some(vcd) = &mut self.vcd {
+            vcd.event(tick, steps, forward);
+        }
+        if let Some(path) = &mut self.path {
+            path.event(tick, steps, forward);
+        }
+    }
+
+    fn heat(&mut self, period: &HeatPeriod) {
+        self.heat.add(period);
+    }
+}
+
+impl Sinks {
+    fn finish(
+        self,
+        names: Names<'_>,
+        host: &FileHost,
+        outcome: &Outcome,
+    ) -> Result<(Summary, Figures, Option<Stored<File>>)> {
+        if let Some(vcd) = self.vcd {
+            vcd.finish().context("cannot write the VCD file")?;
+        }
+        let trace = self.trace.finish().context("cannot write the trace")?;
+        let figures = self.tally.finish(outcome.ticks);
+        let findings = self.checker.finish(Some(outcome.counts));
+        let path = self.path.map(ToolPath::finish).transpose().context("cannot keep the tool path")?;
+        Ok((Summary::new(names, host, outcome, &figures, &findings, trace.sha256), figures, path))
+    }
+}

@@ -1,0 +1,252 @@
+//! `corehbot serve`: the firmware as a printer at the end of a serial line, in real time or faster.
+//!
+//! The loop turns the same world as `corehbot run`, but the host is a real one at a pseudo-terminal, and virtual
+//! time is held against the wall clock. After M112, M999 is a new start on the same line. It ends with a signal, which is
+//! no failure.
+
+mod echo;
+mod pace;
+mod port;
+mod screen;
+mod wire;
+
+use crate::heat_args::HeatArgs;
+use crate::output::{Outputs, STANDARD, Stream};
+use crate::plant_args::PlantArgs;
+use crate::printer::Printer;
+use crate::status::DONE;
+use crate::stop::Stop;
+use anyhow::{Context as _, Result, ensure};
+use clap::Args;
+use corehbot::motors::MotorSet;
+use corehbot::port::NoStorage;
+use corehbot::settings::Settings;
+use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot_sim::belt::BeltPlant;
+use corehbot_sim::drivers::Drivers;
+use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::trace::TraceWriter;
+use corehbot_sim::world::{Desk, Outcome, Sink, World};
+use echo::Echo;
+use pace::{Pace, Speed};
+pub use port::Port;
+use screen::Screen;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use wire::Delay;
+
+/// At full speed the port is looked at no more often than this: a look takes a microsecond, and so does a virtual
+/// millisecond.
+const LOOK: Duration = Duration::from_micros(100);
+
+/// What printer to be, and where.
+#[derive(Args)]
+pub(crate) struct Serve {
+    /// Makes a link here to the serial port; without it, the port's own name is printed.
+    #[arg(long, value_name = "PATH")]
+    pty: Option<PathBuf>,
+    /// Sends and receives bytes no faster than a UART at this rate; without it, the line takes no time.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(300..=10_000_000))]
+    baud: Option<u32>,
+    /// So many times as fast as real time, or `max`: as fast as it can be computed, but in real time (after 0.25 s)
+    /// while it waits for the host.
+    #[arg(long, value_name = "X", default_value = "1", value_parser = pace::parse)]
+    speed: Speed,
+    #[command(flatten)]
+    plant: PlantArgs,
+    #[command(flatten)]
+    heat: HeatArgs,
+    #[command(flatten)]
+    printer: Printer,
+    /// Shows what is typed, for terminal programs without an echo of their own; not for hosts.
+    #[arg(long)]
+    echo: bool,
+    /// Writes every step event as CSV.
+    #[arg(long, value_name = "T.csv")]
+    trace: Option<PathBuf>,
+}
+
+/// Everything that can be wrong before there is a printer.
+pub(crate) struct Prepared {
+    settings: Settings,
+    belt: Option<Box<BeltPlant>>,
+    heat: HeatSetup,
+    eeprom: Option<Eeprom>,
+    trace: TraceWriter<BufWriter<Stream>>,
+    outputs: Outputs,
+    port: Port,
+    stop: Stop,
+}
+
+impl Prepared {
+    pub fn new(args: &Serve) -> Result<Self> {
+        let settings = args.printer.machine()?.settings;
+        let belt = args.plant.belt(&settings, args.printer.assume_homed)?;
+        let heat = args.heat.setup(&settings)?;
+        let eeprom = args.printer.eeprom()?;
+        let mut outputs = Outputs::new(args.printer.files().chain(args.heat.file()), Stop::default());
+        let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));
+        ensure!(!is_standard, "standard output is for the port's name and the figures: the trace needs a file");
+        let trace = args.trace.as_deref().map(|path| outputs.open(path)).transpose()?;
+        let stop = Stop::at_signals()?;
+        let port = Port::open(args.pty.as_deref())?;
+        let trace = TraceWriter::new(trace, (&settings).into());
+        Ok(Self { settings, belt, heat, eeprom, trace, outputs, port, stop })
+    }
+
+    /// Is a printer until a signal comes.
+    pub fn run(self, args: &Serve) -> Result<u8> {
+        let Self { settings, mut belt, heat, mut eeprom, mut trace, outputs, port, stop } = self;
+        println(format_args!("{}", port.path().display()))?;
+        let drivers = Drivers::new();
+        let mut start = args.printer.assume_homed;
+        let mut place = start.unwrap_or(corehbot_rig::AT_POWER_UP);
+        let mut total = Total::default();
+        let mut server = Server {
+            port,
+            pace: Pace::new(args.speed),
+            begin: Instant::now(),
+            inbound: Delay::new(args.baud),
+            outbound: Delay::new(args.baud),
+            echo: args.echo.then(Echo::default),
+        };
+        let mut now = 0;
+        loop {
+            let mut desk = Desk::at(1, now);
+            (desk.belt, desk.heat) = (belt.take(), heat.clone());
+            let mut sink = Later { trace: &mut trace, ticks: total.ticks };
+            let mut world = match &mut eeprom {
+                Some(eeprom) => World::standing(&mut desk, &settings, Some(place), start, eeprom, &drivers, &mut sink),
+                None => World::standing(&mut desk, &settings, Some(place), start, NoStorage, &drivers, &mut sink),
+            };
+            let mut screen = Screen::new(&settings, place);
+            server.serve(&mut world, &mut screen, &stop)?;
+            screen.close();
+            let outcome = world.outcome();
+            total.add(&outcome);
+            let (has_ended, ended) = (world.has_ended(), world.now());
+            drop(world);
+            belt = desk.belt.take();
+            if !has_ended {
+                break;
+            }
+            // The next one begins where the tool stands, and does not know where that is.
+            (place, start, now) = (screen.place(outcome.counts).map(Mm::from_num), None, ended);
+        }
+        let trace = trace.finish().context("cannot write the trace")?;
+        outputs.keep()?;
+        println(format_args!("motion time  {:.3} s", total.ticks as f64 / f64::from(TICKS_PER_SECOND)))?;
+        println(format_args!("moves        {}, underruns {}", total.moves, total.underruns))?;
+        println(format_args!("sha256       {}", trace.sha256))?;
+        if let Some(mut plant) = belt {
+            plant.ring_out();
+            println(format_args!("\n{}", plant.figures().to_string().trim_end()))?;
+        }
+        Ok(DONE)
+    }
+}
+
+/// What all starts of a printer amount to.
+#[derive(Default)]
+struct Total {
+    ticks: u64,
+    moves: u32,
+    underruns: u32,
+}
+
+impl Total {
+    const fn add(&mut self, outcome: &Outcome) {
+        self.ticks += outcome.ticks;
+        self.moves += outcome.moves;
+        self.underruns += outcome.underruns;
+    }
+}
+
+/// A trace that goes on after a new start, whose motion time begins at 0 again.
+struct Later<'t> {
+    trace: &'t mut TraceWriter<BufWriter<Stream>>,
+    ticks: u64,
+}
+
+impl Sink for Later<'_> {
+    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.trace.event(self.ticks + tick, steps, forward);
+    }
+}
+
+/// Says a line at once; whoever does not listen any more has heard enough.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn println(line: std::fmt::Arguments<'_>) -> Result<()> {
+    let mut out = std::io::stdout();
+    match writeln!(out, "{line}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.context("cannot write to standard output"),
+    }
+}
+
+/// The line between a printer and the world outside.
+struct Server {
+    port: Port,
+    pace: Pace,
+    begin: Instant,
+    inbound: Delay,
+    outbound: Delay,
+    echo: Option<Echo>,
+}
+
+impl Server {
+    /// Serves a printer until a signal comes, or until the printer begins anew.
+    fn serve(&mut self, world: &mut World<'_>, screen: &mut Screen, stop: &Stop) -> Result<()> {
+        let mut look = Duration::ZERO;
+        while !(stop.is_set() || world.has_ended()) {
+            let wall = self.begin.elapsed();
+            if wall >= look {
+                self.hear_host(world)?;
+                screen.show(wall, world);
+                look = wall + LOOK;
+            }
+            self.talk(world, screen)?;
+            let is_on_the_way = !(self.inbound.is_empty() && self.outbound.is_empty());
+            let is_awaiting_host = !is_on_the_way && world.is_awaiting_hosts();
+            let wait = self.pace.wait(wall, world.now(), is_awaiting_host);
+            if wait.is_zero() {
+                world.advance();
+            } else {
+                self.port.wait(wait, None)?;
+                look = Duration::ZERO;
+            }
+        }
+        Ok(())
+    }
+
+    fn hear_host(&mut self, world: &World<'_>) -> Result<()> {
+        let now = world.now();
+        let mut bytes = Vec::new();
+        self.port.read(&mut bytes)?;
+        if !bytes.is_empty() {
+            self.pace.hear(world.status().planned().0);
+            if let Some(echo) = &mut self.echo {
+                self.outbound.send(now, echo.show(&bytes));
+            }
+            self.inbound.send(now, bytes);
+        }
+        Ok(())
+    }
+
+    /// Bytes arrive on both ends of the wire.
+    fn talk(&mut self, world: &mut World<'_>, screen: &mut Screen) -> Result<()> {
+        let now = world.now();
+        for wire in world.wires() {
+            wire.put(self.inbound.receive(now));
+            world.poll();
+            let said = wire.heard();
+            screen.hear(&said);
+            self.outbound.send(now, said);
+        }
+        self.port.write(self.outbound.receive(now))
+    }
+}

@@ -1,0 +1,86 @@
+//! Answer: a table on the terminal, and JSON where it is asked for.
+
+use crate::output::{Outputs, Stream};
+use crate::status::DONE;
+use crate::stop::Stop;
+use anyhow::{Context as _, Result};
+use clap::Args;
+use corehbot_report::printable;
+use serde::Serialize;
+use std::fmt::Display;
+use std::io::{BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Where the figures go.
+#[derive(Args, Default)]
+pub(super) struct Json {
+    /// Writes the figures as JSON; `-` is standard output, and the table goes to standard error then.
+    #[arg(long, value_name = "F.json")]
+    json: Option<PathBuf>,
+}
+
+impl Json {
+    /// Gives an answer to a question that was made of these files.
+    ///
+    /// # Errors
+    /// An output cannot be written.
+    pub(super) fn give<'p>(
+        &self,
+        answer: &(impl Serialize + Display),
+        inputs: impl IntoIterator<Item = &'p Path>,
+    ) -> Result<u8> {
+        self.give_with(answer, inputs, |_| Ok(()))
+    }
+
+    /// The same with other outputs beside it.
+    ///
+    /// # Errors
+    /// An output cannot be written.
+    pub(super) fn give_with<'p>(
+        &self,
+        answer: &(impl Serialize + Display),
+        inputs: impl IntoIterator<Item = &'p Path>,
+        others: impl FnOnce(&mut Outputs) -> Result<()>,
+    ) -> Result<u8> {
+        let mut outputs = Outputs::new(inputs, Stop::default());
+        if let Some(mut out) = self.open(&mut outputs)? {
+            Self::write(&mut out, answer)?;
+        }
+        others(&mut outputs)?;
+        say(&answer.to_string(), outputs.is_standard_taken())?;
+        outputs.keep()?;
+        Ok(DONE)
+    }
+
+    /// Opens where the figures go, if they are asked for.
+    ///
+    /// # Errors
+    /// It cannot be written, or is an input or another output.
+    pub(super) fn open(&self, outputs: &mut Outputs) -> Result<Option<BufWriter<Stream>>> {
+        self.json.as_deref().map(|path| outputs.open(path)).transpose()
+    }
+
+    /// Writes the figures there.
+    ///
+    /// # Errors
+    /// What `out` reports.
+    pub(super) fn write(out: &mut impl Write, answer: &impl Serialize) -> Result<()> {
+        let text = serde_json::to_string_pretty(answer)?;
+        writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write the JSON")
+    }
+}
+
+/// Says a text to people, where there is no output of another kind.
+pub(super) fn say(text: &str, is_standard_taken: bool) -> Result<()> {
+    let text = printable::lines(text);
+    let written = if is_standard_taken {
+        std::io::stderr().write_all(text.as_bytes())
+    } else {
+        std::io::stdout().write_all(text.as_bytes())
+    };
+    match written {
+        // Whoever read it has read enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => written.context("cannot write the answer"),
+    }
+}

@@ -1,0 +1,125 @@
+//! `twin compare`: three mechanisms side by side.
+
+use super::answer::Json;
+use super::play::{RunModel, play};
+use super::resonance::parse_grid;
+use super::setup::{ModelArg, ParamsArgs};
+use super::source::Source;
+use crate::printer::Printer;
+use crate::stop::Stop;
+use anyhow::{Context as _, Result};
+use clap::Args;
+use corehbot_report::twin::{COMPARE, fill};
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::queries::compare::{COMPARED, Compare as Area};
+use corehbot_twin::routing::{Machine, Place};
+use corehbot_twin::run::report::Report;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// `twin compare`.
+#[derive(Args)]
+pub(crate) struct Compare {
+    /// G-code or a step trace that each of them plays, in its own G-code coordinates.
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    #[command(flatten)]
+    params: ParamsArgs,
+    /// Columns and rows of places over the area that all of them reach.
+    #[arg(long, value_name = "NxM", value_parser = parse_grid, default_value = "7x7")]
+    grid: [usize; 2],
+    /// The force in N that moves the tool aside.
+    #[arg(long, value_name = "N", default_value = "5", value_parser = parse_force)]
+    force: f64,
+    /// What may move besides the tool, over the area.
+    #[arg(long, value_enum, default_value = "full")]
+    model: ModelArg,
+    /// What moves besides the tool, on the file.
+    #[arg(long, value_enum, default_value = "rotors")]
+    run_model: RunModel,
+    #[command(flatten)]
+    printer: Printer,
+    /// Writes a page with the figures side by side.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+/// What the page is made of.
+#[derive(Serialize)]
+struct Data<'a> {
+    file: String,
+    names: [&'static str; 3],
+    answer: &'a Answer,
+}
+
+/// Figures of the area, and those of the file.
+#[derive(Serialize)]
+struct Answer {
+    #[serde(flatten)]
+    area: Area,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    runs: Vec<Report>,
+}
+
+impl Compare {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let params = self.params.read(&COMPARED)?;
+        let stop = Stop::at_signals()?;
+        let area = Area::new(&params, self.model.freedom(), None, self.grid, self.force)?;
+        let runs = self.runs(&stop);
+        if let Some(status) = stop.status() {
+            eprintln!("corehbot: interrupted");
+            return Ok(status);
+        }
+        let files = self.params.files().chain(self.printer.files()).chain(self.file.as_deref());
+        let answer = Answer { area, runs: runs? };
+        self.json.give_with(&answer, files, |outputs| {
+            let Some(path) = &self.report else { return Ok(()) };
+            let file = self.file.as_ref().map_or(String::new(), |file| file.display().to_string());
+            let data = Data { file, names: COMPARED.map(Machine::name), answer: &answer };
+            fill(&mut outputs.open(path)?, COMPARE, &data).context("cannot write the report")
+        })
+    }
+
+    fn runs(&self, stop: &Stop) -> Result<Vec<Report>> {
+        let Some(file) = &self.file else { return Ok(Vec::new()) };
+        let params = self.params.read(&COMPARED)?;
+        let source = Source::read(file, &self.printer, stop)?;
+        let run = |machine: Machine| {
+            let origin = workspace(machine, &params).origin();
+            let start = Place { x: origin.x + source.begin[0], y: origin.y + source.begin[1] };
+            play(machine, &params, start, self.run_model, (&source.steps, None), stop)
+                .map(|(report, _)| report)
+                .with_context(|| format!("{}, {}", file.display(), machine.name()))
+        };
+        COMPARED.into_iter().map(run).collect()
+    }
+}
+
+fn parse_force(text: &str) -> Result<f64, String> {
+    let legal = text.parse().ok().filter(|v: &f64| *v > 0.0 && v.is_finite());
+    legal.ok_or_else(|| format!("`{text}` is no force above 0"))
+}
+
+impl std::fmt::Display for Answer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.area)?;
+        let Some(first) = self.runs.first() else { return Ok(()) };
+        writeln!(f, "the file, {:.1} s", first.duration_s)?;
+        let mut row = |what: &str, figure: fn(&Report) -> String| {
+            let figures: Vec<String> = self.runs.iter().map(|run| format!("{:>18}", figure(run))).collect();
+            writeln!(f, "  {what:<34}{}", figures.concat())
+        };
+        row("contour error, mm", |run| format!("{:.4}", run.contour.max_mm))?;
+        row("  RMS, mm", |run| format!("{:.4}", run.contour.rms_mm))?;
+        row("  inside of corners, mm", |run| format!("{:.4}", run.contour.rounding_max_mm))?;
+        row("  outside of corners, mm", |run| format!("{:.4}", run.contour.overshoot_max_mm))?;
+        row("motor torque, mN m", |run| {
+            format!("{:.1}", run.motors.iter().map(|motor| motor.torque_max_mnm).fold(0.0, f64::max))
+        })?;
+        row("slips", |run| run.motors.iter().map(|motor| motor.slips).sum::<u32>().to_string())?;
+        row("yaw torque, N m", |run| format!("{:.3}", run.yaw_torque_nm))
+    }
+}

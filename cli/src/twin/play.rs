@@ -1,0 +1,168 @@
+//! `twin run`: steps are played on the machine.
+
+use super::answer::Json;
+use super::setup::{MachineArgs, parse_pair};
+use super::source::Source;
+use crate::printer::Printer;
+use crate::stop::Stop;
+use crate::watched::progress_bar;
+use anyhow::{Context as _, Result};
+use clap::{Args, ValueEnum};
+use corehbot_report::twin as page;
+use corehbot_twin::dynamics::plant::Detail;
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::params::Params;
+use corehbot_twin::routing::{Machine, Place};
+use corehbot_twin::run::report::Report;
+use corehbot_twin::run::watch::Watch;
+use corehbot_twin::run::{Run, RunError};
+use corehbot_twin::steps::StepTrace;
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Parts of a progress bar.
+const PARTS: f64 = 1000.0;
+
+/// What moves besides the tool.
+#[derive(Clone, Copy, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum RunModel {
+    /// Nothing: motors are where they were sent, idlers have no mass.
+    Reduced,
+    /// Idlers, each with its inertia.
+    Full,
+    /// Rotors in the sine of their fields, which may slip; idlers have no mass.
+    Rotors,
+    /// Rotors, and idlers each with its inertia; some five times slower.
+    FullRotors,
+}
+
+impl RunModel {
+    pub(super) const fn detail(self) -> Detail {
+        match self {
+            Self::Reduced => Detail { idlers: false, rotors: false },
+            Self::Full => Detail { idlers: true, rotors: false },
+            Self::Rotors => Detail { idlers: false, rotors: true },
+            Self::FullRotors => Detail { idlers: true, rotors: true },
+        }
+    }
+
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Reduced => "reduced",
+            Self::Full => "full",
+            Self::Rotors => "rotors",
+            Self::FullRotors => "full-rotors",
+        }
+    }
+}
+
+/// What to play, and what on.
+#[derive(Args)]
+pub(crate) struct Play {
+    /// G-code, which goes through the firmware first, or a step trace (corehbot run --trace).
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// What moves besides the tool.
+    #[arg(long, value_enum, default_value = "reduced")]
+    model: RunModel,
+    /// Measures errors from the line of this file, of which the other was made (corehbot twin compensate).
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
+    /// Where the tool is at the begin, in mm from motor 1's axis; without it, where the firmware is told to be.
+    #[arg(long, value_name = "X,Y", value_parser = parse_pair, allow_hyphen_values = true)]
+    at: Option<[f64; 2]>,
+    #[command(flatten)]
+    printer: Printer,
+    /// Writes a page with the error along the path, tensions and torques over time, and the resonance of the machine.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Play {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let (machine, params) = self.machine.read()?;
+        let stop = Stop::at_signals()?;
+        let played = Source::read(&self.file, &self.printer, &stop).and_then(|source| {
+            let start = self.start(machine, &params, source.begin);
+            let meant = |file: &PathBuf| Ok::<_, anyhow::Error>(Source::read(file, &self.printer, &stop)?.steps);
+            let meant = self.against.as_ref().map(meant).transpose()?;
+            play(machine, &params, start, self.model, (&source.steps, meant.as_ref()), &stop)
+                .with_context(|| self.file.display().to_string())
+        });
+        match (played, stop.status()) {
+            (_, Some(status)) => {
+                eprintln!("corehbot: interrupted");
+                Ok(status)
+            }
+            (played, None) => {
+                let (report, watch) = played?;
+                let files: Vec<&Path> = self
+                    .machine
+                    .files()
+                    .chain(self.printer.files())
+                    .chain([self.file.as_path()])
+                    .chain(self.against.as_deref())
+                    .collect();
+                self.json.give_with(&report, files, |outputs| {
+                    let Some(path) = &self.report else { return Ok(()) };
+                    let file = self.file.display().to_string();
+                    page::write(&mut outputs.open(path)?, &file, (machine, &params), &report, &watch)
+                })
+            }
+        }
+    }
+
+    /// The firmware's place is one of G-code.
+    fn start(&self, machine: Machine, params: &Params, begin: [f64; 2]) -> Place {
+        let origin = workspace(machine, params).origin();
+        match self.at {
+            Some([x, y]) => Place { x, y },
+            None => Place { x: origin.x + begin[0], y: origin.y + begin[1] },
+        }
+    }
+}
+
+/// Plays steps on a machine, with a bar. Errors are those from the line of other steps, if there are any.
+pub(super) fn play(
+    machine: Machine,
+    params: &Params,
+    start: Place,
+    model: RunModel,
+    (steps, meant): (&StepTrace, Option<&StepTrace>),
+    stop: &Stop,
+) -> Result<(Report, Watch)> {
+    let bar = progress_bar(PARTS as u64, "thousandths");
+    let told = played(machine, params, start, model, (steps, meant), |part| {
+        bar.set_position((part * PARTS) as u64);
+        !stop.is_set()
+    });
+    bar.finish_and_clear();
+    Ok(told?)
+}
+
+/// The same with `go_on`, which is told how much was played, of 1, and says whether to go on.
+pub(super) fn played(
+    machine: Machine,
+    params: &Params,
+    start: Place,
+    model: RunModel,
+    (steps, meant): (&StepTrace, Option<&StepTrace>),
+    go_on: impl FnMut(f64) -> bool,
+) -> Result<(Report, Watch), RunError> {
+    let begin = Instant::now();
+    let run = Run::new(machine, params, start, model.detail(), steps)?;
+    let run = match meant {
+        Some(meant) => run.against(meant)?,
+        None => run,
+    };
+    let watch = run.play(go_on)?;
+    let trace = (steps.duration_s(), steps.events.len());
+    let report = Report::new(machine, model.name(), params, &watch, trace, begin.elapsed().as_secs_f64());
+    Ok((report, watch))
+}

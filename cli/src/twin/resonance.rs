@@ -1,0 +1,53 @@
+//! `twin resonance`: frequencies over the reach.
+
+use super::answer::Json;
+use super::setup::{MachineArgs, ModelArg};
+use anyhow::Result;
+use clap::Args;
+use corehbot_report::twin as page;
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::queries::Setup;
+use corehbot_twin::queries::resonance::Resonance as Answer;
+use std::path::PathBuf;
+
+/// Most columns or rows of a grid: some seconds.
+const MOST: usize = 200;
+
+/// `twin resonance`.
+#[derive(Args)]
+pub(crate) struct Resonance {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Columns and rows of places over the reach.
+    #[arg(long, value_name = "NxM", value_parser = parse_grid, default_value = "7x7")]
+    grid: [usize; 2],
+    /// What may move besides the tool.
+    #[arg(long, value_enum, default_value = "rotors")]
+    model: ModelArg,
+    /// Writes a page with maps of the frequencies, shapers and the lines that set them.
+    #[arg(long, value_name = "R.html")]
+    report: Option<PathBuf>,
+    #[command(flatten)]
+    json: Json,
+}
+
+impl Resonance {
+    pub(super) fn answer(&self) -> Result<u8> {
+        let (machine, params) = self.machine.read()?;
+        let tool = workspace(machine, &params).centre();
+        let freedom = self.model.freedom();
+        let [columns, rows] = self.grid;
+        let answer = Answer::new(&Setup { machine, params, tool, freedom }, columns, rows)?;
+        self.json.give_with(&answer, self.machine.files(), |outputs| {
+            let Some(path) = &self.report else { return Ok(()) };
+            page::write_resonance(&mut outputs.open(path)?, (machine, self.model.name()), &answer)
+        })
+    }
+}
+
+/// `7x9`.
+pub(super) fn parse_grid(text: &str) -> Result<[usize; 2], String> {
+    let number = |part: &str| part.parse().ok().filter(|n| (2..=MOST).contains(n));
+    let pair = text.split_once('x').and_then(|(n, m)| Some([number(n)?, number(m)?]));
+    pair.ok_or_else(|| format!("`{text}` is no grid like 7x7, of 2 to {MOST} columns and rows"))
+}

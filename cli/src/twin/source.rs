@@ -1,0 +1,111 @@
+//! Source: the steps of a file, which is a trace, or G-code that goes through the firmware first.
+
+use crate::input::GcodeFile;
+use crate::output::STANDARD;
+use crate::printer::Printer;
+use crate::stop::Stop;
+use crate::watched::Watched;
+use anyhow::{Context as _, Result, bail};
+use corehbot::motors::{Motor, MotorSet};
+use corehbot_sim::host::FileHost;
+use corehbot_sim::trace::Header;
+use corehbot_sim::world::{self, Sink};
+use corehbot_twin::steps::{Column, StepTrace, csv};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+/// What a trace begins with.
+const TRACE: &[u8] = b"# corehbot-trace";
+
+/// Steps, and where the tool was before, in G-code's coordinates.
+pub(super) struct Source {
+    pub steps: StepTrace,
+    pub begin: [f64; 2],
+}
+
+impl Source {
+    /// Reads a trace, or runs a G-code file.
+    ///
+    /// # Errors
+    /// The file is neither, or the print failed.
+    pub(super) fn read(file: &Path, printer: &Printer, stop: &Stop) -> Result<Self> {
+        let begin = printer.assume_homed.unwrap_or(corehbot_rig::AT_POWER_UP);
+        let [x, y, _] = begin.map(|mm| mm.to_num());
+        let steps = match Self::trace(file)? {
+            Some(trace) => trace,
+            None => print(file, printer, stop)?,
+        };
+        Ok(Self { steps, begin: [x, y] })
+    }
+
+    /// Reads a trace; none if the file is something else.
+    ///
+    /// # Errors
+    /// It cannot be read, or is a trace with a mistake.
+    pub(super) fn trace(file: &Path) -> Result<Option<StepTrace>> {
+        let read = |trace| csv::read(trace).with_context(|| file.display().to_string());
+        trace_of(file)?.map(read).transpose()
+    }
+}
+
+/// The file, if it is a trace.
+fn trace_of(file: &Path) -> Result<Option<impl BufRead>> {
+    if file == Path::new(STANDARD) {
+        return Ok(None);
+    }
+    let mut reader = BufReader::new(File::open(file).with_context(|| format!("cannot open {}", file.display()))?);
+    // What cannot be read, as a directory, is no trace; who reads it as G-code says what is wrong.
+    let is_trace = reader.fill_buf().is_ok_and(|bytes| bytes.starts_with(TRACE));
+    Ok(is_trace.then_some(reader))
+}
+
+/// The steps that the firmware makes of a G-code file.
+fn print(path: &Path, printer: &Printer, stop: &Stop) -> Result<StepTrace> {
+    let machine = printer.machine()?;
+    let mut eeprom = printer.eeprom()?;
+    let mut file = GcodeFile::open(path)?;
+    let survey = file.survey(|_| if stop.is_set() { bail!("interrupted") } else { Ok(()) })?;
+    let name = file.name.clone();
+    let mut host = Watched::new(FileHost::reading(file.into_lines()?, survey), stop);
+    let mut log = Log(StepTrace::new(columns(&(&machine.settings).into()), step_mm(&machine.settings)));
+    let outcome = match &mut eeprom {
+        Some(eeprom) => world::run_with(&machine.settings, printer.assume_homed, eeprom, &mut [&mut host], &mut log),
+        None => world::run(&machine.settings, printer.assume_homed, &mut host, &mut log),
+    };
+    let host = host.finish();
+    let outcome = outcome.with_context(|| format!("{name}: the simulation failed"))?;
+    if stop.is_set() {
+        bail!("{name}: interrupted after {} of {} commands", host.answered(), host.commands());
+    }
+    if let Some(failure) = host.failure() {
+        bail!("{name}: the print failed: {failure}");
+    }
+    if outcome.halted {
+        bail!("{name}: the print failed: an emergency stop holds");
+    }
+    Ok(log.0)
+}
+
+pub(super) fn step_mm(settings: &corehbot::settings::Settings) -> f64 {
+    1.0 / settings.axes.x.steps_per_mm.to_num::<f64>()
+}
+
+/// The motors over x and y.
+pub(super) fn columns(header: &Header) -> Vec<Column> {
+    let fitted = header.mechanism.fitted();
+    let column = |(motor, [x, y, ..]): (Motor, [i8; 4])| {
+        let row = if fitted.has(motor) { [x, y] } else { [0, 0] };
+        Column { name: motor.name().to_owned(), row }
+    };
+    header.mechanism.motors().map(column).collect()
+}
+
+/// Keeps the steps.
+struct Log(StepTrace);
+
+impl Sink for Log {
+    fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
+        self.0.add(tick, steps.0, forward.0);
+    }
+}

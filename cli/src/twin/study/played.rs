@@ -1,0 +1,42 @@
+//! Played: the file whose steps samples play, read when the first sample is computed.
+//!
+//! G-code goes through the firmware, which takes its time; the first line of a journal and the table of finished samples
+//! do not wait for it.
+
+use crate::printer::Printer;
+use crate::stop::Stop;
+use crate::twin::source::Source;
+use anyhow::Result;
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+/// G-code or a step trace.
+pub(in crate::twin) struct Played {
+    file: PathBuf,
+    printer: Printer,
+    source: OnceLock<Source>,
+}
+
+impl Played {
+    /// A file for this printer; it is not read yet.
+    pub(in crate::twin) const fn new(file: PathBuf, printer: Printer) -> Self {
+        Self { file, printer, source: OnceLock::new() }
+    }
+
+    /// Reads it, unless it was read before.
+    ///
+    /// # Errors
+    /// The file is neither, the print failed, or it was stopped.
+    pub(super) fn load(&self, stop: &Stop) -> Result<()> {
+        if self.source.get().is_none() {
+            let source = Source::read(&self.file, &self.printer, stop)?;
+            self.source.get_or_init(|| source);
+        }
+        Ok(())
+    }
+
+    /// Its steps, if it was read.
+    pub(super) fn source(&self) -> Option<&Source> {
+        self.source.get()
+    }
+}

@@ -1,0 +1,247 @@
+//! `corehbot config` as a user meets it: a machine file is begun, checked, and described to editors.
+// Clippy sees no test in the helpers here.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+#[path = "common/json_schema.rs"]
+mod json_schema;
+
+use corehbot::connectors::BoardConnectors;
+use json_schema::is_of;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn config(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_corehbot")).arg("config").args(args).output().unwrap()
+}
+
+fn out(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+fn machines() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/machines")
+}
+
+/// The files of all example machines.
+fn examples() -> Vec<PathBuf> {
+    let files = std::fs::read_dir(machines()).unwrap().map(|entry| entry.unwrap().path());
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "toml")).collect()
+}
+
+/// A file of that text, for one test.
+fn file(test: &str, text: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{test}.toml"));
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn schema() -> Value {
+    let output = config(&["schema"]);
+    assert_eq!(output.status.code(), Some(0));
+    serde_json::from_str(&out(&output)).unwrap()
+}
+
+/// The schemas of all keys, by their paths.
+fn keys(schema: &Value, path: &str, into: &mut Vec<(String, Value)>) {
+    match schema.get("properties").and_then(Value::as_object) {
+        Some(inner) => inner.iter().for_each(|(key, schema)| keys(schema, &format!("{path}.{key}"), into)),
+        None => into.push((path.trim_start_matches('.').to_owned(), schema.clone())),
+    }
+}
+
+#[test]
+fn the_schema_beside_the_examples_is_of_today() {
+    let path = machines().join("machine.schema.json");
+    let today = out(&config(&["schema"]));
+    if std::env::var_os("BLESS").is_some() {
+        std::fs::write(&path, &today).unwrap();
+    }
+    assert!(std::fs::read_to_string(path).unwrap() == today, "BLESS=1 writes it");
+}
+
+#[test]
+fn every_example_is_of_the_schema_and_names_it() {
+    let schema = schema();
+    let examples = examples();
+    assert!(examples.len() >= 9);
+    for path in examples {
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with("#:schema ./machine.schema.json\n"), "{}", path.display());
+        let machine = serde_json::to_value(toml::from_str::<toml::Table>(&text).unwrap()).unwrap();
+        assert!(is_of(&schema, &machine), "{}", path.display());
+    }
+}
+
+#[test]
+fn what_the_reader_refuses_is_not_of_the_schema() {
+    let schema = schema();
+    for (text, is_machine) in [
+        ("[axes.x]\nmax_speed = 3000", true),
+        ("[axes.x]\nmax_speed = 3001", false),
+        ("[axes.x]\nmax_sped = 1", false),
+        ("board = 'octopuss'", false),
+        ("[motors]\nm1 = '!M0'", true),
+        ("[motors]\nm1 = 'M 0'", false),
+        ("[motors]\nm1 = '!'", false),
+        ("[mechanism]\nm1 = [1, 17, 0]", false),
+        ("[heaters.bed]\nthermistor = { ohms = 100000, beta = 3950 }", true),
+        ("[heaters.bed]\nthermistor = { ohms = 100000, beta = 1 }", false),
+        ("[drivers.e]\nhold_percent = 50.5", false),
+        ("[axes.z]\nrotation_distance = 0", false),
+    ] {
+        let machine = serde_json::to_value(toml::from_str::<toml::Table>(text).unwrap()).unwrap();
+        assert_eq!(is_of(&schema, &machine), is_machine, "{text}");
+        assert_eq!(corehbot_machine_file::load(text).is_ok(), is_machine, "{text}");
+    }
+}
+
+#[test]
+fn every_key_is_explained_with_its_range() {
+    let mut all = Vec::new();
+    keys(&schema(), "", &mut all);
+    assert!(all.len() > 190, "{}", all.len());
+    for (path, schema) in all {
+        let explained = schema["description"].as_str();
+        assert!(explained.is_some_and(|text| text.ends_with('.') && !text.contains('\n')), "{path}: {explained:?}");
+        if ["number", "integer"].contains(&schema["type"].as_str().unwrap_or_default()) {
+            let has_range = schema.get("minimum").is_some() && schema.get("maximum").is_some();
+            assert!(has_range || path.ends_with(".rotation_distance"), "{path}");
+        }
+    }
+}
+
+#[test]
+fn a_new_file_is_a_machine_and_prints() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("new.toml");
+    let _ = std::fs::remove_file(&path);
+    let name = path.to_str().unwrap();
+    let new = ["new", "--board", "octopus", "--machine", "corexy", "--heaters", "-o", name];
+    assert_eq!(config(&new).status.code(), Some(0));
+    let check = config(&["check", name]);
+    assert_eq!(check.status.code(), Some(0));
+    assert_eq!(out(&check), format!("{name}: a machine of 4 motors for BTT Octopus; no errors, no warnings\n"));
+    // What is there stays.
+    let again = config(&new);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&again.stderr).contains("cannot create"));
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), out(&config(&new[..6])));
+    let print = Command::new(env!("CARGO_BIN_EXE_corehbot"))
+        .arg("run")
+        .arg(machines().join("../circle.gcode"))
+        .args(["--settings", name])
+        .output()
+        .unwrap();
+    assert_eq!(print.status.code(), Some(0), "{}", out(&print));
+}
+
+#[test]
+fn every_example_is_checked_without_a_remark() {
+    for path in examples() {
+        let check = config(&["check", path.to_str().unwrap()]);
+        assert_eq!(check.status.code(), Some(0), "{}", out(&check));
+        // Examples that name a board are for motion; their owners say what heats.
+        let said = out(&check);
+        let others = said.lines().filter(|line| !line.contains("an extruder (e0) without a hotend")).count();
+        assert!(others == 1 && said.contains("; no errors, "), "{said}");
+    }
+}
+
+#[test]
+fn a_file_with_errors_is_no_machine() {
+    let path = file("errors", "board = \"octopus\"\nkeepalive_s = 99\n[axes.x]\n max_sped = 5\n");
+    let check = config(&["check", path.to_str().unwrap()]);
+    assert_eq!(check.status.code(), Some(1));
+    let (said, name) = (out(&check), path.display());
+    let range = format!("{name}:2:15: error: keepalive_s = 99 is outside 0 to 60\n");
+    assert!(said.starts_with(&range), "{said}");
+    assert!(said.contains(&format!("\n{name}:4:2: error: unknown field `max_sped`")), "{said}");
+    assert!(said.contains("did you mean `max_speed`?\n"), "{said}");
+    assert!(said.ends_with(&format!("{name}: no machine; 2 errors, no warnings\n")), "{said}");
+}
+
+#[test]
+fn a_thermistor_that_is_none_is_told_which_there_are() {
+    for wrong in ["\"104gt3\"", "{ ohms = 100000 }", "5"] {
+        let path = file("thermistor", &format!("[heaters.hotend]\nthermistor = {wrong}\n"));
+        let said = out(&config(&["check", path.to_str().unwrap()]));
+        let lists = "error: thermistor is one of 104gt2, 104nt4, ntc_3950, slice_450 and pt1000, or an NTC: { ohms";
+        assert!(said.contains(lists) && !said.contains("untagged"), "{wrong}: {said}");
+    }
+}
+
+#[test]
+fn an_extruder_without_a_hotend_is_a_warning_on_a_board() {
+    let path = file("no-hotend", "board = \"octopus\"\n");
+    let said = out(&config(&["check", path.to_str().unwrap()]));
+    assert!(said.contains("warning: an extruder (e0) without a hotend: heating is ignored"), "{said}");
+}
+
+#[test]
+fn a_connector_that_the_board_has_not_is_an_error() {
+    let path = file("connector", "board = \"octopus\"\n[motors]\nm1 = \"M8\"\n");
+    let check = config(&["check", path.to_str().unwrap()]);
+    assert_eq!(check.status.code(), Some(1));
+    let text = "3:6: error: motor m1: the BTT Octopus has no connector M8; it has M0, M1, M2, M3, M4, M5, M6, M7\n";
+    assert!(out(&check).contains(text), "{}", out(&check));
+}
+
+#[test]
+fn what_is_unwise_is_a_warning_and_still_a_machine() {
+    let path = file("unwise", "[drivers.z]\ncurrent_ma = 1500\n[endstops]\nz = \"!Z-STOP\"\n");
+    let check = config(&["check", path.to_str().unwrap()]);
+    assert_eq!(check.status.code(), Some(0));
+    let said = out(&check);
+    assert!(said.contains(":2:14: warning: drivers.z.current_ma = 1500: above 1414 mA"), "{said}");
+    assert!(said.contains(":4:5: warning: endstops.z: a switch that closes"), "{said}");
+    assert!(said.ends_with(": a machine of 7 motors for any board; no errors, 2 warnings\n"), "{said}");
+}
+
+/// docs/machines.md has every board and every kind of machine.
+#[test]
+fn the_document_names_every_board_and_every_kind_of_machine() {
+    let document = include_str!("../../docs/machines.md");
+    let rows = document.lines().filter(|line| line.starts_with("| `")).collect::<Vec<_>>();
+    for board in BoardConnectors::ALL {
+        let name = format!("`{}`", board.key);
+        let is_named = |row: &&str| row.split('|').nth(1).is_some_and(|cell| cell.contains(&name));
+        assert!(rows.iter().any(is_named), "the table of connectors has no {name}");
+        assert!(
+            rows.iter().any(|row| row.starts_with("| `board`") && row.contains(&name)),
+            "the key board has no {name}"
+        );
+    }
+    let others = [
+        ("README.md", include_str!("../../README.md")),
+        ("prototype.toml", include_str!("../../examples/machines/prototype.toml")),
+    ];
+    for (file, text) in others {
+        for board in BoardConnectors::ALL.iter().filter(|board| board.key != "sim") {
+            assert!(text.contains(board.key), "{file} does not name the board {}", board.key);
+        }
+    }
+    for path in examples() {
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let kind = if name == "prototype" { "corehbot" } else { name };
+        assert!(document.contains(&format!("`{kind}`")), "{kind}");
+        assert_eq!(
+            config(&["new", "--board", "octopus", "--machine", kind]).status.code(),
+            Some(0),
+            "`config new` does not know {kind}"
+        );
+    }
+}
+
+#[test]
+fn a_host_that_may_be_silent_for_longer_than_the_look_ahead_lasts_is_a_warning() {
+    let path = file("patience", "patience_ms = 2000\nlookahead_time = 2\n");
+    let said = out(&config(&["check", path.to_str().unwrap()]));
+    assert!(said.contains(":1:15: warning: patience_ms = 2000: not below lookahead_time = 2 s"), "{said}");
+}
+
+#[test]
+fn a_file_that_is_not_there_is_status_2() {
+    let check = config(&["check", "no-such.toml"]);
+    assert_eq!(check.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&check.stderr).contains("corehbot: cannot open no-such.toml"));
+}

@@ -1,0 +1,218 @@
+//! Store: the lines of a path, packed, in a file.
+//!
+//! They are packed in chunks of one layer each, so that a page can unpack the layer that it shows. A vertex is four numbers:
+//! the differences of x, y and z to the one before in um, and that of time in 10 us, doubled, plus one if the line to it is
+//! printed. Each number takes as many bytes as it needs, seven bits in each, the least first; a negative n is stored as
+//! -2n-1, another as 2n. The first vertex of a chunk is where the one before ended, with differences to 0.
+
+use super::Vertex;
+use corehbot::units::TICKS_PER_SECOND;
+use std::collections::BTreeMap;
+use std::io::{self, BufWriter, Write};
+
+/// Most vertices of a chunk.
+pub const CHUNK: usize = 4096;
+
+/// Ticks in 10 us.
+const TICKS: u64 = TICKS_PER_SECOND as u64 / 100_000;
+
+/// A line that rises while it is printed belongs to a layer of this height in um.
+const RISING_LAYER: i64 = 200;
+
+/// It still rises if its z has not made a step for so long, in mm.
+const RISING: f64 = 20.0;
+
+/// What is steeper is no line of a print.
+const STEEPEST: f64 = 1.0;
+
+/// A line shorter than this says little of its speed, in mm.
+const SHORTEST: f64 = 0.3;
+
+/// What a chunk holds.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Chunk {
+    /// Where its layer is, in um; `None` before anything was printed.
+    pub height: Option<i64>,
+    /// Vertices, among them the one where it begins.
+    pub vertices: usize,
+    /// When it begins and ends, in 10 us.
+    pub time: [u64; 2],
+    /// Its bytes in the file.
+    pub bytes: usize,
+}
+
+/// What lines span.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Bounds {
+    /// Least x and y, greatest x and y, in mm.
+    pub area: [f64; 4],
+    /// Greatest speed in mm/s.
+    pub speed: f64,
+}
+
+impl Bounds {
+    const NONE: Self = Self { area: [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY], speed: 0.0 };
+
+    fn add(&mut self, [a, b]: [Vertex; 2], length: f64) {
+        for [x, y, _] in [a.at, b.at] {
+            let [left, low, right, high] = self.area;
+            self.area = [left.min(x), low.min(y), right.max(x), high.max(y)];
+        }
+        let seconds = (b.tick - a.tick) as f64 / f64::from(TICKS_PER_SECOND);
+        if length >= SHORTEST && seconds > 0.0 {
+            self.speed = self.speed.max(length / seconds);
+        }
+    }
+
+    /// Whether there are any.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.area[0] > self.area[2]
+    }
+}
+
+/// A path that is stored.
+#[derive(Debug)]
+pub struct Stored<F> {
+    /// The packed chunks, one after another.
+    pub file: F,
+    /// What each of them holds.
+    pub chunks: Vec<Chunk>,
+    /// Heights of the layers in um, each once, the lowest first.
+    pub heights: Vec<i64>,
+    /// What is printed.
+    pub printed: Bounds,
+    /// What is only passed.
+    pub travelled: Bounds,
+}
+
+/// Packs vertices and writes them.
+pub(super) struct Store<F: Write> {
+    out: BufWriter<F>,
+    error: Option<io::Error>,
+    /// The way printed since z has changed while printing, in mm.
+    level: f64,
+    packed: Vec<u8>,
+    chunk: Chunk,
+    chunks: Vec<Chunk>,
+    /// How many lines each height has.
+    heights: BTreeMap<i64, u64>,
+    last: Option<Vertex>,
+    printed: Bounds,
+    travelled: Bounds,
+}
+
+impl<F: Write> Store<F> {
+    /// An empty one, which writes to `file`.
+    pub fn new(file: F) -> Self {
+        Self {
+            out: BufWriter::new(file),
+            error: None,
+            level: f64::INFINITY,
+            packed: Vec::new(),
+            chunk: Chunk { height: None, vertices: 0, time: [0; 2], bytes: 0 },
+            chunks: Vec::new(),
+            heights: BTreeMap::new(),
+            last: None,
+            printed: Bounds::NONE,
+            travelled: Bounds::NONE,
+        }
+    }
+
+    /// The next vertex.
+    pub fn add(&mut self, vertex: Vertex) {
+        let Some(last) = self.last.replace(vertex) else {
+            self.pack(vertex, None);
+            return;
+        };
+        let length = super::distance(last.at, vertex.at);
+        if vertex.is_printing {
+            self.printed.add([last, vertex], length);
+            self.enter(last, vertex);
+        } else if length > 0.0 {
+            self.travelled.add([last, vertex], length);
+        }
+        if self.chunk.vertices >= CHUNK {
+            self.end_chunk(self.chunk.height, last);
+        }
+        self.pack(vertex, Some(last));
+    }
+
+    /// The layer of a printed line begins a chunk if the last one was another.
+    fn enter(&mut self, last: Vertex, vertex: Vertex) {
+        // Filament is pushed where the tool stands, too, which makes no layer.
+        let way = (vertex.at[0] - last.at[0]).hypot(vertex.at[1] - last.at[1]);
+        if way == 0.0 {
+            return;
+        }
+        let rise = (vertex.at[2] - last.at[2]).abs();
+        self.level = if rise > 0.0 && rise < STEEPEST * way { 0.0 } else { self.level + way };
+        let z = (vertex.at[2] * 1000.0).round() as i64;
+        let band = z.div_euclid(RISING_LAYER) * RISING_LAYER + RISING_LAYER / 2;
+        let height = if self.level > RISING { z } else { band };
+        *self.heights.entry(height).or_default() += 1;
+        match self.chunk.height {
+            Some(own) if own == height => {}
+            None => self.chunk.height = Some(height),
+            Some(_) => self.end_chunk(Some(height), last),
+        }
+    }
+
+    /// Ends a chunk, and begins another one at its last vertex.
+    fn end_chunk(&mut self, height: Option<i64>, last: Vertex) {
+        self.flush();
+        self.chunk = Chunk { height, vertices: 0, time: [0; 2], bytes: 0 };
+        self.pack(last, None);
+    }
+
+    fn flush(&mut self) {
+        self.chunk.bytes = self.packed.len();
+        self.chunks.push(self.chunk);
+        if self.error.is_none() {
+            self.error = self.out.write_all(&self.packed).err();
+        }
+        self.packed.clear();
+    }
+
+    fn pack(&mut self, vertex: Vertex, before: Option<Vertex>) {
+        let um = |vertex: Vertex| vertex.at.map(|v| (v * 1000.0).round() as i64);
+        let origin = before.map_or([0; 3], um);
+        for (now, then) in um(vertex).into_iter().zip(origin) {
+            self.number(zigzag(now - then));
+        }
+        let [now, then] = [vertex.tick / TICKS, before.map_or(0, |before| before.tick / TICKS)];
+        self.number((now - then) << 1 | u64::from(vertex.is_printing));
+        if before.is_none() {
+            self.chunk.time[0] = now;
+        }
+        self.chunk.time[1] = now;
+        self.chunk.vertices += 1;
+    }
+
+    fn number(&mut self, mut value: u64) {
+        while value >= 0x80 {
+            self.packed.push(value as u8 | 0x80);
+            value >>= 7;
+        }
+        self.packed.push(value as u8);
+    }
+
+    /// The whole path.
+    pub fn finish(mut self) -> io::Result<Stored<F>> {
+        self.flush();
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        Ok(Stored {
+            file: self.out.into_inner().map_err(io::IntoInnerError::into_error)?,
+            chunks: self.chunks,
+            heights: self.heights.into_keys().collect(),
+            printed: self.printed,
+            travelled: self.travelled,
+        })
+    }
+}
+
+const fn zigzag(value: i64) -> u64 {
+    (value << 1 ^ value >> 63).cast_unsigned()
+}

@@ -1,0 +1,251 @@
+//! Print: one page that shows the tool path, speed and load of a print, without any network.
+//!
+//! The page is a template. The path stands in it in chunks of base64, which the page unpacks when it shows them, so a print
+//! of any length has all of its lines and is still opened at once; everything else is one JSON object.
+
+mod belt;
+mod heat;
+
+use crate::heat_log::HeatLog;
+use crate::path::{Bounds, Chunk, Stored};
+use crate::summary::Summary;
+use belt::BeltData;
+use corehbot::kinematics::Row;
+use corehbot::motors::Motor;
+use corehbot::settings::Settings;
+use corehbot::units::TICKS_PER_SECOND;
+use corehbot_sim::belt::course::Course;
+use corehbot_sim::host::HeatWait;
+use corehbot_sim::tally::Figures;
+use heat::HeatData;
+use serde::Serialize;
+use std::io::{self, BufReader, Read, Seek, Write};
+
+/// The page.
+const TEMPLATE: &str = include_str!("print.html");
+
+/// Its script that draws heat.
+const HEAT: &str = include_str!("print/heat.js");
+
+/// Its script that draws the belt plant.
+const BELT: &str = include_str!("print/belt.js");
+
+/// What every page begins with.
+pub(crate) const HEAD: &str = include_str!("print/head.html");
+
+/// How pages look.
+pub(crate) const STYLE: &str = include_str!("print/page.css");
+
+/// Where the style goes, the path, the data and these scripts.
+const MARKS: [&str; 5] = ["/*STYLE*/\n", "<!--PATH-->", "/*DATA*/", "/*BELT*/", "/*HEAT*/"];
+
+/// What a page shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Page<'a> {
+    /// The figures in one line each.
+    pub summary: &'a Summary,
+    /// Those over time.
+    pub figures: &'a Figures,
+    /// Temperatures and duties over time.
+    pub heat: &'a HeatLog,
+    /// Where the print waited for temperatures.
+    pub heat_waits: &'a [HeatWait],
+    /// What the belt plant bore over time, if there was one.
+    pub belt: Option<&'a Course>,
+    /// The machine.
+    pub settings: &'a Settings,
+}
+
+#[derive(Serialize)]
+struct Data<'a> {
+    summary: &'a Summary,
+    /// Reachable space in mm.
+    size: [f64; 3],
+    motors: Vec<MotorData>,
+    /// Heights of the layers in mm.
+    heights: Vec<f64>,
+    /// Layer, vertices, begin and end in 10 us of each chunk.
+    chunks: Vec<[u64; 4]>,
+    printed: Option<BoundsData>,
+    travelled: Option<BoundsData>,
+    /// Seconds a bin of the curves.
+    bin_s: f64,
+    /// Mean and peak speed of each bin in mm/s, and events a second.
+    speed: Vec<f64>,
+    peak: Vec<f64>,
+    rate: Vec<u64>,
+    /// None on a machine without heaters.
+    heat: Option<HeatData>,
+    /// None on a rigid machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    belt: Option<BeltData>,
+}
+
+/// A motor that is fitted.
+#[derive(Serialize)]
+struct MotorData {
+    name: &'static str,
+    /// What it turns for.
+    drives: String,
+    steps: i64,
+    net: i64,
+}
+
+#[derive(Serialize)]
+struct BoundsData {
+    /// Left, front, right and back in mm.
+    area: [f64; 4],
+    /// Greatest speed in mm/s.
+    speed: f64,
+}
+
+impl BoundsData {
+    fn new(bounds: &Bounds) -> Option<Self> {
+        (!bounds.is_empty()).then_some(Self { area: bounds.area, speed: bounds.speed })
+    }
+}
+
+impl Page<'_> {
+    /// Writes the page with the path of `stored`.
+    ///
+    /// # Errors
+    /// What `out` or the file of the path reported.
+    pub fn write<F: Read + Seek>(&self, stored: Stored<F>, out: &mut impl Write) -> io::Result<()> {
+        let cut = |text: &'static str, mark| text.split_once(mark).ok_or(io::ErrorKind::InvalidData);
+        let (begin, rest) = cut(TEMPLATE, MARKS[0])?;
+        let (head, rest) = cut(rest, MARKS[1])?;
+        let (middle, rest) = cut(rest, MARKS[2])?;
+        let (curves, rest) = cut(rest, MARKS[3])?;
+        let (setting, end) = cut(rest, MARKS[4])?;
+        // A file name with "</script>" in it must not end the script.
+        let json = serde_json::to_string(&self.data(&stored))?.replace('<', "\\u003c");
+        for text in [HEAD, begin, STYLE, head] {
+            out.write_all(text.as_bytes())?;
+        }
+        write_path(stored, out)?;
+        for text in [middle, &json, curves, BELT, setting, HEAT, end] {
+            out.write_all(text.as_bytes())?;
+        }
+        out.flush()
+    }
+
+    fn data<F>(&self, stored: &Stored<F>) -> Data<'_> {
+        let Self { summary, figures, heat, heat_waits, belt, settings } = *self;
+        let bin_s = figures.series.bin_ticks() as f64 / f64::from(TICKS_PER_SECOND);
+        let bins = figures.series.bins();
+        Data {
+            summary,
+            size: [settings.axes.x, settings.axes.y, settings.axes.z].map(|a| a.length.to_num()),
+            motors: motors(summary, settings),
+            heights: stored.heights.iter().map(|um| *um as f64 / 1000.0).collect(),
+            chunks: stored.chunks.iter().map(|chunk| row(chunk, &stored.heights)).collect(),
+            printed: BoundsData::new(&stored.printed),
+            travelled: BoundsData::new(&stored.travelled),
+            bin_s,
+            speed: bins.iter().map(|b| tenth(f64::from(b.path) / bin_s)).collect(),
+            peak: bins.iter().map(|b| tenth(b.peak_speed.into())).collect(),
+            rate: bins.iter().map(|b| (f64::from(b.events) / bin_s).round() as u64).collect(),
+            heat: HeatData::new(heat, heat_waits, &settings.thermal),
+            belt: belt.zip(summary.belt.as_ref()).map(|(course, figures)| BeltData::new(course, figures)),
+        }
+    }
+}
+
+fn row(chunk: &Chunk, heights: &[i64]) -> [u64; 4] {
+    let layer = chunk.height.and_then(|height| heights.binary_search(&height).ok()).unwrap_or(0);
+    [layer as u64, chunk.vertices as u64, chunk.time[0], chunk.time[1]]
+}
+
+/// The motors that the machine has.
+fn motors(summary: &Summary, settings: &Settings) -> Vec<MotorData> {
+    let fitted = settings.mechanism.fitted();
+    let counts = summary.steps.to_array().into_iter().zip(summary.net_steps.to_array());
+    let motors = settings.mechanism.motors().zip(counts).filter(|((motor, _), _)| fitted.has(*motor));
+    let data = |((motor, row), (steps, net)): ((Motor, Row), (i64, i64))| MotorData {
+        name: motor.name(),
+        drives: drives(row),
+        steps,
+        net,
+    };
+    motors.map(data).collect()
+}
+
+/// `x \u{2212} y`: for which axes a motor turns, and which way.
+fn drives(row: Row) -> String {
+    let mut text = String::new();
+    for (times, axis) in row.into_iter().zip(["x", "y", "z", "e"]) {
+        let sign = match (times, text.is_empty()) {
+            (0, _) | (1.., true) => "",
+            (1.., false) => " + ",
+            (..0, true) => "\u{2212}",
+            (..0, false) => " \u{2212} ",
+        };
+        if times != 0 {
+            text.push_str(sign);
+            if times.unsigned_abs() > 1 {
+                text += &times.unsigned_abs().to_string();
+            }
+            text.push_str(axis);
+        }
+    }
+    text
+}
+
+/// Each chunk as a script that does nothing.
+fn write_path<F: Read + Seek>(stored: Stored<F>, out: &mut impl Write) -> io::Result<()> {
+    let Stored { mut file, chunks, .. } = stored;
+    file.rewind()?;
+    let mut from = BufReader::new(file);
+    let mut bytes = Vec::new();
+    for chunk in chunks {
+        bytes.resize(chunk.bytes, 0);
+        from.read_exact(&mut bytes)?;
+        writeln!(out, "<script type=\"text/plain\" class=\"path\">{}</script>", base64(&bytes))?;
+    }
+    Ok(())
+}
+
+fn tenth(value: f64) -> f64 {
+    (value * 10.0).round() / 10.0
+}
+
+/// RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let bits = (0..3).fold(0u32, |bits, i| bits << 8 | u32::from(chunk.get(i).copied().unwrap_or(0)));
+        for i in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * i) & 63) as usize] as char;
+            text.push(if i <= chunk.len() { digit } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_is_as_the_rfc_says() {
+        for (bytes, text) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+    }
+
+    #[test]
+    fn the_template_has_places_for_path_and_data_and_needs_no_network() {
+        assert!(MARKS.iter().all(|mark| TEMPLATE.matches(mark).count() == 1));
+        assert!(MARKS.map(|mark| TEMPLATE.find(mark)).is_sorted());
+        assert!([TEMPLATE, HEAT, BELT].iter().all(|text| !text.contains("http://") && !text.contains("https://")));
+    }
+
+    #[test]
+    fn a_motor_is_named_by_the_axes_that_it_turns_for() {
+        assert_eq!(drives([-1, 1, 0, 0]), "\u{2212}x + y");
+        assert_eq!(drives([1, -1, 0, 0]), "x \u{2212} y");
+        assert_eq!(drives([5, -5, 0, 0]), "5x \u{2212} 5y");
+        assert_eq!(drives([0, 0, 0, 1]), "e");
+    }
+}

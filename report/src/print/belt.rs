@@ -1,0 +1,49 @@
+//! What a page shows of the belt plant: torque shares and residual over motion time, and where motors skipped.
+
+use super::tenth;
+use corehbot_sim::belt::course::Course;
+use corehbot_sim::belt::figures::{BeltFigures, SkipFigures};
+use serde::Serialize;
+
+/// Curves over bins of motion time.
+#[derive(Serialize)]
+pub struct BeltData {
+    bin_s: f64,
+    motors: Vec<MotorCurve>,
+    /// Greatest residual of each bin in um, without its sign; none on a machine that has no such way.
+    residual_um: Option<Vec<f64>>,
+    skips: Vec<SkipMark>,
+}
+
+#[derive(Serialize)]
+struct MotorCurve {
+    name: &'static str,
+    /// Greatest torque share of each bin in percent.
+    share: Vec<f64>,
+}
+
+/// A skip, and when it was in s of motion time.
+#[derive(Serialize)]
+struct SkipMark {
+    time_s: f64,
+    text: String,
+}
+
+impl BeltData {
+    /// What became of the plant, over time and at the end.
+    pub fn new(course: &Course, figures: &BeltFigures) -> Self {
+        let bins = course.bins();
+        let motor = |(index, name): (usize, &'static str)| {
+            let shares = bins.iter().map(|bin| bin.shares.get(index).copied().map_or(0.0, f64::from));
+            MotorCurve { name, share: shares.map(|share| tenth(share * 100.0)).collect() }
+        };
+        let residual = || bins.iter().map(|bin| tenth(f64::from(bin.residual_mm) * 1000.0)).collect();
+        let mark = |skip: &SkipFigures| SkipMark { time_s: skip.time_s, text: skip.to_string() };
+        Self {
+            bin_s: course.bin_s(),
+            motors: figures.motors.iter().map(|m| m.motor).enumerate().map(motor).collect(),
+            residual_um: figures.residual_mm.map(|_| residual()),
+            skips: figures.skips.iter().map(mark).collect(),
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Summary: what a run came to, for a person and for a program.
+
+use crate::printable::line;
+use corehbot::connectors::Heater;
+use corehbot::motors::Motor;
+use corehbot::settings::Settings;
+use corehbot::units::TICKS_PER_SECOND;
+use corehbot_sim::belt::figures::BeltFigures;
+use corehbot_sim::check::Findings;
+use corehbot_sim::host::{Asked, FileHost};
+use corehbot_sim::tally::{Figures, RATE_WINDOW_MS, SPEED_WINDOW_MS};
+use corehbot_sim::world::Outcome;
+use serde::Serialize;
+use std::fmt;
+
+/// One number a motor.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+pub struct PerMotor {
+    /// Pulley 1.
+    pub m1: i64,
+    /// Pulley 4.
+    pub m4: i64,
+    /// Pulley 8.
+    pub m8: i64,
+    /// Pulley 11.
+    pub m11: i64,
+    /// Left ball screw.
+    pub z1: i64,
+    /// Right ball screw.
+    pub z2: i64,
+    /// Extruder.
+    pub e0: i64,
+}
+
+impl From<[i64; Motor::ALL.len()]> for PerMotor {
+    fn from([m1, m4, m8, m11, z1, z2, e0]: [i64; Motor::ALL.len()]) -> Self {
+        Self { m1, m4, m8, m11, z1, z2, e0 }
+    }
+}
+
+impl PerMotor {
+    /// The numbers in the order of [`Motor::ALL`].
+    #[must_use]
+    pub const fn to_array(self) -> [i64; Motor::ALL.len()] {
+        [self.m1, self.m4, self.m8, self.m11, self.z1, self.z2, self.e0]
+    }
+}
+
+/// The figures of one print. The names of the fields are those of the JSON.
+#[derive(Clone, PartialEq, Debug, Serialize)]
+pub struct Summary {
+    /// The G-code file.
+    pub file: String,
+    /// The machine's name.
+    pub machine: String,
+    /// Whether the print was done, and the checker content.
+    pub ok: bool,
+    /// Lines of the file.
+    pub lines: u32,
+    /// Commands in them.
+    pub commands: u64,
+    /// Moves that the planner made of them.
+    pub moves: u32,
+    /// The whole time, from the printer's start to the last answer: motion, heat and waits.
+    pub print_time_s: f64,
+    /// Motion time: what the trace and the tool path count.
+    pub motion_time_s: f64,
+    /// The time in which a command waited for a temperature.
+    pub heating_time_s: f64,
+    /// The rest: waits for the user, and moments in which nothing was under way.
+    pub waiting_time_s: f64,
+    /// Length of the planned path.
+    pub path_mm: f64,
+    /// Step pulses, whatever their direction.
+    pub steps: PerMotor,
+    /// Steps from begin to end, signed.
+    pub net_steps: PerMotor,
+    /// Fastest the tool moved, over 20 ms.
+    pub peak_speed_mm_s: f64,
+    /// Most step events a second, over 10 ms.
+    pub peak_event_rate_hz: f64,
+    /// Instants in which at least one motor stepped.
+    pub events: u64,
+    /// How often the look-ahead ran dry.
+    pub underruns: u32,
+    /// Fewest moves in the look-ahead while the stream ran.
+    pub look_ahead_low_water: Option<u32>,
+    /// Commands that had to be sent again.
+    pub resends: u32,
+    /// The printer's remarks, the first few.
+    pub warnings: Vec<String>,
+    /// All of the printer's remarks.
+    pub warnings_total: u32,
+    /// Where the host went on instead of a user, the first few places.
+    pub pauses: Vec<String>,
+    /// How often it did.
+    pub pauses_total: u32,
+    /// Why the print failed, if it did.
+    pub failure: Option<String>,
+    /// What the checker found, the first few.
+    pub violations: Vec<String>,
+    /// All that the checker found.
+    pub violations_total: u64,
+    /// What became of the belt plant, if there was one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub belt: Option<BeltFigures>,
+    /// SHA-256 of the step trace.
+    pub trace_sha256: String,
+    /// How long the simulation took.
+    pub wall_time_s: f64,
+}
+
+/// What a summary says of the run's surroundings.
+#[derive(Clone, Copy, Debug)]
+pub struct Names<'a> {
+    /// The G-code file.
+    pub file: &'a str,
+    /// The machine.
+    pub machine: &'a str,
+}
+
+impl Summary {
+    /// Puts together what each part of the simulator knows.
+    #[must_use]
+    pub fn new(
+        names: Names<'_>,
+        host: &FileHost,
+        outcome: &Outcome,
+        figures: &Figures,
+        findings: &Findings,
+        trace_sha256: String,
+    ) -> Self {
+        let at = |text: &dyn fmt::Display| format!("{}:{text}", names.file);
+        let failure = match host.failure() {
+            Some(remark) => Some(at(remark)),
+            None if outcome.halted => Some("the printer halted".to_owned()),
+            None if host.commands() == 0 => Some("nothing was printed: the file holds no commands".to_owned()),
+            None if figures.events == 0 => Some("nothing was printed: no motor made a step".to_owned()),
+            None => None,
+        };
+        let seconds = |ticks: u64| ticks as f64 / f64::from(TICKS_PER_SECOND);
+        let (time, heat) = host.time();
+        let (motion, heating) = (seconds(outcome.ticks), seconds(heat));
+        let whole = seconds(time).max(motion);
+        Self {
+            file: names.file.to_owned(),
+            machine: names.machine.to_owned(),
+            ok: failure.is_none() && findings.total == 0,
+            lines: host.lines(),
+            commands: host.commands(),
+            moves: outcome.moves,
+            print_time_s: whole,
+            motion_time_s: motion,
+            heating_time_s: rounded(heating),
+            waiting_time_s: rounded((whole - motion - heating).max(0.0)),
+            path_mm: outcome.path_um as f64 / 1000.0,
+            steps: figures.pulses.map(|n| n as i64).into(),
+            net_steps: figures.position.into(),
+            peak_speed_mm_s: rounded(figures.peak_speed),
+            peak_event_rate_hz: rounded(figures.peak_rate),
+            events: figures.events,
+            underruns: outcome.underruns,
+            look_ahead_low_water: outcome.low_water,
+            resends: host.resends(),
+            warnings: host.warnings().iter().map(|w| at(w)).collect(),
+            warnings_total: host.warnings_total(),
+            pauses: host.pauses().iter().map(|pause| at(pause)).collect(),
+            pauses_total: host.pauses_total(),
+            failure,
+            violations: findings.first.iter().map(ToString::to_string).collect(),
+            violations_total: findings.total,
+            belt: None,
+            trace_sha256,
+            wall_time_s: 0.0,
+        }
+    }
+
+    /// Says what was asked for and did not happen on this machine: heat without a heater, and filament that never moved.
+    pub fn note_asked(&mut self, asked: Asked, settings: &Settings) {
+        let has_heaters = Heater::ALL.into_iter().any(|heater| settings.thermal.heater(heater).is_fitted);
+        if asked.heating > 0 && !has_heaters {
+            let commands = if asked.heating == 1 { "command" } else { "commands" };
+            self.warnings.push(format!(
+                "{}: {} heating {commands} ignored: no heater fitted, see [heaters] in the machine file",
+                self.file, asked.heating
+            ));
+            self.warnings_total += 1;
+        }
+        if asked.filament && !asked.dry_run && self.steps.e0 == 0 && settings.mechanism.fitted().has(Motor::E0) {
+            let why = format!("{}: filament was asked for and none moved: was the hotend cold?", self.file);
+            self.ok = false;
+            self.failure.get_or_insert(why);
+        }
+    }
+
+    /// The summary as JSON, with a line end.
+    ///
+    /// # Errors
+    /// None that is known: all fields are numbers and text.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+}
+
+/// To three decimals: more would be noise.
+fn rounded(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<18} {}", line(&value));
+        row("file", format!("{} ({} lines, {} commands)", self.file, self.lines, self.commands))?;
+        row("machine", self.machine.clone())?;
+        row("print time", format!("{} ({:.3} s)", clock(self.print_time_s), self.print_time_s))?;
+        let (motion, heating, waiting) = (self.motion_time_s, self.heating_time_s, self.waiting_time_s);
+        row("", format!("motion {motion:.3} s, heat {heating:.3} s, waits {waiting:.3} s"))?;
+        if self.wall_time_s > 0.0 {
+            let factor = self.print_time_s / self.wall_time_s;
+            row("simulated in", format!("{:.2} s ({factor:.0} times real time)", self.wall_time_s))?;
+        }
+        row("moves", format!("{} over {:.1} mm", grouped(self.moves.into()), self.path_mm))?;
+        row("peak speed", format!("{:.1} mm/s over {SPEED_WINDOW_MS} ms", self.peak_speed_mm_s))?;
+        row("step events", grouped(self.events as i64))?;
+        let rate = grouped(self.peak_event_rate_hz as i64);
+        row("peak event rate", format!("{rate} /s over {RATE_WINDOW_MS} ms"))?;
+        let low = self.look_ahead_low_water.map_or("-".to_owned(), |n| n.to_string());
+        row("look-ahead", format!("{low} moves at least, {} underruns", self.underruns))?;
+        row("trace sha256", self.trace_sha256.clone())?;
+        writeln!(f, "\nmotor {:>14} {:>14}", "steps", "net")?;
+        let both = self.steps.to_array().into_iter().zip(self.net_steps.to_array());
+        for (motor, (steps, net)) in Motor::ALL.iter().zip(both) {
+            writeln!(f, "{:<5} {:>14} {:>14}", motor.name(), grouped(steps), grouped(net))?;
+        }
+        if let Some(belt) = &self.belt {
+            write!(f, "\n{belt}")?;
+        }
+        self.write_troubles(f)
+    }
+}
+
+impl Summary {
+    fn write_troubles(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lists = [
+            ("pauses", &self.pauses, self.pauses_total.into()),
+            ("warnings", &self.warnings, self.warnings_total.into()),
+            ("violations", &self.violations, self.violations_total),
+        ];
+        for (name, list, total) in lists {
+            if total > 0 {
+                writeln!(f, "\n{name}: {total}")?;
+            }
+            for item in list {
+                writeln!(f, "  {}", line(item))?;
+            }
+            if total > list.len() as u64 && !list.is_empty() {
+                writeln!(f, "  ...")?;
+            }
+        }
+        if let Some(failure) = &self.failure {
+            writeln!(f, "\nfailed: {}", line(failure))?;
+        }
+        Ok(())
+    }
+}
+
+/// h:mm:ss.
+fn clock(seconds: f64) -> String {
+    let whole = seconds.round() as u64;
+    format!("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+}
+
+/// With a comma between groups of three digits.
+fn grouped(value: i64) -> String {
+    let digits = value.unsigned_abs().to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    if value < 0 { format!("-{text}") } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!(grouped(-1_234_567), "-1,234,567");
+        assert_eq!(grouped(999), "999");
+        assert_eq!(clock(3_725.4), "1:02:05");
+    }
+}

@@ -1,0 +1,211 @@
+//! Pages of the belt's twin: files that show what became of a path, without any network; of one family with the page of a print.
+
+use crate::print::{HEAD, STYLE};
+use anyhow::{Context as _, Result};
+use corehbot_twin::contour::trail::Beside;
+use corehbot_twin::geometry::workspace;
+use corehbot_twin::model::elastic::Freedom;
+use corehbot_twin::params::Params;
+use corehbot_twin::queries::Setup;
+use corehbot_twin::queries::resonance::Resonance;
+use corehbot_twin::routing::Machine;
+use corehbot_twin::run::report::Report;
+use corehbot_twin::run::watch::Watch;
+use corehbot_twin::steps::TICKS_PER_SECOND;
+use serde::Serialize;
+use std::io::Write;
+
+/// The page of a path.
+const TEMPLATE: &str = include_str!("twin/page.html");
+
+/// What the twin's pages have in common.
+const SHARED: &str = include_str!("twin/shared.js");
+
+/// The page of `twin resonance`.
+const RESONANCE: &str = include_str!("twin/resonance.html");
+
+/// The page of machines side by side (`twin compare`), for [`fill`].
+pub const COMPARE: &str = include_str!("twin/compare.html");
+
+/// The page of a study (`twin sweep`), for [`fill`].
+pub const STUDY: &str = include_str!("twin/study.html");
+
+/// Where the style goes, what pages share, and the data.
+const MARKS: [&str; 3] = ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/"];
+
+/// Lines that are drawn; of a longer path neighbours are drawn as one.
+const MOST_LINES: usize = 200_000;
+
+/// Columns and rows of the maps.
+const GRID: usize = 9;
+
+#[derive(Serialize)]
+struct Data<'a> {
+    file: &'a str,
+    machine: &'static str,
+    report: &'a Report,
+    reach_x: [f64; 2],
+    reach_y: [f64; 2],
+    /// Seconds a bin of the curves.
+    bin_s: f64,
+    /// Greatest error of each bin in mm.
+    error: Vec<f64>,
+    spans: Vec<Curve>,
+    torques: Vec<Curve>,
+    path: Path,
+    trail: Trail,
+    resonance: Resonance,
+}
+
+/// The least (if it is told) and the greatest of something in each bin.
+#[derive(Serialize)]
+struct Curve {
+    name: String,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    low: Vec<f64>,
+    high: Vec<f64>,
+}
+
+/// Ends of lines in mm, and the greatest error on each.
+#[derive(Serialize)]
+struct Path {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    error_um: Vec<f64>,
+}
+
+/// The nearest places of the line, and the tool's way from there.
+#[derive(Serialize)]
+struct Trail {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    off_x_um: Vec<f64>,
+    off_y_um: Vec<f64>,
+}
+
+/// Writes the page of a path that was played on a machine with these numbers; `file` is what it is called.
+///
+/// # Errors
+/// What `out` reports, or nothing holds the machine.
+pub fn write(
+    out: &mut impl Write,
+    file: &str,
+    (machine, params): (Machine, &Params),
+    report: &Report,
+    watch: &Watch,
+) -> Result<()> {
+    let reach = workspace(machine, params);
+    let freedom = Freedom { idlers: true, rotors: true, ..Freedom::default() };
+    let setup = Setup { machine, params: params.clone(), tool: reach.centre(), freedom };
+    let bins = &watch.series.bins;
+    let span = |(i, name): (usize, &str)| Curve {
+        name: name.to_owned(),
+        low: bins
+            .iter()
+            .map(|bin| bin.tensions_n.get(i).map_or(params.preload_n, |range| range[0]))
+            .map(fine)
+            .collect(),
+        high: bins
+            .iter()
+            .map(|bin| bin.tensions_n.get(i).map_or(params.preload_n, |range| range[1]))
+            .map(fine)
+            .collect(),
+    };
+    let torque = |(i, motor): (usize, u8)| Curve {
+        name: motor.to_string(),
+        low: Vec::new(),
+        high: bins
+            .iter()
+            .map(|bin| bin.forces_n.get(i).map_or(0.0, |f| f * params.pulley_radius_mm))
+            .map(fine)
+            .collect(),
+    };
+    let spans = machine.belts().iter().flat_map(|belt| belt.spans).copied().enumerate();
+    let data = Data {
+        file,
+        machine: machine.name(),
+        report,
+        reach_x: reach.x,
+        reach_y: reach.y,
+        bin_s: watch.series.bin_ticks as f64 / TICKS_PER_SECOND,
+        error: bins.iter().map(|bin| (bin.error_mm * 1e5).round() / 1e5).collect(),
+        spans: spans.map(span).collect(),
+        torques: machine.motors().into_iter().enumerate().map(torque).collect(),
+        path: path(watch),
+        trail: trail(watch),
+        resonance: Resonance::new(&setup, GRID, GRID)?,
+    };
+    fill(out, TEMPLATE, &data).context("cannot write the report")
+}
+
+/// Writes a page with its style and its data in it.
+///
+/// # Errors
+/// What `out` reports, or the page has no places for them.
+pub fn fill(out: &mut impl Write, template: &'static str, data: &impl Serialize) -> Result<()> {
+    // A file name with "</script>" in it must not end the script.
+    let json = serde_json::to_string(data)?.replace('<', "\\u003c");
+    let page = template.replacen(MARKS[0], STYLE, 1).replacen(MARKS[1], SHARED, 1);
+    let (head, end) = page.split_once(MARKS[2]).context("the page has no place for its data")?;
+    for text in [HEAD, head, &json, end] {
+        out.write_all(text.as_bytes())?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Writes the page of frequencies alone; `model` says what may move besides the tool.
+///
+/// # Errors
+/// What `out` reports.
+pub fn write_resonance(
+    out: &mut impl Write,
+    (machine, model): (Machine, &'static str),
+    resonance: &Resonance,
+) -> Result<()> {
+    #[derive(Serialize)]
+    struct Data<'a> {
+        machine: &'static str,
+        model: &'static str,
+        resonance: &'a Resonance,
+    }
+    fill(out, RESONANCE, &Data { machine: machine.name(), model, resonance }).context("cannot write the report")
+}
+
+/// Two decimals.
+fn fine(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+fn trail(watch: &Watch) -> Trail {
+    let places = &watch.contour.trail.places;
+    let all = |of: fn(&Beside) -> f64, digits: f64| places.iter().map(|p| (of(p) * digits).round() / digits).collect();
+    let um = |of: fn(&Beside) -> f64| places.iter().map(|p| (of(p) * 1e4).round() / 10.0).collect();
+    Trail { x: all(|p| p.at[0], 1e3), y: all(|p| p.at[1], 1e3), off_x_um: um(|p| p.off[0]), off_y_um: um(|p| p.off[1]) }
+}
+
+fn path(watch: &Watch) -> Path {
+    let (vertices, errors) = (&watch.contour.vertices, &watch.contour.errors_mm);
+    let together = vertices.len().div_ceil(MOST_LINES).max(1);
+    let mut path = Path { x: Vec::new(), y: Vec::new(), error_um: Vec::new() };
+    for (some, errors) in vertices.chunks(together).zip(errors.chunks(together)) {
+        let Some(last) = some.last() else { continue };
+        path.x.push((last.at[0] * 1000.0).round() / 1000.0);
+        path.y.push((last.at[1] * 1000.0).round() / 1000.0);
+        let worst = errors.iter().copied().fold(0.0_f32, f32::max);
+        path.error_um.push((f64::from(worst) * 1e4).round() / 10.0);
+    }
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn templates_have_places_for_style_and_data_and_need_no_network() {
+        for template in [TEMPLATE, RESONANCE, COMPARE, STUDY] {
+            assert!(MARKS.iter().all(|mark| template.matches(mark).count() == 1));
+            assert!(!template.contains("http://") && !template.contains("https://"));
+        }
+    }
+}
