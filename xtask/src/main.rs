@@ -9,6 +9,7 @@ mod dist;
 mod emulate;
 mod flash;
 mod mutants;
+mod picture;
 mod qemu;
 mod soak;
 mod test;
@@ -42,6 +43,8 @@ enum Task {
     Flash(flash::Args),
     /// Puts faults into the core, one at a time, and counts those that its tests notice. Takes hours.
     Mutants(mutants::Args),
+    /// Draws the picture in the README: the report of a print, by a headless Chromium.
+    Picture,
     /// Prints a G-code file on the firmware in QEMU.
     Qemu(qemu::Args),
     /// Prints for days of simulated time, with heat, and across the wraps of all counters.
@@ -60,6 +63,7 @@ fn main() -> ExitCode {
         Task::Equal(args) => emulate::equal(&args),
         Task::Flash(args) => flash::main(&args),
         Task::Mutants(args) => mutants::main(&args),
+        Task::Picture => picture::main(),
         Task::Qemu(args) => qemu::main(&args),
         Task::Soak(args) => soak::main(&args),
         Task::Test(args) => test::main(&args),
