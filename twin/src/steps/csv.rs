@@ -1,4 +1,4 @@
-//! CSV: reads a trace of `corehbot run --trace` (docs/trace.md), and writes its rows.
+//! CSV: reads a trace of `corehbot run --trace` (docs/reference/trace.md), and writes its rows.
 
 use super::{Column, StepTrace};
 use std::io::{BufRead, Write};

@@ -1,7 +1,7 @@
 //! Steps: the commanded steps, as a row of instants in which motors step.
 //!
-//! [`csv`] reads a trace of `corehbot run --trace` (docs/trace.md). A simulator may also pass its steps on as they
-//! come. [`drive`] assigns the columns of a trace to the motors of the twin.
+//! [`csv`] reads a trace of `corehbot run --trace` (docs/reference/trace.md). A simulator may also pass its steps on as
+//! they come. [`drive`] assigns the columns of a trace to the motors of the twin.
 
 pub mod csv;
 pub mod drive;
