@@ -17,7 +17,7 @@
 //!   `examples/machines/prototype.toml`, docs/machines.md;
 //! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
 //! - a row of `STATES` in `boards/sim/tests/emergencies.rs`, for its descent;
-//! - README.md (what does not hold yet), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
+//! - README.md (limits), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
 //!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`main_loop/reply.rs`);
 //! - another word than "Probing" in boards/*/README.md, among what is not there.
