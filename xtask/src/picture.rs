@@ -11,7 +11,7 @@ const MOST_BYTES: u64 = 150_000;
 /// Runs the print, draws its page, and writes docs/pictures/report.png.
 pub fn main() -> Result<()> {
     let page = target_dir()?.join("report.html");
-    let mut print = cargo(["run", "--quiet", "--release", "-p", "corehbot-sim", "--", "run"]);
+    let mut print = cargo(["run", "--quiet", "--release", "-p", "corehbot-cli", "--", "run"]);
     print.arg(root().join("examples/first-print.gcode")).arg("--report").arg(&page);
     run(print)?;
     let picture = root().join("docs/pictures/report.png");
