@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The plant of heat as commands ask for it.
 #[derive(Args)]
 pub struct HeatArgs {
-    /// What the heaters are in truth, whatever the machine's settings say (docs/heat.md).
+    /// What the heaters are in truth, whatever the machine's settings say (docs/explanation/heat.md).
     #[arg(long, value_name = "H.toml")]
     plant_heat: Option<PathBuf>,
     /// Something breaks: what, where and when after power-up, such as `open:hotend@60s`, `stuck-on:bed@10m` or `fan-dead:part@2m`. May

@@ -251,10 +251,10 @@ fn heaters_are_what_a_file_says() {
     assert!(text(&bare.stderr).contains("the machine has no heater; fit one"), "{}", text(&bare.stderr));
 }
 
-/// The table of docs/heat.md is that of the program.
+/// The table of docs/explanation/heat.md is that of the program.
 #[test]
 fn every_accident_of_heat_is_in_the_docs() {
-    let docs = std::fs::read_to_string(example("../docs/heat.md")).unwrap();
+    let docs = std::fs::read_to_string(example("../docs/explanation/heat.md")).unwrap();
     for kind in corehbot_sim::heat_plant::accident::KINDS {
         assert!(docs.contains(&format!("| `{}` | {} |", kind.name, kind.says)), "{}: {}", kind.name, kind.says);
     }

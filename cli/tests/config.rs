@@ -197,10 +197,10 @@ fn what_is_unwise_is_a_warning_and_still_a_machine() {
     assert!(said.ends_with(": a machine of 7 motors for any board; no errors, 2 warnings\n"), "{said}");
 }
 
-/// docs/machines.md has every board and every kind of machine.
+/// docs/reference/machines.md has every board and every kind of machine.
 #[test]
 fn the_document_names_every_board_and_every_kind_of_machine() {
-    let document = include_str!("../../docs/machines.md");
+    let document = include_str!("../../docs/reference/machines.md");
     let rows = document.lines().filter(|line| line.starts_with("| `")).collect::<Vec<_>>();
     for board in BoardConnectors::ALL {
         let name = format!("`{}`", board.key);

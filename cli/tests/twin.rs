@@ -438,7 +438,7 @@ fn net_steps(words: &str) -> Vec<String> {
 
 #[test]
 fn the_keys_of_parameter_files_stand_in_the_documentation() {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/twin.md");
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/research/twin.md");
     let docs = std::fs::read_to_string(docs).unwrap();
     let nominal = serde_json::to_value(corehbot_twin::params::Params::default()).unwrap();
     for (key, value) in nominal.as_object().unwrap() {

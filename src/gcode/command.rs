@@ -12,7 +12,7 @@ use crate::connectors::Heater;
 /// and `tests/support/print.rs` its printed form. `tests/gcode.rs` then asks for its letters in `grammar` (without a row any text
 /// is taken) and its code in `CODES`, `boards/sim/tests/commands/table.rs` for a row with its answer. By hand: a code that was
 /// passed over is taken out of `quiet`; `machine::main_loop::halted` if a host may send it to a stopped machine;
-/// docs/reference/gcode.md (`tests/reference.rs` asks for its row), docs/host-protocol.md, CHANGELOG.md.
+/// docs/reference/gcode.md (`tests/reference.rs` asks for its row), docs/reference/host-protocol.md, CHANGELOG.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Command<'a> {
     /// G0, G1: straight move.

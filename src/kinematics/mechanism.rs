@@ -11,7 +11,7 @@
 //!
 //! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`). A board starts as
 //! the stored machine, or else as the machine of its image. The tests of `boards/sim/tests/machines` home, print and
-//! stop every file; `tests/mechanisms/machines.rs` and docs/kinematics.md have tables of them.
+//! stop every file; `tests/mechanisms/machines.rs` and docs/explanation/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};
 use super::row::{Row, direction, multiple};

@@ -62,7 +62,7 @@ impl Belt {
 
     /// That of the CoreH-bot.
     ///
-    /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/twin.md, modes with rotors): within
+    /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/research/twin.md, modes with rotors): within
     /// 100 ms to a quarter. The limits are a fifth of the motors' own, for nobody is in a hurry. 10 mm are out of reach of what a hot
     /// nozzle softens, and of what it drips.
     pub(super) const fn prototype() -> Self {

@@ -14,7 +14,7 @@
 //! | who reads it | `motion` (limits of a move by what it is for: `purpose` and `Limits` in `motion::planner`), `driver` or `machine` | its own tests; a limit of motion also in `tests/motion/model.rs` and, if a line may loosen it, `boards/sim/src/limits.rs` |
 //! | whether it counts at once | a setting that a board reads only when it starts: [`Settings::is_built_as`] | compiler |
 //! | its sum in RAM | `kept`, by `Hash` | compiler |
-//! | documents | docs/reference/gcode.md, docs/host-protocol.md, docs/machines.md (what is plugged in where), CHANGELOG.md | review |
+//! | documents | docs/reference/gcode.md, docs/reference/host-protocol.md, docs/reference/machines.md (what is plugged in where), CHANGELOG.md | review |
 //!
 //! A new [`ShaperKind`] comes last (records hold its number, so `FORMAT` stays), and its T is the next one: `tail` in
 //! `cli/src/twin/compensate/gcode.rs` counts them. It is added to its impulses (`motion::trajectory::shaper`, at most `MOST_IMPULSES`), its number and names
@@ -22,7 +22,7 @@
 //! which translate between kind and number, `KindToml` with its name in `written.rs` (the machine file), and the twin (`twin/src/shaping`). The compiler asks for impulses, `name_of` and `written.rs`, `boards/sim/tests/every_setting.rs` and `twin.rs` for the rest, and
 //! `tests/motion/shapers.rs` for figures from the literature. By hand: `boards/sim/tests/shaping.rs`, which prints with each T,
 //! `examples/shaping.gcode`, which has one of each, the table of the literature in the tests of `twin/src/shaping/shaper.rs`, `FREQUENCY` in `check` if it lasts longer than the others,
-//! docs/shaping.md, docs/twin.md (what `twin resonance` suggests), M593 in docs/reference/gcode.md and docs/host-protocol.md, the comment in `examples/machines/prototype.toml`.
+//! docs/explanation/shaping.md, docs/research/twin.md (what `twin resonance` suggests), M593 in docs/reference/gcode.md and docs/reference/host-protocol.md, the comment in `examples/machines/prototype.toml`.
 //!
 //! A new [`CornerRule`] or [`Thermistor`]: CONTRIBUTING.md lists where it is known.
 

@@ -71,7 +71,7 @@ pub const BED_EDGE: Range<Mm> = Range { least: Mm::const_from_int(-5000), most: 
 pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
 /// Phase of a residual: less than an electrical turn, or [`Belt::NO_PHASE`].
 pub const PHASE: Range<u16> = Range { least: 0, most: Belt::NO_PHASE };
-/// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/belt.md).
+/// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/explanation/belt.md).
 pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
 /// How far z is raised when a motor of the belt has failed.
 pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };

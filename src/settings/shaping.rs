@@ -54,7 +54,7 @@ pub struct Shaper {
     /// then, and rises away from it. 0 if it is the same everywhere.
     pub span: Mm,
     /// What of the frequency is due to motors that give way: the frequency at which the axis would ring if its belts were stiff and
-    /// pulled evenly, best fitted (docs/shaping.md); 0 if only its belts are soft.
+    /// pulled evenly, best fitted (docs/explanation/shaping.md); 0 if only its belts are soft.
     pub motor_frequency: Hertz,
 }
 
@@ -86,8 +86,8 @@ impl Shaper {
 }
 
 impl Shapers {
-    /// Off. The frequencies are those of the paper's machine at the centre of its bed (docs/kinematics.md), 1.06 times:
-    /// so a fixed shaper is best over the whole of it.
+    /// Off. The frequencies are those of the paper's machine at the centre of its bed (docs/explanation/kinematics.md),
+    /// 1.06 times: so a fixed shaper is best over the whole of it.
     #[must_use]
     pub const fn prototype() -> Self {
         let damping = const { Ratio::lit("0.1") };

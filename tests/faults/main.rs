@@ -1,5 +1,5 @@
 //! What can go wrong with heat, crash and configuration, each thing a test that looks at pins and duties in virtual time. The
-//! numbers are those of docs/safety.md.
+//! numbers are those of docs/explanation/safety.md.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod beds;

@@ -29,7 +29,7 @@
 //! | [`live`] | a machine that takes steps as they are made, with power, pushes and skips |
 //! | [`yin`] | Yin et al.'s CoreXY on a square, a model of its own |
 //!
-//! Misprints of the papers and their corrections: docs/twin.md.
+//! Misprints of the papers and their corrections: docs/research/twin.md.
 #![forbid(unsafe_code)]
 
 pub mod calibration;

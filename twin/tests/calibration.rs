@@ -165,7 +165,8 @@ fn what_is_not_told_makes_the_rest_uncertain() {
         assert_eq!(told(&found.estimates), [Parameter::BeltStiffness]);
         uncertainty(&found, Parameter::BeltStiffness)
     };
-    let field: f64 = 1.0 - 251.2 / 287.6; // of the compliance: stiffnesses with fields and without, docs/twin.md
+    // Of the compliance: stiffnesses with fields and without, docs/research/twin.md.
+    let field: f64 = 1.0 - 251.2 / 287.6;
     let (ratio, prior) = (field / (1.0 - field), std::f64::consts::LN_2);
     // Two normal unknowns, one sum of them told exactly.
     let expected = prior * (ratio * ratio / (1.0 + ratio * ratio)).sqrt();

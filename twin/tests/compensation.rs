@@ -110,7 +110,7 @@ fn idlers_with_mass_leave_the_error_of_a_square_at_a_third() {
     assert!(after < before / 3.0, "{before} {after}");
 }
 
-/// M a / K in the middle of the reach: 0.6 kg and 1.8 kg by 20 m/s^2 on 251.2 and 244.1 N/mm (docs/twin.md), without friction.
+/// M a / K in the middle of the reach: 0.6 kg and 1.8 kg by 20 m/s^2 on 251.2 and 244.1 N/mm (docs/research/twin.md), without friction.
 #[test]
 fn the_tool_is_sent_ahead_by_what_inertia_takes() {
     let smooth = believed(1.0).undamped();

@@ -160,7 +160,8 @@ fn a_unit_of_tension_pushes_as_the_statics_say() {
             assert!(near(on_head.x_n, head[0], 1e-9) && near(on_head.y_n, head[1], 1e-9), "{on_head:?}");
             assert!(near(on_head.x_n + on_bar.x_n, both[0], 1e-9), "{on_bar:?}");
             assert!(near(on_head.y_n + on_bar.y_n, both[1], 1e-9), "{on_bar:?}");
-            // Equations 35 and 37 (with the bar's mass, docs/twin.md): none along x, the lever to the middle along y.
+            // Equations 35 and 37 (with the bar's mass, docs/research/twin.md): none along x, the lever to the middle
+            // along y.
             let couple = if more == "R" { 0.0 } else { 2.0 * (params.width_mm - 2.0 * tool.x) };
             assert!(near(on_head.couple_n_mm + on_bar.couple_n_mm, couple, 1e-6), "{on_bar:?} {on_head:?}");
             // Motors turn against each other in pairs: their torques on the frame cancel.

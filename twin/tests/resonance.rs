@@ -24,7 +24,7 @@ fn axes_of_a_corehbot_ring_by_their_own_place_alone() {
     assert!(found.y.line.starts_with("M593 Y F"), "{}", found.y.line);
 }
 
-/// The bar on guides of 2,000 N m/rad, below both axes: 44.6 Hz with the head in the middle (docs/twin.md), and by inertia slower
+/// The bar on guides of 2,000 N m/rad, below both axes: 44.6 Hz with the head in the middle (docs/research/twin.md), and by inertia slower
 /// beside it, `I = m W^2 / 12 + M (x - W / 2)^2` coupled with y. A CoreXY's belts hold the bar, so it yaws faster than y rings.
 #[test]
 fn the_yaw_of_the_bar_is_told_and_that_no_shaper_is_made_for_it() {

@@ -334,14 +334,14 @@ enum Must {
     BeHarmless,
 }
 
-/// What each kind must come to (docs/safety.md). A kind without a row here is found.
+/// What each kind must come to (docs/explanation/safety.md). A kind without a row here is found.
 const HARMLESS: [&str; 4] = ["late", "weak", "loose", "fan-dead"];
 
 const fn is_of_hotend_and_bed(kind: &Kind) -> bool {
     matches!(kind.does, Does::Machine(_))
 }
 
-/// Hottest that hotend, bed and chamber may get whatever breaks, in C: what burns nothing (docs/safety.md).
+/// Hottest that hotend, bed and chamber may get whatever breaks, in C: what burns nothing (docs/explanation/safety.md).
 const BURNS: [f64; 3] = [320.0, 160.0, 110.0];
 
 /// Something breaks in a life.

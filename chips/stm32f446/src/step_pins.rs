@@ -5,7 +5,7 @@
 //! (`Plugged::slow`) are waited for ([`SLOW_REST`]). For a driver that wants a longer pulse: `STEP_PULSE_NS` (`src/port.rs` of
 //! the core); then either its motors are made slow ones, or [`StepPins::fall_quick`] has to wait. Two steps of a motor must be far enough
 //! apart for it, by plan (`MIN_STEP_INTERVAL`, asserted below) and when they are late and follow each other at once
-//! (`motion/stepper.rs` of the core, docs/time.md).
+//! (`motion/stepper.rs` of the core, docs/explanation/time.md).
 //!
 //! A table gives the words for all ports at once, in RAM (see [`StepWrites`]). Computing them instead takes an
 //! extraction, a shift and an addition for each of seven motors, and pins known when compiling, which would

@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// `twin fit`.
 #[derive(Args)]
 pub(crate) struct Fit {
-    /// Measurements of several kinds (docs/twin.md tells how to make them): finds belt, preload, masses and motors.
+    /// Measurements of several kinds (docs/research/twin.md tells how to make them): finds belt, preload, masses and
+    /// motors.
     #[arg(value_name = "MEASURED.toml", required_unless_present = "measured", conflicts_with = "measured")]
     file: Option<PathBuf>,
     /// Where the tool was in mm from motor 1's axis, and what x and y rang at in Hz, `-` for one that was not measured; as

@@ -1,4 +1,4 @@
-//! Measured: the file in which the owner of a machine writes down what was measured. docs/twin.md tells how.
+//! Measured: the file in which the owner of a machine writes down what was measured. docs/research/twin.md tells how.
 
 use super::setup::syntax;
 use anyhow::{Context as _, Result, bail, ensure};
@@ -108,7 +108,7 @@ struct SlipToml {
     uncertainty_percent: Option<Spanned<f64>>,
 }
 
-// Standard uncertainties, as parts, of what was measured as docs/twin.md says; all assumed.
+// Standard uncertainties, as parts, of what was measured as docs/research/twin.md says; all assumed.
 
 /// A pitch: 1 % of the phone, and 1.5 % of the span's length by a ruler and of its ends that hold it.
 const PLUCKED: f64 = 0.02;

@@ -72,7 +72,7 @@ impl ModelArg {
 /// The machine's numbers.
 #[derive(Args)]
 pub(super) struct ParamsArgs {
-    /// Other numbers than the nominal ones (docs/twin.md has the keys).
+    /// Other numbers than the nominal ones (docs/research/twin.md has the keys).
     #[arg(long, value_name = "P.toml")]
     params: Option<PathBuf>,
 }

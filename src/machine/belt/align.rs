@@ -36,8 +36,8 @@ const RAMP: Mm = Mm::const_from_int(4);
 /// Trim to either side on the load curve, in full steps. Power-up leaves at most this much, so the apex lies between.
 const ARM: i32 = 2;
 
-/// Search range of the apex, in arms: three electrical turns. Four motors do not hold a larger strain (docs/twin.md: a
-/// single turn takes a third of their torque).
+/// Search range of the apex, in arms: three electrical turns. Four motors do not hold a larger strain
+/// (docs/research/twin.md: a single turn takes a third of their torque).
 const MOST_ARMS: i32 = 6;
 
 /// Findings of an apex that are averaged: at least three, and more until they agree to [`SURE`].

@@ -14,10 +14,10 @@
 //! - the simulator, whose `Desk::new` (`boards/sim/src/world.rs`) connects the switches alone and so masks a probe of the rig, and
 //!   its checker (`widen` in `boards/sim/src/limits.rs`), which allows a hard stop for G28 alone;
 //! - what says "nothing probes by it": `machine-file/src/form.rs` (and so the schema), `Settings::probe`,
-//!   `examples/machines/prototype.toml`, docs/machines.md;
+//!   `examples/machines/prototype.toml`, docs/reference/machines.md;
 //! - the belt plant (`inputs` in `boards/sim/src/belt/mod.rs`), which has the switches alone in the emulator;
 //! - a row of `STATES` in `boards/sim/tests/emergencies.rs`, for its descent;
-//! - README.md (limits), the row of G29 and G30 in docs/host-protocol.md, the head of `src/motors.rs`;
+//! - README.md (limits), the row of G29 and G30 in docs/reference/host-protocol.md, the head of `src/motors.rs`;
 //! - after `approach`, whose planner stands where the move would have ended, the real position for planner and program, as `stand_at_switch`
 //!   gives it after homing, and words of its own where `HomingFailed` speaks of homing (`main_loop/reply.rs`);
 //! - another word than "Probing" in boards/*/README.md, among what is not there.

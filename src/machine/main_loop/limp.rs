@@ -10,7 +10,7 @@
 //! braking happens), if any other fault comes, at M112 and M410, and after [`MOST_MS`]. It comes once, and nothing but a reset follows.
 //!
 //! `park` has the place and the lift, `halted` the words; `boards/sim/tests/belt/limp.rs` holds both, `emulator/tests/drivers.rs` the lift and
-//! the words; the place is told in docs/belt.md (*Limp*), times there and in docs/safety.md.
+//! the words; the place is told in docs/explanation/belt.md (*Limp*), times there and in docs/explanation/safety.md.
 
 use crate::driver::{self, Name};
 use crate::fault::{self, Cause};
@@ -24,11 +24,11 @@ use crate::settings::{HomedAxis, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 
 /// Speed of the tool on its way to its place. Nobody is in a hurry once z is raised; a motor at a turn a second of a pulley of 40 mm has
-/// all its torque (docs/twin.md, torque at speed).
+/// all its torque (docs/research/twin.md, torque at speed).
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
 
 /// Acceleration on that way: a tenth of what four motors are run with. On a diagonal a single motor drives a tool of 0.6 kg and four rotors of
-/// 0.134 kg each, which takes 1 N of its 63 (docs/twin.md).
+/// 0.134 kg each, which takes 1 N of its 63 (docs/research/twin.md).
 const ACCELERATION: MmPerSec2 = MmPerSec2::const_from_int(500);
 
 /// It is over after so many ms at the latest: braking, raising and the longest diagonal take 25 s with the settings of the prototype.

@@ -13,7 +13,7 @@ const LEAST_LOOKAHEAD: usize = 128;
 /// enough while the window fills again. A part of the window, beside [`LEAST_LOOKAHEAD`].
 pub const FORCED_BATCH: usize = 16;
 
-/// Capacity of the window, in moves. What it costs is [`MoveMemory`]; docs/flow.md says what depends on it.
+/// Capacity of the window, in moves. What it costs is [`MoveMemory`]; docs/explanation/flow.md says what depends on it.
 pub const LOOKAHEAD_MOVES: usize = LEAST_LOOKAHEAD + FORCED_BATCH;
 const _: () =
     assert!(FORCED_BATCH > 0 && FORCED_BATCH < LEAST_LOOKAHEAD, "a forced batch is a small part of the window");

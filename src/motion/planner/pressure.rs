@@ -12,7 +12,7 @@
 //! So the extruder's greatest speed V has three shares: that of ramps, that of jumps, and that of the filament itself.
 //! None of them is less than a sixteenth of V. A single jump counts as the extruder's jerk too. Moves of the extruder
 //! alone come within half a window of the end of a ramp, so each of the two leaves room for the other. Derivation and
-//! figures: docs/shaping.md#what-the-extruder-bears.
+//! figures: docs/explanation/shaping.md#what-the-extruder-bears.
 //!
 //! The acceleration of the curve in a corner asks nothing of the extruder, so junction speeds are made with the
 //! acceleration that is wanted.

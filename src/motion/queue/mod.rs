@@ -21,7 +21,7 @@
 //! - `app::Memory`, which asserts its size;
 //! - `stepgen`: a batch must fit in, and the generator makes events only `AHEAD` of time, so a longer queue never fills
 //!   unless `AHEAD` grows too;
-//! - the budget of RAM (`xtask/src/build/contents.rs`, docs/boards.md);
+//! - the budget of RAM (`xtask/src/build/contents.rs`, docs/reference/boards.md);
 //! - `memory.x`, which divides RAM between variables and stack.
 //!
 //! `take_back` and M114 look at every waiting event.

@@ -120,7 +120,7 @@ fn spread(impulses: &Impulses) -> f32 {
 const EVEN: f32 = 3.464_102;
 
 /// Window without a shaper, in s. The extruder's motor must not be asked for jumps, and the nozzle itself smooths over
-/// about 50 ms. Measured: 12 to 15 ms lose nothing (docs/shaping.md#the-window).
+/// about 50 ms. Measured: 12 to 15 ms lose nothing (docs/explanation/shaping.md#the-window).
 const LEAST_WINDOW: f32 = 0.012;
 
 /// Filament per length of path that the window must support: a line of 0.5 by 0.24 mm from filament of 1.75 mm. The
@@ -177,8 +177,8 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
         impulses.into_iter().map(|(time, weight)| tap((early + time, weight))).collect()
     };
     // No window means no advance; `boards/sim/src/limits.rs` divides by it too. A delay holds 1.67 s. If it is longer
-    // than `SPANS` of short moves, short moves take longer (docs/shaping.md has the delays, and the events of
-    // `examples/shaping.gcode`).
+    // than `SPANS` of short moves, short moves take longer (docs/explanation/shaping.md has the delays, and the events
+    // of `examples/shaping.gcode`).
     const {
         assert!(
             ranges::ADVANCE_WINDOW.least.to_bits() > 0

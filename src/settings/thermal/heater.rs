@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// A new one comes behind the others, since records hold its number; the compiler and tests then ask for its curve and its data
 /// sheet (`thermal::sensor::curve`), its law in the simulated plant (`rig/src/heat.rs`) and its name in machine files
-/// (`machine-file/src/form/heat.rs` and `heat.rs`). By hand: `examples/machines/prototype.toml`, docs/heat.md.
+/// (`machine-file/src/form/heat.rs` and `heat.rs`). By hand: `examples/machines/prototype.toml`,
+/// docs/explanation/heat.md.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum Thermistor {
     /// ATC Semitec 104GT-2: most hotends up to 300 C.

@@ -43,7 +43,7 @@
 //!   `tests/thermal/printer.rs` and `tests/support/wild_heat.rs` implement it, `emulator/src/wiring.rs` has the pins);
 //! - its threshold, if any, in `settings::Guards`;
 //! - a fault of the plant that it finds (`rig/src/plant/faults.rs`, tested in `rig/src/plant/tests/broken.rs`);
-//! - a test in `tests/faults`, and a row in both tables of docs/safety.md.
+//! - a test in `tests/faults`, and a row in both tables of docs/explanation/safety.md.
 
 mod at_target;
 mod episode;

@@ -1,7 +1,7 @@
 //! Which of Yin's findings hold for which machines: rigs at random, from overdamped ones to belt printers.
 //!
-//! `cargo run -p corehbot-twin --example yin_findings` prints the figures of docs/twin-yin.md within a minute. A fixed
-//! generator draws the same rigs every time.
+//! `cargo run -p corehbot-twin --example yin_findings` prints the figures of docs/research/twin-yin.md within a minute.
+//! A fixed generator draws the same rigs every time.
 mod sets;
 mod study;
 

@@ -144,7 +144,7 @@ mod tests {
         assert!((span_tension_n(400.0, 0.0125, hz) - 40.0).abs() < 1e-9);
     }
 
-    /// Stiffnesses and frequencies of an independent computation, with the motors' fields (docs/twin.md).
+    /// Stiffnesses and frequencies of an independent computation, with the motors' fields (docs/research/twin.md).
     #[test]
     fn the_model_deflects_and_rings_as_it_does_elsewhere() {
         for (along, n_per_mm, hz) in [(Direction::X, 251.2, 101.38), (Direction::Y, 244.1, 57.64)] {

@@ -2,8 +2,8 @@
 //!
 //! The tool lags by `K^-1 (M a + c v + f sign v)`. K is its stiffness at the place with compliant fields. A rotor also
 //! lags by its own inertia and friction over its field. For a mass on a spring this is the exact inverse of its motion,
-//! so it also removes ringing, as far as the acceleration is known. The bar's yaw is not included (docs/twin.md has the
-//! reason).
+//! so it also removes ringing, as far as the acceleration is known. The bar's yaw is not included
+//! (docs/research/twin.md has the reason).
 
 use super::path::RATE;
 use crate::dynamics::plant::CREEP;

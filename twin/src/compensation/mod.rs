@@ -32,7 +32,7 @@ pub struct Compensated {
 
 /// Compensates steps of a machine with its tool at `start` at first, and with the stiffness and masses of `believed`. A
 /// Gaussian of this width (standard deviation) smooths the path before its acceleration is taken. A longer one misses
-/// ringing, a shorter one lets steps through. A millisecond is best for modes of 50 to 110 Hz (docs/twin.md).
+/// ringing, a shorter one lets steps through. A millisecond is best for modes of 50 to 110 Hz (docs/research/twin.md).
 ///
 /// # Errors
 /// The trace is of another kind of machine, lasts too long, leaves the reach, or has motors that step too fast.

@@ -1,7 +1,7 @@
 //! Fit: frequency of a CoreH-bot's axis over its place, from measured frequencies.
 //!
 //! Away from the middle an axis rings faster, because belts get stiffer, but motors do not. The firmware uses this law
-//! (docs/shaping.md), and the fit finds its numbers:
+//! (docs/explanation/shaping.md), and the fit finds its numbers:
 //!
 //! ```text
 //! 1/f^2 = a (1 - (2 d / L)^2) + b,    a = 1/f_belt^2,  b = 1/f_motor^2
@@ -54,7 +54,8 @@ pub struct Fit {
 /// Places with less difference in `(2 d / L)^2` than this do not separate belts from motors.
 const LEAST_SPREAD: f64 = 0.05;
 
-/// Largest accepted difference of the law from a frequency: three times the uncertainty of a frequency (docs/twin.md).
+/// Largest accepted difference of the law from a frequency: three times the uncertainty of a frequency
+/// (docs/research/twin.md).
 const LIKE: f64 = 0.045;
 
 /// Why there is no fit.

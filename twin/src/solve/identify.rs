@@ -93,8 +93,8 @@ impl From<NotHeld> for IdentifyError {
     }
 }
 
-/// Frequencies are measured to 1.5 % (a phone's accelerometer, docs/twin.md). A machine further than three times that
-/// from one is another machine.
+/// Frequencies are measured to 1.5 % (a phone's accelerometer, docs/research/twin.md). A machine further than three
+/// times that from one is another machine.
 pub const LIKE: f64 = 0.045;
 
 /// Belts differ from the nominal one by less than this factor, as a logarithm: ten, where those sold have 20 to 56 kN.

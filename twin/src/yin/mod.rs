@@ -2,7 +2,8 @@
 //!
 //! M. Yin, Y. Chen, K.-H. Lee, D. K. C. Fu, Z. T. H. Tse, K.-W. Kwok, "Dynamic Modeling and Characterization of the
 //! Core-XY Cartesian Motion System". Equation numbers here are from that paper. Some equations are misprinted there;
-//! `docs/twin-yin.md` has the corrections. This room derives all of them from the potential energy, equation 6.
+//! `docs/research/twin-yin.md` has the corrections. This room derives all of them from the potential energy,
+//! equation 6.
 //!
 //! Units in this room are SI (m, kg, s, N), as in the paper; names of values in mm say so.
 //!

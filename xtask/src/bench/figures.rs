@@ -20,7 +20,7 @@ const CYCLES_PER_SECOND: f64 = 180e6;
 /// generator for more, once for each of the generator's entries.
 const REGULAR: u64 = 256;
 
-/// Such an event takes about so many cycles more: 0.3 us, by which it comes later in the emulator (docs/performance.md, *Lateness*).
+/// Such an event takes about so many cycles more: 0.3 us, by which it comes later in the emulator (docs/explanation/performance.md, *Lateness*).
 const CLOSE_LOOK: u64 = 54;
 
 /// A figure.
@@ -35,7 +35,7 @@ pub struct Figure {
     pub is_steady: bool,
     /// What we aim at: at most this, or at least this for a rate.
     pub goal: Option<f64>,
-    /// What others take, by docs/performance.md.
+    /// What others take, by docs/explanation/performance.md.
     pub peers: &'static str,
 }
 

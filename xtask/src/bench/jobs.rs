@@ -13,7 +13,7 @@ const _: () =
 
 /// Moves of the planner's job: two look-aheads.
 const MOVES: u32 = 300;
-const _: () = assert!(MOVES as usize / LOOKAHEAD_MOVES == 2, "the table in docs/performance.md is of two");
+const _: () = assert!(MOVES as usize / LOOKAHEAD_MOVES == 2, "the table in docs/explanation/performance.md is of two");
 
 /// Moves of the circle: few enough for the look-ahead, so that no line waits for the motion.
 const CHORDS: u32 = 120;

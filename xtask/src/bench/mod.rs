@@ -1,7 +1,7 @@
 //! `cargo xtask bench`: what the firmware takes, instruction by instruction.
 //!
 //! The firmware prints a few jobs in QEMU while a plugin counts every instruction, where it was and who was running.
-//! What the counts come down to, and what they are worth, is in docs/performance.md.
+//! What the counts come down to, and what they are worth, is in docs/explanation/performance.md.
 
 mod access;
 mod check;

@@ -165,7 +165,7 @@ fn the_order_of_the_numbers_is_that_of_the_file_and_the_machines_change_fastest(
     assert_eq!(points[1], ("corexy", vec![30.0, 20_000.0]));
     assert_eq!(points[2], ("corehbot", vec![30.0, 30_000.0]));
     assert_eq!(points[11], ("corexy", vec![40.0, 40_000.0]));
-    // What belts of EA = 30,000 N give, times EA (docs/twin.md).
+    // What belts of EA = 30,000 N give, times EA (docs/research/twin.md).
     let samples = compute(&study, None, Vec::new(), None, &Stop::default()).unwrap();
     let kxx = |i: usize| samples[i].outcome.as_ref().unwrap()[0].unwrap();
     assert!((kxx(2) - 287.563).abs() < 0.01 && (kxx(4) / kxx(0) - 2.0).abs() < 1e-9, "{} {}", kxx(2), kxx(4));
@@ -201,12 +201,12 @@ fn of_a_grid_of_places_the_worst_counts() {
     assert_eq!(worst[6].map(f64::abs), all(6).map(f64::abs).reduce(f64::max));
 }
 
-/// The study in docs/twin.md has every key; what it asks is answered as the twin's own commands answer it.
+/// The study in docs/research/twin.md has every key; what it asks is answered as the twin's own commands answer it.
 #[test]
 fn the_study_in_the_documentation_is_one() {
     use corehbot_twin::queries::{Setup, limits::Limits, push::Push, resonance::Resonance};
     use corehbot_twin::{params::Params, routing::Machine};
-    let docs = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/twin.md")).unwrap();
+    let docs = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/research/twin.md")).unwrap();
     let text = docs.split("```toml\n").map(|rest| rest.split("```").next().unwrap());
     let text = text.into_iter().find(|text| text.starts_with("compute")).unwrap();
     let folder = tempfile::tempdir().unwrap();

@@ -101,7 +101,7 @@ fn the_first_corner_the_other_way_round_has_the_independent_errors_from_x_to_y_t
     }
 }
 
-/// The table of docs/twin-yin.md: 4-DoF at 0.079 m/s.
+/// The table of docs/research/twin-yin.md: 4-DoF at 0.079 m/s.
 #[test]
 fn what_is_done_with_a_part_of_a_pulse_decides_the_errors() {
     let mut late = [0.0_f64; 2];
